@@ -1,0 +1,8 @@
+/* Clocks, in milliseconds. */
+#ifndef BB_CLOCK_H
+#define BB_CLOCK_H
+
+double bb_wall_ms(void); /* monotonic */
+double bb_cpu_ms(void);  /* of the process, all threads, user and system */
+
+#endif

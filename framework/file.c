@@ -1,0 +1,129 @@
+/* Whole files. Writing goes by way of a temporary file and rename(2), which replaces the old file
+ * in one step. */
+#include "framework/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* From an open descriptor: `size` bytes were promised by fstat(), fewer mean that the file shrank.
+ */
+static bb_status read_all(int file, const char *path, const char *what, char *data, size_t size)
+{
+    size_t done = 0;
+    while (done < size) {
+        ssize_t got = read(file, data + done, size - done);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return bb_fail(BB_INVALID, "%s %s: %s", what, path, strerror(errno));
+        if (got == 0)
+            return bb_fail(BB_INVALID, "%s %s became shorter while it was read", what, path);
+        done += (size_t)got;
+    }
+    return BB_OK;
+}
+
+bb_status bb_file_read(const char *path, size_t limit, const char *what, char **data, size_t *size)
+{
+    *data = NULL;
+    *size = 0;
+    /* O_NONBLOCK: a pipe without a writer must not hang us. */
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0)
+        return bb_fail(BB_INVALID, "%s %s: %s", what, path, strerror(errno));
+    struct stat info;
+    bb_status status = BB_OK;
+    char *text = NULL;
+    if (fstat(file, &info) != 0 || !S_ISREG(info.st_mode)) {
+        status = bb_fail(BB_INVALID, "%s %s is not a regular file", what, path);
+        goto out;
+    }
+    if ((unsigned long long)info.st_size > limit) {
+        status = bb_fail(BB_INVALID, "%s %s has %llu bytes, more than the %zu that are read", what,
+                         path, (unsigned long long)info.st_size, limit);
+        goto out;
+    }
+    text = malloc((size_t)info.st_size + 1);
+    if (text == NULL) {
+        status = bb_fail(BB_FAILED, "%s %s: no memory for %llu bytes", what, path,
+                         (unsigned long long)info.st_size);
+        goto out;
+    }
+    status = read_all(file, path, what, text, (size_t)info.st_size);
+    if (status != BB_OK)
+        goto out;
+    text[info.st_size] = '\0';
+    *data = text;
+    *size = (size_t)info.st_size;
+    text = NULL;
+out:
+    free(text);
+    close(file);
+    return status;
+}
+
+/* Writes and syncs; 0 or errno. */
+static int write_all(int file, const char *data, size_t size)
+{
+    size_t done = 0;
+    while (done < size) {
+        ssize_t put = write(file, data + done, size - done);
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put < 0)
+            return errno;
+        done += (size_t)put;
+    }
+    return fsync(file) == 0 ? 0 : errno;
+}
+
+bb_status bb_file_write(const char *path, const void *data, size_t size, const char *what)
+{
+    /* Renaming onto a device or a pipe would replace it. */
+    struct stat info;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        return bb_fail(BB_INVALID, "%s: %s is not a regular file: name another one", what, path);
+
+    static unsigned counter;
+    size_t length = strlen(path) + 48;
+    char *temporary = malloc(length);
+    if (temporary == NULL)
+        return bb_fail(BB_FAILED, "%s %s: no memory", what, path);
+    snprintf(temporary, length, "%s.%ld-%u.tmp", path, (long)getpid(),
+             __atomic_fetch_add(&counter, 1u, __ATOMIC_RELAXED));
+
+    bb_status status = BB_OK;
+    int file = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file < 0) {
+        status = bb_fail(BB_INVALID,
+                         "%s: cannot write %s: %s: name a folder that exists and can be written",
+                         what, path, strerror(errno));
+        goto out;
+    }
+    int error = write_all(file, data, size);
+    if (close(file) != 0 && error == 0)
+        error = errno;
+    if (error == 0 && rename(temporary, path) != 0)
+        error = errno;
+    if (error != 0) {
+        unlink(temporary);
+        status = bb_fail(error == ENOSPC ? BB_FAILED : BB_INVALID, "%s: cannot write %s: %s", what,
+                         path, strerror(error));
+    }
+out:
+    free(temporary);
+    return status;
+}
+
+char *bb_file_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    if (slash == NULL)
+        return strdup(".");
+    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+}

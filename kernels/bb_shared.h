@@ -1,0 +1,107 @@
+/* Structs and constants that host (C11) and device (OpenCL C 1.2) share.
+ *
+ * Scalars and arrays only: no float3, bool, size_t, enum or pointer, so that every compiler lays
+ * them out alike. tests/test_device.c compares the sizes on the device with those asserted here.
+ */
+#ifndef BB_SHARED_H
+#define BB_SHARED_H
+
+#ifdef __OPENCL_VERSION__
+typedef uint bb_u32;
+#else
+#include <stdint.h>
+typedef uint32_t bb_u32;
+#endif
+
+/* "No node", "no primitive": the skip of the last node, the primitive of a miss. */
+#define BB_NONE 0xFFFFFFFFu
+
+/* bb_node.first of a leaf: this bit and an index into refs[]. */
+#define BB_LEAF_BIT 0x80000000u
+/* refs[] entry: this bit closes the leaf; the other 31 are the primitive. */
+#define BB_LAST_BIT 0x80000000u
+#define BB_INDEX_MASK 0x7FFFFFFFu
+
+/* What a hit buffer is filled with before each launch. A miss is (BB_NONE, +inf): what still reads
+ * as poison after a launch was never written. */
+#define BB_POISON 0xDEADBEEFu
+
+/* Axis-aligned box of a primitive; an input of the builders. Finite, lo <= hi. 32 bytes. */
+typedef struct bb_box {
+    float lo[3];
+    bb_u32 pad0;
+    float hi[3];
+    bb_u32 pad1;
+} bb_box;
+
+/* Node of the common tree. The children of inner node n are first(n), skip(first(n)), ... up to but
+ * not including skip(n); a leaf's `first` is BB_LEAF_BIT | index of its first reference. The root's
+ * skip is BB_NONE. 32 bytes. */
+typedef struct bb_node {
+    float lo[3];
+    bb_u32 first;
+    float hi[3];
+    bb_u32 skip;
+} bb_node;
+
+/* What a tree says of itself. A builder on the device writes it there; the harness reads it back
+ * outside the clock and the checker verifies it. */
+typedef struct bb_tree_info {
+    bb_u32 root;
+    bb_u32 node_count; /* all of them reachable from the root */
+    bb_u32 leaf_count;
+    bb_u32 ref_count;
+    bb_u32 arity; /* the largest number of children of a node; 0 for a single leaf */
+    bb_u32 depth; /* edges from the root to the deepest leaf */
+} bb_tree_info;
+
+/* Ray: origin, direction (any non-zero length), and the open interval (tmin, tmax) in which hits
+ * count, in units of |d|. 32 bytes. */
+typedef struct bb_ray {
+    float o[3];
+    float tmin;
+    float d[3];
+    float tmax;
+} bb_ray;
+
+/* Hit: distance in units of |d| and primitive. A miss is t = +inf, prim = BB_NONE. For any-hit
+ * queries prim is one primitive that was hit and t its distance. 8 bytes. */
+typedef struct bb_hit {
+    float t;
+    bb_u32 prim;
+} bb_hit;
+
+/* Node of the `pair` layout: both children's boxes side by side, each plane of both as a pair, so that the planes of
+ * either sign of a direction are two words apart. Axis a: planes[4a] lo and planes[4a + 2] hi, of child 0, then child 1. A
+ * link is a pair node or BB_LEAF_BIT | first primitive record. 64 bytes. */
+typedef struct bb_pair {
+    float planes[12];
+    bb_u32 links[2];
+    bb_u32 pad[2];
+} bb_pair;
+
+/* Primitive record of the layouts, in words: three vertices, or centre and radius; then, at BB_RECORD_ID, the primitive
+ * with BB_LAST_BIT on the last of a leaf. Scenes of spheres alone take the short one. */
+#define BB_RECORD_WORDS 12
+#define BB_RECORD_ID 9
+#define BB_SPHERE_RECORD_WORDS 8
+#define BB_SPHERE_RECORD_ID 4
+
+/* What the counting variant of a kernel counts, per ray. */
+typedef struct bb_count {
+    bb_u32 nodes; /* boxes tested */
+    bb_u32 prims; /* primitives tested */
+    bb_u32 overflow; /* 1: the stack was too small, the hit is not to be trusted */
+} bb_count;
+
+#ifndef __OPENCL_VERSION__
+_Static_assert(sizeof(bb_box) == 32, "bb_box");
+_Static_assert(sizeof(bb_node) == 32, "bb_node");
+_Static_assert(sizeof(bb_tree_info) == 24, "bb_tree_info");
+_Static_assert(sizeof(bb_ray) == 32, "bb_ray");
+_Static_assert(sizeof(bb_hit) == 8, "bb_hit");
+_Static_assert(sizeof(bb_pair) == 64, "bb_pair");
+_Static_assert(sizeof(bb_count) == 12, "bb_count");
+#endif
+
+#endif
