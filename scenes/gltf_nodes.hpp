@@ -1,0 +1,32 @@
+/* The node graph of a glTF model, flattened. */
+#ifndef BB_GLTF_NODES_HPP
+#define BB_GLTF_NODES_HPP
+
+#include <vector>
+
+namespace tinygltf
+{
+class Model;
+}
+
+namespace bb_gltf
+{
+/* Column vectors: p' = m p, m[row][column], the last row being 0 0 0 1. */
+struct Transform {
+    double m[3][4];
+    bool identity;
+};
+
+constexpr Transform no_transform = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, true};
+
+struct Placement {
+    std::vector<int> order; /* nodes of the scenes, depth first, in the order of the file */
+    std::vector<Transform> transform; /* of each node of the file, to the scene */
+};
+
+/* All scenes' nodes, each once; without any scene, those of all roots. Fails on a graph that is no
+ * forest. */
+Placement place_nodes(const char *path, const tinygltf::Model &model);
+} // namespace bb_gltf
+
+#endif

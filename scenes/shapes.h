@@ -1,0 +1,30 @@
+/* Closed meshes that several generators are put together from. Vertices are shared within a shape,
+ * so that each is watertight by its indices already. */
+#ifndef BB_SHAPES_H
+#define BB_SHAPES_H
+
+#include <stdint.h>
+
+/* Where the next shape goes. */
+typedef struct bb_shape_cursor {
+    float *vertices;
+    uint32_t *indices;
+    uint32_t vertex_count; /* written so far */
+    uint32_t triangle_count;
+} bb_shape_cursor;
+
+enum { BB_SHAPE_BOX_VERTICES = 8, BB_SHAPE_BOX_TRIANGLES = 12 };
+
+/* A box, wound to be seen from outside. */
+void bb_shape_box(bb_shape_cursor *cursor, const double lo[3], const double hi[3]);
+
+/* Vertices and triangles of a sphere of tessellation n >= 1. */
+uint64_t bb_shape_sphere_vertices(uint64_t n);
+uint64_t bb_shape_sphere_triangles(uint64_t n);
+
+/* An octahedron whose faces are cut into n * n triangles each, pushed out onto the sphere.
+ * Positions are computed in double and rounded once; only + - * / and square roots, so that they
+ * are the same on every machine. */
+void bb_shape_sphere(bb_shape_cursor *cursor, const double centre[3], double radius, uint32_t n);
+
+#endif
