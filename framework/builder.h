@@ -1,0 +1,123 @@
+/* The plug-in interface: what a builder of BVHs is.
+ *
+ * A builder is one constant struct, `const bb_builder bb_builder_NAME`, in builders/NAME/NAME.c, with its device code in
+ * builders/NAME/NAME.cl. CMake finds the folder; nothing else has to be touched. Outside this tree the same files make a shared
+ * object by `bvhbench_add_builder(NAME)`, which exports the pointer `bb_plugin`, see BB_PLUGIN.
+ */
+#ifndef BB_BUILDER_H
+#define BB_BUILDER_H
+
+#include "framework/device.h"
+#include "framework/options.h"
+#include "framework/primitives.h"
+#include "framework/scene.h"
+#include "framework/tree.h"
+
+/* Raised whenever this header or the structs it takes in change their layout or meaning. */
+enum { BB_ABI_VERSION = 1 };
+
+/* What a builder reads; the clock starts when this is in place. */
+enum {
+    BB_INPUT_BOXES = 1u << 0,    /* scene->on_device.boxes (device) or scene->boxes (host) */
+    BB_INPUT_GEOMETRY = 1u << 1, /* vertices, indices, spheres */
+    BB_INPUT_TREE = 1u << 2,     /* an optimiser: takes another builder's tree */
+};
+
+/* What may have changed since the last build, for update(). */
+enum {
+    BB_CHANGED_POSITIONS = 1u << 0,
+    BB_CHANGED_TOPOLOGY = 1u << 1,
+    BB_CHANGED_TRANSFER = 1u << 2, /* the transfer function of a volume */
+};
+
+enum { BB_PHASES_MAX = 16 };
+
+/* Named spans inside a build. Boundaries are exact for work on the host; for work on the device only in builds that the
+ * harness makes for the purpose (`exact`), since each boundary then waits for the queue. */
+typedef struct bb_phases {
+    bb_device *device;
+    bool exact;
+    bool used_device; /* a boundary saw work on the device */
+    uint32_t count;
+    int32_t current; /* -1: between phases */
+    double started;
+    const char *names[BB_PHASES_MAX];
+    double ms[BB_PHASES_MAX];
+} bb_phases;
+
+/* Ends the current phase and begins `name` (a string constant); NULL only ends. A name may come back: its time adds up. */
+bb_status bb_phase(bb_phases *phases, const char *name);
+
+/* What the harness hands to create(); outlives the object. */
+typedef struct bb_builder_context {
+    bb_device *device;
+    bb_account *account;   /* book all memory here */
+    const bb_spec *spec;   /* validated parameters */
+    const bb_option *options; /* the builder's own table, for bb_spec_u64() and the like */
+    uint64_t seed;
+    uint32_t threads;      /* host threads to use */
+} bb_builder_context;
+
+typedef struct bb_builder bb_builder;
+struct bb_builder {
+    uint32_t abi_version; /* BB_ABI_VERSION. Required. */
+    const char *name;     /* lower case, digits, '-'; the folder's name. Required. */
+    const char *summary;  /* one line for `list`. Required. */
+    const char *paper;    /* what it implements, with section. Required ("none" for none). */
+    uint32_t kinds;       /* primitive kinds it takes: BB_TRIANGLES | ... Required. */
+    uint32_t inputs;      /* BB_INPUT_...; Required. */
+    bb_place place;       /* where its tree is made. Required. */
+    bool deterministic;   /* same input, same tree, bit for bit. Required to be true; false is an exception that the
+                             summary explains and `check` reports. */
+    const bb_option *options; /* ends with name NULL. Optional. */
+    const char *compared; /* what `run` compares when no builder is asked for: specifications by commas. Optional: default
+                             the name alone; "" leaves the builder out. */
+
+    /* Compiles and allocates what does not depend on the scene; not timed. Called once per object, `self` is handed to
+     * the other hooks. Required. */
+    bb_status (*create)(const bb_builder_context *context, void **self);
+
+    /* Allocates for this scene what build() will need, so that build() does not. Called before the first build of a
+     * scene; not timed. Optional: default none. */
+    bb_status (*prepare)(void *self, const bb_scene *scene, bb_tree *tree);
+
+    /* Fills `tree` from the declared input, in bb_phase() spans; timed from a finished queue to a finished queue (it need
+     * not wait itself). `input` is NULL unless BB_INPUT_TREE. Is called many times on the same object. Required. */
+    bb_status (*build)(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                       bb_phases *phases);
+
+    /* Brings `tree` up to date after `changed` (BB_CHANGED_...); timed like build(). Optional: default, the harness builds
+     * again. */
+    bb_status (*update)(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
+                        bb_phases *phases);
+
+    /* Restores what build() may have used up of its input, before each build; not timed. Optional: default none. */
+    bb_status (*restore)(void *self, const bb_scene *scene);
+
+    /* Frees everything; called once, also after a failed build. Required. */
+    void (*destroy)(void *self);
+};
+
+/* Exports a builder from a shared object. bvhbench_add_builder() writes this line; a plug-in made by other means has it at the
+ * end of its NAME.c. */
+#define BB_PLUGIN(builder)                                                                         \
+    extern const bb_builder *const bb_plugin;                                                      \
+    __attribute__((visibility("default"))) const bb_builder *const bb_plugin = &(builder)
+
+/* ---- the registry ---- */
+
+extern const bb_builder *const bb_builtin_builders[]; /* generated by CMake from the folders; ends with NULL */
+
+/* Built-in and loaded builders, in order. */
+uint32_t bb_builder_count(void);
+const bb_builder *bb_builder_at(uint32_t index);
+const bb_builder *bb_builder_find(const char *name); /* NULL if there is none */
+
+/* Loads a shared object; BB_INVALID when it is none, exports no bb_plugin, was made for another ABI version, or brings a name
+ * that is taken. Validates the struct once. */
+bb_status bb_plugin_load(const char *path);
+
+/* Checks a builder's struct: names, required hooks, options. */
+bb_status bb_builder_validate(const bb_builder *builder);
+
+#endif
