@@ -1,0 +1,412 @@
+/* Classes of answers; the definitions are in arbiter.h. */
+#include "framework/arbiter.h"
+
+#include "framework/exact.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { NINE = 9, ALL_NINE = (1 << NINE) - 1 };
+
+/* One ray under judgement. */
+typedef struct trial {
+    const bb_scene *scene;
+    const bb_ray *ray;
+    double o[3];
+    double moves[NINE][3]; /* unit vectors perpendicular to d; the first is 0 */
+    double across[2][3];   /* the two that span them */
+    double length;         /* of d */
+} trial;
+
+static const double eighth = 0.70710678118654752440;
+
+static void begin_trial(trial *trial, const bb_scene *scene, const bb_ray *ray)
+{
+    const double steps[NINE][2] = {{0, 0},
+                                   {1, 0},
+                                   {eighth, eighth},
+                                   {0, 1},
+                                   {-eighth, eighth},
+                                   {-1, 0},
+                                   {-eighth, -eighth},
+                                   {0, -1},
+                                   {eighth, -eighth}};
+    trial->scene = scene;
+    trial->ray = ray;
+    double d[3], square = 0.0;
+    for (int k = 0; k < 3; k++) {
+        trial->o[k] = ray->o[k];
+        d[k] = ray->d[k];
+        square += d[k] * d[k];
+    }
+    trial->length = sqrt(square);
+    /* u = d cross (the axis in which d is smallest), w = d cross u. */
+    int axis = fabs(d[0]) <= fabs(d[1]) && fabs(d[0]) <= fabs(d[2]) ? 0
+               : fabs(d[1]) <= fabs(d[2])                           ? 1
+                                                                    : 2;
+    int j = (axis + 1) % 3, k = (axis + 2) % 3;
+    double *u = trial->across[0], *w = trial->across[1];
+    double flat = hypot(d[j], d[k]);
+    u[axis] = 0.0;
+    u[j] = d[k] / flat;
+    u[k] = -d[j] / flat;
+    for (int i = 0; i < 3; i++) {
+        int a = (i + 1) % 3, b = (i + 2) % 3;
+        w[i] = (d[a] * u[b] - d[b] * u[a]) / trial->length;
+    }
+    /* Rounded to multiples of 2^-30, so that the moved origins have no bits too small for exact.c.
+     */
+    for (int n = 0; n < NINE; n++)
+        for (int i = 0; i < 3; i++)
+            trial->moves[n][i] = 0x1p-30 * rint(0x1p30 * (steps[n][0] * u[i] + steps[n][1] * w[i]));
+}
+
+static void moved_origin(const trial *trial, int copy, double eps, double o[3])
+{
+    for (int k = 0; k < 3; k++)
+        o[k] = trial->o[k] + eps * trial->moves[copy][k];
+}
+
+/* ---- primitives ---- */
+
+static bool is_triangle(const bb_scene *scene, uint32_t prim)
+{
+    return prim < scene->triangle_count;
+}
+
+static const float *sphere_of(const bb_scene *scene, uint32_t prim)
+{
+    return scene->spheres + 4 * (size_t)(prim - scene->triangle_count);
+}
+
+static double margin(const bb_scene *scene, const double o[3], uint32_t prim)
+{
+    double largest = 0.0;
+    if (is_triangle(scene, prim)) {
+        for (uint32_t corner = 0; corner < 3; corner++) {
+            const float *v = bb_scene_vertex(scene, prim, corner);
+            for (int k = 0; k < 3; k++)
+                largest = fmax(largest, fabs((double)v[k] - o[k]));
+        }
+    } else {
+        const float *s = sphere_of(scene, prim);
+        for (int k = 0; k < 3; k++)
+            largest = fmax(largest, fabs((double)s[k] - o[k]) + (double)s[3]);
+    }
+    return 16.0 * 0x1p-24 * largest;
+}
+
+double bb_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
+{
+    const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
+    return margin(scene, o, prim);
+}
+
+/* The values of t at which the line from `o` hits the primitive: 0, 1 or 2. */
+static int hits_of(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
+                   double t[2])
+{
+    if (!is_triangle(scene, prim)) {
+        const float *s = sphere_of(scene, prim);
+        return bb_exact_meets_sphere(o, d, s) && bb_exact_sphere_t(o, d, s, t) ? 2 : 0;
+    }
+    const float *a = bb_scene_vertex(scene, prim, 0), *b = bb_scene_vertex(scene, prim, 1),
+                *c = bb_scene_vertex(scene, prim, 2);
+    return bb_exact_meets_triangle(o, d, a, b, c) && bb_exact_plane_t(o, d, a, b, c, &t[0]) ? 1 : 0;
+}
+
+bool bb_exact_hit(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
+{
+    const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
+    double t[2];
+    int count = hits_of(scene, o, ray->d, prim, t);
+    for (int root = 0; root < count; root++)
+        if (t[root] >= ray->tmin && t[root] <= ray->tmax)
+            return true;
+    return false;
+}
+
+bool bb_exact_t(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double near, double *t)
+{
+    const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
+    if (is_triangle(scene, prim))
+        return bb_exact_plane_t(o, ray->d, bb_scene_vertex(scene, prim, 0),
+                                bb_scene_vertex(scene, prim, 1), bb_scene_vertex(scene, prim, 2),
+                                t);
+    double both[2];
+    if (!bb_exact_sphere_t(o, ray->d, sphere_of(scene, prim), both))
+        return false;
+    *t = fabs(both[0] - near) <= fabs(both[1] - near) ? both[0] : both[1];
+    return true;
+}
+
+/* ---- how far the ray passes a primitive, in doubles: only ever compared with eps ---- */
+
+typedef struct passing {
+    double distance;
+    double t_low,
+        t_high; /* extent of a triangle along the ray; point of the sphere nearest to it */
+} passing;
+
+static double distance_to_segment(const double p[2], const double q[2])
+{
+    double x = q[0] - p[0], y = q[1] - p[1], square = x * x + y * y;
+    double s = square > 0.0 ? -(p[0] * x + p[1] * y) / square : 0.0;
+    s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
+    return hypot(p[0] + s * x, p[1] + s * y);
+}
+
+/* Seen along the ray the triangle is flat, and the ray is the point 0. */
+static passing pass_triangle(const trial *trial, uint32_t prim)
+{
+    passing result = {INFINITY, INFINITY, -INFINITY};
+    double seen[3][2];
+    for (uint32_t corner = 0; corner < 3; corner++) {
+        const float *v = bb_scene_vertex(trial->scene, prim, corner);
+        double t = 0.0;
+        seen[corner][0] = seen[corner][1] = 0.0;
+        for (int k = 0; k < 3; k++) {
+            double x = (double)v[k] - trial->o[k];
+            seen[corner][0] += x * trial->across[0][k];
+            seen[corner][1] += x * trial->across[1][k];
+            t += x * ((double)trial->ray->d[k] / trial->length);
+        }
+        t /= trial->length;
+        result.t_low = fmin(result.t_low, t);
+        result.t_high = fmax(result.t_high, t);
+    }
+    int left = 0, right = 0;
+    for (int i = 0; i < 3; i++) {
+        const double *p = seen[i], *q = seen[(i + 1) % 3];
+        double turn = p[0] * q[1] - p[1] * q[0];
+        left += turn > 0.0;
+        right += turn < 0.0;
+        result.distance = fmin(result.distance, distance_to_segment(p, q));
+    }
+    if (left == 3 || right == 3)
+        result.distance = 0.0;
+    return result;
+}
+
+static passing pass(const trial *trial, uint32_t prim)
+{
+    if (is_triangle(trial->scene, prim))
+        return pass_triangle(trial, prim);
+    const float *s = sphere_of(trial->scene, prim);
+    double u = 0.0, w = 0.0, t = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double x = (double)s[k] - trial->o[k];
+        u += x * trial->across[0][k];
+        w += x * trial->across[1][k];
+        t += x * ((double)trial->ray->d[k] / trial->length);
+    }
+    t /= trial->length;
+    return (passing){fmax(0.0, hypot(u, w) - (double)s[3]), t, t};
+}
+
+/* ---- a reported primitive: do the nine hit it, and where? ---- */
+
+typedef struct spread {
+    bool near_miss;         /* none of the nine hits, but the ray passes within eps */
+    int hits;               /* how many of the nine hit within the interval grown by eps */
+    double low[2], high[2]; /* of the (two) values of t, not yet grown by eps */
+} spread;
+
+static void widen(spread *s, int root, double t)
+{
+    s->low[root] = fmin(s->low[root], t);
+    s->high[root] = fmax(s->high[root], t);
+}
+
+/* t of the copies that pass the primitive by. */
+static void widen_by_passing(const trial *trial, uint32_t prim, double eps, spread *s)
+{
+    passing p = pass(trial, prim);
+    if (!is_triangle(trial->scene, prim)) {
+        widen(s, 0, p.t_low);
+        widen(s, 1, p.t_low);
+        return;
+    }
+    for (int copy = 0; copy < NINE; copy++) {
+        double o[3], t;
+        moved_origin(trial, copy, eps, o);
+        bool crosses = bb_exact_plane_t(o, trial->ray->d, bb_scene_vertex(trial->scene, prim, 0),
+                                        bb_scene_vertex(trial->scene, prim, 1),
+                                        bb_scene_vertex(trial->scene, prim, 2), &t);
+        widen(s, 0, crosses ? fmin(fmax(t, p.t_low), p.t_high) : p.t_low);
+        widen(s, 0, crosses ? fmin(fmax(t, p.t_low), p.t_high) : p.t_high);
+    }
+}
+
+static spread spread_over(const trial *trial, uint32_t prim, double eps)
+{
+    spread s = {.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
+    double e = eps / trial->length;
+    double tmin = trial->ray->tmin - e, tmax = trial->ray->tmax + e;
+    for (int copy = 0; copy < NINE; copy++) {
+        double o[3], t[2];
+        moved_origin(trial, copy, eps, o);
+        int count = hits_of(trial->scene, o, trial->ray->d, prim, t);
+        bool inside = false;
+        for (int root = 0; root < count; root++)
+            if (t[root] >= tmin && t[root] <= tmax) {
+                widen(&s, root, t[root]);
+                inside = true;
+            }
+        s.hits += inside;
+    }
+    if (s.hits == NINE)
+        return s;
+    if (s.hits == 0) {
+        passing p = pass(trial, prim);
+        s.near_miss = p.distance <= eps && p.t_low <= tmax && p.t_high >= tmin;
+    }
+    if (s.hits > 0 || s.near_miss)
+        widen_by_passing(trial, prim, eps, &s);
+    return s;
+}
+
+/* ---- does every one of the nine hit something? ---- */
+
+typedef struct search {
+    const trial *trial;
+    double limit;     /* t below which a hit counts, INFINITY: any */
+    double limit_eps; /* margin of the limit, in scene units */
+    double common;    /* move all copies by this; 0: by each primitive's own eps */
+    int wanted;       /* bits of the copies that still look for a hit */
+    double largest;   /* eps of the primitives that any copy hit */
+} search;
+
+static bool hits_well(const search *search, const double o[3], uint32_t prim, double eps)
+{
+    const bb_ray *ray = search->trial->ray;
+    double length = search->trial->length, t[2];
+    double low = ray->tmin + eps / length;
+    double high =
+        fmin(ray->tmax - eps / length, search->limit - fmax(eps, search->limit_eps) / length);
+    int count = hits_of(search->trial->scene, o, ray->d, prim, t);
+    for (int root = 0; root < count; root++)
+        if (t[root] > low && t[root] < high)
+            return true;
+    return false;
+}
+
+static bool search_primitive(void *context, uint32_t prim)
+{
+    search *search = context;
+    double eps = margin(search->trial->scene, search->trial->o, prim);
+    for (int copy = 0; copy < NINE; copy++) {
+        if ((search->wanted >> copy & 1) == 0)
+            continue;
+        double o[3];
+        moved_origin(search->trial, copy, search->common > 0.0 ? search->common : eps, o);
+        if (hits_well(search, o, prim, eps)) {
+            search->wanted &= ~(1 << copy);
+            search->largest = fmax(search->largest, eps);
+        }
+    }
+    return search->wanted == 0;
+}
+
+static bool all_found(const bb_arbiter *arbiter, search *search, int wanted, double common)
+{
+    bb_probe probe;
+    bb_probe_make(search->trial->ray, &probe);
+    probe.tmax = fmin(probe.tmax, search->limit);
+    probe.grow = search->common = common;
+    search->wanted = wanted;
+    bb_box_tree_visit(arbiter->tree, &probe, search_primitive, search);
+    return search->wanted == 0;
+}
+
+/* Whether all of the nine hit something nearer than `limit` by more than the margin. The ray itself
+ * goes first: in most cases it hits nothing there, and the eight need not be asked. */
+static bool nine_hit(const bb_arbiter *arbiter, const trial *trial, double limit, double limit_eps)
+{
+    search search = {.trial = trial, .limit = limit, .limit_eps = limit_eps};
+    if (!all_found(arbiter, &search, 1, 0.0))
+        return false;
+    return all_found(arbiter, &search, ALL_NINE, 0.0) ||
+           all_found(arbiter, &search, ALL_NINE, search.largest);
+}
+
+/* ---- answers ---- */
+
+static bool find_any(void *context, uint32_t prim)
+{
+    search *search = context;
+    double eps = margin(search->trial->scene, search->trial->o, prim);
+    spread s = spread_over(search->trial, prim, eps);
+    if (s.hits > 0 || s.near_miss)
+        search->wanted = 0;
+    return search->wanted == 0;
+}
+
+/* "Something was hit", without saying what. */
+static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
+{
+    search search = {.trial = trial, .wanted = 1};
+    bb_probe probe;
+    bb_probe_make(trial->ray, &probe);
+    bb_box_tree_visit(arbiter->tree, &probe, find_any, &search);
+    return search.wanted == 0 ? BB_RIGHT : BB_FALSE_HIT;
+}
+
+/* Whether the ray itself hits the primitive within eps of the reported t: then the eight copies can
+ * only widen what is allowed, and need not be asked. */
+static bool hits_itself(const trial *trial, const bb_hit *hit, double e)
+{
+    double t[2];
+    int count = hits_of(trial->scene, trial->o, trial->ray->d, hit->prim, t);
+    for (int root = 0; root < count; root++)
+        if (fabs((double)hit->t - t[root]) <= e && t[root] >= trial->ray->tmin &&
+            t[root] <= trial->ray->tmax)
+            return true;
+    return false;
+}
+
+static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const bb_hit *hit,
+                          bb_query query)
+{
+    double eps = margin(trial->scene, trial->o, hit->prim), e = eps / trial->length;
+    double t = hit->t;
+    if (!hits_itself(trial, hit, e)) {
+        spread s = spread_over(trial, hit->prim, eps);
+        if (s.hits == 0 && !s.near_miss)
+            return BB_FALSE_HIT;
+        bool inside = t >= trial->ray->tmin - e && t <= trial->ray->tmax + e;
+        bool first = t >= s.low[0] - e && t <= s.high[0] + e;
+        bool second = t >= s.low[1] - e && t <= s.high[1] + e;
+        if (!inside || !(first || second))
+            return BB_WRONG_T;
+    }
+    if (query == BB_CLOSEST_HIT && nine_hit(arbiter, trial, t, eps))
+        return BB_WRONG_T;
+    return BB_RIGHT;
+}
+
+bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
+                          bb_query query, bool must_hit)
+{
+    if (hit->prim == BB_NONE && must_hit)
+        return BB_MISSED;
+    trial trial;
+    begin_trial(&trial, arbiter->scene, ray);
+    if (hit->prim == BB_NONE)
+        return nine_hit(arbiter, &trial, INFINITY, 0.0) ? BB_MISSED : BB_RIGHT;
+    if (query == BB_ANY_HIT && hit->t == 0.0f)
+        return judge_occluded(arbiter, &trial);
+    return judge_hit(arbiter, &trial, hit, query);
+}
+
+bb_status bb_arbiter_create(const bb_scene *scene, bb_arbiter *arbiter)
+{
+    arbiter->scene = scene;
+    return bb_box_tree_create(scene->boxes, scene->prim_count, &arbiter->tree);
+}
+
+void bb_arbiter_destroy(bb_arbiter *arbiter)
+{
+    bb_box_tree_destroy(arbiter->tree);
+    arbiter->tree = NULL;
+}

@@ -1,0 +1,25 @@
+/* The only door to Embree 3: as oracle, and as the reference that traces with its own trees. Where Embree 4 renamed a call, its
+ * new name goes into embree.c. (builders/embree uses rtcBuildBVH itself.)
+ */
+#ifndef BB_EMBREE_H
+#define BB_EMBREE_H
+
+#include "framework/rays.h"
+#include "framework/scene.h"
+
+typedef struct bb_embree bb_embree;
+
+extern const bb_option bb_embree_options[]; /* quality=low|medium|high, mode=fast|robust */
+
+/* Builds Embree's own scene; `threads` threads build and trace. `spec` gives quality and mode; NULL: medium, robust. *build_ms
+ * gets the wall time of rtcCommitScene, *bytes the memory that Embree booked (either may be NULL). Threads sleep between calls. */
+bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t threads,
+                           bb_embree **out, double *build_ms, uint64_t *bytes);
+void bb_embree_destroy(bb_embree *embree);
+
+/* Traces with rtcIntersect1 / rtcOccluded1 on all threads, which take chunks from one counter. A ray that hits has t and
+ * primitive of the scene's numbering. For any-hit queries a hit is (t = 0, prim = 0): Embree does not say which. */
+bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count, bb_query query,
+                          bb_hit *hits);
+
+#endif
