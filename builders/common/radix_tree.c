@@ -1,0 +1,104 @@
+#include "builders/common/radix_tree.h"
+
+#include <stdlib.h>
+
+struct bb_radix_tree {
+    bb_device *device;
+    bb_account *account;
+    uint32_t key_bytes;
+    bb_linking linking;
+    cl_program program;
+    cl_kernel link; /* link_chunks, link_climb or link_boxes */
+    cl_kernel ranges;
+    bb_buffer ends;    /* u32 per split: the far end of the first sibling to come */
+    bb_buffer heights; /* u8 per node */
+    bb_buffer places;  /* u32 per split: its inner node; Karras only */
+};
+
+enum {
+    GROUP_SIZE = 64,
+    CHUNK = 2048, /* leaves per work-item of the CPU form: its nodes fit the second-level cache */
+};
+
+bb_status bb_radix_tree_create(bb_device *device, bb_account *account, uint32_t key_bytes,
+                               bb_linking linking, bb_radix_tree **out)
+{
+    bb_radix_tree *radix = calloc(1, sizeof *radix);
+    if (radix == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    radix->device = device;
+    radix->account = account;
+    radix->key_bytes = key_bytes;
+    radix->linking = linking;
+    const char *kernel = linking == BB_LINK_KARRAS         ? "link_boxes"
+                         : device->form == BB_FORM_CPU ? "link_chunks"
+                                                           : "link_climb";
+    bb_status status = bb_program_build(device, bb_source_find("radix_tree.cl"),
+                                        key_bytes == 8 ? "-DBB_KEY64" : "", &radix->program);
+    if (status == BB_OK)
+        status = bb_kernel_get(radix->program, kernel, &radix->link);
+    if (status == BB_OK)
+        status = bb_kernel_get(radix->program, "link_ranges", &radix->ranges);
+    if (status != BB_OK) {
+        bb_radix_tree_destroy(radix);
+        return status;
+    }
+    *out = radix;
+    return BB_OK;
+}
+
+void bb_radix_tree_destroy(bb_radix_tree *radix)
+{
+    if (radix == NULL)
+        return;
+    bb_buffer_release(&radix->ends);
+    bb_buffer_release(&radix->heights);
+    bb_buffer_release(&radix->places);
+    bb_kernel_release(radix->link);
+    bb_kernel_release(radix->ranges);
+    bb_program_release(radix->program);
+    free(radix);
+}
+
+bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *tree)
+{
+    bb_device *device = radix->device;
+    size_t splits = count, nodes = 2 * (size_t)count - 1;
+    BB_TRY(bb_tree_reserve(tree, device, BB_ON_DEVICE, nodes, count));
+    BB_TRY(bb_buffer_reserve(device, radix->account, splits * sizeof(uint32_t),
+                             "radix tree: range ends", &radix->ends));
+    BB_TRY(bb_buffer_reserve(device, radix->account, nodes, "radix tree: heights",
+                             &radix->heights));
+    if (radix->linking == BB_LINK_KARRAS)
+        BB_TRY(bb_buffer_reserve(device, radix->account, splits * sizeof(uint32_t),
+                                 "radix tree: places", &radix->places));
+    return BB_OK;
+}
+
+bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_buffer *values,
+                             const bb_buffer *boxes, uint32_t count, bb_tree *tree)
+{
+    bb_device *device = radix->device;
+    BB_TRY(bb_radix_tree_reserve(radix, count, tree));
+    tree->duplicated = false;
+    tree->disjoint = false;
+    BB_TRY(bb_buffer_fill(&radix->ends, count * sizeof(uint32_t), BB_NONE));
+    if (radix->linking == BB_LINK_KARRAS) {
+        BB_TRY(bb_launch(device, radix->ranges, count, GROUP_SIZE, BB_MEM(*keys), BB_VALUE(count),
+                         BB_MEM(tree->d_nodes), BB_MEM(radix->places)));
+        return bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(*values),
+                         BB_MEM(*boxes), BB_VALUE(count), BB_MEM(radix->ends),
+                         BB_MEM(radix->heights), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
+                         BB_MEM(tree->d_info), BB_MEM(radix->places));
+    }
+    if (device->form == BB_FORM_GPU)
+        return bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(*values),
+                         BB_MEM(*boxes), BB_VALUE(count), BB_MEM(radix->ends),
+                         BB_MEM(radix->heights), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
+                         BB_MEM(tree->d_info));
+    uint32_t chunk = CHUNK;
+    return bb_launch(device, radix->link, (count + CHUNK - 1) / CHUNK, 1, BB_MEM(*keys),
+                     BB_MEM(*values), BB_MEM(*boxes), BB_VALUE(count), BB_MEM(radix->ends),
+                     BB_MEM(radix->heights), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
+                     BB_MEM(tree->d_info), BB_VALUE(chunk));
+}

@@ -1,0 +1,299 @@
+/* The binary radix tree over sorted keys, with boxes.
+ *
+ * level(i) is the highest bit in which key i and key i + 1 differ, ties broken by the index; it is "infinite" outside. Node
+ * [l, r] is the left child of the split at r if level(r) < level(l - 1), else the right child of the split at l - 1. From its
+ * range follow the node's place, its children's places (2s + 1 and 2s + 2 below split s) and its skip (the right child of
+ * split r).
+ *
+ * Apetrei 2014 (link_climb; one work-item per leaf):
+ *   node = leaf i
+ *   loop: write node at its place; publish its far end at the parent's split by an atomic exchange
+ *         first to come: stop. second: node = parent = [l, r] with the union of both boxes
+ *
+ * The same, for CPUs (link_chunks; one work-item per chunk of leaves, in order):
+ *   left children wait on a private stack; a right child whose sibling is on the stack joins it without an atomic; what
+ *   has its sibling in another chunk goes the atomic way. Most of the tree is made in the chunk's own cache.
+ *
+ * Karras 2012, sections 3 and 4 (link_ranges, link_boxes):
+ *   for each inner node i: direction, range by exponential and binary search, split by binary search; link
+ *   for each leaf: climb; the second to come joins the boxes of both children
+ *
+ * No work-item waits for another. The box of a sibling is read after the atomic at the parent that both children pass, with
+ * a fence on either side. Limits: count <= 2^31 - 1; -DBB_KEY64 for ulong keys.
+ */
+#include "bb_device.h"
+
+#ifdef BB_KEY64
+typedef ulong bb_key;
+#define BB_KEY_BITS 64u
+#else
+typedef uint bb_key;
+#define BB_KEY_BITS 32u
+#endif
+
+/* Levels are 1..32 (by index) and 33..96 (by key); this is above all of them. */
+#define BB_LEVEL_OUTSIDE 255u
+/* Left children that can wait at once: their levels grow strictly towards the bottom. */
+#define BB_STACK_MAX 96
+
+typedef struct bb_work {
+    float lo[3], hi[3];
+    uint l, r;   /* range of leaves */
+    uint first;  /* as in bb_node */
+    uint height; /* edges to the deepest leaf below */
+} bb_work;
+
+/* Level of the split between i and i + 1; i = -1 and i = count - 1 are outside. */
+uint level_of(global const bb_key *keys, uint count, uint i)
+{
+    if (i + 1u == 0u || i + 1u >= count)
+        return BB_LEVEL_OUTSIDE;
+    bb_key differ = keys[i] ^ keys[i + 1];
+    return differ != 0 ? 32u + BB_KEY_BITS - (uint)clz(differ) : 32u - clz(i ^ (i + 1u));
+}
+
+uint place_of(const bb_work *w, bool is_left)
+{
+    return is_left ? 2u * w->r + 1u : 2u * w->l;
+}
+
+void write_node(global bb_node *nodes, uint place, const bb_work *w, uint count)
+{
+    bb_node node;
+    for (uint k = 0; k < 3; k++) {
+        node.lo[k] = w->lo[k];
+        node.hi[k] = w->hi[k];
+    }
+    node.first = w->first;
+    node.skip = w->r + 1u < count ? 2u * w->r + 2u : BB_NONE;
+    nodes[place] = node;
+}
+
+void write_root(global bb_node *nodes, global bb_tree_info *info, const bb_work *w, uint count)
+{
+    write_node(nodes, 0, w, count);
+    bb_tree_info found;
+    found.root = 0;
+    found.node_count = 2u * count - 1u;
+    found.leaf_count = count;
+    found.ref_count = count;
+    found.arity = count > 1u ? 2u : 0u;
+    found.depth = w->height;
+    *info = found;
+}
+
+void start_leaf(bb_work *w, uint i, global const uint *values, global const bb_box *boxes,
+                global uint *refs)
+{
+    uint prim = values[i];
+    bb_box box = boxes[prim];
+    for (uint k = 0; k < 3; k++) {
+        w->lo[k] = box.lo[k];
+        w->hi[k] = box.hi[k];
+    }
+    w->l = i;
+    w->r = i;
+    w->first = BB_LEAF_BIT | i;
+    w->height = 0;
+    refs[i] = prim | BB_LAST_BIT;
+}
+
+void join_box(bb_work *w, const float *lo, const float *hi)
+{
+    for (uint k = 0; k < 3; k++) {
+        w->lo[k] = BB_MIN(lo[k], w->lo[k]);
+        w->hi[k] = BB_MAX(hi[k], w->hi[k]);
+    }
+}
+
+/* Meets the sibling at split s. False: it is not there yet, the other side will go on. True: w has become the parent. */
+bool meet(bb_work *w, bool is_left, uint s, volatile global uint *ends,
+          volatile global uchar *heights, volatile global bb_node *nodes)
+{
+    heights[2u * s + (is_left ? 1u : 2u)] = (uchar)w->height;
+    mem_fence(CLK_GLOBAL_MEM_FENCE);
+    uint end = atomic_xchg(&ends[s], is_left ? w->l : w->r);
+    if (end == BB_NONE)
+        return false;
+    mem_fence(CLK_GLOBAL_MEM_FENCE);
+    uint sibling = 2u * s + (is_left ? 2u : 1u);
+    float lo[3], hi[3];
+    for (uint k = 0; k < 3; k++) {
+        lo[k] = nodes[sibling].lo[k];
+        hi[k] = nodes[sibling].hi[k];
+    }
+    join_box(w, lo, hi);
+    uint height = heights[sibling];
+    w->height = BB_MAX(height, w->height) + 1u;
+    if (is_left)
+        w->r = end;
+    else
+        w->l = end;
+    w->first = 2u * s + 1u;
+    return true;
+}
+
+/* Climbs from w by way of atomics until a sibling is missing or the root is made. */
+void climb(bb_work *w, global const bb_key *keys, uint count, volatile global uint *ends,
+           volatile global uchar *heights, global bb_node *nodes, global bb_tree_info *info)
+{
+    for (;;) {
+        uint left = level_of(keys, count, w->l - 1u), right = level_of(keys, count, w->r);
+        if (left == right) { /* both outside */
+            write_root(nodes, info, w, count);
+            return;
+        }
+        bool is_left = right < left;
+        write_node(nodes, place_of(w, is_left), w, count);
+        if (!meet(w, is_left, is_left ? w->r : w->l - 1u, ends, heights, nodes))
+            return;
+    }
+}
+
+kernel void link_climb(global const bb_key *keys, global const uint *values,
+                       global const bb_box *boxes, uint count, volatile global uint *ends,
+                       volatile global uchar *heights, global bb_node *nodes, global uint *refs,
+                       global bb_tree_info *info)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    bb_work w;
+    start_leaf(&w, i, values, boxes, refs);
+    climb(&w, keys, count, ends, heights, nodes, info);
+}
+
+kernel void link_chunks(global const bb_key *keys, global const uint *values,
+                        global const bb_box *boxes, uint count, volatile global uint *ends,
+                        volatile global uchar *heights, global bb_node *nodes, global uint *refs,
+                        global bb_tree_info *info, uint chunk)
+{
+    uint begin = get_global_id(0) * chunk;
+    if (begin >= count)
+        return;
+    uint end = count - begin < chunk ? count : begin + chunk;
+
+    bb_work stack[BB_STACK_MAX];
+    uchar levels[BB_STACK_MAX]; /* of the split to the left of each entry */
+    uint top = 0;
+    uint level_left = level_of(keys, count, begin - 1u);
+    for (uint i = begin; i < end; i++) {
+        uint level_right = level_of(keys, count, i);
+        uint level = level_left;
+        bb_work w;
+        start_leaf(&w, i, values, boxes, refs);
+        for (;;) {
+            if (level == level_right) {
+                write_root(nodes, info, &w, count);
+                break;
+            }
+            bool is_left = level_right < level;
+            write_node(nodes, place_of(&w, is_left), &w, count);
+            if (is_left) {
+                levels[top] = (uchar)level;
+                stack[top++] = w;
+                break;
+            }
+            if (top > 0) {
+                top--;
+                w.first = 2u * w.l - 1u; /* split l - 1, its left child */
+                join_box(&w, stack[top].lo, stack[top].hi);
+                w.l = stack[top].l;
+                w.height = BB_MAX(stack[top].height, w.height) + 1u;
+                level = levels[top];
+            } else {
+                if (!meet(&w, false, w.l - 1u, ends, heights, nodes))
+                    break;
+                level = level_of(keys, count, w.l - 1u);
+            }
+        }
+        level_left = level_right;
+    }
+    /* what still waits has its sibling beyond the chunk */
+    while (top > 0) {
+        bb_work w = stack[--top];
+        if (meet(&w, true, w.r, ends, heights, nodes))
+            climb(&w, keys, count, ends, heights, nodes, info);
+    }
+}
+
+/* ---- Karras 2012 ---- */
+
+/* Length of the common prefix of leaves i and j, -1 outside. */
+int prefix_of(global const bb_key *keys, uint count, uint i, long j)
+{
+    if (j < 0 || j >= (long)count)
+        return -1;
+    bb_key differ = keys[i] ^ keys[(uint)j];
+    return differ != 0 ? (int)clz(differ) : (int)(BB_KEY_BITS + clz(i ^ (uint)j));
+}
+
+kernel void link_ranges(global const bb_key *keys, uint count, global bb_node *nodes,
+                        global uint *place_of_split)
+{
+    uint i = get_global_id(0);
+    if (i + 1u >= count)
+        return;
+    /* direction of the range, and an upper bound for its length */
+    long at = (long)i;
+    int d = prefix_of(keys, count, i, at + 1) > prefix_of(keys, count, i, at - 1) ? 1 : -1;
+    int least = prefix_of(keys, count, i, at - d);
+    long bound = 2;
+    while (prefix_of(keys, count, i, at + bound * d) > least)
+        bound *= 2;
+    /* the other end, by binary search */
+    long length = 0;
+    for (long step = bound / 2; step >= 1; step /= 2)
+        if (prefix_of(keys, count, i, at + (length + step) * d) > least)
+            length += step;
+    long other = at + length * d;
+    /* the split: the last leaf that shares more than the node's prefix with i */
+    int common = prefix_of(keys, count, i, other);
+    long split = 0, step = length;
+    do {
+        step = (step + 1) / 2;
+        if (split + step < length + 1 &&
+            prefix_of(keys, count, i, at + (split + step) * d) > common)
+            split += step;
+    } while (step > 1);
+    uint s = (uint)(at + split * d + (d < 0 ? -1 : 0));
+
+    uint l = (uint)(d > 0 ? at : other), r = (uint)(d > 0 ? other : at);
+    uint left = level_of(keys, count, l - 1u), right = level_of(keys, count, r);
+    uint place = left == right ? 0u : right < left ? 2u * r + 1u : 2u * l;
+    nodes[place].first = 2u * s + 1u;
+    nodes[place].skip = r + 1u < count ? 2u * r + 2u : BB_NONE;
+    place_of_split[s] = place;
+}
+
+kernel void link_boxes(global const bb_key *keys, global const uint *values,
+                       global const bb_box *boxes, uint count, volatile global uint *ends,
+                       volatile global uchar *heights, volatile global bb_node *nodes,
+                       global uint *refs, global bb_tree_info *info,
+                       global const uint *place_of_split)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    bb_work w;
+    start_leaf(&w, i, values, boxes, refs);
+    uint left = level_of(keys, count, i - 1u), right = level_of(keys, count, i);
+    if (left == right) {
+        write_root((global bb_node *)nodes, info, &w, count);
+        return;
+    }
+    uint place = place_of(&w, right < left);
+    write_node((global bb_node *)nodes, place, &w, count);
+    while (place != 0) {
+        bool is_left = (place & 1u) != 0;
+        uint s = (place - 1u) / 2u;
+        if (!meet(&w, is_left, s, ends, heights, nodes))
+            return;
+        place = place_of_split[s];
+        for (uint k = 0; k < 3; k++) {
+            nodes[place].lo[k] = w.lo[k];
+            nodes[place].hi[k] = w.hi[k];
+        }
+    }
+    write_root((global bb_node *)nodes, info, &w, count);
+}

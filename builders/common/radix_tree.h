@@ -1,0 +1,34 @@
+/* Linking: from sorted keys to the binary radix tree over them, with boxes, in the common format. Shared by all
+ * Morton-based builders.
+ *
+ * Leaf i of the tree is the i-th key; equal keys are told apart by their index. Both ways give the same tree, in the same
+ * places: the root at node 0, and below the split between keys s and s + 1 the left child at 2s + 1, the right child at 2s + 2.
+ * With that numbering first and skip follow from a node's range alone, in the same pass as its box.
+ */
+#ifndef BB_RADIX_TREE_H
+#define BB_RADIX_TREE_H
+
+#include "framework/device.h"
+#include "framework/tree.h"
+
+typedef struct bb_radix_tree bb_radix_tree;
+
+typedef enum bb_linking {
+    BB_LINK_APETREI, /* bottom-up, boxes in the same pass (Apetrei 2014) */
+    BB_LINK_KARRAS,  /* all inner nodes at once, then boxes bottom-up (Karras 2012) */
+} bb_linking;
+
+/* Keys are u32 or u64 (`key_bytes` 4 or 8). Scratch is booked on `account`. */
+bb_status bb_radix_tree_create(bb_device *device, bb_account *account, uint32_t key_bytes,
+                               bb_linking linking, bb_radix_tree **out);
+void bb_radix_tree_destroy(bb_radix_tree *radix); /* NULL is allowed */
+
+/* Scratch for up to `count` keys, and room in `tree` (on the device). */
+bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *tree);
+
+/* Links `count` >= 1 sorted keys; values[i] is the primitive of key i, boxes[] are the primitives' boxes (bb_box). Fills tree,
+ * d_info included. Enqueued, not waited for. */
+bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_buffer *values,
+                             const bb_buffer *boxes, uint32_t count, bb_tree *tree);
+
+#endif
