@@ -1,0 +1,12 @@
+/* The stack kernel: kernels/stack.cl. */
+#include "traversal/traversal.h"
+
+const bb_kernel bb_kernel_stack = {
+    .name = "stack",
+    .summary = "while-while on pair nodes, one stack per ray, nearer child first",
+    .paper = "Aila and Laine 2009",
+    .layout = "pair",
+    .source = "stack.cl",
+    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .ordered = true,
+};

@@ -1,0 +1,163 @@
+/* Kernels compiled for what a scene needs, and their launches. */
+#include "traversal/traversal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const bb_option bb_kernel_common_options[] = {
+    {"leaf", "1", NULL, "collapse subtrees of up to this many references into one leaf, where SAH gains"},
+    {"group", "64", NULL, "work-group size"},
+    {.name = NULL},
+};
+
+struct bb_tracer {
+    bb_tracer *next;
+    bb_device *device;
+    char key[1024]; /* source and defines */
+    uint32_t group;
+    uint32_t stack_size;
+    bool counting;
+    cl_program program;
+    cl_kernel kernel;
+};
+
+static bb_tracer *cache;
+
+const bb_layout *bb_layout_find(const char *name)
+{
+    for (const bb_layout *const *l = bb_layouts; *l != NULL; l++)
+        if (strcmp((*l)->name, name) == 0)
+            return *l;
+    return NULL;
+}
+
+const bb_kernel *bb_kernel_find(const char *name)
+{
+    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
+        if (strcmp((*k)->name, name) == 0)
+            return *k;
+    return NULL;
+}
+
+bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
+{
+    bb_option all[BB_PARAMS_MAX + 1];
+    uint32_t count = 0;
+    for (const bb_option *o = bb_kernel_common_options; o->name != NULL; o++)
+        all[count++] = *o;
+    for (const bb_option *o = kernel->options; o != NULL && o->name != NULL; o++)
+        all[count++] = *o;
+    all[count] = (bb_option){.name = NULL};
+    char what[96];
+    snprintf(what, sizeof what, "kernel %s", kernel->name);
+    return bb_spec_validate(spec, all, what);
+}
+
+void bb_layout_data_release(bb_layout_data *data)
+{
+    for (uint32_t i = 0; i < BB_LAYOUT_BUFFERS_MAX; i++)
+        bb_buffer_release(&data->buffers[i]);
+    *data = (bb_layout_data){0};
+}
+
+static uint32_t round_stack(uint32_t need)
+{
+    uint32_t size = 16;
+    while (size < need)
+        size *= 2;
+    return size;
+}
+
+static void release(bb_tracer *tracer)
+{
+    bb_kernel_release(tracer->kernel);
+    bb_program_release(tracer->program);
+    free(tracer);
+}
+
+bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_tracer **out)
+{
+    if ((request->kernel->queries & 1u << request->query) == 0)
+        return bb_fail(BB_UNSUPPORTED, "kernel %s does not answer %s-hit queries",
+                       request->kernel->name, bb_query_name(request->query));
+    uint64_t group;
+    BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
+                       &group));
+    uint32_t stack_size = round_stack(request->stack_need);
+    char defines[768], key[1024];
+    snprintf(defines, sizeof defines,
+             "%s -DBB_KINDS=%u -DBB_STACK_SIZE=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d",
+             request->intersector->defines, request->kinds, stack_size,
+             request->query == BB_ANY_HIT, request->counting);
+    snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
+    for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)
+        if (tracer->device == device && strcmp(tracer->key, key) == 0) {
+            *out = tracer;
+            return BB_OK;
+        }
+
+    bb_tracer *tracer = calloc(1, sizeof *tracer);
+    if (tracer == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    tracer->device = device;
+    strcpy(tracer->key, key);
+    tracer->group = (uint32_t)group;
+    tracer->stack_size = stack_size;
+    tracer->counting = request->counting;
+    const bb_source *source = bb_source_find(request->kernel->source);
+    bb_status status = source != NULL
+                           ? bb_program_build(device, source, defines, &tracer->program)
+                           : bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s",
+                                     request->kernel->name, request->kernel->source);
+    if (status == BB_OK)
+        status = bb_kernel_get(tracer->program, "trace", &tracer->kernel);
+    if (status != BB_OK) {
+        release(tracer);
+        return status;
+    }
+    tracer->next = cache;
+    cache = tracer;
+    *out = tracer;
+    return BB_OK;
+}
+
+void bb_tracers_clear(bb_device *device)
+{
+    for (bb_tracer **link = &cache; *link != NULL;) {
+        bb_tracer *tracer = *link;
+        if (tracer->device != device) {
+            link = &tracer->next;
+            continue;
+        }
+        *link = tracer->next;
+        release(tracer);
+    }
+}
+
+uint32_t bb_tracer_group_size(const bb_tracer *tracer)
+{
+    return tracer->group;
+}
+
+uint32_t bb_tracer_stack_size(const bb_tracer *tracer)
+{
+    return tracer->stack_size;
+}
+
+bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
+                           uint32_t count, bb_buffer *hits, bb_buffer *counts)
+{
+    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 6];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < layout->buffer_count; i++)
+        args[n++] = BB_MEM(layout->buffers[i]);
+    args[n++] = BB_VALUE(layout->root);
+    args[n++] = BB_VALUE(layout->triangle_count);
+    args[n++] = BB_MEM(*rays);
+    args[n++] = BB_VALUE(count);
+    args[n++] = BB_MEM(*hits);
+    if (tracer->counting)
+        args[n++] = BB_MEM(*counts);
+    return bb_launch_args(tracer->device, tracer->kernel, count, tracer->group, args, n);
+}
