@@ -1,0 +1,120 @@
+/* Records of a run, and the result file (schema bvhbench-results/1). Units are in the names; NAN
+ * and NULL are "not measured" and are written as null, never as 0.
+ */
+#ifndef BB_RECORD_H
+#define BB_RECORD_H
+
+#include "framework/oracle.h"
+#include "framework/scene.h"
+#include "framework/status.h"
+#include "framework/tree.h"
+
+typedef struct cJSON cJSON; /* opaque here; libcjson */
+
+enum { BB_SAMPLES_MAX = 256 };
+
+/* Samples of one quantity; sample 0 is the first round (kept in the file, dropped from the median).
+ */
+typedef struct bb_samples {
+    uint32_t count;
+    double values[BB_SAMPLES_MAX];
+} bb_samples;
+
+/* At most BB_SAMPLES_MAX values: the caller limits its repeats. */
+void bb_samples_add(bb_samples *samples, double value);
+/* Median of the samples without the first (of all, if there is only one); NAN if there is none. */
+double bb_samples_median(const bb_samples *samples);
+/* Bootstrap 95 % interval of the median, seeded; low = high = median for fewer than three samples.
+ */
+void bb_samples_interval(const bb_samples *samples, uint64_t seed, double *low, double *high);
+
+typedef struct bb_named_ms {
+    char name[64];
+    double ms;
+} bb_named_ms;
+
+typedef struct bb_build_record {
+    uint32_t id;
+    char scene[256];
+    const bb_spec *spec;      /* builder as given with its parameters */
+    const bb_option *options; /* with the defaults, all parameters are recorded */
+    bb_status status;
+    char reason[512];
+    bb_samples build_ms; /* warm builds */
+    double cold_ms;
+    double transfer_ms;
+    uint32_t phase_count;
+    bb_named_ms phases[16];
+    uint32_t layout_count;
+    bb_named_ms layouts[8]; /* name as recorded ("pair:leaf=4"), ms */
+    double layout_sah[8];
+    bool has_tree;
+    bb_tree_info tree;
+    uint64_t bytes_tree, bytes_peak;
+    double sah, epo, epo_half;
+    double bytes_native; /* reference rows: what the library booked; NAN else */
+    bool reference;
+} bb_build_record;
+
+typedef struct bb_trace_record {
+    uint32_t build; /* id */
+    char scene[256], view[48], builder[512], kernel[512], layout[64], intersector[64];
+    char rays[128];
+    bb_query query;
+    uint32_t count;
+    uint64_t rays_hash;
+    uint32_t group_size, stack_size;
+    bb_status status;
+    char reason[512];
+    bb_samples ms, event_ms, cpu_ms;
+    double node_tests_per_ray, prim_tests_per_ray;
+    bool has_accuracy;
+    bb_accuracy accuracy;
+    uint64_t overflowed;
+    bool counts_for_exit; /* an `exact` cell of ours */
+    bool wrong;           /* above the limit: marked in table and report */
+    bool reference;
+} bb_trace_record;
+
+/* Empty records: every figure "not measured", status ok. */
+void bb_build_record_init(bb_build_record *build);
+void bb_trace_record_init(bb_trace_record *trace);
+
+typedef struct bb_results bb_results;
+
+/* An empty result document with its context (date, revision, host, cpu, load, device, driver ...).
+ * Revision, flags and the like are those of the binary. Owned by the caller. */
+typedef struct bb_context {
+    const bb_device *device;
+    uint64_t seed;
+    const char *command; /* the command line */
+} bb_context;
+bb_status bb_results_create(const bb_context *context, bb_results **out);
+void bb_results_destroy(bb_results *results);
+
+bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene);
+bb_status bb_results_add_build(bb_results *results, const bb_build_record *build);
+bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace);
+/* Time of a step outside build and trace: "load", "rays", "oracle", "judge", "compile", "report"
+ * ...; adds up per name. */
+bb_status bb_results_add_step(bb_results *results, const char *name, double ms);
+/* A ray set that the scene does not have, and why: no hole goes unsaid. */
+bb_status bb_results_add_skipped(bb_results *results, const char *scene, const char *rays,
+                                 const char *view, const char *reason);
+/* A picture (path relative to the results folder) to be shown in the report. */
+bb_status bb_results_add_picture(bb_results *results, const char *scene, const char *view,
+                                 const char *caption, const char *path);
+
+cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
+
+/* Writes DIR/results.json by way of a temporary file and rename: an interrupted run leaves the old
+ * file or none. */
+bb_status bb_results_write(const bb_results *results, const char *path);
+/* Reads and checks the schema; BB_INVALID names what is wrong. */
+bb_status bb_results_read(const char *path, bb_results **out);
+/* Appends b's scenes, builds (renumbered), traces, pictures and times to a; b's context goes into
+ * a's "merged" array and b's builds and traces get the member "run", the number of that entry
+ * from 1. BB_INVALID if a scene of one name has two geometries. */
+bb_status bb_results_merge(bb_results *a, const bb_results *b);
+
+#endif

@@ -1,0 +1,29 @@
+/* What the record's own files share: the document, and look-ups in it. */
+#ifndef BB_RECORD_PRIVATE_H
+#define BB_RECORD_PRIVATE_H
+
+#include "framework/record.h"
+
+#define BB_RESULTS_SCHEMA "bvhbench-results/1"
+
+/* Of the bootstrap intervals: fixed, so that the same samples give the same file. */
+#define BB_INTERVAL_SEED 1u
+
+struct bb_results {
+    cJSON *root;
+};
+
+/* The document as text, each number with the digits that give it back exactly; for cJSON_free().
+ * NULL if there is no memory. */
+char *bb_results_print(const bb_results *results, bool formatted);
+
+/* Members by name: "" / NAN / false where there is none of that type. */
+const char *bb_json_text(const cJSON *object, const char *name);
+double bb_json_number(const cJSON *object, const char *name);
+bool bb_json_true(const cJSON *object, const char *name);
+
+/* Entries by name and by id; NULL if there is none. */
+cJSON *bb_results_scene(const bb_results *results, const char *name);
+cJSON *bb_results_build(const bb_results *results, uint32_t id);
+
+#endif

@@ -1,0 +1,354 @@
+/* The report on the terminal: per scene its builds, then its traces by ray set; at the end the time
+ * outside of both.
+ *
+ * A speed is never printed without the wrong-answer rate of the same rays beside it.
+ */
+#include "framework/record_private.h"
+#include "framework/report.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CELL = 64 };
+
+/* ---- cells ---- */
+
+/* Significant digits rather than decimals: 0.0123, 1.23, 123, 12345. "-" if not measured. */
+static void figure(char cell[CELL], double value)
+{
+    if (!isfinite(value))
+        snprintf(cell, CELL, "-");
+    else if (value != 0 && (fabs(value) < 1e-4 || fabs(value) >= 1e7))
+        snprintf(cell, CELL, "%.3g", value);
+    else
+        snprintf(cell, CELL, "%.*f",
+                 fabs(value) >= 1000   ? 0
+                 : fabs(value) >= 100  ? 1
+                 : fabs(value) >= 1    ? 2
+                 : fabs(value) >= 0.01 ? 3
+                                       : 5,
+                 value);
+}
+
+/* "41.2 [40.1, 43.0]" */
+static void interval(char cell[CELL], double value, double low, double high)
+{
+    char middle[CELL], left[CELL], right[CELL];
+    figure(middle, value);
+    figure(left, low);
+    figure(right, high);
+    if (isfinite(value) && isfinite(low) && isfinite(high))
+        snprintf(cell, CELL, "%.16s [%.16s, %.16s]", middle, left, right);
+    else
+        snprintf(cell, CELL, "%s", middle);
+}
+
+static void bytes(char cell[CELL], double value)
+{
+    static const char *const units[] = {"B", "KiB", "MiB", "GiB", "TiB"};
+    if (!isfinite(value)) {
+        snprintf(cell, CELL, "-");
+        return;
+    }
+    unsigned unit = 0;
+    for (; value >= 1024 && unit < 4; unit++)
+        value /= 1024;
+    snprintf(cell, CELL, "%.*f %s", value < 10 && unit > 0 ? 1 : 0, value, units[unit]);
+}
+
+/* 1234567 -> "1,234,567" */
+static void grouped(char cell[CELL], double value)
+{
+    char digits[CELL];
+    if (!isfinite(value) || value < 0 || value > 1e15) {
+        figure(cell, value);
+        return;
+    }
+    int length = snprintf(digits, sizeof digits, "%.0f", value), at = 0;
+    for (int i = 0; i < length; i++) {
+        if (i > 0 && (length - i) % 3 == 0)
+            cell[at++] = ',';
+        cell[at++] = digits[i];
+    }
+    cell[at] = '\0';
+}
+
+/* What may come from a file must not steer the terminal. */
+static void print_text(FILE *out, const char *text, int width)
+{
+    int printed = 0;
+    for (; *text != '\0'; text++) {
+        unsigned char c = (unsigned char)*text;
+        fputc(c < 0x20 || c == 0x7F ? '?' : c, out);
+        printed += (c & 0xC0) != 0x80;
+    }
+    for (; printed < width; printed++)
+        fputc(' ', out);
+}
+
+static int larger(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+/* ---- builds ---- */
+
+static const cJSON *first_entry(const cJSON *object)
+{
+    return object != NULL ? object->child : NULL;
+}
+
+static void print_build(FILE *out, const cJSON *build, int width)
+{
+    const cJSON *tree = cJSON_GetObjectItemCaseSensitive(build, "tree");
+    const cJSON *layout = first_entry(cJSON_GetObjectItemCaseSensitive(build, "layouts_ms"));
+    char rate[CELL], ms[CELL], conversion[CELL], sah[CELL], epo[CELL], depth[CELL], size[CELL],
+        peak[CELL];
+    fputs("  ", out);
+    print_text(out, bb_json_text(build, "builder"), width);
+    if (strcmp(bb_json_text(build, "status"), "ok") != 0) {
+        fprintf(out, "  %s: ", bb_json_text(build, "status"));
+        print_text(out, bb_json_text(build, "reason"), 0);
+        fputc('\n', out);
+        return;
+    }
+    double native = bb_json_number(build, "bytes_native");
+    figure(rate, bb_json_number(build, "mprims_s"));
+    interval(ms, bb_json_number(build, "build_ms_median"), bb_json_number(build, "build_ms_lo"),
+             bb_json_number(build, "build_ms_hi"));
+    figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
+    figure(sah, bb_json_number(tree, "sah"));
+    figure(epo, bb_json_number(tree, "epo"));
+    grouped(depth, bb_json_number(tree, "depth"));
+    bytes(size, isfinite(native) ? native : bb_json_number(tree, "bytes_tree"));
+    bytes(peak, bb_json_number(tree, "bytes_peak"));
+    fprintf(out, "  %8s  %-22s  %9s  %7s  %6s  %5s  %8s  %8s\n", rate, ms, conversion, sah, epo,
+            depth, size, peak);
+    if (layout == NULL || layout->next == NULL)
+        return;
+    fputs("    layouts:", out);
+    for (; layout != NULL; layout = layout->next) {
+        figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
+        fputc(' ', out);
+        print_text(out, layout->string, 0);
+        fprintf(out, " %s ms%s", conversion, layout->next ? "," : "\n");
+    }
+}
+
+static void print_builds(FILE *out, const cJSON *builds, const char *scene)
+{
+    const cJSON *build;
+    int width = 7, rows = 0;
+    cJSON_ArrayForEach(build, builds)
+    {
+        if (strcmp(bb_json_text(build, "scene"), scene) != 0)
+            continue;
+        width = larger(width, (int)strlen(bb_json_text(build, "builder")));
+        rows++;
+    }
+    if (rows == 0)
+        return;
+    fprintf(out, "\n  %-*s  %8s  %-22s  %9s  %7s  %6s  %5s  %8s  %8s\n", width, "builder",
+            "Mprims/s", "build ms [95 %]", "layout ms", "SAH", "EPO", "depth", "tree", "peak");
+    cJSON_ArrayForEach(build, builds)
+    {
+        if (strcmp(bb_json_text(build, "scene"), scene) == 0)
+            print_build(out, build, width);
+    }
+}
+
+/* ---- traces ---- */
+
+static bool same_text(const cJSON *a, const cJSON *b, const char *name)
+{
+    return strcmp(bb_json_text(a, name), bb_json_text(b, name)) == 0;
+}
+
+/* Same scene, view and rays, from the same run. */
+static bool same_rays(const cJSON *a, const cJSON *b)
+{
+    double run_a = bb_json_number(a, "run"), run_b = bb_json_number(b, "run");
+    return same_text(a, b, "scene") && same_text(a, b, "view") && same_text(a, b, "rays") &&
+           same_text(a, b, "rays_hash") && (run_a == run_b || (isnan(run_a) && isnan(run_b)));
+}
+
+/* Mrays/s of the fastest reference row on the rays of `trace`; NAN if there is none. */
+static double reference_rate(const cJSON *traces, const cJSON *trace)
+{
+    double best = NAN;
+    const cJSON *other;
+    cJSON_ArrayForEach(other, traces)
+    {
+        if (bb_json_true(other, "reference") && same_rays(other, trace))
+            best = fmax(best, bb_json_number(other, "mrays_s"));
+    }
+    return best;
+}
+
+/* "0", "12.3 WRONG": capital letters above the limit, small ones for reference and inexact rows,
+ * whose errors are expected. */
+static void wrong_cell(char cell[CELL], const cJSON *trace)
+{
+    const cJSON *accuracy = cJSON_GetObjectItemCaseSensitive(trace, "accuracy");
+    double ppm = bb_json_number(accuracy, "wrong_ppm");
+    double overflowed = bb_json_number(accuracy, "overflowed");
+    char rate[CELL];
+    if (!isfinite(ppm)) {
+        snprintf(cell, CELL, "unchecked");
+        return;
+    }
+    figure(rate, ppm);
+    const char *mark = bb_json_true(trace, "wrong") ? " WRONG" : ppm > 0 ? " wrong" : "";
+    snprintf(cell, CELL, "%.24s%s%s", ppm == 0 ? "0" : rate, mark,
+             overflowed > 0 ? " OVERFLOW" : "");
+}
+
+/* Missed, false and wrong t, in rays. */
+static void classes_cell(char cell[CELL], const cJSON *trace)
+{
+    const cJSON *accuracy = cJSON_GetObjectItemCaseSensitive(trace, "accuracy");
+    if (!cJSON_IsObject(accuracy))
+        snprintf(cell, CELL, "-");
+    else
+        snprintf(cell, CELL, "%.0f/%.0f/%.0f", bb_json_number(accuracy, "missed"),
+                 bb_json_number(accuracy, "false"), bb_json_number(accuracy, "wrong_t"));
+}
+
+/* The kernel, and the intersector where it is not the default; 0-terminated in `name`. */
+static void kernel_name(const cJSON *trace, char *name, size_t capacity)
+{
+    const char *intersector = bb_json_text(trace, "intersector");
+    bool shown = intersector[0] != '\0' && strcmp(intersector, "exact") != 0 &&
+                 !bb_json_true(trace, "reference");
+    snprintf(name, capacity, "%s%s%s", bb_json_text(trace, "kernel"), shown ? " / " : "",
+             shown ? intersector : "");
+}
+
+static void print_trace(FILE *out, const cJSON *trace, double reference, int builder_width,
+                        int kernel_width)
+{
+    char kernel[640], rate[CELL], ratio[CELL], wrong[CELL], classes[CELL], nodes[CELL], prims[CELL];
+    kernel_name(trace, kernel, sizeof kernel);
+    fputs("  ", out);
+    print_text(out, bb_json_text(trace, "builder"), builder_width);
+    fputs("  ", out);
+    print_text(out, kernel, kernel_width);
+    if (strcmp(bb_json_text(trace, "status"), "ok") != 0) {
+        fprintf(out, "  %s: ", bb_json_text(trace, "status"));
+        print_text(out, bb_json_text(trace, "reason"), 0);
+        fputc('\n', out);
+        return;
+    }
+    double speed = bb_json_number(trace, "mrays_s");
+    interval(rate, speed, bb_json_number(trace, "mrays_s_lo"), bb_json_number(trace, "mrays_s_hi"));
+    figure(ratio, speed / reference);
+    wrong_cell(wrong, trace);
+    classes_cell(classes, trace);
+    figure(nodes, bb_json_number(trace, "node_tests_per_ray"));
+    figure(prims, bb_json_number(trace, "prim_tests_per_ray"));
+    fprintf(out, "  %-20s  %6s  %-12s  %-10s  %7s  %7s\n", rate, ratio, wrong, classes, nodes,
+            prims);
+}
+
+static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
+{
+    const cJSON *trace;
+    int builder_width = 7, kernel_width = 6;
+    char count[CELL], kernel[640];
+    cJSON_ArrayForEach(trace, traces)
+    {
+        if (!same_rays(trace, first))
+            continue;
+        kernel_name(trace, kernel, sizeof kernel);
+        builder_width = larger(builder_width, (int)strlen(bb_json_text(trace, "builder")));
+        kernel_width = larger(kernel_width, (int)strlen(kernel));
+    }
+    grouped(count, bb_json_number(first, "count"));
+    fputs("\n  ", out);
+    print_text(out, bb_json_text(first, "rays"), 0);
+    if (bb_json_text(first, "view")[0] != '\0') {
+        fputs(", view ", out);
+        print_text(out, bb_json_text(first, "view"), 0);
+    }
+    fprintf(out, ": %s rays, %s hit\n", count,
+            strcmp(bb_json_text(first, "query"), "any") == 0 ? "any" : "closest");
+    fprintf(out, "  %-*s  %-*s  %-20s  %6s  %-12s  %-10s  %7s  %7s\n", builder_width, "builder",
+            kernel_width, "kernel", "Mrays/s [95 %]", "/Embree", "wrong ppm", "mis/fal/t", "boxes",
+            "prims");
+    double reference = reference_rate(traces, first);
+    cJSON_ArrayForEach(trace, traces)
+    {
+        if (same_rays(trace, first))
+            print_trace(out, trace, reference, builder_width, kernel_width);
+    }
+}
+
+static void print_traces(FILE *out, const cJSON *traces, const char *scene)
+{
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, traces)
+    {
+        if (strcmp(bb_json_text(trace, "scene"), scene) != 0)
+            continue;
+        const cJSON *earlier = traces->child;
+        while (earlier != trace && !same_rays(earlier, trace))
+            earlier = earlier->next;
+        if (earlier == trace)
+            print_group(out, traces, trace);
+    }
+}
+
+/* ---- steps ---- */
+
+static void print_steps(FILE *out, const cJSON *steps)
+{
+    const cJSON *step;
+    double total = 0;
+    if (first_entry(steps) == NULL)
+        return;
+    fputs("\ntime outside build and trace\n", out);
+    cJSON_ArrayForEach(step, steps)
+    {
+        if (!cJSON_IsNumber(step))
+            continue;
+        fputs("  ", out);
+        print_text(out, step->string, 32);
+        fprintf(out, " %9.3f s\n", step->valuedouble / 1e3);
+        total += step->valuedouble;
+    }
+    fprintf(out, "  %-32s %9.3f s\n", "total", total / 1e3);
+}
+
+bb_status bb_report_table(bb_results *results, FILE *out)
+{
+    const cJSON *root = bb_results_json(results), *scene;
+    const cJSON *context = cJSON_GetObjectItemCaseSensitive(root, "context");
+    const cJSON *builds = cJSON_GetObjectItemCaseSensitive(root, "builds");
+    const cJSON *traces = cJSON_GetObjectItemCaseSensitive(root, "traces");
+    fprintf(out, "bvhbench ");
+    print_text(out, bb_json_text(context, "revision"), 0);
+    fputs(" on ", out);
+    print_text(out, bb_json_text(context, "device"), 0);
+    fputc('\n', out);
+    cJSON_ArrayForEach(scene, cJSON_GetObjectItemCaseSensitive(root, "scenes"))
+    {
+        const char *name = bb_json_text(scene, "name");
+        char count[CELL];
+        grouped(count, bb_json_number(scene, "prims"));
+        fputc('\n', out);
+        print_text(out, name, 0);
+        fprintf(out, ": %s %s\n", count, bb_json_text(scene, "kind"));
+        print_builds(out, builds, name);
+        print_traces(out, traces, name);
+    }
+    print_steps(out, cJSON_GetObjectItemCaseSensitive(root, "steps_ms"));
+    fputs(
+        "\n[95 %]: bootstrap interval of the median. /Embree: to the fastest embree-native row on "
+        "the "
+        "same rays.\nwrong ppm: wrong rays per million; mis/fal/t: rays missed, false hits, wrong "
+        "distance.\nboxes, prims: tests per ray, from a separate counting run.\n",
+        out);
+    return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
+}
