@@ -1,0 +1,297 @@
+/* The comparison, scene by scene: load, oracle, builds, ray sets, traces. */
+#include "framework/bench_private.h"
+
+#include "framework/clock.h"
+#include "framework/picture.h"
+#include "framework/random.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char reference_name[] = "embree-native";
+
+bb_status bb_bench_step(bb_bench *bench, const char *name, double start)
+{
+    return bb_results_add_step(bench->results, name, bb_wall_ms() - start);
+}
+
+void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
+{
+    bb_random random = {bench->random};
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t k = (uint32_t)bb_random_below(&random, i + 1);
+        order[i] = order[k];
+        order[k] = i;
+    }
+    bench->random = bb_random_u64(&random);
+}
+
+bool bb_is_reference(const char *builder)
+{
+    size_t length = sizeof reference_name - 1;
+    return strncmp(builder, reference_name, length) == 0 &&
+           (builder[length] == '\0' || builder[length] == ':');
+}
+
+/* ---- what was asked for ---- */
+
+static bb_status parse_reference(const char *text, bb_spec *spec)
+{
+    BB_TRY(bb_spec_parse(text, spec));
+    return bb_spec_validate(spec, bb_embree_options, "builder embree-native");
+}
+
+static bb_status parse_kernel(const char *text, bb_kernel_choice *choice)
+{
+    BB_TRY(bb_spec_parse(text, &choice->spec));
+    choice->kernel = bb_kernel_find(choice->spec.name);
+    if (choice->kernel == NULL)
+        return bb_fail(BB_INVALID, "unknown kernel '%s': `bvhbench list kernels` shows them",
+                       choice->spec.name);
+    BB_TRY(bb_kernel_validate(choice->kernel, &choice->spec));
+    uint64_t leaf, group;
+    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
+    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1, 65536, &group));
+    choice->leaf = (uint32_t)leaf;
+    return BB_OK;
+}
+
+static bb_status parse_workload(const char *text, bb_spec *spec, const bb_workload **workload)
+{
+    BB_TRY(bb_spec_parse(text, spec));
+    *workload = bb_workload_find(spec->name);
+    if (*workload == NULL)
+        return bb_fail(BB_INVALID, "unknown rays '%s': `bvhbench list rays` shows them", spec->name);
+    char what[64];
+    snprintf(what, sizeof what, "rays %s", spec->name);
+    return bb_spec_validate(spec, (*workload)->options, what);
+}
+
+bb_status bb_bench_check(const bb_bench_request *request)
+{
+    bb_spec spec;
+    const bb_workload *workload;
+    bb_kernel_choice choice;
+    if (request->builder_count > BB_ENTRANTS_MAX)
+        return bb_fail(BB_INVALID, "at most %d builders at once", BB_ENTRANTS_MAX);
+    if (request->kernel_count > BB_KERNELS_MAX)
+        return bb_fail(BB_INVALID, "at most %d kernels at once", BB_KERNELS_MAX);
+    for (uint32_t i = 0; i < request->builder_count; i++)
+        BB_TRY(bb_is_reference(request->builders[i]) ? parse_reference(request->builders[i], &spec)
+                                                     : bb_instance_check(request->builders[i]));
+    for (uint32_t i = 0; i < request->kernel_count; i++)
+        BB_TRY(parse_kernel(request->kernels[i], &choice));
+    for (uint32_t i = 0; i < request->workload_count; i++)
+        BB_TRY(parse_workload(request->workloads[i], &spec, &workload));
+    for (uint32_t i = 0; i < request->intersector_count; i++)
+        if (bb_intersector_find(request->intersectors[i]) == NULL)
+            return bb_fail(BB_INVALID,
+                           "unknown intersector '%s': `bvhbench list intersectors` shows them",
+                           request->intersectors[i]);
+    return BB_OK;
+}
+
+/* ---- the steps of a scene ---- */
+
+static bb_status load_scene(bb_bench *bench, const char *name)
+{
+    bb_progress_stage(bench->progress, 0, "%s: loading", name);
+    double start = bb_wall_ms();
+    BB_TRY(bb_scene_load(name, &bench->scene));
+    BB_TRY(bb_bench_step(bench, "load and profile scenes", start));
+    start = bb_wall_ms();
+    BB_TRY(bb_scene_upload(bench->scene, bench->device));
+    BB_TRY(bb_bench_step(bench, "upload scenes", start));
+    start = bb_wall_ms();
+    BB_TRY(bb_oracle_create(bench->scene, bench->device->compute_units, &bench->oracle));
+    BB_TRY(bb_bench_step(bench, "oracle: build", start));
+    return bb_results_add_scene(bench->results, bench->scene);
+}
+
+static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text)
+{
+    entrant->text = text;
+    entrant->reference = bb_is_reference(text);
+    bb_build_record *record = &entrant->record;
+    record->id = bench->next_id++;
+    record->reference = entrant->reference;
+    record->cold_ms = record->transfer_ms = NAN;
+    record->sah = record->epo = record->epo_half = record->bytes_native = NAN;
+    snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
+    bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
+    record->spec = &entrant->spec;
+    record->options = entrant->reference ? bb_embree_options
+                                         : bb_builder_find(entrant->spec.name)->options;
+}
+
+static bb_status start_entrants(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bench->entrants = calloc(request->builder_count, sizeof *bench->entrants);
+    if (bench->entrants == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    bench->entrant_count = request->builder_count;
+    for (uint32_t i = 0; i < request->builder_count; i++)
+        start_entrant(bench, &bench->entrants[i], request->builders[i]);
+    return BB_OK;
+}
+
+static bb_status record_builds(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_entrant *entrant = &bench->entrants[i];
+        if (entrant->record.status == BB_FAILED && !entrant->reference)
+            bench->wrong++;
+        BB_TRY(bb_results_add_build(bench->results, &entrant->record));
+    }
+    return BB_OK;
+}
+
+static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
+{
+    const bb_bench_request *request = bench->request;
+    bb_rays_request wanted = {spec, view, request->width, request->height, request->max_rays,
+                              request->seed};
+    bb_rays *rays = NULL;
+    double start = bb_wall_ms();
+    bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
+    if (status == BB_UNSUPPORTED) {
+        bb_progress_note(bench->progress, "%s: %s skipped: %s", bench->scene->name, spec->text,
+                         bb_message());
+        return bb_results_add_skipped(bench->results, bench->scene->name, spec->text,
+                                      view != NULL ? view->name : "", bb_message());
+    }
+    if (status == BB_OK)
+        status = bb_bench_step(bench, "make rays", start);
+    if (status == BB_OK)
+        status = bb_bench_traces(bench, rays);
+    bb_rays_free(rays);
+    return status;
+}
+
+static bb_status trace_workloads(bb_bench *bench)
+{
+    for (uint32_t w = 0; w < bench->request->workload_count; w++) {
+        bb_spec spec;
+        const bb_workload *workload;
+        BB_TRY(parse_workload(bench->request->workloads[w], &spec, &workload));
+        if (!workload->per_view)
+            BB_TRY(trace_rays(bench, &spec, NULL));
+        for (uint32_t v = 0; workload->per_view && v < bench->scene->view_count; v++)
+            BB_TRY(trace_rays(bench, &spec, &bench->scene->views[v]));
+    }
+    return BB_OK;
+}
+
+/* One picture per view, of the surface normals that the oracle sees. */
+static bb_status make_pictures(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    if (request->picture_folder == NULL)
+        return BB_OK;
+    double start = bb_wall_ms();
+    for (uint32_t v = 0; v < bench->scene->view_count; v++)
+        BB_TRY(bb_picture_of_view(bench->scene, bench->oracle, &bench->scene->views[v],
+                                  request->width, request->height, request->picture_folder,
+                                  bench->results));
+    return bb_bench_step(bench, "pictures", start);
+}
+
+static void end_scene(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_bench_evict(&bench->entrants[i]);
+        bb_embree_destroy(bench->entrants[i].embree);
+    }
+    free(bench->entrants);
+    bench->entrants = NULL;
+    bench->entrant_count = 0;
+    bb_oracle_destroy(bench->oracle);
+    bench->oracle = NULL;
+    bb_scene_free(bench->scene);
+    bench->scene = NULL;
+}
+
+static bb_status run_scene(bb_bench *bench, const char *name)
+{
+    bb_status status = load_scene(bench, name);
+    if (status == BB_OK)
+        status = start_entrants(bench);
+    if (status == BB_OK)
+        status = bb_bench_builds(bench);
+    if (status == BB_OK)
+        status = record_builds(bench);
+    if (status == BB_OK)
+        status = trace_workloads(bench);
+    if (status == BB_OK)
+        status = make_pictures(bench);
+    end_scene(bench);
+    return status;
+}
+
+/* A scene that can't be loaded shall be found out before hours of work, not after them. The first is loaded at once anyway. */
+static bb_status try_scenes(bb_bench *bench)
+{
+    double start = bb_wall_ms();
+    for (uint32_t i = 1; i < bench->request->scene_count; i++) {
+        bb_scene *scene = NULL;
+        bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
+        BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
+        bb_scene_free(scene);
+    }
+    return bb_bench_step(bench, "load and profile scenes", start);
+}
+
+static bb_status start_kernels(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->request->kernel_count; i++) {
+        bb_kernel_choice *choice = &bench->kernels[i];
+        BB_TRY(parse_kernel(bench->request->kernels[i], choice));
+        bench->kernel_count++;
+        BB_TRY(bb_layout_find(choice->kernel->layout)
+                   ->create(bench->device, &choice->account, &choice->layout_self));
+    }
+    return BB_OK;
+}
+
+static void end_kernels(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->kernel_count; i++)
+        if (bench->kernels[i].layout_self != NULL)
+            bb_layout_find(bench->kernels[i].kernel->layout)
+                ->destroy(bench->kernels[i].layout_self);
+}
+
+bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong)
+{
+    BB_TRY(bb_bench_check(request));
+    bb_progress progress;
+    bb_progress_start(&progress, request->quiet);
+    bb_bench *bench = calloc(1, sizeof *bench);
+    if (bench == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    bench->request = request;
+    bench->device = request->device;
+    bench->results = results;
+    bench->random = request->seed;
+    bench->progress = &progress;
+    bb_status status = try_scenes(bench);
+    double start = bb_wall_ms();
+    if (status == BB_OK)
+        status = start_kernels(bench);
+    if (status == BB_OK)
+        status = bb_bench_step(bench, "compile kernels", start);
+    for (uint32_t i = 0; i < request->scene_count && status == BB_OK; i++)
+        status = run_scene(bench, request->scenes[i]);
+    bb_progress_end(&progress);
+    bb_buffer_release(&bench->hits);
+    bb_buffer_release(&bench->counts);
+    bb_buffer_release(&bench->sample);
+    end_kernels(bench);
+    bb_tracers_clear(bench->device);
+    *wrong = bench->wrong;
+    free(bench);
+    return status;
+}

@@ -1,0 +1,43 @@
+/* The comparison: every builder on every scene, traced by every kernel with the same rays, judged, recorded. */
+#ifndef BB_BENCH_H
+#define BB_BENCH_H
+
+#include "framework/device.h"
+#include "framework/record.h"
+
+#include <stdbool.h>
+
+typedef struct bb_bench_request {
+    bb_device *device;
+    char *const *scenes;
+    uint32_t scene_count;
+    char *const *builders; /* specifications; embree-native:... are reference rows */
+    uint32_t builder_count;
+    char *const *kernels;
+    uint32_t kernel_count;
+    char *const *intersectors;
+    uint32_t intersector_count;
+    char *const *workloads;
+    uint32_t workload_count;
+    uint32_t width, height; /* of primary rays */
+    uint32_t max_rays;      /* per scene and workload, for the sampled ones */
+    uint32_t repeats;       /* rounds that count; one more comes first */
+    uint64_t seed;
+    bool epo;
+    double max_wrong_ppm;
+    const char *picture_folder; /* NULL: no pictures */
+    bool quiet;                 /* no progress on standard error */
+} bb_bench_request;
+
+/* Runs the comparison into `results`. *wrong gets the number of `exact` cells of ours above max_wrong_ppm. A cell that fails
+ * becomes a record with status and reason; only what makes the whole comparison impossible (a scene that can't be loaded, a
+ * device that fails) ends it. */
+bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong);
+
+/* Checks the names and parameters of a request before anything is loaded. */
+bb_status bb_bench_check(const bb_bench_request *request);
+
+/* Is this specification a reference row (Embree with its own trees)? */
+bool bb_is_reference(const char *builder);
+
+#endif

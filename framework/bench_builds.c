@@ -1,0 +1,268 @@
+/* Builds: all entrants interleaved, in an order shuffled per round; then what is measured of their trees. */
+#include "framework/bench_private.h"
+
+#include "framework/clock.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Builds with exact phase boundaries, made apart from those that count where the work is on the device. */
+enum { PHASE_BUILDS = 3 };
+
+void bb_bench_evict(bb_entrant *entrant)
+{
+    for (uint32_t k = 0; k < BB_KERNELS_MAX; k++) {
+        bb_layout_data_release(&entrant->layouts[k]);
+        entrant->has_layout[k] = false;
+    }
+    bb_instance_destroy(&entrant->instance);
+    entrant->built = false;
+}
+
+static bool evict_others(bb_bench *bench, const bb_entrant *keep)
+{
+    bool freed = false;
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_entrant *other = &bench->entrants[i];
+        if (other == keep || other->instance.builder == NULL)
+            continue;
+        bb_bench_evict(other);
+        freed = true;
+    }
+    return freed;
+}
+
+/* A first build, cold: creates the builder's object if it is not alive. */
+static bb_status first_build(bb_bench *bench, bb_entrant *entrant, double *cold_ms)
+{
+    double start = bb_wall_ms();
+    if (entrant->instance.builder == NULL)
+        BB_TRY(bb_instance_create(bench->device, entrant->text, bench->scene, bench->request->seed,
+                                  &entrant->instance));
+    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, false, NULL, cold_ms));
+    entrant->built = true;
+    return bb_bench_step(bench, "compile, allocate, first build", start + *cold_ms);
+}
+
+/* Makes the entrant's tree exist. What does not fit beside the others' is built in their place. */
+static bb_status acquire(bb_bench *bench, bb_entrant *entrant)
+{
+    if (entrant->built)
+        return BB_OK;
+    double cold_ms = NAN;
+    bb_status status = first_build(bench, entrant, &cold_ms);
+    if (status == BB_REFUSED && evict_others(bench, entrant)) {
+        bb_bench_evict(entrant);
+        status = first_build(bench, entrant, &cold_ms);
+    }
+    if (status != BB_OK) {
+        bb_bench_evict(entrant);
+        return status;
+    }
+    if (isnan(entrant->record.cold_ms))
+        entrant->record.cold_ms = cold_ms;
+    return BB_OK;
+}
+
+static void add_phases(bb_entrant *entrant, const bb_phases *phases)
+{
+    bb_build_record *record = &entrant->record;
+    for (uint32_t i = 0; i < phases->count; i++) {
+        uint32_t k = 0;
+        while (k < record->phase_count && strcmp(record->phases[k].name, phases->names[i]) != 0)
+            k++;
+        if (k == record->phase_count) {
+            snprintf(record->phases[k].name, sizeof record->phases[k].name, "%s",
+                     phases->names[i]);
+            record->phase_count++;
+        }
+        bb_samples_add(&entrant->phase_samples[k], phases->ms[i]);
+    }
+}
+
+/* What a builder on the host needs moved: the boxes down, the tree up. */
+static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
+{
+    bb_build_record *record = &entrant->record;
+    record->transfer_ms = 0;
+    if (entrant->instance.builder->place == BB_ON_DEVICE)
+        return BB_OK;
+    bb_box *boxes = NULL;
+    size_t bytes = bench->scene->prim_count * sizeof *boxes;
+    BB_TRY(bb_host_alloc(NULL, bytes, "boxes on the host", &boxes));
+    double start = bb_wall_ms(), up = 0;
+    bb_status status = bb_buffer_read(&bench->scene->on_device.boxes, 0, bytes, boxes);
+    double down = bb_wall_ms() - start;
+    bb_host_free(boxes);
+    if (status == BB_OK)
+        status = bb_tree_upload(&entrant->instance.tree, bench->device, &up);
+    record->transfer_ms = down + up;
+    return status;
+}
+
+static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
+{
+    BB_TRY(acquire(bench, entrant));
+    bb_phases phases;
+    double ms;
+    bb_account_mark(&entrant->instance.account);
+    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, exact, &phases, &ms));
+    if (!exact) {
+        bb_samples_add(&entrant->record.build_ms, ms);
+        entrant->record.bytes_peak = entrant->instance.account.peak;
+    }
+    if (exact == phases.used_device)
+        add_phases(entrant, &phases);
+    return BB_OK;
+}
+
+/* Correctness of the tree, then its figures. */
+static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
+{
+    bb_build_record *record = &entrant->record;
+    bb_tree *tree = &entrant->instance.tree;
+    double start = bb_wall_ms();
+    BB_TRY(bb_tree_download(tree, NULL));
+    BB_TRY(bb_tree_check(tree, bench->scene));
+    record->has_tree = true;
+    record->tree = tree->info;
+    record->bytes_tree = bb_tree_bytes(tree);
+    record->sah = bb_tree_sah(tree);
+    BB_TRY(bb_bench_step(bench, "check trees, SAH", start));
+    if (bench->request->epo) {
+        start = bb_wall_ms();
+        BB_TRY(bb_tree_epo(tree, bench->scene, 1000000, bench->request->seed, &record->epo,
+                           &record->epo_half));
+        BB_TRY(bb_bench_step(bench, "EPO", start));
+    }
+    return BB_OK;
+}
+
+static void note_failure(bb_entrant *entrant, bb_status status)
+{
+    entrant->record.status = status;
+    snprintf(entrant->record.reason, sizeof entrant->record.reason, "%s", bb_message());
+    bb_bench_evict(entrant);
+}
+
+static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
+{
+    uint64_t bytes = 0;
+    double ms = NAN;
+    for (uint32_t round = 0; round <= bench->request->repeats; round++) {
+        bb_embree_destroy(entrant->embree);
+        entrant->embree = NULL;
+        BB_TRY(bb_embree_create(bench->scene, &entrant->spec, bench->device->compute_units,
+                                &entrant->embree, &ms, &bytes));
+        bb_samples_add(&entrant->record.build_ms, ms);
+    }
+    entrant->record.bytes_native = (double)bytes;
+    return BB_OK;
+}
+
+static void finish_phases(bb_entrant *entrant)
+{
+    for (uint32_t i = 0; i < entrant->record.phase_count; i++)
+        entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
+}
+
+bb_status bb_bench_builds(bb_bench *bench)
+{
+    uint32_t order[BB_ENTRANTS_MAX];
+    uint32_t rounds = bench->request->repeats + 1;
+    bb_progress_stage(bench->progress, bench->entrant_count * rounds, "%s: building",
+                      bench->scene->name);
+    for (uint32_t round = 0; round < rounds + PHASE_BUILDS; round++) {
+        bool exact = round >= rounds;
+        bb_bench_shuffle(bench, order, bench->entrant_count);
+        for (uint32_t i = 0; i < bench->entrant_count; i++) {
+            bb_entrant *entrant = &bench->entrants[order[i]];
+            if (entrant->reference || entrant->record.status != BB_OK)
+                continue;
+            if (exact && entrant->record.phase_count > 0 && entrant->instance.builder != NULL &&
+                entrant->instance.builder->place == BB_ON_HOST)
+                continue; /* its phases were exact all along */
+            double start = bb_wall_ms();
+            bb_status status = timed_build(bench, entrant, exact);
+            if (status != BB_OK)
+                note_failure(entrant, status);
+            if (exact)
+                BB_TRY(bb_bench_step(bench, "builds for phase times", start));
+            bb_progress_step(bench->progress);
+        }
+    }
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_entrant *entrant = &bench->entrants[i];
+        if (entrant->record.status != BB_OK)
+            continue;
+        bb_status status = BB_OK;
+        if (entrant->reference) {
+            status = build_reference(bench, entrant);
+        } else {
+            finish_phases(entrant);
+            status = acquire(bench, entrant);
+            if (status == BB_OK)
+                status = measure_transfer(bench, entrant);
+            if (status == BB_OK)
+                status = measure_tree(bench, entrant);
+            /* a layout that is refused is the trace's failure, not the build's: bb_bench_layout() will say so again */
+            for (uint32_t k = 0; k < bench->kernel_count && status == BB_OK; k++)
+                (void)bb_bench_layout(bench, entrant, k);
+        }
+        if (status != BB_OK)
+            note_failure(entrant, status);
+    }
+    return BB_OK;
+}
+
+static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel)
+{
+    const bb_kernel_choice *choice = &bench->kernels[kernel];
+    bb_layout_data *data = &entrant->layouts[kernel];
+    bb_tree *tree = &entrant->instance.tree;
+    BB_TRY(bb_tree_upload(tree, bench->device, NULL));
+    return bb_layout_find(choice->kernel->layout)
+        ->make(choice->layout_self, bench->scene, tree, choice->leaf, data);
+}
+
+static void record_layout(bb_entrant *entrant, const bb_layout_data *data)
+{
+    bb_build_record *record = &entrant->record;
+    uint32_t k = 0;
+    while (k < record->layout_count && strcmp(record->layouts[k].name, data->name) != 0)
+        k++;
+    if (k == record->layout_count && k < sizeof record->layouts / sizeof record->layouts[0]) {
+        snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
+        record->layouts[k].ms = data->ms;
+        record->layout_sah[k] = data->sah;
+        record->layout_count++;
+    }
+}
+
+bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel)
+{
+    if (entrant->has_layout[kernel])
+        return BB_OK;
+    double start = bb_wall_ms();
+    bb_status status = acquire(bench, entrant);
+    if (status == BB_OK)
+        status = make_layout(bench, entrant, kernel);
+    if (status == BB_REFUSED && evict_others(bench, entrant)) {
+        bb_layout_data_release(&entrant->layouts[kernel]);
+        status = make_layout(bench, entrant, kernel);
+    }
+    /* once more, warm: the first one pays for fresh memory */
+    if (status == BB_OK)
+        status = make_layout(bench, entrant, kernel);
+    if (status != BB_OK) {
+        bb_layout_data_release(&entrant->layouts[kernel]);
+        return status;
+    }
+    bb_layout_data *data = &entrant->layouts[kernel];
+    if (isnan(data->sah) && entrant->record.tree.arity <= 2)
+        data->sah = entrant->record.sah; /* the pair layout keeps a binary tree's shape */
+    record_layout(entrant, data);
+    entrant->has_layout[kernel] = true;
+    return bb_bench_step(bench, "layouts", start);
+}

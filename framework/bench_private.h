@@ -1,0 +1,83 @@
+/* What the parts of the comparison share: bench.c, bench_builds.c, bench_traces.c. */
+#ifndef BB_BENCH_PRIVATE_H
+#define BB_BENCH_PRIVATE_H
+
+#include "framework/bench.h"
+#include "framework/embree.h"
+#include "framework/instance.h"
+#include "framework/oracle.h"
+#include "framework/progress.h"
+#include "framework/rays.h"
+#include "traversal/traversal.h"
+
+enum {
+    BB_ENTRANTS_MAX = 64,
+    BB_KERNELS_MAX = 16,
+    /* rays per launch: their buffers stay small beside trees, and a set of any size can be traced */
+    BB_BATCH = 1 << 22,
+};
+
+/* A kernel that was asked for, and the layout objects it needs. */
+typedef struct bb_kernel_choice {
+    const bb_kernel *kernel;
+    bb_spec spec;
+    uint32_t leaf;
+    void *layout_self;
+    bb_account account;
+} bb_kernel_choice;
+
+/* A builder on the scene: what it has in memory at present, and its record. */
+typedef struct bb_entrant {
+    const char *text;
+    bool reference;
+    bb_spec spec;
+    bb_instance instance;  /* alive while instance.builder is set */
+    bool built;            /* instance.tree holds a tree */
+    bb_layout_data layouts[BB_KERNELS_MAX];
+    bool has_layout[BB_KERNELS_MAX];
+    bb_embree *embree;     /* of a reference row */
+    bb_build_record record;
+    bb_samples phase_samples[BB_PHASES_MAX];
+    bb_samples transfer;
+} bb_entrant;
+
+typedef struct bb_bench {
+    const bb_bench_request *request;
+    bb_device *device;
+    bb_results *results;
+    bb_scene *scene;
+    bb_oracle *oracle;
+    bb_kernel_choice kernels[BB_KERNELS_MAX];
+    uint32_t kernel_count;
+    bb_entrant *entrants;
+    uint32_t entrant_count;
+    uint32_t next_id;  /* of builds, over all scenes */
+    uint32_t wrong;    /* cells that count for the exit status */
+    uint64_t random;   /* state of the shuffles */
+    bb_progress *progress;
+    bb_buffer hits;
+    bb_buffer counts;
+    bb_buffer sample; /* rays for the counting variant */
+    bb_account account; /* of the buffers above and of the rays */
+} bb_bench;
+
+/* Books the time since `start` as a step outside build and trace. */
+bb_status bb_bench_step(bb_bench *bench, const char *name, double start);
+
+/* order[0..count) = a random permutation of 0..count-1. */
+void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);
+
+/* Builds of all entrants, interleaved; fills their records. */
+bb_status bb_bench_builds(bb_bench *bench);
+
+/* Makes sure that layout `kernel` of the entrant is on the device; evicts other entrants and builds again, untimed, where
+ * memory asks for it. */
+bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel);
+
+/* Frees what the entrant has in memory; its record stays. */
+void bb_bench_evict(bb_entrant *entrant);
+
+/* All cells of one ray set, interleaved; adds their records. */
+bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);
+
+#endif

@@ -1,0 +1,375 @@
+/* Traces: all cells of one ray set, interleaved, each answer judged. */
+#include "framework/bench_private.h"
+
+#include "framework/clock.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+/* Primitive tests that a tree of one leaf (brute force) is allowed per set. */
+static const double brute_force_tests = 1e9;
+
+typedef struct cell {
+    bb_entrant *entrant;
+    uint32_t kernel; /* index of the choice */
+    const bb_intersector *intersector;
+    bb_tracer *tracer;
+    uint32_t count;  /* rays that it traces: the first of the set */
+    bb_trace_record record;
+    uint64_t hits_hash;
+    bool judged;
+} cell;
+
+typedef struct trace_set {
+    bb_bench *bench;
+    bb_rays *rays;
+    bb_answers answers;
+    bb_hit *hits; /* of the last trace, on the host */
+    uint32_t batch;
+    cell *cells;
+    uint32_t count;
+} trace_set;
+
+/* ---- one measurement ---- */
+
+static bb_status poison(trace_set *set, uint32_t count)
+{
+    BB_TRY(bb_buffer_fill(&set->bench->hits, count * sizeof(bb_hit), BB_POISON));
+    return bb_finish(set->bench->device);
+}
+
+/* Rays [from, from + count) to the device, unless they are all there. */
+static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
+{
+    if (set->rays->count <= set->batch)
+        return BB_OK;
+    return bb_buffer_write(&set->rays->on_device, 0, count * sizeof(bb_ray),
+                           set->rays->rays + from);
+}
+
+static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, double *ms, double *event_ms,
+                             double *cpu_ms)
+{
+    bb_device *device = set->bench->device;
+    bb_device_clear_events(device);
+    device->profile_events = true;
+    double cpu = bb_cpu_ms(), start = bb_wall_ms();
+    bb_status status = bb_tracer_launch(c->tracer, &c->entrant->layouts[c->kernel],
+                                        &set->rays->on_device, count, &set->bench->hits, NULL);
+    if (status == BB_OK)
+        status = bb_finish(device);
+    *ms += bb_wall_ms() - start;
+    *cpu_ms += bb_cpu_ms() - cpu;
+    device->profile_events = false;
+    if (status == BB_OK)
+        status = bb_device_collect_events(device);
+    *event_ms += device->event_ms;
+    return status;
+}
+
+/* The reference reads the device's ray buffer and writes its hit buffer where the host can reach them, else copies of them. */
+static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_t count, double *ms,
+                                 double *cpu_ms)
+{
+    bb_bench *bench = set->bench;
+    void *rays = set->rays->rays + from, *hits = set->hits + from;
+    bool mapped = bench->device->is_cpu;
+    if (mapped) {
+        BB_TRY(bb_buffer_map(&set->rays->on_device, false, &rays));
+        BB_TRY(bb_buffer_map(&bench->hits, true, &hits));
+    } else {
+        memset(hits, 0xEE, count * sizeof(bb_hit));
+    }
+    double cpu = bb_cpu_ms(), start = bb_wall_ms();
+    bb_status status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
+    *ms += bb_wall_ms() - start;
+    *cpu_ms += bb_cpu_ms() - cpu;
+    if (mapped) {
+        BB_TRY(bb_buffer_unmap(&set->rays->on_device, rays));
+        BB_TRY(bb_buffer_unmap(&bench->hits, hits));
+    }
+    return status;
+}
+
+/* Traces the cell's rays once, in batches; set->hits gets the answer. */
+static bb_status trace_once(trace_set *set, cell *c, double *ms, double *event_ms, double *cpu_ms)
+{
+    bool reference = c->entrant->reference;
+    *ms = *event_ms = *cpu_ms = 0;
+    if (!reference)
+        BB_TRY(bb_bench_layout(set->bench, c->entrant, c->kernel));
+    for (uint32_t from = 0; from < c->count; from += set->batch) {
+        uint32_t count = c->count - from < set->batch ? c->count - from : set->batch;
+        BB_TRY(load_batch(set, from, count));
+        BB_TRY(poison(set, count));
+        if (reference)
+            BB_TRY(trace_reference(set, c, from, count, ms, cpu_ms));
+        else
+            BB_TRY(trace_batch(set, c, count, ms, event_ms, cpu_ms));
+        if (!reference || set->bench->device->is_cpu)
+            BB_TRY(bb_buffer_read(&set->bench->hits, 0, count * sizeof(bb_hit), set->hits + from));
+    }
+    if (reference)
+        *event_ms = NAN;
+    return BB_OK;
+}
+
+/* ---- preparation and judgement ---- */
+
+static bb_tracer_request tracer_request(const trace_set *set, const cell *c)
+{
+    const bb_kernel_choice *choice = &set->bench->kernels[c->kernel];
+    return (bb_tracer_request){
+        .kernel = choice->kernel,
+        .spec = &choice->spec,
+        .intersector = c->intersector,
+        .query = set->rays->query,
+        .kinds = set->bench->scene->kinds,
+        .stack_need = c->entrant->layouts[c->kernel].stack_need,
+    };
+}
+
+static bb_status prepare_cell(trace_set *set, cell *c)
+{
+    bb_bench *bench = set->bench;
+    if (c->entrant->reference)
+        return BB_OK;
+    BB_TRY(bb_bench_layout(bench, c->entrant, c->kernel));
+    const bb_layout_data *layout = &c->entrant->layouts[c->kernel];
+    bb_tracer_request request = tracer_request(set, c);
+    double start = bb_wall_ms();
+    BB_TRY(bb_tracer_get(bench->device, &request, &c->tracer));
+    c->record.group_size = bb_tracer_group_size(c->tracer);
+    c->record.stack_size = bb_tracer_stack_size(c->tracer);
+    snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
+    /* compile for the group size before the clock runs */
+    uint32_t few = c->count < c->record.group_size ? c->count : c->record.group_size;
+    BB_TRY(bb_tracer_launch(c->tracer, layout, &set->rays->on_device, few, &bench->hits, NULL));
+    BB_TRY(bb_finish(bench->device));
+    return bb_bench_step(bench, "compile kernels", start);
+}
+
+/* Judges set->hits unless the same answer has been judged before. Of two different answers of one cell the worse one counts. */
+static bb_status judge_cell(trace_set *set, cell *c)
+{
+    uint64_t hash = XXH3_64bits(set->hits, c->count * sizeof(bb_hit));
+    if (c->judged && hash == c->hits_hash)
+        return BB_OK;
+    double start = bb_wall_ms();
+    bb_accuracy accuracy;
+    BB_TRY(bb_judge(set->bench->oracle, &set->answers, set->hits, c->count, NULL, &accuracy));
+    if (!c->judged || accuracy.wrong_ppm > c->record.accuracy.wrong_ppm)
+        c->record.accuracy = accuracy;
+    c->record.has_accuracy = true;
+    c->judged = true;
+    c->hits_hash = hash;
+    return bb_bench_step(set->bench, "judge answers", start);
+}
+
+/* Rays that the counting variant traces: a mean over so many is sure to half a percent. */
+enum { COUNTED_RAYS = 65536 };
+
+/* Every so-manieth ray of the cell, to the device. */
+static bb_status load_sample(trace_set *set, uint32_t of, uint32_t count, bb_buffer *buffer)
+{
+    bb_ray *sample = NULL;
+    BB_TRY(bb_host_alloc(NULL, count * sizeof *sample, "sample of rays", &sample));
+    for (uint32_t i = 0; i < count; i++)
+        sample[i] = set->rays->rays[(uint64_t)i * of / count];
+    bb_status status = bb_buffer_reserve(set->bench->device, &set->bench->account,
+                                         count * sizeof *sample, "sample of rays", buffer);
+    if (status == BB_OK)
+        status = bb_buffer_write(buffer, 0, count * sizeof *sample, sample);
+    bb_host_free(sample);
+    return status;
+}
+
+static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32_t count,
+                              bb_count *counts)
+{
+    bb_bench *bench = set->bench;
+    BB_TRY(load_sample(set, c->count, count, &bench->sample));
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, count * sizeof *counts,
+                             "counts of tests", &bench->counts));
+    BB_TRY(bb_tracer_launch(tracer, &c->entrant->layouts[c->kernel], &bench->sample, count,
+                            &bench->hits, &bench->counts));
+    return bb_buffer_read(&bench->counts, 0, count * sizeof *counts, counts);
+}
+
+static bb_status count_tests(trace_set *set, cell *c)
+{
+    bb_bench *bench = set->bench;
+    if (c->entrant->reference)
+        return BB_OK;
+    double start = bb_wall_ms();
+    BB_TRY(bb_bench_layout(bench, c->entrant, c->kernel));
+    bb_tracer_request request = tracer_request(set, c);
+    request.counting = true;
+    bb_tracer *tracer;
+    BB_TRY(bb_tracer_get(bench->device, &request, &tracer));
+    /* brute force tests all primitives with each ray: a few rays tell */
+    uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : COUNTED_RAYS;
+    uint32_t count = c->count < most ? c->count : most;
+    bb_count *counts = NULL;
+    BB_TRY(bb_host_alloc(NULL, count * sizeof *counts, "counts of tests", &counts));
+    bb_status status = count_sample(set, c, tracer, count, counts);
+    uint64_t nodes = 0, prims = 0, overflowed = 0;
+    for (uint32_t i = 0; status == BB_OK && i < count; i++) {
+        nodes += counts[i].nodes;
+        prims += counts[i].prims;
+        overflowed += counts[i].overflow;
+    }
+    bb_host_free(counts);
+    BB_TRY(status);
+    c->record.node_tests_per_ray = (double)nodes / count;
+    c->record.prim_tests_per_ray = (double)prims / count;
+    c->record.overflowed = overflowed;
+    return bb_bench_step(bench, "count tests", start);
+}
+
+/* ---- the set ---- */
+
+static void note_failure(cell *c, bb_status status)
+{
+    c->record.status = status;
+    snprintf(c->record.reason, sizeof c->record.reason, "%s", bb_message());
+}
+
+static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t kernel,
+                       const bb_intersector *intersector)
+{
+    bb_bench *bench = set->bench;
+    bb_rays *rays = set->rays;
+    *c = (cell){.entrant = entrant, .kernel = kernel, .intersector = intersector};
+    bb_trace_record *r = &c->record;
+    r->build = entrant->record.id;
+    r->reference = entrant->reference;
+    snprintf(r->scene, sizeof r->scene, "%s", bench->scene->name);
+    snprintf(r->view, sizeof r->view, "%s", rays->view);
+    snprintf(r->builder, sizeof r->builder, "%s", entrant->text);
+    snprintf(r->rays, sizeof r->rays, "%s", rays->name);
+    if (entrant->reference) {
+        snprintf(r->kernel, sizeof r->kernel, "embree");
+        snprintf(r->intersector, sizeof r->intersector, "embree-%s",
+                 bb_spec_value(&entrant->spec, bb_embree_options, "mode"));
+    } else {
+        snprintf(r->kernel, sizeof r->kernel, "%s", bench->kernels[kernel].spec.text);
+        snprintf(r->intersector, sizeof r->intersector, "%s", intersector->name);
+    }
+    r->query = rays->query;
+    r->rays_hash = rays->hash;
+    r->node_tests_per_ray = r->prim_tests_per_ray = NAN;
+    r->status = entrant->record.status;
+    snprintf(r->reason, sizeof r->reason, "%s", entrant->record.reason);
+    r->counts_for_exit = !entrant->reference && intersector->exact;
+
+    c->count = rays->count;
+    const bb_tree_info *tree = &entrant->record.tree;
+    if (!entrant->reference && entrant->record.has_tree && tree->node_count == 1 &&
+        (double)tree->ref_count * rays->count > brute_force_tests) {
+        c->count = (uint32_t)(brute_force_tests / tree->ref_count);
+        c->count = c->count > 0 ? c->count : 1;
+    }
+    r->count = c->count;
+}
+
+static bb_status start_set(trace_set *set)
+{
+    bb_bench *bench = set->bench;
+    const bb_bench_request *request = bench->request;
+    uint32_t most = bench->entrant_count * bench->kernel_count * request->intersector_count;
+    set->cells = calloc(most, sizeof *set->cells);
+    if (set->cells == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    for (uint32_t e = 0; e < bench->entrant_count; e++) {
+        bb_entrant *entrant = &bench->entrants[e];
+        uint32_t kernels = entrant->reference ? 1 : bench->kernel_count;
+        uint32_t intersectors = entrant->reference ? 1 : request->intersector_count;
+        for (uint32_t k = 0; k < kernels; k++)
+            for (uint32_t i = 0; i < intersectors; i++)
+                start_cell(set, &set->cells[set->count++], entrant, k,
+                           bb_intersector_find(request->intersectors[i]));
+    }
+    set->batch = set->rays->count < BB_BATCH ? set->rays->count : BB_BATCH;
+    BB_TRY(bb_host_alloc(NULL, set->rays->count * sizeof(bb_hit), "hits", &set->hits));
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, set->batch * sizeof(bb_hit), "hits",
+                             &bench->hits));
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, set->batch * sizeof(bb_ray), "rays",
+                             &set->rays->on_device));
+    BB_TRY(bb_buffer_write(&set->rays->on_device, 0, set->batch * sizeof(bb_ray),
+                           set->rays->rays));
+    double start = bb_wall_ms();
+    BB_TRY(bb_answers_make(bench->oracle, set->rays, &set->answers));
+    return bb_bench_step(bench, "oracle: trace", start);
+}
+
+static void run_round(trace_set *set)
+{
+    uint32_t *order = malloc(set->count * sizeof *order);
+    if (order == NULL)
+        return;
+    bb_bench_shuffle(set->bench, order, set->count);
+    for (uint32_t i = 0; i < set->count; i++) {
+        cell *c = &set->cells[order[i]];
+        bb_progress_step(set->bench->progress);
+        if (c->record.status != BB_OK)
+            continue;
+        double ms, event_ms, cpu_ms;
+        bb_status status = trace_once(set, c, &ms, &event_ms, &cpu_ms);
+        if (status == BB_OK) {
+            bb_samples_add(&c->record.ms, ms);
+            bb_samples_add(&c->record.event_ms, event_ms);
+            bb_samples_add(&c->record.cpu_ms, cpu_ms);
+            status = judge_cell(set, c);
+        }
+        if (status != BB_OK)
+            note_failure(c, status);
+    }
+    free(order);
+}
+
+static bb_status record_cell(trace_set *set, cell *c)
+{
+    bb_bench *bench = set->bench;
+    bb_trace_record *r = &c->record;
+    if (r->status == BB_OK) {
+        bb_status status = count_tests(set, c);
+        if (status != BB_OK)
+            note_failure(c, status);
+    }
+    r->wrong = r->has_accuracy && r->accuracy.wrong_ppm > bench->request->max_wrong_ppm;
+    if (r->counts_for_exit && (r->wrong || r->status == BB_FAILED))
+        bench->wrong++;
+    return bb_results_add_trace(bench->results, r);
+}
+
+bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
+{
+    trace_set set = {.bench = bench, .rays = rays};
+    bb_status status = start_set(&set);
+    if (status != BB_OK)
+        goto out;
+    uint32_t rounds = bench->request->repeats + 1;
+    bb_progress_stage(bench->progress, set.count * rounds, "%s: %s%s%s, %u rays",
+                      bench->scene->name, rays->name, rays->view[0] != '\0' ? " from " : "",
+                      rays->view, rays->count);
+    for (uint32_t i = 0; i < set.count; i++) {
+        if (set.cells[i].record.status != BB_OK)
+            continue;
+        bb_status prepared = prepare_cell(&set, &set.cells[i]);
+        if (prepared != BB_OK)
+            note_failure(&set.cells[i], prepared);
+    }
+    for (uint32_t round = 0; round < rounds; round++)
+        run_round(&set);
+    for (uint32_t i = 0; i < set.count && status == BB_OK; i++)
+        status = record_cell(&set, &set.cells[i]);
+out:
+    bb_answers_release(&set.answers);
+    bb_host_free(set.hits);
+    free(set.cells);
+    return status;
+}

@@ -1,0 +1,31 @@
+/* A builder at work on a scene: its object, its account, its tree, and what was measured of its builds. */
+#ifndef BB_INSTANCE_H
+#define BB_INSTANCE_H
+
+#include "framework/builder.h"
+
+typedef struct bb_instance {
+    const bb_builder *builder;
+    bb_spec spec;
+    bb_builder_context context;
+    bb_account account;
+    void *self;
+    bb_tree tree;
+    bool prepared;
+} bb_instance;
+
+/* Parses `text`, finds the builder, checks the parameters and that it takes the scene's kinds (BB_UNSUPPORTED), and creates
+ * it. On failure there is nothing to destroy. */
+bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
+                             uint64_t seed, bb_instance *instance);
+void bb_instance_destroy(bb_instance *instance); /* a zeroed instance is allowed */
+
+/* One build, from a finished queue to a finished queue; *ms gets its wall time. `exact_phases`: see bb_phases; `phases` may be
+ * NULL. Restores the input before the clock starts, fetches tree.info after it has stopped. */
+bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool exact_phases,
+                            bb_phases *phases, double *ms);
+
+/* Checks a text without creating anything: the builder exists and takes these parameters. */
+bb_status bb_instance_check(const char *text);
+
+#endif
