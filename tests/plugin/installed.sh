@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# The out-of-tree plug-in against an installed bvhbench: installed.sh SOURCE BUILD
+# Installs BUILD into a temporary prefix, builds a copy of tests/plugin/median with nothing but that, and has the installed
+# program list, check and run it; then the same for what scripts/new-builder makes.
+set -euo pipefail
+source=$1 build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail()
+{
+    echo "installed.sh: $1" >&2
+    exit 1
+}
+
+cmake --install "$build" --prefix "$work/prefix" >"$work/log" || fail "install: $(tail -1 "$work/log")"
+program=$work/prefix/bin/bvhbench
+[ -x "$program" ] || fail "no bin/bvhbench was installed"
+
+# Builds the builder in folder $1 against the prefix; $1/build/$2.so comes out.
+build_plugin()
+{
+    cmake -S "$1" -B "$1/build" -DCMAKE_PREFIX_PATH="$work/prefix" >"$work/log" 2>&1 &&
+        cmake --build "$1/build" >"$work/log" 2>&1 || fail "building $2: $(cat "$work/log")"
+    [ -f "$1/build/$2.so" ] || fail "$2.so did not come out"
+}
+
+check_plugin()
+{
+    "$program" list builders --plugin "$1/build/$2.so" >"$work/log" || fail "list with $2"
+    grep -q "^ *$2 " "$work/log" || fail "list does not show $2"
+    "$program" check --plugin "$1/build/$2.so" --builder "$2" --scene cube --scene single \
+        >"$work/log" 2>&1 || fail "check of $2: $(cat "$work/log")"
+    grep -q "^ok .* $2 " "$work/log" || fail "check does not speak of $2: $(cat "$work/log")"
+}
+
+cp -r "$source/tests/plugin/median" "$work/median"
+build_plugin "$work/median" median
+check_plugin "$work/median" median
+"$program" run --plugin "$work/median/build/median.so" --builder median --scene cube --rays primary \
+    --size 32x32 --repeats 2 --out "$work/out" --quiet >"$work/log" 2>&1 ||
+    fail "run with median: $(tail -5 "$work/log")"
+grep -q '"builder":[[:space:]]*"median"' "$work/out/results.json" || fail "results.json has no row of median"
+
+# The skeleton builds as a plug-in too: the sources of a builder are the same inside and outside.
+mkdir -p "$work/tree/builders"
+cp -r "$source/scripts" "$work/tree/"
+"$work/tree/scripts/new-builder" my-tree >/dev/null
+sed 's/median/my-tree/g' "$source/tests/plugin/median/CMakeLists.txt" \
+    >"$work/tree/builders/my-tree/CMakeLists.txt"
+build_plugin "$work/tree/builders/my-tree" my-tree
+check_plugin "$work/tree/builders/my-tree" my-tree
+
+# What is no plug-in: exit status 2 and one line.
+set +e
+"$program" list --plugin "$source/CMakeLists.txt" >"$work/log" 2>"$work/errors"
+status=$?
+set -e
+[ $status -eq 2 ] || fail "exit status $status instead of 2 for a plug-in that is none"
+[ "$(wc -l <"$work/errors")" -eq 1 ] || fail "more than one line: $(cat "$work/errors")"
+echo "installed plug-in: ok"

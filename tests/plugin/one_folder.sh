@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# The plug-in rule: a new builder is one new folder, and no other file is touched: one_folder.sh SOURCE BUILD
+# 1. No file of the harness names a builder. 2. scripts/new-builder adds one folder and nothing else, and what it makes
+# compiles. 3. With BVHBENCH_SLOW_TESTS set: configured and built with it, the program lists and checks it.
+set -euo pipefail
+source=$1 build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail()
+{
+    echo "one_folder.sh: $1" >&2
+    exit 1
+}
+
+cd "$source"
+git rev-parse --is-inside-work-tree >/dev/null 2>&1 || {
+    echo "skipped: $source is no git working tree"
+    exit 77
+}
+mkdir "$work/tree"
+git ls-files -z --cached --others --exclude-standard |
+    while IFS= read -r -d '' file; do [ -e "$file" ] && printf '%s\0' "$file"; done |
+    tar --null -T - -cf - | tar -xf - -C "$work/tree"
+cd "$work/tree"
+
+# "embree" is the oracle and a kernel too, "null" a word of JSON, "sah" a metric: these names alone say nothing.
+comment='^[^:]+:[0-9]+: *(\*|/\*|//|# )'
+for folder in builders/*/; do
+    name=$(basename "$folder")
+    [ -f "builders/$name/$name.c" ] || continue
+    pattern="bb_builder_${name//-/_}\\b|builders/$name\\b|\"$name:"
+    case $name in
+    embree | null | sah) ;;
+    *) pattern="$pattern|\"$name\"" ;;
+    esac
+    grep -rnE "$pattern" CMakeLists.txt cmake framework traversal kernels scenes \
+        --include='*.c' --include='*.h' --include='*.cpp' --include='*.hpp' --include='*.cl' \
+        --include='CMakeLists.txt' --include='*.cmake' |
+        grep -vE "$comment" >"$work/found" || true
+    [ ! -s "$work/found" ] || fail "the harness names the builder $name: $(head -1 "$work/found")"
+done
+
+find . -type f -exec sha256sum {} + | sort -k 2 >"$work/before"
+scripts/new-builder my-tree >/dev/null
+find . -type f -exec sha256sum {} + | sort -k 2 >"$work/after"
+added=$(diff "$work/before" "$work/after" | grep '^[<>]' | awk '{print $1, $3}' || true)
+[ "$added" = "$(printf '> ./builders/my-tree/my-tree.c\n> ./builders/my-tree/my-tree.cl')" ] ||
+    fail "new-builder touched more than builders/my-tree: $added"
+"${CC:-cc}" -std=c11 -Wall -Wextra -Wpedantic -Werror -I. -fsyntax-only builders/my-tree/my-tree.c ||
+    fail "what new-builder makes does not compile"
+for bad in '' Upper all common my-tree ../x 'a b'; do
+    set +e
+    scripts/new-builder "$bad" >"$work/out" 2>"$work/errors"
+    status=$?
+    set -e
+    [ $status -eq 2 ] && [ "$(wc -l <"$work/errors")" -eq 1 ] ||
+        fail "new-builder '$bad': exit status $status, $(cat "$work/errors")"
+done
+
+if [ -n "${BVHBENCH_SLOW_TESTS-}" ]; then
+    generator=$(grep '^CMAKE_GENERATOR:' "$build/CMakeCache.txt" | cut -d= -f2)
+    cmake -S . -B "$work/build" -G "$generator" -DCMAKE_BUILD_TYPE=Release >"$work/log" 2>&1 &&
+        cmake --build "$work/build" -j 2 >"$work/log" 2>&1 || fail "build: $(tail -5 "$work/log")"
+    "$work/build/bvhbench" list builders | grep -q '^ *my-tree ' || fail "list does not show my-tree"
+    "$work/build/bvhbench" check --builder my-tree --scene cube >"$work/log" 2>&1 ||
+        fail "check: $(cat "$work/log")"
+fi
+echo "one folder: ok"

@@ -1,0 +1,296 @@
+/* A result document with plausible figures and everything that a report must cope with: wrong
+ * cells, rows without a result, figures that were not measured, text that looks like markup. Made
+ * through the record's own functions.
+ */
+#ifndef BB_TEST_REPORT_SAMPLE_H
+#define BB_TEST_REPORT_SAMPLE_H
+
+#include "framework/image.h"
+#include "framework/random.h"
+#include "framework/record.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* A folder for this test's files; the tests run in parallel, hence one each. */
+static inline const char *sample_folder(const char *test)
+{
+    static char folder[512];
+    const char *base = getenv("BVHBENCH_TEST_DIR");
+    snprintf(folder, sizeof folder, "%s", base != NULL ? base : "/tmp/bvhbench-tests");
+    mkdir(folder, 0777);
+    snprintf(folder, sizeof folder, "%s/%s", base != NULL ? base : "/tmp/bvhbench-tests", test);
+    mkdir(folder, 0777);
+    return folder;
+}
+
+static const bb_option sample_options[] = {
+    {"bits", "30", "30|63", "length of a Morton code"},
+    {"quality", "medium", "low|medium|high", "quality"},
+    {"mode", "robust", "fast|robust", "mode"},
+    {"seedless", NULL, NULL, "has no default"},
+    {.name = NULL},
+};
+
+typedef struct sample_scene {
+    const char *name;
+    double prims, speed;
+} sample_scene;
+
+static const sample_scene sample_scenes[] = {
+    {"coffee", 1247000, 1.0},
+    {"interior:n=200000,seed=7", 200000, 1.6},
+    {"spheres:n=1000000,state=settled", 1000000, 0.7},
+};
+
+typedef struct sample_builder {
+    const char *spec;
+    double mprims_s, rate, sah; /* rate: Mrays/s of primary rays, in proportion */
+    bool reference;
+} sample_builder;
+
+static const sample_builder sample_builders[] = {
+    {"sah", 1.1, 4.6, 61.2, false},
+    {"embree:quality=low", 12.4, 3.2, 84.9, false},
+    {"embree:quality=high", 2.1, 4.9, 58.0, false},
+    {"lbvh:bits=30", 33.7, 2.7, 97.3, false},
+    {"lbvh:bits=63", 21.2, 2.9, 92.8, false},
+    {"embree-native:quality=medium,mode=robust", 3.9, 7.9, NAN, true},
+    {"embree-native:quality=medium,mode=fast", 4.0, 8.6, NAN, true},
+};
+
+enum {
+    SAMPLE_SCENES = sizeof sample_scenes / sizeof sample_scenes[0],
+    SAMPLE_BUILDERS = sizeof sample_builders / sizeof sample_builders[0],
+    SAMPLE_PER_SCENE = SAMPLE_BUILDERS + 1, /* one is refused */
+};
+
+typedef struct sample_rays {
+    const char *name, *view;
+    uint32_t count;
+    double factor;
+    bb_query query;
+} sample_rays;
+
+static const sample_rays sample_ray_sets[] = {
+    {"primary", "front", 262144, 1.0, BB_CLOSEST_HIT},
+    {"primary", "corner", 262144, 0.9, BB_CLOSEST_HIT},
+    {"diffuse", "", 1048576, 0.45, BB_CLOSEST_HIT},
+    {"ao", "", 1048576, 1.3, BB_ANY_HIT},
+};
+
+static inline bb_results *sample_check(bb_results *results, bb_status status)
+{
+    if (status != BB_OK) {
+        fprintf(stderr, "sample: %s\n", bb_message());
+        abort();
+    }
+    return results;
+}
+
+static inline void sample_add_scene(bb_results *results, const sample_scene *from, uint32_t index)
+{
+    bb_scene *scene = calloc(1, sizeof *scene);
+    snprintf(scene->name, sizeof scene->name, "%s", from->name);
+    snprintf(scene->source, sizeof scene->source, "generator");
+    scene->kinds = index == 2 ? BB_SPHERES : BB_TRIANGLES;
+    scene->prim_count = (uint32_t)from->prims;
+    scene->triangle_count = index == 2 ? 0 : scene->prim_count;
+    scene->sphere_count = index == 2 ? scene->prim_count : 0;
+    for (int k = 0; k < 3; k++) {
+        scene->bounds.lo[k] = -1.1f * (float)(k + 1);
+        scene->bounds.hi[k] = 2.3f;
+    }
+    scene->hash = 0xF00DFACE12345678u + index;
+    scene->view_count = 2;
+    snprintf(scene->views[0].name, sizeof scene->views[0].name, "front");
+    snprintf(scene->views[1].name, sizeof scene->views[1].name, "corner");
+    scene->profile = (bb_profile){.flatness = 0.31,
+                                  .size_min = 1e-5,
+                                  .size_median = 0.0123,
+                                  .size_max = 3.5,
+                                  .overlap = 1.7,
+                                  .closed = index == 2 ? -1 : 0,
+                                  .code_bits = 63,
+                                  .octree_depth = 17};
+    scene->load_ms = 431.7;
+    sample_check(results, bb_results_add_scene(results, scene));
+    free(scene);
+}
+
+static inline void sample_fill(bb_samples *samples, double median, bb_random *random)
+{
+    bb_samples_add(samples, median * 2.5);
+    for (int i = 0; i < 5; i++)
+        bb_samples_add(samples, median * bb_random_range(random, 0.97, 1.04));
+}
+
+static inline void sample_add_build(bb_results *results, const sample_scene *scene,
+                                    const sample_builder *builder, uint32_t id, bb_random *random)
+{
+    bb_build_record build;
+    bb_spec spec;
+    bb_build_record_init(&build);
+    sample_check(results, bb_spec_parse(builder->spec, &spec));
+    build.id = id;
+    snprintf(build.scene, sizeof build.scene, "%s", scene->name);
+    build.spec = &spec;
+    build.options = sample_options;
+    build.reference = builder->reference;
+    sample_fill(&build.build_ms, scene->prims / builder->mprims_s / 1e3, random);
+    if (builder->reference) {
+        build.bytes_native = scene->prims * 121;
+    } else {
+        build.cold_ms = build.build_ms.values[0];
+        build.transfer_ms = scene->prims * 2e-6;
+        build.phase_count = 2;
+        build.phases[0] = (bb_named_ms){"morton", 5.1};
+        build.phases[1] = (bb_named_ms){"link", 22.9};
+        build.layout_count = 2;
+        build.layouts[0] = (bb_named_ms){"pair", scene->prims * 9e-6};
+        build.layouts[1] = (bb_named_ms){"pair:leaf=4", scene->prims * 3e-5};
+        build.layout_sah[0] = builder->sah;
+        build.layout_sah[1] = builder->sah * 0.93;
+        build.has_tree = true;
+        build.tree = (bb_tree_info){
+            0, (uint32_t)scene->prims * 2 - 1, (uint32_t)scene->prims, (uint32_t)scene->prims, 2,
+            37};
+        build.bytes_tree = (uint64_t)scene->prims * 68;
+        build.bytes_peak = (uint64_t)scene->prims * 117;
+        build.sah = builder->sah;
+        build.epo = id % 3 == 0 ? builder->sah * 0.06 : (double)NAN;
+    }
+    sample_check(results, bb_results_add_build(results, &build));
+}
+
+static inline void sample_add_refusal(bb_results *results, const sample_scene *scene, uint32_t id)
+{
+    bb_build_record build;
+    bb_spec spec;
+    bb_build_record_init(&build);
+    sample_check(results, bb_spec_parse("null", &spec));
+    build.id = id;
+    snprintf(build.scene, sizeof build.scene, "%s", scene->name);
+    build.spec = &spec;
+    build.status = BB_REFUSED;
+    snprintf(
+        build.reason, sizeof build.reason,
+        "brute force would take 326 \"thousand million\" tests </script><b>, the limit is 10^9");
+    sample_check(results, bb_results_add_build(results, &build));
+}
+
+/* Figures of a trace that only depend on whether the cell is exact, careless or a reference. */
+static inline void sample_judge(bb_trace_record *trace, bool careless, bb_random *random)
+{
+    bb_accuracy *accuracy = &trace->accuracy;
+    trace->has_accuracy = true;
+    accuracy->checked = trace->count;
+    if (careless) {
+        accuracy->missed = 20 + bb_random_below(random, 400);
+        accuracy->false_hits = bb_random_below(random, 9);
+        accuracy->wrong_t = bb_random_below(random, 30);
+        accuracy->first_wrong = 4711;
+    }
+    uint64_t wrong = accuracy->missed + accuracy->false_hits + accuracy->wrong_t;
+    accuracy->right = accuracy->checked - wrong;
+    accuracy->ties = 212;
+    accuracy->wrong_ppm = (double)wrong * 1e6 / (double)accuracy->checked;
+    accuracy->t_ulp_max = 3.5;
+    accuracy->t_ulp_p99 = 1.5;
+}
+
+static inline void sample_add_trace(bb_results *results, const sample_scene *scene,
+                                    const sample_builder *builder, uint32_t id,
+                                    const sample_rays *rays, uint32_t variant, bb_random *random)
+{
+    bb_trace_record trace;
+    bb_trace_record_init(&trace);
+    bool careless = variant == 2 || (builder->reference && strstr(builder->spec, "fast") != NULL);
+    trace.build = id;
+    snprintf(trace.scene, sizeof trace.scene, "%s", scene->name);
+    snprintf(trace.view, sizeof trace.view, "%s", rays->view);
+    snprintf(trace.builder, sizeof trace.builder, "%s", builder->spec);
+    snprintf(trace.rays, sizeof trace.rays, "%s", rays->name);
+    trace.query = rays->query;
+    trace.count = rays->count;
+    trace.rays_hash = 0xABCDEF0123456789u + rays->count;
+    trace.reference = builder->reference;
+    if (builder->reference) {
+        snprintf(trace.kernel, sizeof trace.kernel, "embree");
+    } else {
+        snprintf(trace.kernel, sizeof trace.kernel, variant == 1 ? "stack:leaf=4" : "stack");
+        snprintf(trace.layout, sizeof trace.layout, variant == 1 ? "pair:leaf=4" : "pair");
+        snprintf(trace.intersector, sizeof trace.intersector, variant == 2 ? "moller" : "exact");
+        trace.node_tests_per_ray = builder->sah * 0.55;
+        trace.prim_tests_per_ray = builder->sah * (variant == 1 ? 0.12 : 0.07);
+        trace.group_size = 64;
+        trace.stack_size = 64;
+        trace.counts_for_exit = variant != 2;
+    }
+    double rate = builder->rate * scene->speed * rays->factor * (variant == 1 ? 1.08 : 1.0) *
+                  (variant == 2 ? 1.12 : 1.0) * bb_random_range(random, 0.95, 1.05);
+    sample_fill(&trace.ms, rays->count / rate / 1e3, random);
+    sample_fill(&trace.event_ms, rays->count / rate / 1.01e3, random);
+    sample_fill(&trace.cpu_ms, rays->count / rate / 0.51e3, random);
+    sample_judge(&trace, careless, random);
+    if (variant == 0 && id == 1 && rays->query == BB_ANY_HIT) {
+        trace.accuracy.wrong_t = 3;
+        trace.accuracy.wrong_ppm = 3e6 / rays->count;
+        trace.wrong = true;
+        trace.overflowed = 2;
+    }
+    sample_check(results, bb_results_add_trace(results, &trace));
+}
+
+/* The whole document; `folder` gets the pictures unless it is NULL. */
+static inline bb_results *sample_results(const char *folder)
+{
+    static bb_device device; /* only its descriptions are read */
+    snprintf(device.name, sizeof device.name, "pthread-sample CPU");
+    snprintf(device.driver, sizeof device.driver, "3.1");
+    snprintf(device.version, sizeof device.version, "OpenCL 3.0 PoCL HSTR: sample");
+    snprintf(device.sources, sizeof device.sources, "embedded");
+    device.compute_units = 2;
+    bb_results *results = NULL;
+    bb_context context = {&device, 1234567890123456789u, "bvhbench run --scene coffee <&\"'>"};
+    sample_check(NULL, bb_results_create(&context, &results));
+    bb_random random = bb_random_make(5, 0);
+    for (uint32_t s = 0; s < SAMPLE_SCENES; s++) {
+        sample_add_scene(results, &sample_scenes[s], s);
+        for (uint32_t b = 0; b < SAMPLE_BUILDERS; b++)
+            sample_add_build(results, &sample_scenes[s], &sample_builders[b],
+                             s * SAMPLE_PER_SCENE + b, &random);
+        sample_add_refusal(results, &sample_scenes[s], s * SAMPLE_PER_SCENE + SAMPLE_BUILDERS);
+        for (size_t r = 0; r < sizeof sample_ray_sets / sizeof sample_ray_sets[0]; r++)
+            for (uint32_t b = 0; b < SAMPLE_BUILDERS; b++)
+                for (uint32_t v = 0; v < (sample_builders[b].reference ? 1u : 3u); v++)
+                    sample_add_trace(results, &sample_scenes[s], &sample_builders[b],
+                                     s * SAMPLE_PER_SCENE + b, &sample_ray_sets[r], v, &random);
+    }
+    static const char *const steps[] = {"load", "rays", "oracle", "judge", "compile", "report"};
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++)
+        sample_check(results, bb_results_add_step(results, steps[i], 320.5 * (double)(i + 1)));
+    sample_check(results, bb_results_add_step(results, "oracle", 100));
+
+    enum { SIDE = 160 };
+    float *rgb = malloc(3 * SIDE * SIDE * sizeof *rgb);
+    char path[600];
+    for (int i = 0; i < SIDE * SIDE; i++)
+        bb_colour_map(hypotf((float)(i % SIDE) / SIDE - 0.5f, (float)(i / SIDE) / SIDE - 0.4f) *
+                          1.3f,
+                      rgb + 3 * i);
+    snprintf(path, sizeof path, "%s/heat.png", folder != NULL ? folder : ".");
+    if (folder != NULL)
+        sample_check(results, bb_image_write(path, rgb, SIDE, SIDE));
+    free(rgb);
+    sample_check(results, bb_results_add_picture(results, "coffee", "front", "box tests per ray",
+                                                 "heat.png"));
+    sample_check(results, bb_results_add_picture(results, "coffee", "corner", "box tests per ray",
+                                                 "missing.png"));
+    return results;
+}
+
+#endif

@@ -1,0 +1,349 @@
+/* The program from outside: exit statuses, one clear line for bad input, whole result files. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <cjson/cJSON.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/bvhbench-cli-XXXXXX";
+
+typedef struct outcome {
+    int exit_status; /* -1: killed */
+    char out[65536];
+    char err[8192];
+} outcome;
+
+static void read_file(const char *path, char *text, size_t capacity)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    text[fread(text, 1, capacity - 1, file)] = '\0';
+    fclose(file);
+}
+
+/* Runs the program with `arguments` (as the shell splits them) after `before` (variables, say). */
+static const outcome *run_with(const char *before, const char *arguments)
+{
+    static outcome o;
+    char command[4096], out[256], err[256];
+    snprintf(out, sizeof out, "%s/stdout", folder);
+    snprintf(err, sizeof err, "%s/stderr", folder);
+    snprintf(command, sizeof command, "cd %s && %s " BB_TEST_PROGRAM " %s >%s 2>%s </dev/null", folder,
+             before, arguments, out, err);
+    int status = system(command);
+    o.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    read_file(out, o.out, sizeof o.out);
+    read_file(err, o.err, sizeof o.err);
+    return &o;
+}
+
+static const outcome *run(const char *arguments)
+{
+    return run_with("", arguments);
+}
+
+/* Exit 2, nothing on standard output, one line on standard error that holds `words`. */
+static void refuses(const char *before, const char *arguments, const char *words)
+{
+    const outcome *o = run_with(before, arguments);
+    const char *newline = strchr(o->err, '\n');
+    if (o->exit_status != 2 || newline == NULL || newline[1] != '\0' ||
+        strncmp(o->err, "bvhbench: ", 10) != 0 || strstr(o->err, words) == NULL)
+        fail_msg("bvhbench %s: exit %d, '%s', expected one line with '%s'", arguments, o->exit_status,
+                 o->err, words);
+}
+
+static void write_file(const char *name, const void *data, size_t size)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    fclose(file);
+}
+
+static void help_and_lists_are_there(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {"list", "run", "check", "render", "report"};
+    assert_int_equal(run("--help")->exit_status, 0);
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        char arguments[64];
+        assert_non_null(strstr(run("--help")->out, commands[i]));
+        snprintf(arguments, sizeof arguments, "%s --help", commands[i]);
+        const outcome *o = run(arguments);
+        assert_int_equal(o->exit_status, 0);
+        assert_non_null(strstr(o->out, "usage: bvhbench"));
+    }
+    assert_int_equal(run("--version")->exit_status, 0);
+    assert_int_equal(run("")->exit_status, 2);
+    const outcome *o = run("list --json");
+    assert_int_equal(o->exit_status, 0);
+    cJSON *json = cJSON_Parse(o->out);
+    static const char *const kinds[] = {"builders", "kernels", "layouts", "intersectors",
+                                        "scenes",   "rays",    "devices"};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        assert_true(cJSON_GetArraySize(cJSON_GetObjectItem(json, kinds[i])) > 0);
+    cJSON_Delete(json);
+}
+
+static void bad_options_are_refused(void **state)
+{
+    (void)state;
+    refuses("", "fly", "fly");
+    refuses("", "run --speed 3", "--speed");
+    refuses("", "run --builder", "--builder");
+    refuses("", "run stray", "stray");
+    refuses("", "run --scene cube --builder nobody", "nobody");
+    refuses("", "run --scene cube --builder lbvh:bits=31", "30|63");
+    refuses("", "run --scene cube --builder lbvh:bit=30", "'bit'");
+    refuses("", "run --scene cube --builder lbvh:", "lbvh:");
+    refuses("", "run --scene cube --builder embree-native:quality=best", "quality");
+    refuses("", "run --scene cube --kernel warp", "warp");
+    refuses("", "run --scene cube --kernel stack:leaf=0", "leaf");
+    refuses("", "run --scene cube --kernel stack:group=0", "group");
+    refuses("", "run --scene cube --rays gamma", "gamma");
+    refuses("", "run --scene cube --intersector perfect", "perfect");
+    refuses("", "run --scene cube --metrics beauty", "beauty");
+    refuses("", "run --scene cube --size 10", "--size");
+    refuses("", "run --scene cube --size 0x10", "--size");
+    refuses("", "run --scene cube --repeats 0", "--repeats");
+    refuses("", "run --scene cube --repeats -3", "--repeats");
+    refuses("", "run --scene cube --max-wrong-ppm many", "--max-wrong-ppm");
+    refuses("", "run --scene cube --form tpu", "--form");
+    refuses("", "run --scene cube --device nowhere", "nowhere");
+    refuses("", "list everything", "everything");
+    refuses("", "render --scene cube", "--out");
+    refuses("", "render --scene cube --out x.gif", "gif");
+    refuses("", "render --scene cube --view taste --out x.png", "taste");
+    refuses("", "render --scene cube --camera behind --out x.png", "behind");
+    refuses("", "check --builder nobody", "nobody");
+    refuses("", "report", "report");
+    refuses("", "report missing.json", "missing.json");
+}
+
+static void bad_files_are_refused(void **state)
+{
+    (void)state;
+    refuses("", "run --scene missing.glb", "missing.glb");
+    refuses("", "run --scene nothing-of-the-kind", "nothing-of-the-kind");
+    write_file("empty.glb", "", 0);
+    refuses("", "run --scene empty.glb", "empty.glb");
+    write_file("text.glb", "this is no glTF at all\n", 23);
+    refuses("", "run --scene text.glb", "text.glb");
+    write_file("text.gltf", "{\"asset\":", 9);
+    refuses("", "run --scene text.gltf", "text.gltf");
+    static const char no_triangle[] = "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[]}]}";
+    write_file("none.gltf", no_triangle, sizeof no_triangle - 1);
+    refuses("", "run --scene none.gltf", "none.gltf");
+    write_file("not-a-plugin.so", "ELF?", 4);
+    refuses("", "run --scene cube --plugin not-a-plugin.so", "not-a-plugin.so");
+    refuses("", "run --scene cube --plugin ./missing.so", "missing.so");
+    write_file("results.json", "{\"schema\": \"bvhbench-results/1\", \"tra", 36);
+    refuses("", "report results.json", "results.json");
+}
+
+static void truncated_scenes_are_refused(void **state)
+{
+    (void)state;
+    FILE *file = fopen(BB_TEST_SOURCE_DIR "/scenes/data/mountain.glb", "rb");
+    assert_non_null(file);
+    static char data[700000];
+    size_t size = fread(data, 1, sizeof data, file);
+    fclose(file);
+    static const size_t keep[] = {3, 11, 19, 100, 5000};
+    for (size_t i = 0; i < sizeof keep / sizeof keep[0]; i++) {
+        write_file("cut.glb", data, keep[i]);
+        refuses("", "run --scene cut.glb", "cut.glb");
+    }
+    write_file("cut.glb", data, size - 1);
+    refuses("", "run --scene cut.glb", "cut.glb");
+}
+
+static void unwritable_folders_are_refused_before_the_work(void **state)
+{
+    (void)state;
+    refuses("", "run --scene cube --out /dev/null/out", "/dev/null/out");
+    refuses("", "run --scene cube --out /proc/out", "/proc/out");
+    refuses("", "run --scene cube --out no/such/folder", "no/such/folder");
+    refuses("", "render --scene single --size 8x8 --out /dev/null/x.png", "/dev/null/x.png");
+}
+
+static void no_device_is_said(void **state)
+{
+    (void)state;
+    refuses("OCL_ICD_VENDORS=/nonexistent", "run --scene cube", "no OpenCL device");
+    refuses("OCL_ICD_VENDORS=/nonexistent", "check --scene cube", "no OpenCL device");
+}
+
+static cJSON *read_results(const char *name)
+{
+    static char text[4 << 20];
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    read_file(path, text, sizeof text);
+    cJSON *json = cJSON_Parse(text);
+    assert_non_null(json);
+    return json;
+}
+
+static void a_small_run_leaves_results_report_and_pictures(void **state)
+{
+    (void)state;
+    const outcome *o = run("run --scene cube,single --builder null,lbvh --size 32x32 --max-rays 2000 --repeats 1 --out small");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    assert_non_null(strstr(o->out, "lbvh"));
+    cJSON *json = read_results("small/results.json");
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(json, "schema")), "bvhbench-results/1");
+    /* two builders and the reference rows, on two scenes */
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(json, "builds")), 10);
+    const cJSON *trace;
+    uint32_t ours = 0, references = 0;
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(json, "traces"))
+    {
+        const char *status = cJSON_GetStringValue(cJSON_GetObjectItem(trace, "status"));
+        const char *kernel = cJSON_GetStringValue(cJSON_GetObjectItem(trace, "kernel"));
+        const cJSON *accuracy = cJSON_GetObjectItem(trace, "accuracy");
+        assert_string_equal(status, "ok");
+        assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(trace, "mrays_s")) > 0);
+        assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(accuracy, "checked")) > 0);
+        if (strcmp(kernel, "embree") == 0) {
+            references++;
+        } else {
+            ours++;
+            assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(accuracy, "wrong_ppm")) == 0);
+        }
+    }
+    assert_true(ours > 0 && references > 0);
+    assert_true(cJSON_GetArraySize(cJSON_GetObjectItem(json, "pictures")) >= 2);
+    cJSON_Delete(json);
+    char path[512];
+    struct stat info;
+    snprintf(path, sizeof path, "%s/small/report.html", folder);
+    assert_int_equal(stat(path, &info), 0);
+    assert_true(info.st_size > 100000);
+}
+
+/* Only cells of `exact` count for the exit status; a careless one is marked all the same. */
+static void careless_cells_are_marked_but_not_counted(void **state)
+{
+    (void)state;
+    const outcome *o = run("run --scene sphere-mesh:n=32 --builder lbvh --rays edges --max-rays 50000 --intersector fast "
+                           "--size 32x32 --repeats 1 --no-pictures --out careless");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->out, "WRONG"));
+    cJSON *json = read_results("careless/results.json");
+    double missed = 0;
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(json, "traces"))
+    {
+        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(trace, "intersector")), "fast") == 0)
+            missed += cJSON_GetNumberValue(
+                cJSON_GetObjectItem(cJSON_GetObjectItem(trace, "accuracy"), "missed"));
+    }
+    assert_true(missed > 0);
+    cJSON_Delete(json);
+}
+
+/* Device code that is broken on purpose (edit and run): `run` and `check` must exit 1. */
+static void wrong_answers_give_exit_status_1(void **state)
+{
+    (void)state;
+    char command[1024];
+    snprintf(command, sizeof command,
+             "mkdir -p %s/kernels && sed 's/float t = bb_primitive(/float t = 1.001f * bb_primitive(/' "
+             BB_TEST_SOURCE_DIR "/kernels/stack.cl >%s/kernels/stack.cl",
+             folder, folder);
+    assert_int_equal(system(command), 0);
+    const outcome *o = run("run --scene cube --builder lbvh --rays primary --size 16x16 --repeats 1 --no-pictures "
+                           "--kernels-from kernels --out wrong");
+    assert_int_equal(o->exit_status, 1);
+    assert_non_null(strstr(o->out, "WRONG"));
+    assert_int_equal(run("check --scene cube --builder lbvh --kernels-from kernels")->exit_status, 1);
+    assert_int_equal(run("check --scene cube --builder lbvh")->exit_status, 0);
+}
+
+static void an_interrupted_run_leaves_no_half_written_file(void **state)
+{
+    (void)state;
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        if (chdir(folder) != 0 || freopen("/dev/null", "w", stderr) == NULL)
+            _exit(99);
+        execl(BB_TEST_PROGRAM, BB_TEST_PROGRAM, "run", "--scene", "interior:n=50000", "--builder",
+              "lbvh", "--repeats", "50", "--out", "killed", (char *)NULL);
+        _exit(99);
+    }
+    sleep(2);
+    kill(child, SIGINT);
+    int status;
+    waitpid(child, &status, 0);
+    assert_true(WIFSIGNALED(status));
+    char path[512];
+    struct stat info;
+    snprintf(path, sizeof path, "%s/killed/results.json", folder);
+    assert_int_not_equal(stat(path, &info), 0);
+}
+
+static void pictures_are_made(void **state)
+{
+    (void)state;
+    static const char *const views[] = {"depth", "normal", "heat", "diff"};
+    for (size_t i = 0; i < sizeof views / sizeof views[0]; i++) {
+        char arguments[256], path[512];
+        struct stat info;
+        snprintf(arguments, sizeof arguments, "render --scene cube --view %s --size 64x48 --out %s.png",
+                 views[i], views[i]);
+        const outcome *o = run(arguments);
+        if (o->exit_status != 0)
+            fail_msg("%s: %s", arguments, o->err);
+        snprintf(path, sizeof path, "%s/%s.png", folder, views[i]);
+        assert_int_equal(stat(path, &info), 0);
+        assert_true(info.st_size > 100);
+    }
+}
+
+static int make_folder(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) != NULL ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    char command[256];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(help_and_lists_are_there),
+        cmocka_unit_test(bad_options_are_refused),
+        cmocka_unit_test(bad_files_are_refused),
+        cmocka_unit_test(truncated_scenes_are_refused),
+        cmocka_unit_test(unwritable_folders_are_refused_before_the_work),
+        cmocka_unit_test(no_device_is_said),
+        cmocka_unit_test(a_small_run_leaves_results_report_and_pictures),
+        cmocka_unit_test(careless_cells_are_marked_but_not_counted),
+        cmocka_unit_test(wrong_answers_give_exit_status_1),
+        cmocka_unit_test(an_interrupted_run_leaves_no_half_written_file),
+        cmocka_unit_test(pictures_are_made),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

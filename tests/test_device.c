@@ -1,0 +1,199 @@
+/* The device layer: shared structs, accounts and refusals, programs, edit-and-run. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "framework/device.h"
+#include "kernels/bb_shared.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static bb_device *device;
+
+static int open_device(void **state)
+{
+    (void)state;
+    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) != BB_OK) {
+        print_error("%s\n", bb_message());
+        return -1;
+    }
+    return 0;
+}
+
+static int close_device(void **state)
+{
+    (void)state;
+    bb_device_close(device);
+    return 0;
+}
+
+static void structs_have_one_size_everywhere(void **state)
+{
+    (void)state;
+    static const bb_source source = {"sizes.cl",
+                                     "#include \"bb_device.h\"\n"
+                                     "kernel void sizes(global uint *out) {\n"
+                                     "  out[0] = sizeof(bb_box); out[1] = sizeof(bb_node);\n"
+                                     "  out[2] = sizeof(bb_tree_info); out[3] = sizeof(bb_ray);\n"
+                                     "  out[4] = sizeof(bb_hit); out[5] = sizeof(bb_count);\n"
+                                     "  out[6] = sizeof(bb_pair);\n"
+                                     "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
+                                     "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
+                                     "}\n"};
+    const uint32_t expected[] = {sizeof(bb_box),  sizeof(bb_node),  sizeof(bb_tree_info),
+                                 sizeof(bb_ray),  sizeof(bb_hit),   sizeof(bb_count),
+                                 sizeof(bb_pair), offsetof(bb_node, skip), offsetof(bb_pair, links)};
+    uint32_t found[9] = {0};
+    cl_program program = NULL;
+    cl_kernel kernel = NULL;
+    bb_buffer out = {0};
+    assert_int_equal(bb_program_build(device, &source, "", &program), BB_OK);
+    assert_int_equal(bb_kernel_get(program, "sizes", &kernel), BB_OK);
+    assert_int_equal(bb_buffer_reserve(device, NULL, sizeof found, "sizes", &out), BB_OK);
+    assert_int_equal(bb_launch(device, kernel, 1, 1, BB_MEM(out)), BB_OK);
+    assert_int_equal(bb_buffer_read(&out, 0, sizeof found, found), BB_OK);
+    assert_memory_equal(found, expected, sizeof expected);
+    bb_buffer_release(&out);
+    bb_kernel_release(kernel);
+    bb_program_release(program);
+}
+
+static void contraction_is_off(void **state)
+{
+    (void)state;
+    /* (1 + 2^-12)^2 - (1 + 2^-11) is 0 when the product is rounded first, 2^-24 when it is not */
+    static const bb_source source = {
+        "contract.cl", "#include \"bb_device.h\"\n"
+                       "kernel void contract(global float *v) { v[3] = v[0] * v[1] - v[2]; }\n"};
+    float v[4] = {1.0f + 0x1p-12f, 1.0f + 0x1p-12f, 1.0f + 0x1p-11f, 7.0f};
+    cl_program program = NULL;
+    cl_kernel kernel = NULL;
+    bb_buffer buffer = {0};
+    assert_int_equal(bb_program_build(device, &source, "", &program), BB_OK);
+    assert_int_equal(bb_kernel_get(program, "contract", &kernel), BB_OK);
+    assert_int_equal(bb_buffer_reserve(device, NULL, sizeof v, "v", &buffer), BB_OK);
+    assert_int_equal(bb_buffer_write(&buffer, 0, sizeof v, v), BB_OK);
+    assert_int_equal(bb_launch(device, kernel, 1, 1, BB_MEM(buffer)), BB_OK);
+    assert_int_equal(bb_buffer_read(&buffer, 0, sizeof v, v), BB_OK);
+    assert_true(v[3] == 0.0f);
+    bb_buffer_release(&buffer);
+    bb_kernel_release(kernel);
+    bb_program_release(program);
+}
+
+static void accounts_keep_book(void **state)
+{
+    (void)state;
+    bb_account account = {0};
+    bb_buffer a = {0};
+    void *b = NULL;
+    uint64_t before = device->bytes;
+    assert_int_equal(bb_buffer_reserve(device, &account, 1000, "a", &a), BB_OK);
+    assert_int_equal(bb_host_alloc(&account, 500, "b", &b), BB_OK);
+    assert_int_equal(account.bytes, 1500);
+    assert_int_equal(bb_buffer_reserve(device, &account, 800, "a", &a), BB_OK);
+    assert_int_equal(account.bytes, 1500);
+    assert_int_equal(bb_host_alloc(&account, 700, "b", &b), BB_OK);
+    assert_int_equal(account.bytes, 1700);
+    bb_host_free(b);
+    assert_int_equal(account.peak, 1700);
+    bb_account_mark(&account);
+    assert_int_equal(account.peak, 1000);
+    bb_buffer_release(&a);
+    assert_int_equal(account.bytes, 0);
+    assert_int_equal(device->bytes, before);
+}
+
+static void refuses_before_the_driver_is_asked(void **state)
+{
+    (void)state;
+    bb_buffer buffer = {0};
+    size_t largest = device->largest_allocation;
+    assert_int_equal(bb_buffer_reserve(device, NULL, largest + 1, "the thing", &buffer), BB_REFUSED);
+    char bytes[32];
+    snprintf(bytes, sizeof bytes, "%zu", largest + 1);
+    assert_non_null(strstr(bb_message(), "the thing"));
+    assert_non_null(strstr(bb_message(), bytes));
+    assert_null(buffer.mem);
+    uint64_t in_use = device->bytes;
+    device->bytes = device->global_bytes - 100;
+    assert_int_equal(bb_buffer_reserve(device, NULL, 101, "the thing", &buffer), BB_REFUSED);
+    device->bytes = in_use;
+    void *host = NULL;
+    assert_int_equal(bb_host_alloc(NULL, (size_t)1 << 62, "too much", &host), BB_REFUSED);
+    assert_null(host);
+}
+
+static void unknown_devices_are_refused(void **state)
+{
+    (void)state;
+    bb_device *none = NULL;
+    assert_int_equal(bb_device_open("no such device", BB_FORM_AUTO, NULL, &none), BB_INVALID);
+    assert_int_equal(bb_device_open("99", BB_FORM_AUTO, NULL, &none), BB_INVALID);
+    assert_null(none);
+}
+
+static void build_errors_are_one_line(void **state)
+{
+    (void)state;
+    static const bb_source source = {"broken.cl", "kernel void broken(global int *v) { v[0] = nothing; }\n"};
+    cl_program program = NULL;
+    assert_int_equal(bb_program_build(device, &source, "", &program), BB_FAILED);
+    assert_non_null(strstr(bb_message(), "broken.cl"));
+    assert_non_null(strstr(bb_message(), "nothing"));
+    assert_null(strchr(bb_message(), '\n'));
+    assert_null(program);
+}
+
+static void a_folder_overrides_embedded_sources(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/bvhbench-kernels-XXXXXX", path[128];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/answer.cl", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("kernel void answer(global int *v) { v[0] = 42; }\n", file);
+    fclose(file);
+
+    static const bb_source source = {"answer.cl", "kernel void answer(global int *v) { v[0] = 1; }\n"};
+    bb_device *other = NULL;
+    cl_program program = NULL;
+    cl_kernel kernel = NULL;
+    bb_buffer out = {0};
+    int32_t answer = 0;
+    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, folder, &other), BB_OK);
+    assert_string_equal(other->sources, "folder");
+    assert_int_equal(bb_program_build(other, &source, "", &program), BB_OK);
+    assert_int_equal(bb_kernel_get(program, "answer", &kernel), BB_OK);
+    assert_int_equal(bb_buffer_reserve(other, NULL, sizeof answer, "answer", &out), BB_OK);
+    assert_int_equal(bb_launch(other, kernel, 1, 1, BB_MEM(out)), BB_OK);
+    assert_int_equal(bb_buffer_read(&out, 0, sizeof answer, &answer), BB_OK);
+    assert_int_equal(answer, 42);
+    bb_buffer_release(&out);
+    bb_kernel_release(kernel);
+    bb_program_release(program);
+    bb_device_close(other);
+    unlink(path);
+    rmdir(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(structs_have_one_size_everywhere),
+        cmocka_unit_test(contraction_is_off),
+        cmocka_unit_test(accounts_keep_book),
+        cmocka_unit_test(refuses_before_the_driver_is_asked),
+        cmocka_unit_test(unknown_devices_are_refused),
+        cmocka_unit_test(build_errors_are_one_line),
+        cmocka_unit_test(a_folder_overrides_embedded_sources),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}

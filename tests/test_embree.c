@@ -1,0 +1,300 @@
+/* Embree as tracer (framework/embree.c) and as builder (builders/embree). A few seconds. */
+#include "framework/builder.h"
+#include "framework/clock.h"
+#include "framework/embree.h"
+#include "framework/oracle.h"
+#include "hand_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <time.h>
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+#include <cmocka.h>
+
+static const uint64_t seed = 7;
+
+/* ---- the tracer ---- */
+
+static void trace(const bb_scene *scene, const char *text, const bb_ray *rays, uint32_t count,
+                  bb_query query, bb_hit *hits)
+{
+    bb_embree *embree = NULL;
+    bb_spec spec;
+    double build_ms = -1;
+    uint64_t bytes = 0;
+    assert_int_equal(bb_spec_parse(text, &spec), BB_OK);
+    if (bb_embree_create(scene, &spec, 3, &embree, &build_ms, &bytes) != BB_OK)
+        fail_msg("%s", bb_message());
+    assert_true(build_ms >= 0 && bytes > 0);
+    assert_int_equal(bb_embree_trace(embree, rays, count, query, hits), BB_OK);
+    bb_embree_destroy(embree);
+}
+
+static const char *const modes[] = {"e:quality=low,mode=fast", "e:quality=medium,mode=robust",
+                                    "e:quality=high,mode=robust", "e:quality=low,mode=robust"};
+
+/* Numbering of triangles and spheres, both sides of a sphere, intervals, units of t, misses. */
+static void test_trace_by_hand(void **state)
+{
+    (void)state;
+    bb_scene *scene = hand_scene(2, 2);
+    const float v[2][9] = {{-9, -9, 5, 9, -9, 5, 0, 9, 5}, {-9, -9, -5, 9, -9, -5, 0, 9, -5}};
+    const float s[2][4] = {{0, 0, 0, 1}, {3, 0, 0, 0.5f}};
+    memcpy(scene->vertices, v, sizeof v);
+    memcpy(scene->spheres, s, sizeof s);
+    hand_finish(scene);
+    const struct {
+        bb_ray ray;
+        bb_hit hit;
+    } cases[] = {
+        {{{-3, 0, 0}, 0, {1, 0, 0}, INFINITY}, {2, 2}},
+        {{{-3, 0, 0}, 0, {4, 0, 0}, INFINITY}, {0.5f, 2}},
+        {{{0, 0, 0}, 0, {1, 0, 0}, INFINITY}, {1, 2}},     /* from inside: the far side */
+        {{{-3, 0, 0}, 2.5f, {1, 0, 0}, INFINITY}, {4, 2}}, /* from inside, by tmin */
+        {{{-3, 0, 0}, 4.5f, {1, 0, 0}, INFINITY}, {5.5f, 3}},
+        {{{-3, 0, 0}, 0, {1, 0, 0}, 1.5f}, {INFINITY, BB_NONE}},
+        {{{0, 0, 0}, 0.25f, {1, 0, 0}, 0.5f}, {INFINITY, BB_NONE}},
+        {{{0, 1.5f, 0}, 0, {0, 0, 1}, INFINITY}, {5, 0}},
+        {{{0, 1.5f, 0}, 0, {0, 0, -1}, INFINITY}, {5, 1}},
+        {{{0, 50, 0}, 0, {0, 1, 0}, INFINITY}, {INFINITY, BB_NONE}},
+    };
+    enum { COUNT = sizeof cases / sizeof cases[0] };
+    bb_ray rays[COUNT];
+    bb_hit hits[COUNT];
+    for (int i = 0; i < COUNT; i++)
+        rays[i] = cases[i].ray;
+    for (size_t m = 0; m < sizeof modes / sizeof modes[0]; m++) {
+        trace(scene, modes[m], rays, COUNT, BB_CLOSEST_HIT, hits);
+        for (int i = 0; i < COUNT; i++)
+            if (hits[i].prim != cases[i].hit.prim ||
+                !(hits[i].t == cases[i].hit.t || fabsf(hits[i].t - cases[i].hit.t) < 1e-5f))
+                fail_msg("%s, case %d: %u at %g", modes[m], i, hits[i].prim, (double)hits[i].t);
+        trace(scene, modes[m], rays, COUNT, BB_ANY_HIT, hits);
+        for (int i = 0; i < COUNT; i++) {
+            bool hit = cases[i].hit.prim != BB_NONE;
+            assert_int_equal(hits[i].prim, hit ? 0 : BB_NONE);
+            assert_true(hit ? hits[i].t == 0 : isinf(hits[i].t));
+        }
+    }
+    hand_free(scene);
+}
+
+/* Leaves the floating-point mode alone, and sleeps between calls. */
+static void test_manners(void **state)
+{
+    (void)state;
+    bb_random random = bb_random_make(seed, 1);
+    bb_scene *scene = hand_scene(3000, 100);
+    hand_random(scene, &random);
+    hand_finish(scene);
+    enum { COUNT = 20000 };
+    bb_ray *rays = malloc(COUNT * sizeof *rays);
+    bb_hit *hits = malloc(COUNT * sizeof *hits);
+    for (int i = 0; i < COUNT; i++) {
+        double d[3];
+        bb_random_direction(&random, d);
+        rays[i] = (bb_ray){{0, 0, 0}, 0, {(float)d[0], (float)d[1], (float)d[2]}, INFINITY};
+    }
+    bb_embree *embree = NULL;
+    assert_int_equal(bb_embree_create(scene, NULL, 4, &embree, NULL, NULL), BB_OK);
+#if defined(__SSE__)
+    unsigned int before = _mm_getcsr();
+#endif
+    assert_int_equal(bb_embree_trace(embree, rays, COUNT, BB_CLOSEST_HIT, hits), BB_OK);
+    volatile float small = 1e-39f;
+    assert_true(small * 0.5f > 0);
+#if defined(__SSE__)
+    assert_int_equal(_mm_getcsr() & 0x8040u, before & 0x8040u);
+#endif
+    uint32_t found = 0;
+    for (int i = 0; i < COUNT; i++)
+        found += hits[i].prim != BB_NONE;
+    assert_in_range(found, COUNT / 10, COUNT);
+
+    const struct timespec nap = {0, 300000000};
+    nanosleep(&nap, NULL); /* TBB spins for a moment after a build */
+    double cpu = bb_cpu_ms();
+    nanosleep(&nap, NULL);
+    assert_true(bb_cpu_ms() - cpu < 30);
+    bb_embree_destroy(embree);
+    free(rays);
+    free(hits);
+    hand_free(scene);
+}
+
+/* ---- the builder ---- */
+
+typedef struct built {
+    bb_account account;
+    bb_spec spec;
+    void *self;
+    bb_tree tree;
+    const bb_builder *builder;
+} built;
+
+static void begin(built *b, const bb_scene *scene, const char *text)
+{
+    memset(b, 0, sizeof *b);
+    b->builder = bb_builder_find("embree");
+    assert_non_null(b->builder);
+    assert_int_equal(bb_builder_validate(b->builder), BB_OK);
+    assert_int_equal(bb_spec_parse(text, &b->spec), BB_OK);
+    assert_int_equal(bb_spec_validate(&b->spec, b->builder->options, "builder embree"), BB_OK);
+    const bb_builder_context context = {
+        .account = &b->account, .spec = &b->spec, .options = b->builder->options, .threads = 3};
+    bb_tree_init(&b->tree, &b->account);
+    assert_int_equal(b->builder->create(&context, &b->self), BB_OK);
+    assert_int_equal(b->builder->prepare(b->self, scene, &b->tree), BB_OK);
+}
+
+static bb_status build(built *b, const bb_scene *scene, bb_phases *phases)
+{
+    *phases = (bb_phases){.current = -1};
+    assert_int_equal(b->builder->restore(b->self, scene), BB_OK);
+    return b->builder->build(b->self, scene, NULL, &b->tree, phases);
+}
+
+static void end(built *b)
+{
+    b->builder->destroy(b->self);
+    bb_tree_release(&b->tree);
+    assert_int_equal(b->account.bytes, 0); /* all is given back, Embree's own memory too */
+}
+
+static const char *const specs[] = {
+    "embree:quality=low",
+    "embree:quality=medium",
+    "embree:quality=high",
+    "embree:quality=low,leaf=8",
+    "embree:quality=medium,leaf=4,sah-block-size=4",
+    "embree:quality=high,leaf=4,splits=3",
+};
+
+/* Valid trees; the same ones again, also from another object; more room is used if splits are
+ * allowed. */
+static void check_scene(const bb_scene *scene, bool splits)
+{
+    for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++) {
+        uint64_t hashes[4];
+        for (int run = 0; run < 4; run += 2) {
+            built b;
+            bb_phases phases;
+            begin(&b, scene, specs[i]);
+            for (int again = 0; again < 2; again++) {
+                if (build(&b, scene, &phases) != BB_OK || bb_tree_check(&b.tree, scene) != BB_OK ||
+                    bb_tree_hash(&b.tree, &hashes[run + again]) != BB_OK)
+                    fail_msg("%s: %s", specs[i], bb_message());
+            }
+            assert_int_equal(phases.count, 2);
+            assert_string_equal(phases.names[0], "rtcBuildBVH");
+            bool high = strstr(specs[i], "high") != NULL;
+            assert_int_equal(b.tree.duplicated, high);
+            if (!high)
+                assert_int_equal(b.tree.info.ref_count, scene->prim_count);
+            else if (splits)
+                assert_true(b.tree.info.ref_count > scene->prim_count);
+            if (strstr(specs[i], "leaf") == NULL)
+                assert_int_equal(b.tree.info.ref_count, b.tree.info.leaf_count);
+            assert_true(b.account.peak >= scene->prim_count * 32u);
+            end(&b);
+        }
+        assert_true(hashes[0] == hashes[1] && hashes[1] == hashes[2] && hashes[2] == hashes[3]);
+    }
+}
+
+static void test_builder(void **state)
+{
+    (void)state;
+    bb_random random = bb_random_make(seed, 2);
+    bb_scene *scene = hand_scene(5000, 500);
+    hand_random(scene, &random);
+    /* Long thin triangles across the scene are what spatial splits are for; some are equal, some
+     * have no area. */
+    for (uint32_t i = 0; i < 300; i++)
+        for (uint32_t c = 0; c < 9; c++)
+            scene->vertices[9 * i + c] = (float)(c < 3   ? bb_random_range(&random, -1, 1)
+                                                 : c < 6 ? bb_random_range(&random, -1, 1)
+                                                         : scene->vertices[9 * i + c - 3] + 0.01f);
+    for (uint32_t i = 400; i < 440; i++)
+        memcpy(scene->vertices + 9 * i, scene->vertices + 9 * 399, 9 * sizeof(float));
+    for (uint32_t i = 450; i < 460; i++)
+        memcpy(scene->vertices + 9 * i + 6, scene->vertices + 9 * i, 3 * sizeof(float));
+    hand_finish(scene);
+    check_scene(scene, true);
+    hand_free(scene);
+}
+
+static void test_small_scenes(void **state)
+{
+    (void)state;
+    for (uint32_t count = 1; count <= 3; count++) {
+        bb_scene *scene = hand_scene(count, 0);
+        memset(scene->vertices, 0, 9 * count * sizeof(float));
+        hand_finish(scene);
+        check_scene(scene, false);
+        hand_free(scene);
+        scene = hand_scene(0, count);
+        for (uint32_t i = 0; i < count; i++)
+            memcpy(scene->spheres + 4 * i, ((float[4]){0, 0, 0, 1}), 4 * sizeof(float));
+        hand_finish(scene);
+        check_scene(scene, false);
+        hand_free(scene);
+    }
+}
+
+/* Morton codes that differ in one bit after the other make a chain; many equal ones at its end make
+ * it deeper than Embree's default limit of 32. */
+static void test_depth(void **state)
+{
+    (void)state;
+    enum { CHAIN = 30, EQUAL = 4096 };
+    bb_scene *scene = hand_scene(0, CHAIN + EQUAL);
+    memset(scene->spheres, 0, 4 * sizeof(float) * (CHAIN + EQUAL));
+    for (int i = 0; i < CHAIN; i++)
+        scene->spheres[4 * i + i % 3] = ldexpf(1, 10 - i / 3);
+    hand_finish(scene);
+    built b;
+    bb_phases phases;
+    begin(&b, scene, "embree:quality=low,depth=32");
+    bb_status status = build(&b, scene, &phases);
+    assert_int_equal(status, BB_FAILED);
+    assert_non_null(strstr(bb_message(), "depth"));
+    end(&b);
+    begin(&b, scene, "embree:quality=low");
+    assert_int_equal(build(&b, scene, &phases), BB_OK);
+    assert_int_equal(bb_tree_check(&b.tree, scene), BB_OK);
+    assert_true(b.tree.info.depth > 32);
+    end(&b);
+    hand_free(scene);
+}
+
+static void test_bad_options(void **state)
+{
+    (void)state;
+    const bb_builder *builder = bb_builder_find("embree");
+    const char *const bad[] = {"embree:leaf=0",   "embree:leaf=33", "embree:sah-block-size=x",
+                               "embree:splits=0", "embree:depth=1", "embree:splits=nan"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        bb_account account = {0};
+        bb_spec spec;
+        void *self = NULL;
+        assert_int_equal(bb_spec_parse(bad[i], &spec), BB_OK);
+        const bb_builder_context context = {
+            .account = &account, .spec = &spec, .options = builder->options, .threads = 1};
+        assert_int_equal(builder->create(&context, &self), BB_INVALID);
+        assert_int_equal(account.bytes, 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_trace_by_hand), cmocka_unit_test(test_manners),
+        cmocka_unit_test(test_builder),       cmocka_unit_test(test_small_scenes),
+        cmocka_unit_test(test_depth),         cmocka_unit_test(test_bad_options),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,261 @@
+/* The layout and traversal kernels on scenes of a few primitives, against brute force in double precision on the host. Small enough for
+ * oclgrind, under which this program runs as well. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "framework/instance.h"
+#include "framework/random.h"
+#include "traversal/traversal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TRIANGLES = 40, SPHERES = 20, RAYS = 200 };
+
+static bb_device *device;
+
+static void check(bb_status status, const char *what)
+{
+    if (status != BB_OK)
+        fail_msg("%s: %s", what, bb_message());
+}
+
+/* Triangles and spheres that do not touch: one per cell of a grid. */
+static void make_scene(bb_scene *scene, uint32_t triangles, uint32_t spheres)
+{
+    bb_random random = bb_random_make(7, triangles + 100 * spheres);
+    memset(scene, 0, sizeof *scene);
+    strcpy(scene->name, "grid");
+    scene->triangle_count = triangles;
+    scene->sphere_count = spheres;
+    scene->vertex_count = 3 * triangles;
+    scene->kinds = (triangles > 0 ? BB_TRIANGLES : 0) | (spheres > 0 ? BB_SPHERES : 0);
+    if (triangles > 0) {
+        check(bb_host_alloc(NULL, 9 * triangles * sizeof(float), "v", &scene->vertices), "v");
+        check(bb_host_alloc(NULL, 3 * triangles * sizeof(uint32_t), "i", &scene->indices), "i");
+    }
+    if (spheres > 0)
+        check(bb_host_alloc(NULL, 4 * spheres * sizeof(float), "s", &scene->spheres), "s");
+    for (uint32_t p = 0; p < triangles + spheres; p++) {
+        const float cell[3] = {(float)(p % 4), (float)(p / 4 % 4), (float)(p / 16)};
+        for (uint32_t corner = 0; p < triangles && corner < 3; corner++) {
+            scene->indices[3 * p + corner] = 3 * p + corner;
+            for (uint32_t k = 0; k < 3; k++)
+                scene->vertices[9 * p + 3 * corner + k] =
+                    cell[k] + 0.8f * (float)bb_random_unit(&random);
+        }
+        for (uint32_t k = 0; p >= triangles && k < 4; k++)
+            scene->spheres[4 * (p - triangles) + k] = k < 3 ? cell[k] + 0.5f : 0.4f;
+    }
+    check(bb_scene_finish(scene), "scene");
+    check(bb_scene_upload(scene, device), "upload");
+}
+
+static void release_scene(bb_scene *scene)
+{
+    bb_host_free(scene->vertices);
+    bb_host_free(scene->indices);
+    bb_host_free(scene->spheres);
+    bb_host_free(scene->boxes);
+    bb_buffer_release(&scene->on_device.boxes);
+    bb_buffer_release(&scene->on_device.vertices);
+    bb_buffer_release(&scene->on_device.indices);
+    bb_buffer_release(&scene->on_device.spheres);
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* Distance, INFINITY if there is none, NAN if it is too close to call. */
+static double hit_triangle(const float *v, const bb_ray *ray)
+{
+    double e[2][3], s[3], d[3], p[3], q[3];
+    for (int k = 0; k < 3; k++) {
+        e[0][k] = (double)v[3 + k] - v[k];
+        e[1][k] = (double)v[6 + k] - v[k];
+        s[k] = (double)ray->o[k] - v[k];
+        d[k] = ray->d[k];
+    }
+    cross(d, e[1], p);
+    cross(s, e[0], q);
+    double det = dot(e[0], p);
+    double u = dot(s, p) / det, w = dot(d, q) / det, t = dot(e[1], q) / det;
+    double inside = fmin(fmin(u, w), 1 - u - w);
+    if (fabs(inside) < 1e-4 || fabs(det) < 1e-4)
+        return NAN;
+    return inside > 0 && t > 0 ? t : INFINITY;
+}
+
+static double hit_sphere(const float *s, const bb_ray *ray)
+{
+    double f[3], d[3];
+    for (int k = 0; k < 3; k++) {
+        f[k] = (double)ray->o[k] - s[k];
+        d[k] = ray->d[k];
+    }
+    double a = dot(d, d), b = -dot(f, d) / a, c = (dot(f, f) - (double)s[3] * s[3]) / a;
+    double discriminant = b * b - c;
+    if (fabs(discriminant) < 1e-4)
+        return NAN;
+    if (discriminant < 0)
+        return INFINITY;
+    double near = b - sqrt(discriminant), far = b + sqrt(discriminant);
+    return near > 0 ? near : far > 0 ? far : INFINITY;
+}
+
+/* Nearest primitive by brute force; false if a primitive is too close to call. */
+static bool brute_force(const bb_scene *scene, const bb_ray *ray, double *t, uint32_t *prim)
+{
+    *t = INFINITY;
+    *prim = BB_NONE;
+    for (uint32_t p = 0; p < scene->prim_count; p++) {
+        double found = p < scene->triangle_count
+                           ? hit_triangle(scene->vertices + 9 * p, ray)
+                           : hit_sphere(scene->spheres + 4 * (p - scene->triangle_count), ray);
+        if (isnan(found))
+            return false;
+        if (found < *t) {
+            *t = found;
+            *prim = p;
+        }
+    }
+    return true;
+}
+
+static void trace(const bb_scene *scene, const bb_layout_data *layout, const bb_kernel *kernel,
+                  bb_query query, bool counting, const bb_ray *rays, bb_hit *hits)
+{
+    bb_spec spec;
+    bb_tracer *tracer;
+    bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
+    bb_count counts[RAYS];
+    check(bb_spec_parse(kernel->name, &spec), kernel->name);
+    bb_tracer_request request = {kernel, &spec, &bb_intersectors[0], query, scene->kinds,
+                                 layout->stack_need, counting};
+    check(bb_tracer_get(device, &request, &tracer), kernel->name);
+    check(bb_buffer_reserve(device, NULL, RAYS * sizeof *rays, "rays", &d_rays), "rays");
+    check(bb_buffer_reserve(device, NULL, RAYS * sizeof *hits, "hits", &d_hits), "hits");
+    check(bb_buffer_reserve(device, NULL, sizeof counts, "counts", &d_counts), "counts");
+    check(bb_buffer_write(&d_rays, 0, RAYS * sizeof *rays, rays), "rays");
+    check(bb_buffer_fill(&d_hits, RAYS * sizeof *hits, BB_POISON), "hits");
+    check(bb_tracer_launch(tracer, layout, &d_rays, RAYS, &d_hits, &d_counts), "trace");
+    check(bb_buffer_read(&d_hits, 0, RAYS * sizeof *hits, hits), "hits");
+    if (counting) {
+        check(bb_buffer_read(&d_counts, 0, sizeof counts, counts), "counts");
+        for (uint32_t i = 0; i < RAYS; i++)
+            assert_int_equal(counts[i].overflow, 0);
+    }
+    bb_buffer_release(&d_rays);
+    bb_buffer_release(&d_hits);
+    bb_buffer_release(&d_counts);
+}
+
+static void compare(const bb_scene *scene, const bb_layout_data *layout, const bb_kernel *kernel)
+{
+    static bb_ray rays[RAYS];
+    static bb_hit closest[RAYS], counted[RAYS], any[RAYS];
+    bb_random random = bb_random_make(9, scene->prim_count);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        rays[i] = (bb_ray){.tmax = INFINITY};
+        const bb_box *aim = &scene->boxes[bb_random_below(&random, scene->prim_count)];
+        for (int k = 0; k < 3; k++) {
+            rays[i].o[k] = (float)bb_random_range(&random, -1, 5);
+            rays[i].d[k] =
+                (float)bb_random_range(&random, aim->lo[k], aim->hi[k]) - rays[i].o[k];
+        }
+    }
+    trace(scene, layout, kernel, BB_CLOSEST_HIT, false, rays, closest);
+    trace(scene, layout, kernel, BB_CLOSEST_HIT, true, rays, counted);
+    trace(scene, layout, kernel, BB_ANY_HIT, false, rays, any);
+    assert_memory_equal(closest, counted, sizeof closest);
+    uint32_t hits = 0, decided = 0;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        double t;
+        uint32_t prim;
+        if (!brute_force(scene, &rays[i], &t, &prim))
+            continue;
+        decided++;
+        hits += prim != BB_NONE;
+        if (closest[i].prim != prim || (prim != BB_NONE && fabs(closest[i].t - t) > 1e-4 * t))
+            fail_msg("kernel %s, layout %s, ray %u: %u at %g, not %u at %g", kernel->name,
+                     layout->name, i, closest[i].prim, closest[i].t, prim, t);
+        if ((any[i].prim == BB_NONE) != (prim == BB_NONE))
+            fail_msg("kernel %s, layout %s, ray %u: any hit %u, closest %u", kernel->name,
+                     layout->name, i, any[i].prim, prim);
+    }
+    assert_true(decided > RAYS / 2 && hits > RAYS / 4);
+}
+
+static void kernels_agree_with_brute_force(void **state)
+{
+    (void)state;
+    static const uint32_t counts[][2] = {{TRIANGLES, 0}, {0, SPHERES}, {TRIANGLES, SPHERES}};
+    bool small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    for (size_t c = 0; c < 3; c++) {
+        bb_scene scene;
+        make_scene(&scene, counts[c][0], counts[c][1]);
+        for (uint32_t b = 0; b < bb_builder_count(); b++) {
+            if (small && bb_builder_at(b)->place == BB_ON_HOST && b > 0)
+                continue; /* their trees take the same kernels */
+            bb_instance instance;
+            double ms;
+            check(bb_instance_create(device, bb_builder_at(b)->name, &scene, 1, &instance), "create");
+            check(bb_instance_build(&instance, &scene, false, NULL, &ms), "build");
+            check(bb_tree_upload(&instance.tree, device, NULL), "upload");
+            for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
+                for (uint32_t leaf = 1; leaf <= 4; leaf += 3) {
+                    const bb_layout *layout = bb_layout_find((*kernel)->layout);
+                    bb_account account = {0};
+                    bb_layout_data data = {0};
+                    void *self = NULL;
+                    check(layout->create(device, &account, &self), "layout");
+                    check(layout->make(self, &scene, &instance.tree, leaf, &data), "layout");
+                    compare(&scene, &data, *kernel);
+                    bb_layout_data_release(&data);
+                    layout->destroy(self);
+                    assert_int_equal(account.bytes, 0);
+                }
+            bb_instance_destroy(&instance);
+        }
+        release_scene(&scene);
+    }
+}
+
+static int open_device(void **state)
+{
+    (void)state;
+    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
+        return 0;
+    print_error("%s\n", bb_message());
+    return -1;
+}
+
+static int close_device(void **state)
+{
+    (void)state;
+    bb_tracers_clear(device);
+    bb_device_close(device);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels_agree_with_brute_force),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}

@@ -1,0 +1,313 @@
+/* LBVH against a slow recursive construction from the definition, in both forms, both ways of linking, both code lengths; bit
+ * for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "framework/instance.h"
+#include "framework/random.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the reference ---- */
+
+typedef struct item {
+    uint64_t code;
+    uint32_t prim;
+} item;
+
+typedef struct reference {
+    const bb_box *boxes;
+    const item *items;
+    bb_node *nodes;
+    uint32_t *refs;
+    uint32_t node_count, ref_count, depth;
+} reference;
+
+static int compare_items(const void *a, const void *b)
+{
+    const item *x = a, *y = b;
+    if (x->code != y->code)
+        return x->code < y->code ? -1 : 1;
+    return x->prim < y->prim ? -1 : 1;
+}
+
+/* Bit by bit: axis x first, highest bit first. */
+static uint64_t reference_code(const bb_box *box, const float low[3], const float high[3],
+                               uint32_t bits)
+{
+    uint64_t cells[3], code = 0;
+    for (int k = 0; k < 3; k++) {
+        float extent = high[k] - low[k];
+        float scale = extent > 0 ? (float)(1u << bits) / extent : 0;
+        if (!(scale <= FLT_MAX))
+            scale = 0;
+        float cell = (0.5f * box->lo[k] + 0.5f * box->hi[k] - low[k]) * scale;
+        float last = (float)((1u << bits) - 1);
+        cells[k] = (uint64_t)(cell < last ? cell : last);
+    }
+    for (int bit = (int)bits - 1; bit >= 0; bit--)
+        for (int k = 0; k < 3; k++)
+            code = code << 1 | (cells[k] >> bit & 1);
+    return code;
+}
+
+/* The first of the items that has the highest differing bit set; codes are told apart by position. */
+static uint32_t split_of(const item *items, uint32_t from, uint32_t to)
+{
+    uint64_t differ = items[from].code ^ items[to - 1].code;
+    bool by_code = differ != 0;
+    if (!by_code)
+        differ = from ^ (to - 1);
+    uint64_t bit = (uint64_t)1 << (63 - __builtin_clzll(differ));
+    uint32_t s = from;
+    while (((by_code ? items[s].code : s) & bit) == 0)
+        s++;
+    return s;
+}
+
+static uint32_t reference_node(reference *r, uint32_t from, uint32_t to, uint32_t skip,
+                               uint32_t depth)
+{
+    /* preorder: a subtree over k leaves takes 2k - 1 nodes */
+    uint32_t n = r->node_count++;
+    bb_node *node = &r->nodes[n];
+    node->skip = skip;
+    r->depth = depth > r->depth ? depth : r->depth;
+    if (to - from == 1) {
+        uint32_t prim = r->items[from].prim;
+        node->first = BB_LEAF_BIT | r->ref_count;
+        r->refs[r->ref_count++] = prim | BB_LAST_BIT;
+        memcpy(node->lo, r->boxes[prim].lo, sizeof node->lo);
+        memcpy(node->hi, r->boxes[prim].hi, sizeof node->hi);
+        return n;
+    }
+    uint32_t s = split_of(r->items, from, to);
+    uint32_t right = n + 1 + 2 * (s - from) - 1;
+    node->first = n + 1;
+    reference_node(r, from, s, right, depth + 1);
+    reference_node(r, s, to, skip, depth + 1);
+    for (int k = 0; k < 3; k++) {
+        node->lo[k] = fminf(r->nodes[n + 1].lo[k], r->nodes[right].lo[k]);
+        node->hi[k] = fmaxf(r->nodes[n + 1].hi[k], r->nodes[right].hi[k]);
+    }
+    return n;
+}
+
+/* ---- the comparison ---- */
+
+static uint64_t seed = 20261121;
+static bb_device *devices[2]; /* one in each form */
+
+static void make_reference(reference *r, const bb_box *boxes, uint32_t count, uint32_t bits)
+{
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++) {
+            float c = 0.5f * boxes[i].lo[k] + 0.5f * boxes[i].hi[k];
+            low[k] = fminf(low[k], c);
+            high[k] = fmaxf(high[k], c);
+        }
+    item *items = malloc(count * sizeof *items);
+    for (uint32_t i = 0; i < count; i++)
+        items[i] = (item){reference_code(&boxes[i], low, high, bits), i};
+    qsort(items, count, sizeof *items, compare_items);
+    *r = (reference){.boxes = boxes, .items = items};
+    r->nodes = calloc(2 * (size_t)count, sizeof *r->nodes);
+    r->refs = calloc(count, sizeof *r->refs);
+    reference_node(r, 0, count, BB_NONE, 0);
+    free(items);
+}
+
+static void compare(bb_device *device, const char *builder, const bb_box *boxes, uint32_t count,
+                    const reference *r, const char *what)
+{
+    bb_scene scene = {.name = "test", .kinds = BB_TRIANGLES, .prim_count = count,
+                      .triangle_count = count, .boxes = (bb_box *)boxes};
+    scene.on_device.device = device;
+    bb_instance instance;
+    bb_tree preorder;
+    double ms;
+    bb_tree_init(&preorder, NULL);
+    bb_status status = bb_buffer_reserve(device, NULL, count * sizeof *boxes, "boxes",
+                                         &scene.on_device.boxes);
+    if (status == BB_OK)
+        status = bb_buffer_write(&scene.on_device.boxes, 0, count * sizeof *boxes, boxes);
+    if (status == BB_OK)
+        status = bb_instance_create(device, builder, &scene, 1, &instance);
+    for (int i = 0; i < 2 && status == BB_OK; i++)
+        status = bb_instance_build(&instance, &scene, false, NULL, &ms);
+    if (status == BB_OK)
+        status = bb_tree_download(&instance.tree, NULL);
+    if (status == BB_OK)
+        status = bb_tree_check(&instance.tree, &scene);
+    if (status == BB_OK)
+        status = bb_tree_preorder(&instance.tree, &preorder);
+    if (status != BB_OK)
+        fail_msg("%s, %s, %u boxes, seed %llu: %s", builder, what, count, (unsigned long long)seed,
+                 bb_message());
+    if (preorder.info.depth != r->depth || preorder.info.node_count != 2 * count - 1 ||
+        memcmp(preorder.nodes, r->nodes, preorder.info.node_count * sizeof(bb_node)) != 0 ||
+        memcmp(preorder.refs, r->refs, count * sizeof(uint32_t)) != 0)
+        fail_msg("%s, %s, %u boxes, seed %llu: not the tree of the definition", builder, what,
+                 count, (unsigned long long)seed);
+    bb_tree_release(&preorder);
+    bb_instance_destroy(&instance);
+    bb_buffer_release(&scene.on_device.boxes);
+}
+
+static void compare_all(const bb_box *boxes, uint32_t count, const char *what)
+{
+    static const struct {
+        const char *builder;
+        uint32_t bits;
+    } ways[] = {
+        {"lbvh", 10},
+        {"lbvh:link=karras", 10},
+        {"lbvh:bits=63", 21},
+        {"lbvh:bits=63,link=karras", 21},
+    };
+    for (size_t form = 0; form < 2; form++) {
+        for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
+            reference r;
+            make_reference(&r, boxes, count, ways[w].bits);
+            compare(devices[form], ways[w].builder, boxes, count, &r, what);
+            free(r.nodes);
+            free(r.refs);
+        }
+    }
+}
+
+static void set_point(bb_box *box, const double centre[3], double size)
+{
+    *box = (bb_box){0};
+    for (int k = 0; k < 3; k++) {
+        box->lo[k] = (float)(centre[k] - size);
+        box->hi[k] = (float)(centre[k] + size);
+    }
+}
+
+typedef void (*fill_function)(bb_random *random, uint32_t i, uint32_t count, bb_box *box);
+
+static void fill_uniform(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)i;
+    (void)count;
+    double c[3];
+    for (int k = 0; k < 3; k++)
+        c[k] = bb_random_range(random, -1, 1);
+    set_point(box, c, bb_random_unit(random) * 0.01);
+}
+
+static void fill_equal(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)i;
+    (void)count;
+    set_point(box, (const double[]){3, -4, 5}, bb_random_unit(random));
+}
+
+static void fill_line(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)random;
+    set_point(box, (const double[]){1, (double)i / count, 1}, 0);
+}
+
+static void fill_few(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)i;
+    (void)count;
+    double x = bb_random_below(random, 3);
+    set_point(box, (const double[]){x, 2 * x, 0}, 0.1);
+}
+
+/* One outlier far away: all others share one code. */
+static void fill_outlier(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    fill_uniform(random, i, count, box);
+    if (i == count / 2)
+        set_point(box, (const double[]){1e8, 1e8, 1e8}, 1);
+}
+
+/* Geometric series: each bit of the code splits one off, the deepest tree there is. */
+static void fill_chain(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)random;
+    (void)count;
+    double x = ldexp(1, -(int)(i % 40));
+    set_point(box, (const double[]){x, x, x}, 0);
+}
+
+static void fill_extreme(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)i;
+    (void)count;
+    double c[3];
+    for (int k = 0; k < 3; k++)
+        c[k] = ldexp(bb_random_range(random, -1, 1), (int)bb_random_below(random, 200) - 140);
+    set_point(box, c, 0);
+}
+
+static void trees_are_those_of_the_definition(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        fill_function fill;
+    } inputs[] = {
+        {"uniform", fill_uniform}, {"equal", fill_equal}, {"line", fill_line},
+        {"few", fill_few},         {"outlier", fill_outlier}, {"chain", fill_chain},
+        {"extreme", fill_extreme},
+    };
+    static const uint32_t counts[] = {1, 2, 3, 4, 63, 64, 65, 1000, 2047, 2048, 2049, 30011};
+    bool small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    for (size_t k = 0; k < sizeof inputs / sizeof inputs[0]; k++)
+        for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
+            if (counts[c] > 3000 && k != 0 && k != 1)
+                continue;
+            if (small && (counts[c] > 300 || (counts[c] < 60 && k > 1)))
+                continue;
+            bb_random random = bb_random_make(seed, k * 100 + c);
+            bb_box *boxes = malloc(counts[c] * sizeof *boxes);
+            for (uint32_t i = 0; i < counts[c]; i++)
+                inputs[k].fill(&random, i, counts[c], &boxes[i]);
+            compare_all(boxes, counts[c], inputs[k].name);
+            free(boxes);
+        }
+}
+
+static int open_devices(void **state)
+{
+    (void)state;
+    for (int form = 0; form < 2; form++)
+        if (bb_device_open(NULL, form == 0 ? BB_FORM_CPU : BB_FORM_GPU, NULL, &devices[form]) !=
+            BB_OK) {
+            print_error("%s\n", bb_message());
+            return -1;
+        }
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    bb_device_close(devices[0]);
+    bb_device_close(devices[1]);
+    return 0;
+}
+
+int main(void)
+{
+    if (getenv("BVHBENCH_TEST_SEED") != NULL)
+        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(trees_are_those_of_the_definition),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

@@ -1,0 +1,208 @@
+/* Plug-ins: what bb_plugin_load() takes, and what it says of what it does not take. The example of
+ * tests/plugin/median is loaded and builds; the shared objects of tests/plugin/broken are refused,
+ * each with one clear line. */
+#include "framework/builder.h"
+#include "tests/tree_fixture.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *path_of(const char *name)
+{
+    static char path[4096];
+    snprintf(path, sizeof path, "%s/%s", BB_TEST_PLUGIN_DIR, name);
+    return path;
+}
+
+static void expect_refusal(const char *path, const char *part)
+{
+    uint32_t before = bb_builder_count();
+    assert_int_equal(bb_plugin_load(path), BB_INVALID);
+    if (strstr(bb_message(), part) == NULL || strstr(bb_message(), path) == NULL)
+        fail_msg("expected '%s' in '%s'", part, bb_message());
+    assert_null(strchr(bb_message(), '\n'));
+    assert_int_equal(bb_builder_count(), before);
+}
+
+static void test_refusals(void **state)
+{
+    (void)state;
+    expect_refusal(path_of("absent.so"), "No such file");
+    expect_refusal(BB_TEST_PLUGIN_DIR, "is no file");
+    expect_refusal(BB_TEST_SOURCE_DIR "/CMakeLists.txt", "not a shared object");
+    expect_refusal(path_of("none.so"), "exports no bb_plugin");
+    expect_refusal(path_of("abi.so"), "ABI version 999, this bvhbench has 1");
+    expect_refusal(path_of("invalid.so"), "builder invalid: build() is missing");
+    expect_refusal(path_of("taken.so"), "there is a builder sah already");
+}
+
+/* A truncated shared object is refused before the loader maps what is not there. */
+static void test_truncated(void **state)
+{
+    (void)state;
+    FILE *file = fopen(path_of("median.so"), "rb");
+    assert_non_null(file);
+    static char bytes[1 << 22];
+    size_t size = fread(bytes, 1, sizeof bytes, file);
+    fclose(file);
+    assert_in_range(size, 1000, sizeof bytes - 1);
+    const size_t lengths[] = {0, 1, 16, 63, 64, 65, 300, 1000, size / 4, size / 2};
+    char path[4096];
+    snprintf(path, sizeof path, "%s", path_of("truncated.so"));
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        file = fopen(path, "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(bytes, 1, lengths[i], file), lengths[i]);
+        fclose(file);
+        expect_refusal(path, "is truncated");
+    }
+    /* Headers that claim nonsense. */
+    bb_random random = bb_random_make(5, 0);
+    for (uint32_t run = 0; run < 300; run++) {
+        char header[64];
+        memcpy(header, bytes, sizeof header);
+        header[16 + bb_random_below(&random, 48)] = (char)bb_random_u64(&random);
+        file = fopen(path, "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(header, 1, sizeof header, file), sizeof header);
+        fclose(file);
+        assert_int_equal(bb_plugin_load(path), BB_INVALID);
+    }
+    unlink(path);
+}
+
+static void test_median_builds(void **state)
+{
+    (void)state;
+    uint32_t before = bb_builder_count();
+    assert_null(bb_builder_find("median"));
+    ASSERT_OK(bb_plugin_load(path_of("median.so")));
+    assert_int_equal(bb_builder_count(), before + 1);
+    const bb_builder *median = bb_builder_find("median");
+    assert_non_null(median);
+    assert_ptr_equal(bb_builder_at(before), median);
+    assert_null(bb_builder_at(before + 1));
+    expect_refusal(path_of("median.so"), "there is a builder median already");
+    assert_int_equal(chdir(BB_TEST_PLUGIN_DIR), 0); /* a name without a slash is a file too */
+    expect_refusal("median.so", "there is a builder median already");
+
+    bb_device *device;
+    ASSERT_OK(bb_device_open(NULL, BB_FORM_AUTO, NULL, &device));
+    bb_random random = bb_random_make(6, 0);
+    for (uint32_t count = 1; count < 3000; count = count * 3 + 1) {
+        bb_scene *scene = make_random_scene(count, &random);
+        bb_account account = {0};
+        size_t bytes = count * sizeof(bb_box);
+        ASSERT_OK(bb_buffer_reserve(device, NULL, bytes, "boxes", &scene->on_device.boxes));
+        ASSERT_OK(bb_buffer_write(&scene->on_device.boxes, 0, bytes, scene->boxes));
+        bb_spec spec;
+        ASSERT_OK(bb_spec_parse("median", &spec));
+        bb_builder_context context = {.device = device, .account = &account, .spec = &spec};
+        bb_phases phases = {.device = device, .exact = true, .current = -1};
+        bb_tree tree;
+        void *self = NULL;
+        bb_tree_init(&tree, &account);
+        ASSERT_OK(median->create(&context, &self));
+        ASSERT_OK(median->prepare(self, scene, &tree));
+        for (uint32_t run = 0; run < 2; run++) {
+            ASSERT_OK(median->build(self, scene, NULL, &tree, &phases));
+            ASSERT_OK(bb_tree_check(&tree, scene));
+        }
+        assert_int_equal(phases.count, 2);
+        assert_true(phases.used_device);
+        bb_tree_release(&tree);
+        median->destroy(self);
+        assert_int_equal(account.bytes, 0);
+        bb_buffer_release(&scene->on_device.boxes);
+        free_scene(scene);
+    }
+    bb_device_close(device);
+}
+
+/* ---- validation ---- */
+
+static void expect_invalid(bb_builder builder, const char *part)
+{
+    assert_int_equal(bb_builder_validate(&builder), BB_INVALID);
+    if (strstr(bb_message(), part) == NULL)
+        fail_msg("expected '%s' in '%s'", part, bb_message());
+}
+
+#define EXPECT_INVALID(member, value, part)                                                        \
+    do {                                                                                           \
+        bb_builder changed_ = *bb_builder_find("sah");                                             \
+        changed_.member = (value);                                                                 \
+        expect_invalid(changed_, (part));                                                          \
+    } while (0)
+
+static void test_validation(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < bb_builder_count(); i++)
+        ASSERT_OK(bb_builder_validate(bb_builder_at(i)));
+    EXPECT_INVALID(abi_version, 0, "ABI version 0");
+    EXPECT_INVALID(name, NULL, "bad name");
+    EXPECT_INVALID(name, "", "bad name");
+    EXPECT_INVALID(name, "all", "bad name 'all'");
+    EXPECT_INVALID(name, "Sah", "bad name 'Sah'");
+    EXPECT_INVALID(name, "a:b", "bad name");
+    EXPECT_INVALID(name, "../x", "bad name");
+    EXPECT_INVALID(summary, NULL, "summary");
+    EXPECT_INVALID(summary, "two\nlines", "summary");
+    EXPECT_INVALID(paper, NULL, "paper");
+    EXPECT_INVALID(kinds, 0, "kinds");
+    EXPECT_INVALID(kinds, 1u << 30, "kinds");
+    EXPECT_INVALID(inputs, 0, "inputs");
+    EXPECT_INVALID(inputs, 1u << 30, "inputs");
+    EXPECT_INVALID(place, (bb_place)7, "place");
+    EXPECT_INVALID(create, NULL, "create()");
+    EXPECT_INVALID(build, NULL, "build()");
+    EXPECT_INVALID(destroy, NULL, "destroy()");
+
+    EXPECT_INVALID(compared, "sah,other", "another builder");
+    EXPECT_INVALID(compared, "sah:colour=red", "colour");
+    EXPECT_INVALID(compared, "sah:bins=", "builder sah:");
+
+    static const bb_option no_help[] = {{"a", "1", NULL, NULL}, {.name = NULL}};
+    static const bb_option twice[] = {{"a", "1", NULL, "x"}, {"a", "1", NULL, "x"}, {.name = NULL}};
+    static const bb_option outside[] = {{"a", "ab", "abc|b", "x"}, {.name = NULL}};
+    static const bb_option bad_name[] = {{"a=b", "1", NULL, "x"}, {.name = NULL}};
+    EXPECT_INVALID(options, no_help, "option a has no help");
+    EXPECT_INVALID(options, twice, "option a is declared twice");
+    EXPECT_INVALID(options, outside, "default 'ab' of option a is not among abc|b");
+    EXPECT_INVALID(options, bad_name, "bad name 'a=b'");
+}
+
+static void test_phases(void **state)
+{
+    (void)state;
+    bb_phases phases = {.current = -1};
+    const char *const names[] = {"a", "b", "a", "c", NULL, "b", NULL, NULL};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        ASSERT_OK(bb_phase(&phases, names[i]));
+        usleep(1000);
+    }
+    assert_int_equal(phases.count, 3);
+    assert_int_equal(phases.current, -1);
+    assert_false(phases.used_device);
+    assert_string_equal(phases.names[0], "a");
+    assert_string_equal(phases.names[2], "c");
+    assert_true(phases.ms[0] >= 2 && phases.ms[1] >= 2 && phases.ms[2] >= 1);
+    assert_true(phases.ms[0] + phases.ms[1] + phases.ms[2] < 1000);
+    static const char *const many[] = {"0", "1",  "2",  "3",  "4",  "5",  "6",  "7", "8",
+                                       "9", "10", "11", "12", "13", "14", "15", "16"};
+    phases = (bb_phases){.current = -1};
+    for (size_t i = 0; i < BB_PHASES_MAX; i++)
+        ASSERT_OK(bb_phase(&phases, many[i]));
+    assert_int_equal(bb_phase(&phases, many[BB_PHASES_MAX]), BB_FAILED);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_refusals),      cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_median_builds), cmocka_unit_test(test_validation),
+        cmocka_unit_test(test_phases),
+    };
+    return cmocka_run_group_tests_name("plugin", tests, NULL, NULL);
+}

@@ -1,0 +1,308 @@
+/* The report: the table on the terminal and the HTML page. `test_report --write FOLDER` only writes
+ * a sample there, for a look or for tests/report/check.sh. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "framework/file.h"
+#include "framework/report.h"
+#include "tests/report_sample.h"
+
+#include <cjson/cJSON.h>
+#include <unistd.h>
+
+static char *table_of(bb_results *results)
+{
+    static char *text; /* static: gcc 12 takes the stream's buffer for the variable's address */
+    static size_t size;
+    FILE *out = open_memstream(&text, &size);
+    assert_int_equal(bb_report_table(results, out), BB_OK);
+    fclose(out);
+    return text;
+}
+
+static size_t count_of(const char *text, const char *word)
+{
+    size_t count = 0;
+    for (const char *at = strstr(text, word); at != NULL; at = strstr(at + 1, word))
+        count++;
+    return count;
+}
+
+static void table_marks_wrong_cells(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    char *text = table_of(results);
+    /* one cell above the limit; its rate stands in the same line */
+    assert_int_equal(count_of(text, "WRONG"), 1);
+    const char *mark = strstr(text, "2.86 WRONG OVERFLOW");
+    assert_non_null(mark);
+    assert_non_null(strstr(text, "0/0/3"));
+    free(text);
+    bb_results_destroy(results);
+}
+
+static void table_shows_every_row(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    char *text = table_of(results);
+    for (size_t i = 0; i < SAMPLE_SCENES; i++)
+        assert_non_null(strstr(text, sample_scenes[i].name));
+    /* per scene: one line among the builds, and per ray set 3 of our cells or 1 of the reference */
+    size_t sets = sizeof sample_ray_sets / sizeof sample_ray_sets[0];
+    assert_int_equal(count_of(text, "\n  lbvh:bits=63 "), SAMPLE_SCENES * (1 + 3 * sets));
+    assert_int_equal(count_of(text, "mode=fast "), SAMPLE_SCENES * (1 + sets));
+    assert_int_equal(count_of(text, "refused: brute force"), SAMPLE_SCENES);
+    assert_non_null(strstr(text, "stack / moller"));
+    assert_non_null(strstr(text, "  oracle                               1.062 s\n"));
+    free(text);
+    bb_results_destroy(results);
+}
+
+/* The ratio is to the fastest embree-native row of the same rays. */
+static void table_ratio_is_to_the_fastest_reference(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    cJSON *trace;
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(bb_results_json(results), "traces"))
+    {
+        const char *builder = cJSON_GetObjectItem(trace, "builder")->valuestring;
+        double rate = strstr(builder, "fast") != NULL        ? 8
+                      : strstr(builder, "native") != NULL    ? 5
+                      : strcmp(builder, "lbvh:bits=30") == 0 ? 2
+                                                             : 1;
+        cJSON_SetNumberValue(cJSON_GetObjectItem(trace, "mrays_s"), rate);
+    }
+    char *text = table_of(results);
+    const char *line = strstr(strstr(text, "/Embree"), "\n  lbvh:bits=30");
+    assert_non_null(line);
+    const char *bracket = strchr(line, ']');
+    assert_non_null(bracket);
+    double ratio = strtod(bracket + 1, NULL);
+    assert_true(ratio == 0.25);
+    free(text);
+    bb_results_destroy(results);
+}
+
+static void table_copes_with_nothing(void **state)
+{
+    (void)state;
+    bb_results *results = NULL;
+    bb_context context = {NULL, 1, NULL};
+    assert_int_equal(bb_results_create(&context, &results), BB_OK);
+    char *text = table_of(results);
+    assert_non_null(strstr(text, "bvhbench"));
+    free(text);
+    bb_results_destroy(results);
+}
+
+static void table_keeps_the_terminal_safe(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    cJSON *traces = cJSON_GetObjectItem(bb_results_json(results), "traces");
+    cJSON_SetValuestring(cJSON_GetObjectItem(traces->child, "builder"), "s\x1b[");
+    char *text = table_of(results);
+    assert_null(strchr(text, '\x1b'));
+    free(text);
+    bb_results_destroy(results);
+}
+
+static char *page_of(bb_results *results, const char *folder)
+{
+    char path[600];
+    snprintf(path, sizeof path, "%s/report.html", folder);
+    char *page = NULL;
+    size_t size;
+    assert_int_equal(bb_report_html(results, folder, path), BB_OK);
+    assert_int_equal(bb_file_read(path, 1 << 28, "page", &page, &size), BB_OK);
+    assert_int_equal(size, strlen(page));
+    return page;
+}
+
+static void page_loads_nothing(void **state)
+{
+    (void)state;
+    const char *folder = sample_folder("page_loads_nothing");
+    bb_results *results = sample_results(folder);
+    char *page = page_of(results, folder);
+    assert_null(strstr(page, "@BB_"));
+    static const char *const loads[] = {"src=\"http",  "src='http", "href=\"http",    "href='http",
+                                        "src=\"//",    "href=\"//", "url(http",       "@import",
+                                        "<script src", "fetch(",    "XMLHttpRequest", "<iframe"};
+    for (size_t i = 0; i < sizeof loads / sizeof loads[0]; i++)
+        if (strstr(page, loads[i]) != NULL)
+            fail_msg("the page has %s", loads[i]);
+    assert_non_null(strstr(page, "default-src 'none'"));
+    free(page);
+    bb_results_destroy(results);
+}
+
+/* Markup in names and reasons stays text: no script is ended but those of the template. */
+static void page_escapes_data(void **state)
+{
+    (void)state;
+    const char *folder = sample_folder("page_escapes_data");
+    bb_results *results = sample_results(folder);
+    char *page = page_of(results, folder);
+    assert_int_equal(count_of(page, "</script"), 4);
+    assert_non_null(strstr(page, "\\u003c/script>\\u003cb>"));
+
+    /* and what stands in the page is the document, digit for digit */
+    char *start = strstr(page, "id=\"data\">");
+    assert_non_null(start);
+    cJSON *read = cJSON_Parse(start + strlen("id=\"data\">"));
+    assert_non_null(read);
+    assert_true(cJSON_Compare(read, bb_results_json(results), 1));
+    cJSON_Delete(read);
+    free(page);
+    bb_results_destroy(results);
+}
+
+static void page_embeds_pictures(void **state)
+{
+    (void)state;
+    const char *folder = sample_folder("page_embeds_pictures");
+    bb_results *results = sample_results(folder);
+    char *page = page_of(results, folder);
+    char *start = strstr(page, "id=\"picture-data\">");
+    cJSON *pictures = cJSON_Parse(start + strlen("id=\"picture-data\">"));
+    assert_int_equal(cJSON_GetArraySize(pictures), 2);
+    cJSON *src = cJSON_GetObjectItem(cJSON_GetArrayItem(pictures, 0), "src");
+    assert_non_null(src);
+    /* the signature of a PNG in base64 */
+    assert_int_equal(strncmp(src->valuestring, "data:image/png;base64,iVBORw0KGgo", 33), 0);
+    assert_int_equal(strlen(src->valuestring + 22) % 4, 0);
+    assert_null(cJSON_GetObjectItem(cJSON_GetArrayItem(pictures, 1), "src"));
+    assert_non_null(cJSON_GetObjectItem(cJSON_GetArrayItem(pictures, 1), "missing"));
+    cJSON_Delete(pictures);
+    free(page);
+    bb_results_destroy(results);
+}
+
+static void page_takes_in_no_other_files(void **state)
+{
+    (void)state;
+    const char *folder = sample_folder("page_takes_in_no_other_files");
+    bb_results *results = sample_results(folder);
+    assert_int_equal(bb_results_add_picture(results, "coffee", "", "", "/etc/passwd"), BB_OK);
+    char *page = page_of(results, folder);
+    assert_non_null(strstr(page, "the file is no PNG"));
+    free(page);
+    bb_results_destroy(results);
+}
+
+static void page_says_where_it_cannot_write(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    assert_int_equal(bb_report_html(results, ".", "/nonexistent/folder/report.html"), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "/nonexistent/folder/report.html"));
+    assert_int_equal(bb_report_html(results, ".", "/dev/null"), BB_INVALID);
+    bb_results_destroy(results);
+}
+
+/* ---- the command ---- */
+
+/* Exit status of `bvhbench ARGUMENTS`, its standard error in `message`. */
+static int command(const char *arguments, char *message, size_t capacity)
+{
+    char line[2048], path[600];
+    snprintf(path, sizeof path, "%s/stderr", sample_folder("command"));
+    snprintf(line, sizeof line, "'%s' %s >/dev/null 2>'%s'", BB_TEST_PROGRAM, arguments, path);
+    int status = system(line);
+    char *text = NULL;
+    size_t size;
+    assert_int_equal(bb_file_read(path, 1 << 20, "stderr", &text, &size), BB_OK);
+    snprintf(message, capacity, "%s", text);
+    free(text);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static void command_makes_a_report(void **state)
+{
+    (void)state;
+    const char *folder = sample_folder("command");
+    char path[600], arguments[1800], message[1024];
+    bb_results *results = sample_results(folder);
+    snprintf(path, sizeof path, "%s/results.json", folder);
+    assert_int_equal(bb_results_write(results, path), BB_OK);
+    snprintf(path, sizeof path, "%s/report.html", folder);
+    unlink(path);
+    snprintf(arguments, sizeof arguments, "report '%s'", folder);
+    assert_int_equal(command(arguments, message, sizeof message), 0);
+    assert_int_equal(access(path, R_OK), 0);
+    /* the same file twice: two runs, and the pictures are found though `--out` lies elsewhere */
+    snprintf(arguments, sizeof arguments, "report '%s' '%s/results.json' --out '%s/two.html'",
+             folder, folder, folder);
+    assert_int_equal(command(arguments, message, sizeof message), 0);
+    char *page = NULL;
+    size_t size;
+    snprintf(path, sizeof path, "%s/two.html", folder);
+    assert_int_equal(bb_file_read(path, 1 << 28, "page", &page, &size), BB_OK);
+    assert_non_null(strstr(page, "\"merged\":[{"));
+    assert_int_equal(count_of(page, "data:image/png;base64,iVBOR"), 2);
+    free(page);
+    bb_results_destroy(results);
+}
+
+static void command_refuses_in_one_line(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"report",
+                                      "report /nonexistent",
+                                      "report /dev/null",
+                                      "report --out x.html",
+                                      "report --nonsense x",
+                                      "report /etc/passwd"};
+    char message[1024];
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        int status = command(bad[i], message, sizeof message);
+        if (status != 2 || count_of(message, "\n") != 1)
+            fail_msg("bvhbench %s: status %d, message '%s'", bad[i], status, message);
+    }
+}
+
+static int write_sample(const char *folder)
+{
+    char path[600];
+    bb_results *results = sample_results(folder);
+    snprintf(path, sizeof path, "%s/results.json", folder);
+    bb_status status = bb_results_write(results, path);
+    snprintf(path, sizeof path, "%s/report.html", folder);
+    if (status == BB_OK)
+        status = bb_report_html(results, folder, path);
+    if (status == BB_OK)
+        status = bb_report_table(results, stdout);
+    if (status != BB_OK)
+        fprintf(stderr, "%s\n", bb_message());
+    bb_results_destroy(results);
+    return status == BB_OK ? 0 : 1;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 3 && strcmp(argv[1], "--write") == 0)
+        return write_sample(argv[2]);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(table_marks_wrong_cells),
+        cmocka_unit_test(table_shows_every_row),
+        cmocka_unit_test(table_ratio_is_to_the_fastest_reference),
+        cmocka_unit_test(table_copes_with_nothing),
+        cmocka_unit_test(table_keeps_the_terminal_safe),
+        cmocka_unit_test(page_loads_nothing),
+        cmocka_unit_test(page_escapes_data),
+        cmocka_unit_test(page_embeds_pictures),
+        cmocka_unit_test(page_takes_in_no_other_files),
+        cmocka_unit_test(page_says_where_it_cannot_write),
+        cmocka_unit_test(command_makes_a_report),
+        cmocka_unit_test(command_refuses_in_one_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

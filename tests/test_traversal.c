@@ -1,0 +1,493 @@
+/* Kernels against the oracle: every builder with every kernel on small scenes, closed meshes, rays that are awkward, and scenes that are
+ * scaled, moved and permuted. Seed: BVHBENCH_TEST_SEED. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "framework/conformance.h"
+#include "framework/random.h"
+#include "traversal/traversal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static uint64_t seed = 20261121;
+static bb_device *device;
+
+static void check(bb_status status, const char *what)
+{
+    if (status != BB_OK)
+        fail_msg("%s (seed %llu): %s", what, (unsigned long long)seed, bb_message());
+}
+
+/* ---- a scene, a builder's tree of it, and traces ---- */
+
+typedef struct bed {
+    bb_scene *scene;
+    bb_instance instance;
+    bb_account account;
+    void *layout_self;
+    bb_layout_data layout;
+} bed;
+
+static void open_bed(bed *b, bb_scene *scene, const char *builder, uint32_t leaf)
+{
+    double ms;
+    memset(b, 0, sizeof *b);
+    b->scene = scene;
+    check(bb_scene_upload(scene, device), "upload");
+    check(bb_instance_create(device, builder, scene, seed, &b->instance), builder);
+    check(bb_instance_build(&b->instance, scene, false, NULL, &ms), builder);
+    check(bb_tree_upload(&b->instance.tree, device, NULL), builder);
+    const bb_layout *layout = bb_layout_find("pair");
+    check(layout->create(device, &b->account, &b->layout_self), "layout");
+    check(layout->make(b->layout_self, scene, &b->instance.tree, leaf, &b->layout), "layout");
+}
+
+static void close_bed(bed *b)
+{
+    bb_layout_data_release(&b->layout);
+    bb_layout_find("pair")->destroy(b->layout_self);
+    bb_instance_destroy(&b->instance);
+    bb_scene_free(b->scene);
+}
+
+/* Traces with the stack kernel; `counts` may be NULL. */
+static void trace(const bed *b, const char *intersector, uint32_t stack_need, const bb_ray *rays,
+                  uint32_t count, bb_query query, bb_hit *hits, bb_count *counts)
+{
+    bb_spec spec;
+    check(bb_spec_parse("stack", &spec), "spec");
+    bb_tracer_request request = {
+        .kernel = bb_kernel_find("stack"),
+        .spec = &spec,
+        .intersector = bb_intersector_find(intersector),
+        .query = query,
+        .kinds = b->scene->kinds,
+        .stack_need = stack_need,
+        .counting = counts != NULL,
+    };
+    bb_tracer *tracer;
+    bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
+    check(bb_tracer_get(device, &request, &tracer), "tracer");
+    check(bb_buffer_reserve(device, NULL, count * sizeof *rays, "rays", &d_rays), "rays");
+    check(bb_buffer_reserve(device, NULL, count * sizeof *hits, "hits", &d_hits), "hits");
+    check(bb_buffer_reserve(device, NULL, count * sizeof *counts, "counts", &d_counts), "counts");
+    check(bb_buffer_write(&d_rays, 0, count * sizeof *rays, rays), "rays");
+    check(bb_buffer_fill(&d_hits, count * sizeof *hits, BB_POISON), "hits");
+    check(bb_tracer_launch(tracer, &b->layout, &d_rays, count, &d_hits, &d_counts), "trace");
+    check(bb_buffer_read(&d_hits, 0, count * sizeof *hits, hits), "hits");
+    if (counts != NULL)
+        check(bb_buffer_read(&d_counts, 0, count * sizeof *counts, counts), "counts");
+    bb_buffer_release(&d_rays);
+    bb_buffer_release(&d_hits);
+    bb_buffer_release(&d_counts);
+}
+
+static bb_scene *load(const char *name)
+{
+    bb_scene *scene = NULL;
+    check(bb_scene_load(name, &scene), name);
+    return scene;
+}
+
+/* ---- every builder, every kernel ---- */
+
+static void every_builder_with_every_kernel_is_right(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        "single",        "cube", "interior:n=3000", "terrain:n=2000", "random:n=2000", "hairball:n=1000",
+        "spheres:n=2000,state=initial", "spheres:n=2000,state=settled", "sphere-mesh"};
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
+        bb_scene *scene = load(scenes[s]);
+        bb_conformance *conformance;
+        check(bb_conformance_create(device, scene, seed, &conformance), scenes[s]);
+        for (uint32_t b = 0; b < bb_builder_count(); b++) {
+            const bb_builder *builder = bb_builder_at(b);
+            const char *all = builder->compared != NULL && builder->compared[0] != '\0'
+                                  ? builder->compared
+                                  : builder->name;
+            char *variants[16], note[256];
+            size_t count = 0;
+            check(bb_spec_list(all, variants, 16, &count), all);
+            for (size_t v = 0; v < count; v++) {
+                bb_status status = bb_conformance_check(conformance, variants[v], note, sizeof note);
+                if (status != BB_OK && status != BB_UNSUPPORTED)
+                    fail_msg("bvhbench check --scene %s --builder %s --seed %llu: %s", scenes[s],
+                             variants[v], (unsigned long long)seed, bb_message());
+                free(variants[v]);
+            }
+        }
+        bb_conformance_destroy(conformance);
+        bb_scene_free(scene);
+    }
+}
+
+/* ---- closed meshes ---- */
+
+static void count_lost(const char *scene_name, const char *intersector, uint32_t count,
+                       uint64_t *lost, uint64_t *wrong)
+{
+    bb_scene *scene = load(scene_name);
+    bb_oracle *oracle;
+    bb_spec spec;
+    bb_rays *rays;
+    bb_answers answers;
+    bb_accuracy accuracy;
+    bed b;
+    check(bb_oracle_create(scene, device->compute_units, &oracle), scene_name);
+    check(bb_spec_parse("edges", &spec), "edges");
+    bb_rays_request request = {.spec = &spec, .max_rays = count, .seed = seed};
+    check(bb_rays_make(scene, oracle, &request, &rays), "edges");
+    check(bb_answers_make(oracle, rays, &answers), "answers");
+    open_bed(&b, scene, "lbvh", 1);
+    bb_hit *hits = malloc(rays->count * sizeof *hits);
+    trace(&b, intersector, b.layout.stack_need, rays->rays, rays->count, BB_CLOSEST_HIT, hits, NULL);
+    check(bb_judge(oracle, &answers, hits, rays->count, NULL, &accuracy), "judge");
+    *lost = accuracy.missed;
+    *wrong = accuracy.missed + accuracy.false_hits + accuracy.wrong_t;
+    free(hits);
+    bb_answers_release(&answers);
+    bb_rays_free(rays);
+    bb_oracle_destroy(oracle);
+    close_bed(&b);
+}
+
+static void closed_meshes_do_not_leak(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {
+        "sphere-mesh:radius=2",
+        "sphere-mesh:radius=10,x=148376,y=1234,z=-223423",
+        "sphere-mesh:radius=1000",
+        "sphere-mesh:radius=1000,x=148376,y=1234,z=-223423",
+    };
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
+        uint64_t lost, wrong;
+        count_lost(scenes[s], "exact", 100000, &lost, &wrong);
+        if (wrong != 0)
+            fail_msg("%s: %llu lost, %llu wrong (seed %llu)", scenes[s], (unsigned long long)lost,
+                     (unsigned long long)wrong, (unsigned long long)seed);
+    }
+}
+
+/* The same measurement must find what is wrong: the careless intersector leaks. */
+static void careless_intersector_is_found_out(void **state)
+{
+    (void)state;
+    uint64_t lost, wrong;
+    count_lost("sphere-mesh:radius=2", "fast", 100000, &lost, &wrong);
+    assert_true(lost > 100);
+}
+
+/* ---- awkward rays ---- */
+
+static void rays_that_are_no_rays_end(void **state)
+{
+    (void)state;
+    bed b;
+    open_bed(&b, load("interior:n=2000"), "lbvh", 1);
+    const float bad[] = {NAN, INFINITY, -INFINITY, 0.0f, -0.0f, 1e-45f, 3e38f, 1.0f};
+    enum { BAD = sizeof bad / sizeof bad[0], COUNT = BAD * BAD * BAD * 2 };
+    bb_ray *rays = calloc(COUNT, sizeof *rays);
+    bb_hit *hits = calloc(COUNT, sizeof *hits);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        bb_ray *r = &rays[i];
+        *r = (bb_ray){.o = {0.1f, 0.2f, 0.3f}, .tmax = INFINITY};
+        float *v = i < COUNT / 2 ? r->d : r->o;
+        if (i >= COUNT / 2)
+            r->d[2] = 1.0f;
+        v[0] = bad[i % BAD];
+        v[1] = bad[i / BAD % BAD];
+        v[2] = bad[i / BAD / BAD % BAD];
+    }
+    trace(&b, "exact", b.layout.stack_need, rays, COUNT, BB_CLOSEST_HIT, hits, NULL);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        assert_true(hits[i].prim != BB_POISON);
+        bool finite = true;
+        for (int k = 0; k < 3; k++)
+            finite = finite && !isnan(rays[i].o[k]) && !isnan(rays[i].d[k]);
+        if (!finite)
+            assert_int_equal(hits[i].prim, BB_NONE);
+    }
+    free(rays);
+    free(hits);
+    close_bed(&b);
+}
+
+/* Rays along the axes, in the planes of box faces, from and through vertices: judged by the arbiter. */
+static void axis_parallel_rays_in_box_faces_are_right(void **state)
+{
+    (void)state;
+    bb_scene *scene = load("terrain:n=2000");
+    bb_oracle *oracle;
+    check(bb_oracle_create(scene, device->compute_units, &oracle), "oracle");
+    enum { COUNT = 20000 };
+    bb_ray *rays = NULL;
+    check(bb_host_alloc(NULL, COUNT * sizeof *rays, "rays", &rays), "rays");
+    bb_random random = bb_random_make(seed, 1);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        const bb_box *box = &scene->boxes[bb_random_below(&random, scene->prim_count)];
+        bb_ray *r = &rays[i];
+        *r = (bb_ray){.tmax = INFINITY};
+        for (int k = 0; k < 3; k++)
+            r->o[k] = bb_random_below(&random, 2) ? box->lo[k] : box->hi[k];
+        int axis = (int)bb_random_below(&random, 3);
+        r->d[axis] = bb_random_below(&random, 2) ? 1.0f : -1.0f;
+        r->d[(axis + 1) % 3] = bb_random_below(&random, 2) ? 0.0f : -0.0f;
+        r->o[axis] -= r->d[axis] * (float)bb_random_below(&random, 3);
+    }
+    bb_rays set = {.name = "axis", .workload = bb_workload_find("random"), .count = COUNT, .rays = rays};
+    bb_answers answers;
+    check(bb_answers_make(oracle, &set, &answers), "answers");
+    bed b;
+    bb_hit *hits = calloc(COUNT, sizeof *hits);
+    open_bed(&b, scene, "lbvh", 1);
+    bb_accuracy accuracy;
+    trace(&b, "exact", b.layout.stack_need, rays, COUNT, BB_CLOSEST_HIT, hits, NULL);
+    check(bb_judge(oracle, &answers, hits, COUNT, NULL, &accuracy), "judge");
+    if (accuracy.wrong_ppm > 0)
+        fail_msg("%llu missed, %llu false, %llu wrong t, the first is ray %u (seed %llu)",
+                 (unsigned long long)accuracy.missed, (unsigned long long)accuracy.false_hits,
+                 (unsigned long long)accuracy.wrong_t, accuracy.first_wrong, (unsigned long long)seed);
+    free(hits);
+    bb_answers_release(&answers);
+    bb_host_free(rays);
+    bb_oracle_destroy(oracle);
+    close_bed(&b);
+}
+
+/* ---- the stack ---- */
+
+static void an_overflow_is_never_silent(void **state)
+{
+    (void)state;
+    /* squares at distances 2^-i: each split takes one off, and a ray along the axis from the dense side pushes at each */
+    enum { LAYERS = 21 };
+    bb_scene *scene = load("single");
+    check(bb_host_alloc(NULL, 9 * LAYERS * sizeof(float), "v", &scene->vertices), "v");
+    check(bb_host_alloc(NULL, 3 * LAYERS * sizeof(uint32_t), "i", &scene->indices), "i");
+    for (uint32_t i = 0; i < LAYERS; i++) {
+        const float z = ldexpf(1.0f, -(int)i);
+        const float v[9] = {-1, -1, z, 3, -1, z, -1, 3, z};
+        memcpy(scene->vertices + 9 * i, v, sizeof v);
+        for (uint32_t k = 0; k < 3; k++)
+            scene->indices[3 * i + k] = 3 * i + k;
+    }
+    scene->triangle_count = scene->prim_count = LAYERS;
+    scene->vertex_count = 3 * LAYERS;
+    check(bb_scene_finish(scene), "finish");
+    bed b;
+    open_bed(&b, scene, "lbvh:bits=63", 1);
+    assert_true(b.layout.stack_need > 16);
+    bb_ray ray = {.o = {0, 0, -1}, .d = {0, 0, 1}, .tmax = INFINITY};
+    bb_hit hit;
+    bb_count count;
+    trace(&b, "exact", b.layout.stack_need, &ray, 1, BB_CLOSEST_HIT, &hit, &count);
+    assert_int_equal(hit.prim, LAYERS - 1);
+    assert_int_equal(count.overflow, 0);
+    trace(&b, "exact", 16, &ray, 1, BB_CLOSEST_HIT, &hit, &count);
+    assert_int_equal(count.overflow, 1);
+    assert_int_equal(hit.prim, BB_POISON);
+    close_bed(&b);
+}
+
+/* ---- metamorphic ---- */
+
+enum { RAYS = 20000 };
+
+static void make_rays(const bb_scene *scene, bb_ray *rays)
+{
+    bb_random random = bb_random_make(seed, 2);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        rays[i] = (bb_ray){.tmax = INFINITY};
+        for (int k = 0; k < 3; k++) {
+            double low = scene->bounds.lo[k], high = scene->bounds.hi[k];
+            /* on a coarse grid, so that moving by grid steps is exact */
+            rays[i].o[k] = (float)(floor(bb_random_range(&random, low, high) * 256) / 256);
+            rays[i].d[k] = (float)bb_random_range(&random, -1, 1);
+        }
+    }
+}
+
+static void trace_scene(bb_scene *scene, const bb_ray *rays, bb_hit *hits, const char *builder)
+{
+    bed b;
+    open_bed(&b, scene, builder, 1);
+    trace(&b, "exact", b.layout.stack_need, rays, RAYS, BB_CLOSEST_HIT, hits, NULL);
+    close_bed(&b);
+}
+
+/* The scene with its vertices on a grid of 1/256. */
+static bb_scene *load_on_grid(const char *name)
+{
+    bb_scene *scene = load(name);
+    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
+        scene->vertices[i] = roundf(scene->vertices[i] * 256) / 256;
+    check(bb_scene_finish(scene), name);
+    return scene;
+}
+
+static void scaling_by_powers_of_two_changes_nothing(void **state)
+{
+    (void)state;
+    bb_ray *rays = calloc(RAYS, sizeof *rays), *scaled = calloc(RAYS, sizeof *scaled);
+    bb_hit *hits = calloc(RAYS, sizeof *hits), *others = calloc(RAYS, sizeof *others);
+    bb_scene *scene = load("interior:n=3000");
+    make_rays(scene, rays);
+    trace_scene(scene, rays, hits, "lbvh");
+    static const int exponents[] = {-20, -3, 1, 20};
+    for (size_t e = 0; e < sizeof exponents / sizeof exponents[0]; e++) {
+        float factor = ldexpf(1.0f, exponents[e]);
+        scene = load("interior:n=3000");
+        for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
+            scene->vertices[i] *= factor;
+        check(bb_scene_finish(scene), "finish");
+        memcpy(scaled, rays, RAYS * sizeof *rays);
+        for (uint32_t i = 0; i < RAYS; i++)
+            for (int k = 0; k < 3; k++)
+                scaled[i].o[k] *= factor;
+        trace_scene(scene, scaled, others, "lbvh");
+        for (uint32_t i = 0; i < RAYS; i++)
+            if (others[i].prim != hits[i].prim ||
+                (hits[i].prim != BB_NONE && others[i].t != hits[i].t * factor))
+                fail_msg("scaled by 2^%d, ray %u: %u at %a, not %u at %a (seed %llu)", exponents[e],
+                         i, others[i].prim, others[i].t, hits[i].prim, hits[i].t * factor,
+                         (unsigned long long)seed);
+    }
+    free(rays);
+    free(scaled);
+    free(hits);
+    free(others);
+}
+
+static void moving_on_a_grid_changes_nothing(void **state)
+{
+    (void)state;
+    bb_ray *rays = calloc(RAYS, sizeof *rays), *moved = calloc(RAYS, sizeof *moved);
+    bb_hit *hits = calloc(RAYS, sizeof *hits), *others = calloc(RAYS, sizeof *others);
+    bb_scene *scene = load_on_grid("interior:n=3000");
+    make_rays(scene, rays);
+    trace_scene(scene, rays, hits, "lbvh");
+    const float by[3] = {1000, -2000, 4000};
+    scene = load_on_grid("interior:n=3000");
+    for (size_t i = 0; i < 3 * (size_t)scene->vertex_count; i++)
+        scene->vertices[i] += by[i % 3];
+    check(bb_scene_finish(scene), "finish");
+    memcpy(moved, rays, RAYS * sizeof *rays);
+    for (uint32_t i = 0; i < RAYS; i++)
+        for (int k = 0; k < 3; k++)
+            moved[i].o[k] += by[k];
+    trace_scene(scene, moved, others, "lbvh");
+    for (uint32_t i = 0; i < RAYS; i++)
+        if (memcmp(&hits[i], &others[i], sizeof hits[i]) != 0)
+            fail_msg("moved, ray %u: %u at %a, not %u at %a (seed %llu)", i, others[i].prim,
+                     others[i].t, hits[i].prim, hits[i].t, (unsigned long long)seed);
+    free(rays);
+    free(moved);
+    free(hits);
+    free(others);
+}
+
+static void permuting_primitives_changes_ties_only(void **state)
+{
+    (void)state;
+    bb_ray *rays = calloc(RAYS, sizeof *rays);
+    bb_hit *hits = calloc(RAYS, sizeof *hits), *others = calloc(RAYS, sizeof *others);
+    bb_scene *scene = load("interior:n=3000");
+    make_rays(scene, rays);
+    trace_scene(scene, rays, hits, "lbvh");
+    scene = load("interior:n=3000");
+    uint32_t count = scene->triangle_count;
+    uint32_t *order = calloc(count, sizeof *order), *indices = calloc(count, 3 * sizeof *indices);
+    bb_random random = bb_random_make(seed, 3);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t k = bb_random_below(&random, i + 1);
+        order[i] = order[k];
+        order[k] = i;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        memcpy(indices + 3 * i, scene->indices + 3 * order[i], 3 * sizeof *indices);
+    memcpy(scene->indices, indices, 3 * count * sizeof *indices);
+    check(bb_scene_finish(scene), "finish");
+    trace_scene(scene, rays, others, "lbvh");
+    for (uint32_t i = 0; i < RAYS; i++) {
+        uint32_t prim = others[i].prim != BB_NONE ? order[others[i].prim] : BB_NONE;
+        if (others[i].t != hits[i].t)
+            fail_msg("permuted, ray %u: %u at %a, not %u at %a (seed %llu)", i, prim, others[i].t,
+                     hits[i].prim, hits[i].t, (unsigned long long)seed);
+    }
+    free(order);
+    free(indices);
+    free(rays);
+    free(hits);
+    free(others);
+}
+
+/* Leaf collapse, and trees of other builders: the same answers bit for bit, since of equal distances the lowest primitive wins. */
+static void the_answer_does_not_depend_on_the_tree(void **state)
+{
+    (void)state;
+    bb_ray *rays = calloc(RAYS, sizeof *rays);
+    bb_hit *hits = calloc(RAYS, sizeof *hits), *others = calloc(RAYS, sizeof *others);
+    bb_scene *scene = load("interior:n=3000");
+    make_rays(scene, rays);
+    trace_scene(scene, rays, hits, "lbvh");
+    for (uint32_t b = 0; b < bb_builder_count(); b++) {
+        bed other;
+        open_bed(&other, load("interior:n=3000"), bb_builder_at(b)->name, b % 2 == 0 ? 1 : 4);
+        trace(&other, "exact", other.layout.stack_need, rays, RAYS, BB_CLOSEST_HIT, others, NULL);
+        close_bed(&other);
+        uint32_t differ = 0;
+        for (uint32_t i = 0; i < RAYS; i++)
+            differ += memcmp(&hits[i], &others[i], sizeof hits[i]) != 0;
+        if (differ > 0)
+            fail_msg("builder %s: %u rays differ (seed %llu)", bb_builder_at(b)->name, differ,
+                     (unsigned long long)seed);
+    }
+    free(rays);
+    free(hits);
+    free(others);
+}
+
+static int open_device(void **state)
+{
+    (void)state;
+    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
+        return 0;
+    print_error("%s\n", bb_message());
+    return -1;
+}
+
+static int close_device(void **state)
+{
+    (void)state;
+    bb_tracers_clear(device);
+    bb_device_close(device);
+    return 0;
+}
+
+int main(void)
+{
+    if (getenv("BVHBENCH_TEST_SEED") != NULL)
+        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_builder_with_every_kernel_is_right),
+        cmocka_unit_test(closed_meshes_do_not_leak),
+        cmocka_unit_test(careless_intersector_is_found_out),
+        cmocka_unit_test(rays_that_are_no_rays_end),
+        cmocka_unit_test(axis_parallel_rays_in_box_faces_are_right),
+        cmocka_unit_test(an_overflow_is_never_silent),
+        cmocka_unit_test(scaling_by_powers_of_two_changes_nothing),
+        cmocka_unit_test(moving_on_a_grid_changes_nothing),
+        cmocka_unit_test(permuting_primitives_changes_ties_only),
+        cmocka_unit_test(the_answer_does_not_depend_on_the_tree),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}

@@ -1,0 +1,255 @@
+/* The common tree: preorder, hash, stack need, leaf collapse; memory and copies. */
+#include "tests/tree_fixture.h"
+
+static const uint64_t SEED = 20240607;
+
+/* ---- valid trees ---- */
+
+static void test_random_trees_pass(void **state)
+{
+    (void)state;
+    for (uint32_t run = 0; run < 200; run++) {
+        bb_random random = bb_random_make(SEED, run);
+        uint32_t count = 1 + bb_random_below(&random, run < 100 ? 12 : 600);
+        uint32_t arity = 2 + bb_random_below(&random, 9), leaf = 1 + bb_random_below(&random, 5);
+        bb_scene *scene = make_random_scene(count, &random);
+        bb_tree tree, twice, preorder;
+        make_random_tree(scene, arity, leaf, &random, &tree);
+        if (bb_tree_check(&tree, scene) != BB_OK)
+            fail_msg("seed %llu run %u: %s", (unsigned long long)SEED, run, bb_message());
+
+        bb_tree_init(&preorder, NULL);
+        bb_tree_init(&twice, NULL);
+        ASSERT_OK(bb_tree_preorder(&tree, &preorder));
+        ASSERT_OK(bb_tree_check(&preorder, scene));
+        ASSERT_OK(bb_tree_preorder(&preorder, &twice));
+        assert_memory_equal(&preorder.info, &twice.info, sizeof twice.info);
+        assert_memory_equal(preorder.nodes, twice.nodes, twice.info.node_count * sizeof(bb_node));
+        assert_memory_equal(preorder.refs, twice.refs, twice.info.ref_count * sizeof(uint32_t));
+        uint64_t a, b;
+        ASSERT_OK(bb_tree_hash(&tree, &a));
+        ASSERT_OK(bb_tree_hash(&preorder, &b));
+        assert_int_equal(a, b);
+        preorder.nodes[0].lo[1] = nextafterf(preorder.nodes[0].lo[1], -INFINITY);
+        ASSERT_OK(bb_tree_hash(&preorder, &b));
+        assert_int_not_equal(a, b);
+        bb_tree_release(&tree);
+        bb_tree_release(&preorder);
+        bb_tree_release(&twice);
+        free_scene(scene);
+    }
+}
+
+/* A chain: each inner node has a leaf and the rest of the chain; as deep as there are primitives.
+ */
+static void test_deep_chain(void **state)
+{
+    (void)state;
+    const uint32_t count = 1000000;
+    bb_scene *scene = make_box_scene(count);
+    bb_tree tree, out;
+    bb_tree_init(&tree, NULL);
+    bb_tree_init(&out, NULL);
+    ASSERT_OK(bb_tree_reserve(&tree, NULL, BB_ON_HOST, 2 * count - 1, count));
+    for (uint32_t i = 0; i < count; i++) {
+        const float lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1};
+        bool last = i == count - 1;
+        memcpy(scene->boxes[i].hi, hi, sizeof hi);
+        if (!last)
+            tree.nodes[2 * i] = make_node(lo, hi, 2 * i + 1, BB_NONE);
+        tree.nodes[last ? 2 * i : 2 * i + 1] =
+            make_node(lo, hi, BB_LEAF_BIT | i, last ? BB_NONE : 2 * i + 2);
+        tree.refs[i] = i | BB_LAST_BIT;
+    }
+    tree.info = (bb_tree_info){0, 2 * count - 1, count, count, 2, count - 1};
+    ASSERT_OK(bb_tree_check(&tree, scene));
+    uint32_t need;
+    ASSERT_OK(bb_tree_stack_need(&tree, &need));
+    assert_int_equal(need, count - 1);
+    ASSERT_OK(bb_tree_collapse(&tree, 4, &out));
+    ASSERT_OK(bb_tree_check(&out, scene));
+    assert_int_equal(out.info.depth, count - 4);
+    bb_tree_release(&tree);
+    bb_tree_release(&out);
+    free_scene(scene);
+}
+
+/* Entries of an ordered traversal: 2 at the root (3 children), then 1 at the node with two leaves.
+ */
+static void test_stack_need(void **state)
+{
+    (void)state;
+    const float lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1};
+    const bb_node nodes[] = {
+        make_node(lo, hi, 1, BB_NONE),         make_node(lo, hi, 2, 4),
+        make_node(lo, hi, BB_LEAF_BIT | 0, 3), make_node(lo, hi, BB_LEAF_BIT | 1, 4),
+        make_node(lo, hi, BB_LEAF_BIT | 2, 5), make_node(lo, hi, BB_LEAF_BIT | 3, BB_NONE),
+    };
+    const uint32_t refs[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT, 2 | BB_LAST_BIT, 3 | BB_LAST_BIT};
+    bb_tree tree;
+    uint32_t need;
+    make_tree(&tree, nodes, 6, refs, 4, 3, 2);
+    ASSERT_OK(bb_tree_stack_need(&tree, &need));
+    assert_int_equal(need, 3);
+    bb_tree_release(&tree);
+}
+
+static void test_collapse(void **state)
+{
+    (void)state;
+    for (uint32_t run = 0; run < 200; run++) {
+        bb_random random = bb_random_make(SEED + 1, run);
+        bb_scene *scene = make_random_scene(1 + bb_random_below(&random, 400), &random);
+        bb_tree tree, out;
+        make_random_tree(scene, 2 + bb_random_below(&random, 7), 1, &random, &tree);
+        bb_tree_init(&out, NULL);
+        double before = bb_tree_sah(&tree);
+        for (uint32_t leaf = 1; leaf < 600; leaf *= 3) {
+            ASSERT_OK(bb_tree_collapse(&tree, leaf, &out));
+            ASSERT_OK(bb_tree_check(&out, scene));
+            double after = bb_tree_sah(&out);
+            if (!(after <= before * (1 + 1e-12)) || (leaf == 1 && fabs(after - before) > 1e-9))
+                fail_msg("seed %llu run %u leaf %u: SAH %g became %g", (unsigned long long)SEED,
+                         run, leaf, before, after);
+            for (uint32_t i = 0, width = 1; i < out.info.ref_count; i++, width++) {
+                assert_true(width <= leaf);
+                width = out.refs[i] & BB_LAST_BIT ? 0 : width;
+            }
+        }
+        bb_tree_release(&tree);
+        bb_tree_release(&out);
+        free_scene(scene);
+    }
+}
+
+/* Two leaves of equal boxes: a leaf of both costs 2 A, the inner node 1.2 A + 2 A. Far apart, the
+ * inner node is kept. */
+static void test_collapse_decides_by_cost(void **state)
+{
+    (void)state;
+    bb_scene *scene = make_box_scene(2);
+    const float lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1}, far_lo[3] = {100, 0, 0},
+                far_hi[3] = {101, 1, 1};
+    const uint32_t refs[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT};
+    bb_node nodes[] = {make_node(lo, hi, 1, BB_NONE), make_node(lo, hi, BB_LEAF_BIT | 0, 2),
+                       make_node(lo, hi, BB_LEAF_BIT | 1, BB_NONE)};
+    bb_tree tree, out;
+    make_tree(&tree, nodes, 3, refs, 2, 2, 1);
+    bb_tree_init(&out, NULL);
+    ASSERT_OK(bb_tree_collapse(&tree, 1, &out));
+    assert_int_equal(out.info.node_count, 3);
+    ASSERT_OK(bb_tree_collapse(&tree, 2, &out));
+    assert_int_equal(out.info.node_count, 1);
+    assert_int_equal(out.info.ref_count, 2);
+    assert_int_equal(out.info.arity, 0);
+    assert_int_equal(out.info.depth, 0);
+    memcpy(tree.nodes[0].hi, far_hi, sizeof far_hi);
+    tree.nodes[2] = make_node(far_lo, far_hi, BB_LEAF_BIT | 1, BB_NONE);
+    ASSERT_OK(bb_tree_collapse(&tree, 2, &out));
+    assert_int_equal(out.info.node_count, 3);
+    /* A primitive that both leaves reference is referenced once by the leaf of both. */
+    memcpy(tree.nodes, nodes, sizeof nodes);
+    tree.duplicated = true;
+    tree.refs[1] = 0 | BB_LAST_BIT;
+    ASSERT_OK(bb_tree_collapse(&tree, 2, &out));
+    assert_int_equal(out.info.ref_count, 1);
+    bb_tree_release(&tree);
+    bb_tree_release(&out);
+    free_scene(scene);
+}
+
+/* ---- memory ---- */
+
+static void test_reserve_refuses(void **state)
+{
+    (void)state;
+    bb_account account = {0};
+    bb_tree tree;
+    bb_tree_init(&tree, &account);
+    assert_int_equal(bb_tree_reserve(&tree, NULL, BB_ON_HOST, (size_t)1 << 31, 1), BB_REFUSED);
+    assert_int_equal(bb_tree_reserve(&tree, NULL, BB_ON_HOST, 1, (size_t)1 << 31), BB_REFUSED);
+    ASSERT_OK(bb_tree_reserve(&tree, NULL, BB_ON_HOST, 10, 20));
+    assert_int_equal(account.bytes, 10 * sizeof(bb_node) + 20 * sizeof(uint32_t));
+    const bb_node *nodes = tree.nodes;
+    ASSERT_OK(bb_tree_reserve(&tree, NULL, BB_ON_HOST, 5, 5));
+    assert_ptr_equal(tree.nodes, nodes);
+    bb_tree_release(&tree);
+    assert_int_equal(account.bytes, 0);
+}
+
+/* Host to device and back, the copies unbooked, and stale ones made anew. */
+static void test_copies(void **state)
+{
+    (void)state;
+    bb_device *device;
+    ASSERT_OK(bb_device_open(NULL, BB_FORM_AUTO, NULL, &device));
+    bb_random random = bb_random_make(SEED + 5, 0);
+    bb_scene *scene = make_random_scene(1000, &random);
+    bb_account account = {0};
+    bb_tree host, there;
+    uint64_t a, b;
+    make_random_tree(scene, 4, 2, &random, &host);
+    ASSERT_OK(bb_tree_hash(&host, &a));
+    double ms;
+    uint32_t flags[1000], back[1000]; /* a side array, one word per reference */
+    host.arrays[host.array_count++] =
+        (bb_tree_array){.name = "flags", .per_reference = true, .stride = sizeof *flags};
+    ASSERT_OK(bb_host_alloc(NULL, sizeof flags, "flags", &host.arrays[0].host));
+    for (uint32_t i = 0; i < 1000; i++)
+        flags[i] = (uint32_t)bb_random_u64(&random);
+    memcpy(host.arrays[0].host, flags, sizeof flags);
+    ASSERT_OK(bb_tree_upload(&host, device, &ms));
+    assert_true(ms > 0);
+    ASSERT_OK(bb_buffer_read(&host.arrays[0].buffer, 0, sizeof back, back));
+    assert_memory_equal(flags, back, sizeof back);
+
+    bb_tree_init(&there, &account);
+    const bb_tree_info *info = &host.info;
+    ASSERT_OK(bb_tree_reserve(&there, device, BB_ON_DEVICE, info->node_count, info->ref_count));
+    uint64_t booked = account.bytes;
+    assert_true(booked >= bb_tree_bytes(&host));
+    ASSERT_OK(bb_buffer_write(&there.d_info, 0, sizeof *info, info));
+    ASSERT_OK(bb_buffer_write(&there.d_nodes, 0, info->node_count * sizeof(bb_node), host.nodes));
+    ASSERT_OK(bb_buffer_write(&there.d_refs, 0, info->ref_count * sizeof(uint32_t), host.refs));
+    assert_int_equal(bb_tree_check(&there, scene), BB_FAILED); /* not on the host */
+    ASSERT_OK(bb_tree_download(&there, &ms));
+    assert_int_equal(account.bytes, booked);
+    ASSERT_OK(bb_tree_check(&there, scene));
+    ASSERT_OK(bb_tree_hash(&there, &b));
+    assert_int_equal(a, b);
+
+    bb_node root;
+    ASSERT_OK(bb_buffer_read(&there.d_nodes, info->root * sizeof root, sizeof root, &root));
+    root.lo[0] -= 1;
+    ASSERT_OK(bb_buffer_write(&there.d_nodes, info->root * sizeof root, sizeof root, &root));
+    bb_tree_changed(&there);
+    ASSERT_OK(bb_tree_download(&there, NULL));
+    ASSERT_OK(bb_tree_hash(&there, &b));
+    assert_int_not_equal(a, b);
+
+    /* An info that claims more than there is room for is refused before anything is copied. */
+    bb_tree_info claim = *info;
+    claim.node_count = 1u << 30;
+    ASSERT_OK(bb_buffer_write(&there.d_info, 0, sizeof claim, &claim));
+    bb_tree_changed(&there);
+    assert_int_equal(bb_tree_download(&there, NULL), BB_FAILED);
+    bb_tree_release(&host);
+    bb_tree_release(&there);
+    assert_int_equal(account.bytes, 0);
+    free_scene(scene);
+    bb_device_close(device);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_random_trees_pass),
+        cmocka_unit_test(test_deep_chain),
+        cmocka_unit_test(test_stack_need),
+        cmocka_unit_test(test_collapse),
+        cmocka_unit_test(test_collapse_decides_by_cost),
+        cmocka_unit_test(test_reserve_refuses),
+        cmocka_unit_test(test_copies),
+    };
+    return cmocka_run_group_tests_name("tree", tests, NULL, NULL);
+}
