@@ -146,10 +146,15 @@ endfunction()
 
 # Revision, version and flags, as they are at build time.
 function(bvhbench_build_info target)
+    string(TOUPPER "${CMAKE_BUILD_TYPE}" type)
+    get_directory_property(options COMPILE_OPTIONS)
+    list(FILTER options EXCLUDE REGEX "^-W") # warnings change no code
+    string(JOIN " " flags ${CMAKE_BUILD_TYPE} ${CMAKE_C_FLAGS} ${CMAKE_C_FLAGS_${type}} ${options})
+    file(RELATIVE_PATH libdir_to_datadir ${CMAKE_INSTALL_FULL_LIBDIR} ${CMAKE_INSTALL_FULL_DATADIR})
     add_custom_target(bvhbench-build-info
         COMMAND ${CMAKE_COMMAND} -DSOURCE=${CMAKE_CURRENT_SOURCE_DIR}
                 -DOUTPUT=${CMAKE_CURRENT_BINARY_DIR}/generated/build_info.c
-                "-DFLAGS=${CMAKE_BUILD_TYPE} ${CMAKE_C_FLAGS} ${CMAKE_C_FLAGS_RELEASE}"
+                "-DFLAGS=${flags}"
                 -DVERSION=${PROJECT_VERSION}
                 -DCOMPILER=${CMAKE_C_COMPILER_ID}-${CMAKE_C_COMPILER_VERSION}
                 -P ${BVHBENCH_CMAKE_DIR}/build_info.cmake
@@ -159,5 +164,5 @@ function(bvhbench_build_info target)
     target_compile_definitions(${target} PRIVATE
         BB_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
         BB_INSTALL_PREFIX="${CMAKE_INSTALL_PREFIX}"
-        BB_LIBDIR="${CMAKE_INSTALL_LIBDIR}" BB_DATADIR="${CMAKE_INSTALL_DATADIR}")
+        BB_LIBDIR="${CMAKE_INSTALL_LIBDIR}" BB_LIBDIR_TO_DATADIR="${libdir_to_datadir}")
 endfunction()

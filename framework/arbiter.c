@@ -273,6 +273,7 @@ typedef struct search {
     double limit;     /* t below which a hit counts, INFINITY: any */
     double limit_eps; /* margin of the limit, in scene units */
     double common;    /* move all copies by this; 0: by each primitive's own eps */
+    bool literal;     /* no margin at the ends of the ray's interval */
     int wanted;       /* bits of the copies that still look for a hit */
     double largest;   /* eps of the primitives that any copy hit */
 } search;
@@ -281,9 +282,10 @@ static bool hits_well(const search *search, const double o[3], uint32_t prim, do
 {
     const bb_ray *ray = search->trial->ray;
     double length = search->trial->length, t[2];
-    double low = ray->tmin + eps / length;
+    double end = search->literal ? 0.0 : eps / length;
+    double low = ray->tmin + end;
     double high =
-        fmin(ray->tmax - eps / length, search->limit - fmax(eps, search->limit_eps) / length);
+        fmin(ray->tmax - end, search->limit - fmax(eps, search->limit_eps) / length);
     int count = hits_of(search->trial->scene, o, ray->d, prim, t);
     for (int root = 0; root < count; root++)
         if (t[root] > low && t[root] < high)
@@ -394,9 +396,25 @@ bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb
     begin_trial(&trial, arbiter->scene, ray);
     if (hit->prim == BB_NONE)
         return nine_hit(arbiter, &trial, INFINITY, 0.0) ? BB_MISSED : BB_RIGHT;
-    if (query == BB_ANY_HIT && hit->t == 0.0f)
+    if (query == BB_ANY_HIT && hit->prim == BB_UNNAMED)
         return judge_occluded(arbiter, &trial);
     return judge_hit(arbiter, &trial, hit, query);
+}
+
+bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
+                         bb_query query)
+{
+    trial trial;
+    begin_trial(&trial, arbiter->scene, ray);
+    if (hit->prim == BB_NONE) {
+        search search = {.trial = &trial, .limit = INFINITY, .literal = true};
+        return all_found(arbiter, &search, ALL_NINE, 0.0);
+    }
+    double t[2];
+    if ((query == BB_ANY_HIT && hit->prim == BB_UNNAMED) ||
+        hits_of(trial.scene, trial.o, trial.ray->d, hit->prim, t) > 0)
+        return false;
+    return spread_over(&trial, hit->prim, margin(trial.scene, trial.o, hit->prim)).hits == 0;
 }
 
 bb_status bb_arbiter_create(const bb_scene *scene, bb_arbiter *arbiter)

@@ -7,13 +7,16 @@
  * that primitive" is exact (exact.h), edges and vertices included.
  *
  *   missed   no hit was reported, and each of the nine hits something at a t more than eps inside
- * (tmin, tmax). false    none of the nine hits that primitive within the interval grown by eps, and
- * the ray itself passes it at more than eps (the nine are a sample of the disc of radius eps: a
- * needle may lie between them). wrong t  each of the nine hits something that is nearer than the
- * reported t by more than eps (closest hit only); or t lies outside the range of the nine's own t
- * on that primitive, grown by eps, or outside the interval grown by eps. Where some of the nine
- * pass the primitive by, their t is that of its plane, clamped to the triangle's own extent along
- * the ray, or the sphere's point nearest to the ray. right    all else.
+ *            (tmin, tmax).
+ *   false    none of the nine hits that primitive within the interval grown by eps, and the ray
+ *            itself passes it at more than eps (the nine are a sample of the disc of radius eps: a
+ *            needle may lie between them).
+ *   wrong t  each of the nine hits something that is nearer than the reported t by more than eps
+ *            (closest hit only); or t lies outside the range of the nine's own t on that primitive,
+ *            grown by eps, or outside the interval grown by eps. Where some of the nine pass the
+ *            primitive by, their t is that of its plane, clamped to the triangle's own extent along
+ *            the ray, or the sphere's point nearest to the ray.
+ *   right    all else.
  *
  * eps belongs to a primitive, so a copy is moved by as much as the primitive's own eps when it is
  * tested against that. Across an edge between primitives of different eps this could leave a gap
@@ -23,7 +26,7 @@
  * A triangle in a plane with the ray, and so one of zero area, is never hit and never required; to
  * report it is right if the ray passes within eps of it, at a t in its extent. Rays that must hit
  * (edges of a closed mesh, from inside) have no margin for a miss; their hits are judged as usual.
- * An any-hit answer with t = 0 does not say which primitive it hit: it is false if none of the nine
+ * An any-hit answer of BB_UNNAMED does not say which primitive it hit: it is false if none of the nine
  * hits anything, and the ray passes everything at more than eps.
  */
 #ifndef BB_ARBITER_H
@@ -45,6 +48,11 @@ void bb_arbiter_destroy(bb_arbiter *arbiter);
  * BB_NONE), or a number and a primitive of the scene. May be called from many threads. */
 bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
                           bb_query query, bool must_hit);
+
+/* Whether an answer that is right here would be wrong by the letter of the definitions, which know neither a margin at the ends of
+ * the ray's interval nor a needle between the nine. Such answers are counted apart. */
+bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
+                         bb_query query);
 
 /* eps of this ray and primitive, in scene units. */
 double bb_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim);

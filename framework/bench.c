@@ -4,13 +4,12 @@
 #include "framework/clock.h"
 #include "framework/picture.h"
 #include "framework/random.h"
+#include "framework/threads.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const char reference_name[] = "embree-native";
 
 bb_status bb_bench_step(bb_bench *bench, const char *name, double start)
 {
@@ -30,9 +29,15 @@ void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
 
 bool bb_is_reference(const char *builder)
 {
-    size_t length = sizeof reference_name - 1;
-    return strncmp(builder, reference_name, length) == 0 &&
+    size_t length = sizeof BB_REFERENCE_NAME - 1;
+    return strncmp(builder, BB_REFERENCE_NAME, length) == 0 &&
            (builder[length] == '\0' || builder[length] == ':');
+}
+
+uint32_t bb_bench_threads(const bb_bench *bench)
+{
+    uint32_t cores = bb_core_count(), units = bench->device->compute_units;
+    return units < cores ? units : cores;
 }
 
 /* ---- what was asked for ---- */
@@ -105,7 +110,7 @@ static bb_status load_scene(bb_bench *bench, const char *name)
     BB_TRY(bb_scene_upload(bench->scene, bench->device));
     BB_TRY(bb_bench_step(bench, "upload scenes", start));
     start = bb_wall_ms();
-    BB_TRY(bb_oracle_create(bench->scene, bench->device->compute_units, &bench->oracle));
+    BB_TRY(bb_oracle_create(bench->scene, bb_bench_threads(bench), &bench->oracle));
     BB_TRY(bb_bench_step(bench, "oracle: build", start));
     return bb_results_add_scene(bench->results, bench->scene);
 }
@@ -115,10 +120,9 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     entrant->text = text;
     entrant->reference = bb_is_reference(text);
     bb_build_record *record = &entrant->record;
+    bb_build_record_init(record);
     record->id = bench->next_id++;
     record->reference = entrant->reference;
-    record->cold_ms = record->transfer_ms = NAN;
-    record->sah = record->epo = record->epo_half = record->bytes_native = NAN;
     snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
     bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
     record->spec = &entrant->spec;
@@ -142,7 +146,7 @@ static bb_status record_builds(bb_bench *bench)
 {
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
-        if (entrant->record.status == BB_FAILED && !entrant->reference)
+        if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
             bench->wrong++;
         BB_TRY(bb_results_add_build(bench->results, &entrant->record));
     }
@@ -171,6 +175,27 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
     return status;
 }
 
+/* Parameters of rays that make no sense shall be found out before the builds, not after them. */
+static bb_status try_workloads(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    double start = bb_wall_ms();
+    for (uint32_t w = 0; w < request->workload_count; w++) {
+        bb_spec spec;
+        const bb_workload *workload;
+        bb_rays *rays = NULL;
+        BB_TRY(parse_workload(request->workloads[w], &spec, &workload));
+        bb_rays_request wanted = {&spec, workload->per_view ? &bench->scene->views[0] : NULL, 8, 8,
+                                  request->max_rays < 1024 ? request->max_rays : 1024,
+                                  request->seed};
+        bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
+        bb_rays_free(rays);
+        if (status == BB_INVALID)
+            return status;
+    }
+    return bb_bench_step(bench, "make rays", start);
+}
+
 static bb_status trace_workloads(bb_bench *bench)
 {
     for (uint32_t w = 0; w < bench->request->workload_count; w++) {
@@ -192,15 +217,25 @@ static bb_status make_pictures(bb_bench *bench)
     if (request->picture_folder == NULL)
         return BB_OK;
     double start = bb_wall_ms();
-    for (uint32_t v = 0; v < bench->scene->view_count; v++)
-        BB_TRY(bb_picture_of_view(bench->scene, bench->oracle, &bench->scene->views[v],
-                                  request->width, request->height, request->picture_folder,
-                                  bench->results));
+    for (uint32_t v = 0; v < bench->scene->view_count; v++) {
+        const bb_view *view = &bench->scene->views[v];
+        bb_status status =
+            bb_picture_of_view(bench->scene, bench->oracle, view, request->width, request->height,
+                               request->picture_folder, bench->results);
+        if (status == BB_OK)
+            continue;
+        /* no picture is worth losing the measurements */
+        bb_progress_note(bench->progress, "%s: no picture of %s: %s", bench->scene->name, view->name,
+                         bb_message());
+        BB_TRY(bb_results_add_skipped(bench->results, bench->scene->name, "picture", view->name,
+                                      bb_message()));
+    }
     return bb_bench_step(bench, "pictures", start);
 }
 
 static void end_scene(bb_bench *bench)
 {
+    double start = bb_wall_ms();
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_bench_evict(&bench->entrants[i]);
         bb_embree_destroy(bench->entrants[i].embree);
@@ -212,11 +247,14 @@ static void end_scene(bb_bench *bench)
     bench->oracle = NULL;
     bb_scene_free(bench->scene);
     bench->scene = NULL;
+    (void)bb_bench_step(bench, "free scenes", start);
 }
 
 static bb_status run_scene(bb_bench *bench, const char *name)
 {
     bb_status status = load_scene(bench, name);
+    if (status == BB_OK)
+        status = try_workloads(bench);
     if (status == BB_OK)
         status = start_entrants(bench);
     if (status == BB_OK)
@@ -244,11 +282,52 @@ static bb_status try_scenes(bb_bench *bench)
     return bb_bench_step(bench, "load and profile scenes", start);
 }
 
+/* The same for parameters of builders: what create() finds wrong is found out now. */
+static bb_status try_builders(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    const bb_scene nothing = {.name = "nothing"};
+    double start = bb_wall_ms();
+    for (uint32_t i = 0; i < request->builder_count; i++) {
+        if (bb_is_reference(request->builders[i]))
+            continue;
+        bb_instance instance;
+        bb_status status = bb_instance_create(bench->device, request->builders[i], &nothing,
+                                              request->seed, &instance);
+        bb_instance_destroy(&instance);
+        if (status == BB_INVALID)
+            return status;
+    }
+    return bb_bench_step(bench, "compile builders", start);
+}
+
+/* What every trace needs, taken before trees can fill the device. */
+static bb_status start_buffers(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    uint64_t most = (uint64_t)request->width * request->height;
+    most = most > request->max_rays ? most : request->max_rays;
+    bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, bench->batch * sizeof(bb_ray), "rays",
+                             &bench->rays));
+    /* the counting variant writes hits too */
+    size_t hits = bench->batch > BB_COUNTED_RAYS ? bench->batch : BB_COUNTED_RAYS;
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, hits * sizeof(bb_hit), "hits",
+                             &bench->hits));
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, BB_COUNTED_RAYS * sizeof(bb_ray),
+                             "sample of rays", &bench->sample));
+    return bb_buffer_reserve(bench->device, &bench->account, BB_COUNTED_RAYS * sizeof(bb_count),
+                             "counts of tests", &bench->counts);
+}
+
 static bb_status start_kernels(bb_bench *bench)
 {
     for (uint32_t i = 0; i < bench->request->kernel_count; i++) {
         bb_kernel_choice *choice = &bench->kernels[i];
+        uint64_t group;
         BB_TRY(parse_kernel(bench->request->kernels[i], choice));
+        BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
+                           bench->device->max_group_size, &group));
         bench->kernel_count++;
         BB_TRY(bb_layout_find(choice->kernel->layout)
                    ->create(bench->device, &choice->account, &choice->layout_self));
@@ -264,7 +343,8 @@ static void end_kernels(bb_bench *bench)
                 ->destroy(bench->kernels[i].layout_self);
 }
 
-bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong)
+bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong,
+                       bb_bench_times *times)
 {
     BB_TRY(bb_bench_check(request));
     bb_progress progress;
@@ -277,8 +357,13 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     bench->results = results;
     bench->random = request->seed;
     bench->progress = &progress;
-    bb_status status = try_scenes(bench);
+    bench->start = bb_wall_ms();
+    bb_status status = try_builders(bench);
+    if (status == BB_OK)
+        status = try_scenes(bench);
     double start = bb_wall_ms();
+    if (status == BB_OK)
+        status = start_buffers(bench);
     if (status == BB_OK)
         status = start_kernels(bench);
     if (status == BB_OK)
@@ -286,12 +371,14 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     for (uint32_t i = 0; i < request->scene_count && status == BB_OK; i++)
         status = run_scene(bench, request->scenes[i]);
     bb_progress_end(&progress);
+    bb_buffer_release(&bench->rays);
     bb_buffer_release(&bench->hits);
     bb_buffer_release(&bench->counts);
     bb_buffer_release(&bench->sample);
     end_kernels(bench);
     bb_tracers_clear(bench->device);
     *wrong = bench->wrong;
+    *times = (bb_bench_times){bench->build_ms, bench->trace_ms, bb_wall_ms() - bench->start};
     free(bench);
     return status;
 }

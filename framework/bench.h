@@ -29,10 +29,16 @@ typedef struct bb_bench_request {
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;
 
+/* Wall times of a comparison: timed builds, timed traces, all of it. */
+typedef struct bb_bench_times {
+    double build_ms, trace_ms, total_ms;
+} bb_bench_times;
+
 /* Runs the comparison into `results`. *wrong gets the number of `exact` cells of ours above max_wrong_ppm. A cell that fails
  * becomes a record with status and reason; only what makes the whole comparison impossible (a scene that can't be loaded, a
- * device that fails) ends it. */
-bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong);
+ * device that fails) ends it; what was measured until then is in `results`. */
+bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong,
+                       bb_bench_times *times);
 
 /* Checks the names and parameters of a request before anything is loaded. */
 bb_status bb_bench_check(const bb_bench_request *request);

@@ -12,9 +12,11 @@
 
 enum {
     BB_ENTRANTS_MAX = 64,
-    BB_KERNELS_MAX = 16,
+    BB_KERNELS_MAX = 8, /* as many layouts as a build's record has room for */
     /* rays per launch: their buffers stay small beside trees, and a set of any size can be traced */
     BB_BATCH = 1 << 22,
+    /* rays that the counting variant traces: a mean over so many is sure to half a percent */
+    BB_COUNTED_RAYS = 1 << 16,
 };
 
 /* A kernel that was asked for, and the layout objects it needs. */
@@ -33,12 +35,12 @@ typedef struct bb_entrant {
     bb_spec spec;
     bb_instance instance;  /* alive while instance.builder is set */
     bool built;            /* instance.tree holds a tree */
+    bool compiled;         /* its kernels have run before */
     bb_layout_data layouts[BB_KERNELS_MAX];
     bool has_layout[BB_KERNELS_MAX];
     bb_embree *embree;     /* of a reference row */
     bb_build_record record;
     bb_samples phase_samples[BB_PHASES_MAX];
-    bb_samples transfer;
 } bb_entrant;
 
 typedef struct bb_bench {
@@ -55,11 +57,19 @@ typedef struct bb_bench {
     uint32_t wrong;    /* cells that count for the exit status */
     uint64_t random;   /* state of the shuffles */
     bb_progress *progress;
+    uint32_t batch;    /* rays per launch */
+    double build_ms;   /* timed, over all rounds */
+    double trace_ms;
+    double start;
+    bb_buffer rays;
     bb_buffer hits;
     bb_buffer counts;
     bb_buffer sample; /* rays for the counting variant */
     bb_account account; /* of the buffers above and of the rays */
 } bb_bench;
+
+/* Host threads for the oracle and the reference: as many as the device has compute units, but no more than there are cores. */
+uint32_t bb_bench_threads(const bb_bench *bench);
 
 /* Books the time since `start` as a step outside build and trace. */
 bb_status bb_bench_step(bb_bench *bench, const char *name, double start);
@@ -67,11 +77,14 @@ bb_status bb_bench_step(bb_bench *bench, const char *name, double start);
 /* order[0..count) = a random permutation of 0..count-1. */
 void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);
 
+/* Frees what all entrants but `keep` (may be NULL) have in memory; false if that was nothing. */
+bool bb_bench_evict_others(bb_bench *bench, const bb_entrant *keep);
+
 /* Builds of all entrants, interleaved; fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
 /* Makes sure that layout `kernel` of the entrant is on the device; evicts other entrants and builds again, untimed, where
- * memory asks for it. */
+ * memory asks for it. BB_FAILED if what was built again has another shape than what was recorded. */
 bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel);
 
 /* Frees what the entrant has in memory; its record stays. */

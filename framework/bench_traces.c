@@ -28,7 +28,7 @@ typedef struct trace_set {
     bb_rays *rays;
     bb_answers answers;
     bb_hit *hits; /* of the last trace, on the host */
-    uint32_t batch;
+    uint32_t *order;
     cell *cells;
     uint32_t count;
 } trace_set;
@@ -44,10 +44,9 @@ static bb_status poison(trace_set *set, uint32_t count)
 /* Rays [from, from + count) to the device, unless they are all there. */
 static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
 {
-    if (set->rays->count <= set->batch)
+    if (set->rays->count <= set->bench->batch)
         return BB_OK;
-    return bb_buffer_write(&set->rays->on_device, 0, count * sizeof(bb_ray),
-                           set->rays->rays + from);
+    return bb_buffer_write(&set->bench->rays, 0, count * sizeof(bb_ray), set->rays->rays + from);
 }
 
 static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, double *ms, double *event_ms,
@@ -58,7 +57,7 @@ static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, double *ms
     device->profile_events = true;
     double cpu = bb_cpu_ms(), start = bb_wall_ms();
     bb_status status = bb_tracer_launch(c->tracer, &c->entrant->layouts[c->kernel],
-                                        &set->rays->on_device, count, &set->bench->hits, NULL);
+                                        &set->bench->rays, count, &set->bench->hits, NULL);
     if (status == BB_OK)
         status = bb_finish(device);
     *ms += bb_wall_ms() - start;
@@ -78,8 +77,12 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     void *rays = set->rays->rays + from, *hits = set->hits + from;
     bool mapped = bench->device->is_cpu;
     if (mapped) {
-        BB_TRY(bb_buffer_map(&set->rays->on_device, false, &rays));
-        BB_TRY(bb_buffer_map(&bench->hits, true, &hits));
+        BB_TRY(bb_buffer_map(&bench->rays, false, &rays));
+        bb_status status = bb_buffer_map(&bench->hits, true, &hits);
+        if (status != BB_OK) {
+            (void)bb_buffer_unmap(&bench->rays, rays);
+            return status;
+        }
     } else {
         memset(hits, 0xEE, count * sizeof(bb_hit));
     }
@@ -87,11 +90,12 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     bb_status status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
     *ms += bb_wall_ms() - start;
     *cpu_ms += bb_cpu_ms() - cpu;
+    bb_status unmapped[2] = {BB_OK, BB_OK};
     if (mapped) {
-        BB_TRY(bb_buffer_unmap(&set->rays->on_device, rays));
-        BB_TRY(bb_buffer_unmap(&bench->hits, hits));
+        unmapped[0] = bb_buffer_unmap(&bench->rays, rays);
+        unmapped[1] = bb_buffer_unmap(&bench->hits, hits);
     }
-    return status;
+    return status != BB_OK ? status : unmapped[0] != BB_OK ? unmapped[0] : unmapped[1];
 }
 
 /* Traces the cell's rays once, in batches; set->hits gets the answer. */
@@ -101,8 +105,9 @@ static bb_status trace_once(trace_set *set, cell *c, double *ms, double *event_m
     *ms = *event_ms = *cpu_ms = 0;
     if (!reference)
         BB_TRY(bb_bench_layout(set->bench, c->entrant, c->kernel));
-    for (uint32_t from = 0; from < c->count; from += set->batch) {
-        uint32_t count = c->count - from < set->batch ? c->count - from : set->batch;
+    uint32_t batch = set->bench->batch;
+    for (uint32_t from = 0; from < c->count; from += batch) {
+        uint32_t count = c->count - from < batch ? c->count - from : batch;
         BB_TRY(load_batch(set, from, count));
         BB_TRY(poison(set, count));
         if (reference)
@@ -147,7 +152,7 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
     /* compile for the group size before the clock runs */
     uint32_t few = c->count < c->record.group_size ? c->count : c->record.group_size;
-    BB_TRY(bb_tracer_launch(c->tracer, layout, &set->rays->on_device, few, &bench->hits, NULL));
+    BB_TRY(bb_tracer_launch(c->tracer, layout, &bench->rays, few, &bench->hits, NULL));
     BB_TRY(bb_finish(bench->device));
     return bb_bench_step(bench, "compile kernels", start);
 }
@@ -155,10 +160,10 @@ static bb_status prepare_cell(trace_set *set, cell *c)
 /* Judges set->hits unless the same answer has been judged before. Of two different answers of one cell the worse one counts. */
 static bb_status judge_cell(trace_set *set, cell *c)
 {
+    double start = bb_wall_ms();
     uint64_t hash = XXH3_64bits(set->hits, c->count * sizeof(bb_hit));
     if (c->judged && hash == c->hits_hash)
-        return BB_OK;
-    double start = bb_wall_ms();
+        return bb_bench_step(set->bench, "judge answers", start);
     bb_accuracy accuracy;
     BB_TRY(bb_judge(set->bench->oracle, &set->answers, set->hits, c->count, NULL, &accuracy));
     if (!c->judged || accuracy.wrong_ppm > c->record.accuracy.wrong_ppm)
@@ -169,20 +174,14 @@ static bb_status judge_cell(trace_set *set, cell *c)
     return bb_bench_step(set->bench, "judge answers", start);
 }
 
-/* Rays that the counting variant traces: a mean over so many is sure to half a percent. */
-enum { COUNTED_RAYS = 65536 };
-
 /* Every so-manieth ray of the cell, to the device. */
-static bb_status load_sample(trace_set *set, uint32_t of, uint32_t count, bb_buffer *buffer)
+static bb_status load_sample(trace_set *set, uint32_t of, uint32_t count)
 {
     bb_ray *sample = NULL;
     BB_TRY(bb_host_alloc(NULL, count * sizeof *sample, "sample of rays", &sample));
     for (uint32_t i = 0; i < count; i++)
         sample[i] = set->rays->rays[(uint64_t)i * of / count];
-    bb_status status = bb_buffer_reserve(set->bench->device, &set->bench->account,
-                                         count * sizeof *sample, "sample of rays", buffer);
-    if (status == BB_OK)
-        status = bb_buffer_write(buffer, 0, count * sizeof *sample, sample);
+    bb_status status = bb_buffer_write(&set->bench->sample, 0, count * sizeof *sample, sample);
     bb_host_free(sample);
     return status;
 }
@@ -191,9 +190,7 @@ static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32
                               bb_count *counts)
 {
     bb_bench *bench = set->bench;
-    BB_TRY(load_sample(set, c->count, count, &bench->sample));
-    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, count * sizeof *counts,
-                             "counts of tests", &bench->counts));
+    BB_TRY(load_sample(set, c->count, count));
     BB_TRY(bb_tracer_launch(tracer, &c->entrant->layouts[c->kernel], &bench->sample, count,
                             &bench->hits, &bench->counts));
     return bb_buffer_read(&bench->counts, 0, count * sizeof *counts, counts);
@@ -211,7 +208,7 @@ static bb_status count_tests(trace_set *set, cell *c)
     bb_tracer *tracer;
     BB_TRY(bb_tracer_get(bench->device, &request, &tracer));
     /* brute force tests all primitives with each ray: a few rays tell */
-    uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : COUNTED_RAYS;
+    uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : BB_COUNTED_RAYS;
     uint32_t count = c->count < most ? c->count : most;
     bb_count *counts = NULL;
     BB_TRY(bb_host_alloc(NULL, count * sizeof *counts, "counts of tests", &counts));
@@ -227,6 +224,7 @@ static bb_status count_tests(trace_set *set, cell *c)
     c->record.node_tests_per_ray = (double)nodes / count;
     c->record.prim_tests_per_ray = (double)prims / count;
     c->record.overflowed = overflowed;
+    c->record.counted = count;
     return bb_bench_step(bench, "count tests", start);
 }
 
@@ -245,6 +243,7 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
     bb_rays *rays = set->rays;
     *c = (cell){.entrant = entrant, .kernel = kernel, .intersector = intersector};
     bb_trace_record *r = &c->record;
+    bb_trace_record_init(r);
     r->build = entrant->record.id;
     r->reference = entrant->reference;
     snprintf(r->scene, sizeof r->scene, "%s", bench->scene->name);
@@ -261,7 +260,8 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
     }
     r->query = rays->query;
     r->rays_hash = rays->hash;
-    r->node_tests_per_ray = r->prim_tests_per_ray = NAN;
+    r->rays_spec = &rays->spec;
+    r->rays_options = rays->workload->options;
     r->status = entrant->record.status;
     snprintf(r->reason, sizeof r->reason, "%s", entrant->record.reason);
     r->counts_for_exit = !entrant->reference && intersector->exact;
@@ -293,14 +293,12 @@ static bb_status start_set(trace_set *set)
                 start_cell(set, &set->cells[set->count++], entrant, k,
                            bb_intersector_find(request->intersectors[i]));
     }
-    set->batch = set->rays->count < BB_BATCH ? set->rays->count : BB_BATCH;
+    set->order = calloc(most, sizeof *set->order);
+    if (set->order == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
     BB_TRY(bb_host_alloc(NULL, set->rays->count * sizeof(bb_hit), "hits", &set->hits));
-    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, set->batch * sizeof(bb_hit), "hits",
-                             &bench->hits));
-    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, set->batch * sizeof(bb_ray), "rays",
-                             &set->rays->on_device));
-    BB_TRY(bb_buffer_write(&set->rays->on_device, 0, set->batch * sizeof(bb_ray),
-                           set->rays->rays));
+    uint32_t first = set->rays->count < bench->batch ? set->rays->count : bench->batch;
+    BB_TRY(bb_buffer_write(&bench->rays, 0, first * sizeof(bb_ray), set->rays->rays));
     double start = bb_wall_ms();
     BB_TRY(bb_answers_make(bench->oracle, set->rays, &set->answers));
     return bb_bench_step(bench, "oracle: trace", start);
@@ -308,12 +306,9 @@ static bb_status start_set(trace_set *set)
 
 static void run_round(trace_set *set)
 {
-    uint32_t *order = malloc(set->count * sizeof *order);
-    if (order == NULL)
-        return;
-    bb_bench_shuffle(set->bench, order, set->count);
+    bb_bench_shuffle(set->bench, set->order, set->count);
     for (uint32_t i = 0; i < set->count; i++) {
-        cell *c = &set->cells[order[i]];
+        cell *c = &set->cells[set->order[i]];
         bb_progress_step(set->bench->progress);
         if (c->record.status != BB_OK)
             continue;
@@ -321,6 +316,7 @@ static void run_round(trace_set *set)
         bb_status status = trace_once(set, c, &ms, &event_ms, &cpu_ms);
         if (status == BB_OK) {
             bb_samples_add(&c->record.ms, ms);
+            set->bench->trace_ms += ms;
             bb_samples_add(&c->record.event_ms, event_ms);
             bb_samples_add(&c->record.cpu_ms, cpu_ms);
             status = judge_cell(set, c);
@@ -328,7 +324,6 @@ static void run_round(trace_set *set)
         if (status != BB_OK)
             note_failure(c, status);
     }
-    free(order);
 }
 
 static bb_status record_cell(trace_set *set, cell *c)
@@ -341,7 +336,8 @@ static bb_status record_cell(trace_set *set, cell *c)
             note_failure(c, status);
     }
     r->wrong = r->has_accuracy && r->accuracy.wrong_ppm > bench->request->max_wrong_ppm;
-    if (r->counts_for_exit && (r->wrong || r->status == BB_FAILED))
+    bool failed = strcmp(bb_status_word(r->status), "failed") == 0;
+    if (r->counts_for_exit && c->entrant->record.status == BB_OK && (r->wrong || failed))
         bench->wrong++;
     return bb_results_add_trace(bench->results, r);
 }
@@ -370,6 +366,7 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
 out:
     bb_answers_release(&set.answers);
     bb_host_free(set.hits);
+    free(set.order);
     free(set.cells);
     return status;
 }

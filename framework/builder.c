@@ -129,10 +129,11 @@ bb_status bb_builder_validate(const bb_builder *builder)
                        "builder made for ABI version %u, this bvhbench has %d: build it again with "
                        "this one's headers",
                        builder->abi_version, BB_ABI_VERSION);
-    if (!is_name(builder->name) || strcmp(builder->name, "all") == 0)
+    if (!is_name(builder->name) || strcmp(builder->name, "all") == 0 ||
+        strcmp(builder->name, BB_REFERENCE_NAME) == 0)
         return bb_fail(BB_INVALID,
                        "builder with the bad name '%.40s': a letter, then a-z, 0-9 and '-', and "
-                       "not \"all\"",
+                       "neither \"all\" nor \"" BB_REFERENCE_NAME "\"",
                        builder->name == NULL ? "" : builder->name);
     const uint32_t kinds = BB_TRIANGLES | BB_SPHERES;
     const uint32_t inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY | BB_INPUT_TREE;
@@ -244,9 +245,13 @@ bb_status bb_phase(bb_phases *phases, const char *name)
             BB_TRY(bb_finish(phases->device));
     }
     double now = bb_wall_ms();
-    if (phases->current >= 0)
+    if (phases->current >= 0) {
         phases->ms[phases->current] += now - phases->started;
+        if (phases->outside)
+            phases->outside_ms += now - phases->started;
+    }
     phases->current = -1;
+    phases->outside = false;
     if (name == NULL)
         return BB_OK;
     uint32_t index = 0;
@@ -260,5 +265,12 @@ bb_status bb_phase(bb_phases *phases, const char *name)
     }
     phases->current = (int32_t)index;
     phases->started = now;
+    return BB_OK;
+}
+
+bb_status bb_phase_outside(bb_phases *phases, const char *name)
+{
+    BB_TRY(bb_phase(phases, name));
+    phases->outside = true;
     return BB_OK;
 }

@@ -77,6 +77,9 @@ bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint
     if (sscanf(value, "%5ux%5u%c", &w, &h, &rest) != 2 || w < 1 || h < 1 || w > 65536 || h > 65536)
         return bb_fail(BB_INVALID, "--%s is '%s', must be WIDTHxHEIGHT, such as 512x512", name,
                        value);
+    if ((uint64_t)w * h > BB_PIXELS_MAX)
+        return bb_fail(BB_INVALID, "--%s is '%s': at most %u pixels at once", name, value,
+                       (unsigned)BB_PIXELS_MAX);
     *width = w;
     *height = h;
     return BB_OK;
@@ -138,8 +141,8 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
     for (; command->options[count].name != NULL; count++)
         table[count] = (struct option){
             command->options[count].name,
-            command->options[count].argument != NULL ? required_argument : no_argument, NULL, 0};
-    table[count] = (struct option){"help", no_argument, NULL, 0};
+            command->options[count].argument != NULL ? required_argument : no_argument, NULL, 256};
+    table[count] = (struct option){"help", no_argument, NULL, 256};
 
     opterr = 0;
     optind = 1;
@@ -149,6 +152,12 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
         if (got == ':')
             return bb_fail(BB_INVALID, "%s: %s needs a value: see `bvhbench %s --help`",
                            command->name, given, command->name);
+        if (got == '?' && optopt > 0 && given[0] == '-' && given[1] == '-')
+            return bb_fail(BB_INVALID, "%s: '%s': this option takes no value: see `bvhbench %s --help`",
+                           command->name, given, command->name);
+        if (got == '?' && optopt > 0)
+            return bb_fail(BB_INVALID, "%s: unknown option '-%c': see `bvhbench %s --help`",
+                           command->name, optopt, command->name);
         if (got == '?')
             return bb_fail(BB_INVALID, "%s: unknown option '%s': see `bvhbench %s --help`",
                            command->name, given, command->name);

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { BB_CLI_OPTIONS_MAX = 24, BB_CLI_VALUES_MAX = 256 };
+enum { BB_CLI_OPTIONS_MAX = 24, BB_CLI_VALUES_MAX = 256, BB_PIXELS_MAX = 1 << 27 };
 
 /* The program's exit statuses. */
 enum {
@@ -54,7 +54,7 @@ bb_status bb_cli_u64(const bb_cli *cli, const char *name, uint64_t fallback, uin
                      uint64_t high, uint64_t *out);
 bb_status bb_cli_double(const bb_cli *cli, const char *name, double fallback, double low,
                         double high, double *out);
-/* "WxH"; both at least 1 and at most 65536. */
+/* "WxH"; both at least 1 and at most 65536, BB_PIXELS_MAX together. */
 bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint32_t *height);
 
 /* Parses and runs; returns the exit status. `commands` ends with NULL. */

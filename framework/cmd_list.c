@@ -1,7 +1,6 @@
 /* bvhbench list: what there is to choose from. */
 #include "framework/builder.h"
-#include "framework/cli.h"
-#include "framework/device_option.h"
+#include "framework/choice.h"
 #include "framework/embree.h"
 #include "framework/rays.h"
 #include "framework/scene.h"
@@ -141,8 +140,8 @@ static void print_list(const char *kind, const cJSON *list)
         cJSON_ArrayForEach(option, cJSON_GetObjectItem(entry, "options"))
         {
             const char *values = text_of(option, "values");
-            printf("      %s=%s%s%s  %s%s%s\n", text_of(option, "name"), text_of(option, "default"),
-                   "", "", text_of(option, "help"), values[0] != '\0' ? ": " : "", values);
+            printf("      %s=%s  %s%s%s\n", text_of(option, "name"), text_of(option, "default"),
+                   text_of(option, "help"), values[0] != '\0' ? ": " : "", values);
         }
     }
     printf("\n");

@@ -1,7 +1,6 @@
 /* bvhbench render: one picture of a view, traced by a builder's tree and a kernel. */
 #include "framework/builder.h"
-#include "framework/cli.h"
-#include "framework/device_option.h"
+#include "framework/choice.h"
 #include "framework/image.h"
 #include "framework/instance.h"
 #include "framework/oracle.h"
@@ -216,6 +215,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (strcmp(view, "depth") != 0 && strcmp(view, "normal") != 0 && strcmp(view, "heat") != 0 &&
         strcmp(view, "diff") != 0)
         return bb_fail(BB_INVALID, "--view is '%s', must be depth, normal, heat or diff", view);
+    BB_TRY(bb_image_check(out));
     BB_TRY(bb_load_plugins(cli));
     BB_TRY(choose_builder(cli, &builder));
     BB_TRY(choose_kernel(cli, &r));

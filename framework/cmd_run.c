@@ -1,13 +1,13 @@
 /* bvhbench run: the comparison. */
 #include "framework/bench.h"
-#include "framework/builder.h"
+#include "framework/choice.h"
 #include "framework/cli.h"
 #include "framework/clock.h"
-#include "framework/device_option.h"
 #include "framework/report.h"
 #include "framework/scene.h"
 #include "traversal/traversal.h"
 
+#include <cjson/cJSON.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@
 
 static const bb_cli_option options[] = {
     {"scene", "S", "a file (.gltf, .glb), a shipped or a procedural scene; default: the shipped ones", true},
-    {"builder", "B", "name:key=value,...; `all`; default: those that each builder names for it", true},
+    {"builder", "B", "name:key=value,...; `all`; default: what each builder names for it", true},
     {"kernel", "K", "traversal kernel, or `all`; default: all", true},
     {"rays", "R", "workload; default: primary, ao, diffuse, shadow, random", true},
     {"intersector", "I", "rounding rules of the tests; default: exact", true},
@@ -37,86 +37,28 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
-enum { NAMES_MAX = 64 };
-
-/* A list of specifications that the request points into. */
-typedef struct names {
-    char *items[NAMES_MAX];
-    size_t count;
-} names;
-
-static bb_status add_name(names *list, const char *text)
+/* The builders, and the reference rows, which are in every result. */
+static bb_status choose_builders(const bb_cli *cli, bb_names *names)
 {
-    return bb_spec_list(text, list->items, NAMES_MAX, &list->count);
+    bool referenced = false;
+    BB_TRY(bb_choose_builders(cli, false, names));
+    for (size_t i = 0; i < names->count; i++)
+        referenced = referenced || bb_is_reference(names->items[i]);
+    if (referenced)
+        return BB_OK;
+    return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
+                               "embree-native:quality=medium,mode=fast,"
+                               "embree-native:quality=high,mode=fast");
 }
 
-static void free_names(names *list)
-{
-    for (size_t i = 0; i < list->count; i++)
-        free(list->items[i]);
-}
-
-static bool asks_for_all(char *const *values, uint32_t count)
-{
-    return count == 1 && strcmp(values[0], "all") == 0;
-}
-
-/* What was given, in order; or the default text. */
-static bb_status choose(const bb_cli *cli, const char *option, const char *fallback, names *list)
-{
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, option, &count);
-    if (count == 0)
-        return add_name(list, fallback);
-    if (count > NAMES_MAX)
-        return bb_fail(BB_INVALID, "--%s: at most %d at once", option, NAMES_MAX);
-    for (uint32_t i = 0; i < count; i++)
-        list->items[list->count++] = strdup(values[i]);
-    return BB_OK;
-}
-
-/* Builders: what was given; else what each builder names for the comparison. Then the reference rows, in every result. */
-static bb_status choose_builders(const bb_cli *cli, names *list)
-{
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, "builder", &count);
-    bool all = asks_for_all(values, count), referenced = false;
-    for (uint32_t i = 0; i < bb_builder_count() && (all || count == 0); i++) {
-        const bb_builder *builder = bb_builder_at(i);
-        const char *compared = all || builder->compared == NULL ? builder->name : builder->compared;
-        if (compared[0] != '\0')
-            BB_TRY(add_name(list, compared));
-    }
-    if (!all && count > 0)
-        BB_TRY(choose(cli, "builder", "", list));
-    for (size_t i = 0; i < list->count; i++)
-        referenced = referenced || bb_is_reference(list->items[i]);
-    if (!referenced)
-        BB_TRY(add_name(list, "embree-native:quality=medium,mode=robust,"
-                              "embree-native:quality=medium,mode=fast,"
-                              "embree-native:quality=high,mode=fast"));
-    return BB_OK;
-}
-
-static bb_status choose_kernels(const bb_cli *cli, names *list)
-{
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, "kernel", &count);
-    if (count > 0 && !asks_for_all(values, count))
-        return choose(cli, "kernel", "", list);
-    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-        BB_TRY(add_name(list, (*kernel)->name));
-    return BB_OK;
-}
-
-static bb_status choose_scenes(const bb_cli *cli, names *list)
+static bb_status choose_scenes(const bb_cli *cli, bb_names *names)
 {
     uint32_t count;
     bb_cli_values(cli, "scene", &count);
     if (count > 0)
-        return choose(cli, "scene", "", list);
+        return bb_choose(cli, "scene", "", names);
     for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
-        BB_TRY(add_name(list, *name));
+        BB_TRY(bb_names_add(names, *name));
     return BB_OK;
 }
 
@@ -148,20 +90,37 @@ static bb_status make_folder(const char *path)
     return BB_OK;
 }
 
-static bb_status write_results(bb_results *results, const char *folder, bool quiet)
+/* The file first: it is what must not be lost. It is written again with the time that the page took. */
+static bb_status write_results(bb_results *results, const char *folder, const bb_bench_times *times,
+                               bool quiet)
 {
     char json[1100], html[1100];
     snprintf(json, sizeof json, "%s/results.json", folder);
     snprintf(html, sizeof html, "%s/report.html", folder);
     double start = bb_wall_ms();
+    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
+    BB_TRY(bb_results_write(results, json));
     BB_TRY(bb_report_html(results, folder, html));
-    BB_TRY(bb_results_add_step(results, "report", bb_wall_ms() - start));
-    /* written twice: the page shows its own time only the second time */
+    double ms = bb_wall_ms() - start;
+    BB_TRY(bb_results_add_step(results, "report", ms));
+    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms + ms));
     BB_TRY(bb_report_html(results, folder, html));
     BB_TRY(bb_results_write(results, json));
     if (!quiet)
         fprintf(stderr, "wrote %s and %s\n", json, html);
     return bb_report_table(results, stdout);
+}
+
+/* A comparison that could not be finished: what was measured is kept; its message goes on. */
+static bb_status keep_results(bb_results *results, const char *folder, bb_status status)
+{
+    char reason[1024], json[1100];
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    snprintf(json, sizeof json, "%s/results.json", folder);
+    const cJSON *traces = cJSON_GetObjectItem(bb_results_json(results), "traces");
+    if (cJSON_GetArraySize(traces) == 0 || bb_results_write(results, json) != BB_OK)
+        return bb_fail(status, "%s", reason);
+    return bb_fail(status, "%s (what was measured before is in %s)", reason, json);
 }
 
 static char *join_command(const bb_cli *cli)
@@ -196,8 +155,9 @@ static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
-    names scenes = {0}, builders = {0}, kernels = {0}, workloads = {0}, intersectors = {0};
+    bb_names scenes = {0}, builders = {0}, kernels = {0}, workloads = {0}, intersectors = {0};
     bb_bench_request request = {0};
+    bb_bench_times times = {0};
     bb_results *results = NULL;
     char *command = join_command(cli);
     uint32_t wrong = 0;
@@ -207,11 +167,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = choose_builders(cli, &builders);
     if (status == BB_OK)
-        status = choose_kernels(cli, &kernels);
+        status = bb_choose_kernels(cli, &kernels);
     if (status == BB_OK)
-        status = choose(cli, "rays", "primary,ao,diffuse,shadow,random", &workloads);
+        status = bb_choose(cli, "rays", "primary,ao,diffuse,shadow,random", &workloads);
     if (status == BB_OK)
-        status = choose(cli, "intersector", "exact", &intersectors);
+        status = bb_choose(cli, "intersector", "exact", &intersectors);
     if (status == BB_OK)
         status = fill_request(cli, &request);
     request.scenes = scenes.items;
@@ -234,20 +194,23 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_results_create(&(bb_context){request.device, request.seed, command}, &results);
     if (status == BB_OK)
-        status = bb_bench_run(&request, results, &wrong);
+        status = bb_bench_run(&request, results, &wrong, &times);
     if (status == BB_OK)
-        status = write_results(results, folder, request.quiet);
+        status = write_results(results, folder, &times, request.quiet);
+    else if (results != NULL)
+        status = keep_results(results, folder, status);
     if (status == BB_OK && wrong > 0) {
-        fprintf(stderr, "bvhbench: %u cells or builds are wrong: see the rows marked WRONG or failed\n", wrong);
+        fprintf(stderr, "bvhbench: %u cells or builds are wrong: see the rows marked WRONG or failed\n",
+                wrong);
         *exit_status = BB_EXIT_WRONG;
     }
     bb_results_destroy(results);
     bb_device_close(request.device);
-    free_names(&scenes);
-    free_names(&builders);
-    free_names(&kernels);
-    free_names(&workloads);
-    free_names(&intersectors);
+    bb_names_free(&scenes);
+    bb_names_free(&builders);
+    bb_names_free(&kernels);
+    bb_names_free(&workloads);
+    bb_names_free(&intersectors);
     free(command);
     return status;
 }
@@ -255,7 +218,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
-    .details = "A comma starts a new item of a list unless what follows is key=value. Exit status 1: a cell with the\n"
+    .details = "Unless an embree-native:... is among the builders, three of them are added as reference rows.\n"
+               "A comma starts a new item of a list unless what follows is key=value. Exit status 1: a cell with the\n"
                "intersector `exact` has more wrong answers than --max-wrong-ppm, or a builder or kernel failed.",
     .options = options,
     .run = run,

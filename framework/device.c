@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 
 enum { DEVICES_MAX = 64 };
 
@@ -101,7 +102,6 @@ static void query_device(bb_device *device)
     cl_device_type type = 0;
     cl_uint units = 1;
     cl_ulong global = 0, largest = 0, local = 0;
-    cl_device_fp_config fp64 = 0;
     clGetDeviceInfo(device->id, CL_DEVICE_NAME, sizeof device->name, device->name, NULL);
     clGetDeviceInfo(device->id, CL_DRIVER_VERSION, sizeof device->driver, device->driver, NULL);
     clGetDeviceInfo(device->id, CL_DEVICE_VERSION, sizeof device->version, device->version, NULL);
@@ -110,11 +110,9 @@ static void query_device(bb_device *device)
     clGetDeviceInfo(device->id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof global, &global, NULL);
     clGetDeviceInfo(device->id, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof largest, &largest, NULL);
     clGetDeviceInfo(device->id, CL_DEVICE_LOCAL_MEM_SIZE, sizeof local, &local, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof fp64, &fp64, NULL);
     clGetDeviceInfo(device->id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof device->max_group_size,
                     &device->max_group_size, NULL);
     device->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
-    device->has_fp64 = fp64 != 0;
     device->compute_units = units;
     device->global_bytes = global;
     device->largest_allocation = largest;
@@ -124,6 +122,9 @@ static void query_device(bb_device *device)
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
                          bb_device **out)
 {
+    struct stat info;
+    if (kernel_folder != NULL && (stat(kernel_folder, &info) != 0 || !S_ISDIR(info.st_mode)))
+        return bb_fail(BB_INVALID, "%s is no folder to read device code from", kernel_folder);
     found_device selected = {0};
     BB_TRY(select_device(selector, &selected));
     bb_device *device = calloc(1, sizeof *device);
@@ -134,7 +135,7 @@ bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_
     query_device(device);
     device->form = form != BB_FORM_AUTO ? form : device->is_cpu ? BB_FORM_CPU : BB_FORM_GPU;
     device->kernel_folder = kernel_folder;
-    strcpy(device->sources, kernel_folder != NULL ? "folder" : "embedded");
+    strcpy(device->sources, "embedded");
 
     cl_int error;
     device->context = clCreateContext(NULL, 1, &device->id, NULL, NULL, &error);

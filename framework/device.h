@@ -30,7 +30,6 @@ typedef struct bb_device {
     char driver[128];
     char version[128]; /* CL_DEVICE_VERSION */
     bool is_cpu;       /* shares memory with the host */
-    bool has_fp64;
     bb_form form; /* BB_FORM_CPU or BB_FORM_GPU, never AUTO */
     uint32_t compute_units;
     size_t max_group_size;
@@ -121,7 +120,6 @@ typedef struct bb_arg {
 
 #define BB_MEM(buffer) ((bb_arg){sizeof(cl_mem), &(buffer).mem})
 #define BB_VALUE(variable) ((bb_arg){sizeof(variable), &(variable)})
-#define BB_LOCAL(bytes) ((bb_arg){(bytes), NULL})
 
 /* Sets the arguments and enqueues; does not wait. `global` is rounded up to a multiple of `local`:
  * kernels compare their id with a count. */

@@ -12,7 +12,7 @@
 #include "framework/clock.h"
 #include "framework/threads.h"
 
-#include <embree3/rtcore.h>
+#include "framework/embree_api.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -224,7 +224,7 @@ static void trace_any(trace_job *job, size_t begin, size_t end)
         struct RTCRay ray = convert(&job->rays[i]);
         rtcOccluded1(job->embree->scene, &context, &ray);
         bool occluded = ray.tfar < 0.0f && isinf(ray.tfar);
-        job->hits[i] = occluded ? (bb_hit){0.0f, 0} : (bb_hit){INFINITY, BB_NONE};
+        job->hits[i] = occluded ? (bb_hit){0.0f, BB_UNNAMED} : (bb_hit){INFINITY, BB_NONE};
     }
 }
 

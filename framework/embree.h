@@ -18,7 +18,7 @@ bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t 
 void bb_embree_destroy(bb_embree *embree);
 
 /* Traces with rtcIntersect1 / rtcOccluded1 on all threads, which take chunks from one counter. A ray that hits has t and
- * primitive of the scene's numbering. For any-hit queries a hit is (t = 0, prim = 0): Embree does not say which. */
+ * primitive of the scene's numbering. For any-hit queries a hit is (0, BB_UNNAMED): Embree does not say which. */
 bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count, bb_query query,
                           bb_hit *hits);
 

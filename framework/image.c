@@ -173,6 +173,22 @@ static bb_status exr_decode(const char *path, const char *data, size_t size, flo
 
 /* ---- by ending ---- */
 
+bb_status bb_image_check(const char *path)
+{
+    exr_module module;
+    if (ends_with(path, ".exr"))
+        BB_TRY(exr_load(&module));
+    else if (!ends_with(path, ".png"))
+        return bb_fail(BB_INVALID, "picture %s: the ending must be .png or .exr", path);
+    char *folder = bb_file_folder(path);
+    bool writable = folder != NULL && access(folder, W_OK | X_OK) == 0;
+    free(folder);
+    if (!writable)
+        return bb_fail(BB_INVALID, "picture %s: its folder cannot be written: choose another",
+                       path);
+    return BB_OK;
+}
+
 bb_status bb_image_write(const char *path, const float *rgb, uint32_t width, uint32_t height)
 {
     if (width < 1 || height < 1 || width > SIDE_MAX || height > SIDE_MAX ||

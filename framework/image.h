@@ -12,6 +12,9 @@
  * if the build has no EXR module. */
 bb_status bb_image_write(const char *path, const float *rgb, uint32_t width, uint32_t height);
 
+/* Checks, before the work, that a picture can be written to `path`: ending, module, folder. */
+bb_status bb_image_check(const char *path);
+
 /* Reads a picture back into *rgb (from bb_host_alloc); for tests and later comparisons. */
 bb_status bb_image_read(const char *path, float **rgb, uint32_t *width, uint32_t *height);
 

@@ -80,7 +80,8 @@ bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool e
     BB_TRY(builder->build(instance->self, scene, NULL, &instance->tree, phases));
     BB_TRY(bb_phase(phases, NULL));
     BB_TRY(bb_finish(device));
-    *ms = bb_wall_ms() - start;
+    *ms = bb_wall_ms() - start - phases->outside_ms;
+    bb_tree_changed(&instance->tree);
     if (builder->place == BB_ON_DEVICE)
         BB_TRY(bb_tree_fetch_info(&instance->tree));
     return BB_OK;

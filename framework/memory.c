@@ -47,6 +47,9 @@ static uint64_t host_memory(void)
     return bytes;
 }
 
+/* All that is booked in the process: several blocks that fit each on their own may not fit together. */
+static uint64_t host_bytes;
+
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out)
 {
     void *old;
@@ -55,15 +58,19 @@ bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, voi
     void *block = NULL;
     memcpy(out, &block, sizeof block);
 
-    if (bytes > host_memory() - sizeof(header) - 64)
-        return bb_fail(BB_REFUSED, "%s needs %zu bytes, the host has %llu: take a smaller scene",
-                       what, bytes, (unsigned long long)host_memory());
+    uint64_t in_use = __atomic_load_n(&host_bytes, __ATOMIC_RELAXED);
+    if (bytes > host_memory() || bytes + sizeof(header) + 64 + in_use > host_memory())
+        return bb_fail(BB_REFUSED,
+                       "%s needs %zu bytes, the host has %llu, of which %llu are in use: take a "
+                       "smaller scene",
+                       what, bytes, (unsigned long long)host_memory(), (unsigned long long)in_use);
     size_t whole = (bytes + sizeof(header) + 63) / 64 * 64;
     header *head = aligned_alloc(64, whole);
     if (head == NULL)
         return bb_fail(BB_REFUSED, "%s needs %zu bytes, which the host refused", what, bytes);
     head->bytes = bytes;
     head->account = account;
+    __atomic_add_fetch(&host_bytes, bytes, __ATOMIC_RELAXED);
     bb_account_add(account, bytes);
     block = head + 1;
     memcpy(out, &block, sizeof block);
@@ -76,5 +83,6 @@ void bb_host_free(void *pointer)
         return;
     header *head = (header *)pointer - 1;
     bb_account_subtract(head->account, head->bytes);
+    __atomic_sub_fetch(&host_bytes, head->bytes, __ATOMIC_RELAXED);
     free(head);
 }

@@ -89,12 +89,14 @@ typedef struct judge_job {
     uint8_t *classes;
     float *ulps;    /* error of t of the right hits; NAN: none */
     uint32_t *open; /* the rays that go to the arbiter */
-    _Atomic uint64_t margin_limited, oracle_wrong;
+    _Atomic uint64_t margin_limited, oracle_wrong, forgiven;
 } judge_job;
 
 /* Whether a kernel wrote this: a miss is (inf, BB_NONE), a hit a number and a primitive. */
-static bool is_written(const bb_scene *scene, const bb_hit *hit)
+static bool is_written(const bb_scene *scene, bb_query query, const bb_hit *hit)
 {
+    if (query == BB_ANY_HIT && hit->prim == BB_UNNAMED)
+        return true;
     if (hit->prim == BB_NONE)
         return isinf(hit->t) && hit->t > 0.0f;
     return hit->prim < scene->prim_count && isfinite(hit->t);
@@ -102,7 +104,7 @@ static bool is_written(const bb_scene *scene, const bb_hit *hit)
 
 static bool is_unnamed(bb_query query, const bb_hit *hit)
 {
-    return query == BB_ANY_HIT && hit->prim != BB_NONE && hit->t == 0.0f;
+    return query == BB_ANY_HIT && hit->prim == BB_UNNAMED;
 }
 
 static bool is_limited(const bb_scene *scene, uint32_t prim, double eps)
@@ -131,7 +133,7 @@ static uint8_t judge_quickly(judge_job *job, size_t i, uint64_t *limited)
     const bb_hit *hit = &job->hits[i], *expected = &job->expected[i];
     bb_query query = job->rays->query;
     job->ulps[i] = NAN;
-    if (!is_written(scene, hit))
+    if (!is_written(scene, query, hit))
         return BB_UNWRITTEN;
 
     const bb_hit *named = hit->prim != BB_NONE && !is_unnamed(query, hit) ? hit : expected;
@@ -185,7 +187,7 @@ static void slow_chunk(void *context, size_t begin, size_t end, uint32_t thread)
     (void)thread;
     judge_job *job = context;
     const bb_arbiter *arbiter = &job->oracle->arbiter;
-    uint64_t oracle_wrong = 0;
+    uint64_t oracle_wrong = 0, forgiven = 0;
     for (size_t n = begin; n < end; n++) {
         uint32_t i = job->open[n];
         const bb_ray *ray = &job->rays->rays[i];
@@ -193,6 +195,7 @@ static void slow_chunk(void *context, size_t begin, size_t end, uint32_t thread)
         bb_query query = job->rays->query;
         bool must_hit = job->rays->must_hit;
         uint8_t class = bb_arbiter_judge(arbiter, ray, hit, query, must_hit);
+        forgiven += class == BB_RIGHT && !must_hit && bb_arbiter_forgives(arbiter, ray, hit, query);
         double t;
         if (class == BB_RIGHT && hit->prim != BB_NONE && !is_unnamed(query, hit) &&
             bb_exact_t(arbiter->scene, ray, hit->prim, hit->t, &t))
@@ -204,6 +207,7 @@ static void slow_chunk(void *context, size_t begin, size_t end, uint32_t thread)
         oracle_wrong += bb_arbiter_judge(arbiter, ray, expected, query, must_hit) != BB_RIGHT;
     }
     atomic_fetch_add_explicit(&job->oracle_wrong, oracle_wrong, memory_order_relaxed);
+    atomic_fetch_add_explicit(&job->forgiven, forgiven, memory_order_relaxed);
 }
 
 /* ---- counting ---- */
@@ -324,6 +328,7 @@ bb_status bb_judge(bb_oracle *oracle, const bb_answers *answers, const bb_hit *h
     measure_ulps(&job, count, accuracy);
     accuracy->margin_limited = atomic_load(&job.margin_limited);
     accuracy->oracle_wrong = atomic_load(&job.oracle_wrong);
+    accuracy->forgiven = atomic_load(&job.forgiven);
     accuracy->judge_ms = bb_wall_ms() - start;
 out:
     bb_host_free(job.open);

@@ -48,6 +48,7 @@ typedef struct bb_accuracy {
     uint64_t unwritten;
     uint64_t margin_limited;
     uint64_t oracle_wrong; /* disagreements in which Embree's own answer is missed, false or wrong t */
+    uint64_t forgiven;     /* right, but wrong by the letter: see bb_arbiter_forgives() */
     uint64_t arbitrated;   /* rays that went to exact arithmetic */
     double wrong_ppm;      /* (missed + false + wrong t) per million */
     double t_ulp_max;      /* NAN if no hit was right */

@@ -23,7 +23,7 @@ static bool has_ending(const char *name, const char *ending)
 }
 
 /* Text of FOLDER/NAME if the device has an edit-and-run folder and the file is there; else NULL. Freed by the caller. */
-static char *read_override(const bb_device *device, const char *name)
+static char *read_override(bb_device *device, const char *name)
 {
     if (device->kernel_folder == NULL)
         return NULL;
@@ -44,6 +44,7 @@ static char *read_override(const bb_device *device, const char *name)
         text[used] = '\0';
     } while (got > 0);
     fclose(file);
+    strcpy(device->sources, "folder");
     return text;
 }
 

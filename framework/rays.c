@@ -62,7 +62,7 @@ static const bb_option random_options[] = {
 };
 
 static const bb_option edges_options[] = {
-    {"count", "1048576", NULL, "number of rays"},
+    {"count", NULL, NULL, "number of rays, also beyond what the run allows (which is the default)"},
     END_OPTION,
 };
 
@@ -229,6 +229,7 @@ static bb_status begin_job(const bb_scene *scene, const bb_rays_request *request
     job->rays->workload = workload;
     job->rays->query = workload->query;
     snprintf(job->rays->name, sizeof job->rays->name, "%s", spec->text);
+    BB_TRY(bb_spec_parse(spec->text, &job->rays->spec));
     if (request->view != NULL)
         snprintf(job->rays->view, sizeof job->rays->view, "%s", request->view->name);
     return BB_OK;

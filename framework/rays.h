@@ -30,6 +30,7 @@ typedef struct bb_rays {
     char name[128];      /* the specification as given */
     char view[48];       /* name of the view; "" if the set is per scene */
     const bb_workload *workload;
+    bb_spec spec;        /* the specification, parsed */
     bb_query query;
     uint32_t count;
     bb_ray *rays;        /* from bb_host_alloc */

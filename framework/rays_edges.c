@@ -77,9 +77,10 @@ static bool aim(const bb_scene *scene, bool at_vertex, bb_random *random, bb_ray
 bb_status bb_rays_edges(bb_rays_job *job)
 {
     const bb_scene *scene = job->scene;
-    uint64_t count;
+    uint64_t count = job->request->max_rays;
     double radius;
-    BB_TRY(bb_spec_u64(job->request->spec, job->options, "count", 1, INT32_MAX, &count));
+    if (bb_spec_value(job->request->spec, job->options, "count") != NULL)
+        BB_TRY(bb_spec_u64(job->request->spec, job->options, "count", 1, INT32_MAX, &count));
     if (!scene->closed_from_inside || scene->triangle_count == 0)
         return bb_fail(BB_UNSUPPORTED,
                        "rays edges: scene '%s' is not known to be a closed mesh seen from inside",

@@ -339,7 +339,8 @@ static double measured(bb_status status, double value)
 }
 
 /* All parameters: as given, else the declared default; those without either are null. */
-static bool put_params(cJSON *entry, const bb_spec *spec, const bb_option *options)
+static bool put_params(cJSON *entry, const char *name, const bb_spec *spec,
+                       const bb_option *options)
 {
     cJSON *params = cJSON_CreateObject();
     bool ok = params != NULL;
@@ -349,7 +350,7 @@ static bool put_params(cJSON *entry, const bb_spec *spec, const bb_option *optio
         if (cJSON_GetObjectItemCaseSensitive(params, spec->keys[i]) == NULL)
             ok = put_text(params, spec->keys[i], spec->values[i]);
     if (ok)
-        return put(entry, "params", params);
+        return put(entry, name, params);
     cJSON_Delete(params);
     return false;
 }
@@ -410,7 +411,7 @@ bb_status bb_results_add_build(bb_results *results, const bb_build_record *build
     bool ok =
         entry != NULL && put_number(entry, "id", build->id) &&
         put_text(entry, "scene", build->scene) && put_text(entry, "builder", build->spec->text) &&
-        put_params(entry, build->spec, build->options) &&
+        put_params(entry, "params", build->spec, build->options) &&
         put_status(entry, build->status, build->reason) &&
         put_measured(entry, "build_ms", &build->build_ms) && put_number(entry, "mprims_s", rate) &&
         put_number(entry, "cold_ms", measured(build->status, build->cold_ms)) &&
@@ -441,10 +442,12 @@ static bool put_accuracy(cJSON *entry, const bb_trace_record *trace)
         put_number(inner, "ties", (double)accuracy->ties) &&
         put_number(inner, "margin_limited", (double)accuracy->margin_limited) &&
         put_number(inner, "oracle_wrong", (double)accuracy->oracle_wrong) &&
+        put_number(inner, "forgiven", (double)accuracy->forgiven) &&
         put_number(inner, "arbitrated", (double)accuracy->arbitrated) &&
         put_number(inner, "t_ulp_max", accuracy->t_ulp_max) &&
         put_number(inner, "t_ulp_p99", accuracy->t_ulp_p99) &&
-        put_number(inner, "overflowed", (double)trace->overflowed) &&
+        put_number(inner, "overflowed",
+                   trace->counted > 0 ? (double)trace->overflowed : (double)NAN) &&
         put(inner, "first_wrong",
             accuracy->first_wrong == BB_NONE ? cJSON_CreateNull()
                                              : cJSON_CreateNumber(accuracy->first_wrong)) &&
@@ -487,6 +490,8 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
         put_text(entry, "query", bb_query_name(trace->query)) &&
         put_number(entry, "count", trace->count) &&
         put_hash(entry, "rays_hash", trace->rays_hash) &&
+        (trace->rays_spec == NULL ||
+         put_params(entry, "rays_params", trace->rays_spec, trace->rays_options)) &&
         put_size(entry, "group_size", trace->group_size) &&
         put_size(entry, "stack_size", trace->stack_size) &&
         put_status(entry, trace->status, trace->reason) && put_rate(entry, trace) &&
@@ -494,12 +499,13 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
                    measured(trace->status, trace->node_tests_per_ray)) &&
         put_number(entry, "prim_tests_per_ray",
                    measured(trace->status, trace->prim_tests_per_ray)) &&
-        put_accuracy(entry, trace) && put_bool(entry, "counts_for_exit", trace->counts_for_exit) &&
+        put_size(entry, "counted", trace->counted) && put_accuracy(entry, trace) &&
+        put_bool(entry, "counts_for_exit", trace->counts_for_exit) &&
         put_bool(entry, "wrong", trace->wrong) && put_bool(entry, "reference", trace->reference);
     return append(results, "traces", entry, ok);
 }
 
-/* ---- steps and pictures ---- */
+/* ---- times, skipped sets, pictures ---- */
 
 bb_status bb_results_add_step(bb_results *results, const char *name, double ms)
 {
@@ -509,6 +515,26 @@ bb_status bb_results_add_step(bb_results *results, const char *name, double ms)
         return put_number(steps, name, ms) ? BB_OK : no_memory();
     cJSON_SetNumberValue(known, known->valuedouble + ms);
     return BB_OK;
+}
+
+bb_status bb_results_set_total(bb_results *results, double build_ms, double trace_ms,
+                               double total_ms)
+{
+    double steps_ms = 0;
+    const cJSON *step;
+    cJSON_ArrayForEach(step, cJSON_GetObjectItemCaseSensitive(results->root, "steps_ms"))
+    {
+        if (cJSON_IsNumber(step))
+            steps_ms += step->valuedouble;
+    }
+    const bb_named_ms times[] = {
+        {"build", build_ms}, {"trace", trace_ms},
+        {"steps", steps_ms}, {"other", total_ms - build_ms - trace_ms - steps_ms},
+        {"total", total_ms},
+    };
+    cJSON_DeleteItemFromObjectCaseSensitive(results->root, "time_ms");
+    return put_named(results->root, "time_ms", times, sizeof times / sizeof times[0]) ? BB_OK
+                                                                                      : no_memory();
 }
 
 bb_status bb_results_add_skipped(bb_results *results, const char *scene, const char *rays,

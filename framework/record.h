@@ -60,6 +60,8 @@ typedef struct bb_trace_record {
     uint32_t build; /* id */
     char scene[256], view[48], builder[512], kernel[512], layout[64], intersector[64];
     char rays[128];
+    const bb_spec *rays_spec;   /* with the defaults, all parameters are recorded; may be NULL */
+    const bb_option *rays_options;
     bb_query query;
     uint32_t count;
     uint64_t rays_hash;
@@ -70,9 +72,13 @@ typedef struct bb_trace_record {
     double node_tests_per_ray, prim_tests_per_ray;
     bool has_accuracy;
     bb_accuracy accuracy;
-    uint64_t overflowed;
+    uint32_t counted; /* rays that the counting variant traced, a sample of the set; the tests per
+                         ray are means over them; 0: not measured, `overflowed` is null then */
+    uint64_t overflowed;  /* of the counted rays: those that needed more stack than there is. In the
+                             timed run such a ray's hit stays poisoned: it is judged as unwritten,
+                             thus missed */
     bool counts_for_exit; /* an `exact` cell of ours */
-    bool wrong;           /* above the limit: marked in table and report */
+    bool wrong; /* above the limit; marked WRONG if it counts for the exit, else `wrong` */
     bool reference;
 } bb_trace_record;
 
@@ -98,6 +104,10 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
 /* Time of a step outside build and trace: "load", "rays", "oracle", "judge", "compile", "report"
  * ...; adds up per name. */
 bb_status bb_results_add_step(bb_results *results, const char *name, double ms);
+/* Wall clock of the whole run and of its timed builds and traces; what neither they nor the steps
+ * account for is written as "other". To be called after the last step; a later call replaces it. */
+bb_status bb_results_set_total(bb_results *results, double build_ms, double trace_ms,
+                               double total_ms);
 /* A ray set that the scene does not have, and why: no hole goes unsaid. */
 bb_status bb_results_add_skipped(bb_results *results, const char *scene, const char *rays,
                                  const char *view, const char *reason);
@@ -112,9 +122,10 @@ cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
 bb_status bb_results_write(const bb_results *results, const char *path);
 /* Reads and checks the schema; BB_INVALID names what is wrong. */
 bb_status bb_results_read(const char *path, bb_results **out);
-/* Appends b's scenes, builds (renumbered), traces, pictures and times to a; b's context goes into
- * a's "merged" array and b's builds and traces get the member "run", the number of that entry
- * from 1. BB_INVALID if a scene of one name has two geometries. */
+/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures and times to a; b's
+ * context goes into a's "merged" array and b's builds, traces and skipped sets get the member
+ * "run", the number of that entry from 1. Times add up; the total is dropped if one of the two has
+ * none. BB_INVALID if a scene of one name has two geometries. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);
 
 #endif

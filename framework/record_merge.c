@@ -38,18 +38,23 @@ static cJSON *copy_to(cJSON *array, const cJSON *item)
     return NULL;
 }
 
-/* Copies of all elements, with the id in `id_name` raised by `first_id` and the run noted. */
-static bb_status copy_rows(cJSON *to, const cJSON *from, const char *id_name, double first_id,
-                           double first_run)
+/* Copies of all elements of b's array `section`, with the id in `id_name` (unless NULL) raised by
+ * `first_id` and the run noted. */
+static bb_status copy_rows(bb_results *a, const bb_results *b, const char *section,
+                           const char *id_name, double first_id, double first_run)
 {
+    cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, section);
+    const cJSON *from = cJSON_GetObjectItemCaseSensitive(b->root, section);
     const cJSON *row;
     cJSON_ArrayForEach(row, from)
     {
         cJSON *copy = copy_to(to, row);
         if (copy == NULL)
             return no_memory();
-        cJSON *id = cJSON_GetObjectItemCaseSensitive(copy, id_name);
-        cJSON_SetNumberHelper(id, id->valuedouble + first_id);
+        if (id_name != NULL) {
+            cJSON *id = cJSON_GetObjectItemCaseSensitive(copy, id_name);
+            cJSON_SetNumberHelper(id, id->valuedouble + first_id);
+        }
         const cJSON *run = cJSON_GetObjectItemCaseSensitive(row, "run");
         double number = first_run + (cJSON_IsNumber(run) ? run->valuedouble : 0);
         cJSON_DeleteItemFromObjectCaseSensitive(copy, "run");
@@ -90,6 +95,21 @@ static bb_status copy_contexts(bb_results *a, const bb_results *b, double *first
     return BB_OK;
 }
 
+/* After the steps were added up. Where one of the two has no total, the sum would be that of the
+ * other alone. */
+static bb_status add_times(bb_results *a, const bb_results *b)
+{
+    const cJSON *first = cJSON_GetObjectItemCaseSensitive(a->root, "time_ms");
+    const cJSON *second = cJSON_GetObjectItemCaseSensitive(b->root, "time_ms");
+    if (!cJSON_IsObject(first) || !cJSON_IsObject(second)) {
+        cJSON_DeleteItemFromObjectCaseSensitive(a->root, "time_ms");
+        return BB_OK;
+    }
+    return bb_results_set_total(a, bb_json_number(first, "build") + bb_json_number(second, "build"),
+                                bb_json_number(first, "trace") + bb_json_number(second, "trace"),
+                                bb_json_number(first, "total") + bb_json_number(second, "total"));
+}
+
 bb_status bb_results_merge(bb_results *a, const bb_results *b)
 {
     BB_TRY(check_scenes(a, b));
@@ -104,12 +124,9 @@ bb_status bb_results_merge(bb_results *a, const bb_results *b)
             copy_to(scenes, item) == NULL)
             return no_memory();
     }
-    BB_TRY(copy_rows(cJSON_GetObjectItemCaseSensitive(a->root, "builds"),
-                     cJSON_GetObjectItemCaseSensitive(b->root, "builds"), "id", first_id,
-                     first_run));
-    BB_TRY(copy_rows(cJSON_GetObjectItemCaseSensitive(a->root, "traces"),
-                     cJSON_GetObjectItemCaseSensitive(b->root, "traces"), "build", first_id,
-                     first_run));
+    BB_TRY(copy_rows(a, b, "builds", "id", first_id, first_run));
+    BB_TRY(copy_rows(a, b, "traces", "build", first_id, first_run));
+    BB_TRY(copy_rows(a, b, "skipped", NULL, 0, first_run));
     cJSON *pictures = cJSON_GetObjectItemCaseSensitive(a->root, "pictures");
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "pictures"))
     {
@@ -121,5 +138,5 @@ bb_status bb_results_merge(bb_results *a, const bb_results *b)
         if (cJSON_IsNumber(item))
             BB_TRY(bb_results_add_step(a, item->string, item->valuedouble));
     }
-    return BB_OK;
+    return add_times(a, b);
 }

@@ -215,6 +215,8 @@ static const field trace_fields[] = {
     {"mrays_s_hi", NUMBER | NONE},
     {"node_tests_per_ray", NUMBER | NONE},
     {"prim_tests_per_ray", NUMBER | NONE},
+    {"counted", NUMBER | NONE},
+    {"counts_for_exit", BOOLEAN | NONE},
     {"accuracy", OBJECT | NONE},
     {"wrong", BOOLEAN | NONE},
     {"reference", BOOLEAN | NONE},
@@ -235,6 +237,11 @@ static const field accuracy_fields[] = {
     {"t_ulp_p99", NUMBER | NONE},
     {"overflowed", NUMBER | NONE},
     {NULL, 0},
+};
+
+static const field skipped_fields[] = {
+    {"scene", TEXT},         {"rays", TEXT},         {"view", TEXT | NONE},
+    {"reason", TEXT | NONE}, {"run", NUMBER | NONE}, {NULL, 0},
 };
 
 static const field picture_fields[] = {
@@ -370,20 +377,26 @@ static bb_status check_document(const char *path, const cJSON *root)
     BB_TRY(check_section(path, root, "scenes", true, scene_fields, "", NULL));
     BB_TRY(check_section(path, root, "builds", true, build_fields, "tree", tree_fields));
     BB_TRY(check_section(path, root, "traces", true, trace_fields, "accuracy", accuracy_fields));
+    BB_TRY(check_section(path, root, "skipped", false, skipped_fields, "", NULL));
     BB_TRY(check_section(path, root, "pictures", false, picture_fields, "", NULL));
     BB_TRY(check_section(path, root, "merged", false, context_fields, "", NULL));
-    const cJSON *steps = cJSON_GetObjectItemCaseSensitive(root, "steps_ms");
-    if (!has_type(steps, FIGURES | NONE))
-        return bb_fail(BB_INVALID, "result file %s: \"steps_ms\" has the wrong type", path);
+    static const char *const times[] = {"steps_ms", "time_ms"};
+    for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
+        if (!has_type(cJSON_GetObjectItemCaseSensitive(root, times[i]), FIGURES | NONE))
+            return bb_fail(BB_INVALID, "result file %s: \"%s\" has the wrong type", path, times[i]);
+    }
     return check_ids(path, root);
 }
 
 /* Later code appends to these, so they exist. */
 static bool complete(cJSON *root)
 {
-    if (cJSON_GetObjectItemCaseSensitive(root, "pictures") == NULL &&
-        cJSON_AddArrayToObject(root, "pictures") == NULL)
-        return false;
+    static const char *const arrays[] = {"skipped", "pictures"};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
+        if (cJSON_GetObjectItemCaseSensitive(root, arrays[i]) == NULL &&
+            cJSON_AddArrayToObject(root, arrays[i]) == NULL)
+            return false;
+    }
     if (cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(root, "steps_ms")))
         cJSON_DeleteItemFromObjectCaseSensitive(root, "steps_ms");
     return cJSON_GetObjectItemCaseSensitive(root, "steps_ms") != NULL ||

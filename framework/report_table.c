@@ -1,5 +1,5 @@
-/* The report on the terminal: per scene its builds, then its traces by ray set; at the end the time
- * outside of both.
+/* The report on the terminal: per scene its builds, then its traces by ray set; at the end what was
+ * skipped, and where the time went.
  *
  * A speed is never printed without the wrong-answer rate of the same rays beside it.
  */
@@ -200,7 +200,8 @@ static void wrong_cell(char cell[CELL], const cJSON *trace)
         return;
     }
     figure(rate, ppm);
-    const char *mark = bb_json_true(trace, "wrong") ? " WRONG" : ppm > 0 ? " wrong" : "";
+    bool failed = bb_json_true(trace, "wrong") && bb_json_true(trace, "counts_for_exit");
+    const char *mark = failed ? " WRONG" : ppm > 0 ? " wrong" : "";
     snprintf(cell, CELL, "%.24s%s%s", ppm == 0 ? "0" : rate, mark,
              overflowed > 0 ? " OVERFLOW" : "");
 }
@@ -226,15 +227,21 @@ static void kernel_name(const cJSON *trace, char *name, size_t capacity)
              shown ? intersector : "");
 }
 
-static void print_trace(FILE *out, const cJSON *trace, double reference, int builder_width,
-                        int kernel_width)
+/* What the rows of one ray set share. */
+typedef struct group {
+    double reference; /* Mrays/s; NAN if there is none */
+    double count;     /* rays of the set: brute force traces only the first of them */
+    int builder_width, kernel_width;
+} group;
+
+static void print_trace(FILE *out, const cJSON *trace, const group *set)
 {
     char kernel[640], rate[CELL], ratio[CELL], wrong[CELL], classes[CELL], nodes[CELL], prims[CELL];
     kernel_name(trace, kernel, sizeof kernel);
     fputs("  ", out);
-    print_text(out, bb_json_text(trace, "builder"), builder_width);
+    print_text(out, bb_json_text(trace, "builder"), set->builder_width);
     fputs("  ", out);
-    print_text(out, kernel, kernel_width);
+    print_text(out, kernel, set->kernel_width);
     if (strcmp(bb_json_text(trace, "status"), "ok") != 0) {
         fprintf(out, "  %s: ", bb_json_text(trace, "status"));
         print_text(out, bb_json_text(trace, "reason"), 0);
@@ -243,29 +250,34 @@ static void print_trace(FILE *out, const cJSON *trace, double reference, int bui
     }
     double speed = bb_json_number(trace, "mrays_s");
     interval(rate, speed, bb_json_number(trace, "mrays_s_lo"), bb_json_number(trace, "mrays_s_hi"));
-    figure(ratio, speed / reference);
+    figure(ratio, speed / set->reference);
     wrong_cell(wrong, trace);
     classes_cell(classes, trace);
     figure(nodes, bb_json_number(trace, "node_tests_per_ray"));
     figure(prims, bb_json_number(trace, "prim_tests_per_ray"));
-    fprintf(out, "  %-20s  %6s  %-12s  %-10s  %7s  %7s\n", rate, ratio, wrong, classes, nodes,
-            prims);
+    fprintf(out, "  %-20s  %6s  %-12s  %-10s  %7s  %7s", rate, ratio, wrong, classes, nodes, prims);
+    if (bb_json_number(trace, "count") < set->count) {
+        grouped(rate, bb_json_number(trace, "count"));
+        fprintf(out, "  of the first %s rays", rate);
+    }
+    fputc('\n', out);
 }
 
 static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
 {
     const cJSON *trace;
-    int builder_width = 7, kernel_width = 6;
+    group set = {reference_rate(traces, first), 0, 7, 6};
     char count[CELL], kernel[640];
     cJSON_ArrayForEach(trace, traces)
     {
         if (!same_rays(trace, first))
             continue;
         kernel_name(trace, kernel, sizeof kernel);
-        builder_width = larger(builder_width, (int)strlen(bb_json_text(trace, "builder")));
-        kernel_width = larger(kernel_width, (int)strlen(kernel));
+        set.builder_width = larger(set.builder_width, (int)strlen(bb_json_text(trace, "builder")));
+        set.kernel_width = larger(set.kernel_width, (int)strlen(kernel));
+        set.count = fmax(set.count, bb_json_number(trace, "count"));
     }
-    grouped(count, bb_json_number(first, "count"));
+    grouped(count, set.count);
     fputs("\n  ", out);
     print_text(out, bb_json_text(first, "rays"), 0);
     if (bb_json_text(first, "view")[0] != '\0') {
@@ -274,14 +286,13 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
     }
     fprintf(out, ": %s rays, %s hit\n", count,
             strcmp(bb_json_text(first, "query"), "any") == 0 ? "any" : "closest");
-    fprintf(out, "  %-*s  %-*s  %-20s  %6s  %-12s  %-10s  %7s  %7s\n", builder_width, "builder",
-            kernel_width, "kernel", "Mrays/s [95 %]", "/Embree", "wrong ppm", "mis/fal/t", "boxes",
-            "prims");
-    double reference = reference_rate(traces, first);
+    fprintf(out, "  %-*s  %-*s  %-20s  %6s  %-12s  %-10s  %7s  %7s\n", set.builder_width, "builder",
+            set.kernel_width, "kernel", "Mrays/s [95 %]", "/Embree", "wrong ppm", "mis/fal/t",
+            "boxes", "prims");
     cJSON_ArrayForEach(trace, traces)
     {
         if (same_rays(trace, first))
-            print_trace(out, trace, reference, builder_width, kernel_width);
+            print_trace(out, trace, &set);
     }
 }
 
@@ -300,25 +311,64 @@ static void print_traces(FILE *out, const cJSON *traces, const char *scene)
     }
 }
 
-/* ---- steps ---- */
+/* ---- skipped sets, times ---- */
 
-static void print_steps(FILE *out, const cJSON *steps)
+static void print_skipped(FILE *out, const cJSON *skipped)
+{
+    const cJSON *set;
+    if (first_entry(skipped) == NULL)
+        return;
+    fputs("\nskipped\n", out);
+    cJSON_ArrayForEach(set, skipped)
+    {
+        const char *view = bb_json_text(set, "view");
+        fputs("  ", out);
+        print_text(out, bb_json_text(set, "scene"), 0);
+        fputs(": ", out);
+        print_text(out, bb_json_text(set, "rays"), 0);
+        fputs(view[0] != '\0' ? ", view " : "", out);
+        print_text(out, view, 0);
+        fputs(": ", out);
+        print_text(out, bb_json_text(set, "reason"), 0);
+        fputc('\n', out);
+    }
+}
+
+static void print_seconds(FILE *out, const char *name, double ms)
+{
+    fputs("  ", out);
+    print_text(out, name, 32);
+    if (isfinite(ms))
+        fprintf(out, " %9.3f s\n", ms / 1e3);
+    else
+        fputs("         -\n", out);
+}
+
+/* Files of earlier versions have the steps only. */
+static void print_times(FILE *out, const cJSON *steps, const cJSON *times)
 {
     const cJSON *step;
     double total = 0;
-    if (first_entry(steps) == NULL)
+    bool whole = cJSON_IsObject(times);
+    if (first_entry(steps) == NULL && !whole)
         return;
-    fputs("\ntime outside build and trace\n", out);
+    fputs(whole ? "\nwhere the time went\n" : "\ntime outside build and trace\n", out);
+    if (whole) {
+        print_seconds(out, "builds, timed", bb_json_number(times, "build"));
+        print_seconds(out, "traces, timed", bb_json_number(times, "trace"));
+    }
     cJSON_ArrayForEach(step, steps)
     {
         if (!cJSON_IsNumber(step))
             continue;
-        fputs("  ", out);
-        print_text(out, step->string, 32);
-        fprintf(out, " %9.3f s\n", step->valuedouble / 1e3);
+        print_seconds(out, step->string, step->valuedouble);
         total += step->valuedouble;
     }
-    fprintf(out, "  %-32s %9.3f s\n", "total", total / 1e3);
+    if (whole) {
+        print_seconds(out, "not accounted for", bb_json_number(times, "other"));
+        total = bb_json_number(times, "total");
+    }
+    print_seconds(out, "total", total);
 }
 
 bb_status bb_report_table(bb_results *results, FILE *out)
@@ -343,7 +393,9 @@ bb_status bb_report_table(bb_results *results, FILE *out)
         print_builds(out, builds, name);
         print_traces(out, traces, name);
     }
-    print_steps(out, cJSON_GetObjectItemCaseSensitive(root, "steps_ms"));
+    print_skipped(out, cJSON_GetObjectItemCaseSensitive(root, "skipped"));
+    print_times(out, cJSON_GetObjectItemCaseSensitive(root, "steps_ms"),
+                cJSON_GetObjectItemCaseSensitive(root, "time_ms"));
     fputs(
         "\n[95 %]: bootstrap interval of the median. /Embree: to the fastest embree-native row on "
         "the "

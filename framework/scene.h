@@ -126,7 +126,8 @@ bb_status bb_views_read(const char *path, bb_view *views, uint32_t capacity, uin
 bb_status bb_scene_upload(bb_scene *scene, bb_device *device);
 
 /* Names of the shipped scenes, ends with NULL, and the folder they are read from: BVHBENCH_SCENES in
- * the environment, the source tree, or the installed share folder, the first that exists. */
+ * the environment, the share folder of the installation that the library lies in, or the source tree,
+ * the first that exists. */
 extern const char *const bb_shipped_scenes[];
 const char *bb_scene_folder(void);
 

@@ -3,6 +3,9 @@
 #include "framework/scene.h"
 #include "scenes/gltf.h"
 
+#include <dlfcn.h>
+#include <limits.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,16 +26,28 @@ static bool exists(const char *path)
     return stat(path, &info) == 0;
 }
 
+/* The share folder of the installation that the loaded library belongs to, wherever that was moved. */
+static char installed[PATH_MAX + 64];
+
+static void find_installed(void)
+{
+    Dl_info info;
+    char library[PATH_MAX];
+    if (dladdr(installed, &info) == 0 || realpath(info.dli_fname, library) == NULL)
+        return;
+    *strrchr(library, '/') = '\0';
+    snprintf(installed, sizeof installed, "%s/" BB_LIBDIR_TO_DATADIR "/bvhbench/scenes/data",
+             library);
+}
+
 const char *bb_scene_folder(void)
 {
-    static const char *const built_in[] = {
-        BB_SOURCE_DIR "/scenes/data",
-        BB_INSTALL_PREFIX "/" BB_DATADIR "/bvhbench/scenes/data",
-    };
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
     const char *given = getenv("BVHBENCH_SCENES");
     if (given != NULL && is_folder(given))
         return given;
-    return is_folder(built_in[0]) ? built_in[0] : built_in[1];
+    pthread_once(&once, find_installed);
+    return is_folder(installed) ? installed : BB_SOURCE_DIR "/scenes/data";
 }
 
 static bool has_ending(const char *path, const char *ending)

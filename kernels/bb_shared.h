@@ -16,6 +16,9 @@ typedef uint32_t bb_u32;
 /* "No node", "no primitive": the skip of the last node, the primitive of a miss. */
 #define BB_NONE 0xFFFFFFFFu
 
+/* Primitive of an any-hit answer that does not say which it was (Embree's). */
+#define BB_UNNAMED 0x7FFFFFFFu
+
 /* bb_node.first of a leaf: this bit and an index into refs[]. */
 #define BB_LEAF_BIT 0x80000000u
 /* refs[] entry: this bit closes the leaf; the other 31 are the primitive. */

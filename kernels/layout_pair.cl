@@ -7,7 +7,8 @@
  *   record[i] = vertices of primitive refs[i]                     (pair_records)
  *
  * Aila and Laine 2009 (both children's boxes in the parent). Reads any tree of any arity; a binary tree keeps its shape and
- * its order in memory. Limits: 2^31 - 1 pair nodes and records.
+ * its order in memory; a node with one child is passed through. Limits: 2^31 - 1 pair nodes and records; one work-item
+ * writes all pair nodes of a node, in time that grows with the square of its children, so the host refuses more than 4096.
  */
 #include "bb_device.h"
 
@@ -26,13 +27,18 @@ kernel void pair_extra(global const bb_node *nodes, uint count, global uint *ext
     extra[n] = children - 1u; /* extra[count] is 0: its place in the scan is the total */
 }
 
+/* Link to node n: a leaf, or the pair node in the middle of its children. A node with one child is passed through. */
 uint pair_link(global const bb_node *nodes, global const uint *base, uint n)
 {
-    uint first = nodes[n].first;
-    if ((first & BB_LEAF_BIT) != 0)
-        return first;
-    uint children = base[n + 1] - base[n] + 1u;
-    return base[n] + children / 2u - 1u;
+    for (;;) {
+        uint first = nodes[n].first;
+        if ((first & BB_LEAF_BIT) != 0)
+            return first;
+        uint children = base[n + 1] - base[n] + 1u;
+        if (children > 1u)
+            return base[n] + children / 2u - 1u;
+        n = first;
+    }
 }
 
 /* Box and link of children [from, to) of node n: a child, or the pair node of the gap in their middle. */

@@ -8,7 +8,7 @@
  * Limits: at least one box; boxes are finite.
  */
 #include "bb_device.h"
-#include "scene_bounds.h"
+#include "scene_bounds.clh"
 
 /* Launched on one work-item per chunk, in groups of one; the last chunk may be shorter. */
 __kernel void reduce_boxes(__global const bb_box *boxes,

@@ -9,7 +9,7 @@
  * Limits: BB_GROUP (the local size) is any power of two; at least one box; boxes are finite; no group waits for another.
  */
 #include "bb_device.h"
-#include "scene_bounds.h"
+#include "scene_bounds.clh"
 
 /* Union over the group, in every item. Called in uniform control flow. */
 static scene_bounds group_union(scene_bounds bounds, __local scene_bounds *shared)

@@ -12,7 +12,7 @@
  * no group waits for another.
  */
 #include "bb_device.h"
-#include "group_scan.h"
+#include "group_scan.clh"
 
 /* Elements of a work-item; the host knows the number too. */
 #define SCAN_ITEMS 8

@@ -16,7 +16,7 @@
  * group waits for another.
  */
 #include "bb_device.h"
-#include "group_scan.h"
+#include "group_scan.clh"
 
 /* Pairs of a work-item; the host knows the number too. */
 #define SORT_ITEMS 4

@@ -5,8 +5,8 @@
  *         test the primitives of the leaf; pop until an entry is nearer than the hit
  *
  * Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs", the per-ray while-while loop, without
- * speculation. Pro: few steps, children in order. Con: a stack per ray, of BB_STACK_SIZE entries; the host sizes it from the
- * tree's depth, and an overflow leaves the hit poisoned, so that it can't pass for an answer.
+ * speculation. Pro: few steps, children in order. Con: a stack per ray, of BB_STACK_SIZE entries; the host sizes it from what
+ * the tree needs, up to a limit, and an overflow leaves the hit poisoned, so that it can't pass for an answer.
  * Of hits at one distance the lowest primitive wins, so that the answer does not depend on the tree.
  *
  *   BB_STACK_SIZE   entries
@@ -63,7 +63,7 @@ kernel void trace(global const float *pairs,     /* bb_pair[] */
             global const float *pair = pairs + 16ul * link;
             float2 entry, exit;
             bb_pair_distances(&slab, pair, tmin, tmax, &entry, &exit);
-            uint2 links = as_uint2(vload2(6, pair));
+            uint2 links = vload2(6, (global const uint *)pair);
             bool meets0 = entry.x <= exit.x, meets1 = entry.y <= exit.y;
 #if BB_COUNTING
             nodes_tested += 2;

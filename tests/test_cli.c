@@ -113,6 +113,15 @@ static void bad_options_are_refused(void **state)
     refuses("", "run --scene cube --kernel warp", "warp");
     refuses("", "run --scene cube --kernel stack:leaf=0", "leaf");
     refuses("", "run --scene cube --kernel stack:group=0", "group");
+    refuses("", "run --scene cube --kernel stack:group=65536", "group");
+    refuses("", "run --scene cube --builder sah:bins=1000", "bins");
+    refuses("", "run --scene cube --rays ao:per_hit=none", "per_hit");
+    refuses("", "run --scene cube --rays ao --max-rays 3", "ao");
+    refuses("", "run --scene cube --size 65536x65536", "--size");
+    refuses("", "run --scene cube --kernels-from no-such-folder", "no-such-folder");
+    refuses("", "run --scene cube --history h.db", "--history");
+    refuses("", "list --json=yes", "--json");
+    refuses("", "list -x", "-x");
     refuses("", "run --scene cube --rays gamma", "gamma");
     refuses("", "run --scene cube --intersector perfect", "perfect");
     refuses("", "run --scene cube --metrics beauty", "beauty");
@@ -147,6 +156,16 @@ static void bad_files_are_refused(void **state)
     static const char no_triangle[] = "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[]}]}";
     write_file("none.gltf", no_triangle, sizeof no_triangle - 1);
     refuses("", "run --scene none.gltf", "none.gltf");
+    static const char nan_vertex[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/"
+        "octet-stream;base64,AAAAAAAAAAAAAAAAAADAfwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}],\"bufferViews\":[{"
+        "\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
+        "\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+        "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}]}";
+    write_file("nan.gltf", nan_vertex, sizeof nan_vertex - 1);
+    refuses("", "run --scene nan.gltf", "nan.gltf");
+    /* a second scene that can't be loaded is found out before the first is measured */
+    refuses("", "run --scene cube,nan.gltf", "nan.gltf");
     write_file("not-a-plugin.so", "ELF?", 4);
     refuses("", "run --scene cube --plugin not-a-plugin.so", "not-a-plugin.so");
     refuses("", "run --scene cube --plugin ./missing.so", "missing.so");
@@ -243,7 +262,7 @@ static void careless_cells_are_marked_but_not_counted(void **state)
     const outcome *o = run("run --scene sphere-mesh:n=32 --builder lbvh --rays edges --max-rays 50000 --intersector fast "
                            "--size 32x32 --repeats 1 --no-pictures --out careless");
     assert_int_equal(o->exit_status, 0);
-    assert_non_null(strstr(o->out, "WRONG"));
+    assert_non_null(strstr(o->out, " wrong  "));
     cJSON *json = read_results("careless/results.json");
     double missed = 0;
     const cJSON *trace;
@@ -298,6 +317,49 @@ static void an_interrupted_run_leaves_no_half_written_file(void **state)
     assert_int_not_equal(stat(path, &info), 0);
 }
 
+/* With a device that has room for one builder at a time, the others are built again when their turn comes. */
+static void what_does_not_fit_together_is_built_again(void **state)
+{
+    (void)state;
+    const outcome *o = run_with("POCL_MEMORY_LIMIT=1", "run --scene spheres:n=2500000 --builder lbvh,lbvh:bits=63 "
+                                "--rays primary --size 64x64 --repeats 1 --no-pictures --out tight");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = read_results("tight/results.json");
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(json, "traces"))
+        assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(trace, "status")), "ok");
+    cJSON_Delete(json);
+}
+
+static void a_scene_too_big_is_refused_with_its_bytes(void **state)
+{
+    (void)state;
+    /* 12,000,000 boxes of 32 bytes are more than a quarter of a GiB, the largest buffer of such a device */
+    refuses("POCL_MEMORY_LIMIT=1", "run --scene spheres:n=12000000 --builder lbvh --rays primary", "384000000 bytes");
+}
+
+/* The big scenes, where they are at hand. */
+static void big_scenes_are_traced_rightly(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"kitchen", "bathroom2"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        char path[512], arguments[1024];
+        struct stat info;
+        snprintf(path, sizeof path, "%s/../shared/data/tri/%s/%s.glb", BB_TEST_SOURCE_DIR, names[i], names[i]);
+        if (stat(path, &info) != 0) {
+            print_message("skipped: %s is not there\n", path);
+            skip();
+        }
+        snprintf(arguments, sizeof arguments, "run --scene %s --builder lbvh --size 128x128 --max-rays 65536 "
+                 "--repeats 1 --no-pictures --out big", path);
+        const outcome *o = run(arguments);
+        if (o->exit_status != 0)
+            fail_msg("%s: exit %d: %s", names[i], o->exit_status, o->err);
+    }
+}
+
 static void pictures_are_made(void **state)
 {
     (void)state;
@@ -343,6 +405,9 @@ int main(void)
         cmocka_unit_test(careless_cells_are_marked_but_not_counted),
         cmocka_unit_test(wrong_answers_give_exit_status_1),
         cmocka_unit_test(an_interrupted_run_leaves_no_half_written_file),
+        cmocka_unit_test(what_does_not_fit_together_is_built_again),
+        cmocka_unit_test(a_scene_too_big_is_refused_with_its_bytes),
+        cmocka_unit_test(big_scenes_are_traced_rightly),
         cmocka_unit_test(pictures_are_made),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -75,7 +75,7 @@ static void test_trace_by_hand(void **state)
         trace(scene, modes[m], rays, COUNT, BB_ANY_HIT, hits);
         for (int i = 0; i < COUNT; i++) {
             bool hit = cases[i].hit.prim != BB_NONE;
-            assert_int_equal(hits[i].prim, hit ? 0 : BB_NONE);
+            assert_int_equal(hits[i].prim, hit ? BB_UNNAMED : BB_NONE);
             assert_true(hit ? hits[i].t == 0 : isinf(hits[i].t));
         }
     }

@@ -134,7 +134,7 @@ static void test_any_hit(void **state)
 {
     (void)state;
     bb_scene *scene = make_scene();
-    const bb_hit miss = {INFINITY, BB_NONE}, unnamed = {0, 0};
+    const bb_hit miss = {INFINITY, BB_NONE}, unnamed = {0, BB_UNNAMED};
     const bb_ray middle = down(0.25f, 0, 2), beside = down(1.5f, 1.9f, 2);
     const struct {
         bb_ray ray;

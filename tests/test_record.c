@@ -52,6 +52,7 @@ static const char *const trace_fields[] = {"build",
                                            "accuracy",
                                            "node_tests_per_ray",
                                            "prim_tests_per_ray",
+                                           "counted",
                                            NULL};
 static const char *const accuracy_fields[] = {
     "checked",        "wrong_ppm",    "missed",    "false",     "wrong_t",    "ties",
@@ -191,6 +192,7 @@ static void no_zero_for_what_was_not_measured(void **state)
                                                 "mrays_s_hi",
                                                 "node_tests_per_ray",
                                                 "prim_tests_per_ray",
+                                                "counted",
                                                 "accuracy",
                                                 "group_size",
                                                 "view",
@@ -204,6 +206,35 @@ static void no_zero_for_what_was_not_measured(void **state)
     trace.has_accuracy = true; /* of no ray: there is no rate */
     assert_int_equal(bb_results_add_trace(results, &trace), BB_OK);
     assert_true(cJSON_IsNull(member(member(row->next, "accuracy"), "wrong_ppm")));
+    assert_true(cJSON_IsNull(member(member(row->next, "accuracy"), "overflowed")));
+
+    trace.counted = 5; /* with nothing overflowed: a measured 0 */
+    assert_int_equal(bb_results_add_trace(results, &trace), BB_OK);
+    assert_true(member(row->next->next, "counted")->valuedouble == 5);
+    assert_true(member(member(row->next->next, "accuracy"), "overflowed")->valuedouble == 0);
+    assert_true(cJSON_IsNumber(member(member(row->next->next, "accuracy"), "overflowed")));
+    bb_results_destroy(results);
+}
+
+/* Every millisecond of the run stands under some name. */
+static void times_add_up(void **state)
+{
+    (void)state;
+    bb_results *results = NULL;
+    bb_context context = {NULL, 1, NULL};
+    assert_int_equal(bb_results_create(&context, &results), BB_OK);
+    assert_int_equal(bb_results_add_step(results, "load", 10), BB_OK);
+    assert_int_equal(bb_results_set_total(results, 1, 2, 3), BB_OK);
+    assert_int_equal(bb_results_add_step(results, "judge", 20), BB_OK);
+    assert_int_equal(bb_results_set_total(results, 40, 80, 160), BB_OK);
+    const cJSON *root = bb_results_json(results), *times = member(root, "time_ms");
+    static const struct {
+        const char *name;
+        double ms;
+    } expected[] = {{"build", 40}, {"trace", 80}, {"steps", 30}, {"other", 10}, {"total", 160}};
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++)
+        assert_true(member(times, expected[i].name)->valuedouble == expected[i].ms);
+    assert_int_equal(cJSON_GetArraySize(times), 5);
     bb_results_destroy(results);
 }
 
@@ -420,6 +451,11 @@ static void wrong_types_are_named(void **state)
          "\"kernel\":\"k\",\"rays\":\"r\",\"count\":1,\"status\":\"ok\"}]}",
          "build 0"},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"steps_ms\":{\"a\":\"b\"}}", "steps_ms"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"time_ms\":{\"total\":\"b\"}}", "time_ms"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"time_ms\":7}", "time_ms"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"skipped\":{}}", "skipped"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"skipped\":[{\"scene\":\"s\",\"rays\":7}]}",
+         "skipped[0]: \"rays\""},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"pictures\":[{}]}", "path"},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[]} x", "not JSON"},
     };
@@ -483,6 +519,14 @@ static void merging_renumbers(void **state)
     assert_int_equal(member(its, "run")->valueint, 2);
     double load = member(member(bb_results_json(a), "steps_ms"), "load")->valuedouble;
     assert_true(load == 3 * 320.5);
+    const cJSON *times = member(bb_results_json(a), "time_ms");
+    assert_true(member(times, "build")->valuedouble == 3 * 2500);
+    assert_true(member(times, "steps")->valuedouble == 3 * (21 * 320.5 + 100));
+    assert_true(member(times, "total")->valuedouble == 3 * 31000);
+    assert_int_equal(cJSON_GetArraySize(section(a, "skipped")), 3 * 2);
+    const cJSON *skipped = cJSON_GetArrayItem(section(a, "skipped"), 5);
+    assert_string_equal(member(skipped, "rays")->valuestring, "edges");
+    assert_int_equal(member(skipped, "run")->valueint, 2);
 
     const char *path = results_path("merged");
     bb_results *read = NULL;
@@ -492,6 +536,30 @@ static void merging_renumbers(void **state)
     bb_results_destroy(c);
     bb_results_destroy(b);
     bb_results_destroy(a);
+}
+
+/* A file of before there were totals and skipped sets: what it lacks is not made up. */
+static void merging_takes_older_files(void **state)
+{
+    (void)state;
+    bb_results *old = sample_results(NULL), *read = NULL, *now = sample_results(NULL);
+    cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(old), "time_ms");
+    cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(old), "skipped");
+    const char *path = results_path("older");
+    assert_int_equal(bb_results_write(old, path), BB_OK);
+    assert_int_equal(bb_results_read(path, &read), BB_OK);
+    assert_int_equal(cJSON_GetArraySize(section(read, "skipped")), 0);
+    assert_int_equal(bb_results_merge(now, read), BB_OK);
+    assert_null(cJSON_GetObjectItemCaseSensitive(bb_results_json(now), "time_ms"));
+    assert_int_equal(cJSON_GetArraySize(section(now, "skipped")), 2);
+    bb_results_destroy(now);
+    now = sample_results(NULL);
+    assert_int_equal(bb_results_merge(read, now), BB_OK);
+    assert_null(cJSON_GetObjectItemCaseSensitive(bb_results_json(read), "time_ms"));
+    assert_int_equal(cJSON_GetArraySize(section(read, "skipped")), 2);
+    bb_results_destroy(now);
+    bb_results_destroy(read);
+    bb_results_destroy(old);
 }
 
 static void merging_refuses_other_geometry(void **state)
@@ -515,6 +583,7 @@ int main(void)
         cmocka_unit_test(parameters_have_their_defaults),
         cmocka_unit_test(figures_follow_from_samples),
         cmocka_unit_test(no_zero_for_what_was_not_measured),
+        cmocka_unit_test(times_add_up),
         cmocka_unit_test(a_trace_needs_its_build),
         cmocka_unit_test(numbers_come_back_exactly),
         cmocka_unit_test(a_failed_write_leaves_the_old_file),
@@ -524,6 +593,7 @@ int main(void)
         cmocka_unit_test(wrong_types_are_named),
         cmocka_unit_test(deep_nesting_is_refused),
         cmocka_unit_test(merging_renumbers),
+        cmocka_unit_test(merging_takes_older_files),
         cmocka_unit_test(merging_refuses_other_geometry),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

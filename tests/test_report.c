@@ -59,7 +59,53 @@ static void table_shows_every_row(void **state)
     assert_int_equal(count_of(text, "mode=fast "), SAMPLE_SCENES * (1 + sets));
     assert_int_equal(count_of(text, "refused: brute force"), SAMPLE_SCENES);
     assert_non_null(strstr(text, "stack / moller"));
+    free(text);
+    bb_results_destroy(results);
+}
+
+static void table_hides_no_step(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    char *text = table_of(results);
     assert_non_null(strstr(text, "  oracle                               1.062 s\n"));
+    assert_non_null(strstr(text, "  builds, timed                        2.500 s\n"));
+    assert_non_null(strstr(text, "  traces, timed                       21.000 s\n"));
+    assert_non_null(strstr(text, "  not accounted for                    0.669 s\n"));
+    assert_non_null(strstr(text, "  total                               31.000 s\n"));
+    free(text);
+
+    /* an older file: the steps and their sum */
+    cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(results), "time_ms");
+    text = table_of(results);
+    assert_null(strstr(text, "accounted"));
+    assert_non_null(strstr(text, "  total                                6.830 s\n"));
+    free(text);
+    bb_results_destroy(results);
+}
+
+static void table_names_what_was_skipped(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    char *text = table_of(results);
+    assert_non_null(strstr(text, "  coffee: edges, view front: the mesh is not closed"));
+    assert_non_null(strstr(text, "state=settled: edges: spheres have no edges\n"));
+    free(text);
+    bb_results_destroy(results);
+}
+
+/* Brute force traces the first rays of a set only: the set's size heads the rows, the row says so. */
+static void table_notes_partly_traced_sets(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    cJSON *first = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
+    cJSON_SetNumberValue(cJSON_GetObjectItem(first, "count"), 1234);
+    char *text = table_of(results);
+    assert_non_null(strstr(text, "primary, view front: 262,144 rays, closest hit\n"));
+    assert_int_equal(count_of(text, "  of the first 1,234 rays\n"), 1);
+    assert_int_equal(count_of(text, "of the first"), 1);
     free(text);
     bb_results_destroy(results);
 }
@@ -293,6 +339,9 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(table_marks_wrong_cells),
         cmocka_unit_test(table_shows_every_row),
+        cmocka_unit_test(table_hides_no_step),
+        cmocka_unit_test(table_names_what_was_skipped),
+        cmocka_unit_test(table_notes_partly_traced_sets),
         cmocka_unit_test(table_ratio_is_to_the_fastest_reference),
         cmocka_unit_test(table_copes_with_nothing),
         cmocka_unit_test(table_keeps_the_terminal_safe),

@@ -298,6 +298,32 @@ static void an_overflow_is_never_silent(void **state)
     close_bed(&b);
 }
 
+/* ---- triangles of zero area ---- */
+
+/* Every third triangle of a room shrunk to a line or a point: kept, counted, harmless. */
+static void zero_area_triangles_are_harmless(void **state)
+{
+    (void)state;
+    bb_scene *scene = load("interior:n=3000");
+    uint32_t shrunk = 0;
+    for (uint32_t i = 0; i < scene->triangle_count; i += 3, shrunk++) {
+        scene->indices[3 * i + 1] = scene->indices[3 * i];
+        if (i % 2 == 0)
+            scene->indices[3 * i + 2] = scene->indices[3 * i];
+    }
+    check(bb_scene_finish(scene), "finish");
+    check(bb_scene_profile(scene), "profile");
+    assert_true(scene->profile.zero_area >= shrunk);
+    bb_conformance *conformance;
+    check(bb_conformance_create(device, scene, seed, &conformance), "conformance");
+    char note[256];
+    for (uint32_t b = 0; b < bb_builder_count(); b++)
+        check(bb_conformance_check(conformance, bb_builder_at(b)->name, note, sizeof note),
+              bb_builder_at(b)->name);
+    bb_conformance_destroy(conformance);
+    bb_scene_free(scene);
+}
+
 /* ---- metamorphic ---- */
 
 enum { RAYS = 20000 };
@@ -484,6 +510,7 @@ int main(void)
         cmocka_unit_test(rays_that_are_no_rays_end),
         cmocka_unit_test(axis_parallel_rays_in_box_faces_are_right),
         cmocka_unit_test(an_overflow_is_never_silent),
+        cmocka_unit_test(zero_area_triangles_are_harmless),
         cmocka_unit_test(scaling_by_powers_of_two_changes_nothing),
         cmocka_unit_test(moving_on_a_grid_changes_nothing),
         cmocka_unit_test(permuting_primitives_changes_ties_only),

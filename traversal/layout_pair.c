@@ -9,7 +9,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { GROUP_SIZE = 64 };
+enum {
+    GROUP_SIZE = 64,
+    ARITY_MAX = 4096, /* one work-item does all the children of a node */
+};
 
 typedef struct pair_layout {
     bb_device *device;
@@ -101,13 +104,20 @@ static bb_status make_records(pair_layout *self, const bb_scene *scene, const bb
                      BB_MEM(data->buffers[1]));
 }
 
-/* Entries for a balanced binary tree over up to `arity` children at each of `depth` levels. */
+/* Entries for a balanced binary tree over up to `arity` children at each of `depth` levels: an upper bound that needs no walk. */
 static uint32_t stack_need(const bb_tree_info *info)
 {
-    uint32_t levels = 0;
-    while ((1u << levels) < info->arity)
+    uint64_t levels = 0;
+    while ((UINT64_C(1) << levels) < info->arity)
         levels++;
-    return info->depth * levels;
+    uint64_t need = info->depth * levels;
+    return need < UINT32_MAX ? (uint32_t)need : UINT32_MAX;
+}
+
+/* No wide nodes, and none with one child. */
+static bool is_binary(const bb_tree_info *info)
+{
+    return info->arity <= 2 && info->node_count == 2 * info->leaf_count - 1;
 }
 
 static bb_status make(void *opaque, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
@@ -118,6 +128,9 @@ static bb_status make(void *opaque, const bb_scene *scene, bb_tree *tree, uint32
     bb_tree_init(&collapsed, self->account);
     const bb_tree *source = tree;
     bb_status status = bb_finish(self->device);
+    if (tree->info.arity > ARITY_MAX)
+        status = bb_fail(BB_UNSUPPORTED, "layout pair takes nodes of up to %d children, not %u",
+                         ARITY_MAX, tree->info.arity);
     double start = bb_wall_ms();
     data->bytes = 0;
     data->buffer_count = 2;
@@ -143,9 +156,9 @@ static bb_status make(void *opaque, const bb_scene *scene, bb_tree *tree, uint32
         snprintf(data->name, sizeof data->name, "pair:leaf=%u", leaf);
     else
         snprintf(data->name, sizeof data->name, "pair");
-    /* outside the clock; the shape of a wider tree changes, its cost is that of the binary one */
-    if (status == BB_OK && source->info.arity <= 2 && source->nodes != NULL)
-        data->sah = bb_tree_sah(source);
+    data->keeps_shape = leaf == 1 && is_binary(&source->info);
+    if (status == BB_OK && leaf > 1 && is_binary(&source->info))
+        data->sah = bb_tree_sah(source); /* outside the clock */
     bb_tree_release(&collapsed);
     return status;
 }

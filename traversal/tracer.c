@@ -61,10 +61,13 @@ void bb_layout_data_release(bb_layout_data *data)
     *data = (bb_layout_data){0};
 }
 
+/* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private memory of each work-item. */
+enum { STACK_MAX = 1024 };
+
 static uint32_t round_stack(uint32_t need)
 {
     uint32_t size = 16;
-    while (size < need)
+    while (size < need && size < STACK_MAX)
         size *= 2;
     return size;
 }

@@ -20,7 +20,8 @@ typedef struct bb_layout_data {
     bb_u32 triangle_count; /* of the scene: primitives below it are triangles */
     uint32_t stack_need;  /* entries that an ordered traversal needs */
     uint64_t bytes;
-    double sah;           /* of the layout as traced */
+    bool keeps_shape;     /* the nodes traced are the tree's own: its SAH is the layout's too */
+    double sah;           /* of the layout as traced; NAN: not known here */
     double ms;            /* wall time of making it */
     char name[64];        /* as recorded: "pair", "pair:leaf=4" */
 } bb_layout_data;

@@ -19,7 +19,8 @@
  *   for each leaf: climb; the second to come joins the boxes of both children
  *
  * No work-item waits for another. The box of a sibling is read after the atomic at the parent that both children pass, with
- * a fence on either side. Limits: count <= 2^31 - 1; -DBB_KEY64 for ulong keys.
+ * a fence on either side. OpenCL 1.2 does not promise that one work-group sees another's plain stores in this way; the devices
+ * there are keep to it. Limits: count <= 2^31 - 1; -DBB_KEY64 for ulong keys.
  */
 #include "bb_device.h"
 
@@ -37,7 +38,7 @@ typedef uint bb_key;
 #define BB_STACK_MAX 96
 
 typedef struct bb_work {
-    float lo[3], hi[3];
+    float4 lo, hi; /* xyz */
     uint l, r;   /* range of leaves */
     uint first;  /* as in bb_node */
     uint height; /* edges to the deepest leaf below */
@@ -59,14 +60,11 @@ uint place_of(const bb_work *w, bool is_left)
 
 void write_node(global bb_node *nodes, uint place, const bb_work *w, uint count)
 {
-    bb_node node;
-    for (uint k = 0; k < 3; k++) {
-        node.lo[k] = w->lo[k];
-        node.hi[k] = w->hi[k];
-    }
-    node.first = w->first;
-    node.skip = w->r + 1u < count ? 2u * w->r + 2u : BB_NONE;
-    nodes[place] = node;
+    uint skip = w->r + 1u < count ? 2u * w->r + 2u : BB_NONE;
+    /* as integers: a device may flush links, which look like denormals, or quiet them, which look like NaNs */
+    global uint *words = (global uint *)(nodes + place);
+    vstore4((uint4)(as_uint4(w->lo).xyz, w->first), 0, words);
+    vstore4((uint4)(as_uint4(w->hi).xyz, skip), 1, words);
 }
 
 void write_root(global bb_node *nodes, global bb_tree_info *info, const bb_work *w, uint count)
@@ -86,11 +84,9 @@ void start_leaf(bb_work *w, uint i, global const uint *values, global const bb_b
                 global uint *refs)
 {
     uint prim = values[i];
-    bb_box box = boxes[prim];
-    for (uint k = 0; k < 3; k++) {
-        w->lo[k] = box.lo[k];
-        w->hi[k] = box.hi[k];
-    }
+    global const float *words = (global const float *)(boxes + prim);
+    w->lo = vload4(0, words);
+    w->hi = vload4(1, words);
     w->l = i;
     w->r = i;
     w->first = BB_LEAF_BIT | i;
@@ -98,12 +94,10 @@ void start_leaf(bb_work *w, uint i, global const uint *values, global const bb_b
     refs[i] = prim | BB_LAST_BIT;
 }
 
-void join_box(bb_work *w, const float *lo, const float *hi)
+void join_box(bb_work *w, float4 lo, float4 hi)
 {
-    for (uint k = 0; k < 3; k++) {
-        w->lo[k] = BB_MIN(lo[k], w->lo[k]);
-        w->hi[k] = BB_MAX(hi[k], w->hi[k]);
-    }
+    w->lo = BB_MIN(lo, w->lo);
+    w->hi = BB_MAX(hi, w->hi);
 }
 
 /* Meets the sibling at split s. False: it is not there yet, the other side will go on. True: w has become the parent. */
@@ -117,11 +111,8 @@ bool meet(bb_work *w, bool is_left, uint s, volatile global uint *ends,
         return false;
     mem_fence(CLK_GLOBAL_MEM_FENCE);
     uint sibling = 2u * s + (is_left ? 2u : 1u);
-    float lo[3], hi[3];
-    for (uint k = 0; k < 3; k++) {
-        lo[k] = nodes[sibling].lo[k];
-        hi[k] = nodes[sibling].hi[k];
-    }
+    float4 lo = (float4)(nodes[sibling].lo[0], nodes[sibling].lo[1], nodes[sibling].lo[2], 0.0f);
+    float4 hi = (float4)(nodes[sibling].hi[0], nodes[sibling].hi[1], nodes[sibling].hi[2], 0.0f);
     join_box(w, lo, hi);
     uint height = heights[sibling];
     w->height = BB_MAX(height, w->height) + 1u;
@@ -290,10 +281,12 @@ kernel void link_boxes(global const bb_key *keys, global const uint *values,
         if (!meet(&w, is_left, s, ends, heights, nodes))
             return;
         place = place_of_split[s];
-        for (uint k = 0; k < 3; k++) {
-            nodes[place].lo[k] = w.lo[k];
-            nodes[place].hi[k] = w.hi[k];
-        }
+        nodes[place].lo[0] = w.lo.x;
+        nodes[place].lo[1] = w.lo.y;
+        nodes[place].lo[2] = w.lo.z;
+        nodes[place].hi[0] = w.hi.x;
+        nodes[place].hi[1] = w.hi.y;
+        nodes[place].hi[2] = w.hi.z;
     }
     write_root((global bb_node *)nodes, info, &w, count);
 }

@@ -12,7 +12,7 @@
  */
 #include "framework/builder.h"
 
-#include <embree3/rtcore.h>
+#include "framework/embree_api.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -441,7 +441,7 @@ static bb_status build(void *pointer, const bb_scene *scene, const bb_tree *inpu
     node *root = NULL;
     BB_TRY(bb_phase(phases, "rtcBuildBVH"));
     BB_TRY(run_embree(self, scene, &root));
-    BB_TRY(bb_phase(phases, "convert"));
+    BB_TRY(bb_phase_outside(phases, "convert"));
     converter to = {.tree = tree};
     convert(&to, root, 0);
     end_skips(&to);

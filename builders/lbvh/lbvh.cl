@@ -13,31 +13,25 @@
 #ifdef BB_KEY64
 typedef ulong bb_key;
 #define BB_AXIS_BITS 21u
-#define BB_SPREAD bb_morton_spread21
+#define BB_MORTON bb_morton_63
 #else
 typedef uint bb_key;
 #define BB_AXIS_BITS 10u
-#define BB_SPREAD bb_morton_spread10
+#define BB_MORTON bb_morton_30
 #endif
 
 /* bounds[1] is the box of the centroids (bb_reduce_boxes). */
-kernel void lbvh_codes(global const bb_box *boxes, global const bb_box *bounds, uint count,
-                       global bb_key *keys, global uint *values)
+kernel void lbvh_codes(global const bb_box *restrict boxes, global const bb_box *restrict bounds,
+                       uint count, global bb_key *restrict keys, global uint *restrict values)
 {
     uint i = get_global_id(0);
     if (i >= count)
         return;
-    bb_key key = 0;
-    for (uint axis = 0; axis < 3; axis++) {
-        float low = bounds[1].lo[axis];
-        float extent = bounds[1].hi[axis] - low;
-        float scale = extent > 0.0f ? (float)(1u << BB_AXIS_BITS) / extent : 0.0f;
-        /* a denormal extent overflows the scale: such an axis separates nothing */
-        scale = scale <= FLT_MAX ? scale : 0.0f;
-        float centroid = 0.5f * boxes[i].lo[axis] + 0.5f * boxes[i].hi[axis];
-        bb_key cell = bb_morton_cell(centroid, low, scale, BB_AXIS_BITS);
-        key |= BB_SPREAD(cell) << (2u - axis);
-    }
-    keys[i] = key;
+    global const float *outer = (global const float *)(bounds + 1);
+    global const float *box = (global const float *)(boxes + i);
+    float4 low = vload4(0, outer);
+    float4 scale = bb_morton_scale(low, vload4(1, outer), BB_AXIS_BITS);
+    float4 centroid = 0.5f * vload4(0, box) + 0.5f * vload4(1, box);
+    keys[i] = BB_MORTON(bb_morton_cells(centroid, low, scale, BB_AXIS_BITS));
     values[i] = i;
 }

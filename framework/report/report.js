@@ -1,5 +1,4 @@
-/* Draws the report from the records in #data: charts by Chart.js, tables by hand. All text from the records goes through
- * textContent. */
+/* Draws the report from the records in #data: charts by Chart.js, tables by hand. All text of theirs goes through textContent. */
 (() => {
 'use strict';
 
@@ -30,8 +29,7 @@ function figure(value) {
 }
 const whole = value => isNumber(value) ? Math.round(value).toLocaleString('en') : dash;
 const interval = (value, low, high) =>
-  isNumber(value) && isNumber(low) && isNumber(high)
-    ? `${figure(value)} [${figure(low)}, ${figure(high)}]` : figure(value);
+  [value, low, high].every(isNumber) ? `${figure(value)} [${figure(low)}, ${figure(high)}]` : figure(value);
 
 function bytes(value) {
   if (!isNumber(value)) return dash;
@@ -56,20 +54,20 @@ const buildById = new Map(builds.map(build => [build.id, build]));
 const runOf = row => row.run || 0;
 const raysKey = t => JSON.stringify([t.scene, t.view || '', t.rays, t.rays_hash || '', runOf(t)]);
 
-/* The fastest reference row of each ray set. */
-const referenceRate = new Map();
+/* Of each ray set the fastest reference row, and its size: brute force traces only the first of the rays. */
+const referenceRate = new Map(), setSize = new Map();
 for (const t of data.traces) {
+  setSize.set(raysKey(t), Math.max(setSize.get(raysKey(t)) || 0, t.count));
   if (!t.reference || t.status !== 'ok' || !isNumber(t.mrays_s)) continue;
   referenceRate.set(raysKey(t), Math.max(referenceRate.get(raysKey(t)) || 0, t.mrays_s));
 }
 
 const traces = data.traces.map(t => {
   const build = buildById.get(t.build) || {};
-  const layouts = build.layouts_ms || {}, sahs = build.layouts_sah || {};
-  const tree = build.tree || {};
+  const layouts = build.layouts_ms || {}, sahs = build.layouts_sah || {}, tree = build.tree || {};
   const reference = referenceRate.get(raysKey(t));
   return Object.assign({}, t, {
-    record: build, acc: t.accuracy || {},
+    record: build, acc: t.accuracy || {}, all: setSize.get(raysKey(t)), wrong: Boolean(t.wrong && t.counts_for_exit),
     ratio: reference && isNumber(t.mrays_s) ? t.mrays_s / reference : null,
     layoutMs: t.reference ? 0 : isNumber(layouts[t.layout]) ? layouts[t.layout] : null,
     sah: t.reference ? null : isNumber(sahs[t.layout]) ? sahs[t.layout] : tree.sah,
@@ -81,18 +79,18 @@ const isOk = t => t.status === 'ok' && isNumber(t.mrays_s);
 const usable = t => t.reference || (!t.wrong && (t.counts_for_exit || t.acc.wrong_ppm === 0));
 const label = t => merged ? `${t.builder} (run ${runOf(t) + 1})` : t.builder;
 
-/* Where the cell stands on the axis of wrong rays: counted, or the bound that "none of n" gives. */
+/* Where the cell stands on the axis of wrong rays: the upper 95 % bound of a Poisson rate of which k of n were seen, by Byar's
+ * approximation; 3/n for k = 0. At the counted rate, a cell with one wrong ray would stand left of one with none. */
 function wrongAt(t) {
   if (!isNumber(t.acc.wrong_ppm) || !(t.acc.checked > 0)) return null;
-  return t.acc.wrong_ppm > 0 ? { ppm: t.acc.wrong_ppm, none: false }
-                             : { ppm: 3e6 / t.acc.checked, none: true };
+  const next = t.acc.wrong_ppm * t.acc.checked / 1e6 + 1;
+  return { ppm: next * (1 - 1 / (9 * next) + 1.6449 / (3 * Math.sqrt(next))) ** 3 * 1e6 / t.acc.checked, none: next === 1 };
 }
 
 function wrongText(t) {
   if (!isNumber(t.acc.wrong_ppm)) return 'unchecked';
   const mark = t.wrong ? ' WRONG' : t.acc.wrong_ppm > 0 ? ' wrong' : '';
-  const overflow = t.acc.overflowed > 0 ? ' OVERFLOW' : '';
-  return (t.acc.wrong_ppm === 0 ? '0' : figure(t.acc.wrong_ppm)) + mark + overflow;
+  return figure(t.acc.wrong_ppm) + mark + (t.acc.overflowed > 0 ? ' OVERFLOW' : '');
 }
 
 /* ---- page head ---- */
@@ -104,13 +102,15 @@ function contextList(list, entries) {
 function head() {
   const c = data.context;
   const done = traces.filter(isOk).length, bad = traces.filter(t => t.wrong).length;
-  const missing = traces.concat(builds).filter(row => row.status !== 'ok').length;
+  const inexact = traces.filter(t => !t.wrong && t.acc.wrong_ppm > 0).length;
+  const missing = traces.concat(builds).filter(row => row.status !== 'ok').length, skipped = data.skipped.length;
   const plural = (n, word) => `${n} ${word}${n === 1 ? '' : 's'}`;
   $('summary').append(
     `${plural(data.scenes.length, 'scene')}, ${plural(builds.length, 'build')}, ${plural(done, 'cell')} traced; `,
     el('span', { class: bad ? 'bad' : null },
        bad ? `${plural(bad, 'cell')} WRONG above the limit` : 'no cell above the limit for wrong answers'),
-    missing ? `; ${plural(missing, 'row')} without a result.` : '.');
+    (inexact ? `; ${plural(inexact, 'other cell')} with wrong answers (references, inexact, or within the limit)` : '') +
+    (missing ? `; ${plural(missing, 'row')} without a result` : '') + (skipped ? `; ${skipped} skipped` : '') + '.');
   contextList($('context'), [
     ['Date', c.date && c.date.replace('T', ' ').replace('Z', ' UTC')], ['Revision', c.revision], ['Host', c.host],
     ['Processor', c.cpu && c.cpu_threads ? `${c.cpu}, ${c.cpu_threads} threads` : c.cpu],
@@ -130,8 +130,8 @@ function head() {
 const palettes = {
   light: ['#0b62b0', '#b8420f', '#17734a', '#8a3a9b', '#7a5a00', '#00727a', '#b0103e', '#5a5f66', '#4b6b00', '#4f46c4',
           '#9c4668', '#2b2b2b'],
-  dark: ['#6cb4f5', '#f59563', '#5fce98', '#d293e3', '#d9b84a', '#54cdd4', '#f57f9d', '#b5b8bd',
-         '#a9cc5a', '#a5a0ff', '#e3a3bd', '#f2f2f2'],
+  dark: ['#6cb4f5', '#f59563', '#5fce98', '#d293e3', '#d9b84a', '#54cdd4', '#f57f9d', '#b5b8bd', '#a9cc5a', '#a5a0ff',
+         '#e3a3bd', '#f2f2f2'],
 };
 const dark = window.matchMedia('(prefers-color-scheme: dark)');
 let printing = false;
@@ -147,30 +147,27 @@ const colourOf = name => palettes[scheme()][builderNames.indexOf(name) % palette
 const hidden = new Set();
 
 const kernelNames = unique(traces.filter(t => !t.reference).map(t => t.kernel));
-const shapes = [['circle', '\u25cf'], ['triangle', '\u25b2'], ['rect', '\u25a0'], ['rectRot', '\u25c6'], ['star', '\u2217'],
-                ['cross', '+']];
+const shapes = Object.entries({ circle: '\u25cf', triangle: '\u25b2', rect: '\u25a0', rectRot: '\u25c6', star: '\u2217', cross: '+' });
 const shapeOf = t => t.reference ? 'crossRot' : shapes[kernelNames.indexOf(t.kernel) % shapes.length][0];
 
 /* ---- what is picked ---- */
 const picked = { scene: '', rays: '', view: '' };
-function options(select, values, names, value) {
-  select.replaceChildren(...values.map((v, i) => el('option', { value: v, selected: v === value }, names[i])));
-  select.value = value;
+function options(select, values, names, key) {
+  if (!values.includes(picked[key])) picked[key] = values[0] || '';
+  select.replaceChildren(...values.map((v, i) => el('option', { value: v }, names[i])));
+  select.value = picked[key];
   select.disabled = values.length < 2;
 }
 
 function pick() {
   const scenes = unique(traces.map(t => t.scene));
-  if (!scenes.includes(picked.scene)) picked.scene = scenes[0] || '';
-  options($('pick-scene'), scenes, scenes, picked.scene);
+  options($('pick-scene'), scenes, scenes, 'scene');
   const inScene = traces.filter(t => t.scene === picked.scene);
   const rays = unique(inScene.map(t => t.rays));
-  if (!rays.includes(picked.rays)) picked.rays = rays[0] || '';
-  options($('pick-rays'), rays, rays, picked.rays);
+  options($('pick-rays'), rays, rays, 'rays');
   const views = unique(inScene.filter(t => t.rays === picked.rays).map(t => t.view || ''));
   if (views.length > 1) views.push('*');
-  if (!views.includes(picked.view)) picked.view = views[0] || '';
-  options($('pick-view'), views, views.map(v => v === '*' ? 'all' : v || 'whole scene'), picked.view);
+  options($('pick-view'), views, views.map(v => v === '*' ? 'all' : v || 'whole scene'), 'view');
 }
 
 const shown = t => t.scene === picked.scene && t.rays === picked.rays &&
@@ -178,12 +175,13 @@ const shown = t => t.scene === picked.scene && t.rays === picked.rays &&
 
 /* ---- charts ---- */
 const charts = {};
+const partly = t => t.count < t.all ? ` (traced: the first ${whole(t.count)} of ${whole(t.all)})` : '';
 function tooltipLines(t) {
   const a = t.acc;
   const lines = [`${t.scene}, ${t.rays}${t.view ? `, view ${t.view}` : ''}`,
     `${t.kernel}${t.layout ? ` on ${t.layout}` : ''}${t.intersector ? `, ${t.intersector}` : ''}`,
     `${interval(t.mrays_s, t.mrays_s_lo, t.mrays_s_hi)} Mrays/s` + (t.ratio ? `, ${figure(t.ratio)} of Embree` : ''),
-    `wrong ppm ${wrongText(t)}` + (isNumber(a.checked) ? ` of ${whole(a.checked)} rays` : '')];
+    `wrong ppm ${wrongText(t)}` + (isNumber(a.checked) ? ` of ${whole(a.checked)} rays` : '') + partly(t)];
   if (a.wrong_ppm > 0) lines.push(`missed ${whole(a.missed)}, false ${whole(a.false)}, wrong t ${whole(a.wrong_t)}`);
   if (isNumber(t.node_tests_per_ray))
     lines.push(`${figure(t.node_tests_per_ray)} box and ${figure(t.prim_tests_per_ray)} primitive tests per ray`);
@@ -196,8 +194,7 @@ function tooltipLines(t) {
 
 /* The label of a tick on a logarithmic axis: only powers of ten have one. */
 function powersOfTen(value) {
-  const power = Math.log10(value);
-  if (!(Math.abs(power - Math.round(power)) < 1e-9)) return '';
+  if (!(Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9)) return '';
   return value < 0.001 ? value.toExponential(0) : brief(value);
 }
 
@@ -260,9 +257,8 @@ function line(name, points, style) {
 
 /* Cells that none beats in speed and accuracy; as steps, from right to left of falling speed. */
 function paretoFront(points) {
-  const sorted = points.slice().sort((a, b) => a.x - b.x || b.y - a.y);
   const front = [];
-  for (const p of sorted)
+  for (const p of points.slice().sort((a, b) => a.x - b.x || b.y - a.y))
     if (front.length === 0 || p.y > front[front.length - 1].y) front.push({ x: p.x, y: p.y });
   return front;
 }
@@ -273,33 +269,32 @@ function drawAccuracy(rows) {
     return at ? { x: at.ppm, y: t.mrays_s, none: at.none } : {};
   });
   const points = sets.flatMap(set => set.data);
-  const range = decades(points.map(p => p.x));
-  const front = paretoFront(points.filter(p => !p.row.reference));
+  const range = decades(points.map(p => p.x)), front = paretoFront(points.filter(p => !p.row.reference));
   if (front.length > 0) {
     front.unshift({ x: front[0].x, y: 0 });
     front.push({ x: range.max, y: front[front.length - 1].y });
     sets.push(line('Pareto front', front, { stepped: 'before' }));
   }
   const unchecked = rows.length - points.length;
-  const clean = points.filter(p => p.none).map(p => 3e6 / p.x);
-  $('accuracy-note').textContent = (clean.length ? `Here n is ${unique(clean.map(Math.round)).map(whole).slice(0, 4).join(' or ')}. ` : '') +
+  const clean = points.filter(p => p.none).map(p => p.row.acc.checked);
+  $('accuracy-note').textContent = (clean.length ? `Here n is ${unique(clean).map(whole).slice(0, 4).join(' or ')}. ` : '') +
     (unchecked ? `${unchecked} cells were not checked and are not drawn.` : '') +
     (points.length ? '' : 'No cell of this choice was traced and checked.');
   draw('chart-accuracy', 'Trace speed against wrong rays per million', sets,
-       { x: axis('wrong rays per million (log scale; hollow: none found, at 3/n)', true, range),
+       { x: axis('wrong rays per million, upper 95 % bound (log scale; hollow: none found)', true, range),
          y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) }, p => p.row ? tooltipLines(p.row) : '');
 }
 
-/* Per builder the fastest kernel that is within the limit, averaged over the views that are shown. */
+/* Per builder the fastest kernel that is within the limit, averaged over the views that are shown; as for the whole set where
+ * only its first rays were traced. */
 function timeCurves(rows) {
   const cells = new Map();
   for (const t of rows) {
     const build = t.record;
-    if (!usable(t) || !isNumber(build.build_ms_median) || !isNumber(t.layoutMs) || !isNumber(t.ms_median)) continue;
-    const key = JSON.stringify([t.build, t.kernel, t.layout, t.intersector]);
-    const cell = cells.get(key) || { row: t, ms: 0, rays: 0, views: 0, ppm: 0,
-                                     fixed: build.build_ms_median + t.layoutMs };
-    cell.ms += t.ms_median; cell.rays += t.count; cell.views++;
+    if (!usable(t) || ![build.build_ms_median, t.layoutMs, t.ms_median].every(isNumber) || !(t.count > 0)) continue;
+    const key = JSON.stringify([t.build, t.kernel, t.layout, t.intersector]), fixed = build.build_ms_median + t.layoutMs;
+    const cell = cells.get(key) || { row: t, ms: 0, rays: 0, views: 0, ppm: 0, fixed };
+    cell.ms += t.ms_median * t.all / t.count; cell.rays += t.all; cell.views++;
     cell.ppm = Math.max(cell.ppm, isNumber(t.acc.wrong_ppm) ? t.acc.wrong_ppm : 0);
     cells.set(key, cell);
   }
@@ -333,8 +328,7 @@ function envelope(curves) {
 
 function drawTime(rows) {
   const curves = timeCurves(rows);
-  const ours = envelope(curves.filter(c => !c.row.reference));
-  const last = ours.length ? ours[ours.length - 1].from : 0;
+  const ours = envelope(curves.filter(c => !c.row.reference)), last = ours.length ? ours[ours.length - 1].from : 0;
   const low = -1, high = Math.max(4, Math.min(9, Math.ceil(Math.log10(Math.max(last, 1)) + 1)));
   const sets = curves.map(c => {
     const points = Array.from({ length: 81 }, (_, i) => 10 ** (low + (high - low) * i / 80))
@@ -342,23 +336,21 @@ function drawTime(rows) {
     return line(c.name, points, { borderColor: colourOf(c.name), borderWidth: 2, hasTip: true, pointHitRadius: 6,
                                   borderDash: c.row.reference ? [6, 4] : [], clip: 0 });
   });
-  const rays = curves.length ? curves[0].rays : 0;
-  $('time-note').textContent = curves.length
-    ? `n = 1 traces ${whole(rays)} rays. Dashed: Embree with its own trees.`
-    : 'No build and trace of this choice can be combined.';
+  $('time-note').textContent = curves.length ? `n = 1 traces ${whole(curves[0].rays)} rays. Dashed: Embree with its own trees.`
+                                             : 'No build and trace of this choice can be combined.';
   $('winners').replaceChildren(...ours.map((w, i) => {
     const to = i + 1 < ours.length ? ours[i + 1].from : Infinity;
     const range = ours.length === 1 ? 'for every n' : i === 0 ? `up to n = ${brief(to)}` :
       to === Infinity ? `from n = ${brief(w.from)} on` : `n = ${brief(w.from)} to ${brief(to)}`;
     return el('li', {}, `${range}: ${w.curve.name} with ${w.curve.row.kernel}` +
       ` (${figure(w.curve.fixed)} ms before the first ray, ${figure(w.curve.ms)} ms per image,` +
-      ` wrong ppm ${w.curve.ppm === 0 ? '0' : figure(w.curve.ppm)})`);
+      ` wrong ppm ${figure(w.curve.ppm)}${partly(w.curve.row)})`);
   }));
   draw('chart-time', 'Time to image per builder', sets,
        { x: axis('n, how often the rays are traced (log scale)', true, { min: 10 ** low, max: 10 ** high }),
          y: axis('ms (log scale)', true, {}) },
        p => [`n = ${brief(p.x)}: ${figure(p.y)} ms`, `${figure(p.curve.fixed)} ms build and layout, ${figure(p.curve.ms)} ms per image`,
-             `kernel ${p.curve.row.kernel}, wrong ppm ${p.curve.ppm === 0 ? '0' : figure(p.curve.ppm)}`]);
+             `kernel ${p.curve.row.kernel}, wrong ppm ${figure(p.curve.ppm)}${partly(p.curve.row)}`]);
 }
 
 /* Each builder once: its fastest usable cell among those shown. */
@@ -428,19 +420,16 @@ function addTable(section, caption, columns, rows, settings) {
   const body = el('tbody');
   const headers = columns.map((column, i) => {
     const button = el('button', { type: 'button', title: column.title }, column.name);
-    const th = el('th', { scope: 'col', class: classOf(column), 'aria-sort': 'none' }, button);
     button.addEventListener('click', () => sortBy(i));
-    return th;
+    return el('th', { scope: 'col', class: classOf(column), 'aria-sort': 'none' }, button);
   });
   const state = { column: -1, down: false, words: [], odd: false };
   const status = el('span', { class: 'note', role: 'status' });
 
   const cells = rows.map(row => columns.map(c => c.text ? c.text(row) : row[c.key] ?? dash));
   const nodes = rows.map((row, r) => el('tr', { class: settings.css ? settings.css(row) : null },
-    ...columns.map((c, i) => el(i === 0 ? 'th' : 'td', {
-      scope: i === 0 ? 'row' : null,
-      class: classOf(c, row),
-    }, String(cells[r][i])))));
+    ...columns.map((c, i) => el(i === 0 ? 'th' : 'td', { scope: i === 0 ? 'row' : null, class: classOf(c, row) },
+                                String(cells[r][i])))));
   const search = rows.map((row, r) => cells[r].join(' ').toLowerCase());
 
   function value(r) {
@@ -473,12 +462,10 @@ function addTable(section, caption, columns, rows, settings) {
     const filter = el('input', { type: 'search', placeholder: 'words of a row' });
     const odd = el('input', { type: 'checkbox' });
     const change = () => {
-      state.words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);
-      state.odd = odd.checked;
+      Object.assign(state, { words: filter.value.toLowerCase().split(/\s+/).filter(Boolean), odd: odd.checked });
       show();
     };
-    filter.addEventListener('input', change);
-    odd.addEventListener('change', change);
+    for (const input of [filter, odd]) input.addEventListener('input', change);
     section.append(el('div', { class: 'controls tools' }, el('label', {}, 'Filter ', filter),
                       el('label', {}, odd, ' only wrong answers and rows without a result'), status));
   }
@@ -502,14 +489,16 @@ function traceTable() {
     { name: 'Scene', text: t => t.scene }, { name: 'Rays', text: t => t.rays },
     { name: 'View', text: t => t.view || dash }, { name: 'Kernel', text: t => t.kernel },
     { name: 'Intersector', text: t => t.intersector || dash },
-    { name: 'Mrays/s [95 %]', number: true, value: t => t.mrays_s, 
+    { name: 'Mrays/s [95 %]', number: true, value: t => t.mrays_s,
       text: t => t.status === 'ok' ? interval(t.mrays_s, t.mrays_s_lo, t.mrays_s_hi) : t.status },
     { name: 'Wrong ppm', number: true, value: t => t.acc.wrong_ppm, text: t => t.status === 'ok' ? wrongText(t) : dash,
       css: t => t.wrong || t.acc.overflowed > 0 ? 'wrong' : t.acc.wrong_ppm > 0 ? 'odd' : '' },
     num('/Embree', t => t.ratio, 'ratio to the fastest embree-native row on the same rays'),
     acc('Missed', 'missed'), acc('False', 'false'), acc('Wrong t', 'wrong_t'),
     num('Box tests', t => t.node_tests_per_ray, 'per ray'), num('Prim. tests', t => t.prim_tests_per_ray, 'per ray'),
-    ...minor([num('Rays', t => t.count, 'rays in the set', whole),
+    ...minor([num('Rays traced', t => t.count, undefined, whole), num('of', t => t.all, 'rays in the set', whole),
+    num('Counted', t => t.counted, 'rays whose tests were counted', whole),
+    acc('Overflowed', 'overflowed', 'of the counted rays'),
     { name: 'Query', text: t => t.query || dash }, { name: 'Layout', text: t => t.layout || dash },
     num('ms', t => t.ms_median, 'median wall clock'), num('Event ms', t => t.event_ms, 'OpenCL profiling'),
     num('CPU ms', t => t.cpu_ms, 'process time of all threads'),
@@ -519,6 +508,11 @@ function traceTable() {
     { name: 'Status', text: statusText, wide: true, css: t => t.status === 'ok' ? '' : 'odd' },
   ], traces, { tools: true, css: t => t.reference ? 'reference' : null,
                odd: t => t.status !== 'ok' || t.acc.wrong_ppm > 0 || t.acc.overflowed > 0 });
+  if (data.skipped.length > 0)
+    addTable($('traces'), 'Skipped: what was asked for and not traced, and why', [
+      { name: 'Scene', text: s => s.scene }, ...runColumn, { name: 'Rays', text: s => s.rays },
+      { name: 'View', text: s => s.view || dash }, { name: 'Reason', text: s => s.reason || dash, wide: true },
+    ], data.skipped, {});
 }
 
 function pairs(object) {
@@ -566,11 +560,17 @@ function sceneTable() {
   ], data.scenes, {});
 }
 
+/* Files of earlier versions have the steps only, whose total is then their sum. */
 function stepTable() {
-  const rows = Object.entries(data.steps_ms || {}).filter(([, ms]) => isNumber(ms)).map(([name, ms]) => ({ name, ms }));
-  const total = rows.reduce((sum, row) => sum + row.ms, 0);
+  const times = data.time_ms || {}, rows = [];
+  const add = (name, ms) => { if (isNumber(ms)) rows.push({ name, ms }); };
+  add('Builds, timed', times.build);
+  add('Traces, timed', times.trace);
+  for (const [name, ms] of Object.entries(data.steps_ms || {})) add(name, ms);
+  add('Not accounted for', times.other);
+  const total = times.total ?? rows.reduce((sum, row) => sum + row.ms, 0);
   const seconds = ms => (ms / 1000).toFixed(3);
-  addTable($('steps'), 'Seconds per step', [
+  addTable($('steps'), `Seconds per step${isNumber(times.total) ? '' : '; those of builds and traces are not recorded'}`, [
     { name: 'Step', text: s => s.name },
     { name: 'Seconds', number: true, value: s => s.ms, text: s => seconds(s.ms) },
     { name: 'Share', number: true, value: s => s.ms, text: s => total > 0 ? `${(100 * s.ms / total).toFixed(1)} %` : dash },

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # The out-of-tree plug-in against an installed bvhbench: installed.sh SOURCE BUILD
 # Installs BUILD into a temporary prefix, builds a copy of tests/plugin/median with nothing but that, and has the installed
-# program list, check and run it; then the same for what scripts/new-builder makes.
+# program list, check and run it; then the same for what scripts/new-builder makes. At last the installation is moved.
 set -euo pipefail
 source=$1 build=$2
-work=$(mktemp -d)
+work=$(realpath "$(mktemp -d)")
 trap 'rm -rf "$work"' EXIT
 
 fail()
@@ -23,6 +23,7 @@ build_plugin()
     cmake -S "$1" -B "$1/build" -DCMAKE_PREFIX_PATH="$work/prefix" >"$work/log" 2>&1 &&
         cmake --build "$1/build" >"$work/log" 2>&1 || fail "building $2: $(cat "$work/log")"
     [ -f "$1/build/$2.so" ] || fail "$2.so did not come out"
+    grep -q '^CMAKE_BUILD_TYPE:[A-Z]*=Release$' "$1/build/CMakeCache.txt" || fail "$2 is not optimised"
 }
 
 check_plugin()
@@ -51,6 +52,20 @@ sed 's/median/my-tree/g' "$source/tests/plugin/median/CMakeLists.txt" \
 build_plugin "$work/tree/builders/my-tree" my-tree
 check_plugin "$work/tree/builders/my-tree" my-tree
 
+# find_package holds to the version: the same minor one, not a later one.
+version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")
+minor=${version%.*}
+for wanted in "$minor" "${minor%.*}.$((${minor#*.} + 1))"; do
+    mkdir "$work/version-$wanted"
+    printf 'cmake_minimum_required(VERSION 3.22)\nproject(version LANGUAGES C)\nfind_package(bvhbench %s REQUIRED)\n' \
+        "$wanted" >"$work/version-$wanted/CMakeLists.txt"
+    found=yes
+    cmake -S "$work/version-$wanted" -B "$work/version-$wanted/build" -DCMAKE_PREFIX_PATH="$work/prefix" \
+        >"$work/log" 2>&1 || found=no
+    [ "$wanted" = "$minor" ] && expected=yes || expected=no
+    [ "$found" = "$expected" ] || fail "find_package(bvhbench $wanted), version $version: found: $found"
+done
+
 # What is no plug-in: exit status 2 and one line.
 set +e
 "$program" list --plugin "$source/CMakeLists.txt" >"$work/log" 2>"$work/errors"
@@ -58,4 +73,23 @@ status=$?
 set -e
 [ $status -eq 2 ] || fail "exit status $status instead of 2 for a plug-in that is none"
 [ "$(wc -l <"$work/errors")" -eq 1 ] || fail "more than one line: $(cat "$work/errors")"
+
+# A shipped scene comes from the installation itself, also after that was moved: with the file it is read, without it the
+# message names the place, and the source tree's copy is not taken instead.
+mv "$work/prefix" "$work/moved"
+program=$work/moved/bin/bvhbench
+scene=$(find "$work/moved" -name mountain.glb)
+[ -n "$scene" ] || fail "no shipped scene was installed"
+check_mountain()
+{
+    env -u BVHBENCH_SCENES "$program" check --builder null --scene mountain >"$work/log" 2>"$work/errors"
+}
+check_mountain || fail "a shipped scene of a moved installation: $(cat "$work/errors")"
+mv "$scene" "$work/elsewhere.glb"
+set +e
+check_mountain
+status=$?
+set -e
+[ $status -ne 0 ] && grep -qF "$work/moved/" "$work/errors" ||
+    fail "exit status $status without the shipped scene: $(cat "$work/errors")"
 echo "installed plug-in: ok"

@@ -49,7 +49,7 @@ added=$(diff "$work/before" "$work/after" | grep '^[<>]' | awk '{print $1, $3}' 
     fail "new-builder touched more than builders/my-tree: $added"
 "${CC:-cc}" -std=c11 -Wall -Wextra -Wpedantic -Werror -I. -fsyntax-only builders/my-tree/my-tree.c ||
     fail "what new-builder makes does not compile"
-for bad in '' Upper all common my-tree ../x 'a b'; do
+for bad in '' Upper all common embree-native my-tree ../x 'a b'; do
     set +e
     scripts/new-builder "$bad" >"$work/out" 2>"$work/errors"
     status=$?

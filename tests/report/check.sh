@@ -51,18 +51,22 @@ sed -n '1,/<script type="application\/json"/p' "$folder/report.html.dom" >"$fold
 
 has '204 of 204 rows' 1                 # traces
 has '24 of 24 rows' 1                   # builds
-has '<tr' 232                           # with scenes, steps and headings
+has '<tr' 248                           # with scenes, skipped sets, times and headings
 has '>lbvh:bits=63</th>' 39             # 12 cells and a build per scene
 has '2.86 WRONG OVERFLOW' 1
 has '<td class="number wrong">' 1
 has 'refused: brute force would take' 3
 has '&lt;/script&gt;&lt;b&gt;' 3        # markup in a reason is text
 has '1 cell WRONG above the limit' 1
+has '72 other cells with wrong answers' 1
 has '<tr class="reference">' 30
 has 'aria-sort="none"' 40
 has 'src="data:image/png;base64,' 1
 has 'missing.png: the file was not there' 1
 has '>Total</th>' 1
+has '>Not accounted for</th>' 1
+has '; 2 skipped.' 1
+has 'the mesh is not closed &lt;/script' 1
 has '<canvas id="chart-' 4
 has 'wrong rays per million: 17 marks' 1 # 5 builders with 3 cells each, and 2 references
 has ' ms before the first ray' 2

@@ -1,0 +1,104 @@
+#include "framework/choice.h"
+
+#include "framework/builder.h"
+#include "traversal/traversal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bb_status bb_names_add(bb_names *names, const char *list)
+{
+    return bb_spec_list(list, names->items, BB_NAMES_MAX, &names->count);
+}
+
+void bb_names_free(bb_names *names)
+{
+    for (size_t i = 0; i < names->count; i++)
+        free(names->items[i]);
+    names->count = 0;
+}
+
+/* One item as it is: commas in it were seen to when the command line was parsed. */
+static bb_status add_item(bb_names *names, const char *item)
+{
+    if (names->count == BB_NAMES_MAX)
+        return bb_fail(BB_INVALID, "more than %d names, up to '%.80s'", BB_NAMES_MAX, item);
+    names->items[names->count] = strdup(item);
+    if (names->items[names->count] == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    names->count++;
+    return BB_OK;
+}
+
+bb_status bb_choose(const bb_cli *cli, const char *option, const char *fallback, bb_names *names)
+{
+    uint32_t count;
+    char *const *values = bb_cli_values(cli, option, &count);
+    if (count == 0)
+        return bb_names_add(names, fallback);
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(add_item(names, values[i]));
+    return BB_OK;
+}
+
+static bb_status add_all_builders(bb_names *names)
+{
+    for (uint32_t i = 0; i < bb_builder_count(); i++)
+        BB_TRY(add_item(names, bb_builder_at(i)->name));
+    return BB_OK;
+}
+
+bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names)
+{
+    uint32_t count;
+    char *const *values = bb_cli_values(cli, "builder", &count);
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(strcmp(values[i], "all") == 0 ? add_all_builders(names)
+                                             : add_item(names, values[i]));
+    for (uint32_t i = 0; i < bb_builder_count() && count == 0; i++) {
+        const bb_builder *builder = bb_builder_at(i);
+        bool left_out = builder->compared != NULL && builder->compared[0] == '\0';
+        if (!left_out || every)
+            BB_TRY(bb_names_add(names, left_out || builder->compared == NULL ? builder->name
+                                                                             : builder->compared));
+    }
+    return BB_OK;
+}
+
+bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
+{
+    uint32_t count;
+    char *const *values = bb_cli_values(cli, "kernel", &count);
+    for (uint32_t i = 0; i < count || (i == 0 && count == 0); i++) {
+        if (count > 0 && strcmp(values[i], "all") != 0) {
+            BB_TRY(add_item(names, values[i]));
+            continue;
+        }
+        for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
+            BB_TRY(add_item(names, (*kernel)->name));
+    }
+    return BB_OK;
+}
+
+bb_status bb_open_device(const bb_cli *cli, bb_device **device)
+{
+    const char *word = bb_cli_value(cli, "form");
+    bb_form form = BB_FORM_AUTO;
+    if (word != NULL && strcmp(word, "cpu") == 0)
+        form = BB_FORM_CPU;
+    else if (word != NULL && strcmp(word, "gpu") == 0)
+        form = BB_FORM_GPU;
+    else if (word != NULL && strcmp(word, "auto") != 0)
+        return bb_fail(BB_INVALID, "--form is '%s', must be auto, cpu or gpu", word);
+    return bb_device_open(bb_cli_value(cli, "device"), form, bb_cli_value(cli, "kernels-from"),
+                          device);
+}
+
+bb_status bb_load_plugins(const bb_cli *cli)
+{
+    uint32_t count;
+    char *const *paths = bb_cli_values(cli, "plugin", &count);
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(bb_plugin_load(paths[i]));
+    return BB_OK;
+}
