@@ -168,9 +168,11 @@ static void a_folder_overrides_embedded_sources(void **state)
     cl_kernel kernel = NULL;
     bb_buffer out = {0};
     int32_t answer = 0;
+    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, "/no/such/folder", &other), BB_INVALID);
     assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, folder, &other), BB_OK);
-    assert_string_equal(other->sources, "folder");
+    assert_string_equal(other->sources, "embedded");
     assert_int_equal(bb_program_build(other, &source, "", &program), BB_OK);
+    assert_string_equal(other->sources, "folder");
     assert_int_equal(bb_kernel_get(program, "answer", &kernel), BB_OK);
     assert_int_equal(bb_buffer_reserve(other, NULL, sizeof answer, "answer", &out), BB_OK);
     assert_int_equal(bb_launch(other, kernel, 1, 1, BB_MEM(out)), BB_OK);
