@@ -284,8 +284,7 @@ static bool hits_well(const search *search, const double o[3], uint32_t prim, do
     double length = search->trial->length, t[2];
     double end = search->literal ? 0.0 : eps / length;
     double low = ray->tmin + end;
-    double high =
-        fmin(ray->tmax - end, search->limit - fmax(eps, search->limit_eps) / length);
+    double high = fmin(ray->tmax - end, search->limit - fmax(eps, search->limit_eps) / length);
     int count = hits_of(search->trial->scene, o, ray->d, prim, t);
     for (int root = 0; root < count; root++)
         if (t[root] > low && t[root] < high)

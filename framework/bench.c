@@ -68,7 +68,8 @@ static bb_status parse_workload(const char *text, bb_spec *spec, const bb_worklo
     BB_TRY(bb_spec_parse(text, spec));
     *workload = bb_workload_find(spec->name);
     if (*workload == NULL)
-        return bb_fail(BB_INVALID, "unknown rays '%s': `bvhbench list rays` shows them", spec->name);
+        return bb_fail(BB_INVALID, "unknown rays '%s': `bvhbench list rays` shows them",
+                       spec->name);
     char what[64];
     snprintf(what, sizeof what, "rays %s", spec->name);
     return bb_spec_validate(spec, (*workload)->options, what);
@@ -126,8 +127,8 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
     bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
     record->spec = &entrant->spec;
-    record->options = entrant->reference ? bb_embree_options
-                                         : bb_builder_find(entrant->spec.name)->options;
+    record->options =
+        entrant->reference ? bb_embree_options : bb_builder_find(entrant->spec.name)->options;
 }
 
 static bb_status start_entrants(bb_bench *bench)
@@ -156,8 +157,8 @@ static bb_status record_builds(bb_bench *bench)
 static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
 {
     const bb_bench_request *request = bench->request;
-    bb_rays_request wanted = {spec, view, request->width, request->height, request->max_rays,
-                              request->seed};
+    bb_rays_request wanted = {
+        spec, view, request->width, request->height, request->max_rays, request->seed};
     bb_rays *rays = NULL;
     double start = bb_wall_ms();
     bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
@@ -185,9 +186,9 @@ static bb_status try_workloads(bb_bench *bench)
         const bb_workload *workload;
         bb_rays *rays = NULL;
         BB_TRY(parse_workload(request->workloads[w], &spec, &workload));
-        bb_rays_request wanted = {&spec, workload->per_view ? &bench->scene->views[0] : NULL, 8, 8,
-                                  request->max_rays < 1024 ? request->max_rays : 1024,
-                                  request->seed};
+        bb_rays_request wanted = {
+            &spec, workload->per_view ? &bench->scene->views[0] : NULL, 8,
+            8,     request->max_rays < 1024 ? request->max_rays : 1024, request->seed};
         bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
         bb_rays_free(rays);
         if (status == BB_INVALID)
@@ -225,8 +226,8 @@ static bb_status make_pictures(bb_bench *bench)
         if (status == BB_OK)
             continue;
         /* no picture is worth losing the measurements */
-        bb_progress_note(bench->progress, "%s: no picture of %s: %s", bench->scene->name, view->name,
-                         bb_message());
+        bb_progress_note(bench->progress, "%s: no picture of %s: %s", bench->scene->name,
+                         view->name, bb_message());
         BB_TRY(bb_results_add_skipped(bench->results, bench->scene->name, "picture", view->name,
                                       bb_message()));
     }

@@ -87,8 +87,7 @@ static void add_phases(bb_entrant *entrant, const bb_phases *phases)
         if (k == BB_PHASES_MAX)
             continue;
         if (k == record->phase_count) {
-            snprintf(record->phases[k].name, sizeof record->phases[k].name, "%s",
-                     phases->names[i]);
+            snprintf(record->phases[k].name, sizeof record->phases[k].name, "%s", phases->names[i]);
             record->phase_count++;
         }
         bb_samples_add(&entrant->phase_samples[k], phases->ms[i]);
@@ -265,9 +264,10 @@ bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel)
     if (status == BB_OK && entrant->record.has_tree &&
         (info->node_count != entrant->record.tree.node_count ||
          info->depth != entrant->record.tree.depth))
-        status = bb_fail(BB_FAILED, "built again, the tree has %u nodes and depth %u, not %u and %u",
-                         info->node_count, info->depth, entrant->record.tree.node_count,
-                         entrant->record.tree.depth);
+        status =
+            bb_fail(BB_FAILED, "built again, the tree has %u nodes and depth %u, not %u and %u",
+                    info->node_count, info->depth, entrant->record.tree.node_count,
+                    entrant->record.tree.depth);
     if (status == BB_OK)
         status = make_layout(bench, entrant, kernel);
     if (status == BB_REFUSED && bb_bench_evict_others(bench, entrant)) {

@@ -33,12 +33,12 @@ typedef struct bb_entrant {
     const char *text;
     bool reference;
     bb_spec spec;
-    bb_instance instance;  /* alive while instance.builder is set */
-    bool built;            /* instance.tree holds a tree */
-    bool compiled;         /* its kernels have run before */
+    bb_instance instance; /* alive while instance.builder is set */
+    bool built;           /* instance.tree holds a tree */
+    bool compiled;        /* its kernels have run before */
     bb_layout_data layouts[BB_KERNELS_MAX];
     bool has_layout[BB_KERNELS_MAX];
-    bb_embree *embree;     /* of a reference row */
+    bb_embree *embree; /* of a reference row */
     bb_build_record record;
     bb_samples phase_samples[BB_PHASES_MAX];
 } bb_entrant;
@@ -53,18 +53,18 @@ typedef struct bb_bench {
     uint32_t kernel_count;
     bb_entrant *entrants;
     uint32_t entrant_count;
-    uint32_t next_id;  /* of builds, over all scenes */
-    uint32_t wrong;    /* cells that count for the exit status */
-    uint64_t random;   /* state of the shuffles */
+    uint32_t next_id; /* of builds, over all scenes */
+    uint32_t wrong;   /* cells that count for the exit status */
+    uint64_t random;  /* state of the shuffles */
     bb_progress *progress;
-    uint32_t batch;    /* rays per launch */
-    double build_ms;   /* timed, over all rounds */
+    uint32_t batch;  /* rays per launch */
+    double build_ms; /* timed, over all rounds */
     double trace_ms;
     double start;
     bb_buffer rays;
     bb_buffer hits;
     bb_buffer counts;
-    bb_buffer sample; /* rays for the counting variant */
+    bb_buffer sample;   /* rays for the counting variant */
     bb_account account; /* of the buffers above and of the rays */
 } bb_bench;
 

@@ -17,7 +17,7 @@ typedef struct cell {
     uint32_t kernel; /* index of the choice */
     const bb_intersector *intersector;
     bb_tracer *tracer;
-    uint32_t count;  /* rays that it traces: the first of the set */
+    uint32_t count; /* rays that it traces: the first of the set */
     bb_trace_record record;
     uint64_t hits_hash;
     bool judged;

@@ -4,7 +4,8 @@
 
 #include "framework/device.h"
 
-const char *bb_cl_error(cl_int error); /* such as "CL_OUT_OF_RESOURCES"; valid until the next call of the thread */
+const char *bb_cl_error(
+    cl_int error); /* such as "CL_OUT_OF_RESOURCES"; valid until the next call of the thread */
 
 /* Returns BB_FAILED from the calling function when the OpenCL `call` fails; the rest says what was being done. */
 #define BB_CL_TRY(call, ...)                                                                       \

@@ -110,9 +110,10 @@ static void print_overview(const bb_command *const *commands)
            "quality, memory, and how often the answer is wrong.\n\ncommands:\n");
     for (const bb_command *const *c = commands; *c != NULL; c++)
         printf("  %-10s %s\n", (*c)->name, (*c)->summary);
-    printf("\n`bvhbench COMMAND --help` shows a command's options; `bvhbench --version` the version.\n"
-           "exit status: 0 done and nothing wrong; 1 done, and a check or comparison failed;\n"
-           "2 it could not be done (one line on standard error says why)\n");
+    printf(
+        "\n`bvhbench COMMAND --help` shows a command's options; `bvhbench --version` the version.\n"
+        "exit status: 0 done and nothing wrong; 1 done, and a check or comparison failed;\n"
+        "2 it could not be done (one line on standard error says why)\n");
 }
 
 /* ---- parsing ---- */
@@ -153,7 +154,8 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
             return bb_fail(BB_INVALID, "%s: %s needs a value: see `bvhbench %s --help`",
                            command->name, given, command->name);
         if (got == '?' && optopt > 0 && given[0] == '-' && given[1] == '-')
-            return bb_fail(BB_INVALID, "%s: '%s': this option takes no value: see `bvhbench %s --help`",
+            return bb_fail(BB_INVALID,
+                           "%s: '%s': this option takes no value: see `bvhbench %s --help`",
                            command->name, given, command->name);
         if (got == '?' && optopt > 0)
             return bb_fail(BB_INVALID, "%s: unknown option '-%c': see `bvhbench %s --help`",

@@ -20,7 +20,7 @@ typedef struct bb_cli_option {
     const char *name;
     const char *argument; /* NULL: a flag; else what the help calls it */
     const char *help;
-    bool list;            /* may be repeated, and given by commas */
+    bool list; /* may be repeated, and given by commas */
 } bb_cli_option;
 
 typedef struct bb_cli bb_cli;
@@ -28,8 +28,8 @@ typedef struct bb_cli bb_cli;
 typedef struct bb_command {
     const char *name;
     const char *summary;
-    const char *arguments;        /* of the positional ones, for the usage line; NULL: none are taken */
-    const char *details;          /* further lines of help */
+    const char *arguments; /* of the positional ones, for the usage line; NULL: none are taken */
+    const char *details;   /* further lines of help */
     const bb_cli_option *options; /* ends with name NULL */
     /* Anything but BB_OK ends the program with its message and BB_EXIT_CANNOT; else *exit_status does. */
     bb_status (*run)(const bb_cli *cli, int *exit_status);

@@ -8,7 +8,8 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"builder", "B", "name:key=value,...; `all`; default: every builder, in the variants that it names", true},
+    {"builder", "B",
+     "name:key=value,...; `all`; default: every builder, in the variants that it names", true},
     {"scene", "S", "default: the shipped scenes and small procedural ones", true},
     {"plugin", "FILE.so", "load a builder", true},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
@@ -52,9 +53,11 @@ static bb_status check_scene(bb_device *device, const char *name, const bb_names
     for (size_t i = 0; i < builders->count && status == BB_OK; i++) {
         char note[256];
         bb_status found = bb_conformance_check(conformance, builders->items[i], note, sizeof note);
-        const char *word = found == BB_OK ? "ok" : found == BB_UNSUPPORTED ? "unsupported" : "FAILED";
-        printf("%-11s %-36s %-34s %s\n", word, name,
-               builders->items[i], found == BB_OK ? note : bb_message());
+        const char *word = found == BB_OK            ? "ok"
+                           : found == BB_UNSUPPORTED ? "unsupported"
+                                                     : "FAILED";
+        printf("%-11s %-36s %-34s %s\n", word, name, builders->items[i],
+               found == BB_OK ? note : bb_message());
         fflush(stdout);
         *failures += found != BB_OK && found != BB_UNSUPPORTED;
     }

@@ -113,9 +113,8 @@ static const struct {
     const char *name;
     bb_status (*fill)(cJSON *list);
 } kinds[] = {
-    {"builders", list_builders}, {"kernels", list_kernels},
-    {"layouts", list_layouts},   {"intersectors", list_intersectors},
-    {"scenes", list_scenes},     {"rays", list_rays},
+    {"builders", list_builders},         {"kernels", list_kernels}, {"layouts", list_layouts},
+    {"intersectors", list_intersectors}, {"scenes", list_scenes},   {"rays", list_rays},
     {"devices", list_devices},
 };
 
@@ -164,8 +163,9 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         status = kinds[i].fill(cJSON_AddArrayToObject(all, kinds[i].name));
     }
     if (status == BB_OK && !found)
-        status = bb_fail(BB_INVALID, "nothing is called '%s': list takes builders, kernels, layouts, "
-                                     "intersectors, scenes, rays or devices",
+        status = bb_fail(BB_INVALID,
+                         "nothing is called '%s': list takes builders, kernels, layouts, "
+                         "intersectors, scenes, rays or devices",
                          wanted);
     if (status == BB_OK && bb_cli_value(cli, "json") != NULL) {
         char *text = cJSON_Print(all);

@@ -15,7 +15,8 @@ static const bb_cli_option options[] = {
     {"builder", "B", "default: the first that `list builders` shows and `run` compares", false},
     {"kernel", "K", "default: the first there is", false},
     {"intersector", "I", "default: exact", false},
-    {"view", "V", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal", false},
+    {"view", "V", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
+     false},
     {"camera", "NAME", "which of the scene's views; default: the first", false},
     {"size", "WxH", "default: 512x512", false},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
@@ -131,8 +132,8 @@ static bb_status trace(rendering *r)
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_count), "counts", &r->counts));
     BB_TRY(bb_host_alloc(NULL, 3 * (size_t)count * sizeof(float), "picture", &r->rgb));
     BB_TRY(bb_buffer_fill(&r->d_hits, count * sizeof(bb_hit), BB_POISON));
-    BB_TRY(bb_tracer_launch(tracer, &r->layout, &r->rays->on_device, count, &r->d_hits,
-                            &r->d_counts));
+    BB_TRY(
+        bb_tracer_launch(tracer, &r->layout, &r->rays->on_device, count, &r->d_hits, &r->d_counts));
     BB_TRY(bb_buffer_read(&r->d_hits, 0, count * sizeof(bb_hit), r->hits));
     return bb_buffer_read(&r->d_counts, 0, count * sizeof(bb_count), r->counts);
 }
@@ -162,11 +163,12 @@ static bb_status shade_diff(rendering *r)
         status = bb_judge(r->oracle, &answers, r->hits, r->rays->count, classes, &a);
     if (status == BB_OK) {
         bb_picture_classes(r->rays, classes, r->rgb);
-        printf("%llu rays: %llu missed (red), %llu false (orange), %llu wrong t (violet), %llu ties "
-               "(blue)\n",
-               (unsigned long long)a.checked, (unsigned long long)a.missed,
-               (unsigned long long)a.false_hits, (unsigned long long)a.wrong_t,
-               (unsigned long long)a.ties);
+        printf(
+            "%llu rays: %llu missed (red), %llu false (orange), %llu wrong t (violet), %llu ties "
+            "(blue)\n",
+            (unsigned long long)a.checked, (unsigned long long)a.missed,
+            (unsigned long long)a.false_hits, (unsigned long long)a.wrong_t,
+            (unsigned long long)a.ties);
     }
     bb_answers_release(&answers);
     bb_host_free(classes);

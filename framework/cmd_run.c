@@ -16,7 +16,8 @@
 #include <unistd.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "a file (.gltf, .glb), a shipped or a procedural scene; default: the shipped ones", true},
+    {"scene", "S",
+     "a file (.gltf, .glb), a shipped or a procedural scene; default: the shipped ones", true},
     {"builder", "B", "name:key=value,...; `all`; default: what each builder names for it", true},
     {"kernel", "K", "traversal kernel, or `all`; default: all", true},
     {"rays", "R", "workload; default: primary, ao, diffuse, shadow, random", true},
@@ -200,7 +201,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     else if (results != NULL)
         status = keep_results(results, folder, status);
     if (status == BB_OK && wrong > 0) {
-        fprintf(stderr, "bvhbench: %u cells or builds are wrong: see the rows marked WRONG or failed\n",
+        fprintf(stderr,
+                "bvhbench: %u cells or builds are wrong: see the rows marked WRONG or failed\n",
                 wrong);
         *exit_status = BB_EXIT_WRONG;
     }
@@ -218,9 +220,12 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
-    .details = "Unless an embree-native:... is among the builders, three of them are added as reference rows.\n"
-               "A comma starts a new item of a list unless what follows is key=value. Exit status 1: a cell with the\n"
-               "intersector `exact` has more wrong answers than --max-wrong-ppm, or a builder or kernel failed.",
+    .details = "Unless an embree-native:... is among the builders, three of them are added as "
+               "reference rows.\n"
+               "A comma starts a new item of a list unless what follows is key=value. Exit status "
+               "1: a cell with the\n"
+               "intersector `exact` has more wrong answers than --max-wrong-ppm, or a builder or "
+               "kernel failed.",
     .options = options,
     .run = run,
 };

@@ -66,8 +66,8 @@ bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t see
     if (status == BB_OK)
         status = add_set(c, "random");
     if (status == BB_OK)
-        status = bb_buffer_reserve(device, &c->account, rays_per_set * sizeof(bb_hit), "hits",
-                                   &c->hits);
+        status =
+            bb_buffer_reserve(device, &c->account, rays_per_set * sizeof(bb_hit), "hits", &c->hits);
     if (status == BB_OK)
         status = bb_host_alloc(NULL, rays_per_set * sizeof(bb_hit), "hits", &c->host_hits);
     if (status != BB_OK) {
@@ -181,8 +181,9 @@ bb_status bb_conformance_check(bb_conformance *c, const char *builder, char *not
     for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL && status == BB_OK; kernel++)
         status = check_kernel(c, &instance, *kernel);
     if (status == BB_OK)
-        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s", instance.tree.info.node_count,
-                 instance.tree.info.depth, (unsigned long long)hashes[0],
+        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s",
+                 instance.tree.info.node_count, instance.tree.info.depth,
+                 (unsigned long long)hashes[0],
                  same ? "" : " (differs between builds, as its builder says)");
     bb_instance_destroy(&fresh);
     bb_instance_destroy(&instance);

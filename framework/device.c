@@ -72,8 +72,9 @@ static bb_status select_device(const char *selector, found_device *selected)
     uint32_t count;
     BB_TRY(find_devices(found, &count));
     if (count == 0)
-        return bb_fail(BB_INVALID, "no OpenCL device: install a driver (Debian: pocl-opencl-icd for "
-                                   "the CPU, or the vendor's ICD) and check with `clinfo -l`");
+        return bb_fail(BB_INVALID,
+                       "no OpenCL device: install a driver (Debian: pocl-opencl-icd for "
+                       "the CPU, or the vendor's ICD) and check with `clinfo -l`");
     if (selector == NULL) {
         *selected = found[0];
         return BB_OK;
@@ -92,8 +93,9 @@ static bb_status select_device(const char *selector, found_device *selected)
             return BB_OK;
         }
     }
-    return bb_fail(BB_INVALID, "no OpenCL device matches '%s' among the %u there are: `bvhbench list "
-                               "devices` shows them",
+    return bb_fail(BB_INVALID,
+                   "no OpenCL device matches '%s' among the %u there are: `bvhbench list "
+                   "devices` shows them",
                    selector, count);
 }
 
@@ -140,8 +142,8 @@ bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_
     cl_int error;
     device->context = clCreateContext(NULL, 1, &device->id, NULL, NULL, &error);
     if (error == CL_SUCCESS)
-        device->queue = clCreateCommandQueue(device->context, device->id,
-                                             CL_QUEUE_PROFILING_ENABLE, &error);
+        device->queue =
+            clCreateCommandQueue(device->context, device->id, CL_QUEUE_PROFILING_ENABLE, &error);
     if (error != CL_SUCCESS) {
         bb_status status = bb_fail(BB_FAILED, "cannot open the OpenCL device %s: %s", device->name,
                                    bb_cl_error(error));

@@ -30,7 +30,7 @@ typedef struct bb_device {
     char driver[128];
     char version[128]; /* CL_DEVICE_VERSION */
     bool is_cpu;       /* shares memory with the host */
-    bb_form form; /* BB_FORM_CPU or BB_FORM_GPU, never AUTO */
+    bb_form form;      /* BB_FORM_CPU or BB_FORM_GPU, never AUTO */
     uint32_t compute_units;
     size_t max_group_size;
     uint64_t local_bytes;

@@ -74,7 +74,9 @@ bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool e
     bb_phases local;
     if (phases == NULL)
         phases = &local;
-    *phases = (bb_phases){.device = builder->place == BB_ON_DEVICE ? device : NULL, .exact = exact_phases, .current = -1};
+    *phases = (bb_phases){.device = builder->place == BB_ON_DEVICE ? device : NULL,
+                          .exact = exact_phases,
+                          .current = -1};
     BB_TRY(bb_finish(device));
     double start = bb_wall_ms();
     BB_TRY(builder->build(instance->self, scene, NULL, &instance->tree, phases));

@@ -118,7 +118,8 @@ bb_status bb_spec_u64(const bb_spec *spec, const bb_option *options, const char 
     unsigned long long number = value != NULL ? strtoull(value, &end, 10) : 0;
     if (value == NULL || value[0] < '0' || value[0] > '9' || *end != '\0' || errno != 0 ||
         number < low || number > high)
-        return bb_fail(BB_INVALID, "%s: option '%s' is '%s', must be a whole number from %llu to %llu",
+        return bb_fail(BB_INVALID,
+                       "%s: option '%s' is '%s', must be a whole number from %llu to %llu",
                        spec->text, key, value != NULL ? value : "", (unsigned long long)low,
                        (unsigned long long)high);
     *out = number;

@@ -20,8 +20,8 @@ enum { BB_PARAMS_MAX = 24 };
 
 /* A parsed specification. Strings live in `text`. */
 typedef struct bb_spec {
-    char text[512];              /* the specification as given: what records and tables show */
-    char buffer[512];            /* storage of the strings below */
+    char text[512];   /* the specification as given: what records and tables show */
+    char buffer[512]; /* storage of the strings below */
     const char *name;
     uint32_t param_count;
     const char *keys[BB_PARAMS_MAX];

@@ -31,7 +31,7 @@ void bb_answers_release(bb_answers *answers);
 /* Class of one ray. */
 typedef enum bb_class {
     BB_RIGHT,
-    BB_TIE,      /* right, on another primitive than the oracle's */
+    BB_TIE, /* right, on another primitive than the oracle's */
     BB_MISSED,
     BB_FALSE_HIT,
     BB_WRONG_T,
@@ -42,19 +42,20 @@ typedef struct bb_accuracy {
     uint64_t checked; /* rays compared */
     uint64_t right;   /* ties included */
     uint64_t ties;
-    uint64_t missed;  /* unwritten ones included */
+    uint64_t missed; /* unwritten ones included */
     uint64_t false_hits;
     uint64_t wrong_t;
     uint64_t unwritten;
     uint64_t margin_limited;
-    uint64_t oracle_wrong; /* disagreements in which Embree's own answer is missed, false or wrong t */
-    uint64_t forgiven;     /* right, but wrong by the letter: see bb_arbiter_forgives() */
-    uint64_t arbitrated;   /* rays that went to exact arithmetic */
-    double wrong_ppm;      /* (missed + false + wrong t) per million */
-    double t_ulp_max;      /* NAN if no hit was right */
+    uint64_t
+        oracle_wrong;  /* disagreements in which Embree's own answer is missed, false or wrong t */
+    uint64_t forgiven; /* right, but wrong by the letter: see bb_arbiter_forgives() */
+    uint64_t arbitrated; /* rays that went to exact arithmetic */
+    double wrong_ppm;    /* (missed + false + wrong t) per million */
+    double t_ulp_max;    /* NAN if no hit was right */
     double t_ulp_p99;
     double judge_ms;
-    uint32_t first_wrong;  /* index of the first wrong ray; BB_NONE if there is none */
+    uint32_t first_wrong; /* index of the first wrong ray; BB_NONE if there is none */
 } bb_accuracy;
 
 /* Judges `hits` (answers->rays->count of them, or fewer: the first `count`). `classes` gets one bb_class per ray unless NULL.

@@ -105,8 +105,8 @@ void bb_picture_heat(const bb_rays *rays, const double *values, float *rgb, doub
 static const float *class_colour(uint8_t class)
 {
     static const float colours[][3] = {
-        [BB_TIE] = {0.05f, 0.25f, 0.80f},      [BB_MISSED] = {0.85f, 0.02f, 0.02f},
-        [BB_FALSE_HIT] = {0.95f, 0.35f, 0.0f}, [BB_WRONG_T] = {0.45f, 0.05f, 0.65f},
+        [BB_TIE] = {0.05f, 0.25f, 0.80f},       [BB_MISSED] = {0.85f, 0.02f, 0.02f},
+        [BB_FALSE_HIT] = {0.95f, 0.35f, 0.0f},  [BB_WRONG_T] = {0.45f, 0.05f, 0.65f},
         [BB_UNWRITTEN] = {0.85f, 0.02f, 0.02f},
     };
     return class == BB_RIGHT ? NULL : colours[class];

@@ -102,8 +102,8 @@ static bb_status compile(bb_device *device, const bb_source *source, const char 
     if (status != BB_OK)
         goto out;
 
-    cl_int error = clCompileProgram(main, 1, &device->id, options, count, headers, names, NULL,
-                                    NULL);
+    cl_int error =
+        clCompileProgram(main, 1, &device->id, options, count, headers, names, NULL, NULL);
     if (error != CL_SUCCESS) {
         status = fail_with_log(device, main, source->name, error);
         goto out;
@@ -161,7 +161,8 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
     if (snprintf(options, sizeof options, "-cl-std=CL1.2 %s", defines) >= (int)sizeof options)
         return bb_fail(BB_INVALID, "%s: the build options are too long", source->name);
     snprintf(key, sizeof key, "%.200s %s", source->name, options);
-    for (const struct bb_program_cache *entry = device->programs; entry != NULL; entry = entry->next)
+    for (const struct bb_program_cache *entry = device->programs; entry != NULL;
+         entry = entry->next)
         if (entry->text == source->text && strcmp(entry->key, key) == 0) {
             *program = entry->program;
             BB_CL_TRY(clRetainProgram(*program), "taking the program of %s", source->name);
@@ -250,9 +251,9 @@ bb_status bb_device_collect_events(bb_device *device)
     for (uint32_t i = 0; device->events != NULL && i < device->events->count; i++) {
         cl_ulong start = 0, end = 0;
         cl_event event = device->events->events[i];
-        BB_CL_TRY(clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start,
-                                          NULL),
-                  "reading the time of a kernel");
+        BB_CL_TRY(
+            clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL),
+            "reading the time of a kernel");
         BB_CL_TRY(clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL),
                   "reading the time of a kernel");
         device->event_ms += 1e-6 * (double)(end - start);

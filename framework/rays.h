@@ -19,7 +19,7 @@ typedef struct bb_workload {
     const char *name; /* primary, ao, diffuse, random, shadow, edges */
     const char *summary;
     bb_query query;
-    bool per_view;    /* once per view; else once per scene */
+    bool per_view;            /* once per view; else once per scene */
     const bb_option *options; /* length, count, offset, tmin ... with their defaults */
 } bb_workload;
 
@@ -27,26 +27,26 @@ extern const bb_workload bb_workloads[]; /* ends with name NULL */
 const bb_workload *bb_workload_find(const char *name);
 
 typedef struct bb_rays {
-    char name[128];      /* the specification as given */
-    char view[48];       /* name of the view; "" if the set is per scene */
+    char name[128]; /* the specification as given */
+    char view[48];  /* name of the view; "" if the set is per scene */
     const bb_workload *workload;
-    bb_spec spec;        /* the specification, parsed */
+    bb_spec spec; /* the specification, parsed */
     bb_query query;
     uint32_t count;
-    bb_ray *rays;        /* from bb_host_alloc */
-    uint64_t hash;       /* XXH3 of the rays */
-    bool must_hit;       /* each ray must hit something (aimed at a closed mesh from inside): no margin */
-    uint32_t width;      /* of the picture that the rays make, row by row; 0: none */
+    bb_ray *rays;  /* from bb_host_alloc */
+    uint64_t hash; /* XXH3 of the rays */
+    bool must_hit; /* each ray must hit something (aimed at a closed mesh from inside): no margin */
+    uint32_t width; /* of the picture that the rays make, row by row; 0: none */
     uint32_t height;
     bb_buffer on_device; /* bb_ray[count] */
     double make_ms;
 } bb_rays;
 
 typedef struct bb_rays_request {
-    const bb_spec *spec;   /* workload and parameters */
-    const bb_view *view;   /* NULL for sets per scene: the primary hits of all views are sampled */
+    const bb_spec *spec; /* workload and parameters */
+    const bb_view *view; /* NULL for sets per scene: the primary hits of all views are sampled */
     uint32_t width, height;
-    uint32_t max_rays;     /* ao, diffuse, shadow, random: at most this many */
+    uint32_t max_rays; /* ao, diffuse, shadow, random: at most this many */
     uint64_t seed;
 } bb_rays_request;
 

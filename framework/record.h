@@ -60,7 +60,7 @@ typedef struct bb_trace_record {
     uint32_t build; /* id */
     char scene[256], view[48], builder[512], kernel[512], layout[64], intersector[64];
     char rays[128];
-    const bb_spec *rays_spec;   /* with the defaults, all parameters are recorded; may be NULL */
+    const bb_spec *rays_spec; /* with the defaults, all parameters are recorded; may be NULL */
     const bb_option *rays_options;
     bb_query query;
     uint32_t count;

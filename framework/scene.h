@@ -23,28 +23,28 @@ enum {
 /* Projection and place of a camera. */
 typedef struct bb_view {
     char name[48];
-    bool parallel;    /* parallel projection instead of a pinhole */
+    bool parallel; /* parallel projection instead of a pinhole */
     double eye[3];
     double target[3];
     double up[3];
-    double fov_y;     /* degrees; for a parallel view: height of the picture in scene units */
+    double fov_y; /* degrees; for a parallel view: height of the picture in scene units */
 } bb_view;
 
 enum { BB_VIEWS_MAX = 16 };
 
 /* What the harness measures of a scene, once; the parsimony choices are taken from it. */
 typedef struct bb_profile {
-    double flatness;           /* shortest / longest side of the scene's box, 0..1 */
-    double size_min;           /* box diagonals of the primitives: smallest, median, largest */
+    double flatness; /* shortest / longest side of the scene's box, 0..1 */
+    double size_min; /* box diagonals of the primitives: smallest, median, largest */
     double size_median;
     double size_max;
-    uint32_t zero_area;        /* triangles of exactly zero area, spheres of radius 0 */
-    uint32_t duplicate_boxes;  /* primitives whose box equals an earlier one's */
+    uint32_t zero_area;       /* triangles of exactly zero area, spheres of radius 0 */
+    uint32_t duplicate_boxes; /* primitives whose box equals an earlier one's */
     uint32_t duplicate_centroids;
-    double overlap;            /* mean number of other boxes that hold a box's centroid, estimated */
-    int32_t closed;            /* 1: each edge of the triangles has two sides; 0: open; -1: no triangles */
-    uint32_t code_bits;        /* 30, 32, 63 or 64: the least that separates the centroids; 0: none does */
-    uint32_t octree_depth;     /* levels that separate the centroids, at most 21 */
+    double overlap;     /* mean number of other boxes that hold a box's centroid, estimated */
+    int32_t closed;     /* 1: each edge of the triangles has two sides; 0: open; -1: no triangles */
+    uint32_t code_bits; /* 30, 32, 63 or 64: the least that separates the centroids; 0: none does */
+    uint32_t octree_depth; /* levels that separate the centroids, at most 21 */
 } bb_profile;
 
 /* Device side of a scene. */
@@ -59,24 +59,25 @@ typedef struct bb_scene_device {
 } bb_scene_device;
 
 typedef struct bb_scene {
-    char name[256];           /* the specification: what records and tables show */
-    char source[64];          /* "glTF" or the generator's name */
-    uint32_t kinds;           /* BB_TRIANGLES | BB_SPHERES */
-    uint32_t prim_count;      /* triangle_count + sphere_count, 1 .. 2^31 - 1 */
+    char name[256];      /* the specification: what records and tables show */
+    char source[64];     /* "glTF" or the generator's name */
+    uint32_t kinds;      /* BB_TRIANGLES | BB_SPHERES */
+    uint32_t prim_count; /* triangle_count + sphere_count, 1 .. 2^31 - 1 */
     uint32_t triangle_count;
     uint32_t sphere_count;
     uint32_t vertex_count;
-    float *vertices;          /* x y z */
-    uint32_t *indices;        /* three per triangle, < vertex_count */
-    float *spheres;           /* x y z radius; radius >= 0 */
-    bb_box *boxes;            /* of the primitives, tight: a sphere's is rounded outwards */
+    float *vertices;   /* x y z */
+    uint32_t *indices; /* three per triangle, < vertex_count */
+    float *spheres;    /* x y z radius; radius >= 0 */
+    bb_box *boxes;     /* of the primitives, tight: a sphere's is rounded outwards */
     bb_box bounds;
-    uint64_t hash;            /* of the geometry, XXH3 */
-    uint32_t ignored;         /* primitives of the file that are no surface (points, lines), skipped */
+    uint64_t hash;    /* of the geometry, XXH3 */
+    uint32_t ignored; /* primitives of the file that are no surface (points, lines), skipped */
     uint32_t view_count;
     bb_view views[BB_VIEWS_MAX];
     bb_profile profile;
-    bool closed_from_inside;  /* a closed mesh whose inside holds `inside_point` (generators say so) */
+    bool
+        closed_from_inside; /* a closed mesh whose inside holds `inside_point` (generators say so) */
     double inside_point[3];
     bb_scene_device on_device;
     double load_ms;
@@ -85,7 +86,7 @@ typedef struct bb_scene {
 /* A procedural scene: one constant struct per generator, found in scenes/gen_NAME.c. */
 typedef struct bb_generator {
     const char *name;
-    const char *summary;     /* one line */
+    const char *summary; /* one line */
     const bb_option *options;
     /* Fills counts, kinds, vertices/indices/spheres (from bb_host_alloc), views if it has fixed ones,
      * closed_from_inside. Finishing (boxes, bounds, hash, checks) is bb_scene_finish()'s. */
@@ -132,7 +133,8 @@ extern const char *const bb_shipped_scenes[];
 const char *bb_scene_folder(void);
 
 /* The three vertices of triangle `triangle`, as pointers into scene->vertices. */
-static inline const float *bb_scene_vertex(const bb_scene *scene, uint32_t triangle, uint32_t corner)
+static inline const float *bb_scene_vertex(const bb_scene *scene, uint32_t triangle,
+                                           uint32_t corner)
 {
     return scene->vertices + 3 * (size_t)scene->indices[3 * (size_t)triangle + corner];
 }

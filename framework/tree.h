@@ -31,14 +31,14 @@ typedef struct bb_tree {
     bool duplicated;     /* a primitive may be referenced more than once */
     bool disjoint;       /* boxes of siblings share no volume */
 
-    bool copied;         /* the other side holds an up-to-date copy */
+    bool copied; /* the other side holds an up-to-date copy */
 
-    bb_node *nodes;      /* host side; NULL until reserved there or downloaded */
-    uint32_t *refs;      /* primitive, with BB_LAST_BIT on the last of each leaf */
+    bb_node *nodes;       /* host side; NULL until reserved there or downloaded */
+    uint32_t *refs;       /* primitive, with BB_LAST_BIT on the last of each leaf */
     size_t node_capacity; /* of the host arrays; the device's is in the buffers */
     size_t ref_capacity;
 
-    bb_buffer d_info;    /* one bb_tree_info */
+    bb_buffer d_info; /* one bb_tree_info */
     bb_buffer d_nodes;
     bb_buffer d_refs;
 

@@ -92,8 +92,8 @@ typedef struct bb_pair {
 
 /* What the counting variant of a kernel counts, per ray. */
 typedef struct bb_count {
-    bb_u32 nodes; /* boxes tested */
-    bb_u32 prims; /* primitives tested */
+    bb_u32 nodes;    /* boxes tested */
+    bb_u32 prims;    /* primitives tested */
     bb_u32 overflow; /* 1: the stack was too small, the hit is not to be trusted */
 } bb_count;
 

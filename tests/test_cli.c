@@ -38,8 +38,8 @@ static const outcome *run_with(const char *before, const char *arguments)
     char command[4096], out[256], err[256];
     snprintf(out, sizeof out, "%s/stdout", folder);
     snprintf(err, sizeof err, "%s/stderr", folder);
-    snprintf(command, sizeof command, "cd %s && %s " BB_TEST_PROGRAM " %s >%s 2>%s </dev/null", folder,
-             before, arguments, out, err);
+    snprintf(command, sizeof command, "cd %s && %s " BB_TEST_PROGRAM " %s >%s 2>%s </dev/null",
+             folder, before, arguments, out, err);
     int status = system(command);
     o.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     read_file(out, o.out, sizeof o.out);
@@ -59,8 +59,8 @@ static void refuses(const char *before, const char *arguments, const char *words
     const char *newline = strchr(o->err, '\n');
     if (o->exit_status != 2 || newline == NULL || newline[1] != '\0' ||
         strncmp(o->err, "bvhbench: ", 10) != 0 || strstr(o->err, words) == NULL)
-        fail_msg("bvhbench %s: exit %d, '%s', expected one line with '%s'", arguments, o->exit_status,
-                 o->err, words);
+        fail_msg("bvhbench %s: exit %d, '%s', expected one line with '%s'", arguments,
+                 o->exit_status, o->err, words);
 }
 
 static void write_file(const char *name, const void *data, size_t size)
@@ -153,14 +153,18 @@ static void bad_files_are_refused(void **state)
     refuses("", "run --scene text.glb", "text.glb");
     write_file("text.gltf", "{\"asset\":", 9);
     refuses("", "run --scene text.gltf", "text.gltf");
-    static const char no_triangle[] = "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[]}]}";
+    static const char no_triangle[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[]}]}";
     write_file("none.gltf", no_triangle, sizeof no_triangle - 1);
     refuses("", "run --scene none.gltf", "none.gltf");
     static const char nan_vertex[] =
-        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/"
-        "octet-stream;base64,AAAAAAAAAAAAAAAAAADAfwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}],\"bufferViews\":[{"
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"data:"
+        "application/"
+        "octet-stream;base64,AAAAAAAAAAAAAAAAAADAfwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}],\"bufferViews\":["
+        "{"
         "\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
-        "\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+        "\"count\":3,\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
+        "\"POSITION\":0}}]}],"
         "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}]}";
     write_file("nan.gltf", nan_vertex, sizeof nan_vertex - 1);
     refuses("", "run --scene nan.gltf", "nan.gltf");
@@ -220,12 +224,14 @@ static cJSON *read_results(const char *name)
 static void a_small_run_leaves_results_report_and_pictures(void **state)
 {
     (void)state;
-    const outcome *o = run("run --scene cube,single --builder null,lbvh --size 32x32 --max-rays 2000 --repeats 1 --out small");
+    const outcome *o = run("run --scene cube,single --builder null,lbvh --size 32x32 --max-rays "
+                           "2000 --repeats 1 --out small");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     assert_non_null(strstr(o->out, "lbvh"));
     cJSON *json = read_results("small/results.json");
-    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(json, "schema")), "bvhbench-results/1");
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(json, "schema")),
+                        "bvhbench-results/1");
     /* two builders and the reference rows, on two scenes */
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(json, "builds")), 10);
     const cJSON *trace;
@@ -259,7 +265,8 @@ static void a_small_run_leaves_results_report_and_pictures(void **state)
 static void careless_cells_are_marked_but_not_counted(void **state)
 {
     (void)state;
-    const outcome *o = run("run --scene sphere-mesh:n=32 --builder lbvh --rays edges --max-rays 50000 --intersector fast "
+    const outcome *o = run("run --scene sphere-mesh:n=32 --builder lbvh --rays edges --max-rays "
+                           "50000 --intersector fast "
                            "--size 32x32 --repeats 1 --no-pictures --out careless");
     assert_int_equal(o->exit_status, 0);
     assert_non_null(strstr(o->out, " wrong  "));
@@ -282,15 +289,17 @@ static void wrong_answers_give_exit_status_1(void **state)
     (void)state;
     char command[1024];
     snprintf(command, sizeof command,
-             "mkdir -p %s/kernels && sed 's/float t = bb_primitive(/float t = 1.001f * bb_primitive(/' "
-             BB_TEST_SOURCE_DIR "/kernels/stack.cl >%s/kernels/stack.cl",
+             "mkdir -p %s/kernels && sed 's/float t = bb_primitive(/float t = 1.001f * "
+             "bb_primitive(/' " BB_TEST_SOURCE_DIR "/kernels/stack.cl >%s/kernels/stack.cl",
              folder, folder);
     assert_int_equal(system(command), 0);
-    const outcome *o = run("run --scene cube --builder lbvh --rays primary --size 16x16 --repeats 1 --no-pictures "
-                           "--kernels-from kernels --out wrong");
+    const outcome *o =
+        run("run --scene cube --builder lbvh --rays primary --size 16x16 --repeats 1 --no-pictures "
+            "--kernels-from kernels --out wrong");
     assert_int_equal(o->exit_status, 1);
     assert_non_null(strstr(o->out, "WRONG"));
-    assert_int_equal(run("check --scene cube --builder lbvh --kernels-from kernels")->exit_status, 1);
+    assert_int_equal(run("check --scene cube --builder lbvh --kernels-from kernels")->exit_status,
+                     1);
     assert_int_equal(run("check --scene cube --builder lbvh")->exit_status, 0);
 }
 
@@ -321,8 +330,9 @@ static void an_interrupted_run_leaves_no_half_written_file(void **state)
 static void what_does_not_fit_together_is_built_again(void **state)
 {
     (void)state;
-    const outcome *o = run_with("POCL_MEMORY_LIMIT=1", "run --scene spheres:n=2500000 --builder lbvh,lbvh:bits=63 "
-                                "--rays primary --size 64x64 --repeats 1 --no-pictures --out tight");
+    const outcome *o = run_with(
+        "POCL_MEMORY_LIMIT=1", "run --scene spheres:n=2500000 --builder lbvh,lbvh:bits=63 "
+                               "--rays primary --size 64x64 --repeats 1 --no-pictures --out tight");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     cJSON *json = read_results("tight/results.json");
@@ -336,7 +346,8 @@ static void a_scene_too_big_is_refused_with_its_bytes(void **state)
 {
     (void)state;
     /* 12,000,000 boxes of 32 bytes are more than a quarter of a GiB, the largest buffer of such a device */
-    refuses("POCL_MEMORY_LIMIT=1", "run --scene spheres:n=12000000 --builder lbvh --rays primary", "384000000 bytes");
+    refuses("POCL_MEMORY_LIMIT=1", "run --scene spheres:n=12000000 --builder lbvh --rays primary",
+            "384000000 bytes");
 }
 
 /* The big scenes, where they are at hand. */
@@ -347,13 +358,16 @@ static void big_scenes_are_traced_rightly(void **state)
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char path[512], arguments[1024];
         struct stat info;
-        snprintf(path, sizeof path, "%s/../shared/data/tri/%s/%s.glb", BB_TEST_SOURCE_DIR, names[i], names[i]);
+        snprintf(path, sizeof path, "%s/../shared/data/tri/%s/%s.glb", BB_TEST_SOURCE_DIR, names[i],
+                 names[i]);
         if (stat(path, &info) != 0) {
             print_message("skipped: %s is not there\n", path);
             skip();
         }
-        snprintf(arguments, sizeof arguments, "run --scene %s --builder lbvh --size 128x128 --max-rays 65536 "
-                 "--repeats 1 --no-pictures --out big", path);
+        snprintf(arguments, sizeof arguments,
+                 "run --scene %s --builder lbvh --size 128x128 --max-rays 65536 "
+                 "--repeats 1 --no-pictures --out big",
+                 path);
         const outcome *o = run(arguments);
         if (o->exit_status != 0)
             fail_msg("%s: exit %d: %s", names[i], o->exit_status, o->err);
@@ -367,8 +381,8 @@ static void pictures_are_made(void **state)
     for (size_t i = 0; i < sizeof views / sizeof views[0]; i++) {
         char arguments[256], path[512];
         struct stat info;
-        snprintf(arguments, sizeof arguments, "render --scene cube --view %s --size 64x48 --out %s.png",
-                 views[i], views[i]);
+        snprintf(arguments, sizeof arguments,
+                 "render --scene cube --view %s --size 64x48 --out %s.png", views[i], views[i]);
         const outcome *o = run(arguments);
         if (o->exit_status != 0)
             fail_msg("%s: %s", arguments, o->err);

@@ -36,19 +36,20 @@ static int close_device(void **state)
 static void structs_have_one_size_everywhere(void **state)
 {
     (void)state;
-    static const bb_source source = {"sizes.cl",
-                                     "#include \"bb_device.h\"\n"
-                                     "kernel void sizes(global uint *out) {\n"
-                                     "  out[0] = sizeof(bb_box); out[1] = sizeof(bb_node);\n"
-                                     "  out[2] = sizeof(bb_tree_info); out[3] = sizeof(bb_ray);\n"
-                                     "  out[4] = sizeof(bb_hit); out[5] = sizeof(bb_count);\n"
-                                     "  out[6] = sizeof(bb_pair);\n"
-                                     "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
-                                     "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
-                                     "}\n"};
-    const uint32_t expected[] = {sizeof(bb_box),  sizeof(bb_node),  sizeof(bb_tree_info),
-                                 sizeof(bb_ray),  sizeof(bb_hit),   sizeof(bb_count),
-                                 sizeof(bb_pair), offsetof(bb_node, skip), offsetof(bb_pair, links)};
+    static const bb_source source = {
+        "sizes.cl", "#include \"bb_device.h\"\n"
+                    "kernel void sizes(global uint *out) {\n"
+                    "  out[0] = sizeof(bb_box); out[1] = sizeof(bb_node);\n"
+                    "  out[2] = sizeof(bb_tree_info); out[3] = sizeof(bb_ray);\n"
+                    "  out[4] = sizeof(bb_hit); out[5] = sizeof(bb_count);\n"
+                    "  out[6] = sizeof(bb_pair);\n"
+                    "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
+                    "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
+                    "}\n"};
+    const uint32_t expected[] = {
+        sizeof(bb_box),  sizeof(bb_node),         sizeof(bb_tree_info),
+        sizeof(bb_ray),  sizeof(bb_hit),          sizeof(bb_count),
+        sizeof(bb_pair), offsetof(bb_node, skip), offsetof(bb_pair, links)};
     uint32_t found[9] = {0};
     cl_program program = NULL;
     cl_kernel kernel = NULL;
@@ -115,7 +116,8 @@ static void refuses_before_the_driver_is_asked(void **state)
     (void)state;
     bb_buffer buffer = {0};
     size_t largest = device->largest_allocation;
-    assert_int_equal(bb_buffer_reserve(device, NULL, largest + 1, "the thing", &buffer), BB_REFUSED);
+    assert_int_equal(bb_buffer_reserve(device, NULL, largest + 1, "the thing", &buffer),
+                     BB_REFUSED);
     char bytes[32];
     snprintf(bytes, sizeof bytes, "%zu", largest + 1);
     assert_non_null(strstr(bb_message(), "the thing"));
@@ -142,7 +144,8 @@ static void unknown_devices_are_refused(void **state)
 static void build_errors_are_one_line(void **state)
 {
     (void)state;
-    static const bb_source source = {"broken.cl", "kernel void broken(global int *v) { v[0] = nothing; }\n"};
+    static const bb_source source = {"broken.cl",
+                                     "kernel void broken(global int *v) { v[0] = nothing; }\n"};
     cl_program program = NULL;
     assert_int_equal(bb_program_build(device, &source, "", &program), BB_FAILED);
     assert_non_null(strstr(bb_message(), "broken.cl"));
@@ -162,7 +165,8 @@ static void a_folder_overrides_embedded_sources(void **state)
     fputs("kernel void answer(global int *v) { v[0] = 42; }\n", file);
     fclose(file);
 
-    static const bb_source source = {"answer.cl", "kernel void answer(global int *v) { v[0] = 1; }\n"};
+    static const bb_source source = {"answer.cl",
+                                     "kernel void answer(global int *v) { v[0] = 1; }\n"};
     bb_device *other = NULL;
     cl_program program = NULL;
     cl_kernel kernel = NULL;

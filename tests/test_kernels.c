@@ -144,8 +144,8 @@ static void trace(const bb_scene *scene, const bb_layout_data *layout, const bb_
     bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
     bb_count counts[RAYS];
     check(bb_spec_parse(kernel->name, &spec), kernel->name);
-    bb_tracer_request request = {kernel, &spec, &bb_intersectors[0], query, scene->kinds,
-                                 layout->stack_need, counting};
+    bb_tracer_request request = {
+        kernel, &spec, &bb_intersectors[0], query, scene->kinds, layout->stack_need, counting};
     check(bb_tracer_get(device, &request, &tracer), kernel->name);
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *rays, "rays", &d_rays), "rays");
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *hits, "hits", &d_hits), "hits");
@@ -174,8 +174,7 @@ static void compare(const bb_scene *scene, const bb_layout_data *layout, const b
         const bb_box *aim = &scene->boxes[bb_random_below(&random, scene->prim_count)];
         for (int k = 0; k < 3; k++) {
             rays[i].o[k] = (float)bb_random_range(&random, -1, 5);
-            rays[i].d[k] =
-                (float)bb_random_range(&random, aim->lo[k], aim->hi[k]) - rays[i].o[k];
+            rays[i].d[k] = (float)bb_random_range(&random, aim->lo[k], aim->hi[k]) - rays[i].o[k];
         }
     }
     trace(scene, layout, kernel, BB_CLOSEST_HIT, false, rays, closest);
@@ -213,7 +212,8 @@ static void kernels_agree_with_brute_force(void **state)
                 continue; /* here the layouts and traversals are looked at, not the builders */
             bb_instance instance;
             double ms;
-            check(bb_instance_create(device, bb_builder_at(b)->name, &scene, 1, &instance), "create");
+            check(bb_instance_create(device, bb_builder_at(b)->name, &scene, 1, &instance),
+                  "create");
             check(bb_instance_build(&instance, &scene, false, NULL, &ms), "build");
             check(bb_tree_upload(&instance.tree, device, NULL), "upload");
             for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
@@ -238,7 +238,8 @@ static void kernels_agree_with_brute_force(void **state)
 /* ---- trees of any shape ---- */
 
 /* A tree over the primitives [from, to): nodes with 1 to 6 children, leaves of 1 to 3 primitives; preorder. */
-static void add_node(bb_tree *tree, const bb_scene *scene, bb_random *random, uint32_t from, uint32_t to, uint32_t depth)
+static void add_node(bb_tree *tree, const bb_scene *scene, bb_random *random, uint32_t from,
+                     uint32_t to, uint32_t depth)
 {
     uint32_t n = tree->info.node_count++;
     bb_node *node = &tree->nodes[n];
@@ -262,8 +263,8 @@ static void add_node(bb_tree *tree, const bb_scene *scene, bb_random *random, ui
         tree->info.arity = children > tree->info.arity ? children : tree->info.arity;
         node->first = n + 1;
         for (uint32_t c = 0; c < children; c++)
-            add_node(tree, scene, random, from + size * c / children, from + size * (c + 1) / children,
-                     depth + 1);
+            add_node(tree, scene, random, from + size * c / children,
+                     from + size * (c + 1) / children, depth + 1);
     }
     /* in preorder the next node is the skip of all that end here; set by the caller's fix-up */
     node->skip = tree->info.node_count;

@@ -129,15 +129,18 @@ static void make_reference(reference *r, const bb_box *boxes, uint32_t count, ui
 static void compare(bb_device *device, const char *builder, const bb_box *boxes, uint32_t count,
                     const reference *r, const char *what)
 {
-    bb_scene scene = {.name = "test", .kinds = BB_TRIANGLES, .prim_count = count,
-                      .triangle_count = count, .boxes = (bb_box *)boxes};
+    bb_scene scene = {.name = "test",
+                      .kinds = BB_TRIANGLES,
+                      .prim_count = count,
+                      .triangle_count = count,
+                      .boxes = (bb_box *)boxes};
     scene.on_device.device = device;
     bb_instance instance;
     bb_tree preorder;
     double ms;
     bb_tree_init(&preorder, NULL);
-    bb_status status = bb_buffer_reserve(device, NULL, count * sizeof *boxes, "boxes",
-                                         &scene.on_device.boxes);
+    bb_status status =
+        bb_buffer_reserve(device, NULL, count * sizeof *boxes, "boxes", &scene.on_device.boxes);
     if (status == BB_OK)
         status = bb_buffer_write(&scene.on_device.boxes, 0, count * sizeof *boxes, boxes);
     if (status == BB_OK)
@@ -261,7 +264,7 @@ static void trees_are_those_of_the_definition(void **state)
         const char *name;
         fill_function fill;
     } inputs[] = {
-        {"uniform", fill_uniform}, {"equal", fill_equal}, {"line", fill_line},
+        {"uniform", fill_uniform}, {"equal", fill_equal},     {"line", fill_line},
         {"few", fill_few},         {"outlier", fill_outlier}, {"chain", fill_chain},
         {"extreme", fill_extreme},
     };

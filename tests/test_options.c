@@ -50,7 +50,8 @@ static void takes_defaults(void **state)
 static void refuses_what_is_malformed(void **state)
 {
     (void)state;
-    static const char *const bad[] = {"", ":a=1", "x:", "x:a", "x:=1", "x:a=", "x:a=1,", "x:a=1,a=2", "x:a=1,,b=2"};
+    static const char *const bad[] = {"",     ":a=1",   "x:",        "x:a",       "x:=1",
+                                      "x:a=", "x:a=1,", "x:a=1,a=2", "x:a=1,,b=2"};
     bb_spec spec;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         if (bb_spec_parse(bad[i], &spec) != BB_INVALID)
@@ -73,7 +74,8 @@ static void names_unknown_keys_and_values(void **state)
     assert_int_equal(bb_spec_parse("x:bits=3", &spec), BB_OK);
     assert_int_equal(bb_spec_validate(&spec, options, "builder x"), BB_INVALID);
     assert_non_null(strstr(bb_message(), "30|63"));
-    static const char *const numbers[] = {"x:n=-1", "x:n=1e3", "x:n=99999999999999999999", "x:n=0x10", "x:n=1 "};
+    static const char *const numbers[] = {"x:n=-1", "x:n=1e3", "x:n=99999999999999999999",
+                                          "x:n=0x10", "x:n=1 "};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         uint64_t n;
         assert_int_equal(bb_spec_parse(numbers[i], &spec), BB_OK);

@@ -101,9 +101,15 @@ static bb_scene *load(const char *name)
 static void every_builder_with_every_kernel_is_right(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {
-        "single",        "cube", "interior:n=3000", "terrain:n=2000", "random:n=2000", "hairball:n=1000",
-        "spheres:n=2000,state=initial", "spheres:n=2000,state=settled", "sphere-mesh"};
+    static const char *const scenes[] = {"single",
+                                         "cube",
+                                         "interior:n=3000",
+                                         "terrain:n=2000",
+                                         "random:n=2000",
+                                         "hairball:n=1000",
+                                         "spheres:n=2000,state=initial",
+                                         "spheres:n=2000,state=settled",
+                                         "sphere-mesh"};
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
         bb_scene *scene = load(scenes[s]);
         bb_conformance *conformance;
@@ -117,7 +123,8 @@ static void every_builder_with_every_kernel_is_right(void **state)
             size_t count = 0;
             check(bb_spec_list(all, variants, 16, &count), all);
             for (size_t v = 0; v < count; v++) {
-                bb_status status = bb_conformance_check(conformance, variants[v], note, sizeof note);
+                bb_status status =
+                    bb_conformance_check(conformance, variants[v], note, sizeof note);
                 if (status != BB_OK && status != BB_UNSUPPORTED)
                     fail_msg("bvhbench check --scene %s --builder %s --seed %llu: %s", scenes[s],
                              variants[v], (unsigned long long)seed, bb_message());
@@ -148,7 +155,8 @@ static void count_lost(const char *scene_name, const char *intersector, uint32_t
     check(bb_answers_make(oracle, rays, &answers), "answers");
     open_bed(&b, scene, "lbvh", 1);
     bb_hit *hits = malloc(rays->count * sizeof *hits);
-    trace(&b, intersector, b.layout.stack_need, rays->rays, rays->count, BB_CLOSEST_HIT, hits, NULL);
+    trace(&b, intersector, b.layout.stack_need, rays->rays, rays->count, BB_CLOSEST_HIT, hits,
+          NULL);
     check(bb_judge(oracle, &answers, hits, rays->count, NULL, &accuracy), "judge");
     *lost = accuracy.missed;
     *wrong = accuracy.missed + accuracy.false_hits + accuracy.wrong_t;
@@ -243,7 +251,8 @@ static void axis_parallel_rays_in_box_faces_are_right(void **state)
         r->d[(axis + 1) % 3] = bb_random_below(&random, 2) ? 0.0f : -0.0f;
         r->o[axis] -= r->d[axis] * (float)bb_random_below(&random, 3);
     }
-    bb_rays set = {.name = "axis", .workload = bb_workload_find("random"), .count = COUNT, .rays = rays};
+    bb_rays set = {
+        .name = "axis", .workload = bb_workload_find("random"), .count = COUNT, .rays = rays};
     bb_answers answers;
     check(bb_answers_make(oracle, &set, &answers), "answers");
     bed b;
@@ -255,7 +264,8 @@ static void axis_parallel_rays_in_box_faces_are_right(void **state)
     if (accuracy.wrong_ppm > 0)
         fail_msg("%llu missed, %llu false, %llu wrong t, the first is ray %u (seed %llu)",
                  (unsigned long long)accuracy.missed, (unsigned long long)accuracy.false_hits,
-                 (unsigned long long)accuracy.wrong_t, accuracy.first_wrong, (unsigned long long)seed);
+                 (unsigned long long)accuracy.wrong_t, accuracy.first_wrong,
+                 (unsigned long long)seed);
     free(hits);
     bb_answers_release(&answers);
     bb_host_free(rays);

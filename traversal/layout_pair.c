@@ -77,8 +77,8 @@ static bb_status make_nodes(pair_layout *self, const bb_tree *tree, bb_layout_da
     size_t bytes = found[1] * sizeof(bb_pair);
     BB_TRY(bb_buffer_reserve(device, self->account, bytes, "pair: nodes", &data->buffers[0]));
     data->bytes += bytes;
-    return bb_launch(device, self->nodes, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
-                     BB_VALUE(count), BB_MEM(self->base), BB_MEM(data->buffers[0]));
+    return bb_launch(device, self->nodes, count, GROUP_SIZE, BB_MEM(tree->d_nodes), BB_VALUE(count),
+                     BB_MEM(self->base), BB_MEM(data->buffers[0]));
 }
 
 static bb_status make_records(pair_layout *self, const bb_scene *scene, const bb_tree *tree,

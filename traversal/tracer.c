@@ -6,7 +6,8 @@
 #include <string.h>
 
 const bb_option bb_kernel_common_options[] = {
-    {"leaf", "1", NULL, "collapse subtrees of up to this many references into one leaf, where SAH gains"},
+    {"leaf", "1", NULL,
+     "collapse subtrees of up to this many references into one leaf, where SAH gains"},
     {"group", "64", NULL, "work-group size"},
     {.name = NULL},
 };
@@ -109,10 +110,9 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     tracer->stack_size = stack_size;
     tracer->counting = request->counting;
     const bb_source *source = bb_source_find(request->kernel->source);
-    bb_status status = source != NULL
-                           ? bb_program_build(device, source, defines, &tracer->program)
-                           : bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s",
-                                     request->kernel->name, request->kernel->source);
+    bb_status status = source != NULL ? bb_program_build(device, source, defines, &tracer->program)
+                                      : bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s",
+                                                request->kernel->name, request->kernel->source);
     if (status == BB_OK)
         status = bb_kernel_get(tracer->program, "trace", &tracer->kernel);
     if (status != BB_OK) {

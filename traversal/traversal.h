@@ -16,14 +16,14 @@ enum { BB_LAYOUT_BUFFERS_MAX = 4 };
 typedef struct bb_layout_data {
     uint32_t buffer_count;
     bb_buffer buffers[BB_LAYOUT_BUFFERS_MAX]; /* the kernel's first arguments, in this order */
-    bb_u32 root;          /* link to start from, as the kernel reads links */
-    bb_u32 triangle_count; /* of the scene: primitives below it are triangles */
-    uint32_t stack_need;  /* entries that an ordered traversal needs */
+    bb_u32 root;                              /* link to start from, as the kernel reads links */
+    bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
+    uint32_t stack_need;                      /* entries that an ordered traversal needs */
     uint64_t bytes;
-    bool keeps_shape;     /* the nodes traced are the tree's own: its SAH is the layout's too */
-    double sah;           /* of the layout as traced; NAN: not known here */
-    double ms;            /* wall time of making it */
-    char name[64];        /* as recorded: "pair", "pair:leaf=4" */
+    bool keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too */
+    double sah;       /* of the layout as traced; NAN: not known here */
+    double ms;        /* wall time of making it */
+    char name[64];    /* as recorded: "pair", "pair:leaf=4" */
 } bb_layout_data;
 
 typedef struct bb_layout {

@@ -30,9 +30,9 @@ bb_status bb_radix_tree_create(bb_device *device, bb_account *account, uint32_t 
     radix->account = account;
     radix->key_bytes = key_bytes;
     radix->linking = linking;
-    const char *kernel = linking == BB_LINK_KARRAS         ? "link_boxes"
+    const char *kernel = linking == BB_LINK_KARRAS     ? "link_boxes"
                          : device->form == BB_FORM_CPU ? "link_chunks"
-                                                           : "link_climb";
+                                                       : "link_climb";
     bb_status status = bb_program_build(device, bb_source_find("radix_tree.cl"),
                                         key_bytes == 8 ? "-DBB_KEY64" : "", &radix->program);
     if (status == BB_OK)
@@ -67,8 +67,8 @@ bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *t
     BB_TRY(bb_tree_reserve(tree, device, BB_ON_DEVICE, nodes, count));
     BB_TRY(bb_buffer_reserve(device, radix->account, splits * sizeof(uint32_t),
                              "radix tree: range ends", &radix->ends));
-    BB_TRY(bb_buffer_reserve(device, radix->account, nodes, "radix tree: heights",
-                             &radix->heights));
+    BB_TRY(
+        bb_buffer_reserve(device, radix->account, nodes, "radix tree: heights", &radix->heights));
     if (radix->linking == BB_LINK_KARRAS)
         BB_TRY(bb_buffer_reserve(device, radix->account, splits * sizeof(uint32_t),
                                  "radix tree: places", &radix->places));

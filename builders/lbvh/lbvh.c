@@ -63,8 +63,8 @@ static bb_status create(const bb_builder_context *context, void **out)
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
     BB_TRY(bb_radix_tree_create(self->device, self->account, self->key_bytes,
                                 karras ? BB_LINK_KARRAS : BB_LINK_APETREI, &self->radix));
-    BB_TRY(bb_program_build(self->device, &bb_source_lbvh, wide ? "-DBB_KEY64" : "",
-                            &self->program));
+    BB_TRY(
+        bb_program_build(self->device, &bb_source_lbvh, wide ? "-DBB_KEY64" : "", &self->program));
     return bb_kernel_get(self->program, "lbvh_codes", &self->codes);
 }
 
@@ -76,8 +76,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
                              &self->bounds));
     BB_TRY(bb_buffer_reserve(self->device, self->account, count * self->key_bytes, "lbvh: codes",
                              &self->keys));
-    BB_TRY(bb_buffer_reserve(self->device, self->account, count * sizeof(uint32_t),
-                             "lbvh: indices", &self->values));
+    BB_TRY(bb_buffer_reserve(self->device, self->account, count * sizeof(uint32_t), "lbvh: indices",
+                             &self->values));
     BB_TRY(bb_primitives_reserve(self->primitives, scene->prim_count, self->key_bytes));
     return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
 }
