@@ -8,8 +8,8 @@
  * A range whose centroids are all equal is halved by index, so that its depth stays logarithmic.
  * Nothing recurses.
  */
-#include "builders/sah/sah_split.h"
 #include "framework/builder.h"
+#include "sah_split.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
  *   from the right: area times count of the bins k ... K - 1
  *   from the left:  the same of 0 ... k - 1; their sum is the cost of plane k
  */
-#include "builders/sah/sah_split.h"
+#include "sah_split.h"
 
 #include <assert.h>
 #include <math.h>

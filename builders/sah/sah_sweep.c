@@ -6,7 +6,7 @@
  *   from the right: area times count of the primitives i ... end
  *   from the left:  the same of begin ... i - 1; their sum is the cost of splitting before i
  */
-#include "builders/sah/sah_split.h"
+#include "sah_split.h"
 
 #include <math.h>
 #include <stdlib.h>
