@@ -7,7 +7,8 @@
  * Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs", the per-ray while-while loop, without
  * speculation. Pro: few steps, children in order. Con: a stack per ray, of BB_STACK_SIZE entries; the host sizes it from what
  * the tree needs, up to a limit, and an overflow leaves the hit poisoned, so that it can't pass for an answer.
- * Of hits at one distance the lowest primitive wins, so that the answer does not depend on the tree.
+ * Of hits at one distance the lowest primitive wins, so that the answer does not depend on the tree, but for distances that differ by
+ * rounding alone: there the nearer box may cull the other.
  *
  *   BB_STACK_SIZE   entries
  *   BB_ANY_HIT      1: stop at the first hit

@@ -171,10 +171,9 @@ static void closed_meshes_do_not_leak(void **state)
 {
     (void)state;
     static const char *const scenes[] = {
-        "sphere-mesh:radius=2",
-        "sphere-mesh:radius=10,x=148376,y=1234,z=-223423",
-        "sphere-mesh:radius=1000",
-        "sphere-mesh:radius=1000,x=148376,y=1234,z=-223423",
+        "sphere-mesh:radius=2",     "sphere-mesh:radius=10,x=148376,y=1234,z=-223423",
+        "sphere-mesh:radius=1000",  "sphere-mesh:radius=1000,x=148376,y=1234,z=-223423",
+        "sphere-mesh:radius=1e-15", "sphere-mesh:radius=1e15",
     };
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
         uint64_t lost, wrong;
@@ -431,6 +430,19 @@ static void moving_on_a_grid_changes_nothing(void **state)
     free(others);
 }
 
+/* Two answers to one ray that differ by rounding only. A primitive's t is off by a few 2^-24 of the distances between its vertices and the
+ * origin; where two lie as close as that, the tree decides which one is found first and culls the other. */
+static bool is_tie(const bb_box *bounds, const bb_ray *ray, const bb_hit *a, const bb_hit *b)
+{
+    double reach = 0, length = 0;
+    for (int k = 0; k < 3; k++) {
+        reach = fmax(reach, (double)bounds->hi[k] - bounds->lo[k]);
+        length += (double)ray->d[k] * ray->d[k];
+    }
+    return a->prim != BB_NONE && b->prim != BB_NONE &&
+           fabs((double)a->t - b->t) * sqrt(length) <= 16 * 0x1p-24 * reach;
+}
+
 static void permuting_primitives_changes_ties_only(void **state)
 {
     (void)state;
@@ -452,10 +464,11 @@ static void permuting_primitives_changes_ties_only(void **state)
         memcpy(indices + 3 * i, scene->indices + 3 * order[i], 3 * sizeof *indices);
     memcpy(scene->indices, indices, 3 * count * sizeof *indices);
     check(bb_scene_finish(scene), "finish");
+    bb_box bounds = scene->bounds;
     trace_scene(scene, rays, others, "lbvh");
     for (uint32_t i = 0; i < RAYS; i++) {
         uint32_t prim = others[i].prim != BB_NONE ? order[others[i].prim] : BB_NONE;
-        if (others[i].t != hits[i].t)
+        if (others[i].t != hits[i].t && !is_tie(&bounds, &rays[i], &hits[i], &others[i]))
             fail_msg("permuted, ray %u: %u at %a, not %u at %a (seed %llu)", i, prim, others[i].t,
                      hits[i].prim, hits[i].t, (unsigned long long)seed);
     }
@@ -466,7 +479,8 @@ static void permuting_primitives_changes_ties_only(void **state)
     free(others);
 }
 
-/* Leaf collapse, and trees of other builders: the same answers bit for bit, since of equal distances the lowest primitive wins. */
+/* Leaf collapse, and trees of other builders: the same answers, bit for bit but for a few ties, since of equal distances the lowest
+ * primitive wins. */
 static void the_answer_does_not_depend_on_the_tree(void **state)
 {
     (void)state;
@@ -474,18 +488,24 @@ static void the_answer_does_not_depend_on_the_tree(void **state)
     bb_hit *hits = calloc(RAYS, sizeof *hits), *others = calloc(RAYS, sizeof *others);
     bb_scene *scene = load("interior:n=3000");
     make_rays(scene, rays);
+    bb_box bounds = scene->bounds;
     trace_scene(scene, rays, hits, "lbvh");
     for (uint32_t b = 0; b < bb_builder_count(); b++) {
         bed other;
         open_bed(&other, load("interior:n=3000"), bb_builder_at(b)->name, b % 2 == 0 ? 1 : 4);
         trace(&other, "exact", other.layout.stack_need, rays, RAYS, BB_CLOSEST_HIT, others, NULL);
         close_bed(&other);
-        uint32_t differ = 0;
-        for (uint32_t i = 0; i < RAYS; i++)
-            differ += memcmp(&hits[i], &others[i], sizeof hits[i]) != 0;
-        if (differ > 0)
-            fail_msg("builder %s: %u rays differ (seed %llu)", bb_builder_at(b)->name, differ,
-                     (unsigned long long)seed);
+        uint32_t ties = 0;
+        for (uint32_t i = 0; i < RAYS; i++) {
+            if (memcmp(&hits[i], &others[i], sizeof hits[i]) == 0)
+                continue;
+            if (!is_tie(&bounds, &rays[i], &hits[i], &others[i]))
+                fail_msg("builder %s, ray %u: %u at %a, not %u at %a (seed %llu)",
+                         bb_builder_at(b)->name, i, others[i].prim, others[i].t, hits[i].prim,
+                         hits[i].t, (unsigned long long)seed);
+            ties++;
+        }
+        assert_true(ties < RAYS / 1000);
     }
     free(rays);
     free(hits);
