@@ -174,7 +174,7 @@ static bb_status judge_cell(trace_set *set, cell *c)
     return bb_bench_step(set->bench, "judge answers", start);
 }
 
-/* Every so-manieth ray of the cell, to the device. */
+/* `count` of the first `of` rays of the set, evenly spaced, to the device. */
 static bb_status load_sample(trace_set *set, uint32_t of, uint32_t count)
 {
     bb_ray *sample = NULL;

@@ -6,7 +6,6 @@
 #include "framework/rays.h"
 
 #include "framework/camera.h"
-#include "framework/clock.h"
 #include "framework/rays_private.h"
 
 #include <math.h>
@@ -239,7 +238,6 @@ bb_status bb_rays_make(const bb_scene *scene, struct bb_oracle *oracle,
                        const bb_rays_request *request, bb_rays **out)
 {
     *out = NULL;
-    double start = bb_wall_ms();
     bb_rays *rays = calloc(1, sizeof *rays);
     if (rays == NULL)
         return bb_fail(BB_REFUSED, "the host refused the memory of a ray set");
@@ -254,7 +252,6 @@ bb_status bb_rays_make(const bb_scene *scene, struct bb_oracle *oracle,
         return status;
     }
     rays->hash = XXH3_64bits(rays->rays, rays->count * sizeof(bb_ray));
-    rays->make_ms = bb_wall_ms() - start;
     *out = rays;
     return BB_OK;
 }

@@ -39,7 +39,6 @@ typedef struct bb_rays {
     uint32_t width; /* of the picture that the rays make, row by row; 0: none */
     uint32_t height;
     bb_buffer on_device; /* bb_ray[count] */
-    double make_ms;
 } bb_rays;
 
 typedef struct bb_rays_request {
