@@ -75,7 +75,8 @@ bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
             continue;
         }
         for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-            BB_TRY(add_item(names, (*kernel)->name));
+            if (count > 0 || (*kernel)->compared)
+                BB_TRY(add_item(names, (*kernel)->name));
     }
     return BB_OK;
 }

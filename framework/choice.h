@@ -24,7 +24,7 @@ bb_status bb_choose(const bb_cli *cli, const char *option, const char *fallback,
  * `every`, the name of those that stay out of it. */
 bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names);
 
-/* --kernel: all of them, if none is given or where `all` is. */
+/* --kernel: `all` stands for every kernel; if none is given: those for the comparison. */
 bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names);
 
 /* By --device, --form and --kernels-from. */

@@ -19,7 +19,7 @@ static const bb_cli_option options[] = {
     {"scene", "S",
      "a file (.gltf, .glb), a shipped or a procedural scene; default: the shipped ones", true},
     {"builder", "B", "name:key=value,...; `all`; default: what each builder names for it", true},
-    {"kernel", "K", "traversal kernel, or `all`; default: all", true},
+    {"kernel", "K", "traversal kernel; `all`; default: those for the comparison", true},
     {"rays", "R", "workload; default: primary, ao, diffuse, shadow, random", true},
     {"intersector", "I", "rounding rules of the tests; default: exact", true},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},

@@ -46,8 +46,8 @@ typedef struct bb_build_record {
     uint32_t phase_count;
     bb_named_ms phases[16];
     uint32_t layout_count;
-    bb_named_ms layouts[8]; /* name as recorded ("pair:leaf=4"), ms */
-    double layout_sah[8];
+    bb_named_ms layouts[24]; /* name as recorded ("pair:leaf=4"), ms */
+    double layout_sah[24];
     bool has_tree;
     bb_tree_info tree;
     uint64_t bytes_tree, bytes_peak;

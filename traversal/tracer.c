@@ -1,6 +1,7 @@
 /* Kernels compiled for what a scene needs, and their launches. */
 #include "traversal/traversal.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,6 +81,18 @@ static void release(bb_tracer *tracer)
     free(tracer);
 }
 
+/* The kernel's own options as -DBB_NAME=value, '-' as '_'. Appends to `text`. */
+static void append_options(const bb_kernel *kernel, const bb_spec *spec, char *text, size_t capacity)
+{
+    for (const bb_option *o = kernel->options; o != NULL && o->name != NULL; o++) {
+        size_t length = strlen(text);
+        snprintf(text + length, capacity - length, " -DBB_%s=%s", o->name,
+                 bb_spec_value(spec, kernel->options, o->name));
+        for (char *c = text + length + 3; *c != '\0' && *c != '='; c++)
+            *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
+    }
+}
+
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_tracer **out)
 {
     if ((request->kernel->queries & 1u << request->query) == 0)
@@ -91,9 +104,11 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     uint32_t stack_size = round_stack(request->stack_need);
     char defines[768], key[1024];
     snprintf(defines, sizeof defines,
-             "%s -DBB_KINDS=%u -DBB_STACK_SIZE=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d",
-             request->intersector->defines, request->kinds, stack_size,
+             "%s %s -DBB_KINDS=%u -DBB_STACK_SIZE=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d",
+             request->intersector->defines,
+             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds, stack_size,
              request->query == BB_ANY_HIT, request->counting);
+    append_options(request->kernel, request->spec, defines, sizeof defines);
     snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)
         if (tracer->device == device && strcmp(tracer->key, key) == 0) {
