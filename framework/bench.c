@@ -205,7 +205,9 @@ static bb_status trace_workloads(bb_bench *bench)
         BB_TRY(parse_workload(bench->request->workloads[w], &spec, &workload));
         if (!workload->per_view)
             BB_TRY(trace_rays(bench, &spec, NULL));
-        for (uint32_t v = 0; workload->per_view && v < bench->scene->view_count; v++)
+        uint32_t views = bench->scene->view_count, most = bench->request->max_views;
+        views = most > 0 && most < views ? most : views;
+        for (uint32_t v = 0; workload->per_view && v < views; v++)
             BB_TRY(trace_rays(bench, &spec, &bench->scene->views[v]));
     }
     return BB_OK;
@@ -356,6 +358,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     bench->request = request;
     bench->device = request->device;
     bench->results = results;
+    bench->next_id = bb_results_next_build(results);
     bench->random = request->seed;
     bench->progress = &progress;
     bench->start = bb_wall_ms();

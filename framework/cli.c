@@ -177,6 +177,19 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
     return BB_OK;
 }
 
+char *bb_cli_text(const bb_cli *cli)
+{
+    size_t length = 1;
+    for (int i = 0; i < cli->argc; i++)
+        length += strlen(cli->argv[i]) + 1;
+    char *text = calloc(1, length + sizeof "bvhbench");
+    for (int i = 0; text != NULL && i < cli->argc; i++) {
+        strcat(text, i > 0 ? " " : "");
+        strcat(text, i > 0 ? cli->argv[i] : "bvhbench");
+    }
+    return text;
+}
+
 static void free_values(bb_cli *cli)
 {
     for (uint32_t i = 0; i < BB_CLI_OPTIONS_MAX; i++)

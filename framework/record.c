@@ -401,6 +401,18 @@ static bool put_layouts(cJSON *entry, const bb_build_record *build)
            put_named(entry, "layouts_sah", sah, build->layout_count);
 }
 
+uint32_t bb_results_next_build(const bb_results *results)
+{
+    uint32_t next = 0;
+    const cJSON *build;
+    cJSON_ArrayForEach(build, cJSON_GetObjectItemCaseSensitive(results->root, "builds"))
+    {
+        uint32_t id = (uint32_t)bb_json_number(build, "id");
+        next = id < next ? next : id + 1;
+    }
+    return next;
+}
+
 bb_status bb_results_add_build(bb_results *results, const bb_build_record *build)
 {
     if (bb_results_build(results, build->id) != NULL)
@@ -555,4 +567,10 @@ bb_status bb_results_add_picture(bb_results *results, const char *scene, const c
     bool ok = entry != NULL && put_text(entry, "scene", scene) && put_text(entry, "view", view) &&
               put_text(entry, "caption", caption) && put_text(entry, "path", path);
     return append(results, "pictures", entry, ok);
+}
+
+cJSON *bb_results_reproductions(bb_results *results)
+{
+    cJSON *all = cJSON_GetObjectItemCaseSensitive(results->root, "reproductions");
+    return all != NULL ? all : cJSON_AddArrayToObject(results->root, "reproductions");
 }

@@ -31,6 +31,15 @@ double bb_samples_median(const bb_samples *samples);
  */
 void bb_samples_interval(const bb_samples *samples, uint64_t seed, double *low, double *high);
 
+/* A figure and its 95 % interval. */
+typedef struct bb_estimate {
+    double value, low, high;
+} bb_estimate;
+
+/* Median of a/b over the rounds, which pairs what was measured next to each other, with its bootstrap
+ * interval. NAN if the two have not the same rounds, or none. */
+bb_estimate bb_samples_ratio(const bb_samples *a, const bb_samples *b, uint64_t seed);
+
 typedef struct bb_named_ms {
     char name[64];
     double ms;
@@ -118,6 +127,9 @@ bb_status bb_results_add_skipped(bb_results *results, const char *scene, const c
 /* A picture (path relative to the results folder) to be shown in the report. */
 bb_status bb_results_add_picture(bb_results *results, const char *scene, const char *view,
                                  const char *caption, const char *path);
+
+/* The least id that no build has. */
+uint32_t bb_results_next_build(const bb_results *results);
 
 cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
 

@@ -2,7 +2,6 @@
 #include "framework/record_private.h"
 
 #include <cjson/cJSON.h>
-#include <math.h>
 #include <string.h>
 
 static bb_status no_memory(void)
@@ -64,17 +63,6 @@ static bb_status copy_rows(bb_results *a, const bb_results *b, const char *secti
     return BB_OK;
 }
 
-static double next_id(const bb_results *results)
-{
-    double next = 0;
-    const cJSON *build;
-    cJSON_ArrayForEach(build, cJSON_GetObjectItemCaseSensitive(results->root, "builds"))
-    {
-        next = fmax(next, cJSON_GetObjectItemCaseSensitive(build, "id")->valuedouble + 1);
-    }
-    return next;
-}
-
 /* Notes b's contexts; *first_run is the number of its first. */
 static bb_status copy_contexts(bb_results *a, const bb_results *b, double *first_run)
 {
@@ -113,7 +101,7 @@ static bb_status add_times(bb_results *a, const bb_results *b)
 bb_status bb_results_merge(bb_results *a, const bb_results *b)
 {
     BB_TRY(check_scenes(a, b));
-    double first_id = next_id(a), first_run = 1;
+    double first_id = bb_results_next_build(a), first_run = 1;
     BB_TRY(copy_contexts(a, b, &first_run));
 
     cJSON *scenes = cJSON_GetObjectItemCaseSensitive(a->root, "scenes");
@@ -131,6 +119,12 @@ bb_status bb_results_merge(bb_results *a, const bb_results *b)
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "pictures"))
     {
         if (copy_to(pictures, item) == NULL)
+            return no_memory();
+    }
+    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "reproductions"))
+    {
+        cJSON *all = bb_results_reproductions(a);
+        if (all == NULL || copy_to(all, item) == NULL)
             return no_memory();
     }
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "steps_ms"))

@@ -253,6 +253,23 @@ static const field picture_fields[] = {
     {NULL, 0},
 };
 
+static const field reproduction_fields[] = {
+    {"name", TEXT},
+    {"title", TEXT | NONE},
+    {NULL, 0},
+};
+
+static const field table_fields[] = {
+    {"title", TEXT},
+    {"columns", TEXTS},
+    {NULL, 0},
+};
+
+static const field claim_fields[] = {
+    {"claim", TEXT},       {"held", BOOLEAN | NONE}, {"paper", TEXT | NONE},
+    {"ours", TEXT | NONE}, {"why", TEXT | NONE},     {NULL, 0},
+};
+
 static bool all_numbers(const cJSON *item)
 {
     const cJSON *child;
@@ -333,6 +350,45 @@ static bb_status check_section(const char *path, const cJSON *root, const char *
     return BB_OK;
 }
 
+/* Rows of a table: as many cells as columns, each a text, a number or null. */
+static bb_status check_rows(const char *path, const char *place, const cJSON *table)
+{
+    int columns = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(table, "columns"));
+    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows"), *row, *cell;
+    if (!cJSON_IsArray(rows))
+        return bb_fail(BB_INVALID, "result file %s: %s: \"rows\" is not an array", path, place);
+    cJSON_ArrayForEach(row, rows)
+    {
+        if (!cJSON_IsArray(row) || cJSON_GetArraySize(row) != columns)
+            return bb_fail(BB_INVALID, "result file %s: %s: a row has not %d cells", path, place,
+                           columns);
+        cJSON_ArrayForEach(cell, row)
+        {
+            if (!has_type(cell, TEXT | NUMBER | NONE))
+                return bb_fail(BB_INVALID, "result file %s: %s: a cell is no text, number or null",
+                               path, place);
+        }
+    }
+    return BB_OK;
+}
+
+static bb_status check_reproductions(const char *path, const cJSON *root)
+{
+    BB_TRY(check_section(path, root, "reproductions", false, reproduction_fields, "", NULL));
+    const cJSON *item, *table;
+    int index = 0;
+    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(root, "reproductions"))
+    {
+        char place[64];
+        snprintf(place, sizeof place, "reproductions[%d]", index++);
+        BB_TRY(check_section(path, item, "tables", true, table_fields, "", NULL));
+        BB_TRY(check_section(path, item, "claims", true, claim_fields, "", NULL));
+        cJSON_ArrayForEach(table, cJSON_GetObjectItemCaseSensitive(item, "tables"))
+            BB_TRY(check_rows(path, place, table));
+    }
+    return BB_OK;
+}
+
 /* Ids are 0, 1, 2 ... below 2^20 and given once; every trace names one that exists. */
 static bb_status check_ids(const char *path, const cJSON *root)
 {
@@ -381,6 +437,7 @@ static bb_status check_document(const char *path, const cJSON *root)
     BB_TRY(check_section(path, root, "skipped", false, skipped_fields, "", NULL));
     BB_TRY(check_section(path, root, "pictures", false, picture_fields, "", NULL));
     BB_TRY(check_section(path, root, "merged", false, context_fields, "", NULL));
+    BB_TRY(check_reproductions(path, root));
     static const char *const times[] = {"steps_ms", "time_ms"};
     for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
         if (!has_type(cJSON_GetObjectItemCaseSensitive(root, times[i]), FIGURES | NONE))

@@ -230,10 +230,10 @@ static void put_roads(city *c)
 {
     for (uint32_t i = 0; i <= c->blocks; i++) {
         double at = i * (block + street);
-        put_grid(c, (double[]){at, -0.01, 0}, (double[]){0, 0, c->side}, (double[]){street, 0, 0}, 1,
-                 1);
-        put_grid(c, (double[]){0, -0.02, at}, (double[]){0, 0, street}, (double[]){c->side, 0, 0}, 1,
-                 1);
+        put_grid(c, (double[]){at, -0.01, 0}, (double[]){0, 0, c->side}, (double[]){street, 0, 0},
+                 1, 1);
+        put_grid(c, (double[]){0, -0.02, at}, (double[]){0, 0, street}, (double[]){c->side, 0, 0},
+                 1, 1);
     }
     put_grid(c, (double[]){0, -0.5, 0}, (double[]){0, 0, c->side}, (double[]){c->side, 0, 0}, 1, 1);
 }

@@ -1,0 +1,55 @@
+#include "framework/output.h"
+
+#include "framework/clock.h"
+#include "framework/report.h"
+
+#include <cjson/cJSON.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+bb_status bb_output_make(const char *folder)
+{
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return bb_fail(BB_INVALID, "cannot make the output folder %s: %s", folder, strerror(errno));
+    char probe[1100];
+    snprintf(probe, sizeof probe, "%s/.bvhbench-XXXXXX", folder);
+    int file = mkstemp(probe);
+    if (file < 0)
+        return bb_fail(BB_INVALID, "cannot write into the output folder %s: %s", folder,
+                       strerror(errno));
+    close(file);
+    unlink(probe);
+    return BB_OK;
+}
+
+/* The file first: it is what must not be lost. It is written again with the time that the page took. */
+bb_status bb_output_write(bb_results *results, const char *folder, const bb_bench_times *times)
+{
+    char json[1100], html[1100];
+    snprintf(json, sizeof json, "%s/results.json", folder);
+    snprintf(html, sizeof html, "%s/report.html", folder);
+    double start = bb_wall_ms();
+    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
+    BB_TRY(bb_results_write(results, json));
+    BB_TRY(bb_report_html(results, folder, html));
+    double ms = bb_wall_ms() - start;
+    BB_TRY(bb_results_add_step(results, "report", ms));
+    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms + ms));
+    BB_TRY(bb_report_html(results, folder, html));
+    return bb_results_write(results, json);
+}
+
+bb_status bb_output_keep(bb_results *results, const char *folder, bb_status status)
+{
+    char reason[1024], json[1100];
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    snprintf(json, sizeof json, "%s/results.json", folder);
+    const cJSON *builds = cJSON_GetObjectItem(bb_results_json(results), "builds");
+    if (cJSON_GetArraySize(builds) == 0 || bb_results_write(results, json) != BB_OK)
+        return bb_fail(status, "%s", reason);
+    return bb_fail(status, "%s (what was measured before is in %s)", reason, json);
+}
