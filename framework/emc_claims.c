@@ -2,6 +2,7 @@
  * figures that tell more. */
 #include "framework/emc_figures.h"
 
+#include <cjson/cJSON.h>
 #include <math.h>
 
 /* A scene is flat here if its shortest side is less than an eighth of its longest: six splits come before the first of it. */
@@ -93,12 +94,12 @@ static void claim_sizes(const bb_findings *all, bb_reproduction *r)
     bb_say_range(&ours, "size every 4th bit", &s);
     for (size_t i = 0; i < s.f->scene_count; i++) {
         const char *scene = s.f->scenes[i];
-        if (s.values[i] > 1)
+        if (s.values[i] >= 1)
             bb_say(
                 &why,
-                "%s%s rose to %.3f: its largest primitive is %.1f times its median one, its mean "
-                "overlap %.1f; 16 of its 64 bits no longer tell places",
-                why.length > 0 ? "; " : "", scene, s.values[i],
+                "%s%s %.3f, its largest primitive %.1f times its median one, %.1f boxes over each "
+                "centroid; without the size bits the same 64 bits would tell places 16 bits finer",
+                why.length > 0 ? "; " : "not lower on: ", scene, s.values[i],
                 bb_found_scene(s.f, scene, "size_max") / bb_found_scene(s.f, scene, "size_median"),
                 bb_found_scene(s.f, scene, "overlap"));
         if (is_flat(s.f, scene) || isnan(s.values[i]))
@@ -141,6 +142,30 @@ static void claim_majority(const bb_findings *all, bb_reproduction *r, const cha
                        bb_found_scene(s.f, s.f->scenes[i], "size_median"),
                    bb_found_scene(s.f, s.f->scenes[i], "overlap"));
     bb_claim(r, bb_verdict_of(holds, bb_series_mean(&s), 0), claim, paper, &ours, &why);
+}
+
+/* Of fewer size bits: is it their number that matters, or how often they come? */
+static void claim_fewer(const bb_findings *all, bb_reproduction *r)
+{
+    bb_series s = costs(all, VAR64, VAR64_ALL_SIZES), nine = costs(all, VAR64_NINE, VAR64);
+    bb_series ten = costs(all, VAR64_CELL_TEN, VAR64_CELL_ALL);
+    bb_words ours = {0}, why = {0};
+    bool holds = bb_series_mean(&s) < 1;
+    bb_say_range(&ours, "6 bits every 7th against 16 every 4th", &s);
+    if (!holds)
+        bb_say(
+            &why,
+            "9 bits every 7th instead of 6 change the cost by %+.1f %% on average, 10 bits every "
+            "4th instead of 16 by %+.1f %% (there compared with the cell), 16 every 4th instead of "
+            "6 every 7th by %+.1f %%",
+            100 * (bb_series_mean(&nine) - 1), 100 * (bb_series_mean(&ten) - 1),
+            100 * (1 / bb_series_mean(&s) - 1));
+    if (!holds && fabs(bb_series_mean(&nine) - 1) < 0.01 && fabs(bb_series_mean(&ten) - 1) < 0.01)
+        bb_say(&why,
+               ": it is not their number that matters on these scenes, but how often they come");
+    bb_claim(r, bb_verdict_of(holds, bb_series_mean(&s), 0),
+             "In 64 bits with the variable order, fewer size bits lower the cost further (5.3)",
+             "further, except on sponza, conference and powerplant", &ours, &why);
 }
 
 static void claim_sweep(const bb_findings *all, bb_reproduction *r)
@@ -220,48 +245,67 @@ static void claim_speed(const bb_findings *all, bb_reproduction *r)
 /* The phase that adds most to the build time against the plain code. */
 static void say_phase(const bb_findings *f, const char *scene, int pair, bb_words *why)
 {
-    static const char *const phases[] = {"bounds", "codes", "sort", "link", "boxes", "tree"};
+    const char *builder = equals[pair].builder, *plain = equals[pair].plain;
+    const cJSON *build = bb_found_build(f, scene, builder), *phase;
     const char *worst = NULL;
     double most_ms = 0;
-    for (size_t i = 0; i < sizeof phases / sizeof phases[0]; i++) {
-        double more = bb_found_phase_ms(f, scene, equals[pair].builder, phases[i]) -
-                      bb_found_phase_ms(f, scene, equals[pair].plain, phases[i]);
-        if (more > most_ms) {
+    cJSON_ArrayForEach(phase, cJSON_GetObjectItemCaseSensitive(build, "phases_ms"))
+    {
+        double more = phase->valuedouble - bb_found_phase_ms(f, scene, plain, phase->string);
+        if (cJSON_IsNumber(phase) && more > most_ms) {
             most_ms = more;
-            worst = phases[i];
+            worst = phase->string;
         }
     }
     if (worst != NULL)
-        bb_say(why, ", most of it in phase %s: %+.2f ms of %.2f ms", worst, most_ms,
-               bb_found_build_ms(f, scene, equals[pair].builder));
+        bb_say(why, ", where phase %s takes %.2f ms instead of %.2f ms", worst,
+               bb_found_phase_ms(f, scene, builder, worst),
+               bb_found_phase_ms(f, scene, plain, worst));
+}
+
+/* Counts the scenes on which a code is within the target, and says where it is farthest off. */
+static void judge_code(const bb_findings *f, int pair, uint32_t *within, uint32_t *known,
+                       double *highest, bb_words *why)
+{
+    bb_estimate worst = {NAN, NAN, NAN};
+    const char *where = NULL;
+    uint32_t above = 0, measured = 0;
+    for (size_t s = 0; s < f->scene_count; s++) {
+        bb_estimate e =
+            bb_found_build_ratio(f, f->scenes[s], equals[pair].builder, equals[pair].plain);
+        if (isnan(e.high))
+            continue;
+        measured++;
+        above += e.high > build_target;
+        if (where == NULL || e.high > worst.high) {
+            worst = e;
+            where = f->scenes[s];
+        }
+    }
+    *known += measured;
+    *within += measured - above;
+    *highest = fmax(*highest, worst.high);
+    if (above == 0)
+        return;
+    bb_say(why, "%s%s is above it on %u of %u scenes, most on %s: %.3f [%.3f, %.3f]",
+           why->length > 0 ? "; " : "", equals[pair].builder, above, measured, where, worst.value,
+           worst.low, worst.high);
+    say_phase(f, where, pair, why);
 }
 
 static void claim_build(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[BUILT];
     bb_words ours = {0}, why = {0};
-    double worst = NAN;
+    double highest = NAN;
     uint32_t within = 0, known = 0;
-    for (size_t s = 0; s < f->scene_count; s++)
-        for (int i = 0; i < EQUALS; i++) {
-            bb_estimate e =
-                bb_found_build_ratio(f, f->scenes[s], equals[i].builder, equals[i].plain);
-            if (isnan(e.high))
-                continue;
-            known++;
-            within += e.high <= build_target;
-            worst = fmax(worst, e.high);
-            if (e.high <= build_target)
-                continue;
-            bb_say(&why, "%s%s on %s: %.3f [%.3f, %.3f]", why.length > 0 ? "; " : "",
-                   equals[i].builder, f->scenes[s], e.value, e.low, e.high);
-            say_phase(f, f->scenes[s], i, &why);
-        }
+    for (int i = 0; i < EQUALS; i++)
+        judge_code(f, i, &within, &known, &highest, &why);
     bb_say(&ours,
-           "upper end of the 95 %% interval at most %.2f for %u of %u codes and scenes; the "
-           "highest is %.3f",
-           build_target, within, known, worst);
-    bb_claim(r, bb_verdict_of(within == known, worst, 0),
+           "the upper end of the 95 %% interval of the ratio to the plain code of equal length is "
+           "at most %.2f for %u of %u codes and scenes; the highest is %.3f",
+           build_target, within, known, highest);
+    bb_claim(r, bb_verdict_of(within == known, highest, 0),
              "Extended codes do not increase the build time (5.2)",
              "0.99 and 1.00 of MC-64 on average", &ours, &why);
 }
@@ -329,10 +373,7 @@ void bb_emc_claims(const bb_findings *all, bb_reproduction *r)
     claim_majority(all, r, VAR32, VAR32_ALL_SIZES,
                    "In 32 bits, fewer size bits are better on most scenes (5.3)",
                    "in the majority");
-    claim_majority(
-        all, r, VAR64, VAR64_ALL_SIZES,
-        "In 64 bits with the variable order, fewer size bits lower the cost further (5.3)",
-        "further, except sponza, conference and powerplant");
+    claim_fewer(all, r);
     claim_majority(all, r, VAR64, VAR64_AREA,
                    "The diagonal as size is slightly better than the area (4.1)",
                    "slightly better overall");
