@@ -183,7 +183,7 @@ static void plan_moves(bb_code_layout *layout, uint32_t lane)
             if ((distance & move) == 0)
                 continue;
             at += move;
-            plan->moved[step][lane] |= UINT64_C(1) << at;
+            plan->moved[lane][step] |= UINT64_C(1) << at;
         }
     }
 }

@@ -37,13 +37,15 @@
         {"size", NULL, "linear|root|cell", "how size is told: a fraction of the scene's, its "     \
                                            "square root, or against the cell's own"},              \
         {"measure", "diagonal", "diagonal|area", "what size is: of the box its diagonal or area"}, \
-        {"box", "scene", "scene|centroids", "the box that is cut into cells"},                     \
+        {"box", "centroids", "centroids|scene", "what is cut into cells"},                     \
         {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
     {                                                                                              \
         "view", "none", NULL, BB_VIEW_ORDER_HELP                                                   \
     }
 
 enum { BB_CODE_BITS_MAX = 64, BB_CODE_SIZE_AXIS = 3, BB_CODE_END = 4 };
+
+struct bb_code_walk;
 
 typedef enum bb_code_order { BB_AXES_XYZ, BB_AXES_EXTENT, BB_AXES_VIEW } bb_code_order;
 typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_code_sizes;
