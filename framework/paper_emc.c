@@ -23,11 +23,13 @@
     ROW(SORT64, "EMC-64-sort", "0.78 to 0.99, mean 0.88")                                          \
     ROW(VAR64, "EMC-64-var", "0.48 to 1.00, mean 0.80")                                            \
     ROW(VAR64_ALL_SIZES, "EMC-64-var, size every 4th bit", "")                                     \
-    ROW("emc:code=emc64-var,size=cell", "EMC-64-var, size against the cell", "")                   \
+    ROW("emc:code=emc64-var,box=scene,size=cell", "EMC-64-var, size against the cell", "")         \
     ROW(VAR64_CELL_ALL, "the same, every 4th bit", "")                                             \
     ROW(VAR64_CELL_TEN, "the same, 10 bits", "")                                                   \
-    ROW("emc:code=emc64-var,every=3,size-bits=16,size=cell", "the same, every 3rd bit", "")        \
+    ROW("emc:code=emc64-var,box=scene,every=3,size-bits=16,size=cell", "the same, every 3rd bit",  \
+        "")                                                                                        \
     ROW(VAR64_NINE, "EMC-64-var, 9 size bits (algorithm 2)", "")                                   \
+    ROW("emc:code=mc64,box=centroids", "MC-64, box of the centroids", "")                          \
     ROW("emc:code=emc64-var,box=centroids", "EMC-64-var, box of the centroids", "")                \
     ROW(VAR64_AREA, "EMC-64-var, size by area", "slightly worse")                                  \
     ROW(SORT64_AREA, "EMC-64-sort, size by area", "slightly worse")                                \
