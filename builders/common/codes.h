@@ -37,7 +37,8 @@
         {"size", NULL, "linear|root|cell",                                                         \
          "how size is told: a fraction of the scene's, its "                                       \
          "square root, or against the cell's own"},                                                \
-        {"measure", "diagonal", "diagonal|area", "what size is: of the box its diagonal or area"}, \
+        {"large", "1", NULL, "size=cell: from which share of the cell's size on the bit is set"},  \
+        {"measure", "diagonal", "diagonal|area|side", "size: the box's diagonal, area or longest side"}, \
         {"box", "centroids", "centroids|scene", "what is cut into cells"},                         \
         {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
     {                                                                                              \
@@ -51,6 +52,8 @@ struct bb_code_walk;
 typedef enum bb_code_order { BB_AXES_XYZ, BB_AXES_EXTENT, BB_AXES_VIEW } bb_code_order;
 typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_code_sizes;
 
+typedef enum bb_code_measure { BB_BY_DIAGONAL, BB_BY_AREA, BB_BY_SIDE } bb_code_measure;
+
 /* What was asked for. */
 typedef struct bb_code_choice {
     const struct bb_code *code;
@@ -59,7 +62,8 @@ typedef struct bb_code_choice {
     bb_code_order order;
     uint32_t every, size_bits;
     bb_code_sizes sizes;
-    bool by_area;
+    double large; /* with sizes told by the cell: the share of its size that is large */
+    bb_code_measure measure;
     bool by_centroids;
     bool tables;
     char view[64]; /* as bb_view_order() takes it */

@@ -39,9 +39,9 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
     codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
     char defines[128];
     snprintf(defines, sizeof defines,
-             "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_BY_AREA=%d -DBB_TABLES=%d",
+             "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_MEASURE=%d -DBB_TABLES=%d",
              bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", codes->lanes, sizes,
-             choice->by_area, choice->tables);
+             choice->measure, choice->tables);
     BB_TRY(bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
     BB_TRY(bb_kernel_get(codes->program, "code_keys", &codes->keys));
     BB_TRY(bb_buffer_reserve(codes->device, codes->account, 2 * sizeof(bb_box), "codes: bounds",
