@@ -45,6 +45,11 @@ double bb_found_build_ms(const bb_findings *f, const char *scene, const char *bu
     return bb_json_number(bb_found_build(f, scene, builder), "build_ms_median");
 }
 
+const char *bb_found_about(const bb_findings *f, const char *scene, const char *builder)
+{
+    return bb_json_text(bb_found_build(f, scene, builder), "about");
+}
+
 double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *builder,
                          const char *phase)
 {

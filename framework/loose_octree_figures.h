@@ -22,9 +22,9 @@
 #define LARGEST LLBVH30 ",side=largest"
 #define MEAN LLBVH30 ",side=mean"
 #define VOLUME LLBVH30 ",side=volume"
-#define FIT LLBVH30 ",side=smallest,fit=yes"
+#define UNFITTED LLBVH30 ",side=smallest,fit=no"
 #define EVEN LLBVH30 ",side=smallest,sizes=yes"
-#define SIZE_VARIANTS SMALLEST "," LARGEST "," MEAN "," VOLUME "," FIT "," EVEN
+#define SIZE_VARIANTS SMALLEST "," LARGEST "," MEAN "," VOLUME "," UNFITTED "," EVEN
 
 /* Experiments, in order. */
 enum { OF_SPHERES, OF_TRIANGLES, OF_SIZES, OF_VIEWS };
@@ -34,8 +34,8 @@ static const struct {
     const char *builder;
 } rivals[RIVAL_COUNT] = {{LBVH30}, {LLBVH30}, {LOBVH6}, {LOBVH7}, {LOBVH8}, {LOBVH_AUTO}};
 static const char *const lobvh_levels[LEVELS] = {LOBVH6, LOBVH7, LOBVH8};
-static const char *const size_variants[SIZE_VARIANT_COUNT] = {SMALLEST, LARGEST, MEAN,
-                                                              VOLUME,   FIT,     EVEN};
+static const char *const size_variants[SIZE_VARIANT_COUNT] = {SMALLEST, LARGEST,  MEAN,
+                                                              VOLUME,   UNFITTED, EVEN};
 static const char *const ordered[3] = {LBVH30, LLBVH30, LOBVH_VIEWLESS};
 
 /* Build and trace of one frame; NAN if one of them was not measured. */

@@ -89,6 +89,8 @@ double bb_found_build_ms(const bb_findings *f, const char *scene, const char *bu
 /* Figures of the tree as recorded: "nodes", "bytes_tree", "bytes_peak", "depth" ... */
 double bb_found_tree(const bb_findings *f, const char *scene, const char *builder,
                      const char *member);
+/* The builder's words on its tree; "" if there are none. */
+const char *bb_found_about(const bb_findings *f, const char *scene, const char *builder);
 double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *builder,
                          const char *phase);
 /* Build time over that of `base`, paired by rounds. */
