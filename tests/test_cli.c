@@ -76,7 +76,7 @@ static void write_file(const char *name, const void *data, size_t size)
 static void help_and_lists_are_there(void **state)
 {
     (void)state;
-    static const char *const commands[] = {"list", "run", "check", "render", "report"};
+    static const char *const commands[] = {"list", "run", "check", "render", "report", "reproduce"};
     assert_int_equal(run("--help")->exit_status, 0);
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         char arguments[64];
@@ -92,7 +92,7 @@ static void help_and_lists_are_there(void **state)
     assert_int_equal(o->exit_status, 0);
     cJSON *json = cJSON_Parse(o->out);
     static const char *const kinds[] = {"builders", "kernels", "layouts", "intersectors",
-                                        "scenes",   "rays",    "devices"};
+                                        "scenes",   "rays",    "papers",  "devices"};
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
         assert_true(cJSON_GetArraySize(cJSON_GetObjectItem(json, kinds[i])) > 0);
     cJSON_Delete(json);
