@@ -1,0 +1,167 @@
+/* Stack traversal of wide nodes: all children's boxes at once, primitives in blocks of BB_BLOCK_LANES.
+ *
+ *   link = root
+ *   loop: while link is a node: test its boxes; none met: pop. Go to the nearest, push the others, the farthest first
+ *         test the blocks of the leaf; pop until an entry is nearer than the hit
+ *
+ * Wald, Benthin, Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-Branching BVHs"; Dammertz,
+ * Hanika, Keller 2008, "Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays". Pro: vector units are busy
+ * with one ray, so rays need not be coherent. Con: on devices that run work-items in lockstep the vectors are unrolled.
+ * Overflow and equal distances as in stack.cl.
+ *
+ *   BB_WIDTH        children of a node: 4 or 8
+ *   BB_STACK_SIZE   entries
+ *   BB_ANY_HIT      1: stop at the first hit
+ *   BB_COUNTING     1: count the tests
+ *   and those of intersect.clh
+ */
+#include "bb_device.h"
+
+#define BB_LANES BB_BLOCK_LANES
+#include "intersect.clh"
+
+#ifndef BB_STACK_SIZE
+#define BB_STACK_SIZE 64
+#endif
+#ifndef BB_ANY_HIT
+#define BB_ANY_HIT 0
+#endif
+#ifndef BB_COUNTING
+#define BB_COUNTING 0
+#endif
+
+#if BB_WIDTH == 4
+typedef bb_wide4 bb_wide;
+#else
+typedef bb_wide8 bb_wide;
+#endif
+
+kernel void trace(global const bb_wide *nodes,
+                  global const float *blocks, /* of primitives */
+                  uint root,                  /* link */
+                  uint triangle_count,
+                  global const bb_ray *rays,
+                  uint count,
+                  global bb_hit *hits
+#if BB_COUNTING
+                  , global bb_count *counts
+#endif
+)
+{
+    uint id = get_global_id(0);
+    if (id >= count)
+        return;
+    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
+    float tmin = rays[id].tmin;
+    float tmax = rays[id].tmax;
+    bb_slab slab = bb_slab_of(o, d);
+    bb_ray_setup setup = bb_ray_setup_of(o, d);
+    float best = tmin; /* distance of the hit; until there is one, a value that no hit can have */
+    uint best_prim = BB_NONE;
+#if BB_COUNTING
+    uint nodes_tested = 0, prims_tested = 0;
+#endif
+
+    uint stack_links[BB_STACK_SIZE];
+    float stack_entries[BB_STACK_SIZE];
+    uint top = 0;
+    uint link = root;
+    bool overflow = false;
+    for (;;) {
+        while ((link & BB_LEAF_BIT) == 0) {
+            global const bb_wide *node = nodes + link;
+            bb_boxes entry, exit;
+            bb_box_distances(&slab, node->planes, tmin, tmax, &entry, &exit);
+            uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit);
+#if BB_COUNTING
+            nodes_tested += node->count;
+#endif
+            if (met == 0u)
+                goto pop;
+            uint child = 31u - clz(met);
+            met ^= 1u << child;
+            link = node->links[child];
+            if (met == 0u)
+                continue;
+            if (top + BB_WIDTH - 1u > BB_STACK_SIZE && top + popcount(met) > BB_STACK_SIZE) {
+                overflow = true;
+                goto done;
+            }
+            /* insertion into the sorted entries of this node; the nearest stays in hand */
+            float entries[BB_WIDTH];
+            BB_VECTOR(vstore, BB_WIDTH)(entry, 0, entries);
+            float nearest = entries[child];
+            uint bottom = top;
+            do {
+                child = 31u - clz(met);
+                met ^= 1u << child;
+                uint other = node->links[child];
+                float distance = entries[child];
+                if (distance < nearest) {
+                    stack_links[top] = link;
+                    stack_entries[top] = nearest;
+                    link = other;
+                    nearest = distance;
+                } else {
+                    uint at = top;
+                    for (; at > bottom && stack_entries[at - 1u] < distance; at--) {
+                        stack_links[at] = stack_links[at - 1u];
+                        stack_entries[at] = stack_entries[at - 1u];
+                    }
+                    stack_links[at] = other;
+                    stack_entries[at] = distance;
+                }
+                top++;
+            } while (met != 0u);
+        }
+        {
+            global const float *block = blocks + (ulong)BB_WORDS * (link & BB_INDEX_MASK);
+            uint first;
+            do {
+                global const uint *prims = (global const uint *)block + BB_ID;
+                first = prims[0];
+                bb_lanes t = bb_primitive(&setup, block, first & BB_INDEX_MASK, triangle_count, tmin);
+                uint met = BB_LANE_BITS((t > tmin) & (t <= tmax));
+#if BB_COUNTING
+                for (uint lane = 0; lane < BB_LANES; lane++)
+                    prims_tested += prims[lane] != BB_NONE ? 1u : 0u;
+#endif
+                if (met != 0u) {
+                    float distances[BB_LANES];
+                    BB_VECTOR(vstore, BB_LANES)(t, 0, distances);
+                    do {
+                        uint lane = 31u - clz(met);
+                        met ^= 1u << lane;
+                        uint prim = prims[lane] & BB_INDEX_MASK;
+                        if (distances[lane] < tmax || (distances[lane] == best && prim < best_prim)) {
+                            tmax = best = distances[lane];
+                            best_prim = prim;
+                        }
+                    } while (met != 0u);
+#if BB_ANY_HIT
+                    if (best_prim != BB_NONE)
+                        goto done;
+#endif
+                }
+                block += BB_WORDS;
+            } while ((first & BB_LAST_BIT) == 0u);
+        }
+    pop:
+        do {
+            if (top == 0u)
+                goto done;
+            top--;
+        } while (stack_entries[top] > tmax);
+        link = stack_links[top];
+    }
+done:
+    if (!overflow) {
+        hits[id].t = best_prim != BB_NONE ? best : INFINITY;
+        hits[id].prim = best_prim;
+    }
+#if BB_COUNTING
+    counts[id].nodes = nodes_tested;
+    counts[id].prims = prims_tested;
+    counts[id].overflow = overflow ? 1u : 0u;
+#endif
+}
