@@ -321,6 +321,21 @@ static bb_status start_buffers(bb_bench *bench)
                              "counts of tests", &bench->counts);
 }
 
+/* The layout that the kernel reads: one that is there already, or a new one. */
+static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice)
+{
+    const bb_layout *layout = bb_layout_find(choice->kernel->layout);
+    for (uint32_t i = 0; i < bench->layout_count; i++)
+        if (bench->layouts[i].maker.layout == layout && bench->layouts[i].leaf == choice->leaf) {
+            choice->layout = i;
+            return BB_OK;
+        }
+    choice->layout = bench->layout_count++;
+    bb_layout_choice *wanted = &bench->layouts[choice->layout];
+    wanted->leaf = choice->leaf;
+    return bb_layout_maker_create(layout, bench->device, &wanted->maker);
+}
+
 static bb_status start_kernels(bb_bench *bench)
 {
     for (uint32_t i = 0; i < bench->request->kernel_count; i++) {
@@ -330,18 +345,15 @@ static bb_status start_kernels(bb_bench *bench)
         BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
                            bench->device->max_group_size, &group));
         bench->kernel_count++;
-        BB_TRY(bb_layout_find(choice->kernel->layout)
-                   ->create(bench->device, &choice->account, &choice->layout_self));
+        BB_TRY(start_layout(bench, choice));
     }
     return BB_OK;
 }
 
-static void end_kernels(bb_bench *bench)
+static void end_layouts(bb_bench *bench)
 {
-    for (uint32_t i = 0; i < bench->kernel_count; i++)
-        if (bench->kernels[i].layout_self != NULL)
-            bb_layout_find(bench->kernels[i].kernel->layout)
-                ->destroy(bench->kernels[i].layout_self);
+    for (uint32_t i = 0; i < bench->layout_count; i++)
+        bb_layout_maker_destroy(&bench->layouts[i].maker);
 }
 
 bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong,
@@ -376,7 +388,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     bb_buffer_release(&bench->hits);
     bb_buffer_release(&bench->counts);
     bb_buffer_release(&bench->sample);
-    end_kernels(bench);
+    end_layouts(bench);
     bb_tracers_clear(bench->device);
     *wrong = bench->wrong;
     *times = (bb_bench_times){bench->build_ms, bench->trace_ms, bb_wall_ms() - bench->start};

@@ -1,10 +1,8 @@
 /* The wide layouts: the host side of kernels/layout_wide.cl. */
 #include "traversal/wide.h"
 
-#include "framework/clock.h"
 #include "traversal/pairs.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -164,39 +162,12 @@ static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_da
                      BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
 }
 
-bb_status bb_wide_make(void *opaque, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
+bb_status bb_wide_make(void *opaque, const bb_scene *scene, const bb_tree *tree,
                        bb_layout_data *data)
 {
     wide_layout *self = opaque;
-    bb_tree collapsed;
-    bb_tree_init(&collapsed, self->account);
-    const bb_tree *source = tree;
-    bb_status status = bb_finish(self->device);
-    double start = bb_wall_ms();
-    data->bytes = 0;
     data->buffer_count = 2;
-    data->triangle_count = scene->triangle_count;
-    data->sah = NAN;
     data->keeps_shape = false;
-    if (status == BB_OK && leaf > 1) {
-        status = bb_tree_download(tree, NULL);
-        if (status == BB_OK)
-            status = bb_tree_collapse(tree, leaf, &collapsed);
-        if (status == BB_OK)
-            status = bb_tree_upload(&collapsed, self->device, NULL);
-        source = &collapsed;
-    }
-    if (status == BB_OK)
-        status = make_blocks(self, scene, source, data);
-    if (status == BB_OK)
-        status = make_nodes(self, source, data);
-    if (status == BB_OK)
-        status = bb_finish(self->device);
-    data->ms = bb_wall_ms() - start;
-    if (leaf > 1)
-        snprintf(data->name, sizeof data->name, "%s:leaf=%u", self->name, leaf);
-    else
-        snprintf(data->name, sizeof data->name, "%s", self->name);
-    bb_tree_release(&collapsed);
-    return status;
+    BB_TRY(make_blocks(self, scene, tree, data));
+    return make_nodes(self, tree, data);
 }

@@ -7,7 +7,7 @@
 /* A layout of nodes with up to `width` children (4 or 8), called `name`. */
 bb_status bb_wide_create(bb_device *device, bb_account *account, const char *name, uint32_t width,
                          void **self);
-bb_status bb_wide_make(void *self, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
+bb_status bb_wide_make(void *self, const bb_scene *scene, const bb_tree *tree,
                        bb_layout_data *data);
 void bb_wide_destroy(void *self);
 
