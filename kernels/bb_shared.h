@@ -8,9 +8,11 @@
 
 #ifdef __OPENCL_VERSION__
 typedef uint bb_u32;
+typedef uchar bb_u8;
 #else
 #include <stdint.h>
 typedef uint32_t bb_u32;
+typedef uint8_t bb_u8;
 #endif
 
 /* "No node", "no primitive": the skip of the last node, the primitive of a miss. */
@@ -57,6 +59,19 @@ typedef struct bb_tree_info {
     bb_u32 arity; /* the largest number of children of a node; 0 for a single leaf */
     bb_u32 depth; /* edges from the root to the deepest leaf */
 } bb_tree_info;
+
+/* The most references that leaf collapse gathers in a leaf. */
+#define BB_LEAF_MAX 64
+
+/* What leaf collapse knows of the subtree below a node. 24 bytes. */
+typedef struct bb_subtree {
+    float cost;    /* at best, times area */
+    bb_u32 refs;   /* counted up to BB_LEAF_MAX + 1, but for those of a leaf of the tree */
+    bb_u32 leaves; /* of the result, as are the others below */
+    bb_u32 height;
+    bb_u32 arity;
+    bb_u32 leaf;   /* 1: the node is a leaf */
+} bb_subtree;
 
 /* Ray: origin, direction (any non-zero length), and the open interval (tmin, tmax) in which hits
  * count, in units of |d|. 32 bytes. */
@@ -114,6 +129,17 @@ typedef struct bb_wide8 {
     bb_u32 pad[7];
 } bb_wide8;
 
+/* The same with 8 bits per plane: plane p of axis a is base[a] + p * scale[a], scale a power of two. The boxes hold the exact ones.
+ * 128 bytes. */
+typedef struct bb_quant8 {
+    bb_u8 planes[48];
+    float base[3];
+    float scale[3];
+    bb_u32 links[8];
+    bb_u32 count;
+    bb_u32 pad[5];
+} bb_quant8;
+
 /* What the counting variant of a kernel counts, per ray. */
 typedef struct bb_count {
     bb_u32 nodes;    /* boxes tested */
@@ -125,11 +151,13 @@ typedef struct bb_count {
 _Static_assert(sizeof(bb_box) == 32, "bb_box");
 _Static_assert(sizeof(bb_node) == 32, "bb_node");
 _Static_assert(sizeof(bb_tree_info) == 24, "bb_tree_info");
+_Static_assert(sizeof(bb_subtree) == 24, "bb_subtree");
 _Static_assert(sizeof(bb_ray) == 32, "bb_ray");
 _Static_assert(sizeof(bb_hit) == 8, "bb_hit");
 _Static_assert(sizeof(bb_pair) == 64, "bb_pair");
 _Static_assert(sizeof(bb_wide4) == 128, "bb_wide4");
 _Static_assert(sizeof(bb_wide8) == 256, "bb_wide8");
+_Static_assert(sizeof(bb_quant8) == 128, "bb_quant8");
 _Static_assert(sizeof(bb_count) == 12, "bb_count");
 #endif
 

@@ -9,16 +9,13 @@
  *   first[i] = exclusive scan of the blocks that the leaf at reference i needs   (wide_count)
  *   for each leaf: write its blocks                      (wide_blocks)
  *
- * Wald, Benthin, Boulos 2008 (collapse by surface area). Pairs that only part the children of one node of a tree of higher
+ * Wald, Benthin, Boulos 2008 (collapse by surface area); Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through
+ * Compressed Wide BVHs" (8 bits per plane). Pairs that only part the children of one node of a tree of higher
  * arity are opened before all others, so such a tree keeps its nodes as far as they have room.
  */
 #include "bb_device.h"
 
-#if BB_WIDTH == 4
-typedef bb_wide4 bb_wide;
-#else
-typedef bb_wide8 bb_wide;
-#endif
+#include "wide.clh"
 
 typedef struct bb_opened {
     float planes[6 * BB_WIDTH]; /* as in the node */
@@ -99,6 +96,59 @@ kernel void wide_open(global const bb_pair *pairs, global const uint2 *level, /*
     }
 }
 
+#if BB_QUANTISED
+/* The largest step of up to 8 bits whose plane is not above `plane`, which is not below that of step 0. */
+uint step_below(global const bb_wide *node, uint axis, float plane)
+{
+    float guess = (plane - node->base[axis]) / node->scale[axis];
+    uint q = guess >= 255.0f ? 255u : guess >= 0.0f ? (uint)guess : 0u;
+    while (q > 0u && BB_DEQUANTISE(node, axis, (float)q) > plane)
+        q--;
+    while (q < 255u && BB_DEQUANTISE(node, axis, (float)(q + 1u)) <= plane)
+        q++;
+    return q;
+}
+
+/* The smallest step whose plane is not below `plane`, which is not above that of step 255. */
+uint step_above(global const bb_wide *node, uint axis, float plane)
+{
+    uint q = step_below(node, axis, plane);
+    return BB_DEQUANTISE(node, axis, (float)q) < plane ? q + 1u : q;
+}
+
+void write_boxes(const bb_opened *opened, global bb_wide *node)
+{
+    for (uint axis = 0; axis < 3; axis++) {
+        const float *los = opened->planes + 2u * axis * BB_WIDTH, *his = los + BB_WIDTH;
+        float lo = los[0], hi = his[0];
+        for (uint c = 1; c < BB_WIDTH; c++) {
+            lo = BB_MIN(los[c], lo);
+            hi = BB_MAX(his[c], hi);
+        }
+        /* the least power of two of which 255 reach from lo to hi; a box far away may need more than its extent says */
+        float extent = BB_MIN(hi - lo, FLT_MAX);
+        float scale = as_float(as_uint(extent / 255.0f) & 0x7F800000u);
+        scale = hi > lo ? BB_MAX(scale, FLT_MIN) : 0.0f;
+        node->base[axis] = lo;
+        node->scale[axis] = scale;
+        while (BB_DEQUANTISE(node, axis, 255.0f) < hi)
+            node->scale[axis] = scale *= 2.0f;
+        for (uint c = 0; c < BB_WIDTH; c++) {
+            bool empty = opened->links[c] == BB_NONE;
+            node->planes[2u * axis * BB_WIDTH + c] = empty ? 255u : step_below(node, axis, los[c]);
+            node->planes[(2u * axis + 1u) * BB_WIDTH + c] =
+                empty ? 0u : step_above(node, axis, his[c]);
+        }
+    }
+}
+#else
+void write_boxes(const bb_opened *opened, global bb_wide *node)
+{
+    for (uint w = 0; w < 6u * BB_WIDTH; w++)
+        node->planes[w] = opened->planes[w];
+}
+#endif
+
 /* first[] and index[] are the scans. */
 kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uint *index,
                        global const uint *first, uint ref_count, global bb_wide *nodes)
@@ -109,11 +159,10 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uin
     bb_opened opened;
     opened_of(pairs, p, &opened);
     global bb_wide *node = nodes + index[p];
-    for (uint w = 0; w < 6u * BB_WIDTH; w++)
-        node->planes[w] = opened.planes[w];
+    write_boxes(&opened, node);
     for (uint c = 0; c < BB_WIDTH; c++) {
         uint link = opened.links[c];
-        if (c >= opened.count)
+        if (link == BB_NONE)
             link = BB_LEAF_BIT | first[ref_count]; /* the block without primitives */
         else if ((link & BB_LEAF_BIT) != 0)
             link = BB_LEAF_BIT | first[link & BB_INDEX_MASK];

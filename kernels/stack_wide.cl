@@ -9,14 +9,24 @@
  * with one ray, so rays need not be coherent. Con: on devices that run work-items in lockstep the vectors are unrolled.
  * Overflow and equal distances as in stack.cl.
  *
- *   BB_WIDTH        children of a node: 4 or 8
+ *   BB_WIDTH, BB_QUANTISED  the node: wide.clh
  *   BB_STACK_SIZE   entries
  *   BB_ANY_HIT      1: stop at the first hit
  *   BB_COUNTING     1: count the tests
  *   and those of intersect.clh
  */
 #include "bb_device.h"
+#include "wide.clh"
 
+#if BB_QUANTISED
+#define BB_NODE global const bb_wide *
+#define BB_PLANES(node, axis, plane)                                                               \
+    BB_DEQUANTISE(node, axis, convert_float8(vload8(0, (node)->planes + (plane))))
+#define BB_PLANE_STEP BB_WIDTH
+#define BB_NODE_OF(wide) (wide)
+#else
+#define BB_NODE_OF(wide) (wide)->planes
+#endif
 #define BB_LANES BB_BLOCK_LANES
 #include "intersect.clh"
 
@@ -28,12 +38,6 @@
 #endif
 #ifndef BB_COUNTING
 #define BB_COUNTING 0
-#endif
-
-#if BB_WIDTH == 4
-typedef bb_wide4 bb_wide;
-#else
-typedef bb_wide8 bb_wide;
 #endif
 
 kernel void trace(global const bb_wide *nodes,
@@ -71,7 +75,7 @@ kernel void trace(global const bb_wide *nodes,
         while ((link & BB_LEAF_BIT) == 0) {
             global const bb_wide *node = nodes + link;
             bb_boxes entry, exit;
-            bb_box_distances(&slab, node->planes, tmin, tmax, &entry, &exit);
+            bb_box_distances(&slab, BB_NODE_OF(node), tmin, tmax, &entry, &exit);
             uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit);
 #if BB_COUNTING
             nodes_tested += node->count;

@@ -3,12 +3,13 @@
 
 static bb_status create(bb_device *device, bb_account *account, void **self)
 {
-    return bb_wide_create(device, account, "wide8", 8, self);
+    return bb_wide_create(device, account, "wide8", 8, false, self);
 }
 
 const bb_layout bb_layout_wide8 = {
     .name = "wide8",
     .summary = "up to 8 children by surface area, boxes side by side; primitives in blocks of four",
+    .block = BB_BLOCK_LANES,
     .create = create,
     .make = bb_wide_make,
     .destroy = bb_wide_destroy,

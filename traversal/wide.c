@@ -16,7 +16,7 @@ enum {
 
 typedef struct wide_layout {
     const char *name;
-    uint32_t width;
+    size_t node_bytes;
     bb_device *device;
     bb_account *account;
     bb_pairs pairs;
@@ -50,18 +50,20 @@ void bb_wide_destroy(void *opaque)
 }
 
 bb_status bb_wide_create(bb_device *device, bb_account *account, const char *name, uint32_t width,
-                         void **out)
+                         bool quantised, void **out)
 {
     wide_layout *self = calloc(1, sizeof *self);
     if (self == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     *out = self;
     self->name = name;
-    self->width = width;
+    self->node_bytes = quantised    ? sizeof(bb_quant8)
+                       : width == 4 ? sizeof(bb_wide4)
+                                    : sizeof(bb_wide8);
     self->device = device;
     self->account = account;
     char defines[64];
-    snprintf(defines, sizeof defines, "-DBB_WIDTH=%u", width);
+    snprintf(defines, sizeof defines, "-DBB_WIDTH=%u -DBB_QUANTISED=%d", width, quantised);
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_program_build(device, bb_source_find("layout_wide.cl"), defines, &self->program));
     BB_TRY(bb_kernel_get(self->program, "wide_open", &self->open));
@@ -138,12 +140,11 @@ static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_
 /* From pairs to nodes: data->buffers[0], root and stack need. Needs self->first. */
 static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_data *data)
 {
-    size_t node_bytes = self->width == 4 ? sizeof(bb_wide4) : sizeof(bb_wide8);
     uint32_t pair_count, root, total, ref_count = tree->info.ref_count;
     BB_TRY(bb_pairs_make(&self->pairs, tree, &self->pair_nodes, &pair_count, &root));
     if ((root & BB_LEAF_BIT) != 0) { /* no node at all */
         data->stack_need = 0;
-        BB_TRY(reserve(self, node_bytes, "wide: nodes", &data->buffers[0]));
+        BB_TRY(reserve(self, self->node_bytes, "wide: nodes", &data->buffers[0]));
         BB_TRY(bb_buffer_read(&self->first, (root & BB_INDEX_MASK) * sizeof root, sizeof root,
                               &data->root));
         data->root |= BB_LEAF_BIT;
@@ -155,8 +156,8 @@ static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_da
     BB_TRY(bb_scan_u32(self->pairs.primitives, &self->index, &self->index, pair_count + 1, NULL));
     BB_TRY(read_total(&self->index, pair_count, &total));
     BB_TRY(read_total(&self->index, root, &data->root));
-    BB_TRY(reserve(self, total * node_bytes, "wide: nodes", &data->buffers[0]));
-    data->bytes += total * node_bytes;
+    BB_TRY(reserve(self, total * self->node_bytes, "wide: nodes", &data->buffers[0]));
+    data->bytes += total * self->node_bytes;
     return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
                      BB_VALUE(pair_count), BB_MEM(self->index), BB_MEM(self->first),
                      BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
