@@ -336,17 +336,26 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice)
     return bb_layout_maker_create(layout, bench->device, &wanted->maker);
 }
 
+static bb_status start_kernel(bb_bench *bench, const char *text, bool native_only)
+{
+    bb_kernel_choice *choice = &bench->kernels[bench->kernel_count];
+    uint64_t group;
+    BB_TRY(parse_kernel(text, choice));
+    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
+                       bench->device->max_group_size, &group));
+    choice->native_only = native_only;
+    bench->kernel_count++;
+    return start_layout(bench, choice);
+}
+
 static bb_status start_kernels(bb_bench *bench)
 {
-    for (uint32_t i = 0; i < bench->request->kernel_count; i++) {
-        bb_kernel_choice *choice = &bench->kernels[i];
-        uint64_t group;
-        BB_TRY(parse_kernel(bench->request->kernels[i], choice));
-        BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
-                           bench->device->max_group_size, &group));
-        bench->kernel_count++;
-        BB_TRY(start_layout(bench, choice));
-    }
+    const bb_bench_request *request = bench->request;
+    for (uint32_t i = 0; i < request->kernel_count; i++)
+        BB_TRY(start_kernel(bench, request->kernels[i], false));
+    for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)
+        if ((*k)->native && !(*k)->compared && bench->kernel_count < BB_KERNELS_MAX)
+            BB_TRY(start_kernel(bench, (*k)->name, true));
     return BB_OK;
 }
 

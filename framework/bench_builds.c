@@ -222,8 +222,9 @@ bb_status bb_bench_builds(bb_bench *bench)
         if (status == BB_OK)
             status = measure_tree(bench, entrant);
         /* a layout that is refused is the trace's failure, not the build's: bb_bench_layout() will say so again */
-        for (uint32_t k = 0; k < bench->layout_count && status == BB_OK; k++)
-            (void)bb_bench_layout(bench, entrant, k);
+        for (uint32_t k = 0; k < bench->kernel_count && status == BB_OK; k++)
+            if (bb_bench_takes(bench, entrant, k))
+                (void)bb_bench_layout(bench, entrant, bench->kernels[k].layout);
         if (status != BB_OK)
             note_failure(entrant, status);
     }
@@ -251,6 +252,16 @@ static void record_layout(bb_entrant *entrant, const bb_layout_data *data)
         record->layout_sah[k] = data->sah;
         record->layout_count++;
     }
+}
+
+bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel)
+{
+    if (!bench->kernels[kernel].native_only)
+        return true;
+    for (uint32_t k = 0; k < bench->kernel_count; k++)
+        if (!bench->kernels[k].native_only && entrant->keeps_shape[bench->kernels[k].layout])
+            return false;
+    return entrant->record.has_tree;
 }
 
 bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
@@ -285,5 +296,6 @@ bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
         data->sah = entrant->record.sah;
     record_layout(entrant, data);
     entrant->has_layout[layout] = true;
+    entrant->keeps_shape[layout] = data->keeps_shape;
     return bb_bench_step(bench, "layouts", start);
 }

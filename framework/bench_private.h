@@ -24,7 +24,8 @@ typedef struct bb_kernel_choice {
     const bb_kernel *kernel;
     bb_spec spec;
     uint32_t leaf;
-    uint32_t layout; /* index of what it reads, in bb_bench.layouts */
+    uint32_t layout;  /* index of what it reads, in bb_bench.layouts */
+    bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
 } bb_kernel_choice;
 
 /* A layout of leaves with up to `leaf` references; all kernels that read the same share it. */
@@ -43,7 +44,9 @@ typedef struct bb_entrant {
     bool compiled;        /* its kernels have run before */
     bb_layout_data layouts[BB_KERNELS_MAX];
     bool has_layout[BB_KERNELS_MAX];
-    bb_embree *embree; /* of a reference row */
+    bool keeps_shape
+        [BB_KERNELS_MAX]; /* the layout of its tree does; known since it was first made */
+    bb_embree *embree;    /* of a reference row */
     bb_build_record record;
     bb_samples phase_samples[BB_PHASES_MAX];
 } bb_entrant;
@@ -93,6 +96,9 @@ bb_status bb_bench_builds(bb_bench *bench);
 /* Makes sure that layout `layout` of the entrant is on the device; evicts other entrants and builds again, untimed, where
  * memory asks for it. BB_FAILED if what was built again has another shape than what was recorded. */
 bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
+
+/* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for have been made. */
+bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);
 
 /* Frees what the entrant has in memory; its record stays. */
 void bb_bench_evict(bb_entrant *entrant);

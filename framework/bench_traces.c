@@ -151,6 +151,7 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     c->record.group_size = bb_tracer_group_size(c->tracer);
     c->record.stack_size = bb_tracer_stack_size(c->tracer);
     snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
+    c->record.native = layout->keeps_shape;
     /* compile for the group size before the clock runs */
     uint32_t few = c->count < c->record.group_size ? c->count : c->record.group_size;
     BB_TRY(bb_tracer_launch(c->tracer, layout, &bench->rays, few, &bench->hits, NULL));
@@ -291,10 +292,13 @@ static bb_status start_set(trace_set *set)
         bb_entrant *entrant = &bench->entrants[e];
         uint32_t kernels = entrant->reference ? 1 : bench->kernel_count;
         uint32_t intersectors = entrant->reference ? 1 : request->intersector_count;
-        for (uint32_t k = 0; k < kernels; k++)
+        for (uint32_t k = 0; k < kernels; k++) {
+            if (!entrant->reference && !bb_bench_takes(bench, entrant, k))
+                continue;
             for (uint32_t i = 0; i < intersectors; i++)
                 start_cell(set, &set->cells[set->count++], entrant, k,
                            bb_intersector_find(request->intersectors[i]));
+        }
     }
     set->order = calloc(most, sizeof *set->order);
     if (set->order == NULL)

@@ -11,9 +11,7 @@
  *
  *   BB_WIDTH, BB_QUANTISED  the node: wide.clh
  *   BB_STACK_SIZE   entries
- *   BB_ANY_HIT      1: stop at the first hit
- *   BB_COUNTING     1: count the tests
- *   and those of intersect.clh
+ *   and those of search.clh
  */
 #include "bb_device.h"
 #include "wide.clh"
@@ -28,18 +26,11 @@
 #define BB_NODE_OF(wide) (wide)->planes
 #endif
 #define BB_LANES BB_BLOCK_LANES
-#include "intersect.clh"
+#include "search.clh"
 
 #ifndef BB_STACK_SIZE
 #define BB_STACK_SIZE 64
 #endif
-#ifndef BB_ANY_HIT
-#define BB_ANY_HIT 0
-#endif
-#ifndef BB_COUNTING
-#define BB_COUNTING 0
-#endif
-
 kernel void trace(global const bb_wide *nodes,
                   global const float *blocks, /* of primitives */
                   uint root,                  /* link */
@@ -47,24 +38,16 @@ kernel void trace(global const bb_wide *nodes,
                   global const bb_ray *rays,
                   uint count,
                   global bb_hit *hits
-#if BB_COUNTING
-                  , global bb_count *counts
-#endif
-)
+                  BB_COUNTS_ARGUMENT)
 {
     uint id = get_global_id(0);
     if (id >= count)
         return;
     float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
-    float tmin = rays[id].tmin;
-    float tmax = rays[id].tmax;
     bb_slab slab = bb_slab_of(o, d);
     bb_ray_setup setup = bb_ray_setup_of(o, d);
-    float best = tmin; /* distance of the hit; until there is one, a value that no hit can have */
-    uint best_prim = BB_NONE;
-#if BB_COUNTING
-    uint nodes_tested = 0, prims_tested = 0;
-#endif
+    bb_search search;
+    bb_search_start(&search, &rays[id]);
 
     uint stack_links[BB_STACK_SIZE];
     float stack_entries[BB_STACK_SIZE];
@@ -75,10 +58,10 @@ kernel void trace(global const bb_wide *nodes,
         while ((link & BB_LEAF_BIT) == 0) {
             global const bb_wide *node = nodes + link;
             bb_boxes entry, exit;
-            bb_box_distances(&slab, BB_NODE_OF(node), tmin, tmax, &entry, &exit);
+            bb_box_distances(&slab, BB_NODE_OF(node), search.tmin, search.tmax, &entry, &exit);
             uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit);
 #if BB_COUNTING
-            nodes_tested += node->count;
+            search.boxes += node->count;
 #endif
             if (met == 0u)
                 goto pop;
@@ -118,54 +101,20 @@ kernel void trace(global const bb_wide *nodes,
                 top++;
             } while (met != 0u);
         }
-        {
-            global const float *block = blocks + (ulong)BB_WORDS * (link & BB_INDEX_MASK);
-            uint first;
-            do {
-                global const uint *prims = (global const uint *)block + BB_ID;
-                first = prims[0];
-                bb_lanes t = bb_primitive(&setup, block, first & BB_INDEX_MASK, triangle_count, tmin);
-                uint met = BB_LANE_BITS((t > tmin) & (t <= tmax));
-#if BB_COUNTING
-                for (uint lane = 0; lane < BB_LANES; lane++)
-                    prims_tested += prims[lane] != BB_NONE ? 1u : 0u;
-#endif
-                if (met != 0u) {
-                    float distances[BB_LANES];
-                    BB_VECTOR(vstore, BB_LANES)(t, 0, distances);
-                    do {
-                        uint lane = 31u - clz(met);
-                        met ^= 1u << lane;
-                        uint prim = prims[lane] & BB_INDEX_MASK;
-                        if (distances[lane] < tmax || (distances[lane] == best && prim < best_prim)) {
-                            tmax = best = distances[lane];
-                            best_prim = prim;
-                        }
-                    } while (met != 0u);
-#if BB_ANY_HIT
-                    if (best_prim != BB_NONE)
-                        goto done;
-#endif
-                }
-                block += BB_WORDS;
-            } while ((first & BB_LAST_BIT) == 0u);
-        }
+        if (bb_search_leaf(&search, &setup, blocks, link, triangle_count))
+            goto done;
     pop:
         do {
             if (top == 0u)
                 goto done;
             top--;
-        } while (stack_entries[top] > tmax);
+        } while (stack_entries[top] > search.tmax);
         link = stack_links[top];
     }
 done:
-    if (!overflow) {
-        hits[id].t = best_prim != BB_NONE ? best : INFINITY;
-        hits[id].prim = best_prim;
-    }
+    if (!overflow)
+        bb_search_write(&search, &hits[id]);
 #if BB_COUNTING
-    counts[id].nodes = nodes_tested;
-    counts[id].prims = prims_tested;
-    counts[id].overflow = overflow ? 1u : 0u;
+    bb_search_count(&search, overflow, &counts[id]);
 #endif
 }

@@ -1,322 +1,219 @@
-/* Leaf collapse and the wide layouts, read back and taken apart on the host: random trees of any arity, floats biased to extremes. */
-#include "tests/tree_fixture.h"
+/* Layouts against walks over the tree on the host, on random trees whose nodes lie in random order; and which kernels a tree is
+ * traced by. Small enough for oclgrind, under which this program runs as well. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
 
-#include "traversal/collapse.h"
+#include <cmocka.h>
+
+#include "framework/bench_private.h"
+#include "tests/tree_fixture.h"
 #include "traversal/traversal.h"
 
-static const uint64_t SEED = 20240701;
+static const uint64_t seed = 4711;
 static bb_device *device;
 
-static bool small(void)
+static void check(bb_status status, const char *what)
 {
-    return getenv("BVHBENCH_TEST_SMALL") != NULL; /* under oclgrind */
+    if (status != BB_OK)
+        fail_msg("%s: %s", what, bb_message());
 }
 
-/* ---- leaf collapse ---- */
+/* ---- scenes and trees ---- */
 
-/* Collapses a copy on the device; `out` ends up on the host as well. */
-static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32_t block,
-                     bb_tree **out)
+static bb_scene *make_triangles(uint32_t count, bb_random *random)
 {
-    ASSERT_OK(bb_tree_upload(tree, device, NULL));
-    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, block, out));
-    ASSERT_OK(bb_tree_download(*out, NULL));
+    float *vertices = malloc(9 * (size_t)count * sizeof *vertices);
+    for (size_t i = 0; i < 9 * (size_t)count; i++)
+        vertices[i] = (float)bb_random_range(random, -100, 100);
+    bb_scene *scene = make_scene(vertices, count, NULL, 0);
+    free(vertices);
+    check(bb_scene_upload(scene, device), "upload");
+    return scene;
 }
 
-static void collapsed_trees_are_valid_and_cost_no_more(void **state)
+static void free_triangles(bb_scene *scene)
 {
-    (void)state;
-    bb_account account = {0};
-    bb_collapse *self;
-    ASSERT_OK(bb_collapse_create(device, &account, &self));
-    for (uint32_t run = 0; run < (small() ? 5u : 100u); run++) {
-        bb_random random = bb_random_make(SEED, run);
-        bb_scene *scene = make_random_scene(1 + bb_random_below(&random, small() ? 40 : 400), &random);
-        bb_tree tree, *out;
-        make_random_tree(scene, 2 + bb_random_below(&random, 7), 1, &random, &tree);
-        double before = bb_tree_sah(&tree);
-        for (uint32_t leaf = 1; leaf <= BB_LEAF_MAX; leaf *= 2)
-            for (uint32_t block = 1; block <= 4; block += 3) {
-                collapse(self, &tree, leaf, block, &out);
-                if (bb_tree_check(out, scene) != BB_OK)
-                    fail_msg("seed %llu run %u leaf %u block %u: %s", (unsigned long long)SEED, run,
-                             leaf, block, bb_message());
-                double after = bb_tree_sah(out);
-                if ((block == 1 && !(after <= before * (1 + 1e-5))) ||
-                    (leaf == 1 && fabs(after - before) > 1e-9))
-                    fail_msg("seed %llu run %u leaf %u: SAH %g became %g",
-                             (unsigned long long)SEED, run, leaf, before, after);
-                for (uint32_t i = 0, width = 1; i < out->info.ref_count; i++, width++) {
-                    assert_true(width <= leaf);
-                    width = out->refs[i] & BB_LAST_BIT ? 0 : width;
-                }
-            }
-        bb_tree_release(&tree);
-        free_scene(scene);
-    }
-    bb_collapse_destroy(self);
-    assert_int_equal(account.bytes, 0);
+    bb_buffer_release(&scene->on_device.boxes);
+    bb_buffer_release(&scene->on_device.vertices);
+    bb_buffer_release(&scene->on_device.indices);
+    free_scene(scene);
 }
 
-/* Two leaves of equal boxes: a leaf of both costs 2 A, or A as a block, the inner node 1.2 A + 2 A. Far apart, the inner node is
- * kept. */
-static void collapse_decides_by_cost(void **state)
+static uint32_t depth_of(const bb_tree *tree, uint32_t n)
 {
-    (void)state;
-    const float lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1}, far_lo[3] = {100, 0, 0},
-                far_hi[3] = {101, 1, 1};
-    const uint32_t refs[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT};
-    const bb_node near[] = {make_node(lo, hi, 1, BB_NONE), make_node(lo, hi, BB_LEAF_BIT | 0, 2),
-                            make_node(lo, hi, BB_LEAF_BIT | 1, BB_NONE)};
-    const bb_node far[] = {make_node(lo, far_hi, 1, BB_NONE), near[1],
-                           make_node(far_lo, far_hi, BB_LEAF_BIT | 1, BB_NONE)};
-    bb_collapse *self;
-    bb_tree tree, *out;
-    ASSERT_OK(bb_collapse_create(device, NULL, &self));
-    make_tree(&tree, near, 3, refs, 2, 2, 1);
-    collapse(self, &tree, 1, 1, &out);
-    assert_int_equal(out->info.node_count, 3);
-    collapse(self, &tree, 2, 1, &out);
-    assert_int_equal(out->info.node_count, 1);
-    assert_int_equal(out->info.leaf_count, 1);
-    assert_int_equal(out->info.ref_count, 2);
-    assert_int_equal(out->info.arity, 0);
-    assert_int_equal(out->info.depth, 0);
-    bb_tree_release(&tree);
-
-    make_tree(&tree, far, 3, refs, 2, 2, 1);
-    collapse(self, &tree, 2, 1, &out); /* 2 * 201 against 1.2 * 201 + 2 * 3 */
-    assert_int_equal(out->info.node_count, 3);
-    assert_int_equal(out->info.arity, 2);
-    assert_int_equal(out->info.depth, 1);
-    collapse(self, &tree, 2, 4, &out); /* 201: one block */
-    assert_int_equal(out->info.node_count, 1);
-    bb_tree_release(&tree);
-
-    /* A primitive that both leaves reference is referenced once by the leaf of both. */
-    make_tree(&tree, near, 3, refs, 2, 2, 1);
-    tree.duplicated = true;
-    tree.refs[1] = 0 | BB_LAST_BIT;
-    collapse(self, &tree, 2, 1, &out);
-    assert_int_equal(out->info.ref_count, 1);
-    bb_tree_release(&tree);
-    bb_collapse_destroy(self);
-}
-
-/* ---- wide layouts ---- */
-
-typedef struct wide {
-    const bb_scene *scene;
-    uint32_t width;
-    bool quantised;
-    uint8_t *nodes;
-    uint32_t *blocks;
-    uint32_t words; /* of a block */
-    uint32_t *seen; /* per primitive */
-    uint32_t stack_need;
-} wide;
-
-static const uint32_t *links_of(const wide *w, uint32_t node, uint32_t *count)
-{
-    if (w->quantised) {
-        const bb_quant8 *n = (const bb_quant8 *)w->nodes + node;
-        *count = n->count;
-        return n->links;
-    }
-    if (w->width == 4) {
-        const bb_wide4 *n = (const bb_wide4 *)w->nodes + node;
-        *count = n->count;
-        return n->links;
-    }
-    const bb_wide8 *n = (const bb_wide8 *)w->nodes + node;
-    *count = n->count;
-    return n->links;
-}
-
-static bb_box box_of(const wide *w, uint32_t node, uint32_t child)
-{
-    bb_box box = {.lo = {0}};
-    for (uint32_t axis = 0; axis < 3; axis++) {
-        uint32_t lo = 2 * axis * w->width + child, hi = lo + w->width;
-        if (w->quantised) {
-            const bb_quant8 *n = (const bb_quant8 *)w->nodes + node;
-            box.lo[axis] = fmaf(n->planes[lo], n->scale[axis], n->base[axis]);
-            box.hi[axis] = fmaf(n->planes[hi], n->scale[axis], n->base[axis]);
-        } else {
-            const float *planes = w->width == 4 ? ((const bb_wide4 *)w->nodes + node)->planes
-                                                : ((const bb_wide8 *)w->nodes + node)->planes;
-            box.lo[axis] = planes[lo];
-            box.hi[axis] = planes[hi];
+    uint32_t depth = 0;
+    if (!bb_node_is_leaf(&tree->nodes[n]))
+        for (uint32_t c = tree->nodes[n].first; c != tree->nodes[n].skip; c = tree->nodes[c].skip) {
+            uint32_t below = 1 + depth_of(tree, c);
+            depth = below > depth ? below : depth;
         }
-    }
-    return box;
+    return depth;
 }
 
-static void join(bb_box *box, const bb_box *other)
+/* Puts nodes of one child above `count` random nodes of the tree. */
+static void add_single_children(bb_tree *tree, uint32_t count, bb_random *random)
 {
-    for (int k = 0; k < 3; k++) {
-        box->lo[k] = fminf(box->lo[k], other->lo[k]);
-        box->hi[k] = fmaxf(box->hi[k], other->hi[k]);
-    }
-}
-
-/* Box of the primitives in the leaf, which are marked as seen; false if it has none. */
-static bool read_leaf(wide *w, uint32_t block, bb_box *box)
-{
-    bool any = false, last = false;
-    for (; !last; block++) {
-        const uint32_t *words = w->blocks + (size_t)block * w->words;
-        const uint32_t *prims = words + w->words - BB_BLOCK_LANES;
-        last = (prims[0] & BB_LAST_BIT) != 0;
-        for (uint32_t lane = 0; lane < BB_BLOCK_LANES; lane++) {
-            if (prims[lane] == BB_NONE) {
-                assert_true(lane == 0 || prims[3] == BB_NONE);
-                continue;
-            }
-            uint32_t prim = lane == 0 ? prims[0] & BB_INDEX_MASK : prims[lane];
-            assert_true(prim < w->scene->prim_count);
-            assert_int_equal(prim < w->scene->triangle_count,
-                             (prims[0] & BB_INDEX_MASK) < w->scene->triangle_count);
-            bool triangle = prim < w->scene->triangle_count;
-            const float *from = triangle ? w->scene->vertices + 9 * (size_t)prim
-                                         : w->scene->spheres +
-                                               4 * (size_t)(prim - w->scene->triangle_count);
-            for (uint32_t k = 0; k < (triangle ? 9u : 4u); k++)
-                assert_memory_equal(&words[k * BB_BLOCK_LANES + lane], &from[k], sizeof *from);
-            w->seen[prim]++;
-            join(box, &w->scene->boxes[prim]);
-            any = true;
+    bb_tree grown;
+    uint32_t nodes = tree->info.node_count;
+    bb_tree_init(&grown, NULL);
+    check(bb_tree_reserve(&grown, NULL, BB_ON_HOST, nodes + count, tree->info.ref_count), "tree");
+    memcpy(grown.nodes, tree->nodes, nodes * sizeof *grown.nodes);
+    memcpy(grown.refs, tree->refs, tree->info.ref_count * sizeof *grown.refs);
+    grown.info = tree->info;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t n = bb_random_below(random, nodes), above = nodes++;
+        for (uint32_t k = 0; k < above; k++) {
+            if (!bb_node_is_leaf(&grown.nodes[k]) && grown.nodes[k].first == n)
+                grown.nodes[k].first = above;
+            if (grown.nodes[k].skip == n)
+                grown.nodes[k].skip = above;
         }
+        grown.nodes[above] = grown.nodes[n];
+        grown.nodes[above].first = n;
+        if (grown.info.root == n)
+            grown.info.root = above;
     }
-    return any;
+    grown.info.node_count = nodes;
+    grown.info.arity = grown.info.arity == 0 && count > 0 ? 1 : grown.info.arity;
+    grown.info.depth = depth_of(&grown, grown.info.root);
+    bb_tree_release(tree);
+    *tree = grown;
 }
 
-/* Box of the primitives below `link`. Recursion: trees of the tests are shallow. */
-static bool read_link(wide *w, uint32_t link, uint32_t above, bb_box *box)
+/* ---- the skip layout ---- */
+
+/* The subtree of n, and that it lies at *at onwards in the layout, with its links. */
+static void walk(const bb_tree *tree, uint32_t n, const bb_node *out, uint32_t *at)
 {
-    if ((link & BB_LEAF_BIT) != 0)
-        return read_leaf(w, link & BB_INDEX_MASK, box);
-    uint32_t count, children = 0;
-    const uint32_t *links = links_of(w, link, &count);
-    uint32_t need = above + count - 1;
-    w->stack_need = need > w->stack_need ? need : w->stack_need;
-    for (uint32_t c = 0; c < w->width; c++) {
-        bb_box below = {.lo = {INFINITY, INFINITY, INFINITY},
-                        .hi = {-INFINITY, -INFINITY, -INFINITY}};
-        bb_box said = box_of(w, link, c);
-        if (!read_link(w, links[c], need, &below)) {
-            bool empty = w->quantised; /* flat nodes have no empty boxes */
-            for (int k = 0; k < 3; k++)
-                empty = empty || said.lo[k] > said.hi[k];
-            assert_true(empty);
-            continue;
-        }
-        children++;
-        for (int k = 0; k < 3; k++) {
-            bool right = w->quantised ? said.lo[k] <= below.lo[k] && said.hi[k] >= below.hi[k]
-                                      : said.lo[k] == below.lo[k] && said.hi[k] == below.hi[k];
-            if (!right)
-                fail_msg("node %u child %u axis %d: %a to %a, its primitives %a to %a", link, c, k,
-                         said.lo[k], said.hi[k], below.lo[k], below.hi[k]);
-        }
-        join(box, &below);
+    const bb_node *node = &tree->nodes[n], *here = &out[(*at)++];
+    assert_memory_equal(node->lo, here->lo, sizeof node->lo);
+    assert_memory_equal(node->hi, here->hi, sizeof node->hi);
+    if (bb_node_is_leaf(node)) {
+        assert_int_equal(here->first, node->first);
+    } else {
+        assert_int_equal(here->first, *at);
+        for (uint32_t c = node->first; c != node->skip; c = tree->nodes[c].skip)
+            walk(tree, c, out, at);
     }
-    assert_int_equal(children, count);
-    assert_true(count >= 2);
-    return true;
+    assert_int_equal(here->skip, *at == tree->info.node_count ? BB_NONE : *at);
 }
 
-static void *download(const bb_buffer *buffer)
+static void compare_records(const bb_scene *scene, const bb_tree *tree, const bb_buffer *buffer)
 {
-    void *copy = malloc(buffer->bytes);
-    ASSERT_OK(bb_buffer_read(buffer, 0, buffer->bytes, copy));
-    return copy;
+    uint32_t count = tree->info.ref_count;
+    uint32_t *words = malloc((size_t)count * BB_RECORD_WORDS * sizeof *words);
+    check(bb_buffer_read(buffer, 0, (size_t)count * BB_RECORD_WORDS * sizeof *words, words),
+          "read");
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t *record = words + (size_t)i * BB_RECORD_WORDS;
+        assert_int_equal(record[BB_RECORD_ID], tree->refs[i]);
+        assert_memory_equal(record, scene->vertices + 9 * (size_t)(tree->refs[i] & BB_INDEX_MASK),
+                            9 * sizeof(float));
+    }
+    free(words);
 }
 
-static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, uint32_t leaf)
+static void compare_skip(const bb_scene *scene, bb_tree *tree, bb_layout_maker *maker)
 {
-    bb_layout_maker maker;
     bb_layout_data data = {0};
-    ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
-    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, &data));
-    wide w = {
-        .scene = scene,
-        .width = strcmp(name, "wide4") == 0 ? 4 : 8,
-        .quantised = strcmp(name, "quant8") == 0,
-        .nodes = download(&data.buffers[0]),
-        .blocks = download(&data.buffers[1]),
-        .words = scene->kinds == BB_SPHERES ? BB_SPHERE_BLOCK_WORDS : BB_BLOCK_WORDS,
-        .seen = calloc(scene->prim_count, sizeof *w.seen),
-    };
-    bb_box box = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
-    assert_true(read_link(&w, data.root, 0, &box));
-    assert_int_equal(w.stack_need, data.stack_need);
-    for (uint32_t i = 0; i < scene->prim_count; i++)
-        assert_int_equal(w.seen[i], 1);
-    free(w.nodes);
-    free(w.blocks);
-    free(w.seen);
+    uint32_t count = tree->info.node_count, at = 0;
+    check(bb_tree_check(tree, scene), "the test's own tree");
+    check(bb_tree_upload(tree, device, NULL), "upload");
+    check(bb_layout_maker_make(maker, scene, tree, 1, &data), "skip");
+    assert_true(data.keeps_shape);
+    assert_int_equal(data.root, 0);
+    bb_node *nodes = malloc(count * sizeof *nodes);
+    check(bb_buffer_read(&data.buffers[0], 0, count * sizeof *nodes, nodes), "read");
+    walk(tree, tree->info.root, nodes, &at);
+    assert_int_equal(at, count);
+    compare_records(scene, tree, &data.buffers[1]);
+    free(nodes);
     bb_layout_data_release(&data);
+}
+
+static void skip_is_the_preorder_of_any_tree(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[] = {1, 2, 3, 40, 700, 9000};
+    bool small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    bb_layout_maker maker;
+    check(bb_layout_maker_create(bb_layout_find("skip"), device, &maker), "skip");
+    for (size_t s = 0; s < sizeof sizes / sizeof sizes[0] - (small ? 2 : 0); s++)
+        for (uint32_t arity = 2; arity <= 9; arity++) {
+            bb_random random = bb_random_make(seed, 100 * s + arity);
+            bb_scene *scene = make_triangles(sizes[s], &random);
+            bb_tree tree;
+            make_random_tree(scene, arity, 4, &random, &tree);
+            compare_skip(scene, &tree, &maker);
+            add_single_children(&tree, 1 + sizes[s] / 10, &random);
+            compare_skip(scene, &tree, &maker);
+            bb_tree_release(&tree);
+            free_triangles(scene);
+        }
     bb_layout_maker_destroy(&maker);
 }
 
-/* A coordinate of any size, near others of its kind or not. */
-static float extreme(bb_random *random, uint32_t kind)
+/* ---- native pairings ---- */
+
+static bool keeps_shape(const char *layout, const bb_scene *scene, bb_tree *tree, uint32_t leaf)
 {
-    static const float pool[] = {0.0f,   -0.0f,  1e-45f, -3e-42f, 1.2e-38f, 1e-30f,
-                                 1e-3f,  1.0f,   -1.0f,  16777216, -1e7f,   1e20f,
-                                 -1e37f, 1e38f,  -3e38f, 3.4e38f};
-    float sign = bb_random_below(random, 2) ? 1.0f : -1.0f;
-    switch (kind) {
-    case 0:
-        return (float)bb_random_range(random, -100, 100);
-    case 1:
-        return pool[bb_random_below(random, sizeof pool / sizeof pool[0])];
-    case 2: /* far away */
-        return 1e7f + (float)bb_random_below(random, 64);
-    case 3: /* any exponent */
-        return sign * ldexpf(1.0f + (float)bb_random_unit(random) * 0.999f,
-                             (int)bb_random_below(random, 276) - 149);
-    default: /* denormal */
-        return sign * ldexpf((float)bb_random_below(random, 1000), -149);
-    }
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    check(bb_layout_maker_create(bb_layout_find(layout), device, &maker), layout);
+    check(bb_layout_maker_make(&maker, scene, tree, leaf, &data), layout);
+    bool keeps = data.keeps_shape;
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
+    return keeps;
 }
 
-static void wide_layouts_hold_the_tree(void **state)
+static void layouts_say_whether_they_keep_the_shape(void **state)
 {
     (void)state;
-    static const char *const names[] = {"wide4", "wide8", "quant8"};
-    for (uint32_t run = 0; run < (small() ? 10u : 200u); run++) {
-        bb_random random = bb_random_make(SEED + 1, run);
-        uint32_t triangles = bb_random_below(&random, small() ? 30 : 300);
-        uint32_t spheres = run % 3 == 0 ? bb_random_below(&random, 50) : 0;
-        if (run % 6 == 0)
-            triangles = 0;
-        if (triangles + spheres == 0)
-            triangles = 1;
-        float *v = malloc((9 * (size_t)triangles + 4 * (size_t)spheres) * sizeof *v);
-        for (uint32_t i = 0; i < 9 * triangles; i++)
-            v[i] = extreme(&random, run % 5);
-        for (uint32_t i = 0; i < 4 * spheres; i++)
-            v[9 * triangles + i] = fabsf(extreme(&random, 0));
-        bb_scene *scene = make_scene(v, triangles, v + 9 * (size_t)triangles, spheres);
-        free(v);
-        ASSERT_OK(bb_scene_upload(scene, device));
-        bb_tree tree;
-        make_random_tree(scene, 2 + bb_random_below(&random, 12), 1 + bb_random_below(&random, 9),
-                         &random, &tree);
-        ASSERT_OK(bb_tree_upload(&tree, device, NULL));
-        for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-            for (uint32_t leaf = 1; leaf <= 8; leaf += 7)
-                take_apart(names[i], scene, &tree, leaf);
-        bb_tree_release(&tree);
-        bb_scene_device *geometry = &scene->on_device;
-        bb_buffer_release(&geometry->boxes);
-        bb_buffer_release(&geometry->vertices);
-        bb_buffer_release(&geometry->indices);
-        bb_buffer_release(&geometry->spheres);
-        free_scene(scene);
-    }
+    bb_random random = bb_random_make(seed, 1);
+    bb_scene *scene = make_triangles(50, &random);
+    bb_tree binary, wide;
+    make_random_tree(scene, 2, 1, &random, &binary);
+    make_random_tree(scene, 5, 1, &random, &wide);
+    check(bb_tree_upload(&binary, device, NULL), "upload");
+    check(bb_tree_upload(&wide, device, NULL), "upload");
+    assert_true(keeps_shape("pair", scene, &binary, 1));
+    assert_false(keeps_shape("pair", scene, &binary, 4));
+    assert_false(keeps_shape("pair", scene, &wide, 1));
+    assert_true(keeps_shape("skip", scene, &wide, 1));
+    assert_false(keeps_shape("skip", scene, &wide, 4));
+    add_single_children(&binary, 1, &random);
+    check(bb_tree_upload(&binary, device, NULL), "upload");
+    assert_false(keeps_shape("pair", scene, &binary, 1));
+    assert_true(keeps_shape("skip", scene, &binary, 1));
+    bb_tree_release(&binary);
+    bb_tree_release(&wide);
+    free_triangles(scene);
+}
+
+/* A kernel that was not asked for is taken where no other one traces the tree as it was built, and there only. */
+static void the_native_pairing_is_never_left_out(void **state)
+{
+    (void)state;
+    static bb_bench bench;
+    static bb_entrant entrant;
+    bench.kernel_count = 3;
+    bench.kernels[1].layout = 1;
+    bench.kernels[2].layout = 2;
+    bench.kernels[2].native_only = true;
+    entrant.record.has_tree = true;
+    assert_true(bb_bench_takes(&bench, &entrant, 0));
+    assert_true(bb_bench_takes(&bench, &entrant, 2));
+    entrant.keeps_shape[1] = true;
+    assert_true(bb_bench_takes(&bench, &entrant, 0));
+    assert_false(bb_bench_takes(&bench, &entrant, 2));
+    entrant.keeps_shape[1] = false;
+    entrant.keeps_shape[2] = true; /* its own: once made, it is still needed */
+    assert_true(bb_bench_takes(&bench, &entrant, 2));
+    entrant.record.has_tree = false;
+    assert_false(bb_bench_takes(&bench, &entrant, 2));
 }
 
 static int open_device(void **state)
@@ -338,9 +235,9 @@ static int close_device(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(collapsed_trees_are_valid_and_cost_no_more),
-        cmocka_unit_test(collapse_decides_by_cost),
-        cmocka_unit_test(wide_layouts_hold_the_tree),
+        cmocka_unit_test(skip_is_the_preorder_of_any_tree),
+        cmocka_unit_test(layouts_say_whether_they_keep_the_shape),
+        cmocka_unit_test(the_native_pairing_is_never_left_out),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -20,10 +20,11 @@ typedef struct bb_layout_data {
     bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
     uint64_t bytes;
-    bool keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too */
-    double sah;       /* of the layout as traced; NAN: not known here */
-    double ms;        /* wall time of making it */
-    char name[64];    /* as recorded: "pair", "pair:leaf=4" */
+    bool
+        keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too, the pairing is native */
+    double sah;    /* of the layout as traced; NAN: not known here */
+    double ms;     /* wall time of making it */
+    char name[64]; /* as recorded: "pair", "pair:leaf=4" */
 } bb_layout_data;
 
 typedef struct bb_layout {
@@ -80,6 +81,9 @@ typedef struct bb_kernel {
     uint32_t queries;    /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
     bool ordered;        /* visits children near to far */
     bool compared;       /* `run` takes it when no kernel is asked for */
+    bool
+        native; /* its layout keeps the shape of any tree: when no kernel is asked for, `run` takes it for the trees
+                            whose shape no compared kernel keeps */
     const bb_option *
         options; /* its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its
                                  `values`; `leaf` and `group` are common to all kernels */
