@@ -45,7 +45,7 @@ kernel void trace(global const float *pairs,     /* bb_pair[] */
         while ((link & BB_LEAF_BIT) == 0) {
             global const float *pair = pairs + 16ul * link;
             float2 entry, exit;
-            bb_pair_distances(&slab, pair, search.tmin, search.tmax, &entry, &exit);
+            bb_box_distances(&slab, pair, search.tmin, search.tmax, &entry, &exit);
             uint2 links = vload2(6, (global const uint *)pair);
             bool meets0 = entry.x <= exit.x, meets1 = entry.y <= exit.y;
             search.boxes += 2;

@@ -9,6 +9,7 @@
 
 #include "framework/instance.h"
 #include "framework/random.h"
+#include "traversal/collapse.h"
 #include "traversal/traversal.h"
 
 #include <math.h>
@@ -210,6 +211,7 @@ static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
     bb_layout_data_release(&data);
     /* what it still has is its own */
     maker.layout->destroy(maker.self);
+    bb_collapse_destroy(maker.collapse);
     assert_int_equal(maker.account.bytes, 0);
 }
 

@@ -2,6 +2,7 @@
 #include "traversal/traversal.h"
 
 #include "framework/clock.h"
+#include "traversal/collapse.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,45 +29,38 @@ void bb_layout_maker_destroy(bb_layout_maker *maker)
 {
     if (maker->layout != NULL)
         maker->layout->destroy(maker->self);
+    bb_collapse_destroy(maker->collapse);
     *maker = (bb_layout_maker){0};
-}
-
-/* `out` is the tree with leaves of up to `leaf` references, on the device. */
-static bb_status collapse(bb_device *device, bb_tree *tree, uint32_t leaf, bb_tree *out)
-{
-    BB_TRY(bb_tree_download(tree, NULL));
-    BB_TRY(bb_tree_collapse(tree, leaf, out));
-    return bb_tree_upload(out, device, NULL);
 }
 
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, bb_layout_data *data)
 {
     const bb_layout *layout = maker->layout;
-    bb_tree collapsed;
-    bb_tree_init(&collapsed, &maker->account);
+    bb_tree *source = tree;
+    if (leaf > 1 && maker->collapse == NULL)
+        BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
     BB_TRY(bb_finish(maker->device));
     double start = bb_wall_ms();
     data->bytes = 0;
     data->triangle_count = scene->triangle_count;
-    bb_status status = leaf > 1 ? collapse(maker->device, tree, leaf, &collapsed) : BB_OK;
-    const bb_tree *source = leaf > 1 ? &collapsed : tree;
-    if (status == BB_OK)
-        status = layout->make(maker->self, scene, source, data);
-    if (status == BB_OK)
-        status = bb_finish(maker->device);
+    if (leaf > 1)
+        BB_TRY(bb_collapse_make(maker->collapse, tree, leaf, layout->block, &source));
+    BB_TRY(layout->make(maker->self, scene, source, data));
+    BB_TRY(bb_finish(maker->device));
     data->ms = bb_wall_ms() - start;
     data->sah = NAN;
     if (leaf > 1) {
         snprintf(data->name, sizeof data->name, "%s:leaf=%u", layout->name, leaf);
-        if (status == BB_OK && data->keeps_shape)
-            data->sah = bb_tree_sah(source); /* outside the clock */
+        if (data->keeps_shape) { /* outside the clock */
+            BB_TRY(bb_tree_download(source, NULL));
+            data->sah = bb_tree_sah(source);
+        }
         data->keeps_shape = false;
     } else {
         snprintf(data->name, sizeof data->name, "%s", layout->name);
     }
-    bb_tree_release(&collapsed);
-    return status;
+    return BB_OK;
 }
 
 void bb_layout_data_release(bb_layout_data *data)
