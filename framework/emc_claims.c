@@ -4,11 +4,13 @@
 
 #include <cjson/cJSON.h>
 #include <math.h>
+#include <string.h>
 
-/* A scene is flat here if its shortest side is less than an eighth of its longest: six splits come before the first of it. */
+/* A scene is flat here if its shortest side is less than a quarter of its longest: what the paper calls terrain-like, and four splits
+ * come before the first of that side. */
 static bool is_flat(const bb_findings *f, const char *scene)
 {
-    return bb_found_scene(f, scene, "flatness") < 0.125;
+    return bb_found_scene(f, scene, "flatness") < 0.25;
 }
 
 /* The flat scenes' figures, or the others'. */
@@ -77,7 +79,7 @@ static void claim_flat(const bb_findings *all, bb_reproduction *r, const char *b
     bb_series s = costs(all, builder, MC64), flat = only(&s, true), others = only(&s, false);
     bb_words ours = {0}, why = {0};
     double gain = 1 - bb_series_mean(&flat), elsewhere = 1 - bb_series_mean(&others);
-    bb_say(&ours, "%.3f on flat scenes (shortest side below 1/8 of the longest), %.3f on others",
+    bb_say(&ours, "%.3f on flat scenes (shortest side below 1/4 of the longest), %.3f on others",
            bb_series_mean(&flat), bb_series_mean(&others));
     bool holds = gain > 0.03 && elsewhere < others_within && gain > elsewhere;
     for (size_t i = 0; i < s.f->scene_count && !holds; i++)
@@ -85,6 +87,9 @@ static void claim_flat(const bb_findings *all, bb_reproduction *r, const char *b
                bb_found_scene(s.f, s.f->scenes[i], "flatness"), s.values[i]);
     bb_claim(r, bb_verdict_of(holds, gain, elsewhere), claim, paper, &ours, &why);
 }
+
+/* Below this, two costs are the same. */
+static const double same = 0.0005;
 
 static void claim_sizes(const bb_findings *all, bb_reproduction *r)
 {
@@ -94,54 +99,56 @@ static void claim_sizes(const bb_findings *all, bb_reproduction *r)
     bb_say_range(&ours, "size every 4th bit", &s);
     for (size_t i = 0; i < s.f->scene_count; i++) {
         const char *scene = s.f->scenes[i];
-        if (s.values[i] >= 1)
-            bb_say(
-                &why,
-                "%s%s %.3f, its largest primitive %.1f times its median one, %.1f boxes over each "
-                "centroid; without the size bits the same 64 bits would tell places 16 bits finer",
-                why.length > 0 ? "; " : "not lower on: ", scene, s.values[i],
-                bb_found_scene(s.f, scene, "size_max") / bb_found_scene(s.f, scene, "size_median"),
-                bb_found_scene(s.f, scene, "overlap"));
+        double spread =
+            bb_found_scene(s.f, scene, "size_max") / bb_found_scene(s.f, scene, "size_median");
+        if (s.values[i] > 1 - same)
+            bb_say(&why, "%s%s %.4f, its largest primitive %.1f times its median one%s",
+                   why.length > 0 ? "; " : "not lower on: ", scene, s.values[i], spread,
+                   spread < 8 ? ": there is little to tell apart" : "");
         if (is_flat(s.f, scene) || isnan(s.values[i]))
             continue;
         others++;
         dominant += s.values[i] < order.values[i];
     }
-    bb_claim(r, bb_verdict_of(bb_series_most(&s) < 1, bb_series_most(&s), 0),
+    bb_claim(r, bb_verdict_of(bb_series_most(&s) <= 1 - same, bb_series_most(&s), 0),
              "Size bits lower the cost on every scene (5.3)", "0.77 to 0.90", &ours, &why);
     ours = why = (bb_words){0};
     bb_say(&ours, "on %u of %u scenes that are not flat", dominant, others);
     for (size_t i = 0; i < s.f->scene_count && 2 * dominant <= others; i++)
         if (!is_flat(s.f, s.f->scenes[i]))
-            bb_say(&why, "%s%s: sizes %.3f, order and counts %.3f", why.length > 0 ? "; " : "",
-                   s.f->scenes[i], s.values[i], order.values[i]);
+            bb_say(&why,
+                   "%s%s: sizes %.3f, order and counts %.3f (largest over median primitive %.0f)",
+                   why.length > 0 ? "; " : "", s.f->scenes[i], s.values[i], order.values[i],
+                   bb_found_scene(s.f, s.f->scenes[i], "size_max") /
+                       bb_found_scene(s.f, s.f->scenes[i], "size_median"));
     bb_claim(r, bb_verdict_of(2 * dominant > others, others > 0 ? 0.0 : (double)NAN, 0),
              "Where a scene is not flat, size bits gain more than the order of the axes (5.3)",
              "in most scenes", &ours, &why);
 }
 
-/* `builder` costs less than `other` on more than half of the scenes. */
+/* `builder` costs less than `other` on more scenes than it costs more. */
 static void claim_majority(const bb_findings *all, bb_reproduction *r, const char *builder,
                            const char *other, const char *claim, const char *paper)
 {
     bb_series s = costs(all, builder, other);
     bb_words ours = {0}, why = {0};
-    uint32_t better = 0, known = 0;
+    uint32_t lower = 0, higher = 0;
     for (size_t i = 0; i < s.f->scene_count; i++) {
-        better += s.values[i] < 1;
-        known += !isnan(s.values[i]);
+        lower += s.values[i] < 1 - same;
+        higher += s.values[i] > 1 + same;
     }
     bb_say_range(&ours, "ratio of the two", &s);
-    bb_say(&ours, "; lower on %u of %u scenes", better, known);
-    bool holds = 2 * better > known && bb_series_mean(&s) < 1;
-    for (size_t i = 0; i < s.f->scene_count && !holds; i++)
-        if (s.values[i] >= 1)
+    bb_say(&ours, "; lower on %u scenes, higher on %u", lower, higher);
+    for (size_t i = 0; i < s.f->scene_count && lower <= higher; i++)
+        if (s.values[i] > 1 + same)
             bb_say(&why, "%s%s %.3f (largest over median primitive %.0f, mean overlap %.1f)",
-                   why.length > 0 ? ", " : "not lower on: ", s.f->scenes[i], s.values[i],
+                   why.length > 0 ? ", " : "higher on: ", s.f->scenes[i], s.values[i],
                    bb_found_scene(s.f, s.f->scenes[i], "size_max") /
                        bb_found_scene(s.f, s.f->scenes[i], "size_median"),
                    bb_found_scene(s.f, s.f->scenes[i], "overlap"));
-    bb_claim(r, bb_verdict_of(holds, bb_series_mean(&s), 0), claim, paper, &ours, &why);
+    if (lower == 0 && higher == 0)
+        bb_say(&why, "no scene tells the two apart");
+    bb_claim(r, bb_verdict_of(lower > higher, bb_series_mean(&s), 0), claim, paper, &ours, &why);
 }
 
 /* Of fewer size bits: is it their number that matters, or how often they come? */
@@ -263,51 +270,57 @@ static void say_phase(const bb_findings *f, const char *scene, int pair, bb_word
                bb_found_phase_ms(f, scene, plain, worst));
 }
 
-/* Counts the scenes on which a code is within the target, and says where it is farthest off. */
-static void judge_code(const bb_findings *f, int pair, uint32_t *within, uint32_t *known,
-                       double *highest, bb_words *why)
+/* Where a code is farthest off the plain one, and in which phase. */
+static void say_farthest(const bb_findings *f, int pair, bb_words *why)
 {
     bb_estimate worst = {NAN, NAN, NAN};
     const char *where = NULL;
-    uint32_t above = 0, measured = 0;
     for (size_t s = 0; s < f->scene_count; s++) {
         bb_estimate e =
             bb_found_build_ratio(f, f->scenes[s], equals[pair].builder, equals[pair].plain);
-        if (isnan(e.high))
-            continue;
-        measured++;
-        above += e.high > build_target;
-        if (where == NULL || e.high > worst.high) {
+        if (e.value > worst.value || (where == NULL && !isnan(e.value))) {
             worst = e;
             where = f->scenes[s];
         }
     }
-    *known += measured;
-    *within += measured - above;
-    *highest = fmax(*highest, worst.high);
-    if (above == 0)
+    if (where == NULL)
         return;
-    bb_say(why, "%s%s is above it on %u of %u scenes, most on %s: %.3f [%.3f, %.3f]",
-           why->length > 0 ? "; " : "", equals[pair].builder, above, measured, where, worst.value,
-           worst.low, worst.high);
+    bb_say(why, "%s%s most on %s: %.3f [%.3f, %.3f]", why->length > 0 ? "; " : "",
+           equals[pair].builder, where, worst.value, worst.low, worst.high);
     say_phase(f, where, pair, why);
 }
 
+/* Held if all codes are surely within the target, not held if one is surely slower and not within it; else the noise is too large
+ * to tell. The code that is not in the paper is not judged. */
 static void claim_build(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[BUILT];
     bb_words ours = {0}, why = {0};
-    double highest = NAN;
-    uint32_t within = 0, known = 0;
-    for (int i = 0; i < EQUALS; i++)
-        judge_code(f, i, &within, &known, &highest, &why);
-    bb_say(&ours,
-           "the upper end of the 95 %% interval of the ratio to the plain code of equal length is "
-           "at most %.2f for %u of %u codes and scenes; the highest is %.3f",
-           build_target, within, known, highest);
-    bb_claim(r, bb_verdict_of(within == known, highest, 0),
-             "Extended codes do not increase the build time (5.2)",
-             "0.99 and 1.00 of MC-64 on average", &ours, &why);
+    bool within = true, slower = false;
+    for (int i = 0; i < EQUALS; i++) {
+        bb_estimate e = bb_found_build_ratios(f, equals[i].builder, equals[i].plain);
+        if (strcmp(equals[i].builder, CELL64) == 0)
+            continue;
+        bb_say(&ours, "%s%s %.3f [%.3f, %.3f]",
+               i > 0 ? ", " : "mean of the scenes' paired ratios: ", equals[i].builder, e.value,
+               e.low, e.high);
+        within = within && e.high <= build_target;
+        slower = slower || (e.low > 1 && e.high > build_target);
+        if (!(e.high <= build_target))
+            say_farthest(f, i, &why);
+    }
+    if (!within && !slower && why.length > 0)
+        bb_say(&why,
+               ". The intervals reach on both sides of what is to be told apart: more rounds, or a "
+               "machine without other work, would tell");
+    bb_claim(
+        r,
+        within   ? BB_HELD
+        : slower ? BB_NOT_HELD
+                 : BB_NOT_TESTED,
+        "Extended codes do not increase the build time against plain codes of equal length (5.2); "
+        "held if the upper end of the 95 % interval is at most 1.05",
+        "0.99 and 1.00 of MC-64 on average", &ours, &why);
 }
 
 static void claim_short(const bb_findings *all, bb_reproduction *r)

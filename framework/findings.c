@@ -85,6 +85,24 @@ bb_estimate bb_found_build_ratio(const bb_findings *f, const char *scene, const 
     return bb_samples_ratio(&a, &b, BB_INTERVAL_SEED);
 }
 
+bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base)
+{
+    bb_samples means = {0}, ones = {0};
+    for (size_t s = 0; s < f->scene_count; s++) {
+        bb_samples a = {0}, b = {0};
+        if (!add_samples(bb_found_build(f, f->scenes[s], builder), "build_ms", true, &a) ||
+            !add_samples(bb_found_build(f, f->scenes[s], base), "build_ms", true, &b) ||
+            a.count != b.count || (s > 0 && a.count != means.count))
+            return (bb_estimate){NAN, NAN, NAN};
+        means.count = ones.count = a.count;
+        for (uint32_t i = 0; i < a.count; i++) {
+            means.values[i] += a.values[i] / b.values[i] / (double)f->scene_count;
+            ones.values[i] = 1;
+        }
+    }
+    return bb_samples_ratio(&means, &ones, BB_INTERVAL_SEED);
+}
+
 /* ---- traces ---- */
 
 /* All traces of a cell: their samples summed per round, their rays, the sum of a member times the rays. */
