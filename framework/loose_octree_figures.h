@@ -30,9 +30,8 @@
 enum { OF_SPHERES, OF_TRIANGLES, OF_SIZES, OF_VIEWS };
 enum { RIVAL_COUNT = 6, LEVELS = 3, FIRST_LEVEL = 6, SIZE_VARIANT_COUNT = 6, VIEWS = 3 };
 
-static const struct {
-    const char *builder;
-} rivals[RIVAL_COUNT] = {{LBVH30}, {LLBVH30}, {LOBVH6}, {LOBVH7}, {LOBVH8}, {LOBVH_AUTO}};
+static const char *const rivals[RIVAL_COUNT] = {LBVH30, LLBVH30, LOBVH6,
+                                                LOBVH7, LOBVH8,  LOBVH_AUTO};
 static const char *const lobvh_levels[LEVELS] = {LOBVH6, LOBVH7, LOBVH8};
 static const char *const size_variants[SIZE_VARIANT_COUNT] = {SMALLEST, LARGEST,  MEAN,
                                                               VOLUME,   UNFITTED, EVEN};

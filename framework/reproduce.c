@@ -102,6 +102,7 @@ static bb_status make_plan(const bb_reproduce_request *request, const bb_experim
         .builder_count = (uint32_t)p->builders.count,
         .kernels = p->kernels.items,
         .kernel_count = (uint32_t)p->kernels.count,
+        .native = e->native,
         .intersectors = intersectors,
         .intersector_count = 1,
         .workloads = p->rays.items,

@@ -21,6 +21,8 @@ typedef struct bb_experiment {
     const char *
         scenes; /* '#' in a name stands for a number of primitives: 10^4, 3*10^4, ... up to what is asked for */
     const char *quick_scenes;
+    bool
+        native; /* trees whose shape none of the kernels keeps go to those that keep any tree's, too */
     bool takes_scenes;      /* scenes that are asked for take the place of these */
     uint32_t width, height; /* of primary rays */
     uint32_t max_rays;
