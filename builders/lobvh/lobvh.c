@@ -21,12 +21,15 @@ BB_DEVICE_SOURCE(lobvh);
 enum {
     LEVELS_MAX = 10, /* keys of 32 bits */
     GROUP_SIZE = 64,
-    CHUNK_PRIMS = 2048, /* of the CPU form, per work-item: primitives, and words of eight octree nodes */
+    CHUNK_PRIMS =
+        2048, /* of the CPU form, per work-item: primitives, and words of eight octree nodes */
     CHUNK_WORDS = 256,
+    FETCH = 64, /* boxes that a work-item of the CPU form fetches at once */
 };
 
 static const bb_option options[] = {
-    {"levels", "auto", "auto|1|2|3|4|5|6|7|8|9|10", "depth of the octree; auto: by the number of primitives"},
+    {"levels", "auto", "auto|1|2|3|4|5|6|7|8|9|10",
+     "depth of the octree; auto: by the number of primitives"},
     {"side", "smallest", "smallest|largest|mean|volume",
      "size of a box that its level follows from; volume: the cube root"},
     {"loose", "2", NULL, "length of an enlarged cell in cells, above 1 to 16"},
@@ -88,11 +91,12 @@ static bb_status compile(lobvh *self, const bb_spec *spec)
         {"lobvh_leaves", &self->leaves},    {"lobvh_inner", &self->inner},
     };
     static const char *const sides[] = {"smallest", "largest", "mean", "volume"};
-    char defines[96];
+    char defines[128];
     int side = 0;
     while (!bb_spec_is(spec, options, "side", sides[side]))
         side++;
-    snprintf(defines, sizeof defines, "-DBB_SIDE=%d%s%s", side,
+    snprintf(defines, sizeof defines, "-DBB_SIDE=%d -DBB_FETCH=%d%s%s", side,
+             self->device->form == BB_FORM_CPU ? FETCH : 1,
              bb_spec_is(spec, options, "fit", "yes") ? " -DBB_FIT" : "",
              self->chains ? " -DBB_CHAINS" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_lobvh, defines, &self->program));
@@ -307,15 +311,13 @@ static bb_status link_leaves(lobvh *self, const bb_buffer *boxes, uint32_t count
 
 static bb_status link_inner(lobvh *self, uint32_t count, bb_tree *tree)
 {
-    uint32_t inner = nodes_above(self->levels);
     for (uint32_t level = self->levels; level-- > 0;) {
         uint32_t first = words_of(level), words = words_of(level + 1) - first;
         division by = divide(self, words, CHUNK_WORDS);
         BB_TRY(bb_launch(self->device, self->inner, by.items, by.group, BB_MEM(self->occupied),
                          BB_MEM(self->own), BB_MEM(self->offsets), BB_MEM(self->total),
-                         BB_VALUE(inner), BB_VALUE(count), BB_VALUE(first), BB_VALUE(words),
-                         BB_VALUE(by.chunk), BB_MEM(tree->d_nodes), BB_MEM(self->heights),
-                         BB_MEM(tree->d_info)));
+                         BB_VALUE(count), BB_VALUE(first), BB_VALUE(words), BB_VALUE(by.chunk),
+                         BB_MEM(tree->d_nodes), BB_MEM(self->heights), BB_MEM(tree->d_info)));
     }
     return BB_OK;
 }
@@ -353,10 +355,10 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
     (void)scene;
     const lobvh *self = opaque;
     const bb_axis_order *order = &self->order;
-    int used = snprintf(text, capacity, "octree of %u levels%s, %u dense nodes in %llu bytes",
-                        self->levels, self->levels_given > 0 ? "" : " (auto)",
-                        nodes_above(self->levels + 1),
-                        (unsigned long long)dense_bytes(self->levels));
+    int used =
+        snprintf(text, capacity, "octree of %u levels%s, %u dense nodes in %llu bytes",
+                 self->levels, self->levels_given > 0 ? "" : " (auto)",
+                 nodes_above(self->levels + 1), (unsigned long long)dense_bytes(self->levels));
     if (strcmp(self->view, "none") != 0 && used > 0 && (size_t)used < capacity) {
         char axes[8] = "";
         for (int i = 0; i < 3; i++) {

@@ -39,10 +39,10 @@
 
 /* ---- initialization ---- */
 
-/* D(l): nodes above level l. */
+/* D(l), nodes above level l: l ones in octal. */
 uint nodes_above(uint level)
 {
-    return ((1u << 3u * level) - 1u) / 7u;
+    return 0x09249249u & ((1u << 3u * level) - 1u);
 }
 
 uint pick(uint4 v, uint axis)
@@ -50,25 +50,26 @@ uint pick(uint4 v, uint axis)
     return axis == 0u ? v.x : axis == 1u ? v.y : v.z;
 }
 
-/* Equation 1, the length of the root cell being 1: the deepest level at which the measure is at most (a - 1) / 2^l. A volume is
- * compared with the cube of that. */
+/* Equation 1, the length of the root cell being 1: the deepest level l at which the measure is at most (a - 1) / 2^l. The difference
+ * of two positive floats' bits, cut to the exponent, is the whole part of the logarithm of their ratio. Three times that for a
+ * volume, which is compared with the cube of (a - 1). A measure of 0 is below all limits. */
 uint level_of(float4 sides, float looseness, uint levels)
 {
 #if BB_SIDE == BB_SIDE_SMALLEST
-    float d = BB_MIN(BB_MIN(sides.x, sides.y), sides.z), limit = looseness, step = 0.5f;
+    float d = BB_MIN(BB_MIN(sides.x, sides.y), sides.z), limit = looseness;
+    int per_level = 1;
 #elif BB_SIDE == BB_SIDE_LARGEST
-    float d = BB_MAX(BB_MAX(sides.x, sides.y), sides.z), limit = looseness, step = 0.5f;
+    float d = BB_MAX(BB_MAX(sides.x, sides.y), sides.z), limit = looseness;
+    int per_level = 1;
 #elif BB_SIDE == BB_SIDE_MEAN
-    float d = sides.x + sides.y + sides.z, limit = 3.0f * looseness, step = 0.5f;
+    float d = sides.x + sides.y + sides.z, limit = 3.0f * looseness;
+    int per_level = 1;
 #else
-    float d = sides.x * sides.y * sides.z, limit = looseness * looseness * looseness, step = 0.125f;
+    float d = sides.x * sides.y * sides.z, limit = looseness * looseness * looseness;
+    int per_level = 3;
 #endif
-    uint level = 0;
-    for (uint l = 1; l <= levels; l++) {
-        limit *= step;
-        level += d <= limit ? 1u : 0u;
-    }
-    return level;
+    int level = ((as_int(limit) - as_int(d)) >> 23) / per_level;
+    return (uint)clamp(level, 0, (int)levels);
 }
 
 /* Does the box fit into the enlarged cell of its centroid at `level`? cells are those at `levels`. */
@@ -76,8 +77,9 @@ bool fits(float4 lo, float4 hi, uint4 cells, float looseness, uint level, uint l
 {
     float per_unit = (float)(1u << level), margin = 0.5f * looseness;
     float4 cell = convert_float4(cells >> (levels - level));
-    int4 inside = lo * per_unit >= cell - margin && hi * per_unit <= cell + (1.0f + margin);
-    return all(inside.xyz);
+    float4 below = cell - lo * per_unit, above = hi * per_unit - cell - 1.0f;
+    float4 out = BB_MAX(below, above);
+    return BB_MAX(BB_MAX(out.x, out.y), out.z) <= margin;
 }
 
 /* bounds[0] is the box of the boxes (bb_reduce_boxes). The root cell is a cube at its low corner, as long as its longest side.
@@ -105,8 +107,8 @@ kernel void lobvh_keys(global const bb_box *restrict boxes, global const bb_box 
         BB_MIN((0.5f * lo + 0.5f * hi) * cells_per_axis, (float4)(cells_per_axis - 1.0f)));
     uint level = extended ? level_of(hi - lo, looseness, levels) : 0u;
 #ifdef BB_FIT
-    if (level < levels && fits(lo, hi, cells, looseness, level + 1u, levels))
-        level++;
+    uint deeper = BB_MIN(level + 1u, levels);
+    level = fits(lo, hi, cells, looseness, deeper, levels) ? deeper : level;
 #endif
     uint last = (1u << levels) - 1u;
     uint4 flip = (uint4)(flips & 1u, flips >> 1 & 1u, flips >> 2 & 1u, 0u) * last;
@@ -234,8 +236,13 @@ typedef struct dense {
     global const ulong *words;
     global const uchar *own;
     global const uint *offsets; /* scanned sizes */
-    uint inner;
 } dense;
+
+/* The children of k that are not vacant. */
+uint mask_of(global const ulong *words, uint k)
+{
+    return ((global const uchar *)words)[k + 7u];
+}
 
 /* A node above the deepest level: its children, and what goes below it. */
 typedef struct family {
@@ -259,26 +266,37 @@ family family_of(const dense *octree, uint k)
     return f;
 }
 
-/* Place of node k, and of the node after it: the next sibling that is not vacant, of k or of its nearest ancestor that has one. */
-uint2 place_and_next(const dense *octree, uint k)
+/* Place of child c. */
+uint place_in(const family *f, uint c)
 {
-    bool placed = false;
-    uint2 result = (uint2)(0u, BB_NONE);
+    return f->start + f->leaf + popcount(f->mask & ((1u << c) - 1u));
+}
+
+/* Place of node k: that of its child, if it is replaced by it. */
+uint place_of(const dense *octree, uint k)
+{
     while (k > 0u) {
         family parent = family_of(octree, (k - 1u) >> 3);
-        uint c = (k - 1u) & 7u;
-        uint at = parent.start + parent.leaf + popcount(parent.mask & ((1u << c) - 1u));
-        if (!placed && parent.size > 0u) {
-            result.x = at;
-            placed = true;
-        }
-        if (parent.mask >> (c + 1u) != 0u) {
-            result.y = at + 1u;
-            break;
-        }
+        if (parent.size > 0u)
+            return place_in(&parent, (k - 1u) & 7u);
         k = (k - 1u) >> 3;
     }
-    return result;
+    return 0u;
+}
+
+/* Place of the node after node k: the next sibling that is not vacant, of k or of its nearest ancestor that has one. */
+uint next_of(const dense *octree, uint k)
+{
+    while (k > 0u) {
+        uint parent = (k - 1u) >> 3, c = (k - 1u) & 7u;
+        uint mask = mask_of(octree->words, parent);
+        if (mask >> (c + 1u) != 0u) {
+            family f = family_of(octree, parent);
+            return place_in(&f, c) + 1u;
+        }
+        k = parent;
+    }
+    return BB_NONE;
 }
 
 void write_node(global bb_node *nodes, uint place, float4 lo, float4 hi, uint first, uint skip)
@@ -291,6 +309,28 @@ void write_node(global bb_node *nodes, uint place, float4 lo, float4 hi, uint fi
 
 /* ---- link ---- */
 
+/* Boxes of the next primitives in order. On CPUs many are fetched at once, in a loop without branches, so that the cache misses
+ * overlap: the order of the keys is not that of the boxes in memory. */
+#ifndef BB_FETCH
+#define BB_FETCH 1
+#endif
+
+typedef struct fetched {
+    uint begin, end;
+    float4 lo[BB_FETCH], hi[BB_FETCH];
+} fetched;
+
+void fetch(fetched *f, global const uint *values, global const bb_box *boxes, uint begin, uint count)
+{
+    f->begin = begin;
+    f->end = BB_MIN(begin + BB_FETCH, count);
+    for (uint i = begin; i < f->end; i++) {
+        global const float *box = (global const float *)(boxes + values[i]);
+        f->lo[i - begin] = vload4(0, box);
+        f->hi[i - begin] = vload4(1, box);
+    }
+}
+
 /* A node's primitives are joined by the work-item in whose chunk they begin. info: zeroed before. */
 kernel void lobvh_leaves(global const uint *restrict keys, global const uint *restrict values,
                          global const bb_box *restrict boxes, uint count, uint inner, uint chunk,
@@ -302,8 +342,11 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
     if (begin >= count)
         return;
     uint end = count - begin < chunk ? count : begin + chunk;
-    const dense octree = {words, own, offsets, inner};
-    uint leaves = 0;
+    const dense octree = {words, own, offsets};
+    uint leaves = 0, parent = BB_NONE;
+    family siblings = {0, 0, 0, 0};
+    fetched ahead;
+    ahead.end = 0;
     uint i = begin;
     /* what began before is another work-item's */
     if (begin > 0u)
@@ -313,21 +356,27 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
         uint key = keys[i], from = i;
         float4 lo = (float4)(INFINITY), hi = (float4)(-INFINITY);
         do {
-            global const float *box = (global const float *)(boxes + values[i]);
-            lo = BB_MIN(vload4(0, box), lo);
-            hi = BB_MAX(vload4(1, box), hi);
+            if (i >= ahead.end)
+                fetch(&ahead, values, boxes, i, count);
+            lo = BB_MIN(ahead.lo[i - ahead.begin], lo);
+            hi = BB_MAX(ahead.hi[i - ahead.begin], hi);
             i++;
         } while (i < count && keys[i] == key);
-        uint2 at;
-        family f = {0, 0, 0, 0};
-        if (key < inner)
-            f = family_of(&octree, key);
-        if (f.mask != 0u)
-            at = (uint2)(f.start, f.start + 1u);
-        else
-            at = place_and_next(&octree, key);
-        write_node(nodes, at.x, lo, hi, BB_LEAF_BIT | from, at.y);
-        heights[at.x] = 0;
+        uint place = 0, next = BB_NONE;
+        if (key < inner && mask_of(words, key) != 0u) { /* a leaf before its children */
+            place = family_of(&octree, key).start;
+            next = place + 1u;
+        } else if (key > 0u) {
+            uint c = (key - 1u) & 7u;
+            if ((key - 1u) >> 3 != parent) {
+                parent = (key - 1u) >> 3;
+                siblings = family_of(&octree, parent);
+            }
+            place = siblings.size > 0u ? place_in(&siblings, c) : place_of(&octree, parent);
+            next = siblings.mask >> (c + 1u) != 0u ? place + 1u : next_of(&octree, parent);
+        }
+        write_node(nodes, place, lo, hi, BB_LEAF_BIT | from, next);
+        heights[place] = 0;
         leaves++;
     }
     if (leaves > 0u)
@@ -336,7 +385,7 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
 
 /* On the sibling words first .. first + count - 1, those of the nodes of one level; their children are there. */
 kernel void lobvh_inner(global const ulong *words, global const uchar *own,
-                        global const uint *offsets, global const uint *total, uint inner,
+                        global const uint *offsets, global const uint *total,
                         uint prims, uint first, uint count, uint chunk, global bb_node *nodes,
                         global uchar *heights, volatile global bb_tree_info *info)
 {
@@ -344,7 +393,7 @@ kernel void lobvh_inner(global const ulong *words, global const uchar *own,
     if (begin >= count)
         return;
     uint end = count - begin < chunk ? count : begin + chunk;
-    const dense octree = {words, own, offsets, inner};
+    const dense octree = {words, own, offsets};
     uint arity = 0;
     for (uint n = begin; n < end; n++) {
         uint w = first + n;
@@ -364,9 +413,9 @@ kernel void lobvh_inner(global const ulong *words, global const uchar *own,
                 hi = BB_MAX(vload4(1, box), hi);
                 height = BB_MAX((uint)heights[k], height);
             }
-            uint2 at = place_and_next(&octree, 8u * w + c - 7u);
-            write_node(nodes, at.x, lo, hi, start, at.y);
-            heights[at.x] = (uchar)(height + 1u);
+            uint node = 8u * w + c - 7u, place = place_of(&octree, node);
+            write_node(nodes, place, lo, hi, start, next_of(&octree, node));
+            heights[place] = (uchar)(height + 1u);
             arity = BB_MAX(size, arity);
             start += size;
         }
