@@ -161,15 +161,13 @@ static bool has_room(const lobvh *self, uint32_t levels)
 }
 
 /* auto: no deeper than there are primitives to fill it or centroids to tell apart. */
-static uint32_t choose_levels(const lobvh *self, const bb_scene *scene)
+static uint32_t choose_levels(const bb_scene *scene)
 {
     uint32_t levels = 1;
     while (levels < LEVELS_MAX && (uint64_t)1 << 3 * levels < scene->prim_count)
         levels++;
     if (scene->profile.octree_depth > 0 && scene->profile.octree_depth < levels)
         levels = scene->profile.octree_depth;
-    while (levels > 1 && !has_room(self, levels))
-        levels--;
     return levels;
 }
 
@@ -219,7 +217,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     double direction[3];
     BB_TRY(bb_view_order(scene, self->view, "builder lobvh", direction));
     self->order = bb_axis_order_of(direction);
-    self->levels = self->levels_given > 0 ? self->levels_given : choose_levels(self, scene);
+    self->levels = self->levels_given > 0 ? self->levels_given : choose_levels(scene);
     if (!has_room(self, self->levels))
         return refuse(self);
     size_t words = words_of(self->levels), nodes = tree_nodes_max(self, count);
