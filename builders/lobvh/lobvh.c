@@ -12,6 +12,7 @@
 #include "builders/common/view_order.h"
 #include "framework/builder.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +25,7 @@ enum {
     CHUNK_PRIMS =
         2048, /* of the CPU form, per work-item: primitives, and words of eight octree nodes */
     CHUNK_WORDS = 256,
+    BINARY_TREE_BYTES = 2 * sizeof(bb_node) + sizeof(uint32_t), /* per primitive */
     FETCH = 64, /* boxes that a work-item of the CPU form fetches at once */
 };
 
@@ -160,15 +162,33 @@ static bool has_room(const lobvh *self, uint32_t levels)
            dense_bytes(levels) <= device->global_bytes - device->bytes + held;
 }
 
-/* auto: no deeper than there are primitives to fill it or centroids to tell apart. */
-static uint32_t choose_levels(const bb_scene *scene)
+/* The level of the median primitive by equation 1, taking it for a cube: below it the octree only tells few and small primitives
+ * apart. A median of 0 asks for the deepest. */
+static uint32_t level_of_median(const lobvh *self, const bb_scene *scene)
 {
-    uint32_t levels = 1;
-    while (levels < LEVELS_MAX && (uint64_t)1 << 3 * levels < scene->prim_count)
+    double longest = 0;
+    for (int k = 0; k < 3; k++)
+        longest = fmax(longest, (double)scene->bounds.hi[k] - (double)scene->bounds.lo[k]);
+    double limit = longest * (double)self->looseness, side = scene->profile.size_median / sqrt(3);
+    uint32_t level = 0;
+    while (level < LEVELS_MAX && side <= ldexp(limit, -(int)level - 1))
+        level++;
+    return level;
+}
+
+/* auto: as deep as the median primitive's size asks for, or as it takes to have a cell for each primitive. But no deeper than it
+ * takes to tell the centroids apart, and the arrays no larger than a binary tree over the primitives. */
+static uint32_t choose_levels(const lobvh *self, const bb_scene *scene)
+{
+    const uint64_t count = scene->prim_count;
+    uint32_t levels = level_of_median(self, scene);
+    while (levels < LEVELS_MAX && (uint64_t)1 << 3 * levels < count)
         levels++;
     if (scene->profile.octree_depth > 0 && scene->profile.octree_depth < levels)
         levels = scene->profile.octree_depth;
-    return levels;
+    while (levels > 1 && dense_bytes(levels) > count * BINARY_TREE_BYTES)
+        levels--;
+    return levels > 1 ? levels : 1;
 }
 
 static bb_status refuse(const lobvh *self)
@@ -217,7 +237,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     double direction[3];
     BB_TRY(bb_view_order(scene, self->view, "builder lobvh", direction));
     self->order = bb_axis_order_of(direction);
-    self->levels = self->levels_given > 0 ? self->levels_given : choose_levels(scene);
+    self->levels = self->levels_given > 0 ? self->levels_given : choose_levels(self, scene);
     if (!has_room(self, self->levels))
         return refuse(self);
     size_t words = words_of(self->levels), nodes = tree_nodes_max(self, count);
