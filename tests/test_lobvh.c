@@ -484,7 +484,7 @@ static void trees_are_those_of_the_definition(void **state)
     static const uint32_t counts[] = {1, 2, 3, 64, 65, 1000, 5000};
     for (size_t k = 0; k < INPUTS; k++)
         for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
-            if ((counts[c] > 1000 && k > 0) || (small && counts[c] > 70))
+            if ((counts[c] > 1000 && k > 0) || (small && (counts[c] > 70 || c == 1 || c == 3)))
                 continue;
             bb_box *boxes = make_boxes(k, counts[c]);
             for (uint32_t levels = 1; levels <= (small ? 3 : 6); levels++)
@@ -512,7 +512,7 @@ static void options_mean_what_they_say(void **state)
         uint32_t count = small ? 60 : 777;
         bb_box *boxes = make_boxes(k, count);
         for (size_t v = 0; v < sizeof variants / sizeof variants[0]; v++)
-            if (!small || (k + v) % 4 == 0)
+            if (!small || (k + v) % 10 == 0)
                 compare_variant(boxes, count, &variants[v], small ? 3 : 4 + (v & 1),
                                 inputs[k].name);
         free(boxes);

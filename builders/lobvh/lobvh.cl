@@ -13,7 +13,7 @@
  *   lobvh_leaves   for each node with primitives: its leaf, with box and next pointer
  *   lobvh_inner    per level, bottom-up: first-child pointer, next pointer, box of the children
  *
- * The paper keeps box, first child, next, first and last primitive for every dense node: 40 bytes. Here it is 2.6 bits, so that
+ * The paper keeps box, first child, next, first and last primitive for every dense node: 40 bytes. Here it is 1.6 bits, so that
  * deeper octrees fit. occupied: a bit per node, set if it is not vacant; the bits of k's children are byte k + 7, so it is also
  * F(k). own: a bit per node above the deepest level, set if it has primitives; the bits of k's children are byte k + 1. The
  * eight siblings below p are ulong word p + 1 of the masks, byte p + 1 of own, entry p + 1 of offsets; the root is the last of
@@ -22,9 +22,12 @@
  *
  * As printed N(k) never ends at the root and on paths of all sevens; here the walk ends at the root.
  *
+ * Kernels with `chunk` go through that many elements per work-item: on CPUs hundreds, on GPUs one.
+ * -DBB_SIDE: the size measure; -DBB_FIT: with the fit test; -DBB_CHAINS: nodes that only have one child stay; -DBB_FETCH: boxes
+ * that a work-item fetches at once.
+ *
  * Limits: 10 levels (32-bit keys); 2^31 - 1 primitives; little-endian devices. One work-item joins the boxes of one node's
- * primitives, however many. Kernels with `chunk` go through that many elements per work-item: on CPUs a few thousand, on GPUs
- * few. -DBB_SIDE: the size measure; -DBB_FIT: with the fit test; -DBB_CHAINS: nodes that only have one child stay.
+ * primitives, however many.
  */
 #include "bb_device.h"
 #include "morton.clh"
@@ -35,6 +38,9 @@
 #define BB_SIDE_VOLUME 3
 #ifndef BB_SIDE
 #define BB_SIDE BB_SIDE_SMALLEST
+#endif
+#ifndef BB_FETCH
+#define BB_FETCH 1
 #endif
 
 /* ---- initialization ---- */
@@ -311,10 +317,6 @@ void write_node(global bb_node *nodes, uint place, float4 lo, float4 hi, uint fi
 
 /* Boxes of the next primitives in order. On CPUs many are fetched at once, in a loop without branches, so that the cache misses
  * overlap: the order of the keys is not that of the boxes in memory. */
-#ifndef BB_FETCH
-#define BB_FETCH 1
-#endif
-
 typedef struct fetched {
     uint begin, end;
     float4 lo[BB_FETCH], hi[BB_FETCH];
