@@ -305,6 +305,15 @@ uint next_of(const dense *octree, uint k)
     return BB_NONE;
 }
 
+/* Both of child c of `parent`, whose children are `siblings`: computed once for all of them. */
+uint2 place_and_next(const dense *octree, const family *siblings, uint parent, uint c)
+{
+    uint2 at;
+    at.x = siblings->size > 0u ? place_in(siblings, c) : place_of(octree, parent);
+    at.y = siblings->mask >> (c + 1u) != 0u ? at.x + 1u : next_of(octree, parent);
+    return at;
+}
+
 void write_node(global bb_node *nodes, uint place, float4 lo, float4 hi, uint first, uint skip)
 {
     /* as integers: a device may flush links, which look like denormals, or quiet them, which look like NaNs */
@@ -364,21 +373,19 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
             hi = BB_MAX(ahead.hi[i - ahead.begin], hi);
             i++;
         } while (i < count && keys[i] == key);
-        uint place = 0, next = BB_NONE;
-        if (key < inner && mask_of(words, key) != 0u) { /* a leaf before its children */
-            place = family_of(&octree, key).start;
-            next = place + 1u;
+        uint2 at = (uint2)(0u, BB_NONE); /* of the root */
+        if (key < inner && mask_of(words, key) != 0u) { /* before its children */
+            uint start = family_of(&octree, key).start;
+            at = (uint2)(start, start + 1u);
         } else if (key > 0u) {
-            uint c = (key - 1u) & 7u;
             if ((key - 1u) >> 3 != parent) {
                 parent = (key - 1u) >> 3;
                 siblings = family_of(&octree, parent);
             }
-            place = siblings.size > 0u ? place_in(&siblings, c) : place_of(&octree, parent);
-            next = siblings.mask >> (c + 1u) != 0u ? place + 1u : next_of(&octree, parent);
+            at = place_and_next(&octree, &siblings, parent, (key - 1u) & 7u);
         }
-        write_node(nodes, place, lo, hi, BB_LEAF_BIT | from, next);
-        heights[place] = 0;
+        write_node(nodes, at.x, lo, hi, BB_LEAF_BIT | from, at.y);
+        heights[at.x] = 0;
         leaves++;
     }
     if (leaves > 0u)
@@ -402,6 +409,11 @@ kernel void lobvh_inner(global const ulong *words, global const uchar *own,
         if (words[w] == 0ul)
             continue;
         ulong sizes = block_sizes(words[w], own[w]);
+        if (sizes == 0ul)
+            continue;
+        family siblings = {0, 0, 0, 0};
+        if (w > 0u)
+            siblings = family_of(&octree, w - 1u);
         uint start = 1u + offsets[w];
         for (uint c = 0; c < 8u; c++) {
             uint size = (uint)(sizes >> 8u * c) & 0xFFu;
@@ -415,9 +427,11 @@ kernel void lobvh_inner(global const ulong *words, global const uchar *own,
                 hi = BB_MAX(vload4(1, box), hi);
                 height = BB_MAX((uint)heights[k], height);
             }
-            uint node = 8u * w + c - 7u, place = place_of(&octree, node);
-            write_node(nodes, place, lo, hi, start, next_of(&octree, node));
-            heights[place] = (uchar)(height + 1u);
+            uint2 at = (uint2)(0u, BB_NONE); /* of the root */
+            if (w > 0u)
+                at = place_and_next(&octree, &siblings, w - 1u, c);
+            write_node(nodes, at.x, lo, hi, start, at.y);
+            heights[at.x] = (uchar)(height + 1u);
             arity = BB_MAX(size, arity);
             start += size;
         }
