@@ -18,12 +18,11 @@ typedef struct bb_experiment {
     const char *builders;
     const char *kernels; /* "" with rays "": builds only */
     const char *rays;
-    const char *
-        scenes; /* '#' in a name stands for a number of primitives: 10^4, 3*10^4, ... up to what is asked for */
+    /* '#' in a name stands for a number of primitives: 10^4, 3*10^4, ... up to what is asked for */
+    const char *scenes;
     const char *quick_scenes;
-    bool
-        native; /* trees whose shape none of the kernels keeps go to those that keep any tree's, too */
-    bool takes_scenes;      /* scenes that are asked for take the place of these */
+    bool native;       /* what none of the kernels keeps the shape of goes to a native one, too */
+    bool takes_scenes; /* scenes that are asked for take the place of these */
     uint32_t width, height; /* of primary rays */
     uint32_t max_rays;
     uint32_t max_views; /* 0: all */
