@@ -61,8 +61,9 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->bits = wide ? 63 : 30;
     self->key_bytes = wide ? 8 : 4;
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
-    BB_TRY(bb_radix_tree_create(self->device, self->account, self->key_bytes,
-                                karras ? BB_LINK_KARRAS : BB_LINK_APETREI, &self->radix));
+    bb_radix_kind kind = {.key_bytes = self->key_bytes,
+                          .linking = karras ? BB_LINK_KARRAS : BB_LINK_APETREI};
+    BB_TRY(bb_radix_tree_create(self->device, self->account, kind, &self->radix));
     BB_TRY(
         bb_program_build(self->device, &bb_source_lbvh, wide ? "-DBB_KEY64" : "", &self->program));
     return bb_kernel_get(self->program, "lbvh_codes", &self->codes);
@@ -102,7 +103,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     else
         BB_TRY(bb_sort_u32(self->primitives, &self->keys, &self->values, count, self->bits));
     BB_TRY(bb_phase(phases, "link"));
-    BB_TRY(bb_radix_tree_link(self->radix, &self->keys, &self->values, boxes, count, tree));
+    BB_TRY(bb_radix_tree_link(self->radix, &self->keys, NULL, &self->values, boxes, count, tree));
     return bb_phase(phases, NULL);
 }
 
