@@ -51,7 +51,7 @@ static bb_status check_scene(bb_device *device, const char *name, const bb_names
     if (status == BB_OK)
         status = bb_conformance_create(device, scene, seed, &conformance);
     for (size_t i = 0; i < builders->count && status == BB_OK; i++) {
-        char note[256];
+        char note[512];
         bb_status found = bb_conformance_check(conformance, builders->items[i], note, sizeof note);
         const char *word = found == BB_OK            ? "ok"
                            : found == BB_UNSUPPORTED ? "unsupported"

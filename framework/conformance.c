@@ -180,11 +180,15 @@ bb_status bb_conformance_check(bb_conformance *c, const char *builder, char *not
                          (unsigned long long)hashes[2]);
     for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL && status == BB_OK; kernel++)
         status = check_kernel(c, &instance, *kernel);
+    char about[256];
     if (status == BB_OK)
-        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s",
+        status = bb_instance_describe(&instance, c->scene, about, sizeof about);
+    if (status == BB_OK)
+        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s%s%s",
                  instance.tree.info.node_count, instance.tree.info.depth,
                  (unsigned long long)hashes[0],
-                 same ? "" : " (differs between builds, as its builder says)");
+                 same ? "" : " (differs between builds, as its builder says)",
+                 about[0] != '\0' ? "; " : "", about);
     bb_instance_destroy(&fresh);
     bb_instance_destroy(&instance);
     return status;

@@ -171,6 +171,7 @@ static const field build_fields[] = {
     {"layouts_sah", FIGURES | NONE},
     {"tree", OBJECT | NONE},
     {"bytes_native", NUMBER | NONE},
+    {"about", TEXT | NONE},
     {"reference", BOOLEAN | NONE},
     {"run", NUMBER | NONE},
     {NULL, 0},
