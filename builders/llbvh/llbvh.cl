@@ -1,0 +1,90 @@
+/* LLBVH, all but the linking: from boxes to the non-empty nodes of a loose octree, in preorder, with their primitives.
+ *
+ * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees), section 3.3:
+ *
+ *   for each primitive:                                                                                    (llbvh_nodes)
+ *       m = Morton code of its centroid, l = 3 * level by its size; m' = m with all but the first l bits set to 0
+ *       key = preorder index of node (m', l) in the complete binary tree
+ *   sort primitives by key
+ *   for each that has another key than the one before: a leaf begins                                       (llbvh_heads)
+ *   scan; for each that begins a leaf: its node and where its primitives start, at the leaf's index         (llbvh_leaves)
+ *   link: builders/common/radix_tree.cl, which takes the place of the paper's algorithm 1
+ *
+ * The preorder index. From the root each step left is 1 further, each step right past the left subtree: at level d (of L')
+ * 1 + (2^(L' - d) - 1) = 2^(L' - d), that is twice the bit of m' that the step sets. So the index is l plus, for each 1 in m', twice
+ * its value minus 1: 2 m' - popcount(m') + l. Equation 4 prints - l, which puts a child before its parent and gives different
+ * nodes one key. The index is at most 2^(L' + 1) - 2: it has L' + 1 bits.
+ *
+ * -DBB_KEY64: more than 30 bits. -DBB_FIT: a box goes one level deeper if it fits there. -DBB_EVERY_OTHER: even levels only. For the
+ * size measure see loose_octree.clh, for the codes codes.clh. Limits: 2^31 - 1 primitives; codes of at most 30 or 63 bits.
+ */
+#include "bb_device.h"
+#include "codes.clh"
+#include "loose_octree.clh"
+
+#define BB_KEY_BITS ((uint)sizeof(bb_key) * 8u)
+
+/* Levels deeper than `upto` are not told apart: such boxes go to the deepest. reach: loose_octree.clh; loose: a. */
+kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count,
+                        global const bb_code_plan *restrict plan,
+                        global const ulong *restrict tables, float4 reach, float loose, uint deepest,
+                        uint upto, global bb_key *restrict keys, global bb_key *restrict nodes,
+                        global uint *restrict values)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    global const float *box = (global const float *)(boxes + i);
+    float4 lo = vload4(0, box), hi = vload4(1, box);
+
+    uint level = bb_loose_level(hi - lo, reach, deepest);
+#ifdef BB_FIT
+    float4 scale = vload4(0, plan->scale);
+    float4 at = ((0.5f * lo + 0.5f * hi) - vload4(0, plan->low)) * scale;
+    uint4 cells = bb_code_cells(plan, lo, hi);
+    if (level < deepest &&
+        bb_loose_fits(at, (hi - lo) * scale, cells, deepest - level - 1u, loose))
+        level++;
+#endif
+#ifdef BB_EVERY_OTHER
+    level = level < deepest ? level & ~1u : deepest;
+#endif
+    level = level <= upto ? level : deepest;
+
+    bb_key code = bb_code_of(plan, tables, lo, hi);
+    uint dropped = 3u * (deepest - level);
+    code = code >> dropped << dropped;
+    keys[i] = 2 * code - popcount(code) + 3u * level;
+    /* as the linking takes it: the path from the top bit, a 1, zeros */
+    bb_key path = 2 * code + ((bb_key)1 << dropped);
+    nodes[i] = path << (BB_KEY_BITS - 1u - 3u * deepest);
+    values[i] = i;
+}
+
+/* 1 where a leaf begins. Runs of equal keys are cut so that no leaf has twice `merge` primitives; those of up to `merge` never. */
+kernel void llbvh_heads(global const bb_key *restrict keys, uint count, uint merge,
+                        global uint *restrict heads)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    bool cut = i >= merge && i % merge == 0u && keys[i] == keys[i - merge];
+    heads[i] = i == 0u || cut || keys[i] != keys[i - 1u] ? 1u : 0u;
+}
+
+/* places: leaves that begin before each primitive (the scan of the heads); starts: one more than leaves. */
+kernel void llbvh_leaves(global const uint *restrict places, global const uint *restrict totals,
+                         global const bb_key *restrict nodes, global const uint *restrict values,
+                         uint count, global bb_key *restrict leaves, global uint *restrict starts)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    uint place = places[i], next = i + 1u < count ? places[i + 1u] : totals[0];
+    if (next != place) {
+        leaves[place] = nodes[values[i]];
+        starts[place] = i;
+    }
+    if (i + 1u == count)
+        starts[next] = count;
+}
