@@ -37,9 +37,8 @@
         {"count", NULL, "equal|variable", "bits per axis; variable: to the longest side"},         \
         {"every", NULL, NULL, "each so many-th bit tells the size, 2 to 64; 0: none"},             \
         {"size-bits", NULL, NULL, "size bits at most, 0 to 24"},                                   \
-        {"size", NULL, "linear|root|cell",                                                         \
-         "how size is told: a fraction of the scene's, its "                                       \
-         "square root, or against the cell's own"},                                                \
+        {"size", NULL, "linear|root|cell", "how size is told: a fraction of the scene's, its "     \
+                                           "square root, or against the cell's own"},              \
         {"measure", "diagonal", "diagonal|area", "what size is: of the box its diagonal or area"}, \
         {"box", "scene", "scene|centroids|cube", BB_CODE_BOX_HELP},                                \
         {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
@@ -51,6 +50,8 @@ enum { BB_CODE_BITS_MAX = 64, BB_CODE_SIZE_AXIS = 3, BB_CODE_END = 4 };
 
 typedef enum bb_code_order { BB_AXES_XYZ, BB_AXES_EXTENT, BB_AXES_VIEW } bb_code_order;
 typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_code_sizes;
+
+struct bb_code_walk;
 
 /* What was asked for. */
 typedef struct bb_code_choice {
@@ -68,10 +69,10 @@ typedef struct bb_code_choice {
 
 /* A scene's code: what describes it, and what the device needs. */
 typedef struct bb_code_layout {
-    uint32_t bits;                     /* in use; may be fewer than asked for */
-    uint8_t axes[BB_CODE_BITS_MAX];    /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
+    uint32_t bits;                    /* in use; may be fewer than asked for */
+    uint8_t axes[BB_CODE_BITS_MAX];   /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
     double sides[BB_CODE_BITS_MAX][3]; /* of the cell that the bits up to and with this one leave */
-    uint32_t count[4];                 /* bits per axis, and of the size */
+    uint32_t count[4];                /* bits per axis, and of the size */
     bb_code_plan plan;
 } bb_code_layout;
 
@@ -81,8 +82,8 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
 /* Lays the code out for a scene whose primitives' boxes, and their centroids, lie in these two boxes (bb_reduce_boxes).
  * `direction` is where the view looks, zero for none. Does not fail: an axis without extent gets no bits in a code of variable
  * counts, and one cell in others. */
-void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
-                     const double direction[3], bb_code_layout *layout);
+void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2], const double direction[3],
+                     bb_code_layout *layout);
 
 /* The layout as letters from the top: "xzxzxyszxy..."; capitals are negated. `capacity` beyond BB_CODE_BITS_MAX. */
 void bb_code_letters(const bb_code_layout *layout, char *text, size_t capacity);
@@ -98,20 +99,12 @@ void bb_codes_destroy(bb_codes *codes); /* NULL is allowed */
 uint32_t bb_codes_bits(const bb_codes *codes);      /* of a key that may be set */
 uint32_t bb_codes_key_bytes(const bb_codes *codes); /* 4 up to 32 bits, else 8 */
 
-/* The first part of bb_codes_make(), for builders that make codes in a kernel of their own, by codes.clh with these defines, from
- * this plan and these tables: phase "bounds", then "codes". Waits once, for the scene's bounds. */
-bb_status bb_codes_prepare(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
-                           bb_phases *phases);
-const char *bb_codes_defines(const bb_codes *codes);
-const bb_buffer *bb_codes_plan(const bb_codes *codes);
-const bb_buffer *bb_codes_tables(const bb_codes *codes);
-
 /* Phases "bounds" and "codes": keys[i] = code of the scene's i-th box, values[i] = i. Waits once, for the scene's bounds. Buffers
  * have room for scene->prim_count keys and u32. */
 bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
                         bb_buffer *keys, bb_buffer *values, bb_phases *phases);
 
-/* Of the last bb_codes_make() or bb_codes_prepare(). */
+/* Of the last bb_codes_make(). */
 const bb_code_layout *bb_codes_layout(const bb_codes *codes);
 
 #endif

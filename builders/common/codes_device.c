@@ -13,7 +13,6 @@ struct bb_codes {
     const char *builder;
     bb_code_choice choice;
     bb_code_layout layout;
-    char defines[128];
     cl_program program;
     cl_kernel keys;
     bb_buffer bounds; /* two bb_box */
@@ -36,11 +35,11 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
                      : choice->sizes == BB_SIZES_LINEAR           ? 1
                      : choice->sizes == BB_SIZES_ROOT             ? 2
                                                                   : 3;
-    snprintf(
-        codes->defines, sizeof codes->defines, "%s -DBB_SIZES=%u -DBB_BY_AREA=%d -DBB_TABLES=%d",
-        bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", sizes, choice->by_area, choice->tables);
-    BB_TRY(bb_program_build(codes->device, bb_source_find("codes.cl"), codes->defines,
-                            &codes->program));
+    char defines[128];
+    snprintf(defines, sizeof defines, "%s -DBB_SIZES=%u -DBB_BY_AREA=%d -DBB_TABLES=%d",
+             bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", sizes, choice->by_area,
+             choice->tables);
+    BB_TRY(bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
     BB_TRY(bb_kernel_get(codes->program, "code_keys", &codes->keys));
     BB_TRY(bb_buffer_reserve(codes->device, codes->account, 2 * sizeof(bb_box), "codes: bounds",
                              &codes->bounds));
@@ -78,21 +77,6 @@ const bb_code_layout *bb_codes_layout(const bb_codes *codes)
     return &codes->layout;
 }
 
-const char *bb_codes_defines(const bb_codes *codes)
-{
-    return codes->defines;
-}
-
-const bb_buffer *bb_codes_plan(const bb_codes *codes)
-{
-    return &codes->plan;
-}
-
-const bb_buffer *bb_codes_tables(const bb_codes *codes)
-{
-    return &codes->tables;
-}
-
 /* Tables of each lane's bits, as section 4.5 of the paper has them; in chunks that the first-level cache holds. */
 static bb_status write_tables(bb_codes *codes)
 {
@@ -119,29 +103,24 @@ static bb_status write_tables(bb_codes *codes)
     return bb_buffer_write(&codes->tables, 0, sizeof tables, tables);
 }
 
-bb_status bb_codes_prepare(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
-                           bb_phases *phases)
+bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
+                        bb_buffer *keys, bb_buffer *values, bb_phases *phases)
 {
+    const bb_buffer *boxes = &scene->on_device.boxes;
+    uint32_t count = scene->prim_count;
     bb_box bounds[2];
     double direction[3];
     char what[96];
     snprintf(what, sizeof what, "builder %s", codes->builder);
     BB_TRY(bb_view_order(scene, codes->choice.view, what, direction));
     BB_TRY(bb_phase(phases, "bounds"));
-    BB_TRY(bb_reduce_boxes(primitives, &scene->on_device.boxes, scene->prim_count, &codes->bounds));
+    BB_TRY(bb_reduce_boxes(primitives, boxes, count, &codes->bounds));
     BB_TRY(bb_buffer_read(&codes->bounds, 0, sizeof bounds, bounds));
     BB_TRY(bb_phase(phases, "codes"));
     bb_code_lay_out(&codes->choice, bounds, direction, &codes->layout);
     BB_TRY(bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan));
-    return codes->choice.tables ? write_tables(codes) : BB_OK;
-}
-
-bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
-                        bb_buffer *keys, bb_buffer *values, bb_phases *phases)
-{
-    uint32_t count = scene->prim_count;
-    BB_TRY(bb_codes_prepare(codes, primitives, scene, phases));
-    return bb_launch(codes->device, codes->keys, count, GROUP_SIZE, BB_MEM(scene->on_device.boxes),
-                     BB_VALUE(count), BB_MEM(codes->plan), BB_MEM(codes->tables), BB_MEM(*keys),
-                     BB_MEM(*values));
+    if (codes->choice.tables)
+        BB_TRY(write_tables(codes));
+    return bb_launch(codes->device, codes->keys, count, GROUP_SIZE, BB_MEM(*boxes), BB_VALUE(count),
+                     BB_MEM(codes->plan), BB_MEM(codes->tables), BB_MEM(*keys), BB_MEM(*values));
 }

@@ -126,8 +126,9 @@ static bb_status build_program(llbvh *self, const bb_builder_context *context)
     for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++)
         if (bb_spec_is(context->spec, options, "side", sides[i][0]))
             side = sides[i][1];
-    char defines[256];
-    snprintf(defines, sizeof defines, "%s %s%s%s", bb_codes_defines(self->codes), side,
+    char defines[96];
+    snprintf(defines, sizeof defines, "%s %s%s%s",
+             bb_codes_key_bytes(self->codes) == 8 ? "-DBB_KEY64" : "", side,
              bb_spec_is(context->spec, options, "fit", "yes") ? " -DBB_FIT" : "",
              bb_spec_is(context->spec, options, "sizes", "yes") ? " -DBB_EVERY_OTHER" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_llbvh, defines, &self->program));
@@ -181,21 +182,23 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
 }
 
-/* Key and node of each primitive. */
+/* Key and node of each primitive, from its code. */
 static bb_status place_primitives(llbvh *self, const bb_scene *scene)
 {
     const bb_code_layout *layout = bb_codes_layout(self->codes);
-    cl_float4 reach = {{0}};
-    for (int k = 0; k < 3; k++)
-        if (layout->plan.scale[k] > 0) /* sides[2]: of the root's children */
+    cl_float4 reach = {{0}}, low = {{0}}, scale = {{0}};
+    for (int k = 0; k < 3; k++) {
+        low.s[k] = layout->plan.low[k];
+        scale.s[k] = layout->plan.scale[k];
+        if (scale.s[k] > 0) /* sides[2]: of the root's children */
             reach.s[k] = (float)((self->loose - 1) * 2 * layout->sides[2][k]);
+    }
     cl_float loose = (float)self->loose;
     uint32_t count = scene->prim_count, deepest = layout->bits / 3;
     return bb_launch(self->device, self->place, count, GROUP_SIZE, BB_MEM(scene->on_device.boxes),
-                     BB_VALUE(count), BB_MEM(*bb_codes_plan(self->codes)),
-                     BB_MEM(*bb_codes_tables(self->codes)), BB_VALUE(reach), BB_VALUE(loose),
-                     BB_VALUE(deepest), BB_VALUE(self->upto), BB_MEM(self->keys),
-                     BB_MEM(self->nodes), BB_MEM(self->values));
+                     BB_VALUE(count), BB_VALUE(reach), BB_VALUE(low), BB_VALUE(scale),
+                     BB_VALUE(loose), BB_VALUE(deepest), BB_VALUE(self->upto), BB_MEM(self->keys),
+                     BB_MEM(self->nodes));
 }
 
 /* Runs of equal keys become leaves. */
@@ -215,7 +218,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     (void)input;
     llbvh *self = opaque;
     uint32_t count = scene->prim_count;
-    BB_TRY(bb_codes_prepare(self->codes, self->primitives, scene, phases));
+    BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
+    BB_TRY(bb_phase(phases, "levels"));
     BB_TRY(place_primitives(self, scene));
     BB_TRY(bb_phase(phases, "sort"));
     uint32_t bits = bb_codes_bits(self->codes) + 1;

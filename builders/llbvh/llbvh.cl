@@ -3,7 +3,7 @@
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees), section 3.3:
  *
  *   for each primitive:                                                                                    (llbvh_nodes)
- *       m = Morton code of its centroid, l = 3 * level by its size; m' = m with all but the first l bits set to 0
+ *       m = Morton code of its centroid (codes.cl), l = 3 * level by its size; m' = m with all but the first l bits set to 0
  *       key = preorder index of node (m', l) in the complete binary tree
  *   sort primitives by key
  *   for each that has another key than the one before: a leaf begins                                       (llbvh_heads)
@@ -16,20 +16,23 @@
  * nodes one key. The index is at most 2^(L' + 1) - 2: it has L' + 1 bits.
  *
  * -DBB_KEY64: more than 30 bits. -DBB_FIT: a box goes one level deeper if it fits there. -DBB_EVERY_OTHER: even levels only. For the
- * size measure see loose_octree.clh, for the codes codes.clh. Limits: 2^31 - 1 primitives; codes of at most 30 or 63 bits.
+ * size measure see loose_octree.clh. Limits: 2^31 - 1 primitives; codes of at most 30 or 63 bits.
  */
 #include "bb_device.h"
-#include "codes.clh"
 #include "loose_octree.clh"
 
+#ifdef BB_KEY64
+typedef ulong bb_key;
+#else
+typedef uint bb_key;
+#endif
 #define BB_KEY_BITS ((uint)sizeof(bb_key) * 8u)
 
-/* Levels deeper than `upto` are not told apart: such boxes go to the deepest. reach: loose_octree.clh; loose: a. */
-kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count,
-                        global const bb_code_plan *restrict plan,
-                        global const ulong *restrict tables, float4 reach, float loose, uint deepest,
-                        uint upto, global bb_key *restrict keys, global bb_key *restrict nodes,
-                        global uint *restrict values)
+/* keys: codes, of 3 bits per level, in; preorder indices out. Levels deeper than `upto` are not told apart: such boxes go to the
+ * deepest. reach: loose_octree.clh; low, scale: the root cell's corner, and cells of the deepest level per unit; loose: a. */
+kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count, float4 reach, float4 low,
+                        float4 scale, float loose, uint deepest, uint upto,
+                        global bb_key *restrict keys, global bb_key *restrict nodes)
 {
     uint i = get_global_id(0);
     if (i >= count)
@@ -39,11 +42,9 @@ kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count,
 
     uint level = bb_loose_level(hi - lo, reach, deepest);
 #ifdef BB_FIT
-    float4 scale = vload4(0, plan->scale);
-    float4 at = ((0.5f * lo + 0.5f * hi) - vload4(0, plan->low)) * scale;
-    uint4 cells = bb_code_cells(plan, lo, hi);
+    float4 at = ((0.5f * lo + 0.5f * hi) - low) * scale;
     if (level < deepest &&
-        bb_loose_fits(at, (hi - lo) * scale, cells, deepest - level - 1u, loose))
+        bb_loose_fits(at, (hi - lo) * scale, deepest, deepest - level - 1u, loose))
         level++;
 #endif
 #ifdef BB_EVERY_OTHER
@@ -51,14 +52,12 @@ kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count,
 #endif
     level = level <= upto ? level : deepest;
 
-    bb_key code = bb_code_of(plan, tables, lo, hi);
     uint dropped = 3u * (deepest - level);
-    code = code >> dropped << dropped;
+    bb_key code = keys[i] >> dropped << dropped;
     keys[i] = 2 * code - popcount(code) + 3u * level;
     /* as the linking takes it: the path from the top bit, a 1, zeros */
     bb_key path = 2 * code + ((bb_key)1 << dropped);
     nodes[i] = path << (BB_KEY_BITS - 1u - 3u * deepest);
-    values[i] = i;
 }
 
 /* 1 where a leaf begins. Runs of equal keys are cut so that no leaf has twice `merge` primitives; those of up to `merge` never. */
