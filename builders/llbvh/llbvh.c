@@ -20,7 +20,12 @@
 
 BB_DEVICE_SOURCE(llbvh);
 
-enum { GROUP_SIZE = 64, LEVELS_MAX = 21 };
+enum {
+    GROUP_SIZE = 64,
+    LEVELS_MAX = 21,
+    CHUNK_CPU = 4096, /* primitives per work-item that looks for leaves */
+    CHUNK_GPU = 8,
+};
 
 static const bb_option options[] = {
     {"side", "smallest", "smallest|largest|mean|volume",
@@ -29,7 +34,8 @@ static const bb_option options[] = {
     {"fit", "no", "no|yes", "a box goes one level deeper if it fits there"},
     {"sizes", "no", "no|yes", "boxes on even levels only: size told every 6 bits"},
     {"upto", "21", NULL, "deepest level told by size, 0 to 21: what is smaller goes to the last"},
-    {"merge", "64", NULL, "primitives of one node in one leaf, about; 0: any number, 1: none"},
+    {"merge", "64", NULL,
+     "primitives of a node that share a leaf, about: a power of two; 0: any number"},
     {"code", "mc32", BB_CODE_NAMES, "the code: what the options below are unless given"},
     {"bits", NULL, NULL, "bits of the code: three for each level of the octree"},
     {"axes", NULL, "xyz|extent|view", "order of the axes; view: as the view looks"},
@@ -53,7 +59,7 @@ typedef struct llbvh {
     bb_buffer keys;       /* preorder indices */
     bb_buffer nodes;      /* of each primitive, as radix_tree.cl takes them */
     bb_buffer values;     /* primitives */
-    bb_buffer places;     /* leaves before each primitive */
+    bb_buffer places;     /* leaves before each chunk */
     bb_buffer leaf_nodes; /* of each leaf */
     bb_radix_runs runs;
 } llbvh;
@@ -112,7 +118,8 @@ static bb_status read_options(llbvh *self, const bb_builder_context *context)
     BB_TRY(bb_spec_u64(context->spec, options, "merge", 0, 1u << 30, &merge));
     BB_TRY(bb_spec_double(context->spec, options, "loose", 1.001, 1000, &self->loose));
     self->upto = (uint32_t)upto;
-    self->merge = merge > 0 ? (uint32_t)merge : UINT32_MAX;
+    while (merge > self->merge)
+        self->merge = self->merge == 0 ? 1 : 2 * self->merge;
     return BB_OK;
 }
 
@@ -157,6 +164,16 @@ static bb_status create(const bb_builder_context *context, void **out)
     return bb_radix_tree_create(self->device, self->account, kind, &self->radix);
 }
 
+static uint32_t chunk_size(const llbvh *self)
+{
+    return self->device->form == BB_FORM_CPU ? CHUNK_CPU : CHUNK_GPU;
+}
+
+static uint32_t chunk_count(const llbvh *self, uint32_t count)
+{
+    return (count + chunk_size(self) - 1) / chunk_size(self);
+}
+
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     llbvh *self = opaque;
@@ -170,7 +187,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
         {count * key_bytes, "llbvh: keys", &self->keys},
         {count * key_bytes, "llbvh: nodes", &self->nodes},
         {count * word, "llbvh: indices", &self->values},
-        {count * word, "llbvh: places of leaves", &self->places},
+        {chunk_count(self, scene->prim_count) * word, "llbvh: places of leaves", &self->places},
         {count * key_bytes, "llbvh: nodes of leaves", &self->leaf_nodes},
         {(count + 1) * word, "llbvh: starts of leaves", &self->runs.starts},
         {word, "llbvh: number of leaves", &self->runs.total},
@@ -204,12 +221,15 @@ static bb_status place_primitives(llbvh *self, const bb_scene *scene)
 /* Runs of equal keys become leaves. */
 static bb_status merge_equal(llbvh *self, uint32_t count)
 {
-    BB_TRY(bb_launch(self->device, self->heads, count, GROUP_SIZE, BB_MEM(self->keys),
-                     BB_VALUE(count), BB_VALUE(self->merge), BB_MEM(self->places)));
-    BB_TRY(bb_scan_u32(self->primitives, &self->places, &self->places, count, &self->runs.total));
-    return bb_launch(self->device, self->leaves, count, GROUP_SIZE, BB_MEM(self->places),
-                     BB_MEM(self->runs.total), BB_MEM(self->nodes), BB_MEM(self->values),
-                     BB_VALUE(count), BB_MEM(self->leaf_nodes), BB_MEM(self->runs.starts));
+    uint32_t chunk = chunk_size(self), chunks = chunk_count(self, count);
+    size_t group = self->device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
+    BB_TRY(bb_launch(self->device, self->heads, chunks, group, BB_MEM(self->keys), BB_VALUE(count),
+                     BB_VALUE(self->merge), BB_VALUE(chunk), BB_MEM(self->places)));
+    BB_TRY(bb_scan_u32(self->primitives, &self->places, &self->places, chunks, &self->runs.total));
+    return bb_launch(self->device, self->leaves, chunks, group, BB_MEM(self->keys), BB_VALUE(count),
+                     BB_VALUE(self->merge), BB_VALUE(chunk), BB_MEM(self->places),
+                     BB_MEM(self->values), BB_MEM(self->nodes), BB_MEM(self->leaf_nodes),
+                     BB_MEM(self->runs.starts));
 }
 
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,

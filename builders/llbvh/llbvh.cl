@@ -6,8 +6,8 @@
  *       m = Morton code of its centroid (codes.cl), l = 3 * level by its size; m' = m with all but the first l bits set to 0
  *       key = preorder index of node (m', l) in the complete binary tree
  *   sort primitives by key
- *   for each that has another key than the one before: a leaf begins                                       (llbvh_heads)
- *   scan; for each that begins a leaf: its node and where its primitives start, at the leaf's index         (llbvh_leaves)
+ *   for each chunk: count those that have another key than the one before, where leaves begin              (llbvh_heads)
+ *   scan; for each leaf: its node and where its primitives start                                           (llbvh_leaves)
  *   link: builders/common/radix_tree.cl, which takes the place of the paper's algorithm 1
  *
  * The preorder index. From the root each step left is 1 further, each step right past the left subtree: at level d (of L')
@@ -60,30 +60,45 @@ kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count, float4 
     nodes[i] = path << (BB_KEY_BITS - 1u - 3u * deepest);
 }
 
-/* 1 where a leaf begins. Runs of equal keys are cut so that no leaf has twice `merge` primitives; those of up to `merge` never. */
-kernel void llbvh_heads(global const bb_key *restrict keys, uint count, uint merge,
-                        global uint *restrict heads)
+/* Does a leaf begin at i? Runs of equal keys are cut so that no leaf has twice `merge` primitives, a power of two, or 0 for any
+ * number; those of up to `merge` are not. */
+bool is_head(global const bb_key *keys, uint i, uint merge)
 {
-    uint i = get_global_id(0);
-    if (i >= count)
-        return;
-    bool cut = i >= merge && i % merge == 0u && keys[i] == keys[i - merge];
-    heads[i] = i == 0u || cut || keys[i] != keys[i - 1u] ? 1u : 0u;
+    if (i == 0u || keys[i] != keys[i - 1u])
+        return true;
+    return merge > 0u && (i & (merge - 1u)) == 0u && i >= merge && keys[i] == keys[i - merge];
 }
 
-/* places: leaves that begin before each primitive (the scan of the heads); starts: one more than leaves. */
-kernel void llbvh_leaves(global const uint *restrict places, global const uint *restrict totals,
-                         global const bb_key *restrict nodes, global const uint *restrict values,
-                         uint count, global bb_key *restrict leaves, global uint *restrict starts)
+/* Leaves that begin in each chunk. */
+kernel void llbvh_heads(global const bb_key *restrict keys, uint count, uint merge, uint chunk,
+                        global uint *restrict heads)
 {
-    uint i = get_global_id(0);
-    if (i >= count)
+    uint begin = get_global_id(0) * chunk;
+    if (begin >= count)
         return;
-    uint place = places[i], next = i + 1u < count ? places[i + 1u] : totals[0];
-    if (next != place) {
-        leaves[place] = nodes[values[i]];
-        starts[place] = i;
-    }
-    if (i + 1u == count)
-        starts[next] = count;
+    uint end = count - begin < chunk ? count : begin + chunk, found = 0;
+    for (uint i = begin; i < end; i++)
+        found += is_head(keys, i, merge) ? 1u : 0u;
+    heads[get_global_id(0)] = found;
+}
+
+/* places: leaves that begin before each chunk. starts: one more than leaves. */
+kernel void llbvh_leaves(global const bb_key *restrict keys, uint count, uint merge, uint chunk,
+                         global const uint *restrict places, global const uint *restrict values,
+                         global const bb_key *restrict nodes, global bb_key *restrict leaves,
+                         global uint *restrict starts)
+{
+    uint begin = get_global_id(0) * chunk;
+    if (begin >= count)
+        return;
+    uint end = count - begin < chunk ? count : begin + chunk;
+    uint place = places[get_global_id(0)];
+    for (uint i = begin; i < end; i++)
+        if (is_head(keys, i, merge)) {
+            leaves[place] = nodes[values[i]];
+            starts[place] = i;
+            place++;
+        }
+    if (end == count)
+        starts[place] = count;
 }
