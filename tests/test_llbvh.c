@@ -74,10 +74,9 @@ static const way ways[] = {
 
 /* The fit test: only where a box is sure to fit at the level of eq. 1 does it give the deepest level that fits. */
 static const way fits[] = {
-    {"box=cube,side=largest,fit=yes", .box = CUBE, .side = LARGEST, .fit = true},
-    {"box=cube,side=largest,fit=yes,loose=3", .box = CUBE, .side = LARGEST, .fit = true,
-     .loose = 3},
-    {"box=scene,side=largest,fit=yes", .box = SCENE, .side = LARGEST, .fit = true},
+    {"box=cube,side=largest", .box = CUBE, .side = LARGEST, .fit = true},
+    {"box=cube,side=largest,loose=3", .box = CUBE, .side = LARGEST, .fit = true, .loose = 3},
+    {"box=scene,side=largest", .box = SCENE, .side = LARGEST, .fit = true},
 };
 
 /* ---- the reference's places ---- */
@@ -185,7 +184,7 @@ static void compare(bb_device *device, const way *given, const bb_box *boxes, ui
 {
     const way filled = with_defaults(*given), *w = &filled;
     char builder[96];
-    snprintf(builder, sizeof builder, "llbvh:%s", w->options);
+    snprintf(builder, sizeof builder, "llbvh:%s,fit=%s", w->options, w->fit ? "yes" : "no");
     loose_node *places = malloc(count * sizeof *places);
     loose_reference r;
     make_places(w, boxes, count, places);

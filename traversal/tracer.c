@@ -82,7 +82,8 @@ static void release(bb_tracer *tracer)
 }
 
 /* The kernel's own options as -DBB_NAME=value, '-' as '_'. Appends to `text`. */
-static void append_options(const bb_kernel *kernel, const bb_spec *spec, char *text, size_t capacity)
+static void append_options(const bb_kernel *kernel, const bb_spec *spec, char *text,
+                           size_t capacity)
 {
     for (const bb_option *o = kernel->options; o != NULL && o->name != NULL; o++) {
         size_t length = strlen(text);
@@ -106,8 +107,8 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     snprintf(defines, sizeof defines,
              "%s %s -DBB_KINDS=%u -DBB_STACK_SIZE=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d",
              request->intersector->defines,
-             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds, stack_size,
-             request->query == BB_ANY_HIT, request->counting);
+             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds,
+             stack_size, request->query == BB_ANY_HIT, request->counting);
     append_options(request->kernel, request->spec, defines, sizeof defines);
     snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)

@@ -55,13 +55,14 @@ typedef struct bb_kernel {
     const char *name;
     const char *summary;
     const char *paper;
-    const char *layout;       /* the layout that it reads */
-    const char *source;       /* its file in kernels/ */
-    const char *defines;      /* -D that every variant gets; NULL for none */
-    uint32_t queries;         /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
-    bool ordered;             /* visits children near to far */
-    bool compared;            /* `run` takes it when no kernel is asked for */
-    const bb_option *options; /* its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its
+    const char *layout;  /* the layout that it reads */
+    const char *source;  /* its file in kernels/ */
+    const char *defines; /* -D that every variant gets; NULL for none */
+    uint32_t queries;    /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
+    bool ordered;        /* visits children near to far */
+    bool compared;       /* `run` takes it when no kernel is asked for */
+    const bb_option *
+        options; /* its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its
                                  `values`; `leaf` and `group` are common to all kernels */
 } bb_kernel;
 

@@ -12,10 +12,10 @@ enum { AXIS_BITS_MAX = 24 };
 /* The state while bits are dealt out, from the top. */
 struct bb_code_walk {
     const bb_code_choice *choice;
-    uint32_t order[3];  /* axes, first to last */
-    double side[3];     /* of the cell that the bits so far leave */
-    uint32_t count[4];  /* bits so far, per axis and of the size */
-    uint32_t bit;       /* bits so far */
+    uint32_t order[3]; /* axes, first to last */
+    double side[3];    /* of the cell that the bits so far leave */
+    uint32_t count[4]; /* bits so far, per axis and of the size */
+    uint32_t bit;      /* bits so far */
 };
 typedef struct bb_code_walk walk;
 
@@ -35,7 +35,8 @@ typedef struct bb_code bb_code;
 static bool is_size_bit(const walk *w)
 {
     const bb_code_choice *c = w->choice;
-    return c->every > 0 && (w->bit + 1) % c->every == 0 && w->count[BB_CODE_SIZE_AXIS] < c->size_bits;
+    return c->every > 0 && (w->bit + 1) % c->every == 0 &&
+           w->count[BB_CODE_SIZE_AXIS] < c->size_bits;
 }
 
 /* The axes in turn. */
@@ -184,7 +185,7 @@ static void plan_moves(bb_code_layout *layout, uint32_t lane)
             if ((distance & move) == 0)
                 continue;
             at += move;
-            plan->moved[step][lane] |= UINT64_C(1) << at;
+            plan->moved[lane][step] |= UINT64_C(1) << at;
         }
     }
 }
@@ -231,8 +232,8 @@ static void plan_sizes(const bb_code_choice *choice, bb_code_layout *layout, dou
     }
 }
 
-void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2], const double direction[3],
-                     bb_code_layout *layout)
+void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
+                     const double direction[3], bb_code_layout *layout)
 {
     const bb_box *box = &bounds[choice->by_centroids ? 1 : 0];
     double whole[3], all = 0;

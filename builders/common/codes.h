@@ -27,7 +27,7 @@
 #define BB_CODE_NAMES (&(BB_CODE_TABLE(BB_CODE_WORD))[1])
 
 #define BB_CODE_BOX_HELP                                                                           \
-    "the box that is cut into cells; cube: from the scene's low corner, of its longest side"
+    "what is cut into cells; cube: of the scene's longest side, from its low corner"
 
 /* Options of codes, for a builder's table. Those without a default come from the code. */
 #define BB_CODE_OPTIONS(preset)                                                                    \
@@ -37,16 +37,19 @@
         {"count", NULL, "equal|variable", "bits per axis; variable: to the longest side"},         \
         {"every", NULL, NULL, "each so many-th bit tells the size, 2 to 64; 0: none"},             \
         {"size-bits", NULL, NULL, "size bits at most, 0 to 24"},                                   \
-        {"size", NULL, "linear|root|cell", "how size is told: a fraction of the scene's, its "     \
-                                           "square root, or against the cell's own"},              \
+        {"size", NULL, "linear|root|cell",                                                         \
+         "how size is told: a fraction of the scene's, its "                                       \
+         "square root, or against the cell's own"},                                                \
         {"measure", "diagonal", "diagonal|area", "what size is: of the box its diagonal or area"}, \
-        {"box", "scene", "scene|centroids|cube", BB_CODE_BOX_HELP},                                \
+        {"box", "centroids", "centroids|scene|cube", BB_CODE_BOX_HELP},                            \
         {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
     {                                                                                              \
         "view", "none", NULL, BB_VIEW_ORDER_HELP                                                   \
     }
 
 enum { BB_CODE_BITS_MAX = 64, BB_CODE_SIZE_AXIS = 3, BB_CODE_END = 4 };
+
+struct bb_code_walk;
 
 typedef enum bb_code_order { BB_AXES_XYZ, BB_AXES_EXTENT, BB_AXES_VIEW } bb_code_order;
 typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_code_sizes;
@@ -69,10 +72,10 @@ typedef struct bb_code_choice {
 
 /* A scene's code: what describes it, and what the device needs. */
 typedef struct bb_code_layout {
-    uint32_t bits;                    /* in use; may be fewer than asked for */
-    uint8_t axes[BB_CODE_BITS_MAX];   /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
+    uint32_t bits;                     /* in use; may be fewer than asked for */
+    uint8_t axes[BB_CODE_BITS_MAX];    /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
     double sides[BB_CODE_BITS_MAX][3]; /* of the cell that the bits up to and with this one leave */
-    uint32_t count[4];                /* bits per axis, and of the size */
+    uint32_t count[4];                 /* bits per axis, and of the size */
     bb_code_plan plan;
 } bb_code_layout;
 
@@ -82,8 +85,8 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
 /* Lays the code out for a scene whose primitives' boxes, and their centroids, lie in these two boxes (bb_reduce_boxes).
  * `direction` is where the view looks, zero for none. Does not fail: an axis without extent gets no bits in a code of variable
  * counts, and one cell in others. */
-void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2], const double direction[3],
-                     bb_code_layout *layout);
+void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
+                     const double direction[3], bb_code_layout *layout);
 
 /* The layout as letters from the top: "xzxzxyszxy..."; capitals are negated. `capacity` beyond BB_CODE_BITS_MAX. */
 void bb_code_letters(const bb_code_layout *layout, char *text, size_t capacity);
