@@ -64,7 +64,7 @@ bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t see
     if (status == BB_OK)
         status = add_set(c, "ao");
     if (status == BB_OK)
-        status = add_set(c, "random");
+        status = add_set(c, "random:near=0.5");
     if (status == BB_OK)
         status =
             bb_buffer_reserve(device, &c->account, rays_per_set * sizeof(bb_hit), "hits", &c->hits);

@@ -109,7 +109,12 @@ static void every_builder_with_every_kernel_is_right(void **state)
                                          "hairball:n=1000",
                                          "spheres:n=2000,state=initial",
                                          "spheres:n=2000,state=settled",
-                                         "sphere-mesh"};
+                                         "sphere-mesh",
+                                         "awkward:kind=outlier,n=1000",
+                                         "awkward:kind=centroids,n=100",
+                                         "awkward:kind=flat,n=1000",
+                                         "awkward:kind=axis,n=1000",
+                                         "awkward:kind=duplicates,n=1000"};
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
         bb_scene *scene = load(scenes[s]);
         bb_conformance *conformance;
