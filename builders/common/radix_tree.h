@@ -2,10 +2,10 @@
  * Morton-based builders.
  *
  * Leaf i of the tree is the i-th key; equal keys are told apart by their index. Keys are strings of bits of one length (Morton
- * codes), or nodes of a binary tree (those of a loose octree), some of which may lie below others: radix_tree.cl says how they
- * are written. A leaf has one reference, or a run of them. Both ways give the same tree, in the same
- * places: the root at node 0, and below the split between keys s and s + 1 the left child at 2s + 1, the right child at 2s + 2.
- * With that numbering first and skip follow from a node's range alone, in the same pass as its box.
+ * codes), or nodes of a binary tree, some of which may lie below others (those of a loose octree): radix_tree.cl says how nodes
+ * are written. A leaf has one reference, or a run of them. Both ways of linking give the same tree, in the same places: the root at
+ * node 0, and below the split between keys s and s + 1 the left child at 2s + 1, the right child at 2s + 2. With that numbering
+ * first and skip follow from a node's range alone, in the same pass as its box.
  */
 #ifndef BB_RADIX_TREE_H
 #define BB_RADIX_TREE_H

@@ -2,9 +2,11 @@
  *
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees), sections 3.1
  * and 3.3. What is chosen where the paper leaves it open:
- * - s0, where the scene's box is no cube: a cube of its longest side. The paper names no other, and cells that are cubes make the
- * better tree (SAH against cells in proportion: hammer 0.70, sthelens 0.77, kitchen 0.91; at worst, coffee, 1.04).
- * box=scene and box=centroids cut that box in proportion, and sizes count per axis (loose_octree.clh).
+ * - s0, where the scene's box is no cube: a cube of its longest side. Cells that are cubes make the better tree (SAH against
+ *   cells of the box's proportions: hammer 0.70, sthelens 0.77, kitchen 0.91; at worst, interior, 1.04). box=scene and
+ *   box=centroids have cells of those proportions, and sizes count per axis (loose_octree.clh).
+ * - The fit test of section 3.1 is made whatever the measure. Spheres gain by it (SAH 0.91 and 0.95 in their two states);
+ *   with the smallest side of triangles it hardly ever finds one that fits.
  * - "size information every two levels (6 bits) up to a specific level" (end of section 2): sizes=yes takes levels down to even
  *   ones, so that a size is told after every 6 bits of the code and not after every 3; upto=L is the level.
  * - Primitives of one octree node share a leaf, as in the paper, but no more than about `merge` of them, so that a pile of
