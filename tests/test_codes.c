@@ -99,13 +99,19 @@ static void wrong_options_are_refused(void **state)
 
 /* ---- keys ---- */
 
+static double measure(const bb_code_choice *choice, double x, double y, double z)
+{
+    return choice->measure == BB_BY_AREA   ? sqrt(2 * (x * y + y * z + z * x))
+           : choice->measure == BB_BY_SIDE ? fmax(x, fmax(y, z))
+                                           : sqrt(x * x + y * y + z * z);
+}
+
 /* The size bit's answer for size = cell: the box is at least as large as the cell. */
 static bool fills_cell(const bb_code_choice *choice, const double side[3], double unit,
                        float squared)
 {
     double x = side[0] * unit, y = side[1] * unit, z = side[2] * unit;
-    double least = choice->by_area ? 2 * (x * y + y * z + z * x) : x * x + y * y + z * z;
-    double root = sqrt(least);
+    double root = choice->large * measure(choice, x, y, z);
     return squared >= (float)(root * root);
 }
 
@@ -132,13 +138,16 @@ static uint64_t reference_key(const bb_code_choice *choice, const bb_code_layout
         cells[k] = (uint64_t)(at < last ? at : last);
         e[k] = (0.5f * box->hi[k] - 0.5f * box->lo[k]) * (2.0f * (float)unit);
     }
-    float squared = choice->by_area ? 2.0f * ((e[0] * e[1] + e[1] * e[2]) + e[2] * e[0])
-                                    : (e[0] * e[0] + e[1] * e[1]) + e[2] * e[2];
+    float side_max = fmaxf(e[0], fmaxf(e[1], e[2]));
+    float squared = choice->measure == BB_BY_AREA
+                        ? 2.0f * ((e[0] * e[1] + e[1] * e[2]) + e[2] * e[0])
+                    : choice->measure == BB_BY_SIDE ? side_max * side_max
+                                                    : (e[0] * e[0] + e[1] * e[1]) + e[2] * e[2];
     uint32_t size_bits = layout->count[3];
     if (size_bits > 0 && choice->sizes != BB_SIZES_CELL && unit > 0) {
         bool root = choice->sizes == BB_SIZES_ROOT;
         double x = side[0] * unit, y = side[1] * unit, z = side[2] * unit;
-        double scene = sqrt(choice->by_area ? 2 * (x * y + y * z + z * x) : x * x + y * y + z * z);
+        double scene = measure(choice, x, y, z);
         double cells_per_unit = ldexp(1, (int)(root ? 2 * size_bits : size_bits)) / scene;
         float scale = scene > 0 && cells_per_unit <= FLT_MAX ? (float)cells_per_unit : 0;
         float size = sqrtf(squared) * scale;
@@ -275,6 +284,7 @@ static void keys_are_those_of_the_definition(void **state)
         "c:code=emc64-var",
         "c:code=emc64-var,expand=tables,box=scene",
         "c:code=emc64-var,size=cell",
+        "c:code=emc64-var,size=cell,large=0.4,measure=side",
         "c:code=emc64-var,size=cell,measure=area,every=4,size-bits=16",
         "c:code=emc64-var,view=-1/2/-3",
         "c:code=emc32-sort,size=cell,view=1/-2/0",

@@ -132,7 +132,12 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
         choice->sizes = strcmp(sizes, "linear") == 0 ? BB_SIZES_LINEAR
                         : strcmp(sizes, "root") == 0 ? BB_SIZES_ROOT
                                                      : BB_SIZES_CELL;
-    choice->by_area = bb_spec_is(spec, options, "measure", "area");
+    choice->large = 1;
+    if (bb_spec_value(spec, options, "large") != NULL)
+        BB_TRY(bb_spec_double(spec, options, "large", 1e-3, 1e3, &choice->large));
+    choice->measure = bb_spec_is(spec, options, "measure", "area")   ? BB_BY_AREA
+                      : bb_spec_is(spec, options, "measure", "side") ? BB_BY_SIDE
+                                                                     : BB_BY_DIAGONAL;
     choice->by_centroids = bb_spec_is(spec, options, "box", "centroids");
     choice->cube = bb_spec_is(spec, options, "box", "cube");
     choice->tables = bb_spec_is(spec, options, "expand", "tables");
@@ -197,11 +202,13 @@ static float cells_per_unit(uint32_t bits, double extent)
     return extent > 0 && bits > 0 && scale <= FLT_MAX ? (float)scale : 0.0f;
 }
 
-/* The size measure of a box with these sides: its diagonal, or the square root of its area, which are both lengths. */
+/* The size measure of a box with these sides, a length: its diagonal, the square root of its area or its longest side. */
 static double size_of(const bb_code_choice *choice, const double side[3])
 {
     double x = side[0], y = side[1], z = side[2];
-    return choice->by_area ? sqrt(2 * (x * y + y * z + z * x)) : sqrt(x * x + y * y + z * z);
+    return choice->measure == BB_BY_AREA   ? sqrt(2 * (x * y + y * z + z * x))
+           : choice->measure == BB_BY_SIDE ? fmax(x, fmax(y, z))
+                                           : sqrt(x * x + y * y + z * z);
 }
 
 /* The bits of the size. linear: of size / scene. root: of its square root, since a step of six halvings quarters the cell
@@ -226,7 +233,7 @@ static void plan_sizes(const bb_code_choice *choice, bb_code_layout *layout, dou
         double side[3];
         for (uint32_t k = 0; k < 3; k++)
             side[k] = layout->sides[i][k] * unit;
-        double least = size_of(choice, side);
+        double least = choice->large * size_of(choice, side);
         plan->size_least[plan->size_count] = (float)(least * least);
         plan->size_bit[plan->size_count++] = UINT64_C(1) << (layout->bits - 1 - i);
     }

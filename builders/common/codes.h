@@ -29,7 +29,7 @@
 #define BB_CODE_BOX_HELP                                                                           \
     "what is cut into cells; cube: of the scene's longest side, from its low corner"
 
-/* Options of codes, for a builder's table. Those without a default come from the code. */
+/* Options of codes, for a builder's table, which may have a part of them only. Those without a default come from the code. */
 #define BB_CODE_OPTIONS(preset)                                                                    \
     {"code", preset, BB_CODE_NAMES, "the code: what the options below are unless given"},          \
         {"bits", NULL, NULL, "bits of the code, 3 to 64"},                                         \
@@ -40,7 +40,8 @@
         {"size", NULL, "linear|root|cell",                                                         \
          "how size is told: a fraction of the scene's, its "                                       \
          "square root, or against the cell's own"},                                                \
-        {"measure", "diagonal", "diagonal|area", "what size is: of the box its diagonal or area"}, \
+        {"large", "1", NULL, "size=cell: from which share of the cell's size on the bit is set"},  \
+        {"measure", "diagonal", "diagonal|area|side", "size: the box's diagonal, area or longest side"}, \
         {"box", "centroids", "centroids|scene|cube", BB_CODE_BOX_HELP},                            \
         {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
     {                                                                                              \
@@ -54,7 +55,7 @@ struct bb_code_walk;
 typedef enum bb_code_order { BB_AXES_XYZ, BB_AXES_EXTENT, BB_AXES_VIEW } bb_code_order;
 typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_code_sizes;
 
-struct bb_code_walk;
+typedef enum bb_code_measure { BB_BY_DIAGONAL, BB_BY_AREA, BB_BY_SIDE } bb_code_measure;
 
 /* What was asked for. */
 typedef struct bb_code_choice {
@@ -64,7 +65,8 @@ typedef struct bb_code_choice {
     bb_code_order order;
     uint32_t every, size_bits;
     bb_code_sizes sizes;
-    bool by_area;
+    double large; /* with sizes told by the cell: the share of its size that is large */
+    bb_code_measure measure;
     bool by_centroids, cube;
     bool tables;
     char view[64]; /* as bb_view_order() takes it */

@@ -32,16 +32,16 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
     codes->builder = context->spec->name;
     BB_TRY(bb_code_choose(context->spec, context->options, &codes->choice));
     const bb_code_choice *choice = &codes->choice;
-    uint32_t sizes = choice->every == 0 || choice->size_bits == 0 ? 0
+    uint32_t sizes = choice->size_bits == 0               ? 0
                      : choice->sizes == BB_SIZES_LINEAR           ? 1
                      : choice->sizes == BB_SIZES_ROOT             ? 2
                                                                   : 3;
     codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
     char defines[128];
     snprintf(defines, sizeof defines,
-             "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_BY_AREA=%d -DBB_TABLES=%d",
+             "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_MEASURE=%d -DBB_TABLES=%d",
              bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", codes->lanes, sizes,
-             choice->by_area, choice->tables);
+             choice->measure, choice->tables);
     BB_TRY(bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
     BB_TRY(bb_kernel_get(codes->program, "code_keys", &codes->keys));
     BB_TRY(bb_buffer_reserve(codes->device, codes->account, 2 * sizeof(bb_box), "codes: bounds",
