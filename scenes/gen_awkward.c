@@ -7,7 +7,8 @@
 
 static const bb_option options_table[] = {
     {"kind", "outlier", "outlier|centroids|flat|axis|duplicates",
-     "one far away of all others; one centroid for all; all in a plane; flat on an axis each; 95 % copies"},
+     "one far away of all others; one centroid for all; all in a plane; flat on an axis each; 95 % "
+     "copies"},
     {"n", "10000", NULL, "number of triangles"},
     {"far", "1e8", NULL, "outlier: its distance, in sizes of the others' box"},
     {"seed", "1", NULL, "seed"},

@@ -68,6 +68,8 @@ static void layouts_are_those_of_the_paper(void **state)
                    "xyzxyzsxyzxyzsxyzxyzsxyzxyzsxyzxyzsxyzxyzsxyzxyzxyzxyzxyzxyzxyzx");
     expect_letters("c:code=emc64-var,size-bits=9,bits=63", cube, none,
                    "xyzxyzsxyzxyzsxyzxyzsxyzxyzsxyzxyzsxyzxyzsxyzxyzsxyzxyzsxyzxyzs");
+    expect_letters("c:code=emc64-cell,bits=16", cube, none, "xyzsxyzsxyzsxyzs");
+    expect_letters("c:code=emc64-cell,bits=23", flat, none, "xysxysxysxysxysxysxyzsx");
     expect_letters("c:view=0.1/-3/2,bits=6", cube, down, "YzxYzx");
     expect_letters("c:view=0.1/-3/2,axes=xyz,bits=6", cube, down, "xYzxYz");
     /* an axis without extent gets no bits of a variable code, and no axis more than a float tells apart */
@@ -286,6 +288,7 @@ static void keys_are_those_of_the_definition(void **state)
         "c:code=emc64-var,size=cell",
         "c:code=emc64-var,size=cell,large=0.4,measure=side",
         "c:code=emc64-var,size=cell,measure=area,every=4,size-bits=16",
+        "c:code=emc64-cell",
         "c:code=emc64-var,view=-1/2/-3",
         "c:code=emc32-sort,size=cell,view=1/-2/0",
         "c:bits=33,every=2,size-bits=24",

@@ -26,14 +26,6 @@ struct bb_tracer {
 
 static bb_tracer *cache;
 
-const bb_layout *bb_layout_find(const char *name)
-{
-    for (const bb_layout *const *l = bb_layouts; *l != NULL; l++)
-        if (strcmp((*l)->name, name) == 0)
-            return *l;
-    return NULL;
-}
-
 const bb_kernel *bb_kernel_find(const char *name)
 {
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
@@ -54,13 +46,6 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     char what[96];
     snprintf(what, sizeof what, "kernel %s", kernel->name);
     return bb_spec_validate(spec, all, what);
-}
-
-void bb_layout_data_release(bb_layout_data *data)
-{
-    for (uint32_t i = 0; i < BB_LAYOUT_BUFFERS_MAX; i++)
-        bb_buffer_release(&data->buffers[i]);
-    *data = (bb_layout_data){0};
 }
 
 /* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private memory of each work-item. */

@@ -65,6 +65,21 @@ static uint32_t longest(const walk *w)
     return found;
 }
 
+/* As `longest`, and a size bit each time the cell's longest side has been halved: after three bits while the cell is a cube, after
+ * two while it is flat, so that what is told apart by its size is as large against its cell in all scenes. */
+static uint32_t halved(const walk *w)
+{
+    double now = 0, whole = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        now = fmax(now, w->side[k]);
+        whole = fmax(whole, ldexp(w->side[k], (int)w->count[k]));
+    }
+    uint32_t sizes = w->count[BB_CODE_SIZE_AXIS];
+    if (sizes < w->choice->size_bits && now > 0 && now <= ldexp(whole, -(int)(sizes + 1)))
+        return BB_CODE_SIZE_AXIS;
+    return longest(w);
+}
+
 /* ---- the table ---- */
 
 #define CODE_ROW(name, next, bits, order, every, size_bits, sizes, summary)                        \

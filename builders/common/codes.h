@@ -21,7 +21,8 @@
     ROW("emc32-sort", interleaved, 32, EXTENT, 4, 8, LINEAR, "axes by extent, size every 4th")     \
     ROW("emc64-sort", interleaved, 64, EXTENT, 4, 16, LINEAR, "axes by extent, size every 4th")    \
     ROW("emc32-var", longest, 32, EXTENT, 7, 4, ROOT, "bits to the longest axis, size every 7th")  \
-    ROW("emc64-var", longest, 64, EXTENT, 7, 6, ROOT, "bits to the longest axis, size every 7th")
+    ROW("emc64-var", longest, 64, EXTENT, 7, 6, ROOT, "bits to the longest axis, size every 7th")  \
+    ROW("emc64-cell", halved, 64, EXTENT, 0, 16, CELL, "as var, size at each halving of the cell")
 
 #define BB_CODE_WORD(name, ...) "|" name
 #define BB_CODE_NAMES (&(BB_CODE_TABLE(BB_CODE_WORD))[1])
@@ -41,7 +42,8 @@
          "how size is told: a fraction of the scene's, its "                                       \
          "square root, or against the cell's own"},                                                \
         {"large", "1", NULL, "size=cell: from which share of the cell's size on the bit is set"},  \
-        {"measure", "diagonal", "diagonal|area|side", "size: the box's diagonal, area or longest side"}, \
+        {"measure", "diagonal", "diagonal|area|side",                                              \
+         "size: the box's diagonal, area or longest side"},                                        \
         {"box", "centroids", "centroids|scene|cube", BB_CODE_BOX_HELP},                            \
         {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
     {                                                                                              \

@@ -32,10 +32,10 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
     codes->builder = context->spec->name;
     BB_TRY(bb_code_choose(context->spec, context->options, &codes->choice));
     const bb_code_choice *choice = &codes->choice;
-    uint32_t sizes = choice->size_bits == 0               ? 0
-                     : choice->sizes == BB_SIZES_LINEAR           ? 1
-                     : choice->sizes == BB_SIZES_ROOT             ? 2
-                                                                  : 3;
+    uint32_t sizes = choice->size_bits == 0             ? 0
+                     : choice->sizes == BB_SIZES_LINEAR ? 1
+                     : choice->sizes == BB_SIZES_ROOT   ? 2
+                                                        : 3;
     codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
     char defines[128];
     snprintf(defines, sizeof defines,
