@@ -5,6 +5,7 @@
 #include "framework/reproduce.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #define STACK "stack"
 #define STACKLESS "stackless"
@@ -77,7 +78,8 @@ static inline bb_estimate view_factor(const bb_findings *f, const char *scene, c
                                 (bb_cell){scene, with, kernel, view});
 }
 
-/* The claims. */
+/* The claims: all of them, and those on the order by the view, of which `f` is the experiment. */
 void bb_loose_octree_claims(const bb_findings *all, bb_reproduction *r);
+void bb_loose_octree_order_claims(const bb_findings *f, bb_reproduction *r);
 
 #endif

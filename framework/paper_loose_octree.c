@@ -59,7 +59,7 @@ static const bb_experiment experiments[] = {
         {.name = "order by the view",
          .builders = VIEWS_OF(LBVH30) "," VIEWS_OF(LLBVH30) "," VIEWS_OF(LOBVH_VIEWLESS),
          .kernels = STACK "," STACKLESS,
-         .rays = "primary",
+         .rays = "primary:tmin=0", /* the default, but not the set of the frames above */
          .scenes = SPHERES,
          .quick_scenes = QUICK_SPHERES,
          .takes_scenes = true,
@@ -68,7 +68,7 @@ static const bb_experiment experiments[] = {
          .height = 192,
          .max_rays = 1,
          .max_views = VIEWS,
-         .repeats = 3},
+         .repeats = 5},
     {.name = NULL},
 };
 

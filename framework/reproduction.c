@@ -220,9 +220,18 @@ static void print_claim(const cJSON *claim, FILE *out)
 bb_status bb_reproduction_print(bb_results *results, FILE *out)
 {
     const cJSON *item, *part;
+    const cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
+    const cJSON *load = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(context, "load"), 0);
+    double units = bb_json_number(context, "compute_units");
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(results->root, "reproductions"))
     {
-        fprintf(out, "%s\n", bb_json_text(item, "title"));
+        fprintf(out, "%s\nhere: bvhbench %s on %s", bb_json_text(item, "title"),
+                bb_json_text(context, "revision"), bb_json_text(context, "device"));
+        if (cJSON_IsNumber(load))
+            fprintf(out, ", %g compute units, load %.1f at the start%s", units, load->valuedouble,
+                    load->valuedouble > 0.5 * units ? ": times are noisy, tests and costs are not"
+                                                    : "");
+        fprintf(out, "\n");
         cJSON_ArrayForEach(part, cJSON_GetObjectItemCaseSensitive(item, "tables"))
             print_table(part, out);
         int counts[3] = {0};
