@@ -48,6 +48,8 @@ enum { BB_CODE_BITS_MAX = 64, BB_CODE_SIZE_AXIS = 3, BB_CODE_END = 4 };
 typedef enum bb_code_order { BB_AXES_XYZ, BB_AXES_EXTENT, BB_AXES_VIEW } bb_code_order;
 typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_code_sizes;
 
+struct bb_code_walk; /* codes.c */
+
 /* What was asked for. */
 typedef struct bb_code_choice {
     const struct bb_code *code;
