@@ -72,26 +72,13 @@ static bb_status choose_kernel(const bb_cli *cli, rendering *r)
     return BB_OK;
 }
 
-static bb_status choose_view(const bb_scene *scene, const char *name, const bb_view **view)
-{
-    char known[512] = "";
-    for (uint32_t i = 0; i < scene->view_count; i++) {
-        *view = &scene->views[i];
-        if (name == NULL || strcmp(scene->views[i].name, name) == 0)
-            return BB_OK;
-        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i > 0 ? ", " : "",
-                 scene->views[i].name);
-    }
-    return bb_fail(BB_INVALID, "%s has no view '%s': it has %s", scene->name, name, known);
-}
-
 static bb_status make_rays(rendering *r, const bb_cli *cli)
 {
     uint32_t width = 512, height = 512;
     bb_spec spec;
     const bb_view *view = NULL;
     BB_TRY(bb_cli_size(cli, "size", &width, &height));
-    BB_TRY(choose_view(r->scene, bb_cli_value(cli, "camera"), &view));
+    BB_TRY(bb_choose_view(r->scene, bb_cli_value(cli, "camera"), &view));
     BB_TRY(bb_spec_parse("primary", &spec));
     bb_rays_request request = {&spec, view, width, height, width * height, 1};
     BB_TRY(bb_rays_make(r->scene, r->oracle, &request, &r->rays));
