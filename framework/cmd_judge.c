@@ -15,55 +15,115 @@
 
 static const bb_cli_option options[] = {
     {"scene", "S", "the scene of the rays", false},
-    {"rays-file", "FILE", "what `bvhbench rays` wrote", false},
-    {"hits", "FILE", "what the tracer answered", false},
-    {"mrays-s", "X", "its speed in million rays per second, for the record", false},
+    {"rays-file", "FILE", "what `bvhbench rays` wrote", true},
+    {"hits", "FILE", "what the tracer answered to it", true},
+    {"mrays-s", "X", "its speed with it in million rays per second, for the record", true},
     {"name", "TEXT", "its name; default: as in the file of hits, else `outside`", false},
     {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
     {"out", "DIR", "folder of results.json and report.html; default: none are written", false},
     {.name = NULL},
 };
 
-typedef struct job {
-    const char *scene_name, *rays_path, *hits_path, *folder;
+/* A rays file and the answers to it. */
+typedef struct ray_set {
+    const char *rays_path, *hits_path;
     double mrays_s; /* 0: not given */
+    bb_rays *rays;
+    bb_outside_hits outside;
+    bb_answers answers; /* the oracle's */
+    bb_accuracy accuracy;
+} ray_set;
+
+enum { SETS_MAX = 64 };
+
+typedef struct job {
+    const char *folder; /* NULL: no results are written */
     double max_wrong_ppm;
     double start;
     bb_spec name;
     bb_scene *scene;
-    bb_rays *rays;
-    bb_outside_hits outside;
     bb_oracle *oracle;
-    bb_answers answers;
-    bb_accuracy accuracy;
+    ray_set sets[SETS_MAX];
+    uint32_t set_count;
 } job;
+
+static bb_status read_speeds(const bb_cli *cli, job *j)
+{
+    uint32_t count;
+    char *const *speeds = bb_cli_values(cli, "mrays-s", &count);
+    if (count > 0 && count != j->set_count)
+        return bb_fail(BB_INVALID, "%u --mrays-s for %u files: give one for each, or none", count,
+                       j->set_count);
+    for (uint32_t i = 0; i < count; i++) {
+        char *end;
+        double speed = strtod(speeds[i], &end);
+        if (end == speeds[i] || *end != '\0' || !(speed >= 1e-9 && speed <= 1e9))
+            return bb_fail(BB_INVALID, "--mrays-s is '%s', must be a number from 1e-9 to 1e9",
+                           speeds[i]);
+        j->sets[i].mrays_s = speed;
+    }
+    return BB_OK;
+}
 
 static bb_status read_options(const bb_cli *cli, job *j)
 {
-    j->scene_name = bb_cli_value(cli, "scene");
-    j->rays_path = bb_cli_value(cli, "rays-file");
-    j->hits_path = bb_cli_value(cli, "hits");
-    j->folder = bb_cli_value(cli, "out");
-    if (j->scene_name == NULL || j->rays_path == NULL || j->hits_path == NULL)
+    uint32_t rays_count, hits_count;
+    char *const *rays = bb_cli_values(cli, "rays-file", &rays_count);
+    char *const *hits = bb_cli_values(cli, "hits", &hits_count);
+    if (bb_cli_value(cli, "scene") == NULL || rays_count == 0 || hits_count == 0)
         return bb_fail(BB_INVALID, "judge needs --scene, --rays-file and --hits: see `bvhbench "
                                    "judge --help`");
-    BB_TRY(bb_cli_double(cli, "mrays-s", 0, 1e-9, 1e9, &j->mrays_s));
+    if (rays_count != hits_count || rays_count > SETS_MAX)
+        return bb_fail(BB_INVALID, "%u --rays-file and %u --hits: give as many of each, up to %d",
+                       rays_count, hits_count, SETS_MAX);
+    j->set_count = rays_count;
+    for (uint32_t i = 0; i < rays_count; i++) {
+        j->sets[i].rays_path = rays[i];
+        j->sets[i].hits_path = hits[i];
+    }
+    j->folder = bb_cli_value(cli, "out");
+    BB_TRY(read_speeds(cli, j));
     BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &j->max_wrong_ppm));
     const char *name = bb_cli_value(cli, "name");
     return name != NULL ? bb_spec_parse(name, &j->name) : BB_OK;
 }
 
+/* One ray set twice would be two records of one measurement. */
+static bb_status check_new(const job *j, uint32_t set)
+{
+    for (uint32_t i = 0; i < set; i++)
+        if (j->sets[i].rays->hash == j->sets[set].rays->hash)
+            return bb_fail(BB_INVALID, "rays files %s and %s hold the same rays: give them once",
+                           j->sets[i].rays_path, j->sets[set].rays_path);
+    return BB_OK;
+}
+
+/* All files are read before anything is judged: what is refused shall be refused at once. */
+static bb_status read_files(const bb_cli *cli, job *j)
+{
+    BB_TRY(bb_scene_load(bb_cli_value(cli, "scene"), &j->scene));
+    for (uint32_t i = 0; i < j->set_count; i++) {
+        ray_set *set = &j->sets[i];
+        BB_TRY(bb_exchange_read_rays(set->rays_path, j->scene, &set->rays));
+        BB_TRY(check_new(j, i));
+        BB_TRY(bb_exchange_read_hits(set->hits_path, j->scene, set->rays, &set->outside));
+    }
+    const char *tracer = j->sets[0].outside.tracer;
+    if (j->name.name == NULL)
+        BB_TRY(bb_spec_parse(tracer[0] != '\0' ? tracer : "outside", &j->name));
+    return BB_OK;
+}
+
 static bb_status judge(job *j)
 {
-    BB_TRY(bb_scene_load(j->scene_name, &j->scene));
-    BB_TRY(bb_exchange_read_rays(j->rays_path, j->scene, &j->rays));
-    BB_TRY(bb_exchange_read_hits(j->hits_path, j->scene, j->rays, &j->outside));
-    if (j->name.name == NULL)
-        BB_TRY(
-            bb_spec_parse(j->outside.tracer[0] != '\0' ? j->outside.tracer : "outside", &j->name));
     BB_TRY(bb_oracle_create(j->scene, bb_core_count(), &j->oracle));
-    BB_TRY(bb_answers_make(j->oracle, j->rays, &j->answers));
-    return bb_judge(j->oracle, &j->answers, j->outside.hits, j->outside.count, NULL, &j->accuracy);
+    for (uint32_t i = 0; i < j->set_count; i++) {
+        ray_set *set = &j->sets[i];
+        BB_TRY(bb_answers_make(j->oracle, set->rays, &set->answers));
+        BB_TRY(bb_judge(j->oracle, &set->answers, set->outside.hits, set->outside.count, NULL,
+                        &set->accuracy));
+    }
+    return BB_OK;
 }
 
 /* ---- what it says ---- */
@@ -90,13 +150,13 @@ static const char *figure(double value, char text[32])
     return text;
 }
 
-static void print_first_wrong(const job *j)
+static void print_first_wrong(const ray_set *set)
 {
-    uint32_t i = j->accuracy.first_wrong;
+    uint32_t i = set->accuracy.first_wrong;
     if (i == BB_NONE)
         return;
-    const bb_ray *ray = &j->rays->rays[i];
-    const bb_hit *hits[] = {&j->outside.hits[i], &j->answers.hits[i]};
+    const bb_ray *ray = &set->rays->rays[i];
+    const bb_hit *hits[] = {&set->outside.hits[i], &set->answers.hits[i]};
     static const char *const names[] = {"the tracer", "Embree"};
     printf("the first wrong one is ray %u: o %.9g %.9g %.9g, d %.9g %.9g %.9g, t from %.9g to "
            "%.9g\n",
@@ -113,16 +173,17 @@ static void print_first_wrong(const job *j)
     }
 }
 
-static void print_classes(const job *j)
+static void print_classes(const job *j, const ray_set *set)
 {
-    const bb_accuracy *a = &j->accuracy;
+    const bb_rays *rays = set->rays;
+    const bb_accuracy *a = &set->accuracy;
     uint64_t wrong = a->missed + a->false_hits + a->wrong_t;
     double low, high;
     char ppm[32], least[32], most[32];
     wrong_interval((double)wrong, (double)a->checked, &low, &high);
     printf("%s on %s, %s%s%s, %s hit: %llu hits for %u rays\n", j->name.text, j->scene->name,
-           j->rays->name, j->rays->view[0] != '\0' ? " from " : "", j->rays->view,
-           bb_query_name(j->rays->query), (unsigned long long)a->checked, j->rays->count);
+           rays->name, rays->view[0] != '\0' ? " from " : "", rays->view,
+           bb_query_name(rays->query), (unsigned long long)a->checked, rays->count);
     printf("  right     %10llu   of them %llu ties, %llu by the margin alone\n",
            (unsigned long long)a->right, (unsigned long long)a->ties,
            (unsigned long long)a->forgiven);
@@ -135,7 +196,7 @@ static void print_classes(const job *j)
         printf("  error of t of the right hits, in units of the last place: 99 %% below %.3g, at "
                "most %.3g\n",
                a->t_ulp_p99, a->t_ulp_max);
-    print_first_wrong(j);
+    print_first_wrong(set);
 }
 
 /* ---- the record ---- */
@@ -149,34 +210,34 @@ static bb_status add_build(const job *j, bb_results *results)
     snprintf(build->scene, sizeof build->scene, "%s", j->scene->name);
     snprintf(build->about, sizeof build->about,
              "an outside tracer: its hits were read from a file, its speed %s",
-             j->mrays_s > 0 ? "is as given" : "is not known");
+             j->sets[0].mrays_s > 0 ? "is as given" : "is not known");
     build->spec = &j->name;
     bb_status status = bb_results_add_build(results, build);
     free(build);
     return status;
 }
 
-static bb_status add_trace(const job *j, bb_results *results)
+static bb_status add_trace(const job *j, const ray_set *set, bb_results *results)
 {
     bb_trace_record *trace = calloc(1, sizeof *trace);
     if (trace == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     bb_trace_record_init(trace);
     snprintf(trace->scene, sizeof trace->scene, "%s", j->scene->name);
-    snprintf(trace->view, sizeof trace->view, "%s", j->rays->view);
+    snprintf(trace->view, sizeof trace->view, "%s", set->rays->view);
     snprintf(trace->builder, sizeof trace->builder, "%s", j->name.text);
     snprintf(trace->kernel, sizeof trace->kernel, "outside");
-    snprintf(trace->rays, sizeof trace->rays, "%s", j->rays->name);
-    trace->rays_spec = &j->rays->spec;
-    trace->rays_options = j->rays->workload->options;
-    trace->query = j->rays->query;
-    trace->count = j->outside.count;
-    trace->rays_hash = j->rays->hash;
-    trace->mrays_s_given = j->mrays_s;
+    snprintf(trace->rays, sizeof trace->rays, "%s", set->rays->name);
+    trace->rays_spec = &set->rays->spec;
+    trace->rays_options = set->rays->workload->options;
+    trace->query = set->rays->query;
+    trace->count = set->outside.count;
+    trace->rays_hash = set->rays->hash;
+    trace->mrays_s_given = set->mrays_s;
     trace->has_accuracy = true;
-    trace->accuracy = j->accuracy;
+    trace->accuracy = set->accuracy;
     trace->counts_for_exit = true;
-    trace->wrong = j->accuracy.wrong_ppm > j->max_wrong_ppm;
+    trace->wrong = set->accuracy.wrong_ppm > j->max_wrong_ppm;
     bb_status status = bb_results_add_trace(results, trace);
     free(trace);
     return status;
@@ -201,8 +262,8 @@ static bb_status write_results(const bb_cli *cli, const job *j)
         status = bb_results_add_scene(results, j->scene);
     if (status == BB_OK)
         status = add_build(j, results);
-    if (status == BB_OK)
-        status = add_trace(j, results);
+    for (uint32_t i = 0; i < j->set_count && status == BB_OK; i++)
+        status = add_trace(j, &j->sets[i], results);
     if (status == BB_OK)
         status = bb_results_add_step(results, "judge answers", bb_wall_ms() - j->start);
     if (status == BB_OK)
@@ -218,40 +279,54 @@ static bb_status write_results(const bb_cli *cli, const job *j)
     return status;
 }
 
+static void release(job *j)
+{
+    for (uint32_t i = 0; i < j->set_count; i++) {
+        bb_answers_release(&j->sets[i].answers);
+        bb_outside_hits_release(&j->sets[i].outside);
+        bb_rays_free(j->sets[i].rays);
+    }
+    bb_oracle_destroy(j->oracle);
+    bb_scene_free(j->scene);
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
-    job j = {.start = bb_wall_ms()};
+    static job j; /* a parsed name must not move */
+    j.start = bb_wall_ms();
     bb_status status = read_options(cli, &j);
     if (status == BB_OK && j.folder != NULL)
         status = bb_make_folder(j.folder);
     if (status == BB_OK)
-        status = judge(&j);
+        status = read_files(cli, &j);
     if (status == BB_OK)
-        print_classes(&j);
+        status = judge(&j);
+    for (uint32_t i = 0; i < j.set_count && status == BB_OK; i++) {
+        print_classes(&j, &j.sets[i]);
+        if (j.sets[i].accuracy.wrong_ppm > j.max_wrong_ppm)
+            *exit_status = BB_EXIT_WRONG;
+    }
     if (status == BB_OK && j.folder != NULL)
         status = write_results(cli, &j);
-    if (status == BB_OK && j.accuracy.wrong_ppm > j.max_wrong_ppm)
-        *exit_status = BB_EXIT_WRONG;
-    bb_answers_release(&j.answers);
-    bb_oracle_destroy(j.oracle);
-    bb_outside_hits_release(&j.outside);
-    bb_rays_free(j.rays);
-    bb_scene_free(j.scene);
+    release(&j);
     return status;
 }
 
 const bb_command bb_command_judge = {
     .name = "judge",
     .summary = "class the hits that a tracer from outside made for the rays of `rays`",
-    .details = "A hit is a primitive and a t; framework/exchange.h is the format of both files. "
-               "Classes and\n"
-               "margins are those of `run`; [ , ] is a 95 % interval. Fewer hits than rays are "
-               "those of the\n"
-               "first rays. With --out, `bvhbench report DIR OTHER...` puts the tracer into one "
-               "report with\n"
-               "other results. Exit status 1: more wrong rays than --max-wrong-ppm; 2: a file that "
-               "is damaged,\n"
-               "of another scene or other rays, or holds what is no answer.",
+    .details =
+        "A hit is a primitive and a t; framework/exchange.h is the format of both files. Classes "
+        "and\n"
+        "margins are those of `run`; [ , ] is a 95 % interval. Fewer hits than rays are those of "
+        "the\n"
+        "first rays. Files of several views or workloads become one record: as many --hits, and\n"
+        "--mrays-s, as --rays-file, in the same order. With --out, `bvhbench report DIR OTHER...` "
+        "puts\n"
+        "the tracer into one report with other results. Exit status 1: more wrong rays than\n"
+        "--max-wrong-ppm; 2: a file that is damaged, of another scene or other rays, or holds what "
+        "is\n"
+        "no answer.",
     .options = options,
     .run = run,
 };

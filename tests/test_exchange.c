@@ -363,6 +363,39 @@ static void rays_that_are_none_are_refused(void **state)
         }
 }
 
+/* Some bytes at random, with all hashes right: what is read then can be traced. */
+static void sealed_noise_is_refused_or_can_be_traced(void **state)
+{
+    (void)state;
+    static char bytes[FILE_MAX];
+    bb_random random = bb_random_make(12, 0);
+    uint32_t read = 0;
+    for (int round = 0; round < 3000; round++) {
+        memcpy(bytes, rays_bytes, rays_size);
+        for (uint32_t k = 0; k <= bb_random_below(&random, 3); k++) {
+            bool in_rays = bb_random_below(&random, 2) == 1;
+            size_t at = in_rays ? 1024 + bb_random_below(&random, RAYS * sizeof(bb_ray))
+                                : bb_random_below(&random, (uint32_t)rays_size);
+            bytes[at] = (char)bb_random_u64(&random);
+        }
+        uint64_t hash = XXH3_64bits(bytes + 1024, RAYS * sizeof(bb_ray));
+        memcpy(bytes + IN_RAYS(rays_hash), &hash, 8);
+        seal(bytes, rays_size, IN_RAYS(checksum));
+        bb_rays *got = NULL;
+        bb_status status = read_rays(bytes, rays_size, &got);
+        if (status == BB_OK) {
+            assert_int_equal(got->count, RAYS);
+            assert_int_equal(bb_rays_check(got), BB_OK);
+            read++;
+        } else {
+            assert_int_equal(status, BB_INVALID);
+            expect_message(rays_path, "rays file");
+        }
+        bb_rays_free(got);
+    }
+    assert_true(read > 100 && read < 2900);
+}
+
 static void forged_hits_are_refused(void **state)
 {
     (void)state;
@@ -511,6 +544,7 @@ int main(void)
         cmocka_unit_test(noise_is_refused),
         cmocka_unit_test(forged_rays_are_refused),
         cmocka_unit_test(rays_that_are_none_are_refused),
+        cmocka_unit_test(sealed_noise_is_refused_or_can_be_traced),
         cmocka_unit_test(forged_hits_are_refused),
         cmocka_unit_test(odd_answers_are_read),
         cmocka_unit_test(odd_files_are_refused),

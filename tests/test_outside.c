@@ -202,6 +202,35 @@ static void outside_tracers_are_put_beside_ours(void **state)
     expect(0, "report slow ours --out both.html", "both.html");
 }
 
+/* Several views and workloads are one tracer: one build in the record, a trace each. */
+static void several_files_are_one_record(void **state)
+{
+    (void)state;
+    expect(0, "rays --scene cube --rays primary --size 32x32 --out m0.rays", "three-quarter");
+    expect(0, "rays --scene cube --rays primary --size 32x32 --view back --out m1.rays", "back");
+    expect(0, "rays --scene cube --rays ao --max-rays 500 --out m2.rays", "any hit");
+    trace("m0.rays m0.hits");
+    trace("m1.rays m1.hits");
+    trace("m2.rays m2.hits");
+    const outcome *o = expect(0,
+                              "judge --scene cube --rays-file m0.rays,m1.rays,m2.rays --hits "
+                              "m0.hits,m1.hits --hits m2.hits --mrays-s 1,2,3 --out many",
+                              "primary from back");
+    assert_non_null(strstr(o->out, "primary from three-quarter"));
+    assert_non_null(strstr(o->out, "ao, any hit"));
+    cJSON *json = read_results("many/results.json");
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(json, "builds")), 1);
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(json, "traces")), 3);
+    assert_true(cJSON_GetNumberValue(
+                    cJSON_GetObjectItem(trace_of(json, "outside", "back"), "mrays_s")) == 2);
+    cJSON_Delete(json);
+    refuses("judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits", "as many of each");
+    refuses("judge --scene cube --rays-file m0.rays,m0.rays --hits m0.hits,m0.hits", "same rays");
+    refuses("judge --scene cube --rays-file m0.rays,m1.rays --hits m1.hits,m0.hits", "other rays");
+    refuses("judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits,m1.hits --mrays-s 1",
+            "--mrays-s");
+}
+
 static void the_same_command_writes_the_same_file(void **state)
 {
     (void)state;
@@ -300,6 +329,7 @@ int main(void)
         cmocka_unit_test(the_example_is_right),
         cmocka_unit_test(the_careless_one_is_caught),
         cmocka_unit_test(outside_tracers_are_put_beside_ours),
+        cmocka_unit_test(several_files_are_one_record),
         cmocka_unit_test(the_same_command_writes_the_same_file),
         cmocka_unit_test(bad_requests_are_refused),
         cmocka_unit_test(damaged_files_are_refused),
