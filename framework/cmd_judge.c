@@ -227,6 +227,7 @@ static bb_status add_trace(const job *j, const ray_set *set, bb_results *results
     snprintf(trace->view, sizeof trace->view, "%s", set->rays->view);
     snprintf(trace->builder, sizeof trace->builder, "%s", j->name.text);
     snprintf(trace->kernel, sizeof trace->kernel, "outside");
+    snprintf(trace->intersector, sizeof trace->intersector, "own");
     snprintf(trace->rays, sizeof trace->rays, "%s", set->rays->name);
     trace->rays_spec = &set->rays->spec;
     trace->rays_options = set->rays->workload->options;

@@ -169,7 +169,8 @@ static void outside_tracers_are_put_beside_ours(void **state)
            "mine:quality=high --out outside",
            "mine:quality=high on sphere-mesh:n=8");
     expect(0,
-           "run --scene sphere-mesh:n=8 --builder null --rays primary --size 64x64 --max-rays 3000 "
+           "run --scene sphere-mesh:n=8 --builder null --rays primary,diffuse --size 64x64 "
+           "--max-rays 3000 "
            "--repeats 1 --no-pictures --quiet --out ours",
            "null");
     cJSON *ours = read_results("ours/results.json"), *theirs = read_results("outside/results.json");
@@ -185,6 +186,20 @@ static void outside_tracers_are_put_beside_ours(void **state)
     assert_true(cJSON_IsFalse(cJSON_GetObjectItem(outside, "wrong")));
     assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(cJSON_GetObjectItem(outside, "accuracy"),
                                                          "checked")) == 64 * 64);
+    /* sets that are sampled are the same, too */
+    const outcome *o = expect(0,
+                              "rays --scene sphere-mesh:n=8 --rays diffuse --size 64x64 --max-rays "
+                              "3000 --out o2.rays",
+                              "; rays ");
+    bool found = false;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(ours, "traces"))
+    {
+        const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(item, "rays"));
+        hash = cJSON_GetStringValue(cJSON_GetObjectItem(item, "rays_hash"));
+        found |= strcmp(name, "diffuse") == 0 && strstr(o->out, hash) != NULL;
+    }
+    assert_true(found);
     cJSON_Delete(ours);
     cJSON_Delete(theirs);
     expect(0, "report ours outside --out both.html", "both.html");
