@@ -64,7 +64,7 @@ bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t see
     if (status == BB_OK)
         status = add_set(c, "ao");
     if (status == BB_OK)
-        status = add_set(c, "random");
+        status = add_set(c, "random:near=0.5");
     if (status == BB_OK)
         status =
             bb_buffer_reserve(device, &c->account, rays_per_set * sizeof(bb_hit), "hits", &c->hits);
@@ -144,19 +144,17 @@ static bb_status check_set(bb_conformance *c, uint32_t set, const bb_kernel *ker
 
 static bb_status check_kernel(bb_conformance *c, bb_instance *instance, const bb_kernel *kernel)
 {
-    const bb_layout *layout = bb_layout_find(kernel->layout);
+    bb_layout_maker maker;
     bb_layout_data data = {0};
-    void *self = NULL;
-    bb_status status = layout->create(c->device, &c->account, &self);
+    bb_status status = bb_layout_maker_create(bb_layout_find(kernel->layout), c->device, &maker);
     if (status == BB_OK)
         status = bb_tree_upload(&instance->tree, c->device, NULL);
     if (status == BB_OK)
-        status = layout->make(self, c->scene, &instance->tree, 1, &data);
+        status = bb_layout_maker_make(&maker, c->scene, &instance->tree, 1, &data);
     for (uint32_t set = 0; set < c->set_count && status == BB_OK; set++)
         status = check_set(c, set, kernel, &data, &instance->tree.info);
     bb_layout_data_release(&data);
-    if (self != NULL)
-        layout->destroy(self);
+    bb_layout_maker_destroy(&maker);
     return status;
 }
 

@@ -490,6 +490,8 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
         put_text(entry, "scene", trace->scene) && put_text(entry, "view", trace->view) &&
         put_text(entry, "builder", trace->builder) && put_text(entry, "kernel", trace->kernel) &&
         put_text(entry, "layout", trace->layout) &&
+        (trace->layout[0] != '\0' ? put_bool(entry, "native", trace->native)
+                                  : cJSON_AddNullToObject(entry, "native") != NULL) &&
         put_text(entry, "intersector", trace->intersector) &&
         put_text(entry, "rays", trace->rays) &&
         put_text(entry, "query", bb_query_name(trace->query)) &&

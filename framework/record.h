@@ -69,6 +69,7 @@ typedef struct bb_trace_record {
     bb_query query;
     uint32_t count;
     uint64_t rays_hash;
+    bool native; /* the layout keeps the shape of the builder's tree */
     uint32_t group_size, stack_size;
     bb_status status;
     char reason[512];

@@ -198,6 +198,7 @@ static const field trace_fields[] = {
     {"builder", TEXT},
     {"kernel", TEXT},
     {"layout", TEXT | NONE},
+    {"native", BOOLEAN | NONE},
     {"intersector", TEXT | NONE},
     {"rays", TEXT},
     {"query", TEXT | NONE},

@@ -223,6 +223,7 @@ static inline void sample_add_trace(bb_results *results, const sample_scene *sce
     } else {
         snprintf(trace.kernel, sizeof trace.kernel, variant == 1 ? "stack:leaf=4" : "stack");
         snprintf(trace.layout, sizeof trace.layout, variant == 1 ? "pair:leaf=4" : "pair");
+        trace.native = variant != 1;
         snprintf(trace.intersector, sizeof trace.intersector, variant == 2 ? "moller" : "exact");
         trace.node_tests_per_ray = builder->sah * 0.55;
         trace.prim_tests_per_ray = builder->sah * (variant == 1 ? 0.12 : 0.07);

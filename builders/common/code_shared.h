@@ -17,15 +17,15 @@ typedef uint64_t bb_u64;
 
 /* Lanes 0 to 2 are the axes x, y, z, lane 3 is the size. */
 typedef struct bb_code_plan {
-    float low[4];                   /* of the box that is quantised */
-    float scale[4];                 /* cells per unit; lane 3: per unit of the size measure; 0: no cells */
-    float last[4];                  /* largest cell: 2^bits - 1, exact */
-    bb_u64 moved[BB_CODE_STEPS][4]; /* where bits are after the step that moved them there */
+    float low[4];   /* of the box that is quantised */
+    float scale[4]; /* cells per unit; lane 3: per unit of the size measure; 0: no cells */
+    float last[4];  /* largest cell: 2^bits - 1, exact */
+    bb_u64 moved[4][BB_CODE_STEPS]; /* where bits are after the step that moved them there */
     bb_u64 kept[4];                 /* where the lane's bits are in the end */
-    bb_u64 flip;                    /* bits that are negated: axes along which the view looks backwards */
-    float unit;                     /* 1 / longest side: sizes are measured in it, so that no square overflows */
-    bb_u32 size_count;              /* with sizes told by the cell: how many size bits */
-    float size_least[BB_CODE_SIZES];  /* the square of the size from which on the bit is set */
+    bb_u64 flip;       /* bits that are negated: axes along which the view looks backwards */
+    float unit;        /* 1 / longest side: sizes are measured in it, so that no square overflows */
+    bb_u32 size_count; /* with sizes told by the cell: how many size bits */
+    float size_least[BB_CODE_SIZES]; /* the square of the size from which on the bit is set */
     bb_u64 size_bit[BB_CODE_SIZES];
 } bb_code_plan;
 

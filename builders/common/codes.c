@@ -12,10 +12,10 @@ enum { AXIS_BITS_MAX = 24 };
 /* The state while bits are dealt out, from the top. */
 struct bb_code_walk {
     const bb_code_choice *choice;
-    uint32_t order[3];  /* axes, first to last */
-    double side[3];     /* of the cell that the bits so far leave */
-    uint32_t count[4];  /* bits so far, per axis and of the size */
-    uint32_t bit;       /* bits so far */
+    uint32_t order[3]; /* axes, first to last */
+    double side[3];    /* of the cell that the bits so far leave */
+    uint32_t count[4]; /* bits so far, per axis and of the size */
+    uint32_t bit;      /* bits so far */
 };
 typedef struct bb_code_walk walk;
 
@@ -35,7 +35,8 @@ typedef struct bb_code bb_code;
 static bool is_size_bit(const walk *w)
 {
     const bb_code_choice *c = w->choice;
-    return c->every > 0 && (w->bit + 1) % c->every == 0 && w->count[BB_CODE_SIZE_AXIS] < c->size_bits;
+    return c->every > 0 && (w->bit + 1) % c->every == 0 &&
+           w->count[BB_CODE_SIZE_AXIS] < c->size_bits;
 }
 
 /* The axes in turn. */
@@ -62,6 +63,21 @@ static uint32_t longest(const walk *w)
             found = axis;
     }
     return found;
+}
+
+/* As `longest`, and a size bit each time the cell's longest side has been halved: after three bits while the cell is a cube, after
+ * two while it is flat, so that what is told apart by its size is as large against its cell in all scenes. */
+static uint32_t halved(const walk *w)
+{
+    double now = 0, whole = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        now = fmax(now, w->side[k]);
+        whole = fmax(whole, ldexp(w->side[k], (int)w->count[k]));
+    }
+    uint32_t sizes = w->count[BB_CODE_SIZE_AXIS];
+    if (sizes < w->choice->size_bits && now > 0 && now <= ldexp(whole, -(int)(sizes + 1)))
+        return BB_CODE_SIZE_AXIS;
+    return longest(w);
 }
 
 /* ---- the table ---- */
@@ -131,7 +147,10 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
         choice->sizes = strcmp(sizes, "linear") == 0 ? BB_SIZES_LINEAR
                         : strcmp(sizes, "root") == 0 ? BB_SIZES_ROOT
                                                      : BB_SIZES_CELL;
-    choice->by_area = bb_spec_is(spec, options, "measure", "area");
+    BB_TRY(bb_spec_double(spec, options, "large", 1e-3, 1e3, &choice->large));
+    choice->measure = bb_spec_is(spec, options, "measure", "area")   ? BB_BY_AREA
+                      : bb_spec_is(spec, options, "measure", "side") ? BB_BY_SIDE
+                                                                     : BB_BY_DIAGONAL;
     choice->by_centroids = bb_spec_is(spec, options, "box", "centroids");
     choice->tables = bb_spec_is(spec, options, "expand", "tables");
     return BB_OK;
@@ -183,7 +202,7 @@ static void plan_moves(bb_code_layout *layout, uint32_t lane)
             if ((distance & move) == 0)
                 continue;
             at += move;
-            plan->moved[step][lane] |= UINT64_C(1) << at;
+            plan->moved[lane][step] |= UINT64_C(1) << at;
         }
     }
 }
@@ -195,11 +214,13 @@ static float cells_per_unit(uint32_t bits, double extent)
     return extent > 0 && bits > 0 && scale <= FLT_MAX ? (float)scale : 0.0f;
 }
 
-/* The size measure of a box with these sides: its diagonal, or the square root of its area, which are both lengths. */
+/* The size measure of a box with these sides, a length: its diagonal, the square root of its area or its longest side. */
 static double size_of(const bb_code_choice *choice, const double side[3])
 {
     double x = side[0], y = side[1], z = side[2];
-    return choice->by_area ? sqrt(2 * (x * y + y * z + z * x)) : sqrt(x * x + y * y + z * z);
+    return choice->measure == BB_BY_AREA   ? sqrt(2 * (x * y + y * z + z * x))
+           : choice->measure == BB_BY_SIDE ? fmax(x, fmax(y, z))
+                                           : sqrt(x * x + y * y + z * z);
 }
 
 /* The bits of the size. linear: of size / scene. root: of its square root, since a step of six halvings quarters the cell
@@ -224,14 +245,14 @@ static void plan_sizes(const bb_code_choice *choice, bb_code_layout *layout, dou
         double side[3];
         for (uint32_t k = 0; k < 3; k++)
             side[k] = layout->sides[i][k] * unit;
-        double least = size_of(choice, side);
+        double least = choice->large * size_of(choice, side);
         plan->size_least[plan->size_count] = (float)(least * least);
         plan->size_bit[plan->size_count++] = UINT64_C(1) << (layout->bits - 1 - i);
     }
 }
 
-void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2], const double direction[3],
-                     bb_code_layout *layout)
+void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
+                     const double direction[3], bb_code_layout *layout)
 {
     const bb_box *box = &bounds[choice->by_centroids ? 1 : 0];
     double whole[3], all = 0;

@@ -21,7 +21,8 @@
     ROW("emc32-sort", interleaved, 32, EXTENT, 4, 8, LINEAR, "axes by extent, size every 4th")     \
     ROW("emc64-sort", interleaved, 64, EXTENT, 4, 16, LINEAR, "axes by extent, size every 4th")    \
     ROW("emc32-var", longest, 32, EXTENT, 7, 4, ROOT, "bits to the longest axis, size every 7th")  \
-    ROW("emc64-var", longest, 64, EXTENT, 7, 6, ROOT, "bits to the longest axis, size every 7th")
+    ROW("emc64-var", longest, 64, EXTENT, 7, 6, ROOT, "bits to the longest axis, size every 7th")  \
+    ROW("emc64-cell", halved, 64, EXTENT, 0, 16, CELL, "as var, size at each halving of the cell")
 
 #define BB_CODE_WORD(name, ...) "|" name
 #define BB_CODE_NAMES (&(BB_CODE_TABLE(BB_CODE_WORD))[1])
@@ -34,10 +35,13 @@
         {"count", NULL, "equal|variable", "bits per axis; variable: to the longest side"},         \
         {"every", NULL, NULL, "each so many-th bit tells the size, 2 to 64; 0: none"},             \
         {"size-bits", NULL, NULL, "size bits at most, 0 to 24"},                                   \
-        {"size", NULL, "linear|root|cell", "how size is told: a fraction of the scene's, its "     \
-                                           "square root, or against the cell's own"},              \
-        {"measure", "diagonal", "diagonal|area", "what size is: of the box its diagonal or area"}, \
-        {"box", "scene", "scene|centroids", "the box that is cut into cells"},                     \
+        {"size", NULL, "linear|root|cell",                                                         \
+         "how size is told: a fraction of the scene's, its "                                       \
+         "square root, or against the cell's own"},                                                \
+        {"large", "1", NULL, "size=cell: from which share of the cell's size on the bit is set"},  \
+        {"measure", "diagonal", "diagonal|area|side",                                              \
+         "size: the box's diagonal, area or longest side"},                                        \
+        {"box", "centroids", "centroids|scene", "what is cut into cells"},                         \
         {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
     {                                                                                              \
         "view", "none", NULL, BB_VIEW_ORDER_HELP                                                   \
@@ -45,10 +49,12 @@
 
 enum { BB_CODE_BITS_MAX = 64, BB_CODE_SIZE_AXIS = 3, BB_CODE_END = 4 };
 
+struct bb_code_walk;
+
 typedef enum bb_code_order { BB_AXES_XYZ, BB_AXES_EXTENT, BB_AXES_VIEW } bb_code_order;
 typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_code_sizes;
 
-struct bb_code_walk; /* codes.c */
+typedef enum bb_code_measure { BB_BY_DIAGONAL, BB_BY_AREA, BB_BY_SIDE } bb_code_measure;
 
 /* What was asked for. */
 typedef struct bb_code_choice {
@@ -58,7 +64,8 @@ typedef struct bb_code_choice {
     bb_code_order order;
     uint32_t every, size_bits;
     bb_code_sizes sizes;
-    bool by_area;
+    double large; /* with sizes told by the cell: the share of its size that is large */
+    bb_code_measure measure;
     bool by_centroids;
     bool tables;
     char view[64]; /* as bb_view_order() takes it */
@@ -66,10 +73,10 @@ typedef struct bb_code_choice {
 
 /* A scene's code: what describes it, and what the device needs. */
 typedef struct bb_code_layout {
-    uint32_t bits;                    /* in use; may be fewer than asked for */
-    uint8_t axes[BB_CODE_BITS_MAX];   /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
+    uint32_t bits;                     /* in use; may be fewer than asked for */
+    uint8_t axes[BB_CODE_BITS_MAX];    /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
     double sides[BB_CODE_BITS_MAX][3]; /* of the cell that the bits up to and with this one leave */
-    uint32_t count[4];                /* bits per axis, and of the size */
+    uint32_t count[4];                 /* bits per axis, and of the size */
     bb_code_plan plan;
 } bb_code_layout;
 
@@ -79,8 +86,8 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
 /* Lays the code out for a scene whose primitives' boxes, and their centroids, lie in these two boxes (bb_reduce_boxes).
  * `direction` is where the view looks, zero for none. Does not fail: an axis without extent gets no bits in a code of variable
  * counts, and one cell in others. */
-void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2], const double direction[3],
-                     bb_code_layout *layout);
+void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
+                     const double direction[3], bb_code_layout *layout);
 
 /* The layout as letters from the top: "xzxzxyszxy..."; capitals are negated. `capacity` beyond BB_CODE_BITS_MAX. */
 void bb_code_letters(const bb_code_layout *layout, char *text, size_t capacity);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GROUP_SIZE = 64, TABLE = 4 << BB_CODE_CHUNK_BITS };
+enum { GROUP_SIZE = 64, VALUES = 1 << BB_CODE_CHUNK_BITS };
 
 struct bb_codes {
     bb_device *device;
@@ -13,11 +13,12 @@ struct bb_codes {
     const char *builder;
     bb_code_choice choice;
     bb_code_layout layout;
+    uint32_t lanes; /* boxes per work-item */
     cl_program program;
     cl_kernel keys;
     bb_buffer bounds; /* two bb_box */
     bb_buffer plan;
-    bb_buffer tables; /* [chunk][value][lane]: the places of a chunk's bits */
+    bb_buffer tables; /* [chunk][lane][value]: the places of a chunk's bits */
 };
 
 bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
@@ -31,21 +32,23 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
     codes->builder = context->spec->name;
     BB_TRY(bb_code_choose(context->spec, context->options, &codes->choice));
     const bb_code_choice *choice = &codes->choice;
-    uint32_t sizes = choice->every == 0 || choice->size_bits == 0 ? 0
-                     : choice->sizes == BB_SIZES_LINEAR           ? 1
-                     : choice->sizes == BB_SIZES_ROOT             ? 2
-                                                                  : 3;
+    uint32_t sizes = choice->size_bits == 0             ? 0
+                     : choice->sizes == BB_SIZES_LINEAR ? 1
+                     : choice->sizes == BB_SIZES_ROOT   ? 2
+                                                        : 3;
+    codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
     char defines[128];
-    snprintf(defines, sizeof defines, "%s -DBB_SIZES=%u -DBB_BY_AREA=%d -DBB_TABLES=%d",
-             bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", sizes, choice->by_area,
-             choice->tables);
+    snprintf(defines, sizeof defines,
+             "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_MEASURE=%d -DBB_TABLES=%d",
+             bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", codes->lanes, sizes,
+             choice->measure, choice->tables);
     BB_TRY(bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
     BB_TRY(bb_kernel_get(codes->program, "code_keys", &codes->keys));
     BB_TRY(bb_buffer_reserve(codes->device, codes->account, 2 * sizeof(bb_box), "codes: bounds",
                              &codes->bounds));
     BB_TRY(bb_buffer_reserve(codes->device, codes->account, sizeof(bb_code_plan), "codes: plan",
                              &codes->plan));
-    size_t tables = choice->tables ? BB_CODE_CHUNKS * TABLE : 1;
+    size_t tables = choice->tables ? BB_CODE_CHUNKS * 4 * VALUES : 1;
     return bb_buffer_reserve(codes->device, codes->account, tables * sizeof(uint64_t),
                              "codes: tables", &codes->tables);
 }
@@ -80,25 +83,22 @@ const bb_code_layout *bb_codes_layout(const bb_codes *codes)
 /* Tables of each lane's bits, as section 4.5 of the paper has them; in chunks that the first-level cache holds. */
 static bb_status write_tables(bb_codes *codes)
 {
-    static const uint32_t values = 1u << BB_CODE_CHUNK_BITS;
     const bb_code_layout *layout = &codes->layout;
     uint64_t places[4][BB_CODE_CHUNKS * BB_CODE_CHUNK_BITS] = {{0}};
+    uint64_t tables[BB_CODE_CHUNKS][4][VALUES];
     uint32_t rank[4];
     memcpy(rank, layout->count, sizeof rank);
     for (uint32_t i = 0; i < layout->bits; i++) {
         uint32_t lane = layout->axes[i];
         places[lane][--rank[lane]] = UINT64_C(1) << (layout->bits - 1 - i);
     }
-    uint64_t tables[BB_CODE_CHUNKS * TABLE];
     for (uint32_t chunk = 0; chunk < BB_CODE_CHUNKS; chunk++)
         for (uint32_t lane = 0; lane < 4; lane++) {
-            uint64_t *table = tables + chunk * TABLE + lane;
+            uint64_t *table = tables[chunk][lane];
+            const uint64_t *bits = &places[lane][chunk * BB_CODE_CHUNK_BITS];
             table[0] = 0;
-            for (uint32_t value = 1; value < values; value++) {
-                uint32_t lowest = (uint32_t)__builtin_ctz(value);
-                table[4 * value] = table[4 * (value & (value - 1))] |
-                                   places[lane][chunk * BB_CODE_CHUNK_BITS + lowest];
-            }
+            for (uint32_t value = 1; value < VALUES; value++)
+                table[value] = table[value & (value - 1)] | bits[__builtin_ctz(value)];
         }
     return bb_buffer_write(&codes->tables, 0, sizeof tables, tables);
 }
@@ -121,6 +121,7 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
     BB_TRY(bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan));
     if (codes->choice.tables)
         BB_TRY(write_tables(codes));
-    return bb_launch(codes->device, codes->keys, count, GROUP_SIZE, BB_MEM(*boxes), BB_VALUE(count),
+    uint32_t items = (count + codes->lanes - 1) / codes->lanes;
+    return bb_launch(codes->device, codes->keys, items, GROUP_SIZE, BB_MEM(*boxes), BB_VALUE(count),
                      BB_MEM(codes->plan), BB_MEM(codes->tables), BB_MEM(*keys), BB_MEM(*values));
 }

@@ -62,8 +62,7 @@ bb_status bb_linear_build(void *opaque, const bb_scene *scene, const bb_tree *in
     (void)input;
     linear_bvh *self = opaque;
     uint32_t count = scene->prim_count;
-    BB_TRY(
-        bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
+    BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
     BB_TRY(bb_phase(phases, "sort"));
     uint32_t bits = bb_codes_layout(self->codes)->bits;
     if (bits > 0 && bb_codes_key_bytes(self->codes) == 8)

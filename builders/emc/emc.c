@@ -21,6 +21,7 @@ const bb_builder bb_builder_emc = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
+    .compared = "emc,emc:code=emc64-cell",
     .create = bb_linear_create,
     .prepare = bb_linear_prepare,
     .build = bb_linear_build,

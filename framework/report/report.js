@@ -499,7 +499,7 @@ function traceTable() {
     ...minor([num('Rays traced', t => t.count, undefined, whole), num('of', t => t.all, 'rays in the set', whole),
     num('Counted', t => t.counted, 'rays whose tests were counted', whole),
     acc('Overflowed', 'overflowed', 'of the counted rays'),
-    { name: 'Query', text: t => t.query || dash }, { name: 'Layout', text: t => t.layout || dash },
+    { name: 'Query', text: t => t.query || dash }, { name: 'Layout', text: t => t.layout ? t.layout + (t.native ? ', native' : '') : dash },
     num('ms', t => t.ms_median, 'median wall clock'), num('Event ms', t => t.event_ms, 'OpenCL profiling'),
     num('CPU ms', t => t.cpu_ms, 'process time of all threads'),
     acc('Ties', 'ties'), acc('Margin limited', 'margin_limited'), acc('Oracle wrong', 'oracle_wrong'),
