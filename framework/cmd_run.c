@@ -8,12 +8,9 @@
 #include "traversal/traversal.h"
 
 #include <cjson/cJSON.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const bb_cli_option options[] = {
     {"scene", "S",
@@ -77,22 +74,6 @@ static bb_status read_metrics(const bb_cli *cli, bool *epo)
     return BB_OK;
 }
 
-/* Makes the folder, and makes sure now that it can be written, not after the work. */
-static bb_status make_folder(const char *path)
-{
-    if (mkdir(path, 0777) != 0 && errno != EEXIST)
-        return bb_fail(BB_INVALID, "cannot make the output folder %s: %s", path, strerror(errno));
-    char probe[1100];
-    snprintf(probe, sizeof probe, "%s/.bvhbench-XXXXXX", path);
-    int file = mkstemp(probe);
-    if (file < 0)
-        return bb_fail(BB_INVALID, "cannot write into the output folder %s: %s", path,
-                       strerror(errno));
-    close(file);
-    unlink(probe);
-    return BB_OK;
-}
-
 /* The file first: it is what must not be lost. It is written again with the time that the page took. */
 static bb_status write_results(bb_results *results, const char *folder, const bb_bench_times *times,
                                bool quiet)
@@ -126,19 +107,6 @@ static bb_status keep_results(bb_results *results, const char *folder, bb_status
     return bb_fail(status, "%s (what was measured before is in %s)", reason, json);
 }
 
-static char *join_command(const bb_cli *cli)
-{
-    size_t length = 1;
-    for (int i = 0; i < cli->argc; i++)
-        length += strlen(cli->argv[i]) + 1;
-    char *text = calloc(1, length);
-    for (int i = 0; text != NULL && i < cli->argc; i++) {
-        strcat(text, i > 0 ? " " : "");
-        strcat(text, i > 0 ? cli->argv[i] : "bvhbench");
-    }
-    return text;
-}
-
 static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
 {
     uint64_t max_rays, repeats;
@@ -162,7 +130,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_bench_request request = {0};
     bb_bench_times times = {0};
     bb_results *results = NULL;
-    char *command = join_command(cli);
+    char *command = bb_cli_command_line(cli);
     uint32_t wrong = 0, kernels_given;
     bb_cli_values(cli, "kernel", &kernels_given);
     bb_status status = bb_load_plugins(cli);
@@ -193,7 +161,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_bench_check(&request);
     if (status == BB_OK)
-        status = make_folder(folder);
+        status = bb_make_folder(folder);
     if (status == BB_OK)
         status = bb_open_device(cli, &request.device);
     if (status == BB_OK)
