@@ -105,7 +105,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_bench_request request = {0};
     bb_bench_times times = {0};
     bb_results *results = NULL;
-    char *command = bb_cli_text(cli);
+    char *command = bb_cli_command_line(cli);
     uint32_t wrong = 0, kernels_given;
     bb_cli_values(cli, "kernel", &kernels_given);
     bb_status status = bb_load_plugins(cli);
@@ -136,7 +136,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_bench_check(&request);
     if (status == BB_OK)
-        status = bb_output_make(folder);
+        status = bb_make_folder(folder);
     if (status == BB_OK)
         status = bb_open_device(cli, &request.device);
     if (status == BB_OK)

@@ -10,6 +10,8 @@ int main(int argc, char **argv)
         &bb_command_check,
         &bb_command_render,
         &bb_command_report,
+        &bb_command_rays,
+        &bb_command_judge,
         &bb_command_reproduce,
         NULL,
     };

@@ -4,27 +4,7 @@
 #include "framework/report.h"
 
 #include <cjson/cJSON.h>
-#include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-bb_status bb_output_make(const char *folder)
-{
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return bb_fail(BB_INVALID, "cannot make the output folder %s: %s", folder, strerror(errno));
-    char probe[1100];
-    snprintf(probe, sizeof probe, "%s/.bvhbench-XXXXXX", folder);
-    int file = mkstemp(probe);
-    if (file < 0)
-        return bb_fail(BB_INVALID, "cannot write into the output folder %s: %s", folder,
-                       strerror(errno));
-    close(file);
-    unlink(probe);
-    return BB_OK;
-}
 
 /* The file first: it is what must not be lost. It is written again with the time that the page took. */
 bb_status bb_output_write(bb_results *results, const char *folder, const bb_bench_times *times)

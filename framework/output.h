@@ -4,9 +4,6 @@
 
 #include "framework/bench.h"
 
-/* Makes the folder, and makes sure now that it can be written, not after the work. */
-bb_status bb_output_make(const char *folder);
-
 /* Writes results.json and report.html; the time that the page took becomes a step of the results. */
 bb_status bb_output_write(bb_results *results, const char *folder, const bb_bench_times *times);
 

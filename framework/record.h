@@ -83,6 +83,7 @@ typedef struct bb_trace_record {
     bb_status status;
     char reason[512];
     bb_samples ms, event_ms, cpu_ms;
+    double mrays_s_given; /* of an outside tracer: its speed, as somebody says; else 0 */
     double node_tests_per_ray, prim_tests_per_ray;
     bool has_accuracy;
     bb_accuracy accuracy;

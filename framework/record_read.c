@@ -215,6 +215,7 @@ static const field trace_fields[] = {
     {"mrays_s", NUMBER | NONE},
     {"mrays_s_lo", NUMBER | NONE},
     {"mrays_s_hi", NUMBER | NONE},
+    {"mrays_s_given", BOOLEAN | NONE},
     {"node_tests_per_ray", NUMBER | NONE},
     {"prim_tests_per_ray", NUMBER | NONE},
     {"counted", NUMBER | NONE},
