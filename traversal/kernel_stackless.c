@@ -12,4 +12,5 @@ const bb_kernel bb_kernel_stackless = {
     .compared =
         false, /* the stack is faster on every binary tree; this one traces any tree as it was built */
     .native = true,
+    .stackless = true,
 };

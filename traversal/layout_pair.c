@@ -77,14 +77,14 @@ static bb_status make_nodes(pair_layout *self, const bb_tree *tree, bb_layout_da
                      BB_MEM(self->base), BB_MEM(data->buffers[0]));
 }
 
-/* Entries for a balanced binary tree over up to `arity` children at each of `depth` levels: an upper bound that needs no walk. */
-static uint32_t stack_need(const bb_tree_info *info)
+/* Those of a balanced binary tree over up to `arity` children at each of `depth` levels: an upper bound that needs no walk. */
+static uint32_t levels(const bb_tree_info *info)
 {
-    uint64_t levels = 0;
-    while ((UINT64_C(1) << levels) < info->arity)
-        levels++;
-    uint64_t need = info->depth * levels;
-    return need < UINT32_MAX ? (uint32_t)need : UINT32_MAX;
+    uint64_t each = 0;
+    while ((UINT64_C(1) << each) < info->arity)
+        each++;
+    uint64_t all = info->depth * each;
+    return all < UINT32_MAX ? (uint32_t)all : UINT32_MAX;
 }
 
 /* No wide nodes, and none with one child. */
@@ -101,7 +101,8 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
         return bb_fail(BB_UNSUPPORTED, "layout pair takes nodes of up to %d children, not %u",
                        ARITY_MAX, tree->info.arity);
     data->buffer_count = 2;
-    data->stack_need = stack_need(&tree->info);
+    data->levels = levels(&tree->info);
+    data->stack_need = data->levels; /* one per pair node on the way */
     data->keeps_shape = is_binary(&tree->info);
     BB_TRY(make_nodes(self, tree, data));
     return bb_records_make(self->records, scene, tree, &data->buffers[1], &data->bytes);
