@@ -392,7 +392,7 @@ static bool put_tree(cJSON *entry, const bb_build_record *build)
 
 static bool put_layouts(cJSON *entry, const bb_build_record *build)
 {
-    bb_named_ms sah[8];
+    bb_named_ms sah[sizeof build->layouts / sizeof build->layouts[0]];
     for (uint32_t i = 0; i < build->layout_count; i++) {
         memcpy(sah[i].name, build->layouts[i].name, sizeof sah[i].name);
         sah[i].ms = build->layout_sah[i];
