@@ -1,4 +1,5 @@
-/* bvhbench report: result files into one HTML page. */
+/* bvhbench report: result files into one HTML page, and its charts as pictures. */
+#include "framework/charts_option.h"
 #include "framework/cli.h"
 #include "framework/file.h"
 #include "framework/record.h"
@@ -14,6 +15,7 @@
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
      false},
+    BB_CHARTS_OPTION,
     {NULL, NULL, NULL, false},
 };
 
@@ -69,6 +71,22 @@ static bb_status read_input(const char *argument, bb_results **results, char **f
     return locate_pictures(*results, *folder);
 }
 
+/* The pictures lie in the folder `charts` beside the page. */
+static bb_status write_charts(bb_results *results, const char *page)
+{
+    char path[PATH_MAX];
+    uint32_t pictures;
+    char *folder = bb_file_folder(page);
+    bb_status status =
+        folder != NULL ? join(path, folder, "charts") : bb_fail(BB_FAILED, "report: no memory");
+    if (status == BB_OK)
+        status = bb_report_charts(results, path, &pictures);
+    if (status == BB_OK)
+        printf("%s: %u charts, each as SVG and PNG\n", path, pictures);
+    free(folder);
+    return status;
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     if (cli->positional_count == 0)
@@ -77,6 +95,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     char *folder = NULL, *other = NULL;
     char beside[PATH_MAX];
     const char *out = bb_cli_value(cli, "out");
+    bool charts;
+    BB_TRY(bb_charts_wanted(cli, &charts));
     bb_status status = read_input(cli->positional[0], &all, &folder);
     for (uint32_t i = 1; status == BB_OK && i < cli->positional_count; i++) {
         status = read_input(cli->positional[i], &more, &other);
@@ -95,6 +115,10 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         status = bb_report_html(all, NULL, out);
     if (status == BB_OK)
         printf("%s\n", out);
+    if (status == BB_OK && charts)
+        status = write_charts(all, out);
+    else if (status == BB_OK)
+        bb_charts_note(cli);
     bb_results_destroy(all);
     free(folder);
     *exit_status = BB_EXIT_OK;
@@ -103,7 +127,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 
 const bb_command bb_command_report = {
     .name = "report",
-    .summary = "makes the HTML report of one or several result files",
+    .summary = "makes the HTML report of one or several result files, and its charts as pictures",
     .arguments = "FILE|DIR...",
     .details = "A folder stands for its results.json. Several inputs become one report; scenes of "
                "the same\n"
