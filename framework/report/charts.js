@@ -56,19 +56,26 @@ function stairs(front, worst, right) {
   return steps.concat(steps.length ? [{ x: right, y }] : []);
 }
 
-/* The marks of a chart as a table beside it; a row that is pointed at or focused shows its mark. */
+/* The marks of a chart as a table beside it; a row that is pointed at, or reached by the arrow keys, shows its mark. */
 const tableStates = {};
 function markTable(id, chart, points, columns) {
-  const box = $(id);
+  const box = $(id), first = columns.findIndex(c => c.first);
   box.replaceChildren();
-  tableStates[id] = tableStates[id] || { column: columns.findIndex(c => c.first), down: columns.find(c => c.first).down, words: [], odd: false };
-  const table = addTable(box, 'The marks of the chart', columns, points, {
+  tableStates[id] = tableStates[id] || { column: first, down: columns[first].down, words: [], odd: false };
+  const table = addTable(box, 'The marks of the chart. The arrow keys go through them.', columns, points, {
     tools: true, state: tableStates[id], css: p => p.cell.reference ? 'reference' : null, compact: true });
   for (const [p, row] of table.rows) {
-    row.tabIndex = 0;
+    row.tabIndex = -1;
     for (const [event, cell] of [['mouseenter', p.cell], ['focus', p.cell], ['mouseleave', null], ['blur', null]])
       row.addEventListener(event, () => pointAt(chart, cell));
   }
+  table.region.addEventListener('keydown', event => {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key], rows = [...table.region.querySelectorAll('tbody tr')];
+    const at = rows.indexOf(event.target), next = rows[at < 0 ? 0 : at + (step || 0)];
+    if (!step || !next || (at < 0 && event.target !== table.region)) return;
+    event.preventDefault();
+    next.focus();
+  });
   return p => { for (const [point, row] of table.rows) row.classList.toggle('pointed', point === p); };
 }
 

@@ -4,7 +4,7 @@ const classOf = (c, row) => [c.number && 'number', c.wide && 'wide', c.minor && 
 
 /* A column: name, value(row) for sorting, text(row) for showing; number: right-aligned; minor: not on paper; css(row): a class.
  * Settings: tools: a filter; odd(row): of which rows alone may be shown; state: kept by the caller; foot, css(row), narrow, compact.
- * Returns the rows with their elements. */
+ * Returns its scrolling region, and the rows with their elements. */
 function addTable(section, caption, columns, rows, settings) {
   const body = el('tbody');
   const headers = columns.map((column, i) => {
@@ -59,11 +59,12 @@ function addTable(section, caption, columns, rows, settings) {
                       settings.odd ? el('label', {}, odd, ' only wrong answers and rows without a result') : null, status));
   }
   show();
-  section.append(el('div', { class: ['scroll', settings.narrow && 'narrow', settings.compact && 'compact'].filter(Boolean).join(' '), role: 'region', tabindex: '0',
-                             'aria-label': caption },
+  const css = ['scroll', settings.narrow && 'narrow', settings.compact && 'compact'].filter(Boolean).join(' ');
+  const region = el('div', { class: css, role: 'region', tabindex: '0', 'aria-label': caption },
     el('table', {}, el('caption', {}, caption), el('thead', {}, el('tr', {}, ...headers)), body,
-       settings.foot ? el('tfoot', {}, settings.foot) : null)));
-  return { rows: rows.map((row, r) => [row, nodes[r]]) };
+       settings.foot ? el('tfoot', {}, settings.foot) : null));
+  section.append(region);
+  return { region, rows: rows.map((row, r) => [row, nodes[r]]) };
 }
 
 const runColumn = merged ? [{ name: 'Run', number: true, value: runOf, text: row => runOf(row) + 1 }] : [];

@@ -6,6 +6,7 @@
 set -eu
 test_report=$1
 folder=$2
+here=$(cd "$(dirname "$0")" && pwd)
 
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 if [ -z "$browser" ]; then
@@ -33,9 +34,10 @@ dom() {
     open_page "$1" --dump-dom >"$folder/$1.dom"
 }
 
+# silent FILE WHEN
 silent() {
-    if grep 'CONSOLE' "$folder/report.html.log"; then
-        fail "the page writes to the console ($1)"
+    if grep 'CONSOLE' "$folder/$1.log"; then
+        fail "the page writes to the console ($2)"
     fi
 }
 
@@ -45,7 +47,7 @@ screenshot() {
     shift 3
     open_page report.html --hide-scrollbars --window-size="$width,$height" --screenshot="$folder/$name.png" "$@" >/dev/null ||
         fail "no screenshot $name"
-    silent "$name"
+    silent report.html "$name"
     # a PNG, whose width stands in bytes 16 to 19, and of more than a blank page's few kilobytes
     size=$(wc -c <"$folder/$name.png")
     wide=$(od -An -tu1 -j16 -N4 "$folder/$name.png" | awk '{ print (($1 * 256 + $2) * 256 + $3) * 256 + $4 }')
@@ -71,7 +73,7 @@ grep -q '>ran<' "$folder/control.html.dom" || fail "scripts do not run"
 
 "$test_report" --write "$folder" >"$folder/table.txt" || fail "the sample was not written"
 dom report.html || fail "chromium failed on the report"
-silent "as it opens"
+silent report.html "as it opens"
 # What was drawn, without the records that it was drawn from.
 sed -n '1,/<script type="application\/json"/p' "$folder/report.html.dom" >"$folder/report.html.body"
 
@@ -126,11 +128,19 @@ if [ -f "$folder/charts/charts.gp" ]; then
     [ "$found" -eq "$steps" ] || fail "$found marks are on the page's fronts, $steps on gnuplot's"
 fi
 
-# The dark page: the same with the other scheme taken.
+# Each choice and button, at both widths.
+{ cat "$folder/report.html"; echo '<script>'; cat "$here/exercise.js"; echo '</script>'; } >"$folder/exercise.html"
+for width in 400 1280; do
+    open_page exercise.html --window-size="$width,1000" --dump-dom >"$folder/exercise.html.dom"
+    silent exercise.html "as it is used"
+    grep -q 'EXERCISE: [0-9]* choices, all well' "$folder/exercise.html.dom" ||
+        fail "$width wide: $(grep -o 'EXERCISE: .*' "$folder/exercise.html.dom" | tail -n 1)"
+done
+
 screenshot telephone 400 5200
 screenshot desktop 1280 4200
 screenshot dark 1280 4200 --blink-settings=preferredColorScheme=0
 open_page report.html --no-pdf-header-footer --print-to-pdf="$folder/print.pdf" >/dev/null || fail "it does not print"
-silent "in print"
+silent report.html "in print"
 [ "$(head -c 5 "$folder/print.pdf")" = '%PDF-' ] || fail "the print is no PDF"
 echo "ok: $browser shows the report without a console message; screenshots are in $folder"
