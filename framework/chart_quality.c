@@ -13,6 +13,16 @@ static double epo_of(const bb_chart_cell *cell)
     return cell->epo;
 }
 
+/* "1A": builder and kernel. */
+static void builder_and_kernel_key(const bb_plot *p, const bb_chart_cell *cell,
+                                   char key[BB_PLOT_KEY])
+{
+    char builder[BB_PLOT_KEY], kernel[BB_PLOT_KEY];
+    bb_plot_builder_key(p, cell, builder);
+    bb_plot_kernel_key(bb_series_find(&p->kernels, cell), kernel);
+    snprintf(key, BB_PLOT_KEY, "%.8s%.7s", builder, kernel);
+}
+
 static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_chart_cell *))
 {
     uint32_t count = 0;
@@ -34,7 +44,7 @@ static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_cha
                           .y_high = cell->mrays_s_hi,
                           .colour = bb_plot_colour(bb_series_find(&p->builders, cell)),
                           .shape = bb_plot_shape(p, cell)};
-        bb_plot_kernel_key(bb_series_find(&p->kernels, cell), mark->key);
+        builder_and_kernel_key(p, cell, mark->key);
         bb_axis_add(&f->x, mark->x);
         bb_axis_add(&f->y, mark->y);
         bb_axis_add(&f->y, mark->y_high);

@@ -83,12 +83,14 @@ const wrongColumn = num('Wrong ppm', p => p.cell.none ? 0 : p.cell.ppm, 'rays pe
   null);
 wrongColumn.text = p => p.cell.none ? `\u2264 ${figure(p.cell.ppm)}` : figure(p.cell.ppm);
 wrongColumn.css = p => p.cell.none ? '' : 'odd';
-const frontColumn = { name: 'Front', title: 'on the Pareto front', text: p => p.front ? 'on front' : p.cell.reference ? 'ref.' : dash };
+const frontColumn = { name: 'Front', title: 'on the Pareto front',
+                      text: p => p.front ? 'on front' : p.cell.reference ? 'ref.' : dash };
 
 function notes(set, cells, points) {
   const checked = unique(points.filter(p => p.none).map(p => p.cell.checked)).map(whole);
   return (checked.length ? `Here n is ${checked.slice(0, 4).join(' or ')}. ` : '') +
-    (cells.length > points.length ? `Not drawn, since not checked or not measured: ${plural(cells.length - points.length, 'cell')}. ` : '') +
+    (cells.length > points.length
+      ? `Not drawn, since not checked or not measured: ${plural(cells.length - points.length, 'cell')}. ` : '') +
     (set.incomplete ? `${plural(set.incomplete, 'cell')} without a result in one of the views: choose a view. ` : '') +
     (points.length ? '' : 'No cell of this choice was traced and checked.');
 }
@@ -96,8 +98,8 @@ function notes(set, cells, points) {
 function drawAccuracy(set, cells) {
   const tree = $('pick-tree').value, references = cells.filter(c => c.reference);
   const ours = cells.filter(c => !c.reference && (tree === '*' || tree === '' || c.label === tree));
-  const drawn = tree === '' ? bestPer(ours, c => JSON.stringify([c.t.kernel, c.t.intersector]), c => isNumber(c.ppm) ? c.mrays_s : -1)
-                            : ours;
+  const checkedFirst = c => isNumber(c.ppm) ? c.mrays_s : -1;
+  const drawn = tree === '' ? bestPer(ours, c => JSON.stringify([c.t.kernel, c.t.intersector]), checkedFirst) : ours;
   const [points, front] = wrongPoints(drawn.concat(references), kernelKey, c => c.mrays_s, c => c.mrays_s);
   for (const p of points) Object.assign(p, { yLow: p.cell.mrays_s_lo, yHigh: p.cell.mrays_s_hi });
   const range = wrongRange(points);
@@ -106,8 +108,9 @@ function drawAccuracy(set, cells) {
   $('accuracy-note').textContent = notes(set, drawn.concat(references), points);
   const show = markTable('accuracy-table', 'chart-accuracy', points, [
     { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel },
-    { name: 'Intersector', text: p => p.cell.t.intersector || dash }, Object.assign(num('Mrays/s', p => p.y), { first: true, down: true }),
-    wrongColumn, num('/Embree', p => p.cell.ratio, 'ratio to the fastest embree-native row on the same rays'), frontColumn,
+    { name: 'Intersector', text: p => p.cell.t.intersector || dash },
+    Object.assign(num('Mrays/s', p => p.y), { first: true, down: true }), wrongColumn,
+    num('/Embree', p => p.cell.ratio, 'ratio to the fastest embree-native row on the same rays'), frontColumn,
     { name: 'Builder', text: p => p.cell.label }]);
   draw('chart-accuracy', 'Trace speed against wrong rays per million', marks,
        { x: wrongAxis(range), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
@@ -123,8 +126,9 @@ function drawBuilders(set, cells) {
   if (front.length) marks.push(line('Pareto front', stairs(front, ms.max, range.max)));
   $('builders-note').textContent = notes(set, drawn, points);
   const show = markTable('builders-table', 'chart-builders', points, [
-    { name: 'Key', text: p => p.key }, Object.assign(num('Total ms', p => p.y, 'build, layout and all rays'), { first: true, down: false }),
-    wrongColumn, frontColumn, { name: 'Builder', text: p => p.cell.label }, num('Build ms', p => p.cell.t.record.build_ms_median),
+    { name: 'Key', text: p => p.key },
+    Object.assign(num('Total ms', p => p.y, 'build, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn,
+    { name: 'Builder', text: p => p.cell.label }, num('Build ms', p => p.cell.t.record.build_ms_median),
     num('Layout ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median),
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel }]);
@@ -138,9 +142,11 @@ const timeAt = (cells, n) => cells.reduce((best, c) => !best || c.fixed_ms + n *
 
 function winnerItem(winners, i) {
   const c = winners[i].cell, next = winners[i + 1];
-  const range = winners.length === 1 ? 'for every n' : i === 0 ? `up to ${brief(next.from)} rays` : `from ${brief(winners[i].from)} rays`;
-  return el('li', {}, el('b', {}, `${builderKey(c)} ${range}`), `: ${c.label}, ${madeOf(c)} (${figure(c.fixed_ms)} ms before the first ray, then ` +
-    `${figure(c.msPerRay * 1e6)} ns per ray; wrong per million: ${rateText(c)}${partly(c)})`);
+  const range = winners.length === 1 ? 'for every n' : i === 0 ? `up to ${brief(next.from)} rays`
+                                                               : `from ${brief(winners[i].from)} rays`;
+  return el('li', {}, el('b', {}, `${builderKey(c)} ${range}`),
+    `: ${c.label}, ${madeOf(c)} (${figure(c.fixed_ms)} ms before the first ray, then ${figure(c.msPerRay * 1e6)} ns per ray; ` +
+    `wrong per million: ${rateText(c)}${partly(c)})`);
 }
 
 function drawTime(set, cells) {
@@ -173,13 +179,14 @@ function drawTime(set, cells) {
 /* ---- what is said of the tree, and what building it costs ---- */
 function drawQuality(set, cells) {
   const measure = $('pick-measure').value, name = measure.toUpperCase();
-  const points = cells.filter(c => !c.reference).map(c => ({ cell: c, key: kernelKey(c), x: c[measure], y: c.mrays_s, none: c.none,
-                                                             yLow: c.mrays_s_lo, yHigh: c.mrays_s_hi }));
+  const points = cells.filter(c => !c.reference).map(c => ({
+    cell: c, key: builderKey(c) + kernelKey(c), x: c[measure], y: c.mrays_s, none: c.none, yLow: c.mrays_s_lo, yHigh: c.mrays_s_hi }));
   const sets = marksOf(points, c => c.label, builderColour), xs = sets.flatMap(s => s.data).map(p => p.x);
   const rate = Math.max(0, ...cells.filter(c => c.reference).map(c => c.mrays_s));
   if (rate > 0 && xs.length > 0)
-    sets.push(line('fastest embree-native', [{ x: Math.min(...xs), y: rate }, { x: Math.max(...xs), y: rate }], { borderDash: [6, 4] }));
-  $('quality-note').textContent = 'Letters: kernels. Filled marks gave wrong answers.' +
+    sets.push(line('fastest embree-native', [{ x: Math.min(...xs), y: rate }, { x: Math.max(...xs), y: rate }],
+                   { borderDash: [6, 4] }));
+  $('quality-note').textContent = 'Keys: builder and kernel. Filled marks gave wrong answers.' +
     (rate > 0 && xs.length ? ' Dashed: the fastest embree-native row, whose tree is not seen.' : '') +
     (xs.length ? '' : ` ${name} was not measured here.`);
   draw('chart-quality', `Trace speed against ${name}`, sets,

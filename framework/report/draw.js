@@ -50,7 +50,8 @@ const annotations = {
         ctx.strokeStyle = set.borderColor;
         if (p.none && p.atMost) stroke([at[0] - 7, at[1]], [at[0] - 20, at[1]], [at[0] - 15, at[1] - 4]);
         if (p.none && p.atMost) stroke([at[0] - 20, at[1]], [at[0] - 15, at[1] + 4]);
-        if (!p.none && isNumber(p.xLow)) stroke([inside(x.getPixelForValue(p.xLow)), at[1]], [inside(x.getPixelForValue(p.xHigh)), at[1]]);
+        const across = value => [inside(x.getPixelForValue(value)), at[1]];
+        if (!p.none && isNumber(p.xLow)) stroke(across(p.xLow), across(p.xHigh));
         if (isNumber(p.yLow)) stroke([at[0], y.getPixelForValue(p.yLow)], [at[0], y.getPixelForValue(p.yHigh)]);
       }
     }
@@ -63,7 +64,8 @@ const annotations = {
     ctx.fillStyle = theme().text;
     const points = chart.data.datasets.flatMap(set => set.data).filter(p => p.key);
     for (const p of points.sort((a, b) => Boolean(b.front) - Boolean(a.front))) {
-      const width = ctx.measureText(p.key).width, right = x.getPixelForValue(p.x) + 8, top = y.getPixelForValue(p.y) + (p.below ? 5 : -14);
+      const width = ctx.measureText(p.key).width, right = x.getPixelForValue(p.x) + 8;
+      const top = y.getPixelForValue(p.y) + (p.below ? 5 : -14);
       const left = right + width > chart.width - 2 ? right - width - 16 : right;
       if (placed.some(b => left < b.right && left + width > b.left && Math.abs(top - b.top) < 11)) continue;
       placed.push({ left, right: left + width, top });

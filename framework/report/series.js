@@ -21,13 +21,16 @@ const referenceNames = namesOf(allCells.filter(c => c.reference), c => c.label);
 const kernelNames = namesOf(allCells.filter(c => !c.reference), c => c.t.kernel);
 const intersectorNames = namesOf(allCells.filter(c => !c.reference), c => c.t.intersector || '');
 
-/* Keys stand beside the marks, so that nothing is said by colour alone: kernels A, B ... Z, AA; builders 1, 2 ...; references R1 ... */
+/* Keys stand beside the marks, so that nothing is said by colour alone: kernels A, B ... Z, AA; builders 1, 2 ...; references
+ * R1, R2 ... */
 function letters(index) {
   let text = '';
-  for (let rest = index + 1; rest > 0; rest = Math.floor((rest - 1) / 26)) text = String.fromCharCode(65 + (rest - 1) % 26) + text;
+  for (let rest = index + 1; rest > 0; rest = Math.floor((rest - 1) / 26))
+    text = String.fromCharCode(65 + (rest - 1) % 26) + text;
   return text;
 }
-const builderKey = cell => cell.reference ? `R${referenceNames.indexOf(cell.label) + 1}` : `${builderNames.indexOf(cell.label) + 1}`;
+const builderKey = cell => cell.reference ? `R${referenceNames.indexOf(cell.label) + 1}`
+                                          : `${builderNames.indexOf(cell.label) + 1}`;
 const kernelKey = cell => cell.reference ? builderKey(cell) : letters(kernelNames.indexOf(cell.t.kernel));
 const builderColour = cell => cell.reference ? theme().text : colourAt(builderNames.indexOf(cell.label));
 const kernelColour = cell => cell.reference ? theme().text : colourAt(kernelNames.indexOf(cell.t.kernel));

@@ -36,9 +36,10 @@ choose('pick-tree', '*');
 for (const button of document.querySelectorAll('#legend-kernels button, #legend-builders button')) {
   const before = marks('chart-accuracy');
   button.click();
-  expect(button.getAttribute('aria-pressed') === 'false' && marks('chart-accuracy') < before, `${button.textContent} hides nothing`);
+  const pressed = () => button.getAttribute('aria-pressed');
+  expect(pressed() === 'false' && marks('chart-accuracy') < before, `${button.textContent} hides nothing`);
   button.click();
-  expect(button.getAttribute('aria-pressed') === 'true' && marks('chart-accuracy') === before, `${button.textContent} does not come back`);
+  expect(pressed() === 'true' && marks('chart-accuracy') === before, `${button.textContent} does not come back`);
 }
 const buttons = [...document.querySelectorAll('#legend-kernels button, #legend-builders button')];
 for (const button of buttons) button.click();
