@@ -152,8 +152,11 @@ void bb_plot_begin(bb_plot *p, const bb_frame *f)
     fputs(", ", out);
     bb_plot_quoted(out, p->set->rays);
     /* the line break needs double quotes, which would expand what is in a name */
-    fprintf(out, ": %s'.\"\\n%s\"\nset xlabel '%s'\nset ylabel '%s'\n", f->title, f->subtitle,
-            f->x_title, f->y_title);
+    fprintf(out, ": %s'.\"\\n%s", f->title, f->subtitle);
+    if (f->left_out > 0)
+        fprintf(out, "\\nnot drawn, since not checked or without a result in a view: %u cells",
+                f->left_out);
+    fprintf(out, "\"\nset xlabel '%s'\nset ylabel '%s'\n", f->x_title, f->y_title);
     fputs("set key below left Left reverse vertical samplen 2 title ' '\nset grid back lc rgb "
           "'#d3d7dc' lt 1\nset border lc rgb '#565d67'\nset errorbars small\nset pointsize 1.1\n"
           "set rmargin 4\n",

@@ -87,8 +87,9 @@ void bb_axis_round(bb_axis *axis);
 typedef struct bb_frame {
     const char *kind; /* in the file's name */
     const char *title, *subtitle, *x_title, *y_title;
-    bb_axis x, y;     /* rounded */
-    uint32_t entries; /* of the legend, about */
+    bb_axis x, y;      /* rounded */
+    uint32_t entries;  /* of the legend, about */
+    uint32_t left_out; /* cells that are not drawn, which the picture says */
 } bb_frame;
 
 /* Titles, axes, style; the SVG comes first, the PNG with bb_plot_end(). */

@@ -29,6 +29,7 @@ static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_cha
     f->x = f->y = bb_axis_make(false);
     f->y_title = "Mrays/s";
     f->entries = p->builders.count + p->kernels.count;
+    f->left_out = p->set->incomplete;
     bb_axis_add(&f->y, 0);
     for (uint32_t i = 0; i < p->set->cell_count; i++) {
         const bb_chart_cell *cell = &p->set->cells[i];

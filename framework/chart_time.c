@@ -5,8 +5,8 @@
 
 enum { SAMPLES = 200 };
 
-/* The cells of one builder (NULL: of all that are not references) whose answers are within the limit and whose times are known, with their
- * lines. */
+/* The cells of one builder (NULL: of all that are not references) whose answers are within the limit
+ * and whose times are known, with their lines. */
 static uint32_t lines_of(bb_plot *p, const bb_chart_cell *builder)
 {
     uint32_t count = 0;
@@ -123,7 +123,8 @@ void bb_draw_time(bb_plot *p)
                   .subtitle =
                       "build + layout + n / rate, with the best kernel of each builder at each n",
                   .x_title = "n, rays traced (log scale)",
-                  .y_title = "ms (log scale)"};
+                  .y_title = "ms (log scale)",
+                  .left_out = p->set->incomplete};
     uint32_t builders = f.entries = p->builders.count + p->references.count;
     uint32_t lines = lines_of(p, NULL);
     uint32_t winners = bb_time_winners(p->lines, lines, p->winners);

@@ -35,16 +35,22 @@ static bool same_cell(const bb_chart_cell *a, const bb_chart_cell *b)
 }
 
 /* Of the cells that `same` finds equal the one with the largest `gain`, into p->cells: references
- * last, each on its own. Cells that were not checked, or whose gain is unknown, stay out. */
-static uint32_t pick(bb_plot *p, bb_same_fn *same, double (*gain)(const bb_chart_cell *))
+ * last, each on its own. Cells that were not checked, or whose gain is unknown, stay out and are
+ * counted. */
+static uint32_t pick(bb_plot *p, bb_same_fn *same, double (*gain)(const bb_chart_cell *),
+                     uint32_t *left_out)
 {
     uint32_t count = 0;
+    *left_out = p->set->incomplete;
     for (int reference = 0; reference < 2; reference++) {
         for (uint32_t i = 0; i < p->set->cell_count; i++) {
             const bb_chart_cell *cell = &p->set->cells[i];
-            if (cell->reference != (reference != 0) || !isfinite(cell->wrong.ppm) ||
-                !isfinite(gain(cell)))
+            if (cell->reference != (reference != 0))
                 continue;
+            if (!isfinite(cell->wrong.ppm) || !isfinite(gain(cell))) {
+                ++*left_out;
+                continue;
+            }
             uint32_t k = 0;
             while (k < count && !(reference ? same_cell : same)(p->cells[k], cell))
                 k++;
@@ -94,8 +100,7 @@ static void set_mark(bb_mark *mark, const bb_chart_cell *cell)
 }
 
 static const char wrong_title[] =
-    "wrong rays per million (log scale; hollow with arrow: none found "
-    "of n, at most 3/n)";
+    "wrong rays per million (log scale; hollow with arrow: none found of n, at most 3/n)";
 
 /* The marks of one builder or kernel have its colour; their axis of x. */
 static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_axis *x)
@@ -126,7 +131,7 @@ void bb_draw_accuracy(bb_plot *p)
                   .y_title = "Mrays/s",
                   .y = bb_axis_make(false),
                   .entries = p->kernels.count + p->intersectors.count + p->references.count + 1};
-    uint32_t count = pick(p, same_kernel_and_intersector, speed);
+    uint32_t count = pick(p, same_kernel_and_intersector, speed, &f.left_out);
     if (count == 0)
         return;
     bb_axis_add(&f.y, 0);
@@ -160,7 +165,7 @@ void bb_draw_builders(bb_plot *p)
                   .y_title = "ms (log scale)",
                   .y = bb_axis_make(true),
                   .entries = p->builders.count + p->intersectors.count + p->references.count + 1};
-    uint32_t count = pick(p, same_builder_and_intersector, haste);
+    uint32_t count = pick(p, same_builder_and_intersector, haste, &f.left_out);
     if (count == 0)
         return;
     for (uint32_t i = 0; i < count; i++) {

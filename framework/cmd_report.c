@@ -71,20 +71,14 @@ static bb_status read_input(const char *argument, bb_results **results, char **f
     return locate_pictures(*results, *folder);
 }
 
-/* The pictures lie in the folder `charts` beside the page. */
 static bb_status write_charts(bb_results *results, const char *page)
 {
-    char path[PATH_MAX];
+    char folder[PATH_MAX];
     uint32_t pictures;
-    char *folder = bb_file_folder(page);
-    bb_status status =
-        folder != NULL ? join(path, folder, "charts") : bb_fail(BB_FAILED, "report: no memory");
-    if (status == BB_OK)
-        status = bb_report_charts(results, path, &pictures);
-    if (status == BB_OK)
-        printf("%s: %u charts, each as SVG and PNG\n", path, pictures);
-    free(folder);
-    return status;
+    BB_TRY(bb_report_charts_folder(page, folder, sizeof folder));
+    BB_TRY(bb_report_charts(results, folder, &pictures));
+    printf("%s: %u charts, each as SVG and PNG\n", folder, pictures);
+    return BB_OK;
 }
 
 static bb_status run(const bb_cli *cli, int *exit_status)

@@ -102,7 +102,7 @@ static bb_status write_results(bb_results *results, const char *folder, const bb
     uint32_t chart_count = 0;
     snprintf(json, sizeof json, "%s/results.json", folder);
     snprintf(html, sizeof html, "%s/report.html", folder);
-    snprintf(pictures, sizeof pictures, "%s/charts", folder);
+    BB_TRY(bb_report_charts_folder(html, pictures, sizeof pictures));
     double start = bb_wall_ms();
     BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
     BB_TRY(bb_results_write(results, json));

@@ -15,6 +15,8 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
 
 /* Whether gnuplot, which draws the charts, is among the user's programs. */
 bool bb_report_can_draw(void);
+/* Where the charts of a page lie: "out/report-charts" for "out/report.html". */
+bb_status bb_report_charts_folder(const char *page, char *folder, size_t capacity);
 /* The charts of each scene and rays as SVG and PNG, and the script that drew them, into `folder`,
  * which is made if need be; *pictures is how many charts there are. BB_FAILED with gnuplot's own
  * words if it is missing or fails. */

@@ -35,6 +35,16 @@ bool bb_report_can_draw(void)
     return false;
 }
 
+bb_status bb_report_charts_folder(const char *page, char *folder, size_t capacity)
+{
+    size_t length = strlen(page);
+    if (length > 5 && strcmp(page + length - 5, ".html") == 0)
+        length -= 5;
+    if (snprintf(folder, capacity, "%.*s-charts", (int)length, page) >= (int)capacity)
+        return bb_fail(BB_INVALID, "%s: the path is too long", page);
+    return BB_OK;
+}
+
 /* The start of what gnuplot says, without line breaks; 0-terminated. Reads to the end, so that the
  * writer never waits. */
 static void read_complaint(int from, char *text, size_t capacity)

@@ -263,6 +263,38 @@ static void cells_that_lack_a_view_stay_out(void **state)
     bb_results_destroy(results);
 }
 
+static char *script_of(bb_results *results, uint32_t *pictures)
+{
+    static char *text; /* static: gcc 12 takes the stream's buffer for the variable's address */
+    static size_t size;
+    bb_charts charts = charts_of(results);
+    FILE *out = open_memstream(&text, &size);
+    assert_int_equal(bb_charts_script(&charts, out, pictures), BB_OK);
+    fclose(out);
+    bb_charts_free(&charts);
+    return text;
+}
+
+/* A picture says how many cells it does not show. */
+static void pictures_say_what_is_left_out(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    uint32_t pictures;
+    char *text = script_of(results, &pictures);
+    assert_null(strstr(text, "not drawn"));
+    free(text);
+    cJSON *first = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
+    cJSON_SetValuestring(cJSON_GetObjectItem(first, "status"), "no");
+    cJSON_ReplaceItemInObject(first->next, "accuracy", cJSON_CreateNull());
+    text = script_of(results, &pictures);
+    assert_int_equal(pictures, SAMPLE_SCENES * 3 * 5);
+    assert_non_null(strstr(text, "in a view: 2 cells\"")); /* one failed, one was not checked */
+    assert_non_null(strstr(text, "in a view: 1 cells\""));
+    free(text);
+    bb_results_destroy(results);
+}
+
 /* Brute force traces only the first rays of a set. */
 static void sets_keep_their_size(void **state)
 {
@@ -323,18 +355,6 @@ static void the_page_gets_the_same_cells(void **state)
 }
 
 /* ---- pictures ---- */
-
-static char *script_of(bb_results *results, uint32_t *pictures)
-{
-    static char *text; /* static: gcc 12 takes the stream's buffer for the variable's address */
-    static size_t size;
-    bb_charts charts = charts_of(results);
-    FILE *out = open_memstream(&text, &size);
-    assert_int_equal(bb_charts_script(&charts, out, pictures), BB_OK);
-    fclose(out);
-    bb_charts_free(&charts);
-    return text;
-}
 
 /* Accuracy, builders, time, SAH and EPO of each scene and rays. */
 static void each_scene_and_rays_has_its_pictures(void **state)
@@ -423,6 +443,17 @@ static void names_are_text_to_gnuplot(void **state)
     bb_results_destroy(results);
 }
 
+static void charts_lie_beside_their_page(void **state)
+{
+    (void)state;
+    char folder[64];
+    assert_int_equal(bb_report_charts_folder("out/report.html", folder, sizeof folder), BB_OK);
+    assert_string_equal(folder, "out/report-charts");
+    assert_int_equal(bb_report_charts_folder("a.page", folder, sizeof folder), BB_OK);
+    assert_string_equal(folder, "a.page-charts");
+    assert_int_equal(bb_report_charts_folder("out/report.html", folder, 17), BB_INVALID);
+}
+
 static void what_cannot_be_drawn_is_said(void **state)
 {
     (void)state;
@@ -466,12 +497,14 @@ int main(void)
         cmocka_unit_test(views_are_added_up),
         cmocka_unit_test(costs_and_measures_are_the_layouts),
         cmocka_unit_test(cells_that_lack_a_view_stay_out),
+        cmocka_unit_test(pictures_say_what_is_left_out),
         cmocka_unit_test(sets_keep_their_size),
         cmocka_unit_test(merged_runs_stay_apart),
         cmocka_unit_test(the_page_gets_the_same_cells),
         cmocka_unit_test(each_scene_and_rays_has_its_pictures),
         cmocka_unit_test(an_empty_document_has_none),
         cmocka_unit_test(names_are_text_to_gnuplot),
+        cmocka_unit_test(charts_lie_beside_their_page),
         cmocka_unit_test(what_cannot_be_drawn_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -311,7 +311,7 @@ static void command_draws_charts(void **state)
     snprintf(path, sizeof path, "%s/results.json", folder);
     assert_int_equal(bb_results_write(results, path), BB_OK);
     bb_results_destroy(results);
-    snprintf(path, sizeof path, "%s/charts/coffee_primary_accuracy.svg", folder);
+    snprintf(path, sizeof path, "%s/report-charts/coffee_primary_accuracy.svg", folder);
     unlink(path);
 
     snprintf(arguments, sizeof arguments, "report '%s' --charts no", folder);
@@ -369,7 +369,7 @@ static int write_sample(const char *folder)
     if (status == BB_OK)
         status = bb_report_table(results, stdout);
     uint32_t charts;
-    snprintf(path, sizeof path, "%s/charts", folder);
+    snprintf(path, sizeof path, "%s/report-charts", folder);
     if (status == BB_OK && bb_report_can_draw())
         status = bb_report_charts(results, path, &charts);
     if (status != BB_OK)

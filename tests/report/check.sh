@@ -113,9 +113,9 @@ has '? not decided' 1
 has '<td class="number">4.50</td>' 1
 
 # What the page says of winners and fronts is what gnuplot draws; its script has data blocks per picture.
-if [ -f "$folder/charts/charts.gp" ]; then
+if [ -f "$folder/report-charts/charts.gp" ]; then
     block() {
-        sed -n "/output '$1.svg'/,/output '$1.png'/p" "$folder/charts/charts.gp" | sed -n "/^\$$2 <</,/^EOD/p" | sed '1d;$d'
+        sed -n "/output '$1.svg'/,/output '$1.png'/p" "$folder/report-charts/charts.gp" | sed -n "/^\$$2 <</,/^EOD/p" | sed '1d;$d'
     }
     block coffee_primary_time cross | sed 's/.*"\(.*\)"/<b>\1<\/b>/' >"$folder/crossings"
     [ -s "$folder/crossings" ] || fail "no builder overtakes another in the sample"
