@@ -321,27 +321,48 @@ static bb_status start_buffers(bb_bench *bench)
                              "counts of tests", &bench->counts);
 }
 
+/* The layout that the kernel reads: one that is there already, or a new one. */
+static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice)
+{
+    const bb_layout *layout = bb_layout_find(choice->kernel->layout);
+    for (uint32_t i = 0; i < bench->layout_count; i++)
+        if (bench->layouts[i].maker.layout == layout && bench->layouts[i].leaf == choice->leaf) {
+            choice->layout = i;
+            return BB_OK;
+        }
+    choice->layout = bench->layout_count++;
+    bb_layout_choice *wanted = &bench->layouts[choice->layout];
+    wanted->leaf = choice->leaf;
+    return bb_layout_maker_create(layout, bench->device, &wanted->maker);
+}
+
+static bb_status start_kernel(bb_bench *bench, const char *text, bool native_only)
+{
+    bb_kernel_choice *choice = &bench->kernels[bench->kernel_count];
+    uint64_t group;
+    BB_TRY(parse_kernel(text, choice));
+    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
+                       bench->device->max_group_size, &group));
+    choice->native_only = native_only;
+    bench->kernel_count++;
+    return start_layout(bench, choice);
+}
+
 static bb_status start_kernels(bb_bench *bench)
 {
-    for (uint32_t i = 0; i < bench->request->kernel_count; i++) {
-        bb_kernel_choice *choice = &bench->kernels[i];
-        uint64_t group;
-        BB_TRY(parse_kernel(bench->request->kernels[i], choice));
-        BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
-                           bench->device->max_group_size, &group));
-        bench->kernel_count++;
-        BB_TRY(bb_layout_find(choice->kernel->layout)
-                   ->create(bench->device, &choice->account, &choice->layout_self));
-    }
+    const bb_bench_request *request = bench->request;
+    for (uint32_t i = 0; i < request->kernel_count; i++)
+        BB_TRY(start_kernel(bench, request->kernels[i], false));
+    for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)
+        if ((*k)->native && !(*k)->compared && bench->kernel_count < BB_KERNELS_MAX)
+            BB_TRY(start_kernel(bench, (*k)->name, true));
     return BB_OK;
 }
 
-static void end_kernels(bb_bench *bench)
+static void end_layouts(bb_bench *bench)
 {
-    for (uint32_t i = 0; i < bench->kernel_count; i++)
-        if (bench->kernels[i].layout_self != NULL)
-            bb_layout_find(bench->kernels[i].kernel->layout)
-                ->destroy(bench->kernels[i].layout_self);
+    for (uint32_t i = 0; i < bench->layout_count; i++)
+        bb_layout_maker_destroy(&bench->layouts[i].maker);
 }
 
 bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong,
@@ -376,7 +397,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     bb_buffer_release(&bench->hits);
     bb_buffer_release(&bench->counts);
     bb_buffer_release(&bench->sample);
-    end_kernels(bench);
+    end_layouts(bench);
     bb_tracers_clear(bench->device);
     *wrong = bench->wrong;
     *times = (bb_bench_times){bench->build_ms, bench->trace_ms, bb_wall_ms() - bench->start};

@@ -15,6 +15,8 @@ typedef struct bb_bench_request {
     uint32_t builder_count;
     char *const *kernels;
     uint32_t kernel_count;
+    bool
+        native; /* with trees whose shape none of `kernels` keeps, also those that keep any tree's */
     char *const *intersectors;
     uint32_t intersector_count;
     char *const *workloads;

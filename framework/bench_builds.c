@@ -142,6 +142,8 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     record->tree = tree->info;
     record->bytes_tree = bb_tree_bytes(tree);
     record->sah = bb_tree_sah(tree);
+    BB_TRY(bb_instance_describe(&entrant->instance, bench->scene, record->about,
+                                sizeof record->about));
     BB_TRY(bb_bench_step(bench, "check trees, SAH", start));
     if (bench->request->epo) {
         start = bb_wall_ms();
@@ -223,21 +225,21 @@ bb_status bb_bench_builds(bb_bench *bench)
             status = measure_tree(bench, entrant);
         /* a layout that is refused is the trace's failure, not the build's: bb_bench_layout() will say so again */
         for (uint32_t k = 0; k < bench->kernel_count && status == BB_OK; k++)
-            (void)bb_bench_layout(bench, entrant, k);
+            if (bb_bench_takes(bench, entrant, k))
+                (void)bb_bench_layout(bench, entrant, bench->kernels[k].layout);
         if (status != BB_OK)
             note_failure(entrant, status);
     }
     return BB_OK;
 }
 
-static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel)
+static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
-    const bb_kernel_choice *choice = &bench->kernels[kernel];
-    bb_layout_data *data = &entrant->layouts[kernel];
+    bb_layout_choice *choice = &bench->layouts[layout];
+    bb_layout_data *data = &entrant->layouts[layout];
     bb_tree *tree = &entrant->instance.tree;
     BB_TRY(bb_tree_upload(tree, bench->device, NULL));
-    return bb_layout_find(choice->kernel->layout)
-        ->make(choice->layout_self, bench->scene, tree, choice->leaf, data);
+    return bb_layout_maker_make(&choice->maker, bench->scene, tree, choice->leaf, data);
 }
 
 static void record_layout(bb_entrant *entrant, const bb_layout_data *data)
@@ -254,9 +256,19 @@ static void record_layout(bb_entrant *entrant, const bb_layout_data *data)
     }
 }
 
-bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel)
+bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel)
 {
-    if (entrant->has_layout[kernel])
+    if (!bench->kernels[kernel].native_only)
+        return true;
+    for (uint32_t k = 0; k < bench->kernel_count; k++)
+        if (!bench->kernels[k].native_only && entrant->keeps_shape[bench->kernels[k].layout])
+            return false;
+    return entrant->record.has_tree;
+}
+
+bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
+{
+    if (entrant->has_layout[layout])
         return BB_OK;
     bb_status status = acquire(bench, entrant);
     double start = bb_wall_ms();
@@ -269,22 +281,23 @@ bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel)
                     info->node_count, info->depth, entrant->record.tree.node_count,
                     entrant->record.tree.depth);
     if (status == BB_OK)
-        status = make_layout(bench, entrant, kernel);
+        status = make_layout(bench, entrant, layout);
     if (status == BB_REFUSED && bb_bench_evict_others(bench, entrant)) {
-        bb_layout_data_release(&entrant->layouts[kernel]);
-        status = make_layout(bench, entrant, kernel);
+        bb_layout_data_release(&entrant->layouts[layout]);
+        status = make_layout(bench, entrant, layout);
     }
     /* once more, warm: the first one pays for fresh memory */
     if (status == BB_OK)
-        status = make_layout(bench, entrant, kernel);
+        status = make_layout(bench, entrant, layout);
     if (status != BB_OK) {
-        bb_layout_data_release(&entrant->layouts[kernel]);
+        bb_layout_data_release(&entrant->layouts[layout]);
         return status;
     }
-    bb_layout_data *data = &entrant->layouts[kernel];
+    bb_layout_data *data = &entrant->layouts[layout];
     if (isnan(data->sah) && data->keeps_shape)
         data->sah = entrant->record.sah;
     record_layout(entrant, data);
-    entrant->has_layout[kernel] = true;
+    entrant->has_layout[layout] = true;
+    entrant->keeps_shape[layout] = data->keeps_shape;
     return bb_bench_step(bench, "layouts", start);
 }

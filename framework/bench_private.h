@@ -12,21 +12,27 @@
 
 enum {
     BB_ENTRANTS_MAX = 64,
-    BB_KERNELS_MAX = 24, /* as many layouts as a build's record has room for */
+    BB_KERNELS_MAX = BB_LAYOUTS_MAX, /* as many layouts as a build's record has room for */
     /* rays per launch: their buffers stay small beside trees, and a set of any size can be traced */
     BB_BATCH = 1 << 22,
     /* rays that the counting variant traces: a mean over so many is sure to half a percent */
     BB_COUNTED_RAYS = 1 << 16,
 };
 
-/* A kernel that was asked for, and the layout objects it needs. */
+/* A kernel that was asked for. */
 typedef struct bb_kernel_choice {
     const bb_kernel *kernel;
     bb_spec spec;
     uint32_t leaf;
-    void *layout_self;
-    bb_account account;
+    uint32_t layout;  /* index of what it reads, in bb_bench.layouts */
+    bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
 } bb_kernel_choice;
+
+/* A layout of leaves with up to `leaf` references; all kernels that read the same share it. */
+typedef struct bb_layout_choice {
+    bb_layout_maker maker;
+    uint32_t leaf;
+} bb_layout_choice;
 
 /* A builder on the scene: what it has in memory at present, and its record. */
 typedef struct bb_entrant {
@@ -38,7 +44,9 @@ typedef struct bb_entrant {
     bool compiled;        /* its kernels have run before */
     bb_layout_data layouts[BB_KERNELS_MAX];
     bool has_layout[BB_KERNELS_MAX];
-    bb_embree *embree; /* of a reference row */
+    bool keeps_shape
+        [BB_KERNELS_MAX]; /* the layout of its tree does; known since it was first made */
+    bb_embree *embree;    /* of a reference row */
     bb_build_record record;
     bb_samples phase_samples[BB_PHASES_MAX];
 } bb_entrant;
@@ -51,6 +59,8 @@ typedef struct bb_bench {
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
     uint32_t kernel_count;
+    bb_layout_choice layouts[BB_KERNELS_MAX];
+    uint32_t layout_count;
     bb_entrant *entrants;
     uint32_t entrant_count;
     uint32_t next_id; /* of builds, over all scenes */
@@ -83,9 +93,12 @@ bool bb_bench_evict_others(bb_bench *bench, const bb_entrant *keep);
 /* Builds of all entrants, interleaved; fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
-/* Makes sure that layout `kernel` of the entrant is on the device; evicts other entrants and builds again, untimed, where
+/* Makes sure that layout `layout` of the entrant is on the device; evicts other entrants and builds again, untimed, where
  * memory asks for it. BB_FAILED if what was built again has another shape than what was recorded. */
-bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t kernel);
+bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
+
+/* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for have been made. */
+bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);
 
 /* Frees what the entrant has in memory; its record stays. */
 void bb_bench_evict(bb_entrant *entrant);

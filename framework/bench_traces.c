@@ -15,6 +15,7 @@ static const double brute_force_tests = 1e9;
 typedef struct cell {
     bb_entrant *entrant;
     uint32_t kernel; /* index of the choice */
+    uint32_t layout; /* of what it reads */
     const bb_intersector *intersector;
     bb_tracer *tracer;
     uint32_t count; /* rays that it traces: the first of the set */
@@ -56,7 +57,7 @@ static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, double *ms
     bb_device_clear_events(device);
     device->profile_events = true;
     double cpu = bb_cpu_ms(), start = bb_wall_ms();
-    bb_status status = bb_tracer_launch(c->tracer, &c->entrant->layouts[c->kernel],
+    bb_status status = bb_tracer_launch(c->tracer, &c->entrant->layouts[c->layout],
                                         &set->bench->rays, count, &set->bench->hits, NULL);
     if (status == BB_OK)
         status = bb_finish(device);
@@ -104,7 +105,7 @@ static bb_status trace_once(trace_set *set, cell *c, double *ms, double *event_m
     bool reference = c->entrant->reference;
     *ms = *event_ms = *cpu_ms = 0;
     if (!reference)
-        BB_TRY(bb_bench_layout(set->bench, c->entrant, c->kernel));
+        BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
     uint32_t batch = set->bench->batch;
     for (uint32_t from = 0; from < c->count; from += batch) {
         uint32_t count = c->count - from < batch ? c->count - from : batch;
@@ -133,7 +134,7 @@ static bb_tracer_request tracer_request(const trace_set *set, const cell *c)
         .intersector = c->intersector,
         .query = set->rays->query,
         .kinds = set->bench->scene->kinds,
-        .stack_need = c->entrant->layouts[c->kernel].stack_need,
+        .stack_need = c->entrant->layouts[c->layout].stack_need,
     };
 }
 
@@ -142,14 +143,15 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     bb_bench *bench = set->bench;
     if (c->entrant->reference)
         return BB_OK;
-    BB_TRY(bb_bench_layout(bench, c->entrant, c->kernel));
-    const bb_layout_data *layout = &c->entrant->layouts[c->kernel];
+    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
+    const bb_layout_data *layout = &c->entrant->layouts[c->layout];
     bb_tracer_request request = tracer_request(set, c);
     double start = bb_wall_ms();
     BB_TRY(bb_tracer_get(bench->device, &request, &c->tracer));
     c->record.group_size = bb_tracer_group_size(c->tracer);
     c->record.stack_size = bb_tracer_stack_size(c->tracer);
     snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
+    c->record.native = layout->keeps_shape;
     /* compile for the group size before the clock runs */
     uint32_t few = c->count < c->record.group_size ? c->count : c->record.group_size;
     BB_TRY(bb_tracer_launch(c->tracer, layout, &bench->rays, few, &bench->hits, NULL));
@@ -191,7 +193,7 @@ static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32
 {
     bb_bench *bench = set->bench;
     BB_TRY(load_sample(set, c->count, count));
-    BB_TRY(bb_tracer_launch(tracer, &c->entrant->layouts[c->kernel], &bench->sample, count,
+    BB_TRY(bb_tracer_launch(tracer, &c->entrant->layouts[c->layout], &bench->sample, count,
                             &bench->hits, &bench->counts));
     return bb_buffer_read(&bench->counts, 0, count * sizeof *counts, counts);
 }
@@ -202,7 +204,7 @@ static bb_status count_tests(trace_set *set, cell *c)
     if (c->entrant->reference)
         return BB_OK;
     double start = bb_wall_ms();
-    BB_TRY(bb_bench_layout(bench, c->entrant, c->kernel));
+    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
     bb_tracer_request request = tracer_request(set, c);
     request.counting = true;
     bb_tracer *tracer;
@@ -242,6 +244,8 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
     bb_bench *bench = set->bench;
     bb_rays *rays = set->rays;
     *c = (cell){.entrant = entrant, .kernel = kernel, .intersector = intersector};
+    if (!entrant->reference)
+        c->layout = bench->kernels[kernel].layout;
     bb_trace_record *r = &c->record;
     bb_trace_record_init(r);
     r->build = entrant->record.id;
@@ -288,10 +292,13 @@ static bb_status start_set(trace_set *set)
         bb_entrant *entrant = &bench->entrants[e];
         uint32_t kernels = entrant->reference ? 1 : bench->kernel_count;
         uint32_t intersectors = entrant->reference ? 1 : request->intersector_count;
-        for (uint32_t k = 0; k < kernels; k++)
+        for (uint32_t k = 0; k < kernels; k++) {
+            if (!entrant->reference && !bb_bench_takes(bench, entrant, k))
+                continue;
             for (uint32_t i = 0; i < intersectors; i++)
                 start_cell(set, &set->cells[set->count++], entrant, k,
                            bb_intersector_find(request->intersectors[i]));
+        }
     }
     set->order = calloc(most, sizeof *set->order);
     if (set->order == NULL)

@@ -37,7 +37,7 @@ typedef struct rendering {
     const bb_kernel *kernel;
     bb_spec kernel_spec;
     const bb_intersector *intersector;
-    void *layout_self;
+    bb_layout_maker maker;
     bb_layout_data layout;
     bb_buffer d_hits, d_counts;
     bb_hit *hits;
@@ -106,9 +106,8 @@ static bb_status make_layout(rendering *r, const char *builder)
     BB_TRY(bb_instance_build(&r->instance, r->scene, false, NULL, &ms));
     BB_TRY(bb_tree_upload(&r->instance.tree, r->device, NULL));
     BB_TRY(bb_spec_u64(&r->kernel_spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
-    const bb_layout *layout = bb_layout_find(r->kernel->layout);
-    BB_TRY(layout->create(r->device, &r->account, &r->layout_self));
-    return layout->make(r->layout_self, r->scene, &r->instance.tree, (uint32_t)leaf, &r->layout);
+    BB_TRY(bb_layout_maker_create(bb_layout_find(r->kernel->layout), r->device, &r->maker));
+    return bb_layout_maker_make(&r->maker, r->scene, &r->instance.tree, (uint32_t)leaf, &r->layout);
 }
 
 static bb_status trace(rendering *r)
@@ -190,8 +189,7 @@ static bb_status shade(rendering *r, const char *view)
 static void release(rendering *r)
 {
     bb_layout_data_release(&r->layout);
-    if (r->layout_self != NULL)
-        bb_layout_find(r->kernel->layout)->destroy(r->layout_self);
+    bb_layout_maker_destroy(&r->maker);
     bb_instance_destroy(&r->instance);
     bb_buffer_release(&r->d_hits);
     bb_buffer_release(&r->d_counts);

@@ -20,7 +20,9 @@ static const bb_cli_option options[] = {
     {"scene", "S",
      "a file (.gltf, .glb), a shipped or a procedural scene; default: the shipped ones", true},
     {"builder", "B", "name:key=value,...; `all`; default: what each builder names for it", true},
-    {"kernel", "K", "traversal kernel; `all`; default: those for the comparison", true},
+    {"kernel", "K",
+     "traversal kernel; `all`; default: those for the comparison, and what keeps a tree's shape",
+     true},
     {"rays", "R", "workload; default: primary, ao, diffuse, shadow, random", true},
     {"intersector", "I", "rounding rules of the tests; default: exact", true},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
@@ -173,8 +175,9 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_bench_times times = {0};
     bb_results *results = NULL;
     char *command = join_command(cli);
-    uint32_t wrong = 0;
+    uint32_t wrong = 0, kernels_given;
     bool charts = false;
+    bb_cli_values(cli, "kernel", &kernels_given);
     bb_status status = bb_charts_wanted(cli, &charts);
     if (status == BB_OK)
         status = bb_load_plugins(cli);
@@ -196,6 +199,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     request.builder_count = (uint32_t)builders.count;
     request.kernels = kernels.items;
     request.kernel_count = (uint32_t)kernels.count;
+    request.native = kernels_given == 0;
     request.workloads = workloads.items;
     request.workload_count = (uint32_t)workloads.count;
     request.intersectors = intersectors.items;

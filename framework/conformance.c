@@ -64,7 +64,7 @@ bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t see
     if (status == BB_OK)
         status = add_set(c, "ao");
     if (status == BB_OK)
-        status = add_set(c, "random");
+        status = add_set(c, "random:near=0.5");
     if (status == BB_OK)
         status =
             bb_buffer_reserve(device, &c->account, rays_per_set * sizeof(bb_hit), "hits", &c->hits);
@@ -144,19 +144,17 @@ static bb_status check_set(bb_conformance *c, uint32_t set, const bb_kernel *ker
 
 static bb_status check_kernel(bb_conformance *c, bb_instance *instance, const bb_kernel *kernel)
 {
-    const bb_layout *layout = bb_layout_find(kernel->layout);
+    bb_layout_maker maker;
     bb_layout_data data = {0};
-    void *self = NULL;
-    bb_status status = layout->create(c->device, &c->account, &self);
+    bb_status status = bb_layout_maker_create(bb_layout_find(kernel->layout), c->device, &maker);
     if (status == BB_OK)
         status = bb_tree_upload(&instance->tree, c->device, NULL);
     if (status == BB_OK)
-        status = layout->make(self, c->scene, &instance->tree, 1, &data);
+        status = bb_layout_maker_make(&maker, c->scene, &instance->tree, 1, &data);
     for (uint32_t set = 0; set < c->set_count && status == BB_OK; set++)
         status = check_set(c, set, kernel, &data, &instance->tree.info);
     bb_layout_data_release(&data);
-    if (self != NULL)
-        layout->destroy(self);
+    bb_layout_maker_destroy(&maker);
     return status;
 }
 
@@ -180,11 +178,15 @@ bb_status bb_conformance_check(bb_conformance *c, const char *builder, char *not
                          (unsigned long long)hashes[2]);
     for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL && status == BB_OK; kernel++)
         status = check_kernel(c, &instance, *kernel);
+    char about[256];
     if (status == BB_OK)
-        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s",
+        status = bb_instance_describe(&instance, c->scene, about, sizeof about);
+    if (status == BB_OK)
+        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s%s%s",
                  instance.tree.info.node_count, instance.tree.info.depth,
                  (unsigned long long)hashes[0],
-                 same ? "" : " (differs between builds, as its builder says)");
+                 same ? "" : " (differs between builds, as its builder says)",
+                 about[0] != '\0' ? "; " : "", about);
     bb_instance_destroy(&fresh);
     bb_instance_destroy(&instance);
     return status;

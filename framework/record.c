@@ -392,7 +392,7 @@ static bool put_tree(cJSON *entry, const bb_build_record *build)
 
 static bool put_layouts(cJSON *entry, const bb_build_record *build)
 {
-    bb_named_ms sah[sizeof build->layouts / sizeof build->layouts[0]];
+    bb_named_ms sah[BB_LAYOUTS_MAX];
     for (uint32_t i = 0; i < build->layout_count; i++) {
         memcpy(sah[i].name, build->layouts[i].name, sizeof sah[i].name);
         sah[i].ms = build->layout_sah[i];
@@ -420,6 +420,8 @@ bb_status bb_results_add_build(bb_results *results, const bb_build_record *build
         put_layouts(entry, build) && put_tree(entry, build) &&
         put_number(entry, "bytes_native", build->bytes_native) &&
         put_bool(entry, "reference", build->reference);
+    if (ok && build->about[0] != '\0')
+        ok = put_text(entry, "about", build->about);
     return append(results, "builds", entry, ok);
 }
 
@@ -485,6 +487,8 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
         put_text(entry, "scene", trace->scene) && put_text(entry, "view", trace->view) &&
         put_text(entry, "builder", trace->builder) && put_text(entry, "kernel", trace->kernel) &&
         put_text(entry, "layout", trace->layout) &&
+        (trace->layout[0] != '\0' ? put_bool(entry, "native", trace->native)
+                                  : cJSON_AddNullToObject(entry, "native") != NULL) &&
         put_text(entry, "intersector", trace->intersector) &&
         put_text(entry, "rays", trace->rays) &&
         put_text(entry, "query", bb_query_name(trace->query)) &&

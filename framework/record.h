@@ -11,7 +11,10 @@
 
 typedef struct cJSON cJSON; /* opaque here; libcjson */
 
-enum { BB_SAMPLES_MAX = 256 };
+enum {
+    BB_SAMPLES_MAX = 256,
+    BB_LAYOUTS_MAX = 24, /* of one tree */
+};
 
 /* Samples of one quantity; sample 0 is the first round (kept in the file, dropped from the median).
  */
@@ -46,12 +49,13 @@ typedef struct bb_build_record {
     uint32_t phase_count;
     bb_named_ms phases[16];
     uint32_t layout_count;
-    bb_named_ms layouts[24]; /* name as recorded ("pair:leaf=4"), ms */
-    double layout_sah[24];
+    bb_named_ms layouts[BB_LAYOUTS_MAX]; /* name as recorded ("pair:leaf=4"), ms */
+    double layout_sah[BB_LAYOUTS_MAX];
     bool has_tree;
     bb_tree_info tree;
     uint64_t bytes_tree, bytes_peak;
     double sah, epo, epo_half;
+    char about[512];     /* the builder's own words on its tree; "" for none */
     double bytes_native; /* reference rows: what the library booked; NAN else */
     bool reference;
 } bb_build_record;
@@ -65,6 +69,7 @@ typedef struct bb_trace_record {
     bb_query query;
     uint32_t count;
     uint64_t rays_hash;
+    bool native; /* the layout keeps the shape of the builder's tree */
     uint32_t group_size, stack_size;
     bb_status status;
     char reason[512];

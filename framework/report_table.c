@@ -126,6 +126,12 @@ static void print_build(FILE *out, const cJSON *build, int width)
     bytes(peak, bb_json_number(tree, "bytes_peak"));
     fprintf(out, "  %8s  %-22s  %9s  %7s  %6s  %5s  %8s  %8s\n", rate, ms, conversion, sah, epo,
             depth, size, peak);
+    const char *about = bb_json_text(build, "about");
+    if (about[0] != '\0') {
+        fputs("    ", out);
+        print_text(out, about, 0);
+        fputc('\n', out);
+    }
     if (layout == NULL || layout->next == NULL)
         return;
     fputs("    layouts:", out);

@@ -100,12 +100,6 @@ bb_status bb_tree_preorder(const bb_tree *tree, bb_tree *out);
 /* XXH3 of the preorder form. */
 bb_status bb_tree_hash(const bb_tree *tree, uint64_t *hash);
 
-/* Leaf collapse by SAH: a subtree of at most `max_leaf` references becomes one leaf where that does not
- * cost more (Ct = 1.2 * children / 2 per inner node, Ci = 1 per reference). One shared pass, the same for
- * all builders; `out` is on the host, in preorder. max_leaf = 1 only renumbers. A primitive that several leaves of the subtree
- * reference is referenced once by the new leaf. */
-bb_status bb_tree_collapse(const bb_tree *tree, uint32_t max_leaf, bb_tree *out);
-
 /* Largest sum of children - 1 along a path: the entries that an ordered traversal's stack needs. */
 bb_status bb_tree_stack_need(const bb_tree *tree, uint32_t *entries);
 

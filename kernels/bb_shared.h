@@ -8,9 +8,11 @@
 
 #ifdef __OPENCL_VERSION__
 typedef uint bb_u32;
+typedef uchar bb_u8;
 #else
 #include <stdint.h>
 typedef uint32_t bb_u32;
+typedef uint8_t bb_u8;
 #endif
 
 /* "No node", "no primitive": the skip of the last node, the primitive of a miss. */
@@ -58,6 +60,19 @@ typedef struct bb_tree_info {
     bb_u32 depth; /* edges from the root to the deepest leaf */
 } bb_tree_info;
 
+/* The most references that leaf collapse gathers in a leaf. */
+#define BB_LEAF_MAX 64
+
+/* What leaf collapse knows of the subtree below a node. 24 bytes. */
+typedef struct bb_subtree {
+    float cost;    /* at best, times area */
+    bb_u32 refs;   /* counted up to BB_LEAF_MAX + 1, but for those of a leaf of the tree */
+    bb_u32 leaves; /* of the result, as are the others below */
+    bb_u32 height;
+    bb_u32 arity;
+    bb_u32 leaf;   /* 1: the node is a leaf */
+} bb_subtree;
+
 /* Ray: origin, direction (any non-zero length), and the open interval (tmin, tmax) in which hits
  * count, in units of |d|. 32 bytes. */
 typedef struct bb_ray {
@@ -80,7 +95,7 @@ typedef struct bb_hit {
 typedef struct bb_pair {
     float planes[12];
     bb_u32 links[2];
-    bb_u32 pad[2];
+    bb_u32 parts[2]; /* 1: the link is to a pair that only parts the children of the same node of the tree */
 } bb_pair;
 
 /* Primitive record of the layouts, in words: three vertices, or centre and radius; then, at BB_RECORD_ID, the primitive
@@ -89,6 +104,41 @@ typedef struct bb_pair {
 #define BB_RECORD_ID 9
 #define BB_SPHERE_RECORD_WORDS 8
 #define BB_SPHERE_RECORD_ID 4
+
+/* Block of the wide layouts: BB_BLOCK_LANES primitives of one kind, each word of the record above for all of them side by side,
+ * then their numbers. Lanes without a primitive come last; they have the number BB_NONE and nothing can hit them. BB_LAST_BIT on the first
+ * number closes the leaf. */
+#define BB_BLOCK_LANES 4
+#define BB_BLOCK_WORDS 40
+#define BB_SPHERE_BLOCK_WORDS 20
+
+/* Nodes of the wide layouts: the boxes of up to 4 or 8 children side by side. Axis a: planes[2aW ..] lo and planes[(2a + 1)W ..]
+ * hi, of child 0 to W - 1. A link is a node or BB_LEAF_BIT | first block. A place without a child has an empty box and, since a ray
+ * of NaNs meets that too, a link to a block without primitives. 128 and 256 bytes. */
+typedef struct bb_wide4 {
+    float planes[24];
+    bb_u32 links[4];
+    bb_u32 count; /* children */
+    bb_u32 pad[3];
+} bb_wide4;
+
+typedef struct bb_wide8 {
+    float planes[48];
+    bb_u32 links[8];
+    bb_u32 count;
+    bb_u32 pad[7];
+} bb_wide8;
+
+/* The same with 8 bits per plane: plane p of axis a is base[a] + p * scale[a], scale a power of two. The boxes hold the exact ones.
+ * 128 bytes. */
+typedef struct bb_quant8 {
+    bb_u8 planes[48];
+    float base[3];
+    float scale[3];
+    bb_u32 links[8];
+    bb_u32 count;
+    bb_u32 pad[5];
+} bb_quant8;
 
 /* What the counting variant of a kernel counts, per ray. */
 typedef struct bb_count {
@@ -101,9 +151,13 @@ typedef struct bb_count {
 _Static_assert(sizeof(bb_box) == 32, "bb_box");
 _Static_assert(sizeof(bb_node) == 32, "bb_node");
 _Static_assert(sizeof(bb_tree_info) == 24, "bb_tree_info");
+_Static_assert(sizeof(bb_subtree) == 24, "bb_subtree");
 _Static_assert(sizeof(bb_ray) == 32, "bb_ray");
 _Static_assert(sizeof(bb_hit) == 8, "bb_hit");
 _Static_assert(sizeof(bb_pair) == 64, "bb_pair");
+_Static_assert(sizeof(bb_wide4) == 128, "bb_wide4");
+_Static_assert(sizeof(bb_wide8) == 256, "bb_wide8");
+_Static_assert(sizeof(bb_quant8) == 128, "bb_quant8");
 _Static_assert(sizeof(bb_count) == 12, "bb_count");
 #endif
 

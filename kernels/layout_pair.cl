@@ -1,13 +1,12 @@
-/* The `pair` layout: from the common tree to pair nodes and primitive records.
+/* The `pair` layout: from the common tree to pair nodes. (The primitives: records.cl.)
  *
  *   extra[n] = children(n) - 1 for inner nodes, 0 for leaves     (pair_extra)
  *   base = exclusive scan of extra                                (framework/primitives.h)
  *   inner node n with k children owns pair nodes base[n] .. base[n] + k - 2, one per gap between two children: a balanced
  *   binary tree over them, whose root is the gap in the middle    (pair_nodes)
- *   record[i] = vertices of primitive refs[i]                     (pair_records)
  *
  * Aila and Laine 2009 (both children's boxes in the parent). Reads any tree of any arity; a binary tree keeps its shape and
- * its order in memory; a node with one child is passed through. Limits: 2^31 - 1 pair nodes and records; one work-item
+ * its order in memory; a node with one child is passed through. Limits: 2^31 - 1 pair nodes; one work-item
  * writes all pair nodes of a node, in time that grows with the square of its children, so the host refuses more than 4096.
  */
 #include "bb_device.h"
@@ -78,12 +77,12 @@ kernel void pair_nodes(global const bb_node *nodes, uint count, global const uin
                 from = (from + to) / 2u;
         }
         bb_pair pair;
-        pair.pad[0] = pair.pad[1] = 0;
         for (uint side = 0; side < 2; side++) {
             float lo[3], hi[3];
             uint link;
             pair_side(nodes, base, n, side == 0 ? from : gap, side == 0 ? gap : to, lo, hi, &link);
             pair.links[side] = link;
+            pair.parts[side] = (side == 0 ? gap - from : to - gap) > 1u ? 1u : 0u;
             for (uint k = 0; k < 3; k++) {
                 pair.planes[4 * k + side] = lo[k];
                 pair.planes[4 * k + 2 + side] = hi[k];
@@ -99,29 +98,4 @@ kernel void pair_root(global const bb_node *nodes, uint count, uint root, global
 {
     out[0] = pair_link(nodes, base, root);
     out[1] = base[count];
-}
-
-kernel void pair_records(global const uint *refs, uint count, global const float *vertices,
-                         global const uint *indices, global const float *spheres,
-                         uint triangle_count, uint words, uint id_word, global uint *records)
-{
-    uint i = get_global_id(0);
-    if (i >= count)
-        return;
-    uint prim = refs[i] & BB_INDEX_MASK;
-    global uint *record = records + (ulong)i * words;
-    for (uint w = 0; w < words; w++)
-        record[w] = 0;
-    if (prim < triangle_count) {
-        for (uint corner = 0; corner < 3; corner++) {
-            ulong v = 3ul * indices[3ul * prim + corner];
-            for (uint k = 0; k < 3; k++)
-                record[3 * corner + k] = as_uint(vertices[v + k]);
-        }
-    } else {
-        ulong s = 4ul * (prim - triangle_count);
-        for (uint k = 0; k < 4; k++)
-            record[k] = as_uint(spheres[s + k]);
-    }
-    record[id_word] = refs[i];
 }

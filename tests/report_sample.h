@@ -224,6 +224,7 @@ static inline void sample_add_trace(bb_results *results, const sample_scene *sce
     } else {
         snprintf(trace.kernel, sizeof trace.kernel, variant == 1 ? "stack:leaf=4" : "stack");
         snprintf(trace.layout, sizeof trace.layout, variant == 1 ? "pair:leaf=4" : "pair");
+        trace.native = variant != 1;
         snprintf(trace.intersector, sizeof trace.intersector, variant == 2 ? "moller" : "exact");
         trace.node_tests_per_ray = builder->sah * 0.55;
         trace.prim_tests_per_ray = builder->sah * (variant == 1 ? 0.12 : 0.07);
@@ -265,14 +266,6 @@ static inline void sample_add_extras(bb_results *results)
                          cJSON_Parse(sample_reproduction));
     cJSON *builds = cJSON_GetObjectItem(root, "builds");
     cJSON_AddStringToObject(cJSON_GetArrayItem(builds, 3), "about", "code: 30 bits, 10 per axis");
-    cJSON *trace;
-    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(root, "traces"))
-    {
-        if (!cJSON_IsTrue(cJSON_GetObjectItem(trace, "reference")))
-            cJSON_AddBoolToObject(
-                trace, "native",
-                strcmp(cJSON_GetObjectItem(trace, "layout")->valuestring, "pair") == 0);
-    }
 }
 
 /* The whole document; `folder` gets the pictures unless it is NULL. */

@@ -290,7 +290,7 @@ static void wrong_answers_give_exit_status_1(void **state)
     char command[1024];
     snprintf(command, sizeof command,
              "mkdir -p %s/kernels && sed 's/float t = bb_primitive(/float t = 1.001f * "
-             "bb_primitive(/' " BB_TEST_SOURCE_DIR "/kernels/stack.cl >%s/kernels/stack.cl",
+             "bb_primitive(/' " BB_TEST_SOURCE_DIR "/kernels/search.clh >%s/kernels/search.clh",
              folder, folder);
     assert_int_equal(system(command), 0);
     const outcome *o =

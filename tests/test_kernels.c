@@ -9,6 +9,7 @@
 
 #include "framework/instance.h"
 #include "framework/random.h"
+#include "traversal/collapse.h"
 #include "traversal/traversal.h"
 
 #include <math.h>
@@ -199,6 +200,21 @@ static void compare(const bb_scene *scene, const bb_layout_data *layout, const b
     assert_true(decided > RAYS / 2 && hits > RAYS / 4);
 }
 
+static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
+                            const bb_kernel *kernel)
+{
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
+    check(bb_layout_maker_make(&maker, scene, tree, leaf, &data), "layout");
+    compare(scene, &data, kernel);
+    bb_layout_data_release(&data);
+    /* what it still has is its own */
+    maker.layout->destroy(maker.self);
+    bb_collapse_destroy(maker.collapse);
+    assert_int_equal(maker.account.bytes, 0);
+}
+
 static void kernels_agree_with_brute_force(void **state)
 {
     (void)state;
@@ -218,16 +234,7 @@ static void kernels_agree_with_brute_force(void **state)
             check(bb_tree_upload(&instance.tree, device, NULL), "upload");
             for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
                 for (uint32_t leaf = 1; leaf <= 4; leaf += 3) {
-                    const bb_layout *layout = bb_layout_find((*kernel)->layout);
-                    bb_account account = {0};
-                    bb_layout_data data = {0};
-                    void *self = NULL;
-                    check(layout->create(device, &account, &self), "layout");
-                    check(layout->make(self, &scene, &instance.tree, leaf, &data), "layout");
-                    compare(&scene, &data, *kernel);
-                    bb_layout_data_release(&data);
-                    layout->destroy(self);
-                    assert_int_equal(account.bytes, 0);
+                    compare_on_tree(&scene, &instance.tree, leaf, *kernel);
                 }
             bb_instance_destroy(&instance);
         }
@@ -288,15 +295,7 @@ static void trees_of_any_arity_are_traced_rightly(void **state)
         check(bb_tree_check(&tree, &scene), "the test's own tree");
         check(bb_tree_upload(&tree, device, NULL), "upload");
         for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
-            const bb_layout *layout = bb_layout_find((*kernel)->layout);
-            bb_account account = {0};
-            bb_layout_data data = {0};
-            void *self = NULL;
-            check(layout->create(device, &account, &self), "layout");
-            check(layout->make(self, &scene, &tree, trial % 3 == 0 ? 4 : 1, &data), "layout");
-            compare(&scene, &data, *kernel);
-            bb_layout_data_release(&data);
-            layout->destroy(self);
+            compare_on_tree(&scene, &tree, trial % 3 == 0 ? 4 : 1, *kernel);
         }
         bb_tree_release(&tree);
         release_scene(&scene);

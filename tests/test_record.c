@@ -36,6 +36,7 @@ static const char *const trace_fields[] = {"build",
                                            "builder",
                                            "kernel",
                                            "layout",
+                                           "native",
                                            "rays",
                                            "query",
                                            "count",
@@ -196,6 +197,7 @@ static void no_zero_for_what_was_not_measured(void **state)
                                                 "counted",
                                                 "accuracy",
                                                 "group_size",
+                                                "native",
                                                 "view",
                                                 NULL};
     const cJSON *row = section(results, "traces")->child;

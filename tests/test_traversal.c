@@ -30,8 +30,7 @@ static void check(bb_status status, const char *what)
 typedef struct bed {
     bb_scene *scene;
     bb_instance instance;
-    bb_account account;
-    void *layout_self;
+    bb_layout_maker maker;
     bb_layout_data layout;
 } bed;
 
@@ -44,15 +43,14 @@ static void open_bed(bed *b, bb_scene *scene, const char *builder, uint32_t leaf
     check(bb_instance_create(device, builder, scene, seed, &b->instance), builder);
     check(bb_instance_build(&b->instance, scene, false, NULL, &ms), builder);
     check(bb_tree_upload(&b->instance.tree, device, NULL), builder);
-    const bb_layout *layout = bb_layout_find("pair");
-    check(layout->create(device, &b->account, &b->layout_self), "layout");
-    check(layout->make(b->layout_self, scene, &b->instance.tree, leaf, &b->layout), "layout");
+    check(bb_layout_maker_create(bb_layout_find("pair"), device, &b->maker), "layout");
+    check(bb_layout_maker_make(&b->maker, scene, &b->instance.tree, leaf, &b->layout), "layout");
 }
 
 static void close_bed(bed *b)
 {
     bb_layout_data_release(&b->layout);
-    bb_layout_find("pair")->destroy(b->layout_self);
+    bb_layout_maker_destroy(&b->maker);
     bb_instance_destroy(&b->instance);
     bb_scene_free(b->scene);
 }
@@ -109,7 +107,12 @@ static void every_builder_with_every_kernel_is_right(void **state)
                                          "hairball:n=1000",
                                          "spheres:n=2000,state=initial",
                                          "spheres:n=2000,state=settled",
-                                         "sphere-mesh"};
+                                         "sphere-mesh",
+                                         "awkward:kind=outlier,n=1000",
+                                         "awkward:kind=centroids,n=100",
+                                         "awkward:kind=flat,n=1000",
+                                         "awkward:kind=axis,n=1000",
+                                         "awkward:kind=duplicates,n=1000"};
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
         bb_scene *scene = load(scenes[s]);
         bb_conformance *conformance;

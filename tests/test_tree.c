@@ -1,4 +1,4 @@
-/* The common tree: preorder, hash, stack need, leaf collapse; memory and copies. */
+/* The common tree: preorder, hash, stack need; memory and copies. */
 #include "tests/tree_fixture.h"
 
 static const uint64_t SEED = 20240607;
@@ -47,9 +47,8 @@ static void test_deep_chain(void **state)
     (void)state;
     const uint32_t count = 1000000;
     bb_scene *scene = make_box_scene(count);
-    bb_tree tree, out;
+    bb_tree tree;
     bb_tree_init(&tree, NULL);
-    bb_tree_init(&out, NULL);
     ASSERT_OK(bb_tree_reserve(&tree, NULL, BB_ON_HOST, 2 * count - 1, count));
     for (uint32_t i = 0; i < count; i++) {
         const float lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1};
@@ -66,11 +65,7 @@ static void test_deep_chain(void **state)
     uint32_t need;
     ASSERT_OK(bb_tree_stack_need(&tree, &need));
     assert_int_equal(need, count - 1);
-    ASSERT_OK(bb_tree_collapse(&tree, 4, &out));
-    ASSERT_OK(bb_tree_check(&out, scene));
-    assert_int_equal(out.info.depth, count - 4);
     bb_tree_release(&tree);
-    bb_tree_release(&out);
     free_scene(scene);
 }
 
@@ -92,70 +87,6 @@ static void test_stack_need(void **state)
     ASSERT_OK(bb_tree_stack_need(&tree, &need));
     assert_int_equal(need, 3);
     bb_tree_release(&tree);
-}
-
-static void test_collapse(void **state)
-{
-    (void)state;
-    for (uint32_t run = 0; run < 200; run++) {
-        bb_random random = bb_random_make(SEED + 1, run);
-        bb_scene *scene = make_random_scene(1 + bb_random_below(&random, 400), &random);
-        bb_tree tree, out;
-        make_random_tree(scene, 2 + bb_random_below(&random, 7), 1, &random, &tree);
-        bb_tree_init(&out, NULL);
-        double before = bb_tree_sah(&tree);
-        for (uint32_t leaf = 1; leaf < 600; leaf *= 3) {
-            ASSERT_OK(bb_tree_collapse(&tree, leaf, &out));
-            ASSERT_OK(bb_tree_check(&out, scene));
-            double after = bb_tree_sah(&out);
-            if (!(after <= before * (1 + 1e-12)) || (leaf == 1 && fabs(after - before) > 1e-9))
-                fail_msg("seed %llu run %u leaf %u: SAH %g became %g", (unsigned long long)SEED,
-                         run, leaf, before, after);
-            for (uint32_t i = 0, width = 1; i < out.info.ref_count; i++, width++) {
-                assert_true(width <= leaf);
-                width = out.refs[i] & BB_LAST_BIT ? 0 : width;
-            }
-        }
-        bb_tree_release(&tree);
-        bb_tree_release(&out);
-        free_scene(scene);
-    }
-}
-
-/* Two leaves of equal boxes: a leaf of both costs 2 A, the inner node 1.2 A + 2 A. Far apart, the
- * inner node is kept. */
-static void test_collapse_decides_by_cost(void **state)
-{
-    (void)state;
-    bb_scene *scene = make_box_scene(2);
-    const float lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1}, far_lo[3] = {100, 0, 0},
-                far_hi[3] = {101, 1, 1};
-    const uint32_t refs[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT};
-    bb_node nodes[] = {make_node(lo, hi, 1, BB_NONE), make_node(lo, hi, BB_LEAF_BIT | 0, 2),
-                       make_node(lo, hi, BB_LEAF_BIT | 1, BB_NONE)};
-    bb_tree tree, out;
-    make_tree(&tree, nodes, 3, refs, 2, 2, 1);
-    bb_tree_init(&out, NULL);
-    ASSERT_OK(bb_tree_collapse(&tree, 1, &out));
-    assert_int_equal(out.info.node_count, 3);
-    ASSERT_OK(bb_tree_collapse(&tree, 2, &out));
-    assert_int_equal(out.info.node_count, 1);
-    assert_int_equal(out.info.ref_count, 2);
-    assert_int_equal(out.info.arity, 0);
-    assert_int_equal(out.info.depth, 0);
-    memcpy(tree.nodes[0].hi, far_hi, sizeof far_hi);
-    tree.nodes[2] = make_node(far_lo, far_hi, BB_LEAF_BIT | 1, BB_NONE);
-    ASSERT_OK(bb_tree_collapse(&tree, 2, &out));
-    assert_int_equal(out.info.node_count, 3);
-    /* A primitive that both leaves reference is referenced once by the leaf of both. */
-    memcpy(tree.nodes, nodes, sizeof nodes);
-    tree.duplicated = true;
-    tree.refs[1] = 0 | BB_LAST_BIT;
-    ASSERT_OK(bb_tree_collapse(&tree, 2, &out));
-    assert_int_equal(out.info.ref_count, 1);
-    bb_tree_release(&tree);
-    bb_tree_release(&out);
-    free_scene(scene);
 }
 
 /* ---- memory ---- */
@@ -246,8 +177,6 @@ int main(void)
         cmocka_unit_test(test_random_trees_pass),
         cmocka_unit_test(test_deep_chain),
         cmocka_unit_test(test_stack_need),
-        cmocka_unit_test(test_collapse),
-        cmocka_unit_test(test_collapse_decides_by_cost),
         cmocka_unit_test(test_reserve_refuses),
         cmocka_unit_test(test_copies),
     };

@@ -2,27 +2,14 @@
  * are made binary over the order of their children. */
 #include "traversal/traversal.h"
 
-#include "framework/clock.h"
-#include "framework/primitives.h"
+#include "traversal/pairs.h"
+#include "traversal/records.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
-enum {
-    GROUP_SIZE = 64,
-    ARITY_MAX = 4096, /* one work-item does all the children of a node */
-};
-
 typedef struct pair_layout {
-    bb_device *device;
-    bb_account *account;
-    cl_program program;
-    cl_kernel extra, nodes, root, records;
-    bb_primitives *primitives;
-    bb_buffer base; /* u32 per node, and the total */
-    bb_buffer found;
-    bb_buffer none; /* stands for the arrays that a scene lacks */
+    bb_pairs pairs;
+    bb_records *records;
 } pair_layout;
 
 static void destroy(void *opaque)
@@ -30,15 +17,8 @@ static void destroy(void *opaque)
     pair_layout *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer_release(&self->base);
-    bb_buffer_release(&self->found);
-    bb_buffer_release(&self->none);
-    bb_primitives_destroy(self->primitives);
-    bb_kernel_release(self->extra);
-    bb_kernel_release(self->nodes);
-    bb_kernel_release(self->root);
-    bb_kernel_release(self->records);
-    bb_program_release(self->program);
+    bb_pairs_destroy(&self->pairs);
+    bb_records_destroy(self->records);
     free(self);
 }
 
@@ -48,124 +28,27 @@ static bb_status create(bb_device *device, bb_account *account, void **out)
     if (self == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     *out = self;
-    self->device = device;
-    self->account = account;
-    BB_TRY(bb_program_build(device, bb_source_find("layout_pair.cl"), "", &self->program));
-    BB_TRY(bb_kernel_get(self->program, "pair_extra", &self->extra));
-    BB_TRY(bb_kernel_get(self->program, "pair_nodes", &self->nodes));
-    BB_TRY(bb_kernel_get(self->program, "pair_root", &self->root));
-    BB_TRY(bb_kernel_get(self->program, "pair_records", &self->records));
-    BB_TRY(bb_primitives_create(device, account, &self->primitives));
-    BB_TRY(bb_buffer_reserve(device, account, 2 * sizeof(uint32_t), "pair: root", &self->found));
-    return bb_buffer_reserve(device, account, 16, "pair: empty array", &self->none);
+    BB_TRY(bb_pairs_create(device, account, &self->pairs));
+    return bb_records_create(device, account, &self->records);
 }
 
-static bb_status make_nodes(pair_layout *self, const bb_tree *tree, bb_layout_data *data)
-{
-    bb_device *device = self->device;
-    uint32_t count = tree->info.node_count;
-    BB_TRY(bb_buffer_reserve(device, self->account, ((size_t)count + 1) * sizeof(uint32_t),
-                             "pair: numbering", &self->base));
-    BB_TRY(bb_launch(device, self->extra, (size_t)count + 1, GROUP_SIZE, BB_MEM(tree->d_nodes),
-                     BB_VALUE(count), BB_MEM(self->base)));
-    BB_TRY(bb_scan_u32(self->primitives, &self->base, &self->base, count + 1, NULL));
-    BB_TRY(bb_launch(device, self->root, 1, 1, BB_MEM(tree->d_nodes), BB_VALUE(count),
-                     BB_VALUE(tree->info.root), BB_MEM(self->base), BB_MEM(self->found)));
-    uint32_t found[2];
-    BB_TRY(bb_buffer_read(&self->found, 0, sizeof found, found));
-    data->root = found[0];
-    size_t bytes = found[1] * sizeof(bb_pair);
-    BB_TRY(bb_buffer_reserve(device, self->account, bytes, "pair: nodes", &data->buffers[0]));
-    data->bytes += bytes;
-    return bb_launch(device, self->nodes, count, GROUP_SIZE, BB_MEM(tree->d_nodes), BB_VALUE(count),
-                     BB_MEM(self->base), BB_MEM(data->buffers[0]));
-}
-
-static bb_status make_records(pair_layout *self, const bb_scene *scene, const bb_tree *tree,
-                              bb_layout_data *data)
-{
-    const bb_scene_device *geometry = &scene->on_device;
-    uint32_t words = BB_RECORD_WORDS, id_word = BB_RECORD_ID;
-    if (scene->kinds == BB_SPHERES) {
-        words = BB_SPHERE_RECORD_WORDS;
-        id_word = BB_SPHERE_RECORD_ID;
-    }
-    uint32_t count = tree->info.ref_count;
-    size_t bytes = (size_t)count * words * sizeof(uint32_t);
-    BB_TRY(bb_buffer_reserve(self->device, self->account, bytes, "pair: primitive records",
-                             &data->buffers[1]));
-    data->bytes += bytes;
-    bool triangles = scene->triangle_count > 0, spheres = scene->sphere_count > 0;
-    return bb_launch(self->device, self->records, count, GROUP_SIZE, BB_MEM(tree->d_refs),
-                     BB_VALUE(count), BB_MEM(*(triangles ? &geometry->vertices : &self->none)),
-                     BB_MEM(*(triangles ? &geometry->indices : &self->none)),
-                     BB_MEM(*(spheres ? &geometry->spheres : &self->none)),
-                     BB_VALUE(scene->triangle_count), BB_VALUE(words), BB_VALUE(id_word),
-                     BB_MEM(data->buffers[1]));
-}
-
-/* Entries for a balanced binary tree over up to `arity` children at each of `depth` levels: an upper bound that needs no walk. */
-static uint32_t stack_need(const bb_tree_info *info)
-{
-    uint64_t levels = 0;
-    while ((UINT64_C(1) << levels) < info->arity)
-        levels++;
-    uint64_t need = info->depth * levels;
-    return need < UINT32_MAX ? (uint32_t)need : UINT32_MAX;
-}
-
-/* No wide nodes, and none with one child. */
-static bool is_binary(const bb_tree_info *info)
-{
-    return info->arity <= 2 && info->node_count == 2 * info->leaf_count - 1;
-}
-
-static bb_status make(void *opaque, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
+static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
                       bb_layout_data *data)
 {
     pair_layout *self = opaque;
-    bb_tree collapsed;
-    bb_tree_init(&collapsed, self->account);
-    const bb_tree *source = tree;
-    bb_status status = bb_finish(self->device);
-    if (tree->info.arity > ARITY_MAX)
-        status = bb_fail(BB_UNSUPPORTED, "layout pair takes nodes of up to %d children, not %u",
-                         ARITY_MAX, tree->info.arity);
-    double start = bb_wall_ms();
-    data->bytes = 0;
+    uint32_t count;
     data->buffer_count = 2;
-    data->triangle_count = scene->triangle_count;
-    data->sah = NAN;
-    if (status == BB_OK && leaf > 1) {
-        status = bb_tree_download(tree, NULL);
-        if (status == BB_OK)
-            status = bb_tree_collapse(tree, leaf, &collapsed);
-        if (status == BB_OK)
-            status = bb_tree_upload(&collapsed, self->device, NULL);
-        source = &collapsed;
-    }
-    if (status == BB_OK)
-        status = make_nodes(self, source, data);
-    if (status == BB_OK)
-        status = make_records(self, scene, source, data);
-    if (status == BB_OK)
-        status = bb_finish(self->device);
-    data->ms = bb_wall_ms() - start;
-    data->stack_need = stack_need(&source->info);
-    if (leaf > 1)
-        snprintf(data->name, sizeof data->name, "pair:leaf=%u", leaf);
-    else
-        snprintf(data->name, sizeof data->name, "pair");
-    data->keeps_shape = leaf == 1 && is_binary(&source->info);
-    if (status == BB_OK && leaf > 1 && is_binary(&source->info))
-        data->sah = bb_tree_sah(source); /* outside the clock */
-    bb_tree_release(&collapsed);
-    return status;
+    data->stack_need = bb_pairs_stack_need(&tree->info);
+    data->keeps_shape = bb_pairs_keep_shape(&tree->info);
+    BB_TRY(bb_pairs_make(&self->pairs, tree, &data->buffers[0], &count, &data->root));
+    data->bytes += count * sizeof(bb_pair);
+    return bb_records_make(self->records, scene, tree, &data->buffers[1], &data->bytes);
 }
 
 const bb_layout bb_layout_pair = {
     .name = "pair",
     .summary = "binary, both children's boxes in the parent; primitives expanded in leaf order",
+    .block = 1,
     .create = create,
     .make = make,
     .destroy = destroy,

@@ -26,14 +26,6 @@ struct bb_tracer {
 
 static bb_tracer *cache;
 
-const bb_layout *bb_layout_find(const char *name)
-{
-    for (const bb_layout *const *l = bb_layouts; *l != NULL; l++)
-        if (strcmp((*l)->name, name) == 0)
-            return *l;
-    return NULL;
-}
-
 const bb_kernel *bb_kernel_find(const char *name)
 {
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
@@ -56,13 +48,6 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     return bb_spec_validate(spec, all, what);
 }
 
-void bb_layout_data_release(bb_layout_data *data)
-{
-    for (uint32_t i = 0; i < BB_LAYOUT_BUFFERS_MAX; i++)
-        bb_buffer_release(&data->buffers[i]);
-    *data = (bb_layout_data){0};
-}
-
 /* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private memory of each work-item. */
 enum { STACK_MAX = 1024 };
 
@@ -82,7 +67,8 @@ static void release(bb_tracer *tracer)
 }
 
 /* The kernel's own options as -DBB_NAME=value, '-' as '_'. Appends to `text`. */
-static void append_options(const bb_kernel *kernel, const bb_spec *spec, char *text, size_t capacity)
+static void append_options(const bb_kernel *kernel, const bb_spec *spec, char *text,
+                           size_t capacity)
 {
     for (const bb_option *o = kernel->options; o != NULL && o->name != NULL; o++) {
         size_t length = strlen(text);
@@ -106,8 +92,8 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     snprintf(defines, sizeof defines,
              "%s %s -DBB_KINDS=%u -DBB_STACK_SIZE=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d",
              request->intersector->defines,
-             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds, stack_size,
-             request->query == BB_ANY_HIT, request->counting);
+             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds,
+             stack_size, request->query == BB_ANY_HIT, request->counting);
     append_options(request->kernel, request->spec, defines, sizeof defines);
     snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)

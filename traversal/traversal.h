@@ -20,25 +20,45 @@ typedef struct bb_layout_data {
     bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
     uint64_t bytes;
-    bool keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too */
-    double sah;       /* of the layout as traced; NAN: not known here */
-    double ms;        /* wall time of making it */
-    char name[64];    /* as recorded: "pair", "pair:leaf=4" */
+    bool
+        keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too, the pairing is native */
+    double sah;    /* of the layout as traced; NAN: not known here */
+    double ms;     /* wall time of making it */
+    char name[64]; /* as recorded: "pair", "pair:leaf=4" */
 } bb_layout_data;
 
 typedef struct bb_layout {
     const char *name;
     const char *summary;
+    uint32_t block; /* primitives that its kernels test at once: leaf collapse counts begun blocks. Required */
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
-    /* Makes the layout of `tree` (on the device; on the host too when leaf > 1), of leaves with up to `leaf` references. */
-    bb_status (*make)(void *self, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
-                      bb_layout_data *data);
-    void (*destroy)(void *self);
+    /* Makes the layout of `tree` (on the device): buffers, root, stack_need, keeps_shape; adds to data->bytes. May enqueue and
+     * return. The rest is bb_layout_maker_make()'s. */
+    bb_status (*make)(void *self, const bb_scene *scene, const bb_tree *tree, bb_layout_data *data);
+    void (*destroy)(void *self); /* what create() left behind, even if it failed; NULL is allowed */
 } bb_layout;
 
 extern const bb_layout *const bb_layouts[]; /* generated; ends with NULL */
 const bb_layout *bb_layout_find(const char *name);
 void bb_layout_data_release(bb_layout_data *data);
+
+/* A layout at work on a device. It must not move while it lives: the account is in it. */
+typedef struct bb_layout_maker {
+    const bb_layout *layout;
+    bb_device *device;
+    bb_account account; /* of the layouts made too: they go first */
+    void *self;
+    struct bb_collapse *collapse; /* NULL until leaves are asked for */
+} bb_layout_maker;
+
+bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,
+                                 bb_layout_maker *maker);
+void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed */
+
+/* Makes the layout of `tree`, on the device, with leaves of up to `leaf` references (1: those of the tree). Waits for it; data->ms
+ * is the wall time, leaf collapse included. `data` may hold an earlier one, whose memory is used again. */
+bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
+                               uint32_t leaf, bb_layout_data *data);
 
 /* An intersector: ray against primitive and box, with its rounding rules, as -D for the kernels. */
 typedef struct bb_intersector {
@@ -55,13 +75,17 @@ typedef struct bb_kernel {
     const char *name;
     const char *summary;
     const char *paper;
-    const char *layout;       /* the layout that it reads */
-    const char *source;       /* its file in kernels/ */
-    const char *defines;      /* -D that every variant gets; NULL for none */
-    uint32_t queries;         /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
-    bool ordered;             /* visits children near to far */
-    bool compared;            /* `run` takes it when no kernel is asked for */
-    const bb_option *options; /* its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its
+    const char *layout;  /* the layout that it reads */
+    const char *source;  /* its file in kernels/ */
+    const char *defines; /* -D that every variant gets; NULL for none */
+    uint32_t queries;    /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
+    bool ordered;        /* visits children near to far */
+    bool compared;       /* `run` takes it when no kernel is asked for */
+    bool
+        native; /* its layout keeps the shape of any tree: when no kernel is asked for, `run` takes it for the trees
+                            whose shape no compared kernel keeps */
+    const bb_option *
+        options; /* its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its
                                  `values`; `leaf` and `group` are common to all kernels */
 } bb_kernel;
 

@@ -1,0 +1,193 @@
+/* Leaf collapse by the surface area heuristic, one pass for all builders and layouts, from tree to tree.
+ *
+ *   parent of each node                                                   (collapse_parents)
+ *   bottom-up from the leaves; of a node's children the last to come goes on with it:
+ *     a leaf costs Ci A per block of references that it begins; an inner node Ct children/2 A and what its children cost
+ *     if its subtree has at most max_leaf references and a leaf of them costs no more: collapse     (collapse_decide)
+ *   kept: nodes without a collapsed ancestor; their references, each once (collapse_mark)
+ *   places = exclusive scans of both                                      (framework/primitives.h)
+ *   write                                                                 (collapse_write)
+ *
+ * MacDonald and Booth 1990 (the heuristic); Wald, Benthin and Boulos 2008 (leaves in blocks of the vector's length). Nodes and references
+ * keep their order in memory. Reads any tree. A primitive that several leaves of a collapsed subtree reference is referenced
+ * once. What a sibling wrote is read after the atomic that both pass, with a fence on either side, as in radix_tree.cl. Costs are
+ * floats: they decide between two trees that are both right.
+ */
+#include "bb_device.h"
+
+kernel void collapse_parents(global const bb_node *nodes, uint count, uint root,
+                             global uint *parents, global uint *missing)
+{
+    uint n = get_global_id(0);
+    if (n >= count)
+        return;
+    if (n == root)
+        parents[n] = BB_NONE;
+    uint children = 0;
+    if ((nodes[n].first & BB_LEAF_BIT) == 0)
+        for (uint c = nodes[n].first; c != nodes[n].skip; c = nodes[c].skip, children++)
+            parents[c] = n;
+    missing[n] = children;
+}
+
+float half_area(global const bb_node *node)
+{
+    float x = node->hi[0] - node->lo[0], y = node->hi[1] - node->lo[1], z = node->hi[2] - node->lo[2];
+    return x * y + y * z + z * x;
+}
+
+/* Ct per pair of children, Ci per block of up to `block` references. */
+typedef struct cost_model {
+    float traversal, intersection;
+    uint block, max_leaf;
+} cost_model;
+
+float leaf_cost(const cost_model *model, uint refs)
+{
+    return model->intersection * (float)((refs + model->block - 1u) / model->block);
+}
+
+/* References from `first` to the end of the leaf. */
+uint run_length(global const uint *refs, uint first)
+{
+    uint length = 1;
+    while ((refs[first + length - 1u] & BB_LAST_BIT) == 0)
+        length++;
+    return length;
+}
+
+/* What inner node n is worth, from its children's. */
+bb_subtree join(global const bb_node *nodes, volatile global const bb_subtree *subtrees, uint n,
+                const cost_model *model)
+{
+    const uint enough = model->max_leaf + 1u;
+    bb_subtree s = {0.0f, 0u, 0u, 0u, 0u, 0u};
+    uint children = 0;
+    for (uint c = nodes[n].first; c != nodes[n].skip; c = nodes[c].skip, children++) {
+        uint height = subtrees[c].height + 1u, arity = subtrees[c].arity, refs = subtrees[c].refs;
+        s.cost += subtrees[c].cost;
+        s.leaves += subtrees[c].leaves;
+        s.refs += BB_MIN(refs, enough);
+        s.refs = BB_MIN(s.refs, enough);
+        s.height = BB_MAX(height, s.height);
+        s.arity = BB_MAX(arity, s.arity);
+    }
+    s.arity = BB_MAX(children, s.arity);
+    float area = half_area(nodes + n);
+    s.cost += area * 0.5f * model->traversal * (float)children;
+    float as_leaf = area * leaf_cost(model, s.refs);
+    if (s.refs <= model->max_leaf && as_leaf <= s.cost) {
+        s.cost = as_leaf;
+        s.leaf = s.leaves = 1u;
+        s.height = s.arity = 0u;
+    }
+    return s;
+}
+
+void put(volatile global bb_subtree *at, const bb_subtree *s)
+{
+    at->cost = s->cost;
+    at->refs = s->refs;
+    at->leaves = s->leaves;
+    at->height = s->height;
+    at->arity = s->arity;
+    at->leaf = s->leaf;
+}
+
+kernel void collapse_decide(global const bb_node *nodes, global const uint *refs, uint count,
+                            float traversal, float intersection, uint block, uint max_leaf,
+                            global const uint *parents,
+                            volatile global uint *missing, volatile global bb_subtree *subtrees)
+{
+    uint n = get_global_id(0);
+    if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
+        return;
+    const cost_model model = {traversal, intersection, block, max_leaf};
+    bb_subtree s = {0.0f, run_length(refs, nodes[n].first & BB_INDEX_MASK), 1u, 0u, 0u, 1u};
+    s.cost = half_area(nodes + n) * leaf_cost(&model, s.refs);
+    put(subtrees + n, &s);
+    for (uint p = parents[n]; p != BB_NONE; p = parents[p]) {
+        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        if (atomic_dec(&missing[p]) != 1u)
+            return;
+        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        s = join(nodes, subtrees, p, &model);
+        put(subtrees + p, &s);
+    }
+}
+
+/* The references below node n, each once if `duplicated`: counted, and written to `out` unless that is NULL. */
+uint gather(global const bb_node *nodes, global const uint *refs, uint n, uint duplicated,
+            global uint *out)
+{
+    uint end = nodes[n].skip, written = 0;
+    uint own[BB_LEAF_MAX]; /* those found so far: needed only where a collapsed node has several leaves */
+    bool several = (nodes[n].first & BB_LEAF_BIT) == 0;
+    for (uint c = n; c != end; c = (nodes[c].first & BB_LEAF_BIT) != 0 ? nodes[c].skip : nodes[c].first) {
+        if ((nodes[c].first & BB_LEAF_BIT) == 0)
+            continue;
+        uint first = nodes[c].first & BB_INDEX_MASK, length = run_length(refs, first);
+        for (uint i = 0; i < length; i++) {
+            uint prim = refs[first + i] & BB_INDEX_MASK;
+            bool known = false;
+            for (uint k = 0; several && duplicated != 0u && k < written; k++)
+                known = known || own[k] == prim;
+            if (known)
+                continue;
+            if (several)
+                own[written] = prim;
+            if (out != NULL)
+                out[written] = prim;
+            written++;
+        }
+    }
+    if (out != NULL)
+        out[written - 1u] |= BB_LAST_BIT;
+    return written;
+}
+
+kernel void collapse_mark(global const bb_node *nodes, global const uint *refs, uint count,
+                          uint max_leaf, uint duplicated, global const uint *parents,
+                          global const bb_subtree *subtrees, global uint *places,
+                          global uint *firsts)
+{
+    uint n = get_global_id(0);
+    if (n > count)
+        return;
+    places[n] = firsts[n] = 0;
+    if (n == count)
+        return;
+    for (uint p = parents[n]; p != BB_NONE && subtrees[p].refs <= max_leaf; p = parents[p])
+        if (subtrees[p].leaf != 0u)
+            return;
+    places[n] = 1;
+    if (subtrees[n].leaf != 0u)
+        firsts[n] = gather(nodes, refs, n, duplicated, NULL);
+}
+
+kernel void collapse_write(global const bb_node *nodes, global const uint *refs, uint count,
+                           uint root, uint duplicated, global const bb_subtree *subtrees,
+                           global const uint *places, global const uint *firsts,
+                           global bb_node *out_nodes, global uint *out_refs,
+                           global bb_tree_info *info)
+{
+    uint n = get_global_id(0);
+    if (n >= count || places[n] == places[n + 1u])
+        return;
+    bb_node node = nodes[n];
+    bool leaf = subtrees[n].leaf != 0u;
+    if (leaf)
+        gather(nodes, refs, n, duplicated, out_refs + firsts[n]);
+    node.first = leaf ? BB_LEAF_BIT | firsts[n] : places[node.first];
+    /* what follows a kept node has that node's ancestors above it, so it is kept too */
+    node.skip = node.skip == BB_NONE ? BB_NONE : places[node.skip];
+    out_nodes[places[n]] = node;
+    if (n == root) {
+        info->root = places[n];
+        info->node_count = places[count];
+        info->leaf_count = subtrees[n].leaves;
+        info->ref_count = firsts[count];
+        info->arity = subtrees[n].arity;
+        info->depth = subtrees[n].height;
+    }
+}

@@ -1,0 +1,120 @@
+/* Stack traversal of wide nodes: all children's boxes at once, primitives in blocks of BB_BLOCK_LANES.
+ *
+ *   link = root
+ *   loop: while link is a node: test its boxes; none met: pop. Go to the nearest, push the others, the farthest first
+ *         test the blocks of the leaf; pop until an entry is nearer than the hit
+ *
+ * Wald, Benthin, Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-Branching BVHs"; Dammertz,
+ * Hanika, Keller 2008, "Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays". Pro: vector units are busy
+ * with one ray, so rays need not be coherent. Con: on devices that run work-items in lockstep the vectors are unrolled.
+ * Overflow and equal distances as in stack.cl.
+ *
+ *   BB_WIDTH, BB_QUANTISED  the node: wide.clh
+ *   BB_STACK_SIZE   entries
+ *   and those of search.clh
+ */
+#include "bb_device.h"
+#include "wide.clh"
+
+#if BB_QUANTISED
+#define BB_NODE global const bb_wide *
+#define BB_PLANES(node, axis, plane)                                                               \
+    BB_DEQUANTISE(node, axis, convert_float8(vload8(0, (node)->planes + (plane))))
+#define BB_PLANE_STEP BB_WIDTH
+#define BB_NODE_OF(wide) (wide)
+#else
+#define BB_NODE_OF(wide) (wide)->planes
+#endif
+#define BB_LANES BB_BLOCK_LANES
+#include "search.clh"
+
+#ifndef BB_STACK_SIZE
+#define BB_STACK_SIZE 64
+#endif
+kernel void trace(global const bb_wide *nodes,
+                  global const float *blocks, /* of primitives */
+                  uint root,                  /* link */
+                  uint triangle_count,
+                  global const bb_ray *rays,
+                  uint count,
+                  global bb_hit *hits
+                  BB_COUNTS_ARGUMENT)
+{
+    uint id = get_global_id(0);
+    if (id >= count)
+        return;
+    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
+    bb_slab slab = bb_slab_of(o, d);
+    bb_ray_setup setup = bb_ray_setup_of(o, d);
+    bb_search search;
+    bb_search_start(&search, &rays[id]);
+
+    uint stack_links[BB_STACK_SIZE];
+    float stack_entries[BB_STACK_SIZE];
+    uint top = 0;
+    uint link = root;
+    bool overflow = false;
+    for (;;) {
+        while ((link & BB_LEAF_BIT) == 0) {
+            global const bb_wide *node = nodes + link;
+            bb_boxes entry, exit;
+            bb_box_distances(&slab, BB_NODE_OF(node), search.tmin, search.tmax, &entry, &exit);
+            uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit);
+#if BB_COUNTING
+            search.boxes += node->count;
+#endif
+            if (met == 0u)
+                goto pop;
+            uint child = 31u - clz(met);
+            met ^= 1u << child;
+            link = node->links[child];
+            if (met == 0u)
+                continue;
+            if (top + BB_WIDTH - 1u > BB_STACK_SIZE && top + popcount(met) > BB_STACK_SIZE) {
+                overflow = true;
+                goto done;
+            }
+            /* insertion into the sorted entries of this node; the nearest stays in hand */
+            float entries[BB_WIDTH];
+            BB_VECTOR(vstore, BB_WIDTH)(entry, 0, entries);
+            float nearest = entries[child];
+            uint bottom = top;
+            do {
+                child = 31u - clz(met);
+                met ^= 1u << child;
+                uint other = node->links[child];
+                float distance = entries[child];
+                if (distance < nearest) {
+                    stack_links[top] = link;
+                    stack_entries[top] = nearest;
+                    link = other;
+                    nearest = distance;
+                } else {
+                    uint at = top;
+                    for (; at > bottom && stack_entries[at - 1u] < distance; at--) {
+                        stack_links[at] = stack_links[at - 1u];
+                        stack_entries[at] = stack_entries[at - 1u];
+                    }
+                    stack_links[at] = other;
+                    stack_entries[at] = distance;
+                }
+                top++;
+            } while (met != 0u);
+        }
+        if (bb_search_leaf(&search, &setup, blocks, link, triangle_count))
+            goto done;
+    pop:
+        do {
+            if (top == 0u)
+                goto done;
+            top--;
+        } while (stack_entries[top] > search.tmax);
+        link = stack_links[top];
+    }
+done:
+    if (!overflow)
+        bb_search_write(&search, &hits[id]);
+#if BB_COUNTING
+    bb_search_count(&search, overflow, &counts[id]);
+#endif
+}

@@ -1,0 +1,56 @@
+/* Stackless traversal by skip pointers, on the nodes of the tree itself.
+ *
+ *   node = root
+ *   while there is a node:
+ *       the ray meets its box?  no: node = skip(node)
+ *                               yes, inner: node = first(node)
+ *                               yes, leaf: test its primitives; node = skip(node)
+ *
+ * Smits 1998, "Efficiency Issues for Ray Tracing" (skip pointers); Gu, Jendersie, Grosch 2018, "Fast and Dynamic Construction of
+ * Bounding Volume Hierarchies based on Loose Octrees" (first and next pointers, nodes of any number of children). Pro: no state but one link, any arity,
+ * any depth. Con: children come in the tree's order, not the ray's, so that a far hit culls little of what comes before
+ * the near one; one box at a time.
+ *
+ *   -D: those of search.clh
+ */
+#include "bb_device.h"
+#include "search.clh"
+
+kernel void trace(global const float *nodes,     /* bb_node[], in preorder */
+                  global const float *records,   /* primitive records */
+                  uint root,                     /* node */
+                  uint triangle_count,
+                  global const bb_ray *rays,
+                  uint count,
+                  global bb_hit *hits
+                  BB_COUNTS_ARGUMENT)
+{
+    uint id = get_global_id(0);
+    if (id >= count)
+        return;
+    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
+    bb_slab slab = bb_slab_of(o, d);
+    bb_ray_setup setup = bb_ray_setup_of(o, d);
+    bb_search search;
+    bb_search_start(&search, &rays[id]);
+
+    uint link = root;
+    while (link != BB_NONE) {
+        global const float *node = nodes + 8ul * link;
+        uint first = as_uint(node[3]), skip = as_uint(node[7]);
+        search.boxes++;
+        if (!bb_meets_node(&slab, node, search.tmin, search.tmax)) {
+            link = skip;
+        } else if ((first & BB_LEAF_BIT) == 0) {
+            link = first;
+        } else {
+            if (bb_search_leaf(&search, &setup, records, first, triangle_count))
+                break;
+            link = skip;
+        }
+    }
+    bb_search_write(&search, &hits[id]);
+#if BB_COUNTING
+    bb_search_count(&search, false, &counts[id]);
+#endif
+}

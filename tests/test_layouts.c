@@ -1,0 +1,243 @@
+/* Layouts against walks over the tree on the host, on random trees whose nodes lie in random order; and which kernels a tree is
+ * traced by. Small enough for oclgrind, under which this program runs as well. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "framework/bench_private.h"
+#include "tests/tree_fixture.h"
+#include "traversal/traversal.h"
+
+static const uint64_t seed = 4711;
+static bb_device *device;
+
+static void check(bb_status status, const char *what)
+{
+    if (status != BB_OK)
+        fail_msg("%s: %s", what, bb_message());
+}
+
+/* ---- scenes and trees ---- */
+
+static bb_scene *make_triangles(uint32_t count, bb_random *random)
+{
+    float *vertices = malloc(9 * (size_t)count * sizeof *vertices);
+    for (size_t i = 0; i < 9 * (size_t)count; i++)
+        vertices[i] = (float)bb_random_range(random, -100, 100);
+    bb_scene *scene = make_scene(vertices, count, NULL, 0);
+    free(vertices);
+    check(bb_scene_upload(scene, device), "upload");
+    return scene;
+}
+
+static void free_triangles(bb_scene *scene)
+{
+    bb_buffer_release(&scene->on_device.boxes);
+    bb_buffer_release(&scene->on_device.vertices);
+    bb_buffer_release(&scene->on_device.indices);
+    free_scene(scene);
+}
+
+static uint32_t depth_of(const bb_tree *tree, uint32_t n)
+{
+    uint32_t depth = 0;
+    if (!bb_node_is_leaf(&tree->nodes[n]))
+        for (uint32_t c = tree->nodes[n].first; c != tree->nodes[n].skip; c = tree->nodes[c].skip) {
+            uint32_t below = 1 + depth_of(tree, c);
+            depth = below > depth ? below : depth;
+        }
+    return depth;
+}
+
+/* Puts nodes of one child above `count` random nodes of the tree. */
+static void add_single_children(bb_tree *tree, uint32_t count, bb_random *random)
+{
+    bb_tree grown;
+    uint32_t nodes = tree->info.node_count;
+    bb_tree_init(&grown, NULL);
+    check(bb_tree_reserve(&grown, NULL, BB_ON_HOST, nodes + count, tree->info.ref_count), "tree");
+    memcpy(grown.nodes, tree->nodes, nodes * sizeof *grown.nodes);
+    memcpy(grown.refs, tree->refs, tree->info.ref_count * sizeof *grown.refs);
+    grown.info = tree->info;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t n = bb_random_below(random, nodes), above = nodes++;
+        for (uint32_t k = 0; k < above; k++) {
+            if (!bb_node_is_leaf(&grown.nodes[k]) && grown.nodes[k].first == n)
+                grown.nodes[k].first = above;
+            if (grown.nodes[k].skip == n)
+                grown.nodes[k].skip = above;
+        }
+        grown.nodes[above] = grown.nodes[n];
+        grown.nodes[above].first = n;
+        if (grown.info.root == n)
+            grown.info.root = above;
+    }
+    grown.info.node_count = nodes;
+    grown.info.arity = grown.info.arity == 0 && count > 0 ? 1 : grown.info.arity;
+    grown.info.depth = depth_of(&grown, grown.info.root);
+    bb_tree_release(tree);
+    *tree = grown;
+}
+
+/* ---- the skip layout ---- */
+
+/* The subtree of n, and that it lies at *at onwards in the layout, with its links. */
+static void walk(const bb_tree *tree, uint32_t n, const bb_node *out, uint32_t *at)
+{
+    const bb_node *node = &tree->nodes[n], *here = &out[(*at)++];
+    assert_memory_equal(node->lo, here->lo, sizeof node->lo);
+    assert_memory_equal(node->hi, here->hi, sizeof node->hi);
+    if (bb_node_is_leaf(node)) {
+        assert_int_equal(here->first, node->first);
+    } else {
+        assert_int_equal(here->first, *at);
+        for (uint32_t c = node->first; c != node->skip; c = tree->nodes[c].skip)
+            walk(tree, c, out, at);
+    }
+    assert_int_equal(here->skip, *at == tree->info.node_count ? BB_NONE : *at);
+}
+
+static void compare_records(const bb_scene *scene, const bb_tree *tree, const bb_buffer *buffer)
+{
+    uint32_t count = tree->info.ref_count;
+    uint32_t *words = malloc((size_t)count * BB_RECORD_WORDS * sizeof *words);
+    check(bb_buffer_read(buffer, 0, (size_t)count * BB_RECORD_WORDS * sizeof *words, words),
+          "read");
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t *record = words + (size_t)i * BB_RECORD_WORDS;
+        assert_int_equal(record[BB_RECORD_ID], tree->refs[i]);
+        assert_memory_equal(record, scene->vertices + 9 * (size_t)(tree->refs[i] & BB_INDEX_MASK),
+                            9 * sizeof(float));
+    }
+    free(words);
+}
+
+static void compare_skip(const bb_scene *scene, bb_tree *tree, bb_layout_maker *maker)
+{
+    bb_layout_data data = {0};
+    uint32_t count = tree->info.node_count, at = 0;
+    check(bb_tree_check(tree, scene), "the test's own tree");
+    check(bb_tree_upload(tree, device, NULL), "upload");
+    check(bb_layout_maker_make(maker, scene, tree, 1, &data), "skip");
+    assert_true(data.keeps_shape);
+    assert_int_equal(data.root, 0);
+    bb_node *nodes = malloc(count * sizeof *nodes);
+    check(bb_buffer_read(&data.buffers[0], 0, count * sizeof *nodes, nodes), "read");
+    walk(tree, tree->info.root, nodes, &at);
+    assert_int_equal(at, count);
+    compare_records(scene, tree, &data.buffers[1]);
+    free(nodes);
+    bb_layout_data_release(&data);
+}
+
+static void skip_is_the_preorder_of_any_tree(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[] = {1, 2, 3, 40, 700, 9000};
+    bool small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    bb_layout_maker maker;
+    check(bb_layout_maker_create(bb_layout_find("skip"), device, &maker), "skip");
+    for (size_t s = 0; s < sizeof sizes / sizeof sizes[0] - (small ? 2 : 0); s++)
+        for (uint32_t arity = 2; arity <= 9; arity++) {
+            bb_random random = bb_random_make(seed, 100 * s + arity);
+            bb_scene *scene = make_triangles(sizes[s], &random);
+            bb_tree tree;
+            make_random_tree(scene, arity, 4, &random, &tree);
+            compare_skip(scene, &tree, &maker);
+            add_single_children(&tree, 1 + sizes[s] / 10, &random);
+            compare_skip(scene, &tree, &maker);
+            bb_tree_release(&tree);
+            free_triangles(scene);
+        }
+    bb_layout_maker_destroy(&maker);
+}
+
+/* ---- native pairings ---- */
+
+static bool keeps_shape(const char *layout, const bb_scene *scene, bb_tree *tree, uint32_t leaf)
+{
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    check(bb_layout_maker_create(bb_layout_find(layout), device, &maker), layout);
+    check(bb_layout_maker_make(&maker, scene, tree, leaf, &data), layout);
+    bool keeps = data.keeps_shape;
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
+    return keeps;
+}
+
+static void layouts_say_whether_they_keep_the_shape(void **state)
+{
+    (void)state;
+    bb_random random = bb_random_make(seed, 1);
+    bb_scene *scene = make_triangles(50, &random);
+    bb_tree binary, wide;
+    make_random_tree(scene, 2, 1, &random, &binary);
+    make_random_tree(scene, 5, 1, &random, &wide);
+    check(bb_tree_upload(&binary, device, NULL), "upload");
+    check(bb_tree_upload(&wide, device, NULL), "upload");
+    assert_true(keeps_shape("pair", scene, &binary, 1));
+    assert_false(keeps_shape("pair", scene, &binary, 4));
+    assert_false(keeps_shape("pair", scene, &wide, 1));
+    assert_true(keeps_shape("skip", scene, &wide, 1));
+    assert_false(keeps_shape("skip", scene, &wide, 4));
+    add_single_children(&binary, 1, &random);
+    check(bb_tree_upload(&binary, device, NULL), "upload");
+    assert_false(keeps_shape("pair", scene, &binary, 1));
+    assert_true(keeps_shape("skip", scene, &binary, 1));
+    bb_tree_release(&binary);
+    bb_tree_release(&wide);
+    free_triangles(scene);
+}
+
+/* A kernel that was not asked for is taken where no other one traces the tree as it was built, and there only. */
+static void the_native_pairing_is_never_left_out(void **state)
+{
+    (void)state;
+    static bb_bench bench;
+    static bb_entrant entrant;
+    bench.kernel_count = 3;
+    bench.kernels[1].layout = 1;
+    bench.kernels[2].layout = 2;
+    bench.kernels[2].native_only = true;
+    entrant.record.has_tree = true;
+    assert_true(bb_bench_takes(&bench, &entrant, 0));
+    assert_true(bb_bench_takes(&bench, &entrant, 2));
+    entrant.keeps_shape[1] = true;
+    assert_true(bb_bench_takes(&bench, &entrant, 0));
+    assert_false(bb_bench_takes(&bench, &entrant, 2));
+    entrant.keeps_shape[1] = false;
+    entrant.keeps_shape[2] = true; /* its own: once made, it is still needed */
+    assert_true(bb_bench_takes(&bench, &entrant, 2));
+    entrant.record.has_tree = false;
+    assert_false(bb_bench_takes(&bench, &entrant, 2));
+}
+
+static int open_device(void **state)
+{
+    (void)state;
+    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
+        return 0;
+    print_error("%s\n", bb_message());
+    return -1;
+}
+
+static int close_device(void **state)
+{
+    (void)state;
+    bb_device_close(device);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(skip_is_the_preorder_of_any_tree),
+        cmocka_unit_test(layouts_say_whether_they_keep_the_shape),
+        cmocka_unit_test(the_native_pairing_is_never_left_out),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}

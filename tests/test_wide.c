@@ -1,0 +1,346 @@
+/* Leaf collapse and the wide layouts, read back and taken apart on the host: random trees of any arity, floats biased to extremes. */
+#include "tests/tree_fixture.h"
+
+#include "traversal/collapse.h"
+#include "traversal/traversal.h"
+
+static const uint64_t SEED = 20240701;
+static bb_device *device;
+
+static bool small(void)
+{
+    return getenv("BVHBENCH_TEST_SMALL") != NULL; /* under oclgrind */
+}
+
+/* ---- leaf collapse ---- */
+
+/* Collapses a copy on the device; `out` ends up on the host as well. */
+static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32_t block,
+                     bb_tree **out)
+{
+    ASSERT_OK(bb_tree_upload(tree, device, NULL));
+    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, block, out));
+    ASSERT_OK(bb_tree_download(*out, NULL));
+}
+
+static void collapsed_trees_are_valid_and_cost_no_more(void **state)
+{
+    (void)state;
+    bb_account account = {0};
+    bb_collapse *self;
+    ASSERT_OK(bb_collapse_create(device, &account, &self));
+    for (uint32_t run = 0; run < (small() ? 5u : 100u); run++) {
+        bb_random random = bb_random_make(SEED, run);
+        bb_scene *scene = make_random_scene(1 + bb_random_below(&random, small() ? 40 : 400), &random);
+        bb_tree tree, *out;
+        make_random_tree(scene, 2 + bb_random_below(&random, 7), 1, &random, &tree);
+        double before = bb_tree_sah(&tree);
+        for (uint32_t leaf = 1; leaf <= BB_LEAF_MAX; leaf *= 2)
+            for (uint32_t block = 1; block <= 4; block += 3) {
+                collapse(self, &tree, leaf, block, &out);
+                if (bb_tree_check(out, scene) != BB_OK)
+                    fail_msg("seed %llu run %u leaf %u block %u: %s", (unsigned long long)SEED, run,
+                             leaf, block, bb_message());
+                double after = bb_tree_sah(out);
+                if ((block == 1 && !(after <= before * (1 + 1e-5))) ||
+                    (leaf == 1 && fabs(after - before) > 1e-9))
+                    fail_msg("seed %llu run %u leaf %u: SAH %g became %g",
+                             (unsigned long long)SEED, run, leaf, before, after);
+                for (uint32_t i = 0, width = 1; i < out->info.ref_count; i++, width++) {
+                    assert_true(width <= leaf);
+                    width = out->refs[i] & BB_LAST_BIT ? 0 : width;
+                }
+            }
+        bb_tree_release(&tree);
+        free_scene(scene);
+    }
+    bb_collapse_destroy(self);
+    assert_int_equal(account.bytes, 0);
+}
+
+/* Two leaves of equal boxes: a leaf of both costs 2 A, or A as a block, the inner node 1.2 A + 2 A. Far apart, the inner node is
+ * kept. */
+static void collapse_decides_by_cost(void **state)
+{
+    (void)state;
+    const float lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1}, far_lo[3] = {100, 0, 0},
+                far_hi[3] = {101, 1, 1};
+    const uint32_t refs[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT};
+    const bb_node near[] = {make_node(lo, hi, 1, BB_NONE), make_node(lo, hi, BB_LEAF_BIT | 0, 2),
+                            make_node(lo, hi, BB_LEAF_BIT | 1, BB_NONE)};
+    const bb_node far[] = {make_node(lo, far_hi, 1, BB_NONE), near[1],
+                           make_node(far_lo, far_hi, BB_LEAF_BIT | 1, BB_NONE)};
+    bb_collapse *self;
+    bb_tree tree, *out;
+    ASSERT_OK(bb_collapse_create(device, NULL, &self));
+    make_tree(&tree, near, 3, refs, 2, 2, 1);
+    collapse(self, &tree, 1, 1, &out);
+    assert_int_equal(out->info.node_count, 3);
+    collapse(self, &tree, 2, 1, &out);
+    assert_int_equal(out->info.node_count, 1);
+    assert_int_equal(out->info.leaf_count, 1);
+    assert_int_equal(out->info.ref_count, 2);
+    assert_int_equal(out->info.arity, 0);
+    assert_int_equal(out->info.depth, 0);
+    bb_tree_release(&tree);
+
+    make_tree(&tree, far, 3, refs, 2, 2, 1);
+    collapse(self, &tree, 2, 1, &out); /* 2 * 201 against 1.2 * 201 + 2 * 3 */
+    assert_int_equal(out->info.node_count, 3);
+    assert_int_equal(out->info.arity, 2);
+    assert_int_equal(out->info.depth, 1);
+    collapse(self, &tree, 2, 4, &out); /* 201: one block */
+    assert_int_equal(out->info.node_count, 1);
+    bb_tree_release(&tree);
+
+    /* A primitive that both leaves reference is referenced once by the leaf of both. */
+    make_tree(&tree, near, 3, refs, 2, 2, 1);
+    tree.duplicated = true;
+    tree.refs[1] = 0 | BB_LAST_BIT;
+    collapse(self, &tree, 2, 1, &out);
+    assert_int_equal(out->info.ref_count, 1);
+    bb_tree_release(&tree);
+    bb_collapse_destroy(self);
+}
+
+/* ---- wide layouts ---- */
+
+typedef struct wide {
+    const bb_scene *scene;
+    uint32_t width;
+    bool quantised;
+    uint8_t *nodes;
+    uint32_t *blocks;
+    uint32_t words; /* of a block */
+    uint32_t *seen; /* per primitive */
+    uint32_t stack_need;
+} wide;
+
+static const uint32_t *links_of(const wide *w, uint32_t node, uint32_t *count)
+{
+    if (w->quantised) {
+        const bb_quant8 *n = (const bb_quant8 *)w->nodes + node;
+        *count = n->count;
+        return n->links;
+    }
+    if (w->width == 4) {
+        const bb_wide4 *n = (const bb_wide4 *)w->nodes + node;
+        *count = n->count;
+        return n->links;
+    }
+    const bb_wide8 *n = (const bb_wide8 *)w->nodes + node;
+    *count = n->count;
+    return n->links;
+}
+
+static bb_box box_of(const wide *w, uint32_t node, uint32_t child)
+{
+    bb_box box = {.lo = {0}};
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        uint32_t lo = 2 * axis * w->width + child, hi = lo + w->width;
+        if (w->quantised) {
+            const bb_quant8 *n = (const bb_quant8 *)w->nodes + node;
+            box.lo[axis] = fmaf(n->planes[lo], n->scale[axis], n->base[axis]);
+            box.hi[axis] = fmaf(n->planes[hi], n->scale[axis], n->base[axis]);
+        } else {
+            const float *planes = w->width == 4 ? ((const bb_wide4 *)w->nodes + node)->planes
+                                                : ((const bb_wide8 *)w->nodes + node)->planes;
+            box.lo[axis] = planes[lo];
+            box.hi[axis] = planes[hi];
+        }
+    }
+    return box;
+}
+
+static void join(bb_box *box, const bb_box *other)
+{
+    for (int k = 0; k < 3; k++) {
+        box->lo[k] = fminf(box->lo[k], other->lo[k]);
+        box->hi[k] = fmaxf(box->hi[k], other->hi[k]);
+    }
+}
+
+/* Box of the primitives in the leaf, which are marked as seen; false if it has none. */
+static bool read_leaf(wide *w, uint32_t block, bb_box *box)
+{
+    bool any = false, last = false;
+    for (; !last; block++) {
+        const uint32_t *words = w->blocks + (size_t)block * w->words;
+        const uint32_t *prims = words + w->words - BB_BLOCK_LANES;
+        last = (prims[0] & BB_LAST_BIT) != 0;
+        for (uint32_t lane = 0; lane < BB_BLOCK_LANES; lane++) {
+            if (prims[lane] == BB_NONE) {
+                assert_true(lane == 0 || prims[3] == BB_NONE);
+                continue;
+            }
+            uint32_t prim = lane == 0 ? prims[0] & BB_INDEX_MASK : prims[lane];
+            assert_true(prim < w->scene->prim_count);
+            assert_int_equal(prim < w->scene->triangle_count,
+                             (prims[0] & BB_INDEX_MASK) < w->scene->triangle_count);
+            bool triangle = prim < w->scene->triangle_count;
+            const float *from = triangle ? w->scene->vertices + 9 * (size_t)prim
+                                         : w->scene->spheres +
+                                               4 * (size_t)(prim - w->scene->triangle_count);
+            for (uint32_t k = 0; k < (triangle ? 9u : 4u); k++)
+                assert_memory_equal(&words[k * BB_BLOCK_LANES + lane], &from[k], sizeof *from);
+            w->seen[prim]++;
+            join(box, &w->scene->boxes[prim]);
+            any = true;
+        }
+    }
+    return any;
+}
+
+/* Box of the primitives below `link`. Recursion: trees of the tests are shallow. */
+static bool read_link(wide *w, uint32_t link, uint32_t above, bb_box *box)
+{
+    if ((link & BB_LEAF_BIT) != 0)
+        return read_leaf(w, link & BB_INDEX_MASK, box);
+    uint32_t count, children = 0;
+    const uint32_t *links = links_of(w, link, &count);
+    uint32_t need = above + count - 1;
+    w->stack_need = need > w->stack_need ? need : w->stack_need;
+    for (uint32_t c = 0; c < w->width; c++) {
+        bb_box below = {.lo = {INFINITY, INFINITY, INFINITY},
+                        .hi = {-INFINITY, -INFINITY, -INFINITY}};
+        bb_box said = box_of(w, link, c);
+        if (!read_link(w, links[c], need, &below)) {
+            bool empty = w->quantised; /* flat nodes have no empty boxes */
+            for (int k = 0; k < 3; k++)
+                empty = empty || said.lo[k] > said.hi[k];
+            assert_true(empty);
+            continue;
+        }
+        children++;
+        for (int k = 0; k < 3; k++) {
+            bool right = w->quantised ? said.lo[k] <= below.lo[k] && said.hi[k] >= below.hi[k]
+                                      : said.lo[k] == below.lo[k] && said.hi[k] == below.hi[k];
+            if (!right)
+                fail_msg("node %u child %u axis %d: %a to %a, its primitives %a to %a", link, c, k,
+                         said.lo[k], said.hi[k], below.lo[k], below.hi[k]);
+        }
+        join(box, &below);
+    }
+    assert_int_equal(children, count);
+    assert_true(count >= 2);
+    return true;
+}
+
+static void *download(const bb_buffer *buffer)
+{
+    void *copy = malloc(buffer->bytes);
+    ASSERT_OK(bb_buffer_read(buffer, 0, buffer->bytes, copy));
+    return copy;
+}
+
+static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, uint32_t leaf)
+{
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
+    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, &data));
+    wide w = {
+        .scene = scene,
+        .width = strcmp(name, "wide4") == 0 ? 4 : 8,
+        .quantised = strcmp(name, "quant8") == 0,
+        .nodes = download(&data.buffers[0]),
+        .blocks = download(&data.buffers[1]),
+        .words = scene->kinds == BB_SPHERES ? BB_SPHERE_BLOCK_WORDS : BB_BLOCK_WORDS,
+        .seen = calloc(scene->prim_count, sizeof *w.seen),
+    };
+    bb_box box = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
+    assert_true(read_link(&w, data.root, 0, &box));
+    assert_int_equal(w.stack_need, data.stack_need);
+    for (uint32_t i = 0; i < scene->prim_count; i++)
+        assert_int_equal(w.seen[i], 1);
+    free(w.nodes);
+    free(w.blocks);
+    free(w.seen);
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
+}
+
+/* A coordinate of any size, near others of its kind or not. */
+static float extreme(bb_random *random, uint32_t kind)
+{
+    static const float pool[] = {0.0f,   -0.0f,  1e-45f, -3e-42f, 1.2e-38f, 1e-30f,
+                                 1e-3f,  1.0f,   -1.0f,  16777216, -1e7f,   1e20f,
+                                 -1e37f, 1e38f,  -3e38f, 3.4e38f};
+    float sign = bb_random_below(random, 2) ? 1.0f : -1.0f;
+    switch (kind) {
+    case 0:
+        return (float)bb_random_range(random, -100, 100);
+    case 1:
+        return pool[bb_random_below(random, sizeof pool / sizeof pool[0])];
+    case 2: /* far away */
+        return 1e7f + (float)bb_random_below(random, 64);
+    case 3: /* any exponent */
+        return sign * ldexpf(1.0f + (float)bb_random_unit(random) * 0.999f,
+                             (int)bb_random_below(random, 276) - 149);
+    default: /* denormal */
+        return sign * ldexpf((float)bb_random_below(random, 1000), -149);
+    }
+}
+
+static void wide_layouts_hold_the_tree(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"wide4", "wide8", "quant8"};
+    for (uint32_t run = 0; run < (small() ? 10u : 200u); run++) {
+        bb_random random = bb_random_make(SEED + 1, run);
+        uint32_t triangles = bb_random_below(&random, small() ? 30 : 300);
+        uint32_t spheres = run % 3 == 0 ? bb_random_below(&random, 50) : 0;
+        if (run % 6 == 0)
+            triangles = 0;
+        if (triangles + spheres == 0)
+            triangles = 1;
+        float *v = malloc((9 * (size_t)triangles + 4 * (size_t)spheres) * sizeof *v);
+        for (uint32_t i = 0; i < 9 * triangles; i++)
+            v[i] = extreme(&random, run % 5);
+        for (uint32_t i = 0; i < 4 * spheres; i++)
+            v[9 * triangles + i] = fabsf(extreme(&random, 0));
+        bb_scene *scene = make_scene(v, triangles, v + 9 * (size_t)triangles, spheres);
+        free(v);
+        ASSERT_OK(bb_scene_upload(scene, device));
+        bb_tree tree;
+        make_random_tree(scene, 2 + bb_random_below(&random, 12), 1 + bb_random_below(&random, 9),
+                         &random, &tree);
+        ASSERT_OK(bb_tree_upload(&tree, device, NULL));
+        for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+            for (uint32_t leaf = 1; leaf <= 8; leaf += 7)
+                take_apart(names[i], scene, &tree, leaf);
+        bb_tree_release(&tree);
+        bb_scene_device *geometry = &scene->on_device;
+        bb_buffer_release(&geometry->boxes);
+        bb_buffer_release(&geometry->vertices);
+        bb_buffer_release(&geometry->indices);
+        bb_buffer_release(&geometry->spheres);
+        free_scene(scene);
+    }
+}
+
+static int open_device(void **state)
+{
+    (void)state;
+    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
+        return 0;
+    print_error("%s\n", bb_message());
+    return -1;
+}
+
+static int close_device(void **state)
+{
+    (void)state;
+    bb_device_close(device);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(collapsed_trees_are_valid_and_cost_no_more),
+        cmocka_unit_test(collapse_decides_by_cost),
+        cmocka_unit_test(wide_layouts_hold_the_tree),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}

@@ -1,0 +1,125 @@
+/* Leaf collapse by SAH: the host side of kernels/collapse.cl. */
+#include "traversal/collapse.h"
+
+#include "framework/primitives.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+enum { GROUP_SIZE = 64 };
+
+struct bb_collapse {
+    bb_device *device;
+    bb_account *account;
+    cl_program program;
+    cl_kernel parents_kernel, decide, mark, write;
+    bb_primitives *primitives;
+    bb_buffer parents, missing; /* u32 per node: its parent; children that have not come yet */
+    bb_buffer subtrees;         /* bb_subtree per node */
+    bb_buffer places, firsts;   /* u32 per node, and the total: its place, and its first reference's */
+    bb_tree tree;
+};
+
+bb_status bb_collapse_create(bb_device *device, bb_account *account, bb_collapse **out)
+{
+    bb_collapse *self = calloc(1, sizeof *self);
+    if (self == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    self->device = device;
+    self->account = account;
+    bb_tree_init(&self->tree, account);
+    bb_status status =
+        bb_program_build(device, bb_source_find("collapse.cl"), "", &self->program);
+    if (status == BB_OK)
+        status = bb_kernel_get(self->program, "collapse_parents", &self->parents_kernel);
+    if (status == BB_OK)
+        status = bb_kernel_get(self->program, "collapse_decide", &self->decide);
+    if (status == BB_OK)
+        status = bb_kernel_get(self->program, "collapse_mark", &self->mark);
+    if (status == BB_OK)
+        status = bb_kernel_get(self->program, "collapse_write", &self->write);
+    if (status == BB_OK)
+        status = bb_primitives_create(device, account, &self->primitives);
+    if (status != BB_OK) {
+        bb_collapse_destroy(self);
+        return status;
+    }
+    *out = self;
+    return BB_OK;
+}
+
+void bb_collapse_destroy(bb_collapse *self)
+{
+    if (self == NULL)
+        return;
+    bb_buffer *const buffers[] = {&self->parents, &self->missing, &self->subtrees, &self->places,
+                                  &self->firsts};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
+        bb_buffer_release(buffers[i]);
+    bb_tree_release(&self->tree);
+    bb_primitives_destroy(self->primitives);
+    bb_kernel_release(self->parents_kernel);
+    bb_kernel_release(self->decide);
+    bb_kernel_release(self->mark);
+    bb_kernel_release(self->write);
+    bb_program_release(self->program);
+    free(self);
+}
+
+static bb_status reserve(bb_collapse *self, size_t count)
+{
+    const struct {
+        size_t bytes;
+        bb_buffer *buffer;
+    } wanted[] = {
+        {count * sizeof(uint32_t), &self->parents},    {count * sizeof(uint32_t), &self->missing},
+        {count * sizeof(bb_subtree), &self->subtrees}, {(count + 1) * sizeof(uint32_t), &self->places},
+        {(count + 1) * sizeof(uint32_t), &self->firsts},
+    };
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++)
+        BB_TRY(bb_buffer_reserve(self->device, self->account, wanted[i].bytes, "leaf collapse",
+                                 wanted[i].buffer));
+    return BB_OK;
+}
+
+static bb_status decide(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf, uint32_t block)
+{
+    uint32_t count = tree->info.node_count;
+    const float traversal = (float)BB_COST_TRAVERSAL, intersection = (float)BB_COST_INTERSECTION;
+    BB_TRY(bb_launch(self->device, self->parents_kernel, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                     BB_VALUE(count), BB_VALUE(tree->info.root), BB_MEM(self->parents),
+                     BB_MEM(self->missing)));
+    return bb_launch(self->device, self->decide, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(traversal),
+                     BB_VALUE(intersection), BB_VALUE(block), BB_VALUE(max_leaf),
+                     BB_MEM(self->parents), BB_MEM(self->missing), BB_MEM(self->subtrees));
+}
+
+bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf, uint32_t block,
+                           bb_tree **out)
+{
+    assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && block >= 1);
+    uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0, totals[2];
+    bb_tree *result = &self->tree;
+    BB_TRY(reserve(self, count));
+    BB_TRY(decide(self, tree, max_leaf, block));
+    BB_TRY(bb_launch(self->device, self->mark, (size_t)count + 1, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(max_leaf),
+                     BB_VALUE(duplicated), BB_MEM(self->parents), BB_MEM(self->subtrees),
+                     BB_MEM(self->places), BB_MEM(self->firsts)));
+    BB_TRY(bb_scan_u32(self->primitives, &self->places, &self->places, count + 1, NULL));
+    BB_TRY(bb_scan_u32(self->primitives, &self->firsts, &self->firsts, count + 1, NULL));
+    size_t last = count * sizeof(uint32_t);
+    BB_TRY(bb_buffer_read(&self->places, last, sizeof totals[0], &totals[0]));
+    BB_TRY(bb_buffer_read(&self->firsts, last, sizeof totals[1], &totals[1]));
+    BB_TRY(bb_tree_reserve(result, self->device, BB_ON_DEVICE, totals[0], totals[1]));
+    BB_TRY(bb_launch(self->device, self->write, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(tree->info.root),
+                     BB_VALUE(duplicated), BB_MEM(self->subtrees), BB_MEM(self->places),
+                     BB_MEM(self->firsts), BB_MEM(result->d_nodes), BB_MEM(result->d_refs),
+                     BB_MEM(result->d_info)));
+    result->duplicated = tree->duplicated;
+    result->disjoint = tree->disjoint;
+    *out = result;
+    return bb_tree_fetch_info(result);
+}

@@ -1,0 +1,13 @@
+/* The stack8q kernel: kernels/stack_wide.cl on quantised nodes of 8 children. */
+#include "traversal/traversal.h"
+
+const bb_kernel bb_kernel_stack8q = {
+    .name = "stack8q",
+    .summary = "as stack8, on nodes of half the bytes",
+    .paper = "Ylitie, Karras and Laine 2017",
+    .layout = "quant8",
+    .source = "stack_wide.cl",
+    .defines = "-DBB_WIDTH=8 -DBB_QUANTISED=1",
+    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .ordered = true,
+};

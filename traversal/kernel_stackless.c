@@ -1,0 +1,15 @@
+/* The stackless kernel: kernels/stackless.cl. */
+#include "traversal/traversal.h"
+
+const bb_kernel bb_kernel_stackless = {
+    .name = "stackless",
+    .summary = "skip pointers: no stack, the tree's own nodes and order",
+    .paper = "Smits 1998; Gu, Jendersie, Grosch 2018",
+    .layout = "skip",
+    .source = "stackless.cl",
+    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .ordered = false,
+    .compared =
+        false, /* the stack is faster on every binary tree; this one traces any tree as it was built */
+    .native = true,
+};

@@ -1,0 +1,16 @@
+/* The `quant8` layout: as wide8, with boxes in 8 bits per plane, which contain the exact ones. */
+#include "traversal/wide.h"
+
+static bb_status create(bb_device *device, bb_account *account, void **self)
+{
+    return bb_wide_create(device, account, "quant8", 8, true, self);
+}
+
+const bb_layout bb_layout_quant8 = {
+    .name = "quant8",
+    .summary = "as wide8, boxes in 8 bits per plane: half the bytes",
+    .block = BB_BLOCK_LANES,
+    .create = create,
+    .make = bb_wide_make,
+    .destroy = bb_wide_destroy,
+};

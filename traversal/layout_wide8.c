@@ -1,0 +1,16 @@
+/* The `wide8` layout: nodes of up to 8 children, their boxes side by side, and blocks of primitives. */
+#include "traversal/wide.h"
+
+static bb_status create(bb_device *device, bb_account *account, void **self)
+{
+    return bb_wide_create(device, account, "wide8", 8, false, self);
+}
+
+const bb_layout bb_layout_wide8 = {
+    .name = "wide8",
+    .summary = "up to 8 children by surface area, boxes side by side; primitives in blocks of four",
+    .block = BB_BLOCK_LANES,
+    .create = create,
+    .make = bb_wide_make,
+    .destroy = bb_wide_destroy,
+};

@@ -1,0 +1,71 @@
+/* What is the same for all layouts: leaf collapse, the clock, the name. */
+#include "traversal/traversal.h"
+
+#include "framework/clock.h"
+#include "traversal/collapse.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const bb_layout *bb_layout_find(const char *name)
+{
+    for (const bb_layout *const *l = bb_layouts; *l != NULL; l++)
+        if (strcmp((*l)->name, name) == 0)
+            return *l;
+    return NULL;
+}
+
+bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device, bb_layout_maker *maker)
+{
+    *maker = (bb_layout_maker){.layout = layout, .device = device};
+    bb_status status = layout->create(device, &maker->account, &maker->self);
+    if (status != BB_OK)
+        bb_layout_maker_destroy(maker);
+    return status;
+}
+
+void bb_layout_maker_destroy(bb_layout_maker *maker)
+{
+    if (maker->layout != NULL)
+        maker->layout->destroy(maker->self);
+    bb_collapse_destroy(maker->collapse);
+    *maker = (bb_layout_maker){0};
+}
+
+bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
+                               uint32_t leaf, bb_layout_data *data)
+{
+    const bb_layout *layout = maker->layout;
+    bb_tree *source = tree;
+    if (leaf > 1 && maker->collapse == NULL)
+        BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
+    BB_TRY(bb_finish(maker->device));
+    double start = bb_wall_ms();
+    data->bytes = 0;
+    data->triangle_count = scene->triangle_count;
+    if (leaf > 1)
+        BB_TRY(bb_collapse_make(maker->collapse, tree, leaf, layout->block, &source));
+    BB_TRY(layout->make(maker->self, scene, source, data));
+    BB_TRY(bb_finish(maker->device));
+    data->ms = bb_wall_ms() - start;
+    data->sah = NAN;
+    if (leaf > 1) {
+        snprintf(data->name, sizeof data->name, "%s:leaf=%u", layout->name, leaf);
+        if (data->keeps_shape) { /* outside the clock */
+            BB_TRY(bb_tree_download(source, NULL));
+            data->sah = bb_tree_sah(source);
+        }
+        data->keeps_shape = false;
+    } else {
+        snprintf(data->name, sizeof data->name, "%s", layout->name);
+    }
+    return BB_OK;
+}
+
+void bb_layout_data_release(bb_layout_data *data)
+{
+    for (uint32_t i = 0; i < BB_LAYOUT_BUFFERS_MAX; i++)
+        bb_buffer_release(&data->buffers[i]);
+    *data = (bb_layout_data){0};
+}

@@ -1,0 +1,37 @@
+/* Pair nodes of a tree, on the device (kernels/layout_pair.cl): the `pair` layout itself, and what wide layouts are collapsed from. */
+#ifndef BB_PAIRS_H
+#define BB_PAIRS_H
+
+#include "framework/primitives.h"
+#include "framework/tree.h"
+
+typedef struct bb_pairs {
+    bb_device *device;
+    bb_account *account;
+    cl_program program;
+    cl_kernel extra, nodes, root;
+    bb_primitives *primitives;
+    bb_buffer base; /* u32 per node, and the total */
+    bb_buffer found;
+} bb_pairs;
+
+/* Compiles; scratch is booked on `account`. To be destroyed also after a failure. */
+bb_status bb_pairs_create(bb_device *device, bb_account *account, bb_pairs *pairs);
+void bb_pairs_destroy(bb_pairs *pairs);
+
+/* Pair nodes (bb_pair) of `tree`, which is on the device, into `nodes`; their number; and the link to start from: a pair node, or
+ * the tree's only leaf. Leaves are linked as in bb_node. Waits for the device once. BB_UNSUPPORTED for nodes of more than
+ * 4096 children. */
+bb_status bb_pairs_make(bb_pairs *pairs, const bb_tree *tree, bb_buffer *nodes, uint32_t *count,
+                        uint32_t *root);
+
+/* Entries that the stack of an ordered traversal needs at most. */
+uint32_t bb_pairs_stack_need(const bb_tree_info *info);
+
+/* Levels of pair nodes at most. */
+uint64_t bb_pairs_levels(const bb_tree_info *info);
+
+/* No wide nodes, and none with one child: pair nodes are the tree's own. */
+bool bb_pairs_keep_shape(const bb_tree_info *info);
+
+#endif

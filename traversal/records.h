@@ -1,0 +1,20 @@
+/* Primitive records: what most layouts hand their kernels of the primitives, expanded in the order of the leaves
+ * (BB_RECORD_WORDS in kernels/bb_shared.h; device code in kernels/records.cl). */
+#ifndef BB_RECORDS_H
+#define BB_RECORDS_H
+
+#include "framework/scene.h"
+#include "framework/tree.h"
+
+typedef struct bb_records bb_records;
+
+/* Compiles the kernel. Owned by the caller. */
+bb_status bb_records_create(bb_device *device, bb_account *account, bb_records **out);
+void bb_records_destroy(bb_records *records); /* NULL is allowed */
+
+/* Record i is of the primitive of refs[i] of `tree` (on the device), its last-bit included. Reserves `out` on the account and
+ * adds its size to *bytes. Enqueued, not waited for. */
+bb_status bb_records_make(bb_records *records, const bb_scene *scene, const bb_tree *tree,
+                          bb_buffer *out, uint64_t *bytes);
+
+#endif

@@ -1,0 +1,174 @@
+/* The wide layouts: the host side of kernels/layout_wide.cl. */
+#include "traversal/wide.h"
+
+#include "traversal/pairs.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    GROUP_SIZE = 64,
+    LEVEL_ITEMS = 4096, /* work-items per level: each takes several nodes, so that levels follow each other without a wait */
+    LEVELS_MAX = 1 << 20,
+    LEVELS_AT_ONCE = 32, /* enqueued before asking whether there is another one */
+};
+
+typedef struct wide_layout {
+    const char *name;
+    size_t node_bytes;
+    bb_device *device;
+    bb_account *account;
+    bb_pairs pairs;
+    cl_program program;
+    cl_kernel open, nodes, count, blocks;
+    bb_buffer pair_nodes;
+    bb_buffer levels[2]; /* uint2 per pair: nodes of one level, and of the next */
+    bb_buffer state;     /* the largest stack need; then nodes per level */
+    bb_buffer index;     /* u32 per pair, and the total: its wide node */
+    bb_buffer first;     /* u32 per reference, and the total: its leaf's first block */
+    bb_buffer none;      /* stands for the arrays that a scene lacks */
+} wide_layout;
+
+void bb_wide_destroy(void *opaque)
+{
+    wide_layout *self = opaque;
+    if (self == NULL)
+        return;
+    bb_buffer *const buffers[] = {&self->pair_nodes, &self->levels[0], &self->levels[1],
+                                  &self->state,      &self->index,     &self->first,
+                                  &self->none};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
+        bb_buffer_release(buffers[i]);
+    bb_pairs_destroy(&self->pairs);
+    bb_kernel_release(self->open);
+    bb_kernel_release(self->nodes);
+    bb_kernel_release(self->count);
+    bb_kernel_release(self->blocks);
+    bb_program_release(self->program);
+    free(self);
+}
+
+bb_status bb_wide_create(bb_device *device, bb_account *account, const char *name, uint32_t width,
+                         bool quantised, void **out)
+{
+    wide_layout *self = calloc(1, sizeof *self);
+    if (self == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = self;
+    self->name = name;
+    self->node_bytes = quantised    ? sizeof(bb_quant8)
+                       : width == 4 ? sizeof(bb_wide4)
+                                    : sizeof(bb_wide8);
+    self->device = device;
+    self->account = account;
+    char defines[64];
+    snprintf(defines, sizeof defines, "-DBB_WIDTH=%u -DBB_QUANTISED=%d", width, quantised);
+    BB_TRY(bb_pairs_create(device, account, &self->pairs));
+    BB_TRY(bb_program_build(device, bb_source_find("layout_wide.cl"), defines, &self->program));
+    BB_TRY(bb_kernel_get(self->program, "wide_open", &self->open));
+    BB_TRY(bb_kernel_get(self->program, "wide_nodes", &self->nodes));
+    BB_TRY(bb_kernel_get(self->program, "wide_count", &self->count));
+    BB_TRY(bb_kernel_get(self->program, "wide_blocks", &self->blocks));
+    return bb_buffer_reserve(device, account, 16, "wide: empty array", &self->none);
+}
+
+static bb_status reserve(wide_layout *self, size_t bytes, const char *what, bb_buffer *buffer)
+{
+    return bb_buffer_reserve(self->device, self->account, bytes, what, buffer);
+}
+
+/* Last element of a scan over `count` elements. */
+static bb_status read_total(const bb_buffer *scan, uint32_t count, uint32_t *total)
+{
+    return bb_buffer_read(scan, count * sizeof *total, sizeof *total, total);
+}
+
+/* Level by level from the root: marks in self->index the pairs that become nodes. */
+static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pair_count,
+                             uint32_t root, bb_layout_data *data)
+{
+    uint64_t most = bb_pairs_levels(&tree->info) + 1;
+    if (most > LEVELS_MAX)
+        return bb_fail(BB_UNSUPPORTED, "layout %s takes trees of up to %d levels, not %llu",
+                       self->name, LEVELS_MAX, (unsigned long long)most);
+    size_t state_bytes = (most + 2) * sizeof(uint32_t);
+    for (uint32_t i = 0; i < 2; i++)
+        BB_TRY(reserve(self, pair_count * sizeof(cl_uint2), "wide: level", &self->levels[i]));
+    BB_TRY(reserve(self, state_bytes, "wide: levels", &self->state));
+    BB_TRY(bb_buffer_fill(&self->state, state_bytes, 0));
+    BB_TRY(bb_buffer_fill(&self->index, ((size_t)pair_count + 1) * sizeof(uint32_t), 0));
+    const uint32_t start[2] = {root, 0}, one = 1;
+    BB_TRY(bb_buffer_write(&self->levels[0], 0, sizeof start, start));
+    BB_TRY(bb_buffer_write(&self->state, sizeof one, sizeof one, &one));
+    uint32_t items = pair_count < LEVEL_ITEMS ? pair_count : LEVEL_ITEMS;
+    for (uint32_t level = 0, left = 1; level < most && left > 0; level++) {
+        BB_TRY(bb_launch(self->device, self->open, items, GROUP_SIZE, BB_MEM(self->pair_nodes),
+                         BB_MEM(self->levels[level % 2]), BB_VALUE(level), BB_MEM(self->state),
+                         BB_MEM(self->index), BB_MEM(self->levels[(level + 1) % 2])));
+        if (level % LEVELS_AT_ONCE == LEVELS_AT_ONCE - 1)
+            BB_TRY(bb_buffer_read(&self->state, (level + 2) * sizeof left, sizeof left, &left));
+    }
+    return bb_buffer_read(&self->state, 0, sizeof data->stack_need, &data->stack_need);
+}
+
+/* From references to blocks: self->first, data->buffers[1]. */
+static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_tree *tree,
+                             bb_layout_data *data)
+{
+    const bb_scene_device *geometry = &scene->on_device;
+    uint32_t count = tree->info.ref_count, triangle_count = scene->triangle_count, total;
+    uint32_t words = scene->kinds == BB_SPHERES ? BB_SPHERE_BLOCK_WORDS : BB_BLOCK_WORDS;
+    size_t scan = (size_t)count + 1;
+    BB_TRY(reserve(self, scan * sizeof(uint32_t), "wide: blocks of leaves", &self->first));
+    BB_TRY(bb_launch(self->device, self->count, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
+                     BB_VALUE(count), BB_VALUE(triangle_count), BB_MEM(self->first)));
+    BB_TRY(bb_scan_u32(self->pairs.primitives, &self->first, &self->first, count + 1, NULL));
+    BB_TRY(read_total(&self->first, count, &total));
+    size_t bytes = ((size_t)total + 1) * words * sizeof(uint32_t);
+    BB_TRY(reserve(self, bytes, "wide: blocks of primitives", &data->buffers[1]));
+    data->bytes += bytes;
+    bool triangles = triangle_count > 0, spheres = scene->sphere_count > 0;
+    return bb_launch(self->device, self->blocks, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
+                     BB_VALUE(count), BB_MEM(*(triangles ? &geometry->vertices : &self->none)),
+                     BB_MEM(*(triangles ? &geometry->indices : &self->none)),
+                     BB_MEM(*(spheres ? &geometry->spheres : &self->none)),
+                     BB_VALUE(triangle_count), BB_VALUE(words), BB_MEM(self->first),
+                     BB_MEM(data->buffers[1]));
+}
+
+/* From pairs to nodes: data->buffers[0], root and stack need. Needs self->first. */
+static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_data *data)
+{
+    uint32_t pair_count, root, total, ref_count = tree->info.ref_count;
+    BB_TRY(bb_pairs_make(&self->pairs, tree, &self->pair_nodes, &pair_count, &root));
+    if ((root & BB_LEAF_BIT) != 0) { /* no node at all */
+        data->stack_need = 0;
+        BB_TRY(reserve(self, self->node_bytes, "wide: nodes", &data->buffers[0]));
+        BB_TRY(bb_buffer_read(&self->first, (root & BB_INDEX_MASK) * sizeof root, sizeof root,
+                              &data->root));
+        data->root |= BB_LEAF_BIT;
+        return BB_OK;
+    }
+    size_t scan = (size_t)pair_count + 1;
+    BB_TRY(reserve(self, scan * sizeof(uint32_t), "wide: numbering", &self->index));
+    BB_TRY(open_levels(self, tree, pair_count, root, data));
+    BB_TRY(bb_scan_u32(self->pairs.primitives, &self->index, &self->index, pair_count + 1, NULL));
+    BB_TRY(read_total(&self->index, pair_count, &total));
+    BB_TRY(read_total(&self->index, root, &data->root));
+    BB_TRY(reserve(self, total * self->node_bytes, "wide: nodes", &data->buffers[0]));
+    data->bytes += total * self->node_bytes;
+    return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
+                     BB_VALUE(pair_count), BB_MEM(self->index), BB_MEM(self->first),
+                     BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
+}
+
+bb_status bb_wide_make(void *opaque, const bb_scene *scene, const bb_tree *tree,
+                       bb_layout_data *data)
+{
+    wide_layout *self = opaque;
+    data->buffer_count = 2;
+    data->keeps_shape = false;
+    BB_TRY(make_blocks(self, scene, tree, data));
+    return make_nodes(self, tree, data);
+}
