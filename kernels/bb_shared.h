@@ -70,7 +70,7 @@ typedef struct bb_subtree {
     bb_u32 leaves; /* of the result, as are the others below */
     bb_u32 height;
     bb_u32 arity;
-    bb_u32 leaf;   /* 1: the node is a leaf */
+    bb_u32 leaf; /* 1: the node is a leaf */
 } bb_subtree;
 
 /* Ray: origin, direction (any non-zero length), and the open interval (tmin, tmax) in which hits
@@ -95,7 +95,8 @@ typedef struct bb_hit {
 typedef struct bb_pair {
     float planes[12];
     bb_u32 links[2];
-    bb_u32 parts[2]; /* 1: the link is to a pair that only parts the children of the same node of the tree */
+    bb_u32 parts
+        [2]; /* 1: the link is to a pair that only parts the children of the same node of the tree */
 } bb_pair;
 
 /* Primitive record of the layouts, in words: three vertices, or centre and radius; then, at BB_RECORD_ID, the primitive

@@ -83,6 +83,8 @@ kernel void trace(global const bb_wide *nodes,
                 child = 31u - clz(met);
                 met ^= 1u << child;
                 uint other = node->links[child];
+                BB_PREFETCH((other & BB_LEAF_BIT) != 0 ? blocks + (ulong)BB_WORDS * (other & BB_INDEX_MASK)
+                                                       : (global const float *)(nodes + other));
                 float distance = entries[child];
                 if (distance < nearest) {
                     stack_links[top] = link;

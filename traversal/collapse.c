@@ -16,7 +16,8 @@ struct bb_collapse {
     bb_primitives *primitives;
     bb_buffer parents, missing; /* u32 per node: its parent; children that have not come yet */
     bb_buffer subtrees;         /* bb_subtree per node */
-    bb_buffer places, firsts;   /* u32 per node, and the total: its place, and its first reference's */
+    bb_buffer places,
+        firsts; /* u32 per node, and the total: its place, and its first reference's */
     bb_tree tree;
 };
 
@@ -28,8 +29,7 @@ bb_status bb_collapse_create(bb_device *device, bb_account *account, bb_collapse
     self->device = device;
     self->account = account;
     bb_tree_init(&self->tree, account);
-    bb_status status =
-        bb_program_build(device, bb_source_find("collapse.cl"), "", &self->program);
+    bb_status status = bb_program_build(device, bb_source_find("collapse.cl"), "", &self->program);
     if (status == BB_OK)
         status = bb_kernel_get(self->program, "collapse_parents", &self->parents_kernel);
     if (status == BB_OK)
@@ -72,8 +72,10 @@ static bb_status reserve(bb_collapse *self, size_t count)
         size_t bytes;
         bb_buffer *buffer;
     } wanted[] = {
-        {count * sizeof(uint32_t), &self->parents},    {count * sizeof(uint32_t), &self->missing},
-        {count * sizeof(bb_subtree), &self->subtrees}, {(count + 1) * sizeof(uint32_t), &self->places},
+        {count * sizeof(uint32_t), &self->parents},
+        {count * sizeof(uint32_t), &self->missing},
+        {count * sizeof(bb_subtree), &self->subtrees},
+        {(count + 1) * sizeof(uint32_t), &self->places},
         {(count + 1) * sizeof(uint32_t), &self->firsts},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++)
@@ -95,8 +97,8 @@ static bb_status decide(bb_collapse *self, const bb_tree *tree, uint32_t max_lea
                      BB_MEM(self->parents), BB_MEM(self->missing), BB_MEM(self->subtrees));
 }
 
-bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf, uint32_t block,
-                           bb_tree **out)
+bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf,
+                           uint32_t block, bb_tree **out)
 {
     assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && block >= 1);
     uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0, totals[2];

@@ -9,7 +9,8 @@
 
 enum {
     GROUP_SIZE = 64,
-    LEVEL_ITEMS = 4096, /* work-items per level: each takes several nodes, so that levels follow each other without a wait */
+    LEVEL_ITEMS =
+        4096, /* work-items per level: each takes several nodes, so that levels follow each other without a wait */
     LEVELS_MAX = 1 << 20,
     LEVELS_AT_ONCE = 32, /* enqueued before asking whether there is another one */
 };
