@@ -19,7 +19,7 @@ static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32
                      bb_tree **out)
 {
     ASSERT_OK(bb_tree_upload(tree, device, NULL));
-    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, block, out));
+    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, block == 1 ? 2 : 8, block, out));
     ASSERT_OK(bb_tree_download(*out, NULL));
 }
 
@@ -90,7 +90,7 @@ static void collapse_decides_by_cost(void **state)
     assert_int_equal(out->info.node_count, 3);
     assert_int_equal(out->info.arity, 2);
     assert_int_equal(out->info.depth, 1);
-    collapse(self, &tree, 2, 4, &out); /* 201: one block */
+    collapse(self, &tree, 2, 4, &out); /* 201, one block */
     assert_int_equal(out->info.node_count, 1);
     bb_tree_release(&tree);
 

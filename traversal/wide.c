@@ -25,12 +25,12 @@ typedef struct wide_layout {
     cl_kernel parents_kernel, plan, open, nodes, count, blocks;
     bb_buffer pair_nodes;
     bb_buffer parents, missing; /* u32 per pair: the pair above; sides that have not come yet */
-    bb_buffer plans;     /* bb_wide_plan per pair */
-    bb_buffer levels[2]; /* uint2 per pair: nodes of one level, and of the next */
-    bb_buffer state;     /* the largest stack need; then nodes per level */
-    bb_buffer index;     /* u32 per pair, and the total: its wide node */
-    bb_buffer first;     /* u32 per reference, and the total: its leaf's first block */
-    bb_buffer none;      /* stands for the arrays that a scene lacks */
+    bb_buffer plans;            /* bb_wide_plan per pair */
+    bb_buffer levels[2];        /* uint2 per pair: nodes of one level, and of the next */
+    bb_buffer state;            /* the largest stack need; then nodes per level */
+    bb_buffer index;            /* u32 per pair, and the total: its wide node */
+    bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
+    bb_buffer none;             /* stands for the arrays that a scene lacks */
 } wide_layout;
 
 void bb_wide_destroy(void *opaque)
@@ -38,9 +38,9 @@ void bb_wide_destroy(void *opaque)
     wide_layout *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer *const buffers[] = {&self->pair_nodes, &self->parents, &self->missing, &self->plans, &self->levels[0], &self->levels[1],
-                                  &self->state,      &self->index,     &self->first,
-                                  &self->none};
+    bb_buffer *const buffers[] = {&self->pair_nodes, &self->parents,   &self->missing, &self->plans,
+                                  &self->levels[0],  &self->levels[1], &self->state,   &self->index,
+                                  &self->first,      &self->none};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
     bb_pairs_destroy(&self->pairs);
@@ -125,8 +125,9 @@ static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pa
     uint32_t items = pair_count < LEVEL_ITEMS ? pair_count : LEVEL_ITEMS;
     for (uint32_t level = 0, left = 1; level < most && left > 0; level++) {
         BB_TRY(bb_launch(self->device, self->open, items, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                         BB_MEM(self->plans), BB_MEM(self->levels[level % 2]), BB_VALUE(level), BB_MEM(self->state),
-                         BB_MEM(self->index), BB_MEM(self->levels[(level + 1) % 2])));
+                         BB_MEM(self->plans), BB_MEM(self->levels[level % 2]), BB_VALUE(level),
+                         BB_MEM(self->state), BB_MEM(self->index),
+                         BB_MEM(self->levels[(level + 1) % 2])));
         if (level % LEVELS_AT_ONCE == LEVELS_AT_ONCE - 1)
             BB_TRY(bb_buffer_read(&self->state, (level + 2) * sizeof left, sizeof left, &left));
     }
@@ -179,8 +180,8 @@ static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_da
     BB_TRY(reserve(self, total * self->node_bytes, "wide: nodes", &data->buffers[0]));
     data->bytes += total * self->node_bytes;
     return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index), BB_MEM(self->first),
-                     BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
+                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index),
+                     BB_MEM(self->first), BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
 }
 
 bb_status bb_wide_make(void *opaque, const bb_scene *scene, const bb_tree *tree,
