@@ -11,7 +11,7 @@
  *   for each leaf: write its blocks                        (wide_blocks)
  *
  * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.1 (the plan: of all
- * collapses the one with the least area, leaves being given), section 3.2 (8 bits per plane). Reads any tree. What the other side
+ * collapses the one with the least area, leaves being given), 3.2 (8 bits per plane), 3.4 (places by octant). Reads any tree. What the other side
  * wrote is read after the atomic that both pass, with a fence on either side, as in radix_tree.cl.
  */
 #include "bb_device.h"
@@ -146,6 +146,45 @@ void opened_of(global const bb_pair *pairs, global const bb_wide_plan *plans, ui
     }
 }
 
+#if BB_WIDTH == 8
+/* Puts the children in places such that place ^ octant is roughly the order in which rays of that octant meet them: bit a of an octant
+ * is set where rays go down axis a, bit a of a place where its child should lie high on axis a. The pair of child and
+ * place that fits best first. */
+void opened_arrange(bb_opened *opened)
+{
+    float fit[BB_WIDTH][BB_WIDTH]; /* of child and place */
+    bb_opened arranged;
+    opened_empty(&arranged);
+    arranged.count = opened->count;
+    uint children = 0, places = 0; /* done */
+    for (uint c = 0; c < opened->count; c++)
+        for (uint place = 0; place < BB_WIDTH; place++) {
+            fit[c][place] = 0.0f;
+            for (uint axis = 0; axis < 3; axis++) {
+                const float *plane = opened->planes + 2u * axis * BB_WIDTH + c;
+                float middle = 0.5f * plane[0] + 0.5f * plane[BB_WIDTH];
+                fit[c][place] += (place >> axis & 1u) != 0u ? middle : -middle;
+            }
+        }
+    for (uint i = 0; i < opened->count; i++) {
+        uint child = BB_NONE, place = 0;
+        for (uint c = 0; c < opened->count; c++)
+            for (uint p = 0; p < BB_WIDTH; p++)
+                if (((children >> c | places >> p) & 1u) == 0u &&
+                    (child == BB_NONE || fit[c][p] > fit[child][place])) {
+                    child = c;
+                    place = p;
+                }
+        children |= 1u << child;
+        places |= 1u << place;
+        for (uint plane = 0; plane < 6; plane++)
+            arranged.planes[plane * BB_WIDTH + place] = opened->planes[plane * BB_WIDTH + child];
+        arranged.links[place] = opened->links[child];
+    }
+    *opened = arranged;
+}
+#endif
+
 /* One level. state[0]: the largest stack need so far; state[1 + level]: items of the level. */
 kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *plans,
                       global const uint2 *level, /* pair, stack need above */
@@ -228,6 +267,9 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_
         return;
     bb_opened opened;
     opened_of(pairs, plans, p, &opened);
+#if BB_WIDTH == 8
+    opened_arrange(&opened);
+#endif
     global bb_wide *node = nodes + index[p];
     write_boxes(&opened, node);
     for (uint c = 0; c < BB_WIDTH; c++) {
