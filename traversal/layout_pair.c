@@ -49,6 +49,7 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
 const bb_layout bb_layout_pair = {
     .name = "pair",
     .summary = "binary, both children's boxes in the parent; primitives expanded in leaf order",
+    .width = 2,
     .block = 1,
     .create = create,
     .make = make,

@@ -99,6 +99,7 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
 const bb_layout bb_layout_skip = {
     .name = "skip",
     .summary = "the tree's own nodes, of any arity, in preorder; primitives expanded in leaf order",
+    .width = 2,
     .block = 1,
     .create = create,
     .make = make,

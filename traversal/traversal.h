@@ -35,7 +35,8 @@ typedef struct bb_layout_data {
 typedef struct bb_layout {
     const char *name;
     const char *summary;
-    uint32_t block; /* primitives that its kernels test at once: leaf collapse counts begun blocks. Required */
+    uint32_t width; /* children of its nodes at most; 2 where there is no limit. Required */
+    uint32_t block; /* primitives that its kernels test at once. Required */
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
     /* Makes the layout of `tree` (on the device): buffers, root, stack_need, levels, keeps_shape; adds to data->bytes. May enqueue and
      * return. The rest is bb_layout_maker_make()'s. */
