@@ -17,31 +17,47 @@
  * walk from the root, whose boxes are tested again. Limits: trees of up to BB_LEVELS levels; in a deeper one the hit is left
  * poisoned and counted as overflown, as the full stack does.
  *
- *   -D: those of trail.clh and search.clh
+ *   -D: those of wide.clh, trail.clh and search.clh
  */
 #include "bb_device.h"
+#ifndef BB_WIDTH
+#define BB_WIDTH 2
+#endif
+#include "wide.clh"
+#if BB_WIDTH > 2
+#define BB_LANES BB_BLOCK_LANES
+#endif
 #include "search.clh"
+#define BB_CHILDREN BB_WIDTH
 #include "trail.clh"
 
-/* The children of a pair node that the ray meets, nearest first; how many. */
-uint short_children(const bb_slab *slab, global const float *pairs, uint link, const bb_search *search,
+/* The children of a node that the ray meets, nearest first, the first of equals first; how many. */
+uint short_children(const bb_slab *slab, global const bb_wide *node, const bb_search *search,
                     uint *met, float *distances)
 {
-    global const float *pair = pairs + 16ul * link;
-    float2 entry, exit;
-    bb_pair_distances(slab, pair, search->tmin, search->tmax, &entry, &exit);
-    uint2 links = vload2(6, (global const uint *)pair);
-    bool meets0 = entry.x <= exit.x, meets1 = entry.y <= exit.y;
-    bool swap = meets1 && (!meets0 || entry.y < entry.x);
-    met[0] = swap ? links.y : links.x;
-    met[1] = swap ? links.x : links.y;
-    distances[0] = swap ? entry.y : entry.x;
-    distances[1] = swap ? entry.x : entry.y;
-    return (meets0 ? 1u : 0u) + (meets1 ? 1u : 0u);
+    bb_boxes entry, exit;
+    float entries[BB_WIDTH], exits[BB_WIDTH];
+    bb_box_distances(slab, node->planes, search->tmin, search->tmax, &entry, &exit);
+    BB_VECTOR(vstore, BB_WIDTH)(entry, 0, entries);
+    BB_VECTOR(vstore, BB_WIDTH)(exit, 0, exits);
+    uint many = 0;
+    for (uint child = 0; child < BB_WIDTH; child++) {
+        float distance = entries[child];
+        if (!(distance <= exits[child]))
+            continue;
+        uint at = many++;
+        for (; at > 0 && distances[at - 1u] > distance; at--) {
+            met[at] = met[at - 1u];
+            distances[at] = distances[at - 1u];
+        }
+        met[at] = node->links[child];
+        distances[at] = distance;
+    }
+    return many;
 }
 
-kernel void trace(global const float *pairs,     /* bb_pair[] */
-                  global const float *records,   /* primitive records */
+kernel void trace(global const bb_wide *nodes,
+                  global const float *records, /* of primitives, or blocks of them */
                   uint root,                     /* link */
                   uint triangle_count,
                   global const bb_ray *rays,
@@ -74,9 +90,13 @@ kernel void trace(global const float *pairs,     /* bb_pair[] */
             }
             uint met[BB_CHILDREN];
             float distances[BB_CHILDREN];
-            uint many = short_children(&slab, pairs, link, &search, met, distances);
+            uint many = short_children(&slab, nodes + link, &search, met, distances);
             uint at = level < retrace ? bb_trail_place(&trail, level) : 0;
-            search.boxes += BB_CHILDREN;
+#if BB_WIDTH == 2
+            search.boxes += 2;
+#else
+            search.boxes += nodes[link].count;
+#endif
             if (at >= many)
                 goto next;
 #if BB_ENTRIES > 0
