@@ -109,6 +109,7 @@ static bb_status trace(rendering *r)
         .query = BB_CLOSEST_HIT,
         .kinds = r->scene->kinds,
         .stack_need = r->layout.stack_need,
+        .levels = r->layout.levels,
         .counting = true,
     };
     BB_TRY(bb_tracer_get(r->device, &request, &tracer));

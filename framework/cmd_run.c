@@ -1,7 +1,9 @@
 /* bvhbench run: the comparison. */
 #include "framework/bench.h"
+#include "framework/charts_option.h"
 #include "framework/choice.h"
 #include "framework/cli.h"
+#include "framework/clock.h"
 #include "framework/output.h"
 #include "framework/report.h"
 #include "framework/scene.h"
@@ -32,6 +34,7 @@ static const bb_cli_option options[] = {
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
     {"out", "DIR", "folder of results.json, report.html and pictures; default: out", false},
     {"no-pictures", NULL, "make no pictures", false},
+    BB_CHARTS_OPTION,
     {"quiet", NULL, "no progress", false},
     {.name = NULL},
 };
@@ -73,13 +76,35 @@ static bb_status read_metrics(const bb_cli *cli, bool *epo)
     return BB_OK;
 }
 
+/* The file first: it is what must not be lost. It is written again with the time that the page and the
+ * charts took. */
 static bb_status write_results(bb_results *results, const char *folder, const bb_bench_times *times,
-                               bool quiet)
+                               bool charts, bool quiet)
 {
-    BB_TRY(bb_output_write(results, folder, times));
+    char json[1100], html[1100], pictures[1100];
+    uint32_t chart_count = 0;
+    snprintf(json, sizeof json, "%s/results.json", folder);
+    snprintf(html, sizeof html, "%s/report.html", folder);
+    BB_TRY(bb_report_charts_folder(html, pictures, sizeof pictures));
+    double start = bb_wall_ms();
+    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
+    BB_TRY(bb_results_write(results, json));
+    BB_TRY(bb_report_html(results, folder, html));
+    char reason[1024] = "";
+    bb_status drawn = charts ? bb_report_charts(results, pictures, &chart_count) : BB_OK;
+    if (drawn != BB_OK)
+        snprintf(reason, sizeof reason, "%s", bb_message());
+    double ms = bb_wall_ms() - start;
+    BB_TRY(bb_results_add_step(results, "report", ms));
+    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms + ms));
+    BB_TRY(bb_report_html(results, folder, html));
+    BB_TRY(bb_results_write(results, json));
     if (!quiet)
-        fprintf(stderr, "wrote %s/results.json and %s/report.html\n", folder, folder);
-    return bb_report_table(results, stdout);
+        fprintf(stderr, "wrote %s and %s\n", json, html);
+    if (!quiet && drawn == BB_OK && chart_count > 0)
+        fprintf(stderr, "wrote %u charts, each as SVG and PNG, into %s\n", chart_count, pictures);
+    BB_TRY(bb_report_table(results, stdout));
+    return drawn == BB_OK ? BB_OK : bb_fail(drawn, "%s (all else is written)", reason);
 }
 
 static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
@@ -107,8 +132,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_results *results = NULL;
     char *command = bb_cli_command_line(cli);
     uint32_t wrong = 0, kernels_given;
+    bool charts = false;
     bb_cli_values(cli, "kernel", &kernels_given);
-    bb_status status = bb_load_plugins(cli);
+    bb_status status = bb_charts_wanted(cli, &charts);
+    if (status == BB_OK)
+        status = bb_load_plugins(cli);
     if (status == BB_OK)
         status = choose_scenes(cli, &scenes);
     if (status == BB_OK)
@@ -144,9 +172,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_bench_run(&request, results, &wrong, &times);
     if (status == BB_OK)
-        status = write_results(results, folder, &times, request.quiet);
+        status = write_results(results, folder, &times, charts, request.quiet);
     else if (results != NULL)
         status = bb_output_keep(results, folder, status);
+    if (status == BB_OK && !charts)
+        bb_charts_note(cli);
     if (status == BB_OK && wrong > 0) {
         fprintf(stderr,
                 "bvhbench: %u cells or builds are wrong: see the rows marked WRONG or failed\n",

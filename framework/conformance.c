@@ -119,6 +119,7 @@ static bb_status check_set(bb_conformance *c, uint32_t set, const bb_kernel *ker
         .query = rays->query,
         .kinds = c->scene->kinds,
         .stack_need = layout->stack_need,
+        .levels = layout->levels,
     };
     if ((kernel->queries & 1u << rays->query) == 0)
         return BB_OK;

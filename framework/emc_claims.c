@@ -302,8 +302,8 @@ static void claim_build(const bb_findings *all, bb_reproduction *r)
         if (strcmp(equals[i].builder, CELL64) == 0)
             continue;
         bb_say(&ours, "%s%s %.3f [%.3f, %.3f]",
-               i > 0 ? ", " : "mean of the scenes' paired ratios: ", equals[i].builder, e.value,
-               e.low, e.high);
+               i > 0 ? ", " : "geometric mean of the scenes' paired ratios: ", equals[i].builder,
+               e.value, e.low, e.high);
         within = within && e.high <= build_target;
         slower = slower || (e.low > 1 && e.high > build_target);
         if (!(e.high <= build_target))

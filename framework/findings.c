@@ -96,7 +96,9 @@ bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, con
             return (bb_estimate){NAN, NAN, NAN};
         means.count = ones.count = a.count;
         for (uint32_t i = 0; i < a.count; i++) {
-            means.values[i] += a.values[i] / b.values[i] / (double)f->scene_count;
+            double power = 1.0 / (double)f->scene_count;
+            means.values[i] =
+                (s == 0 ? 1 : means.values[i]) * pow(a.values[i] / b.values[i], power);
             ones.values[i] = 1;
         }
     }

@@ -273,7 +273,7 @@ static void add_build_ratios(const bb_findings *all, bb_reproduction *r)
             add_build_ratio(
                 r, f->scenes[s], i,
                 bb_found_build_ratio(f, f->scenes[s], equals[i].builder, equals[i].plain));
-        add_build_ratio(r, "mean of all scenes", i,
+        add_build_ratio(r, "all scenes (geometric)", i,
                         bb_found_build_ratios(f, equals[i].builder, equals[i].plain));
     }
 }

@@ -255,14 +255,15 @@ static const field picture_fields[] = {
     {NULL, 0},
 };
 
+/* A paper reproduced: tables of its figures and ours, and what was claimed. */
 static const field reproduction_fields[] = {
     {"name", TEXT},
     {"title", TEXT | NONE},
     {NULL, 0},
 };
 
-static const field table_fields[] = {
-    {"title", TEXT},
+static const field paper_table_fields[] = {
+    {"title", TEXT | NONE},
     {"columns", TEXTS},
     {NULL, 0},
 };
@@ -352,23 +353,30 @@ static bb_status check_section(const char *path, const cJSON *root, const char *
     return BB_OK;
 }
 
-/* Rows of a table: as many cells as columns, each a text, a number or null. */
-static bb_status check_rows(const char *path, const char *place, const cJSON *table)
+/* Rows of numbers, texts and nulls, as many as there are columns. */
+static bb_status check_rows(const char *path, const cJSON *root)
 {
-    int columns = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(table, "columns"));
-    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows"), *row, *cell;
-    if (!cJSON_IsArray(rows))
-        return bb_fail(BB_INVALID, "result file %s: %s: \"rows\" is not an array", path, place);
-    cJSON_ArrayForEach(row, rows)
+    const cJSON *reproduction, *table, *row, *item;
+    cJSON_ArrayForEach(reproduction, cJSON_GetObjectItemCaseSensitive(root, "reproductions"))
     {
-        if (!cJSON_IsArray(row) || cJSON_GetArraySize(row) != columns)
-            return bb_fail(BB_INVALID, "result file %s: %s: a row has not %d cells", path, place,
-                           columns);
-        cJSON_ArrayForEach(cell, row)
+        cJSON_ArrayForEach(table, cJSON_GetObjectItemCaseSensitive(reproduction, "tables"))
         {
-            if (!has_type(cell, TEXT | NUMBER | NONE))
-                return bb_fail(BB_INVALID, "result file %s: %s: a cell is no text, number or null",
-                               path, place);
+            const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows");
+            int columns = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(table, "columns"));
+            bool ok = cJSON_IsArray(rows);
+            cJSON_ArrayForEach(row, rows)
+            {
+                ok = ok && cJSON_IsArray(row) && cJSON_GetArraySize(row) == columns;
+                cJSON_ArrayForEach(item, row)
+                {
+                    ok = ok && (cJSON_IsNumber(item) || cJSON_IsString(item) || cJSON_IsNull(item));
+                }
+            }
+            if (!ok)
+                return bb_fail(BB_INVALID,
+                               "result file %s: reproductions: a table of %s has no \"rows\", or "
+                               "one that is not of %d numbers and texts",
+                               path, bb_json_text(reproduction, "name"), columns);
         }
     }
     return BB_OK;
@@ -377,18 +385,13 @@ static bb_status check_rows(const char *path, const char *place, const cJSON *ta
 static bb_status check_reproductions(const char *path, const cJSON *root)
 {
     BB_TRY(check_section(path, root, "reproductions", false, reproduction_fields, "", NULL));
-    const cJSON *item, *table;
-    int index = 0;
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(root, "reproductions"))
+    const cJSON *reproduction;
+    cJSON_ArrayForEach(reproduction, cJSON_GetObjectItemCaseSensitive(root, "reproductions"))
     {
-        char place[64];
-        snprintf(place, sizeof place, "reproductions[%d]", index++);
-        BB_TRY(check_section(path, item, "tables", true, table_fields, "", NULL));
-        BB_TRY(check_section(path, item, "claims", true, claim_fields, "", NULL));
-        cJSON_ArrayForEach(table, cJSON_GetObjectItemCaseSensitive(item, "tables"))
-            BB_TRY(check_rows(path, place, table));
+        BB_TRY(check_section(path, reproduction, "tables", false, paper_table_fields, "", NULL));
+        BB_TRY(check_section(path, reproduction, "claims", false, claim_fields, "", NULL));
     }
-    return BB_OK;
+    return check_rows(path, root);
 }
 
 /* Ids are 0, 1, 2 ... below 2^20 and given once; every trace names one that exists. */

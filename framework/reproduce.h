@@ -98,7 +98,7 @@ double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *bu
 bb_estimate bb_found_build_ratio(const bb_findings *f, const char *scene, const char *builder,
                                  const char *base);
 
-/* The same over all scenes: the mean of the scenes' ratios, round by round. */
+/* The same over all scenes: the geometric mean of the scenes' ratios, round by round, which noise does not push one way. */
 bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base);
 
 /* Which traces: of one builder, with one kernel, from one view or (NULL) all of them together. */

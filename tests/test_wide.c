@@ -19,7 +19,7 @@ static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32
                      bb_tree **out)
 {
     ASSERT_OK(bb_tree_upload(tree, device, NULL));
-    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, block, out));
+    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, block == 1 ? 2 : 8, block, out));
     ASSERT_OK(bb_tree_download(*out, NULL));
 }
 
@@ -31,7 +31,8 @@ static void collapsed_trees_are_valid_and_cost_no_more(void **state)
     ASSERT_OK(bb_collapse_create(device, &account, &self));
     for (uint32_t run = 0; run < (small() ? 5u : 100u); run++) {
         bb_random random = bb_random_make(SEED, run);
-        bb_scene *scene = make_random_scene(1 + bb_random_below(&random, small() ? 40 : 400), &random);
+        bb_scene *scene =
+            make_random_scene(1 + bb_random_below(&random, small() ? 40 : 400), &random);
         bb_tree tree, *out;
         make_random_tree(scene, 2 + bb_random_below(&random, 7), 1, &random, &tree);
         double before = bb_tree_sah(&tree);
@@ -44,8 +45,8 @@ static void collapsed_trees_are_valid_and_cost_no_more(void **state)
                 double after = bb_tree_sah(out);
                 if ((block == 1 && !(after <= before * (1 + 1e-5))) ||
                     (leaf == 1 && fabs(after - before) > 1e-9))
-                    fail_msg("seed %llu run %u leaf %u: SAH %g became %g",
-                             (unsigned long long)SEED, run, leaf, before, after);
+                    fail_msg("seed %llu run %u leaf %u: SAH %g became %g", (unsigned long long)SEED,
+                             run, leaf, before, after);
                 for (uint32_t i = 0, width = 1; i < out->info.ref_count; i++, width++) {
                     assert_true(width <= leaf);
                     width = out->refs[i] & BB_LAST_BIT ? 0 : width;
@@ -89,7 +90,7 @@ static void collapse_decides_by_cost(void **state)
     assert_int_equal(out->info.node_count, 3);
     assert_int_equal(out->info.arity, 2);
     assert_int_equal(out->info.depth, 1);
-    collapse(self, &tree, 2, 4, &out); /* 201: one block */
+    collapse(self, &tree, 2, 4, &out); /* 201, one block */
     assert_int_equal(out->info.node_count, 1);
     bb_tree_release(&tree);
 
@@ -178,9 +179,9 @@ static bool read_leaf(wide *w, uint32_t block, bb_box *box)
             assert_int_equal(prim < w->scene->triangle_count,
                              (prims[0] & BB_INDEX_MASK) < w->scene->triangle_count);
             bool triangle = prim < w->scene->triangle_count;
-            const float *from = triangle ? w->scene->vertices + 9 * (size_t)prim
-                                         : w->scene->spheres +
-                                               4 * (size_t)(prim - w->scene->triangle_count);
+            const float *from =
+                triangle ? w->scene->vertices + 9 * (size_t)prim
+                         : w->scene->spheres + 4 * (size_t)(prim - w->scene->triangle_count);
             for (uint32_t k = 0; k < (triangle ? 9u : 4u); k++)
                 assert_memory_equal(&words[k * BB_BLOCK_LANES + lane], &from[k], sizeof *from);
             w->seen[prim]++;
@@ -263,9 +264,9 @@ static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, u
 /* A coordinate of any size, near others of its kind or not. */
 static float extreme(bb_random *random, uint32_t kind)
 {
-    static const float pool[] = {0.0f,   -0.0f,  1e-45f, -3e-42f, 1.2e-38f, 1e-30f,
-                                 1e-3f,  1.0f,   -1.0f,  16777216, -1e7f,   1e20f,
-                                 -1e37f, 1e38f,  -3e38f, 3.4e38f};
+    static const float pool[] = {0.0f,   -0.0f, 1e-45f, -3e-42f,  1.2e-38f, 1e-30f,
+                                 1e-3f,  1.0f,  -1.0f,  16777216, -1e7f,    1e20f,
+                                 -1e37f, 1e38f, -3e38f, 3.4e38f};
     float sign = bb_random_below(random, 2) ? 1.0f : -1.0f;
     switch (kind) {
     case 0:

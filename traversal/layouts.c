@@ -45,7 +45,8 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
     data->bytes = 0;
     data->triangle_count = scene->triangle_count;
     if (leaf > 1)
-        BB_TRY(bb_collapse_make(maker->collapse, tree, leaf, layout->block, &source));
+        BB_TRY(
+            bb_collapse_make(maker->collapse, tree, leaf, layout->width, layout->block, &source));
     BB_TRY(layout->make(maker->self, scene, source, data));
     BB_TRY(bb_finish(maker->device));
     data->ms = bb_wall_ms() - start;

@@ -154,6 +154,49 @@ void start_leaf(bb_work *w, uint i, global const uint *starts, global const uint
     refs[last] = prim | BB_LAST_BIT;
 }
 
+/* Boxes lie in the order of the primitives, not of the references: a work-item that does many leaves asks for those of the next
+ * references all at once, and so waits for memory once, not once per leaf. */
+#define BB_AHEAD 128u
+typedef struct bb_ahead {
+    float4 lo[BB_AHEAD], hi[BB_AHEAD];
+    uint from, to; /* references that are here */
+} bb_ahead;
+
+void fetch_ahead(bb_ahead *ahead, uint at, uint end, global const uint *values,
+                 global const bb_box *boxes)
+{
+    ahead->from = at;
+    ahead->to = end - at < BB_AHEAD ? end : at + BB_AHEAD;
+    for (uint k = 0; k < ahead->to - at; k++) {
+        global const float *words = (global const float *)(boxes + values[at + k]);
+        ahead->lo[k] = vload4(0, words);
+        ahead->hi[k] = vload4(1, words);
+    }
+}
+
+/* As start_leaf(); `end` is where the last reference ends that the work-item will come to. */
+void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global const uint *values,
+                      global const bb_box *boxes, global uint *refs, uint end, bb_ahead *ahead)
+{
+#ifdef BB_LEAF_RUNS
+    uint first = starts[i], stop = starts[i + 1u];
+#else
+    uint first = i, stop = i + 1u;
+#endif
+    w->lo = (float4)(INFINITY);
+    w->hi = (float4)(-INFINITY);
+    w->l = i;
+    w->r = i;
+    w->first = BB_LEAF_BIT | first;
+    w->height = 0;
+    for (uint at = first; at < stop; at++) {
+        if (at >= ahead->to)
+            fetch_ahead(ahead, at, end, values, boxes);
+        join_box(w, ahead->lo[at - ahead->from], ahead->hi[at - ahead->from]);
+        refs[at] = values[at] | (at + 1u == stop ? BB_LAST_BIT : 0u);
+    }
+}
+
 /* Meets the sibling at split s. False: it is not there yet, the other side will go on. True: w has become the parent. */
 bool meet(bb_work *w, bool is_left, uint s, volatile global uint *ends,
           volatile global uchar *heights, volatile global bb_node *nodes)
@@ -227,11 +270,18 @@ kernel void link_chunks(global const bb_key *keys, global const uint *starts,
     uchar levels[BB_STACK_MAX]; /* of the split to the left of each entry */
     uint top = 0;
     uint level_left = level_of(keys, count, begin - 1u);
+#ifdef BB_LEAF_RUNS
+    uint ref_end = starts[end];
+#else
+    uint ref_end = end;
+#endif
+    bb_ahead ahead;
+    ahead.to = 0;
     for (uint i = begin; i < end; i++) {
         uint level_right = level_of(keys, count, i);
         uint level = level_left;
         bb_work w;
-        start_leaf(&w, i, starts, values, boxes, refs);
+        start_leaf_ahead(&w, i, starts, values, boxes, refs, ref_end, &ahead);
         for (;;) {
             if (level == level_right) {
                 write_root(nodes, info, &w, count, ref_count);
