@@ -142,6 +142,8 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     record->tree = tree->info;
     record->bytes_tree = bb_tree_bytes(tree);
     record->sah = bb_tree_sah(tree);
+    BB_TRY(bb_instance_describe(&entrant->instance, bench->scene, record->about,
+                                sizeof record->about));
     BB_TRY(bb_bench_step(bench, "check trees, SAH", start));
     if (bench->request->epo) {
         start = bb_wall_ms();

@@ -12,7 +12,7 @@
 
 enum {
     BB_ENTRANTS_MAX = 64,
-    BB_KERNELS_MAX = 24, /* as many layouts as a build's record has room for */
+    BB_KERNELS_MAX = BB_LAYOUTS_MAX, /* as many layouts as a build's record has room for */
     /* rays per launch: their buffers stay small beside trees, and a set of any size can be traced */
     BB_BATCH = 1 << 22,
     /* rays that the counting variant traces: a mean over so many is sure to half a percent */

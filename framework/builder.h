@@ -14,7 +14,7 @@
 #include "framework/tree.h"
 
 /* Raised whenever this header or the structs it takes in change their layout or meaning. */
-enum { BB_ABI_VERSION = 1 };
+enum { BB_ABI_VERSION = 2 };
 
 /* What a builder reads; the clock starts when this is in place. */
 enum {
@@ -101,6 +101,10 @@ struct bb_builder {
 
     /* Restores what build() may have used up of its input, before each build; not timed. Optional: default none. */
     bb_status (*restore)(void *self, const bb_scene *scene);
+
+    /* Says in one line, without a newline, what there is to know of the last build beyond its figures, such as the bit layout of
+     * a code or the level that was chosen; for the record. Not timed. Optional: default nothing. */
+    bb_status (*describe)(void *self, const bb_scene *scene, char *text, size_t capacity);
 
     /* Frees everything; called once, also after a failed build. Required. */
     void (*destroy)(void *self);

@@ -31,6 +31,11 @@ static const char *const procedural_scenes[] = {
     "spheres:n=10000,state=settled",
     "sphere-mesh",
     "sphere-mesh:x=148376,y=1234,z=-223423",
+    "awkward:kind=outlier",
+    "awkward:kind=centroids,n=1000",
+    "awkward:kind=flat",
+    "awkward:kind=axis",
+    "awkward:kind=duplicates",
 };
 
 static bb_status default_scenes(bb_names *names)
@@ -51,7 +56,7 @@ static bb_status check_scene(bb_device *device, const char *name, const bb_names
     if (status == BB_OK)
         status = bb_conformance_create(device, scene, seed, &conformance);
     for (size_t i = 0; i < builders->count && status == BB_OK; i++) {
-        char note[256];
+        char note[512];
         bb_status found = bb_conformance_check(conformance, builders->items[i], note, sizeof note);
         const char *word = found == BB_OK            ? "ok"
                            : found == BB_UNSUPPORTED ? "unsupported"

@@ -64,7 +64,7 @@ bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t see
     if (status == BB_OK)
         status = add_set(c, "ao");
     if (status == BB_OK)
-        status = add_set(c, "random");
+        status = add_set(c, "random:near=0.5");
     if (status == BB_OK)
         status =
             bb_buffer_reserve(device, &c->account, rays_per_set * sizeof(bb_hit), "hits", &c->hits);
@@ -119,6 +119,7 @@ static bb_status check_set(bb_conformance *c, uint32_t set, const bb_kernel *ker
         .query = rays->query,
         .kinds = c->scene->kinds,
         .stack_need = layout->stack_need,
+        .levels = layout->levels,
     };
     if ((kernel->queries & 1u << rays->query) == 0)
         return BB_OK;
@@ -178,11 +179,15 @@ bb_status bb_conformance_check(bb_conformance *c, const char *builder, char *not
                          (unsigned long long)hashes[2]);
     for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL && status == BB_OK; kernel++)
         status = check_kernel(c, &instance, *kernel);
+    char about[256];
     if (status == BB_OK)
-        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s",
+        status = bb_instance_describe(&instance, c->scene, about, sizeof about);
+    if (status == BB_OK)
+        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s%s%s",
                  instance.tree.info.node_count, instance.tree.info.depth,
                  (unsigned long long)hashes[0],
-                 same ? "" : " (differs between builds, as its builder says)");
+                 same ? "" : " (differs between builds, as its builder says)",
+                 about[0] != '\0' ? "; " : "", about);
     bb_instance_destroy(&fresh);
     bb_instance_destroy(&instance);
     return status;

@@ -17,6 +17,15 @@ static bb_status find_builder(const char *text, bb_spec *spec, const bb_builder 
     return bb_spec_validate(spec, (*builder)->options, what);
 }
 
+bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, char *text,
+                               size_t capacity)
+{
+    text[0] = '\0';
+    if (instance->builder->describe == NULL)
+        return BB_OK;
+    return instance->builder->describe(instance->self, scene, text, capacity);
+}
+
 bb_status bb_instance_check(const char *text)
 {
     bb_spec spec;

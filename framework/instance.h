@@ -25,6 +25,10 @@ void bb_instance_destroy(bb_instance *instance); /* a zeroed instance is allowed
 bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool exact_phases,
                             bb_phases *phases, double *ms);
 
+/* The builder's words on its last build; "" if it has none. */
+bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, char *text,
+                               size_t capacity);
+
 /* Checks a text without creating anything: the builder exists and takes these parameters. */
 bb_status bb_instance_check(const char *text);
 

@@ -8,6 +8,7 @@
 #include "framework/camera.h"
 #include "framework/rays_private.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,6 +57,7 @@ static const bb_option shadow_options[] = {
 
 static const bb_option random_options[] = {
     {"count", NULL, NULL, "number of rays (as many as the run allows)"},
+    {"near", "0", NULL, "share that goes from close to a primitive to close to another"},
     TMIN_OPTION,
     END_OPTION,
 };
@@ -136,12 +138,27 @@ static bb_status make_primary(bb_rays_job *job)
 
 /* ---- random ---- */
 
-static bool random_ray(const bb_box *box, bb_random *random, bb_ray *ray)
+/* The box of a random primitive, grown by its longest side: where a scene has something, even if that is all in one corner. */
+static bb_box box_near(const bb_scene *scene, bb_random *random)
+{
+    bb_box box = scene->boxes[bb_random_below(random, scene->prim_count)];
+    double side = 0;
+    for (int k = 0; k < 3; k++)
+        side = fmax(side, (double)box.hi[k] - box.lo[k]);
+    for (int k = 0; k < 3; k++) {
+        box.lo[k] = (float)fmax(-FLT_MAX, box.lo[k] - side);
+        box.hi[k] = (float)fmin(FLT_MAX, box.hi[k] + side);
+    }
+    return box;
+}
+
+/* From a point of one box through a point of the other. */
+static bool random_ray(const bb_box *from, const bb_box *to, bb_random *random, bb_ray *ray)
 {
     double d[3], length = 0.0;
     for (int k = 0; k < 3; k++) {
-        ray->o[k] = (float)bb_random_range(random, box->lo[k], box->hi[k]);
-        d[k] = bb_random_range(random, box->lo[k], box->hi[k]) - (double)ray->o[k];
+        ray->o[k] = (float)bb_random_range(random, from->lo[k], from->hi[k]);
+        d[k] = bb_random_range(random, to->lo[k], to->hi[k]) - (double)ray->o[k];
         length = hypot(length, d[k]);
     }
     if (length == 0.0)
@@ -158,6 +175,8 @@ static bb_status make_random(bb_rays_job *job)
         BB_TRY(bb_spec_u64(job->request->spec, job->options, "count", 1, INT32_MAX, &count));
         count = count < job->request->max_rays ? count : job->request->max_rays;
     }
+    double near;
+    BB_TRY(bb_spec_double(job->request->spec, job->options, "near", 0, 1, &near));
     if (!(job->diagonal > 0.0))
         return bb_fail(BB_UNSUPPORTED, "rays random: scene '%s' is a single point",
                        job->scene->name);
@@ -169,7 +188,12 @@ static bb_status make_random(bb_rays_job *job)
         ray->tmax = INFINITY;
         /* Two points fall together at most where the box has next to no floats inside. */
         uint32_t tries = 0;
-        while (!random_ray(&job->scene->bounds, &random, ray))
+        bb_box from = job->scene->bounds, to = from;
+        if (near > 0 && bb_random_unit(&random) < near) {
+            from = box_near(job->scene, &random);
+            to = box_near(job->scene, &random);
+        }
+        while (!random_ray(&from, &to, &random, ray))
             if (++tries == 1000)
                 return bb_fail(BB_UNSUPPORTED, "rays random: the box of scene '%s' is too small",
                                job->scene->name);
@@ -184,7 +208,7 @@ static bb_status (*const makers[])(bb_rays_job *job) = {
 _Static_assert(sizeof makers / sizeof makers[0] == sizeof bb_workloads / sizeof bb_workloads[0] - 1,
                "one maker per workload");
 
-static bb_status check_rays(const bb_rays *rays)
+bb_status bb_rays_check(const bb_rays *rays)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         const bb_ray *ray = &rays->rays[i];
@@ -246,14 +270,19 @@ bb_status bb_rays_make(const bb_scene *scene, struct bb_oracle *oracle,
     if (status == BB_OK)
         status = makers[rays->workload - bb_workloads](&job);
     if (status == BB_OK)
-        status = check_rays(rays);
+        status = bb_rays_check(rays);
     if (status != BB_OK) {
         bb_rays_free(rays);
         return status;
     }
-    rays->hash = XXH3_64bits(rays->rays, rays->count * sizeof(bb_ray));
+    rays->hash = bb_rays_hash(rays);
     *out = rays;
     return BB_OK;
+}
+
+uint64_t bb_rays_hash(const bb_rays *rays)
+{
+    return XXH3_64bits(rays->rays, rays->count * sizeof(bb_ray));
 }
 
 bb_status bb_rays_upload(bb_rays *rays, bb_device *device)

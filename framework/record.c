@@ -392,7 +392,7 @@ static bool put_tree(cJSON *entry, const bb_build_record *build)
 
 static bool put_layouts(cJSON *entry, const bb_build_record *build)
 {
-    bb_named_ms sah[8];
+    bb_named_ms sah[BB_LAYOUTS_MAX];
     for (uint32_t i = 0; i < build->layout_count; i++) {
         memcpy(sah[i].name, build->layouts[i].name, sizeof sah[i].name);
         sah[i].ms = build->layout_sah[i];
@@ -420,6 +420,8 @@ bb_status bb_results_add_build(bb_results *results, const bb_build_record *build
         put_layouts(entry, build) && put_tree(entry, build) &&
         put_number(entry, "bytes_native", build->bytes_native) &&
         put_bool(entry, "reference", build->reference);
+    if (ok && build->about[0] != '\0')
+        ok = put_text(entry, "about", build->about);
     return append(results, "builds", entry, ok);
 }
 
@@ -461,15 +463,18 @@ static bool put_accuracy(cJSON *entry, const bb_trace_record *trace)
 /* Rays per second of the median, and of the ends of its interval the other way round. */
 static bool put_rate(cJSON *entry, const bb_trace_record *trace)
 {
-    double low, high;
+    double low, high, rate = trace->mrays_s_given;
+    bool given = rate > 0;
     bb_samples_interval(&trace->ms, BB_INTERVAL_SEED, &low, &high);
+    if (!given)
+        rate = trace->count / bb_samples_median(&trace->ms) / 1e3;
     return put_samples(entry, "ms", &trace->ms) &&
            put_number(entry, "ms_median", bb_samples_median(&trace->ms)) &&
            put_number(entry, "event_ms", bb_samples_median(&trace->event_ms)) &&
            put_samples(entry, "event_ms_samples", &trace->event_ms) &&
            put_number(entry, "cpu_ms", bb_samples_median(&trace->cpu_ms)) &&
            put_samples(entry, "cpu_ms_samples", &trace->cpu_ms) &&
-           put_number(entry, "mrays_s", trace->count / bb_samples_median(&trace->ms) / 1e3) &&
+           put_number(entry, "mrays_s", rate) && put_bool(entry, "mrays_s_given", given) &&
            put_number(entry, "mrays_s_lo", trace->count / high / 1e3) &&
            put_number(entry, "mrays_s_hi", trace->count / low / 1e3);
 }

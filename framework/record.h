@@ -11,7 +11,10 @@
 
 typedef struct cJSON cJSON; /* opaque here; libcjson */
 
-enum { BB_SAMPLES_MAX = 256 };
+enum {
+    BB_SAMPLES_MAX = 256,
+    BB_LAYOUTS_MAX = 24, /* of one tree */
+};
 
 /* Samples of one quantity; sample 0 is the first round (kept in the file, dropped from the median).
  */
@@ -46,12 +49,13 @@ typedef struct bb_build_record {
     uint32_t phase_count;
     bb_named_ms phases[16];
     uint32_t layout_count;
-    bb_named_ms layouts[24]; /* name as recorded ("pair:leaf=4"), ms */
-    double layout_sah[24];
+    bb_named_ms layouts[BB_LAYOUTS_MAX]; /* name as recorded ("pair:leaf=4"), ms */
+    double layout_sah[BB_LAYOUTS_MAX];
     bool has_tree;
     bb_tree_info tree;
     uint64_t bytes_tree, bytes_peak;
     double sah, epo, epo_half;
+    char about[512];     /* the builder's own words on its tree; "" for none */
     double bytes_native; /* reference rows: what the library booked; NAN else */
     bool reference;
 } bb_build_record;
@@ -70,6 +74,7 @@ typedef struct bb_trace_record {
     bb_status status;
     char reason[512];
     bb_samples ms, event_ms, cpu_ms;
+    double mrays_s_given; /* of an outside tracer: its speed, as somebody says; else 0 */
     double node_tests_per_ray, prim_tests_per_ray;
     bool has_accuracy;
     bb_accuracy accuracy;
@@ -123,8 +128,8 @@ cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
 bb_status bb_results_write(const bb_results *results, const char *path);
 /* Reads and checks the schema; BB_INVALID names what is wrong. */
 bb_status bb_results_read(const char *path, bb_results **out);
-/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures and times to a; b's
- * context goes into a's "merged" array and b's builds, traces and skipped sets get the member
+/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures, reproductions and times to
+ * a; b's context goes into a's "merged" array and b's builds, traces and skipped sets get the member
  * "run", the number of that entry from 1. Times add up; the total is dropped if one of the two has
  * none. BB_INVALID if a scene of one name has two geometries. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);

@@ -64,6 +64,21 @@ static bb_status copy_rows(bb_results *a, const bb_results *b, const char *secti
     return BB_OK;
 }
 
+/* Copies of all elements of b's array `section`, which either may lack, as they are. */
+static bb_status copy_list(bb_results *a, const bb_results *b, const char *section)
+{
+    const cJSON *from = cJSON_GetObjectItemCaseSensitive(b->root, section), *item;
+    cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, section);
+    if (to == NULL && from != NULL)
+        to = cJSON_AddArrayToObject(a->root, section);
+    cJSON_ArrayForEach(item, from)
+    {
+        if (to == NULL || copy_to(to, item) == NULL)
+            return no_memory();
+    }
+    return from == NULL || to != NULL ? BB_OK : no_memory();
+}
+
 static double next_id(const bb_results *results)
 {
     double next = 0;
@@ -127,12 +142,8 @@ bb_status bb_results_merge(bb_results *a, const bb_results *b)
     BB_TRY(copy_rows(a, b, "builds", "id", first_id, first_run));
     BB_TRY(copy_rows(a, b, "traces", "build", first_id, first_run));
     BB_TRY(copy_rows(a, b, "skipped", NULL, 0, first_run));
-    cJSON *pictures = cJSON_GetObjectItemCaseSensitive(a->root, "pictures");
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "pictures"))
-    {
-        if (copy_to(pictures, item) == NULL)
-            return no_memory();
-    }
+    BB_TRY(copy_list(a, b, "pictures"));
+    BB_TRY(copy_list(a, b, "reproductions"));
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "steps_ms"))
     {
         if (cJSON_IsNumber(item))

@@ -145,8 +145,9 @@ static void trace(const bb_scene *scene, const bb_layout_data *layout, const bb_
     bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
     bb_count counts[RAYS];
     check(bb_spec_parse(kernel->name, &spec), kernel->name);
-    bb_tracer_request request = {
-        kernel, &spec, &bb_intersectors[0], query, scene->kinds, layout->stack_need, counting};
+    bb_tracer_request request = {kernel,         &spec,        &bb_intersectors[0],
+                                 query,          scene->kinds, layout->stack_need,
+                                 layout->levels, counting};
     check(bb_tracer_get(device, &request, &tracer), kernel->name);
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *rays, "rays", &d_rays), "rays");
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *hits, "hits", &d_hits), "hits");

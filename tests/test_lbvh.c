@@ -45,11 +45,9 @@ static uint64_t reference_code(const bb_box *box, const float low[3], const floa
 {
     uint64_t cells[3], code = 0;
     for (int k = 0; k < 3; k++) {
-        float extent = high[k] - low[k];
-        float scale = extent > 0 ? (float)(1u << bits) / extent : 0;
-        if (!(scale <= FLT_MAX))
-            scale = 0;
-        float cell = (0.5f * box->lo[k] + 0.5f * box->hi[k] - low[k]) * scale;
+        double extent = (double)high[k] - low[k], cells_per_unit = ldexp(1, (int)bits) / extent;
+        float scale = extent > 0 && cells_per_unit <= FLT_MAX ? (float)cells_per_unit : 0;
+        float cell = ((0.5f * box->lo[k] + 0.5f * box->hi[k]) - low[k]) * scale;
         float last = (float)((1u << bits) - 1);
         cells[k] = (uint64_t)(cell < last ? cell : last);
     }

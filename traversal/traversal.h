@@ -10,7 +10,11 @@
 #include "framework/scene.h"
 #include "framework/tree.h"
 
-enum { BB_LAYOUT_BUFFERS_MAX = 4 };
+enum {
+    BB_LAYOUT_BUFFERS_MAX = 4,
+    BB_TRAIL_MAX =
+        1 << 14, /* levels: 4 KiB of private memory per ray with 2 children, 8 KiB with 8 */
+};
 
 /* A tree in the form that a kernel reads, on the device. */
 typedef struct bb_layout_data {
@@ -19,6 +23,7 @@ typedef struct bb_layout_data {
     bb_u32 root;                              /* link to start from, as the kernel reads links */
     bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
+    uint32_t levels; /* inner nodes on the longest path, as the kernel sees them; an upper bound */
     uint64_t bytes;
     bool
         keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too, the pairing is native */
@@ -33,7 +38,7 @@ typedef struct bb_layout {
     uint32_t width; /* children of its nodes at most; 2 where there is no limit. Required */
     uint32_t block; /* primitives that its kernels test at once. Required */
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
-    /* Makes the layout of `tree` (on the device): buffers, root, stack_need, keeps_shape; adds to data->bytes. May enqueue and
+    /* Makes the layout of `tree` (on the device): buffers, root, stack_need, levels, keeps_shape; adds to data->bytes. May enqueue and
      * return. The rest is bb_layout_maker_make()'s. */
     bb_status (*make)(void *self, const bb_scene *scene, const bb_tree *tree, bb_layout_data *data);
     void (*destroy)(void *self); /* what create() left behind, even if it failed; NULL is allowed */
@@ -82,12 +87,15 @@ typedef struct bb_kernel {
     uint32_t queries;    /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
     bool ordered;        /* visits children near to far */
     bool compared;       /* `run` takes it when no kernel is asked for */
-    bool
-        native; /* its layout keeps the shape of any tree: when no kernel is asked for, `run` takes it for the trees
-                            whose shape no compared kernel keeps */
-    const bb_option *
-        options; /* its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its
-                                 `values`; `leaf` and `group` are common to all kernels */
+    /* Its layout keeps the shape of any tree: when no kernel is asked for, `run` takes it for the trees whose shape no compared
+     * kernel keeps. */
+    bool native;
+    bool stackless; /* needs no stack of the tree's size: gets no BB_STACK_SIZE */
+    /* Keeps a bit trail: gets BB_LEVELS, and trees of more levels than this are refused; 0: keeps none. */
+    uint32_t trail_max;
+    /* Its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its `values`; `leaf` and `group`
+     * are common to all kernels. */
+    const bb_option *options;
 } bb_kernel;
 
 extern const bb_kernel *const bb_kernels[]; /* generated; ends with NULL */
@@ -106,6 +114,7 @@ typedef struct bb_tracer_request {
     bb_query query;
     uint32_t kinds;      /* of the scene */
     uint32_t stack_need; /* from the layout; rounded up to 16, 32, 64 ... */
+    uint32_t levels;     /* from the layout; rounded up to 64, 128, 256 ... */
     bool counting;       /* the variant that counts tests, overflow included */
 } bb_tracer_request;
 
@@ -113,7 +122,7 @@ typedef struct bb_tracer_request {
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_tracer **tracer);
 void bb_tracers_clear(bb_device *device);
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
-uint32_t bb_tracer_stack_size(const bb_tracer *tracer);
+uint32_t bb_tracer_stack_size(const bb_tracer *tracer); /* 0: it needs none of the tree's size */
 
 /* Enqueues the traversal of rays[0..count); does not wait. `counts` (bb_count[count]) only for counting tracers, else NULL. */
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,

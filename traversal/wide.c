@@ -163,6 +163,7 @@ static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_
 static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_data *data)
 {
     uint32_t pair_count, root, total, ref_count = tree->info.ref_count;
+    data->levels = bb_pairs_stack_need(&tree->info); /* of the pairs: no wide node is deeper */
     BB_TRY(bb_pairs_make(&self->pairs, tree, &self->pair_nodes, &pair_count, &root));
     if ((root & BB_LEAF_BIT) != 0) { /* no node at all */
         data->stack_need = 0;

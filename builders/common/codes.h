@@ -1,0 +1,117 @@
+/* Morton codes and extended Morton codes, for any builder that sorts by a code.
+ *
+ * A code is a list that says, for each of its bits from the top, which axis the bit halves the cell on, or that it tells large
+ * primitives from small ones (Vinkler, Bittner, Havran 2017, "Extended Morton Codes for High Performance Bounding Volume
+ * Hierarchy Construction", section 4). A code is a row of BB_CODE_TABLE and the function that deals out its bits; what its
+ * ingredients are by default is in the row, and each is an option of its own.
+ */
+#ifndef BB_CODES_H
+#define BB_CODES_H
+
+#include "builders/common/code_shared.h"
+#include "builders/common/view_order.h"
+#include "framework/builder.h"
+
+#include <stdbool.h>
+
+/* name, function that deals out the bits, bits, axes, size bit every, size bits at most, sizes, summary */
+#define BB_CODE_TABLE(ROW)                                                                         \
+    ROW("mc32", interleaved, 30, XYZ, 0, 0, LINEAR, "Morton code of 10 bits per axis")             \
+    ROW("mc64", interleaved, 63, XYZ, 0, 0, LINEAR, "Morton code of 21 bits per axis")             \
+    ROW("emc32-sort", interleaved, 32, EXTENT, 4, 8, LINEAR, "axes by extent, size every 4th")     \
+    ROW("emc64-sort", interleaved, 64, EXTENT, 4, 16, LINEAR, "axes by extent, size every 4th")    \
+    ROW("emc32-var", longest, 32, EXTENT, 7, 4, ROOT, "bits to the longest axis, size every 7th")  \
+    ROW("emc64-var", longest, 64, EXTENT, 7, 6, ROOT, "bits to the longest axis, size every 7th")  \
+    ROW("emc64-cell", halved, 64, EXTENT, 0, 16, CELL, "as var, size at each halving of the cell")
+
+#define BB_CODE_WORD(name, ...) "|" name
+#define BB_CODE_NAMES (&(BB_CODE_TABLE(BB_CODE_WORD))[1])
+
+#define BB_CODE_BOX_HELP                                                                           \
+    "what is cut into cells; cube: of the scene's longest side, from its low corner"
+
+/* Options of codes, for a builder's table, which may have a part of them only. Those without a default come from the code. */
+#define BB_CODE_OPTIONS(preset)                                                                    \
+    {"code", preset, BB_CODE_NAMES, "the code: what the options below are unless given"},          \
+        {"bits", NULL, NULL, "bits of the code, 3 to 64"},                                         \
+        {"axes", NULL, "xyz|extent|view", "order of the axes; view: as the view looks"},           \
+        {"count", NULL, "equal|variable", "bits per axis; variable: to the longest side"},         \
+        {"every", NULL, NULL, "each so many-th bit tells the size, 2 to 64; 0: none"},             \
+        {"size-bits", NULL, NULL, "size bits at most, 0 to 24"},                                   \
+        {"size", NULL, "linear|root|cell",                                                         \
+         "how size is told: a fraction of the scene's, its "                                       \
+         "square root, or against the cell's own"},                                                \
+        {"large", "1", NULL, "size=cell: from which share of the cell's size on the bit is set"},  \
+        {"measure", "diagonal", "diagonal|area|side",                                              \
+         "size: the box's diagonal, area or longest side"},                                        \
+        {"box", "centroids", "centroids|scene|cube", BB_CODE_BOX_HELP},                            \
+        {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
+    {                                                                                              \
+        "view", "none", NULL, BB_VIEW_ORDER_HELP                                                   \
+    }
+
+enum { BB_CODE_BITS_MAX = 64, BB_CODE_SIZE_AXIS = 3, BB_CODE_END = 4 };
+
+struct bb_code_walk;
+
+typedef enum bb_code_order { BB_AXES_XYZ, BB_AXES_EXTENT, BB_AXES_VIEW } bb_code_order;
+typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_code_sizes;
+
+typedef enum bb_code_measure { BB_BY_DIAGONAL, BB_BY_AREA, BB_BY_SIDE } bb_code_measure;
+
+/* What was asked for. */
+typedef struct bb_code_choice {
+    const struct bb_code *code;
+    uint32_t (*next)(const struct bb_code_walk *walk); /* deals out the bits */
+    uint32_t bits;
+    bb_code_order order;
+    uint32_t every, size_bits;
+    bb_code_sizes sizes;
+    double large; /* with sizes told by the cell: the share of its size that is large */
+    bb_code_measure measure;
+    bool by_centroids, cube;
+    bool tables;
+    char view[64]; /* as bb_view_order() takes it */
+} bb_code_choice;
+
+/* A scene's code: what describes it, and what the device needs. */
+typedef struct bb_code_layout {
+    uint32_t bits;                     /* in use; may be fewer than asked for */
+    uint8_t axes[BB_CODE_BITS_MAX];    /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
+    double sides[BB_CODE_BITS_MAX][3]; /* of the cell that the bits up to and with this one leave */
+    uint32_t count[4];                 /* bits per axis, and of the size */
+    bb_code_plan plan;
+} bb_code_layout;
+
+/* Reads the options. `options` is the builder's table. BB_INVALID for what is out of range. */
+bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_choice *choice);
+
+/* Lays the code out for a scene whose primitives' boxes, and their centroids, lie in these two boxes (bb_reduce_boxes).
+ * `direction` is where the view looks, zero for none. Does not fail: an axis without extent gets no bits in a code of variable
+ * counts, and one cell in others. */
+void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
+                     const double direction[3], bb_code_layout *layout);
+
+/* The layout as letters from the top: "xzxzxyszxy..."; capitals are negated. `capacity` beyond BB_CODE_BITS_MAX. */
+void bb_code_letters(const bb_code_layout *layout, char *text, size_t capacity);
+
+/* ---- on the device ---- */
+
+typedef struct bb_codes bb_codes;
+
+/* Compiles. All memory is booked on the account. */
+bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out);
+void bb_codes_destroy(bb_codes *codes); /* NULL is allowed */
+
+uint32_t bb_codes_bits(const bb_codes *codes);      /* of a key that may be set */
+uint32_t bb_codes_key_bytes(const bb_codes *codes); /* 4 up to 32 bits, else 8 */
+
+/* Phases "bounds" and "codes": keys[i] = code of the scene's i-th box, values[i] = i. Waits once, for the scene's bounds. Buffers
+ * have room for scene->prim_count keys and u32. */
+bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
+                        bb_buffer *keys, bb_buffer *values, bb_phases *phases);
+
+/* Of the last bb_codes_make(). */
+const bb_code_layout *bb_codes_layout(const bb_codes *codes);
+
+#endif

@@ -1,0 +1,127 @@
+/* Codes made on the device (codes.cl). */
+#include "builders/common/codes.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GROUP_SIZE = 64, VALUES = 1 << BB_CODE_CHUNK_BITS };
+
+struct bb_codes {
+    bb_device *device;
+    bb_account *account;
+    const char *builder;
+    bb_code_choice choice;
+    bb_code_layout layout;
+    uint32_t lanes; /* boxes per work-item */
+    cl_program program;
+    cl_kernel keys;
+    bb_buffer bounds; /* two bb_box */
+    bb_buffer plan;
+    bb_buffer tables; /* [chunk][lane][value]: the places of a chunk's bits */
+};
+
+bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
+{
+    bb_codes *codes = calloc(1, sizeof *codes);
+    if (codes == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = codes;
+    codes->device = context->device;
+    codes->account = context->account;
+    codes->builder = context->spec->name;
+    BB_TRY(bb_code_choose(context->spec, context->options, &codes->choice));
+    const bb_code_choice *choice = &codes->choice;
+    uint32_t sizes = choice->size_bits == 0             ? 0
+                     : choice->sizes == BB_SIZES_LINEAR ? 1
+                     : choice->sizes == BB_SIZES_ROOT   ? 2
+                                                        : 3;
+    codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
+    char defines[128];
+    snprintf(defines, sizeof defines,
+             "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_MEASURE=%d -DBB_TABLES=%d",
+             bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", codes->lanes, sizes,
+             choice->measure, choice->tables);
+    BB_TRY(bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
+    BB_TRY(bb_kernel_get(codes->program, "code_keys", &codes->keys));
+    BB_TRY(bb_buffer_reserve(codes->device, codes->account, 2 * sizeof(bb_box), "codes: bounds",
+                             &codes->bounds));
+    BB_TRY(bb_buffer_reserve(codes->device, codes->account, sizeof(bb_code_plan), "codes: plan",
+                             &codes->plan));
+    size_t tables = choice->tables ? BB_CODE_CHUNKS * 4 * VALUES : 1;
+    return bb_buffer_reserve(codes->device, codes->account, tables * sizeof(uint64_t),
+                             "codes: tables", &codes->tables);
+}
+
+void bb_codes_destroy(bb_codes *codes)
+{
+    if (codes == NULL)
+        return;
+    bb_buffer_release(&codes->bounds);
+    bb_buffer_release(&codes->plan);
+    bb_buffer_release(&codes->tables);
+    bb_kernel_release(codes->keys);
+    bb_program_release(codes->program);
+    free(codes);
+}
+
+uint32_t bb_codes_bits(const bb_codes *codes)
+{
+    return codes->choice.bits;
+}
+
+uint32_t bb_codes_key_bytes(const bb_codes *codes)
+{
+    return codes->choice.bits > 32 ? 8 : 4;
+}
+
+const bb_code_layout *bb_codes_layout(const bb_codes *codes)
+{
+    return &codes->layout;
+}
+
+/* Tables of each lane's bits, as section 4.5 of the paper has them; in chunks that the first-level cache holds. */
+static bb_status write_tables(bb_codes *codes)
+{
+    const bb_code_layout *layout = &codes->layout;
+    uint64_t places[4][BB_CODE_CHUNKS * BB_CODE_CHUNK_BITS] = {{0}};
+    uint64_t tables[BB_CODE_CHUNKS][4][VALUES];
+    uint32_t rank[4];
+    memcpy(rank, layout->count, sizeof rank);
+    for (uint32_t i = 0; i < layout->bits; i++) {
+        uint32_t lane = layout->axes[i];
+        places[lane][--rank[lane]] = UINT64_C(1) << (layout->bits - 1 - i);
+    }
+    for (uint32_t chunk = 0; chunk < BB_CODE_CHUNKS; chunk++)
+        for (uint32_t lane = 0; lane < 4; lane++) {
+            uint64_t *table = tables[chunk][lane];
+            const uint64_t *bits = &places[lane][chunk * BB_CODE_CHUNK_BITS];
+            table[0] = 0;
+            for (uint32_t value = 1; value < VALUES; value++)
+                table[value] = table[value & (value - 1)] | bits[__builtin_ctz(value)];
+        }
+    return bb_buffer_write(&codes->tables, 0, sizeof tables, tables);
+}
+
+bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
+                        bb_buffer *keys, bb_buffer *values, bb_phases *phases)
+{
+    const bb_buffer *boxes = &scene->on_device.boxes;
+    uint32_t count = scene->prim_count;
+    bb_box bounds[2];
+    double direction[3];
+    char what[96];
+    snprintf(what, sizeof what, "builder %s", codes->builder);
+    BB_TRY(bb_view_order(scene, codes->choice.view, what, direction));
+    BB_TRY(bb_phase(phases, "bounds"));
+    BB_TRY(bb_reduce_boxes(primitives, boxes, count, &codes->bounds));
+    BB_TRY(bb_buffer_read(&codes->bounds, 0, sizeof bounds, bounds));
+    BB_TRY(bb_phase(phases, "codes"));
+    bb_code_lay_out(&codes->choice, bounds, direction, &codes->layout);
+    BB_TRY(bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan));
+    if (codes->choice.tables)
+        BB_TRY(write_tables(codes));
+    uint32_t items = (count + codes->lanes - 1) / codes->lanes;
+    return bb_launch(codes->device, codes->keys, items, GROUP_SIZE, BB_MEM(*boxes), BB_VALUE(count),
+                     BB_MEM(codes->plan), BB_MEM(codes->tables), BB_MEM(*keys), BB_MEM(*values));
+}

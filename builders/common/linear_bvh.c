@@ -1,0 +1,88 @@
+#include "builders/common/linear_bvh.h"
+
+#include "builders/common/radix_tree.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct linear_bvh {
+    bb_device *device;
+    bb_account *account;
+    bb_primitives *primitives;
+    bb_codes *codes;
+    bb_radix_tree *radix;
+    bb_buffer keys;
+    bb_buffer values;
+} linear_bvh;
+
+void bb_linear_destroy(void *opaque)
+{
+    linear_bvh *self = opaque;
+    if (self == NULL)
+        return;
+    bb_buffer_release(&self->keys);
+    bb_buffer_release(&self->values);
+    bb_codes_destroy(self->codes);
+    bb_radix_tree_destroy(self->radix);
+    bb_primitives_destroy(self->primitives);
+    free(self);
+}
+
+bb_status bb_linear_create(const bb_builder_context *context, void **out)
+{
+    linear_bvh *self = calloc(1, sizeof *self);
+    if (self == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = self;
+    self->device = context->device;
+    self->account = context->account;
+    bool karras = bb_spec_is(context->spec, context->options, "link", "karras");
+    BB_TRY(bb_codes_create(context, &self->codes));
+    BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
+    bb_radix_kind kind = {.key_bytes = bb_codes_key_bytes(self->codes),
+                          .linking = karras ? BB_LINK_KARRAS : BB_LINK_APETREI};
+    return bb_radix_tree_create(self->device, self->account, kind, &self->radix);
+}
+
+bb_status bb_linear_prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
+{
+    linear_bvh *self = opaque;
+    size_t count = scene->prim_count;
+    uint32_t key_bytes = bb_codes_key_bytes(self->codes);
+    BB_TRY(bb_buffer_reserve(self->device, self->account, count * key_bytes, "lbvh: codes",
+                             &self->keys));
+    BB_TRY(bb_buffer_reserve(self->device, self->account, count * sizeof(uint32_t), "lbvh: indices",
+                             &self->values));
+    BB_TRY(bb_primitives_reserve(self->primitives, scene->prim_count, key_bytes));
+    return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
+}
+
+bb_status bb_linear_build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                          bb_phases *phases)
+{
+    (void)input;
+    linear_bvh *self = opaque;
+    uint32_t count = scene->prim_count;
+    BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
+    BB_TRY(bb_phase(phases, "sort"));
+    uint32_t bits = bb_codes_layout(self->codes)->bits;
+    if (bits > 0 && bb_codes_key_bytes(self->codes) == 8)
+        BB_TRY(bb_sort_u64(self->primitives, &self->keys, &self->values, count, bits));
+    else if (bits > 0)
+        BB_TRY(bb_sort_u32(self->primitives, &self->keys, &self->values, count, bits));
+    BB_TRY(bb_phase(phases, "link"));
+    BB_TRY(bb_radix_tree_link(self->radix, &self->keys, NULL, &self->values,
+                              &scene->on_device.boxes, count, tree));
+    return bb_phase(phases, NULL);
+}
+
+bb_status bb_linear_describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
+{
+    (void)scene;
+    linear_bvh *self = opaque;
+    char letters[BB_CODE_BITS_MAX + 1];
+    const bb_code_layout *layout = bb_codes_layout(self->codes);
+    bb_code_letters(layout, letters, sizeof letters);
+    snprintf(text, capacity, "code of %u bits: %s", layout->bits, letters);
+    return BB_OK;
+}

@@ -1,0 +1,30 @@
+/* EMC: LBVH over extended Morton codes, which tell large primitives from small ones and follow the shape of the scene.
+ *
+ * Vinkler, Bittner, Havran 2017, "Extended Morton Codes for High Performance Bounding Volume Hierarchy Construction". The codes
+ * and their traps: builders/common/codes.h.
+ */
+#include "builders/common/linear_bvh.h"
+
+static const bb_option options[] = {
+    BB_CODE_OPTIONS("emc64-var"),
+    BB_LINK_OPTION,
+    {.name = NULL},
+};
+
+const bb_builder bb_builder_emc = {
+    .abi_version = BB_ABI_VERSION,
+    .name = "emc",
+    .summary = "binary radix tree over extended Morton codes",
+    .paper = "Vinkler, Bittner, Havran 2017",
+    .kinds = BB_TRIANGLES | BB_SPHERES,
+    .inputs = BB_INPUT_BOXES,
+    .place = BB_ON_DEVICE,
+    .deterministic = true,
+    .options = options,
+    .compared = "emc,emc:code=emc64-cell",
+    .create = bb_linear_create,
+    .prepare = bb_linear_prepare,
+    .build = bb_linear_build,
+    .describe = bb_linear_describe,
+    .destroy = bb_linear_destroy,
+};
