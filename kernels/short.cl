@@ -29,7 +29,7 @@ uint short_children(const bb_slab *slab, global const float *pairs, uint link, c
 {
     global const float *pair = pairs + 16ul * link;
     float2 entry, exit;
-    bb_pair_distances(slab, pair, search->tmin, search->tmax, &entry, &exit);
+    bb_box_distances(slab, pair, search->tmin, search->tmax, &entry, &exit);
     uint2 links = vload2(6, (global const uint *)pair);
     bool meets0 = entry.x <= exit.x, meets1 = entry.y <= exit.y;
     bool swap = meets1 && (!meets0 || entry.y < entry.x);
