@@ -79,8 +79,10 @@ bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
             continue;
         }
         for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-            if (count > 0 || (*kernel)->compared)
+            if (count > 0)
                 BB_TRY(add_item(names, (*kernel)->name));
+            else if ((*kernel)->compared != NULL)
+                BB_TRY(bb_names_add(names, (*kernel)->compared));
     }
     return BB_OK;
 }

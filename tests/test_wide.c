@@ -15,11 +15,11 @@ static bool small(void)
 /* ---- leaf collapse ---- */
 
 /* Collapses a copy on the device; `out` ends up on the host as well. */
-static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32_t block,
-                     bb_tree **out)
+static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32_t width,
+                     uint32_t block, bb_tree **out)
 {
     ASSERT_OK(bb_tree_upload(tree, device, NULL));
-    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, block == 1 ? 2 : 8, block, out));
+    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, width, block, out));
     ASSERT_OK(bb_tree_download(*out, NULL));
 }
 
@@ -38,7 +38,7 @@ static void collapsed_trees_are_valid_and_cost_no_more(void **state)
         double before = bb_tree_sah(&tree);
         for (uint32_t leaf = 1; leaf <= BB_LEAF_MAX; leaf *= 2)
             for (uint32_t block = 1; block <= 4; block += 3) {
-                collapse(self, &tree, leaf, block, &out);
+                collapse(self, &tree, leaf, block == 1 ? 2 : 8, block, &out);
                 if (bb_tree_check(out, scene) != BB_OK)
                     fail_msg("seed %llu run %u leaf %u block %u: %s", (unsigned long long)SEED, run,
                              leaf, block, bb_message());
@@ -75,9 +75,9 @@ static void collapse_decides_by_cost(void **state)
     bb_tree tree, *out;
     ASSERT_OK(bb_collapse_create(device, NULL, &self));
     make_tree(&tree, near, 3, refs, 2, 2, 1);
-    collapse(self, &tree, 1, 1, &out);
+    collapse(self, &tree, 1, 2, 1, &out);
     assert_int_equal(out->info.node_count, 3);
-    collapse(self, &tree, 2, 1, &out);
+    collapse(self, &tree, 2, 2, 1, &out);
     assert_int_equal(out->info.node_count, 1);
     assert_int_equal(out->info.leaf_count, 1);
     assert_int_equal(out->info.ref_count, 2);
@@ -86,11 +86,13 @@ static void collapse_decides_by_cost(void **state)
     bb_tree_release(&tree);
 
     make_tree(&tree, far, 3, refs, 2, 2, 1);
-    collapse(self, &tree, 2, 1, &out); /* 2 * 201 against 1.2 * 201 + 2 * 3 */
+    collapse(self, &tree, 2, 2, 1, &out); /* 2 * 203 against 1.2 * 203 + 2 * 3 */
     assert_int_equal(out->info.node_count, 3);
     assert_int_equal(out->info.arity, 2);
     assert_int_equal(out->info.depth, 1);
-    collapse(self, &tree, 2, 4, &out); /* 201, one block */
+    collapse(self, &tree, 2, 8, 4, &out); /* one block, 203, against 1.2 * 4 / 7 * 203 + 2 * 3 */
+    assert_int_equal(out->info.node_count, 3);
+    collapse(self, &tree, 2, 2, 4, &out); /* 203 against 1.2 * 203 + 2 * 3 */
     assert_int_equal(out->info.node_count, 1);
     bb_tree_release(&tree);
 
@@ -98,7 +100,7 @@ static void collapse_decides_by_cost(void **state)
     make_tree(&tree, near, 3, refs, 2, 2, 1);
     tree.duplicated = true;
     tree.refs[1] = 0 | BB_LAST_BIT;
-    collapse(self, &tree, 2, 1, &out);
+    collapse(self, &tree, 2, 2, 1, &out);
     assert_int_equal(out->info.ref_count, 1);
     bb_tree_release(&tree);
     bb_collapse_destroy(self);

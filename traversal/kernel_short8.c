@@ -16,7 +16,7 @@ const bb_kernel bb_kernel_short8 = {
     .defines = "-DBB_WIDTH=8",
     .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
     .ordered = true,
-    .compared = false, /* where memory for a full stack is no matter, that is faster */
+    .compared = NULL, /* where memory for a full stack is no matter, that is faster */
     .stackless = true,
     .trail_max = BB_TRAIL_MAX,
     .options = options,

@@ -16,5 +16,5 @@ const bb_kernel bb_kernel_stack8 = {
     .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
     .ordered = true,
     .options = options,
-    .compared = true,
+    .compared = "stack8:leaf=8",
 };

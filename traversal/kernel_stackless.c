@@ -10,7 +10,7 @@ const bb_kernel bb_kernel_stackless = {
     .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
     .ordered = false,
     /* closest hits take the stack half the time; but this traces any tree as it was built */
-    .compared = false,
+    .compared = NULL,
     .native = true,
     .stackless = true,
 };

@@ -10,7 +10,7 @@ const bb_kernel bb_kernel_trail = {
     .defines = "-DBB_ENTRIES=0",
     .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
     .ordered = true,
-    .compared = false, /* the stack's visits, and those of the restarts */
+    .compared = NULL, /* the stack's visits, and those of the restarts */
     .stackless = true,
     .trail_max = BB_TRAIL_MAX,
 };

@@ -86,7 +86,8 @@ typedef struct bb_kernel {
     const char *defines; /* -D that every variant gets; NULL for none */
     uint32_t queries;    /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
     bool ordered;        /* visits children near to far */
-    bool compared;       /* `run` takes it when no kernel is asked for */
+    /* What `run` takes of it when no kernel is asked for, as a list: "stack8:leaf=8"; NULL: nothing. */
+    const char *compared;
     /* Its layout keeps the shape of any tree: when no kernel is asked for, `run` takes it for the trees whose shape no compared
      * kernel keeps. */
     bool native;

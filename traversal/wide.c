@@ -5,12 +5,10 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     GROUP_SIZE = 64,
-    LEVEL_ITEMS =
-        4096, /* work-items per level: each takes several nodes, so that levels follow each other without a wait */
+    LEVEL_ITEMS = 4096, /* work-items per level, which share its nodes: how many is not known here */
     LEVELS_MAX = 1 << 20,
     LEVELS_AT_ONCE = 32, /* enqueued before asking whether there is another one */
 };
