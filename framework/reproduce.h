@@ -1,7 +1,7 @@
 /* Papers and what becomes of their results here: their experiments are run as ordinary comparisons, and their tables and claims are
  * set beside what was measured.
  *
- * A paper is one constant struct, `const bb_paper bb_paper_NAME`, in framework/paper_NAME.c; CMake finds the file.
+ * A paper is one constant struct, `const bb_paper bb_paper_NAME`, in framework/papers/paper_NAME.c; CMake finds the file.
  */
 #ifndef BB_REPRODUCE_H
 #define BB_REPRODUCE_H

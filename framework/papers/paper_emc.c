@@ -4,7 +4,7 @@
  * plain code of 63 bits on the same builder. The cost's constants are the paper's. Codes are compared on the builder `emc`, so that
  * nothing but the code differs.
  */
-#include "framework/emc_figures.h"
+#include "framework/papers/emc_figures.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Claims of Vinkler, Bittner, Havran 2017 (sections 4.1, 5.2 to 5.4), each with what was measured, and where it did not hold, the
  * figures that tell more. */
-#include "framework/emc_figures.h"
+#include "framework/papers/emc_figures.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>

@@ -6,7 +6,7 @@
  * their ratios where it gives some. As there, codes have 30 bits, LOBVH is ordered by the view that is traced, and is traced without a
  * stack, the binary trees with one. The frame has 1024x768 pixels, from each scene's first view.
  */
-#include "framework/loose_octree_figures.h"
+#include "framework/papers/loose_octree_figures.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* Claims of Gu, Jendersie, Grosch 2018 on the order by the view's direction (section 3.4). */
-#include "framework/loose_octree_figures.h"
+#include "framework/papers/loose_octree_figures.h"
 
 /* Factors of the order over scenes and views. */
 typedef struct factors {
