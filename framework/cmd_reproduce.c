@@ -1,4 +1,5 @@
 /* bvhbench reproduce: a paper's experiments, tables and claims beside ours. */
+#include "framework/charts_option.h"
 #include "framework/choice.h"
 #include "framework/output.h"
 #include "framework/reproduce.h"
@@ -18,6 +19,7 @@ static const bb_cli_option options[] = {
     {"plugin", "FILE.so", "load a builder", true},
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
     {"out", "DIR", "folder of results.json and report.html; default: out", false},
+    BB_CHARTS_OPTION,
     {"quiet", NULL, "no progress", false},
     {.name = NULL},
 };
@@ -42,15 +44,6 @@ static bb_status fill_request(const bb_cli *cli, bb_reproduce_request *request)
     return BB_OK;
 }
 
-static bb_status write_and_print(bb_results *results, const char *folder,
-                                 const bb_bench_times *times, bool quiet)
-{
-    BB_TRY(bb_output_write(results, folder, times));
-    if (!quiet)
-        fprintf(stderr, "wrote %s/results.json and %s/report.html\n", folder, folder);
-    return bb_reproduction_print(results, stdout);
-}
-
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
@@ -59,7 +52,10 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_results *results = NULL;
     char *command = bb_cli_command_line(cli);
     uint32_t wrong = 0;
-    bb_status status = bb_load_plugins(cli);
+    bool charts = false;
+    bb_status status = bb_charts_wanted(cli, &charts);
+    if (status == BB_OK)
+        status = bb_load_plugins(cli);
     if (status == BB_OK)
         status = fill_request(cli, &request);
     if (status == BB_OK)
@@ -73,9 +69,13 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_reproduce(&request, results, &wrong, &times);
     if (status == BB_OK)
-        status = write_and_print(results, folder, &times, request.quiet);
+        status =
+            bb_output_write(results, &(bb_output_request){folder, &times, charts, request.quiet,
+                                                          bb_reproduction_print});
     else if (results != NULL)
         status = bb_output_keep(results, folder, status);
+    if (status == BB_OK && !charts)
+        bb_charts_note(cli);
     if (status == BB_OK && wrong > 0) {
         fprintf(stderr, "bvhbench: %u cells or builds are wrong: see the report\n", wrong);
         *exit_status = BB_EXIT_WRONG;

@@ -76,37 +76,6 @@ static bb_status read_metrics(const bb_cli *cli, bool *epo)
     return BB_OK;
 }
 
-/* The file first: it is what must not be lost. It is written again with the time that the page and the
- * charts took. */
-static bb_status write_results(bb_results *results, const char *folder, const bb_bench_times *times,
-                               bool charts, bool quiet)
-{
-    char json[1100], html[1100], pictures[1100];
-    uint32_t chart_count = 0;
-    snprintf(json, sizeof json, "%s/results.json", folder);
-    snprintf(html, sizeof html, "%s/report.html", folder);
-    BB_TRY(bb_report_charts_folder(html, pictures, sizeof pictures));
-    double start = bb_wall_ms();
-    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
-    BB_TRY(bb_results_write(results, json));
-    BB_TRY(bb_report_html(results, folder, html));
-    char reason[1024] = "";
-    bb_status drawn = charts ? bb_report_charts(results, pictures, &chart_count) : BB_OK;
-    if (drawn != BB_OK)
-        snprintf(reason, sizeof reason, "%s", bb_message());
-    double ms = bb_wall_ms() - start;
-    BB_TRY(bb_results_add_step(results, "report", ms));
-    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms + ms));
-    BB_TRY(bb_report_html(results, folder, html));
-    BB_TRY(bb_results_write(results, json));
-    if (!quiet)
-        fprintf(stderr, "wrote %s and %s\n", json, html);
-    if (!quiet && drawn == BB_OK && chart_count > 0)
-        fprintf(stderr, "wrote %u charts, each as SVG and PNG, into %s\n", chart_count, pictures);
-    BB_TRY(bb_report_table(results, stdout));
-    return drawn == BB_OK ? BB_OK : bb_fail(drawn, "%s (all else is written)", reason);
-}
-
 static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
 {
     uint64_t max_rays, repeats;
@@ -172,7 +141,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_bench_run(&request, results, &wrong, &times);
     if (status == BB_OK)
-        status = write_results(results, folder, &times, charts, request.quiet);
+        status = bb_output_write(
+            results, &(bb_output_request){folder, &times, charts, request.quiet, bb_report_table});
     else if (results != NULL)
         status = bb_output_keep(results, folder, status);
     if (status == BB_OK && !charts)

@@ -4,8 +4,19 @@
 
 #include "framework/bench.h"
 
-/* Writes results.json and report.html; the time that the page took becomes a step of the results. */
-bb_status bb_output_write(bb_results *results, const char *folder, const bb_bench_times *times);
+#include <stdio.h>
+
+typedef struct bb_output_request {
+    const char *folder;
+    const bb_bench_times *times;
+    bool charts; /* as pictures too */
+    bool quiet;  /* does not say on standard error what was written */
+    bb_status (*print)(bb_results *results, FILE *out); /* the text on standard output */
+} bb_output_request;
+
+/* Writes results.json and report.html, draws the charts, prints. The time that page and charts took becomes a step of the results.
+ * A chart that can't be drawn is said when all else is done. */
+bb_status bb_output_write(bb_results *results, const bb_output_request *request);
 
 /* After a comparison that could not be finished: keeps what was measured, if anything was. Returns `status` with its message, which
  * then says where that lies. */

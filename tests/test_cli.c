@@ -330,10 +330,10 @@ static void an_interrupted_run_leaves_no_half_written_file(void **state)
 static void what_does_not_fit_together_is_built_again(void **state)
 {
     (void)state;
-    const outcome *o = run_with(
-        "POCL_MEMORY_LIMIT=1", "run --scene spheres:n=2500000 --builder lbvh,lbvh:bits=63 "
-                               "--kernel stack,stackless --rays primary --size 64x64 --repeats 1 "
-                               "--no-pictures --out tight");
+    const outcome *o = run_with("POCL_MEMORY_LIMIT=1",
+                                "run --scene spheres:n=2500000 --builder lbvh,lbvh:bits=63 "
+                                "--kernel stack,stackless --rays primary --size 64x64 --repeats 1 "
+                                "--no-pictures --out tight");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     cJSON *json = read_results("tight/results.json");

@@ -8,7 +8,8 @@
 
 enum {
     GROUP_SIZE = 64,
-    LEVEL_ITEMS = 4096, /* work-items per level, which share its nodes: how many is not known here */
+    LEVEL_ITEMS =
+        4096, /* work-items per level, which share its nodes: how many is not known here */
     LEVELS_MAX = 1 << 20,
     LEVELS_AT_ONCE = 32, /* enqueued before asking whether there is another one */
 };
