@@ -91,11 +91,9 @@ bb_status bb_bench_check(const bb_bench_request *request)
         BB_TRY(parse_kernel(request->kernels[i], &choice));
     for (uint32_t i = 0; i < request->workload_count; i++)
         BB_TRY(parse_workload(request->workloads[i], &spec, &workload));
+    bb_intersector intersector;
     for (uint32_t i = 0; i < request->intersector_count; i++)
-        if (bb_intersector_find(request->intersectors[i]) == NULL)
-            return bb_fail(BB_INVALID,
-                           "unknown intersector '%s': `bvhbench list intersectors` shows them",
-                           request->intersectors[i]);
+        BB_TRY(bb_intersector_parse(request->intersectors[i], &intersector));
     return BB_OK;
 }
 
@@ -323,19 +321,29 @@ static bb_status start_buffers(bb_bench *bench)
                              "counts of tests", &bench->counts);
 }
 
-/* The layout that the kernel reads: one that is there already, or a new one. */
-static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice)
+uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
+                            const bb_intersector *intersector)
+{
+    return bench->kernels[kernel].layouts[bb_intersector_form(intersector)];
+}
+
+/* The layout that the kernel reads, with triangles in `form`: one that is there already, or a new one. */
+static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_t form)
 {
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
-    for (uint32_t i = 0; i < bench->layout_count; i++)
-        if (bench->layouts[i].maker.layout == layout && bench->layouts[i].leaf == choice->leaf) {
-            choice->layout = i;
+    for (uint32_t i = 0; i < bench->layout_count; i++) {
+        const bb_layout_choice *l = &bench->layouts[i];
+        if (l->maker.layout == layout && l->maker.form == form && l->leaf == choice->leaf) {
+            choice->layouts[form] = i;
             return BB_OK;
         }
-    choice->layout = bench->layout_count++;
-    bb_layout_choice *wanted = &bench->layouts[choice->layout];
+    }
+    choice->layouts[form] = bench->layout_count++;
+    bb_layout_choice *wanted = &bench->layouts[choice->layouts[form]];
     wanted->leaf = choice->leaf;
-    return bb_layout_maker_create(layout, bench->device, &wanted->maker);
+    BB_TRY(bb_layout_maker_create(layout, bench->device, &wanted->maker));
+    wanted->maker.form = form;
+    return BB_OK;
 }
 
 static bb_status start_kernel(bb_bench *bench, const char *text, bool native_only)
@@ -347,7 +355,9 @@ static bb_status start_kernel(bb_bench *bench, const char *text, bool native_onl
                        bench->device->max_group_size, &group));
     choice->native_only = native_only;
     bench->kernel_count++;
-    return start_layout(bench, choice);
+    for (uint32_t i = 0; i < bench->request->intersector_count; i++)
+        BB_TRY(start_layout(bench, choice, bb_intersector_form(&bench->intersectors[i])));
+    return BB_OK;
 }
 
 static bb_status start_kernels(bb_bench *bench)
@@ -358,6 +368,17 @@ static bb_status start_kernels(bb_bench *bench)
     for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)
         if ((*k)->native && (*k)->compared == NULL && bench->kernel_count < BB_KERNELS_MAX)
             BB_TRY(start_kernel(bench, (*k)->name, true));
+    return BB_OK;
+}
+
+static bb_status start_intersectors(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bench->intersectors = calloc(request->intersector_count, sizeof *bench->intersectors);
+    if (bench->intersectors == NULL && request->intersector_count > 0)
+        return bb_fail(BB_FAILED, "out of memory");
+    for (uint32_t i = 0; i < request->intersector_count; i++)
+        BB_TRY(bb_intersector_parse(request->intersectors[i], &bench->intersectors[i]));
     return BB_OK;
 }
 
@@ -390,6 +411,8 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     if (status == BB_OK)
         status = start_buffers(bench);
     if (status == BB_OK)
+        status = start_intersectors(bench);
+    if (status == BB_OK)
         status = start_kernels(bench);
     if (status == BB_OK)
         status = bb_bench_step(bench, "compile kernels", start);
@@ -401,6 +424,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     bb_buffer_release(&bench->counts);
     bb_buffer_release(&bench->sample);
     end_layouts(bench);
+    free(bench->intersectors);
     bb_tracers_clear(bench->device);
     *wrong = bench->wrong;
     *times = (bb_bench_times){bench->build_ms, bench->trace_ms, bb_wall_ms() - bench->start};

@@ -225,8 +225,10 @@ bb_status bb_bench_builds(bb_bench *bench)
             status = measure_tree(bench, entrant);
         /* a layout that is refused is the trace's failure, not the build's: bb_bench_layout() will say so again */
         for (uint32_t k = 0; k < bench->kernel_count && status == BB_OK; k++)
-            if (bb_bench_takes(bench, entrant, k))
-                (void)bb_bench_layout(bench, entrant, bench->kernels[k].layout);
+            for (uint32_t i = 0;
+                 bb_bench_takes(bench, entrant, k) && i < bench->request->intersector_count; i++)
+                (void)bb_bench_layout(bench, entrant,
+                                      bb_bench_layout_of(bench, k, &bench->intersectors[i]));
         if (status != BB_OK)
             note_failure(entrant, status);
     }
@@ -261,8 +263,10 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
     if (!bench->kernels[kernel].native_only)
         return true;
     for (uint32_t k = 0; k < bench->kernel_count; k++)
-        if (!bench->kernels[k].native_only && entrant->keeps_shape[bench->kernels[k].layout])
-            return false;
+        for (uint32_t i = 0; i < bench->request->intersector_count; i++)
+            if (!bench->kernels[k].native_only &&
+                entrant->keeps_shape[bb_bench_layout_of(bench, k, &bench->intersectors[i])])
+                return false;
     return entrant->record.has_tree;
 }
 
@@ -276,10 +280,12 @@ static bb_status make_room(bb_bench *bench, bb_entrant *entrant, uint32_t layout
         entrant->has_layout[k] = false;
         bb_layout_maker *maker = &bench->layouts[k].maker;
         const bb_layout *made = maker->layout;
+        bb_u32 form = maker->form;
         if (k == layout || made == NULL)
             continue;
         bb_layout_maker_destroy(maker);
         BB_TRY(bb_layout_maker_create(made, bench->device, maker));
+        maker->form = form;
     }
     return BB_OK;
 }

@@ -12,7 +12,8 @@
 
 enum {
     BB_ENTRANTS_MAX = 64,
-    BB_KERNELS_MAX = BB_LAYOUTS_MAX, /* as many layouts as a build's record has room for */
+    BB_KERNELS_MAX =
+        BB_LAYOUTS_MAX / BB_RECORD_FORMS, /* a build's record has room for their layouts */
     /* rays per launch: their buffers stay small beside trees, and a set of any size can be traced */
     BB_BATCH = 1 << 22,
     /* rays that the counting variant traces: a mean over so many is sure to half a percent */
@@ -24,11 +25,13 @@ typedef struct bb_kernel_choice {
     const bb_kernel *kernel;
     bb_spec spec;
     uint32_t leaf;
-    uint32_t layout;  /* index of what it reads, in bb_bench.layouts */
+    uint32_t layouts
+        [BB_RECORD_FORMS]; /* what it reads, in bb_bench.layouts, with triangles in each form */
     bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
 } bb_kernel_choice;
 
-/* A layout of leaves with up to `leaf` references; all kernels that read the same share it. */
+/* A layout of leaves with up to `leaf` references and triangles in the maker's form; all kernels and intersectors that read the same share
+ * it. */
 typedef struct bb_layout_choice {
     bb_layout_maker maker;
     uint32_t leaf;
@@ -42,10 +45,10 @@ typedef struct bb_entrant {
     bb_instance instance; /* alive while instance.builder is set */
     bool built;           /* instance.tree holds a tree */
     bool compiled;        /* its kernels have run before */
-    bb_layout_data layouts[BB_KERNELS_MAX];
-    bool has_layout[BB_KERNELS_MAX];
+    bb_layout_data layouts[BB_LAYOUTS_MAX];
+    bool has_layout[BB_LAYOUTS_MAX];
     bool keeps_shape
-        [BB_KERNELS_MAX]; /* the layout of its tree does; known since it was first made */
+        [BB_LAYOUTS_MAX]; /* the layout of its tree does; known since it was first made */
     bb_embree *embree;    /* of a reference row */
     bb_build_record record;
     bb_samples phase_samples[BB_PHASES_MAX];
@@ -59,7 +62,8 @@ typedef struct bb_bench {
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
     uint32_t kernel_count;
-    bb_layout_choice layouts[BB_KERNELS_MAX];
+    bb_intersector *intersectors; /* as many as were asked for */
+    bb_layout_choice layouts[BB_LAYOUTS_MAX];
     uint32_t layout_count;
     bb_entrant *entrants;
     uint32_t entrant_count;
@@ -96,6 +100,10 @@ bb_status bb_bench_builds(bb_bench *bench);
 /* Makes sure that layout `layout` of the entrant is on the device; evicts other entrants and builds again, untimed, where
  * memory asks for it. BB_FAILED if what was built again has another shape than what was recorded. */
 bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
+
+/* The layout that the kernel reads with this intersector. */
+uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
+                            const bb_intersector *intersector);
 
 /* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for have been made. */
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);

@@ -239,14 +239,14 @@ static void note_failure(cell *c, bb_status status)
     snprintf(c->record.reason, sizeof c->record.reason, "%s", bb_message());
 }
 
-static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t kernel,
-                       const bb_intersector *intersector)
+static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t kernel, uint32_t i)
 {
     bb_bench *bench = set->bench;
+    const bb_intersector *intersector = &bench->intersectors[i];
     bb_rays *rays = set->rays;
     *c = (cell){.entrant = entrant, .kernel = kernel, .intersector = intersector};
     if (!entrant->reference)
-        c->layout = bench->kernels[kernel].layout;
+        c->layout = bb_bench_layout_of(bench, kernel, intersector);
     bb_trace_record *r = &c->record;
     bb_trace_record_init(r);
     r->build = entrant->record.id;
@@ -261,7 +261,7 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
                  bb_spec_value(&entrant->spec, bb_embree_options, "mode"));
     } else {
         snprintf(r->kernel, sizeof r->kernel, "%s", bench->kernels[kernel].spec.text);
-        snprintf(r->intersector, sizeof r->intersector, "%s", intersector->name);
+        snprintf(r->intersector, sizeof r->intersector, "%s", bench->request->intersectors[i]);
     }
     r->query = rays->query;
     r->rays_hash = rays->hash;
@@ -269,7 +269,7 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
     r->rays_options = rays->workload->options;
     r->status = entrant->record.status;
     snprintf(r->reason, sizeof r->reason, "%s", entrant->record.reason);
-    r->counts_for_exit = !entrant->reference && intersector->exact;
+    r->counts_for_exit = !entrant->reference && bb_intersector_is_exact(intersector);
 
     c->count = rays->count;
     const bb_tree_info *tree = &entrant->record.tree;
@@ -297,8 +297,7 @@ static bb_status start_set(trace_set *set)
             if (!entrant->reference && !bb_bench_takes(bench, entrant, k))
                 continue;
             for (uint32_t i = 0; i < intersectors; i++)
-                start_cell(set, &set->cells[set->count++], entrant, k,
-                           bb_intersector_find(request->intersectors[i]));
+                start_cell(set, &set->cells[set->count++], entrant, k, i);
         }
     }
     set->order = calloc(most, sizeof *set->order);

@@ -76,8 +76,15 @@ static bb_status list_layouts(cJSON *list)
 
 static bb_status list_intersectors(cJSON *list)
 {
-    for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++)
-        add(list, i->name, i->summary, NULL, NULL);
+    for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++) {
+        const char *const own[] = {i->triangle, i->slab, i->contract};
+        bb_option options[sizeof own / sizeof own[0] + 1] = {{.name = NULL}};
+        for (size_t k = 0; bb_intersector_options[k].name != NULL; k++) {
+            options[k] = bb_intersector_options[k];
+            options[k].default_value = own[k];
+        }
+        add(list, i->name, i->summary, NULL, options);
+    }
     return BB_OK;
 }
 

@@ -37,7 +37,7 @@ typedef struct rendering {
     bb_account account;
     const bb_kernel *kernel;
     bb_spec kernel_spec;
-    const bb_intersector *intersector;
+    bb_intersector intersector;
     bb_layout_maker maker;
     bb_layout_data layout;
     bb_buffer d_hits, d_counts;
@@ -65,12 +65,8 @@ static bb_status choose_kernel(const bb_cli *cli, rendering *r)
                        r->kernel_spec.name);
     BB_TRY(bb_kernel_validate(r->kernel, &r->kernel_spec));
     const char *intersector = bb_cli_value(cli, "intersector");
-    r->intersector = intersector != NULL ? bb_intersector_find(intersector) : &bb_intersectors[0];
-    if (r->intersector == NULL)
-        return bb_fail(BB_INVALID,
-                       "unknown intersector '%s': `bvhbench list intersectors` shows them",
-                       intersector);
-    return BB_OK;
+    return bb_intersector_parse(intersector != NULL ? intersector : bb_intersectors[0].name,
+                                &r->intersector);
 }
 
 static bb_status make_rays(rendering *r, const bb_cli *cli)
@@ -95,6 +91,7 @@ static bb_status make_layout(rendering *r, const char *builder)
     BB_TRY(bb_tree_upload(&r->instance.tree, r->device, NULL));
     BB_TRY(bb_spec_u64(&r->kernel_spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
     BB_TRY(bb_layout_maker_create(bb_layout_find(r->kernel->layout), r->device, &r->maker));
+    r->maker.form = bb_intersector_form(&r->intersector);
     return bb_layout_maker_make(&r->maker, r->scene, &r->instance.tree, (uint32_t)leaf, &r->layout);
 }
 
@@ -105,7 +102,7 @@ static bb_status trace(rendering *r)
     bb_tracer_request request = {
         .kernel = r->kernel,
         .spec = &r->kernel_spec,
-        .intersector = r->intersector,
+        .intersector = &r->intersector,
         .query = BB_CLOSEST_HIT,
         .kinds = r->scene->kinds,
         .stack_need = r->layout.stack_need,

@@ -13,7 +13,7 @@ typedef struct cJSON cJSON; /* opaque here; libcjson */
 
 enum {
     BB_SAMPLES_MAX = 256,
-    BB_LAYOUTS_MAX = 24, /* of one tree */
+    BB_LAYOUTS_MAX = 48, /* of one tree */
 };
 
 /* Samples of one quantity; sample 0 is the first round (kept in the file, dropped from the median).

@@ -98,10 +98,18 @@ typedef struct bb_pair {
     bb_u32 pad[2];
 } bb_pair;
 
-/* Primitive record of the layouts, in words: three vertices, or centre and radius; then, at BB_RECORD_ID, the primitive
- * with BB_LAST_BIT on the last of a leaf. Scenes of spheres alone take the short one. */
+/* What a primitive record holds of a triangle, as the intersector wants it: its vertices, or the affine map from the scene to where it is
+ * (0, 0), (1, 0), (0, 1) in the plane z = 0: three rows of four, that of z first. */
+#define BB_RECORD_VERTICES 0u
+#define BB_RECORD_AFFINE 1u
+#define BB_RECORD_FORMS 2
+
+/* Primitive record of the layouts, in words: three vertices, or a map's rows, or centre and radius; then, at BB_RECORD_ID or its like, the
+ * primitive with BB_LAST_BIT on the last of a leaf. Scenes of spheres alone take the short one. */
 #define BB_RECORD_WORDS 12
 #define BB_RECORD_ID 9
+#define BB_AFFINE_RECORD_WORDS 16
+#define BB_AFFINE_RECORD_ID 12
 #define BB_SPHERE_RECORD_WORDS 8
 #define BB_SPHERE_RECORD_ID 4
 
@@ -110,6 +118,7 @@ typedef struct bb_pair {
  * number closes the leaf. */
 #define BB_BLOCK_LANES 4
 #define BB_BLOCK_WORDS 40
+#define BB_AFFINE_BLOCK_WORDS 52
 #define BB_SPHERE_BLOCK_WORDS 20
 
 /* Nodes of the wide layouts: the boxes of up to 4 or 8 children side by side. Axis a: planes[2aW ..] lo and planes[(2a + 1)W ..]

@@ -16,6 +16,7 @@
  */
 #include "bb_device.h"
 
+#include "record.clh"
 #include "wide.clh"
 
 typedef struct bb_opened {
@@ -326,7 +327,7 @@ void block_empty(global uint *block, uint words, uint id_word, bool points)
 
 kernel void wide_blocks(global const uint *refs, uint count, global const float *vertices,
                         global const uint *indices, global const float *spheres,
-                        uint triangle_count, uint words, global const uint *first,
+                        uint triangle_count, uint form, uint words, global const uint *first,
                         global uint *blocks)
 {
     uint i = get_global_id(0);
@@ -347,15 +348,8 @@ kernel void wide_blocks(global const uint *refs, uint count, global const float 
         bool sphere = prim >= triangle_count;
         uint place = next[sphere ? 1 : 0]++;
         global uint *lane = blocks + (ulong)(place / BB_BLOCK_LANES) * words + place % BB_BLOCK_LANES;
-        if (sphere) {
-            for (uint k = 0; k < 4; k++)
-                lane[k * BB_BLOCK_LANES] = as_uint(spheres[4ul * (prim - triangle_count) + k]);
-        } else {
-            for (uint corner = 0; corner < 3; corner++)
-                for (uint k = 0; k < 3; k++)
-                    lane[(3u * corner + k) * BB_BLOCK_LANES] =
-                        as_uint(vertices[3ul * indices[3ul * prim + corner] + k]);
-        }
+        bb_write_primitive(lane, BB_BLOCK_LANES, form, prim, vertices, indices, spheres,
+                           triangle_count);
         lane[id_word] = prim;
     }
     uint last_block = (next[1] > sphere_block * BB_BLOCK_LANES ? next[1] : next[0]) - 1u;

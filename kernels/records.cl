@@ -1,15 +1,18 @@
 /* Primitive records, for the layouts: what a kernel needs of a leaf's primitives lies in one place, in the order of the leaves.
  *
- *   record[i] = vertices, or centre and radius, of primitive refs[i]; then refs[i] itself, with its last-bit
+ *   record[i] = vertices or affine map, or centre and radius, of primitive refs[i]; then refs[i] itself, with its last-bit
  *
  * Pro: one stream of memory per leaf, no indirection. Con: a primitive that several leaves reference is stored that often.
  * Limits: 2^31 - 1 records.
  */
 #include "bb_device.h"
 
+#include "record.clh"
+
 kernel void make_records(global const uint *refs, uint count, global const float *vertices,
                          global const uint *indices, global const float *spheres,
-                         uint triangle_count, uint words, uint id_word, global uint *records)
+                         uint triangle_count, uint form, uint words, uint id_word,
+                         global uint *records)
 {
     uint i = get_global_id(0);
     if (i >= count)
@@ -18,16 +21,6 @@ kernel void make_records(global const uint *refs, uint count, global const float
     global uint *record = records + (ulong)i * words;
     for (uint w = 0; w < words; w++)
         record[w] = 0;
-    if (prim < triangle_count) {
-        for (uint corner = 0; corner < 3; corner++) {
-            ulong v = 3ul * indices[3ul * prim + corner];
-            for (uint k = 0; k < 3; k++)
-                record[3 * corner + k] = as_uint(vertices[v + k]);
-        }
-    } else {
-        ulong s = 4ul * (prim - triangle_count);
-        for (uint k = 0; k < 4; k++)
-            record[k] = as_uint(spheres[s + k]);
-    }
+    bb_write_primitive(record, 1, form, prim, vertices, indices, spheres, triangle_count);
     record[id_word] = refs[i];
 }

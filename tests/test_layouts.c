@@ -199,9 +199,13 @@ static void the_native_pairing_is_never_left_out(void **state)
     (void)state;
     static bb_bench bench;
     static bb_entrant entrant;
+    static const bb_bench_request request = {.intersector_count = 1};
+    bb_intersector intersector = bb_intersectors[0];
+    bench.request = &request;
+    bench.intersectors = &intersector;
     bench.kernel_count = 3;
-    bench.kernels[1].layout = 1;
-    bench.kernels[2].layout = 2;
+    bench.kernels[1].layouts[BB_RECORD_VERTICES] = 1;
+    bench.kernels[2].layouts[BB_RECORD_VERTICES] = 2;
     bench.kernels[2].native_only = true;
     entrant.record.has_tree = true;
     assert_true(bb_bench_takes(&bench, &entrant, 0));
@@ -214,6 +218,120 @@ static void the_native_pairing_is_never_left_out(void **state)
     assert_true(bb_bench_takes(&bench, &entrant, 2));
     entrant.record.has_tree = false;
     assert_false(bb_bench_takes(&bench, &entrant, 2));
+}
+
+/* ---- forms of records ---- */
+
+typedef struct made {
+    float *records;
+    size_t words;
+    uint64_t bytes; /* of the whole layout */
+    char name[64];
+} made;
+
+static made make_form(const bb_layout *layout, const bb_scene *scene, bb_tree *tree, uint32_t form)
+{
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    check(bb_layout_maker_create(layout, device, &maker), layout->name);
+    maker.form = form;
+    check(bb_layout_maker_make(&maker, scene, tree, 4, &data), layout->name);
+    assert_int_equal(data.form, form);
+    const bb_buffer *records = &data.buffers[1];
+    made made = {malloc(records->bytes), records->bytes / sizeof(float), data.bytes, ""};
+    memcpy(made.name, data.name, sizeof made.name);
+    check(bb_buffer_read(records, 0, records->bytes, made.records), "records");
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
+    return made;
+}
+
+/* Word w of lane `lane` of record r. */
+static float word(const float *records, size_t r, uint32_t words, uint32_t lanes, uint32_t lane,
+                  uint32_t w)
+{
+    return records[r * words + (size_t)w * lanes + lane];
+}
+
+/* The map takes corner c, which the other form holds, to where it belongs. */
+static void check_map(const float corner[3], const float map[12], uint32_t c)
+{
+    double at[3], terms = 1;
+    for (int row = 0; row < 3; row++) {
+        const float *m = map + 4 * row;
+        at[row] = m[3];
+        for (int k = 0; k < 3; k++) {
+            at[row] += (double)m[k] * corner[k];
+            terms += fabs((double)m[k] * corner[k]);
+        }
+    }
+    double z = fabs(at[0]), x = fabs(at[1] - (c == 1)), y = fabs(at[2] - (c == 2));
+    if (!(fmax(z, fmax(x, y)) <= 1e-5 * terms))
+        fail_msg("corner %u: %g %g %g, terms of %g", c, at[1], at[2], at[0], terms);
+}
+
+/* The same primitives at the same places; spheres as they are, triangles as maps. */
+static void compare_forms(const bb_layout *layout, const bb_scene *scene, bb_tree *tree)
+{
+    uint32_t lanes = layout->block;
+    made vertices = make_form(layout, scene, tree, BB_RECORD_VERTICES);
+    made maps = make_form(layout, scene, tree, BB_RECORD_AFFINE);
+    uint32_t words[2] = {lanes == 1 ? BB_RECORD_WORDS : BB_BLOCK_WORDS,
+                         lanes == 1 ? BB_AFFINE_RECORD_WORDS : BB_AFFINE_BLOCK_WORDS};
+    size_t count = vertices.words / words[0];
+    assert_int_equal(count, maps.words / words[1]);
+    uint32_t triangles = 0;
+    for (size_t r = 0; r < count; r++)
+        for (uint32_t lane = 0; lane < lanes; lane++) {
+            float ids[2] = {word(vertices.records, r, words[0], lanes, lane, BB_RECORD_ID),
+                            word(maps.records, r, words[1], lanes, lane, BB_AFFINE_RECORD_ID)};
+            assert_memory_equal(&ids[0], &ids[1], sizeof ids[0]);
+            uint32_t prim;
+            memcpy(&prim, &ids[0], sizeof prim);
+            if (prim == BB_NONE)
+                continue;
+            bool triangle = (prim & BB_INDEX_MASK) < scene->triangle_count;
+            triangles += triangle;
+            float map[12], corner[3];
+            for (uint32_t w = 0; w < 12; w++)
+                map[w] = word(maps.records, r, words[1], lanes, lane, w);
+            for (uint32_t c = 0; c < 3 && triangle; c++) {
+                for (uint32_t k = 0; k < 3; k++)
+                    corner[k] = word(vertices.records, r, words[0], lanes, lane, 3 * c + k);
+                check_map(corner, map, c);
+            }
+            for (uint32_t k = 0; k < 4 && !triangle; k++)
+                assert_true(map[k] == word(vertices.records, r, words[0], lanes, lane, k));
+        }
+    assert_int_equal(triangles, scene->triangle_count);
+    char name[64];
+    snprintf(name, sizeof name, "%s:leaf=4,triangles=affine", layout->name);
+    assert_string_equal(maps.name, name);
+    assert_true(maps.bytes - vertices.bytes == count * (words[1] - words[0]) * sizeof(float));
+    free(vertices.records);
+    free(maps.records);
+}
+
+static void every_layout_has_maps_for_vertices(void **state)
+{
+    (void)state;
+    enum { TRIANGLES = 60, SPHERES = 20 };
+    float vertices[9 * TRIANGLES], spheres[4 * SPHERES];
+    bb_random random = bb_random_make(seed, 5);
+    for (uint32_t i = 0; i < 9 * TRIANGLES; i++)
+        vertices[i] = (float)bb_random_range(&random, -100, 100);
+    for (uint32_t i = 0; i < 4 * SPHERES; i++)
+        spheres[i] = (float)bb_random_range(&random, 1, 100);
+    bb_scene *scene = make_scene(vertices, TRIANGLES, spheres, SPHERES);
+    check(bb_scene_upload(scene, device), "upload");
+    bb_tree tree;
+    make_random_tree(scene, 3, 1, &random, &tree);
+    check(bb_tree_upload(&tree, device, NULL), "upload");
+    for (const bb_layout *const *layout = bb_layouts; *layout != NULL; layout++)
+        compare_forms(*layout, scene, &tree);
+    bb_tree_release(&tree);
+    bb_buffer_release(&scene->on_device.spheres);
+    free_triangles(scene);
 }
 
 static int open_device(void **state)
@@ -238,6 +356,7 @@ int main(void)
         cmocka_unit_test(skip_is_the_preorder_of_any_tree),
         cmocka_unit_test(layouts_say_whether_they_keep_the_shape),
         cmocka_unit_test(the_native_pairing_is_never_left_out),
+        cmocka_unit_test(every_layout_has_maps_for_vertices),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -43,7 +43,7 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
     data->keeps_shape = bb_pairs_keep_shape(&tree->info);
     BB_TRY(bb_pairs_make(&self->pairs, tree, &data->buffers[0], &count, &data->root));
     data->bytes += count * sizeof(bb_pair);
-    return bb_records_make(self->records, scene, tree, &data->buffers[1], &data->bytes);
+    return bb_records_make(self->records, scene, tree, data->form, &data->buffers[1], &data->bytes);
 }
 
 const bb_layout bb_layout_pair = {

@@ -93,7 +93,7 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
     data->bytes += bytes;
     BB_TRY(bb_launch(device, self->nodes, count, GROUP_SIZE, BB_MEM(tree->d_nodes), BB_VALUE(count),
                      BB_MEM(self->positions), BB_MEM(data->buffers[0])));
-    return bb_records_make(self->records, scene, tree, &data->buffers[1], &data->bytes);
+    return bb_records_make(self->records, scene, tree, data->form, &data->buffers[1], &data->bytes);
 }
 
 const bb_layout bb_layout_skip = {

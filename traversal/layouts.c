@@ -33,6 +33,20 @@ void bb_layout_maker_destroy(bb_layout_maker *maker)
     *maker = (bb_layout_maker){0};
 }
 
+/* As recorded: what differs from the layout of the tree's own leaves and of vertices. */
+static void name(const bb_layout *layout, uint32_t leaf, uint32_t form, bb_layout_data *data)
+{
+    const char *separator = ":";
+    size_t capacity = sizeof data->name;
+    int length = snprintf(data->name, capacity, "%s", layout->name);
+    if (leaf > 1) {
+        length += snprintf(data->name + length, capacity - (size_t)length, ":leaf=%u", leaf);
+        separator = ",";
+    }
+    if (form == BB_RECORD_AFFINE)
+        snprintf(data->name + length, capacity - (size_t)length, "%striangles=affine", separator);
+}
+
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, bb_layout_data *data)
 {
@@ -44,6 +58,7 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
     double start = bb_wall_ms();
     data->bytes = 0;
     data->triangle_count = scene->triangle_count;
+    data->form = maker->form;
     if (leaf > 1)
         BB_TRY(
             bb_collapse_make(maker->collapse, tree, leaf, layout->width, layout->block, &source));
@@ -52,15 +67,13 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
     data->ms = bb_wall_ms() - start;
     data->sah = NAN;
     if (leaf > 1) {
-        snprintf(data->name, sizeof data->name, "%s:leaf=%u", layout->name, leaf);
         if (data->keeps_shape) { /* outside the clock */
             BB_TRY(bb_tree_download(source, NULL));
             data->sah = bb_tree_sah(source);
         }
         data->keeps_shape = false;
-    } else {
-        snprintf(data->name, sizeof data->name, "%s", layout->name);
     }
+    name(layout, leaf, scene->triangle_count > 0 ? data->form : BB_RECORD_VERTICES, data);
     return BB_OK;
 }
 

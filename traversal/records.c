@@ -45,10 +45,12 @@ void bb_records_destroy(bb_records *records)
 }
 
 bb_status bb_records_make(bb_records *records, const bb_scene *scene, const bb_tree *tree,
-                          bb_buffer *out, uint64_t *bytes)
+                          uint32_t form, bb_buffer *out, uint64_t *bytes)
 {
     const bb_scene_device *geometry = &scene->on_device;
-    uint32_t words = BB_RECORD_WORDS, id_word = BB_RECORD_ID;
+    bool affine = form == BB_RECORD_AFFINE;
+    uint32_t words = affine ? BB_AFFINE_RECORD_WORDS : BB_RECORD_WORDS;
+    uint32_t id_word = affine ? BB_AFFINE_RECORD_ID : BB_RECORD_ID;
     if (scene->kinds == BB_SPHERES) {
         words = BB_SPHERE_RECORD_WORDS;
         id_word = BB_SPHERE_RECORD_ID;
@@ -62,6 +64,6 @@ bb_status bb_records_make(bb_records *records, const bb_scene *scene, const bb_t
                      BB_VALUE(count), BB_MEM(*(triangles ? &geometry->vertices : &records->none)),
                      BB_MEM(*(triangles ? &geometry->indices : &records->none)),
                      BB_MEM(*(spheres ? &geometry->spheres : &records->none)),
-                     BB_VALUE(scene->triangle_count), BB_VALUE(words), BB_VALUE(id_word),
-                     BB_MEM(*out));
+                     BB_VALUE(scene->triangle_count), BB_VALUE(form), BB_VALUE(words),
+                     BB_VALUE(id_word), BB_MEM(*out));
 }

@@ -1,6 +1,7 @@
 /* Kernels compiled for what a scene needs, and their launches. */
 #include "traversal/traversal.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +21,7 @@ struct bb_tracer {
     uint32_t group;
     uint32_t stack_size;
     bool counting;
+    bb_u32 form; /* of the records that it reads */
     cl_program program;
     cl_kernel kernel;
 };
@@ -108,11 +110,11 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
             "without a trail may take it",
             request->kernel->name, request->kernel->trail_max, request->levels);
     uint32_t stack_size = request->kernel->stackless ? 0 : round_stack(request->stack_need);
-    char defines[768], key[1024];
+    char intersector[128], defines[768], key[1024];
+    bb_intersector_defines(request->intersector, intersector, sizeof intersector);
     snprintf(defines, sizeof defines, "%s %s -DBB_KINDS=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d",
-             request->intersector->defines,
-             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds,
-             request->query == BB_ANY_HIT, request->counting);
+             intersector, request->kernel->defines != NULL ? request->kernel->defines : "",
+             request->kinds, request->query == BB_ANY_HIT, request->counting);
     if (stack_size > 0)
         append_number("BB_STACK_SIZE", stack_size, defines, sizeof defines);
     if (request->kernel->trail_max > 0)
@@ -133,6 +135,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     tracer->group = (uint32_t)group;
     tracer->stack_size = stack_size;
     tracer->counting = request->counting;
+    tracer->form = bb_intersector_form(request->intersector);
     const bb_source *source = bb_source_find(request->kernel->source);
     bb_status status = source != NULL ? bb_program_build(device, source, defines, &tracer->program)
                                       : bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s",
@@ -175,6 +178,7 @@ uint32_t bb_tracer_stack_size(const bb_tracer *tracer)
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
                            uint32_t count, bb_buffer *hits, bb_buffer *counts)
 {
+    assert(layout->form == tracer->form);
     bb_arg args[BB_LAYOUT_BUFFERS_MAX + 6];
     uint32_t n = 0;
     for (uint32_t i = 0; i < layout->buffer_count; i++)

@@ -22,6 +22,7 @@ typedef struct bb_layout_data {
     bb_buffer buffers[BB_LAYOUT_BUFFERS_MAX]; /* the kernel's first arguments, in this order */
     bb_u32 root;                              /* link to start from, as the kernel reads links */
     bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
+    bb_u32 form;                              /* of the triangles' records: BB_RECORD_... */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
     uint32_t levels; /* inner nodes on the longest path, as the kernel sees them; an upper bound */
     uint64_t bytes;
@@ -29,7 +30,7 @@ typedef struct bb_layout_data {
         keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too, the pairing is native */
     double sah;    /* of the layout as traced; NAN: not known here */
     double ms;     /* wall time of making it */
-    char name[64]; /* as recorded: "pair", "pair:leaf=4" */
+    char name[64]; /* as recorded: "pair", "pair:leaf=4", "pair:leaf=4,triangles=affine" */
 } bb_layout_data;
 
 typedef struct bb_layout {
@@ -38,8 +39,8 @@ typedef struct bb_layout {
     uint32_t width; /* children of its nodes at most; 2 where there is no limit. Required */
     uint32_t block; /* primitives that its kernels test at once. Required */
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
-    /* Makes the layout of `tree` (on the device): buffers, root, stack_need, levels, keeps_shape; adds to data->bytes. May enqueue and
-     * return. The rest is bb_layout_maker_make()'s. */
+    /* Makes the layout of `tree` (on the device) with triangles in the form data->form: buffers, root, stack_need, levels,
+     * keeps_shape; adds to data->bytes. May enqueue and return. The rest is bb_layout_maker_make()'s. */
     bb_status (*make)(void *self, const bb_scene *scene, const bb_tree *tree, bb_layout_data *data);
     void (*destroy)(void *self); /* what create() left behind, even if it failed; NULL is allowed */
 } bb_layout;
@@ -55,6 +56,8 @@ typedef struct bb_layout_maker {
     bb_account account; /* of the layouts made too: they go first */
     void *self;
     struct bb_collapse *collapse; /* NULL until leaves are asked for */
+    bb_u32
+        form; /* what it makes of triangles: BB_RECORD_VERTICES, or BB_RECORD_AFFINE if set so after create */
 } bb_layout_maker;
 
 bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,
@@ -66,16 +69,30 @@ void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, bb_layout_data *data);
 
-/* An intersector: ray against primitive and box, with its rounding rules, as -D for the kernels. */
+/* An intersector: ray against triangle and box, with its rounding rules. A named point between careless and exact, by the values of
+ * bb_intersector_options, each of which a specification may change: "exact:slab=sign". */
 typedef struct bb_intersector {
     const char *name;
     const char *summary;
-    const char *defines;
-    bool exact; /* counts for the exit status of `run` */
+    char triangle[12], slab[8], contract[4];
 } bb_intersector;
 
-extern const bb_intersector bb_intersectors[]; /* ends with name NULL; the first is the default */
+extern const bb_intersector
+    bb_intersectors[]; /* from exact to careless; ends with name NULL; the first is the default */
+extern const bb_option bb_intersector_options[]; /* their defaults are each point's own */
 const bb_intersector *bb_intersector_find(const char *name);
+
+/* The point that `text` names, changed by its options. BB_INVALID for an unknown name, option or value. */
+bb_status bb_intersector_parse(const char *text, bb_intersector *intersector);
+
+/* What it reads of triangles: BB_RECORD_.... */
+bb_u32 bb_intersector_form(const bb_intersector *intersector);
+
+/* Never wrong: counts for the exit status of `run`. */
+bool bb_intersector_is_exact(const bb_intersector *intersector);
+
+/* Its choices as -D for kernels/intersect.clh. */
+void bb_intersector_defines(const bb_intersector *intersector, char *text, size_t capacity);
 
 typedef struct bb_kernel {
     const char *name;
@@ -125,7 +142,8 @@ void bb_tracers_clear(bb_device *device);
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t bb_tracer_stack_size(const bb_tracer *tracer); /* 0: it needs none of the tree's size */
 
-/* Enqueues the traversal of rays[0..count); does not wait. `counts` (bb_count[count]) only for counting tracers, else NULL. */
+/* Enqueues the traversal of rays[0..count); does not wait. The layout has the form of records that the intersector reads. `counts`
+ * (bb_count[count]) only for counting tracers, else NULL. */
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
                            uint32_t count, bb_buffer *hits, bb_buffer *counts);
 

@@ -139,7 +139,9 @@ static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_
 {
     const bb_scene_device *geometry = &scene->on_device;
     uint32_t count = tree->info.ref_count, triangle_count = scene->triangle_count, total;
-    uint32_t words = scene->kinds == BB_SPHERES ? BB_SPHERE_BLOCK_WORDS : BB_BLOCK_WORDS;
+    uint32_t words = scene->kinds == BB_SPHERES       ? BB_SPHERE_BLOCK_WORDS
+                     : data->form == BB_RECORD_AFFINE ? BB_AFFINE_BLOCK_WORDS
+                                                      : BB_BLOCK_WORDS;
     size_t scan = (size_t)count + 1;
     BB_TRY(reserve(self, scan * sizeof(uint32_t), "wide: blocks of leaves", &self->first));
     BB_TRY(bb_launch(self->device, self->count, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
@@ -154,8 +156,8 @@ static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_
                      BB_VALUE(count), BB_MEM(*(triangles ? &geometry->vertices : &self->none)),
                      BB_MEM(*(triangles ? &geometry->indices : &self->none)),
                      BB_MEM(*(spheres ? &geometry->spheres : &self->none)),
-                     BB_VALUE(triangle_count), BB_VALUE(words), BB_MEM(self->first),
-                     BB_MEM(data->buffers[1]));
+                     BB_VALUE(triangle_count), BB_VALUE(data->form), BB_VALUE(words),
+                     BB_MEM(self->first), BB_MEM(data->buffers[1]));
 }
 
 /* From pairs to nodes: data->buffers[0], root and stack need. Needs self->first. */
