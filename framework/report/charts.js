@@ -204,6 +204,41 @@ function drawBuild(set, cells) {
          y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) }, p => cellLines(p.cell));
 }
 
+/* ---- how the time per primitive grows with the scene ---- */
+
+/* Builds of one builder on scenes of one family (what stands before the parameters of a name), by size; of the same build the least
+ * time. */
+function growthLines() {
+  const size = new Map(data.scenes.map(s => [s.name, s.prims])), lines = new Map();
+  for (const b of builds) {
+    if (b.status !== 'ok' || !isNumber(b.build_ms_median) || !(size.get(b.scene) > 0)) continue;
+    const name = label(b), family = b.scene.split(':')[0], key = JSON.stringify([name, family]);
+    const own = lines.get(key) || { name, family, points: new Map() }, x = size.get(b.scene);
+    const y = b.build_ms_median * 1e6 / x, other = own.points.get(x);
+    if (!other || y < other.y) own.points.set(x, { x, y, build: b });
+    lines.set(key, own);
+  }
+  return [...lines.values()].filter(l => l.points.size > 1);
+}
+
+function drawGrowth() {
+  const all = growthLines(), names = unique(all.map(l => l.name)), families = unique(all.map(l => l.family));
+  $('growth').hidden = all.length === 0;
+  if (all.length === 0) return;
+  const sets = all.map(l => {
+    const points = [...l.points.values()].sort((a, b) => a.x - b.x), colour = colourAt(names.indexOf(l.name));
+    points[points.length - 1].key = `${names.indexOf(l.name) + 1}`;
+    return line(`${l.name}, ${l.family}`, points, { borderColor: colour, backgroundColor: colour, pointRadius: 3, pointHitRadius: 8,
+      hasTip: true, borderDash: [[], [8, 4], [2, 3]][families.indexOf(l.family) % 3] });
+  });
+  $('growth-keys').replaceChildren(...names.map(name => el('li', {}, name)));
+  draw('chart-growth', 'Build time per primitive against the number of primitives', sets,
+       { x: axis('primitives (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.x))),
+         y: axis('ns per primitive (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.y))) },
+       p => [`${whole(p.x)} primitives: ${figure(p.y)} ns each`,
+             `${interval(p.build.build_ms_median, p.build.build_ms_lo, p.build.build_ms_hi)} ms`, p.build.scene]);
+}
+
 function drawAll(set) {
   const cells = set.cells.filter(shown);
   for (const chart of [drawAccuracy, drawBuilders, drawTime, drawQuality, drawBuild]) chart(set, cells);

@@ -100,6 +100,7 @@ function drawLegend(set) {
 }
 
 function redraw() {
+  drawGrowth();
   current = pick();
   drawLegend(current);
   drawAll(current);
