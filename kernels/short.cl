@@ -56,18 +56,12 @@ uint short_children(const bb_slab *slab, global const bb_wide *node, const bb_se
     return many;
 }
 
-kernel void trace(global const bb_wide *nodes,
-                  global const float *records, /* of primitives, or blocks of them */
-                  uint root,                     /* link */
-                  uint triangle_count,
-                  global const bb_ray *rays,
-                  uint count,
-                  global bb_hit *hits
-                  BB_COUNTS_ARGUMENT)
+void trace_ray(uint id, global const bb_wide *nodes,
+               global const float *records, /* of primitives, or blocks of them */
+               uint root,                   /* link */
+               uint triangle_count, global const bb_ray *rays,
+               global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
-    uint id = get_global_id(0);
-    if (id >= count)
-        return;
     float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
     bb_slab slab = bb_slab_of(o, d);
     bb_ray_setup setup = bb_ray_setup_of(o, d);
@@ -141,3 +135,5 @@ done:
     bb_search_count(&search, overflow, &counts[id]);
 #endif
 }
+
+BB_TRACE_KERNEL(bb_wide)

@@ -18,18 +18,12 @@
 #define BB_STACK_SIZE 64
 #endif
 
-kernel void trace(global const float *pairs,     /* bb_pair[] */
-                  global const float *records,   /* primitive records */
-                  uint root,                     /* link */
-                  uint triangle_count,
-                  global const bb_ray *rays,
-                  uint count,
-                  global bb_hit *hits
-                  BB_COUNTS_ARGUMENT)
+void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
+               global const float *records,        /* primitive records */
+               uint root,                          /* link */
+               uint triangle_count, global const bb_ray *rays,
+               global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
-    uint id = get_global_id(0);
-    if (id >= count)
-        return;
     float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
     bb_slab slab = bb_slab_of(o, d);
     bb_ray_setup setup = bb_ray_setup_of(o, d);
@@ -82,3 +76,5 @@ done:
     bb_search_count(&search, overflow, &counts[id]);
 #endif
 }
+
+BB_TRACE_KERNEL(float)

@@ -35,9 +35,8 @@
 #endif
 /* A child that will be visited later. */
 #define BB_PREFETCH_CHILD(link)                                                                    \
-    BB_PREFETCH(((link) & BB_LEAF_BIT) != 0                                                        \
-                    ? blocks + (ulong)BB_WORDS * ((link) & BB_INDEX_MASK)                          \
-                    : (global const float *)(nodes + (link)))
+    BB_PREFETCH(((link)&BB_LEAF_BIT) != 0 ? blocks + (ulong)BB_WORDS * ((link)&BB_INDEX_MASK)      \
+                                          : (global const float *)(nodes + (link)))
 
 /* Option `order`, whose words reach here as they are. */
 #define BB_ORDER_sorted 0
@@ -61,18 +60,11 @@ uint places_of(uint met, uint octant)
 }
 #endif
 
-kernel void trace(global const bb_wide *nodes,
-                  global const float *blocks, /* of primitives */
-                  uint root,                  /* link */
-                  uint triangle_count,
-                  global const bb_ray *rays,
-                  uint count,
-                  global bb_hit *hits
-                  BB_COUNTS_ARGUMENT)
+void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks, /* of primitives */
+               uint root,                                                        /* link */
+               uint triangle_count, global const bb_ray *rays,
+               global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
-    uint id = get_global_id(0);
-    if (id >= count)
-        return;
     float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
     bb_slab slab = bb_slab_of(o, d);
     bb_ray_setup setup = bb_ray_setup_of(o, d);
@@ -165,3 +157,5 @@ done:
     bb_search_count(&search, overflow, &counts[id]);
 #endif
 }
+
+BB_TRACE_KERNEL(bb_wide)

@@ -16,18 +16,12 @@
 #include "bb_device.h"
 #include "search.clh"
 
-kernel void trace(global const float *nodes,     /* bb_node[], in preorder */
-                  global const float *records,   /* primitive records */
-                  uint root,                     /* node */
-                  uint triangle_count,
-                  global const bb_ray *rays,
-                  uint count,
-                  global bb_hit *hits
-                  BB_COUNTS_ARGUMENT)
+void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
+               global const float *records,        /* primitive records */
+               uint root,                          /* node */
+               uint triangle_count, global const bb_ray *rays,
+               global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
-    uint id = get_global_id(0);
-    if (id >= count)
-        return;
     float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
     bb_slab slab = bb_slab_of(o, d);
     bb_ray_setup setup = bb_ray_setup_of(o, d);
@@ -54,3 +48,5 @@ kernel void trace(global const float *nodes,     /* bb_node[], in preorder */
     bb_search_count(&search, false, &counts[id]);
 #endif
 }
+
+BB_TRACE_KERNEL(float)

@@ -137,15 +137,18 @@ static bool brute_force(const bb_scene *scene, const bb_ray *ray, double *t, uin
     return true;
 }
 
-static void trace(const bb_scene *scene, const bb_layout_data *layout, const bb_kernel *kernel,
-                  const bb_intersector *intersector, bb_query query, bool counting,
-                  const bb_ray *rays, bb_hit *hits)
+/* `parameters` of the kernel, such as ":group=8", or "". */
+static void trace_with(const char *parameters, const bb_scene *scene, const bb_layout_data *layout,
+                       const bb_kernel *kernel, const bb_intersector *intersector, bb_query query,
+                       bool counting, const bb_ray *rays, bb_hit *hits)
 {
     bb_spec spec;
+    char text[128];
+    snprintf(text, sizeof text, "%s%s", kernel->name, parameters);
     bb_tracer *tracer;
     bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
     bb_count counts[RAYS];
-    check(bb_spec_parse(kernel->name, &spec), kernel->name);
+    check(bb_spec_parse(text, &spec), text);
     bb_tracer_request request = {
         .kernel = kernel,
         .spec = &spec,
@@ -174,11 +177,15 @@ static void trace(const bb_scene *scene, const bb_layout_data *layout, const bb_
     bb_buffer_release(&d_counts);
 }
 
-static void compare(const bb_scene *scene, const bb_layout_data *layout, const bb_kernel *kernel,
-                    const bb_intersector *intersector)
+static void trace(const bb_scene *scene, const bb_layout_data *layout, const bb_kernel *kernel,
+                  const bb_intersector *intersector, bb_query query, bool counting,
+                  const bb_ray *rays, bb_hit *hits)
 {
-    static bb_ray rays[RAYS];
-    static bb_hit closest[RAYS], counted[RAYS], any[RAYS];
+    trace_with("", scene, layout, kernel, intersector, query, counting, rays, hits);
+}
+
+static void aim_rays(const bb_scene *scene, bb_ray *rays)
+{
     bb_random random = bb_random_make(9, scene->prim_count);
     for (uint32_t i = 0; i < RAYS; i++) {
         rays[i] = (bb_ray){.tmax = INFINITY};
@@ -188,6 +195,14 @@ static void compare(const bb_scene *scene, const bb_layout_data *layout, const b
             rays[i].d[k] = (float)bb_random_range(&random, aim->lo[k], aim->hi[k]) - rays[i].o[k];
         }
     }
+}
+
+static void compare(const bb_scene *scene, const bb_layout_data *layout, const bb_kernel *kernel,
+                    const bb_intersector *intersector)
+{
+    static bb_ray rays[RAYS];
+    static bb_hit closest[RAYS], counted[RAYS], any[RAYS];
+    aim_rays(scene, rays);
     trace(scene, layout, kernel, intersector, BB_CLOSEST_HIT, false, rays, closest);
     trace(scene, layout, kernel, intersector, BB_CLOSEST_HIT, true, rays, counted);
     trace(scene, layout, kernel, intersector, BB_ANY_HIT, false, rays, any);
@@ -278,6 +293,47 @@ static void every_kernel_takes_every_intersector(void **state)
         bb_instance_destroy(&instance);
         release_scene(&scene);
     }
+}
+
+/* Groups of any size, persistent or not, rays in any order: the same hits, bit for bit. */
+static void answers_depend_on_neither_groups_nor_order(void **state)
+{
+    (void)state;
+    static const char *const ways[] = {":group=1", ":group=24", ":persistent=yes,group=1",
+                                       ":persistent=yes,group=16"};
+    static bb_ray rays[RAYS], reversed[RAYS];
+    static bb_hit hits[RAYS], others[RAYS];
+    bb_scene scene;
+    bb_instance instance;
+    double ms;
+    make_scene(&scene, TRIANGLES, SPHERES);
+    check(bb_instance_create(device, "sah", &scene, 1, &instance), "create");
+    check(bb_instance_build(&instance, &scene, false, NULL, &ms), "build");
+    check(bb_tree_upload(&instance.tree, device, NULL), "upload");
+    aim_rays(&scene, rays);
+    for (uint32_t i = 0; i < RAYS; i++)
+        reversed[i] = rays[RAYS - 1 - i];
+    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
+        bb_layout_maker maker;
+        bb_layout_data data = {0};
+        const bb_intersector *exact = &bb_intersectors[0];
+        check(bb_layout_maker_create(bb_layout_find((*kernel)->layout), device, &maker), "layout");
+        check(bb_layout_maker_make(&maker, &scene, &instance.tree, 1, &data), "layout");
+        trace(&scene, &data, *kernel, exact, BB_CLOSEST_HIT, false, rays, hits);
+        for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
+            trace_with(ways[w], &scene, &data, *kernel, exact, BB_CLOSEST_HIT, w % 2 == 1, reversed,
+                       others);
+            for (uint32_t i = 0; i < RAYS; i++)
+                if (memcmp(&hits[i], &others[RAYS - 1 - i], sizeof hits[i]) != 0)
+                    fail_msg("kernel %s%s, ray %u: %u at %g, not %u at %g", (*kernel)->name,
+                             ways[w], i, others[RAYS - 1 - i].prim, others[RAYS - 1 - i].t,
+                             hits[i].prim, hits[i].t);
+        }
+        bb_layout_data_release(&data);
+        bb_layout_maker_destroy(&maker);
+    }
+    bb_instance_destroy(&instance);
+    release_scene(&scene);
 }
 
 /* ---- trees of any shape ---- */
@@ -413,6 +469,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_agree_with_brute_force),
         cmocka_unit_test(every_kernel_takes_every_intersector),
+        cmocka_unit_test(answers_depend_on_neither_groups_nor_order),
         cmocka_unit_test(trees_of_any_arity_are_traced_rightly),
         cmocka_unit_test(a_tree_of_depth_200_is_traced_rightly),
     };

@@ -11,6 +11,7 @@ const bb_option bb_kernel_common_options[] = {
     {"leaf", "1", NULL,
      "collapse subtrees of up to this many references into one leaf, where SAH gains"},
     {"group", "64", NULL, "work-group size"},
+    {"persistent", "no", "no|yes", "as many groups as fit take rays from a counter: for GPUs"},
     {.name = NULL},
 };
 
@@ -21,12 +22,17 @@ struct bb_tracer {
     uint32_t group;
     uint32_t stack_size;
     bool counting;
-    bb_u32 form; /* of the records that it reads */
+    bool persistent;
+    bb_buffer taken; /* u32: rays that groups have taken; of the persistent form */
+    bb_u32 form;     /* of the records that it reads */
     cl_program program;
     cl_kernel kernel;
 };
 
 static bb_tracer *cache;
+
+/* Groups of the persistent form per compute unit: enough to hide memory on the GPUs there are; more only find no rays left. */
+enum { GROUPS_PER_UNIT = 16 };
 
 const bb_kernel *bb_kernel_find(const char *name)
 {
@@ -71,6 +77,7 @@ static uint32_t round_levels(uint32_t levels)
 
 static void release(bb_tracer *tracer)
 {
+    bb_buffer_release(&tracer->taken);
     bb_kernel_release(tracer->kernel);
     bb_program_release(tracer->program);
     free(tracer);
@@ -112,9 +119,11 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     uint32_t stack_size = request->kernel->stackless ? 0 : round_stack(request->stack_need);
     char intersector[128], defines[768], key[1024];
     bb_intersector_defines(request->intersector, intersector, sizeof intersector);
-    snprintf(defines, sizeof defines, "%s %s -DBB_KINDS=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d",
-             intersector, request->kernel->defines != NULL ? request->kernel->defines : "",
-             request->kinds, request->query == BB_ANY_HIT, request->counting);
+    bool persistent = bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
+    snprintf(defines, sizeof defines,
+             "%s %s -DBB_KINDS=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,
+             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds,
+             request->query == BB_ANY_HIT, request->counting, persistent);
     if (stack_size > 0)
         append_number("BB_STACK_SIZE", stack_size, defines, sizeof defines);
     if (request->kernel->trail_max > 0)
@@ -135,6 +144,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     tracer->group = (uint32_t)group;
     tracer->stack_size = stack_size;
     tracer->counting = request->counting;
+    tracer->persistent = persistent;
     tracer->form = bb_intersector_form(request->intersector);
     const bb_source *source = bb_source_find(request->kernel->source);
     bb_status status = source != NULL ? bb_program_build(device, source, defines, &tracer->program)
@@ -142,6 +152,8 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
                                                 request->kernel->name, request->kernel->source);
     if (status == BB_OK)
         status = bb_kernel_get(tracer->program, "trace", &tracer->kernel);
+    if (status == BB_OK && persistent)
+        status = bb_buffer_reserve(device, NULL, sizeof(cl_uint), "rays taken", &tracer->taken);
     if (status != BB_OK) {
         release(tracer);
         return status;
@@ -179,7 +191,8 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
                            uint32_t count, bb_buffer *hits, bb_buffer *counts)
 {
     assert(layout->form == tracer->form);
-    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 6];
+    bb_device *device = tracer->device;
+    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 7];
     uint32_t n = 0;
     for (uint32_t i = 0; i < layout->buffer_count; i++)
         args[n++] = BB_MEM(layout->buffers[i]);
@@ -190,5 +203,11 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
     args[n++] = BB_MEM(*hits);
     if (tracer->counting)
         args[n++] = BB_MEM(*counts);
-    return bb_launch_args(tracer->device, tracer->kernel, count, tracer->group, args, n);
+    if (!tracer->persistent)
+        return bb_launch_args(device, tracer->kernel, count, tracer->group, args, n);
+    args[n++] = BB_MEM(tracer->taken);
+    BB_TRY(bb_buffer_fill(&tracer->taken, sizeof(cl_uint), 0));
+    uint64_t items = (uint64_t)device->compute_units * GROUPS_PER_UNIT * tracer->group;
+    return bb_launch_args(device, tracer->kernel, items < count ? items : count, tracer->group,
+                          args, n);
 }
