@@ -8,24 +8,27 @@
 
 set(BVHBENCH_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
 
-# Makes `variable` a C symbol that holds the text of `file`, by way of the assembler's .incbin.
-function(bvhbench_incbin output variable file)
+# Makes `variable` a C symbol that holds the texts of the files, one after the other, by way of the assembler's .incbin.
+function(bvhbench_incbin output variable)
+    set(parts "")
+    foreach(file IN LISTS ARGN)
+        string(APPEND parts "        \".incbin \\\"${file}\\\"\\n\"\n")
+    endforeach()
     file(WRITE ${output}.new
-"/* Embeds ${file}. */
+"/* Embeds ${ARGN}. */
 __asm__(\".section .rodata\\n\"
         \".global ${variable}\\n\"
         \".type ${variable}, @object\\n\"
         \".balign 16\\n\"
         \"${variable}:\\n\"
-        \".incbin \\\"${file}\\\"\\n\"
-        \".byte 0\\n\"
+${parts}        \".byte 0\\n\"
         \".size ${variable}, .-${variable}\\n\"
         \".previous\\n\");
 typedef int bb_translation_unit_is_not_empty;
 ")
     file(COPY_FILE ${output}.new ${output} ONLY_IF_DIFFERENT)
     file(REMOVE ${output}.new)
-    set_source_files_properties(${output} PROPERTIES OBJECT_DEPENDS ${file})
+    set_source_files_properties(${output} PROPERTIES OBJECT_DEPENDS "${ARGN}")
 endfunction()
 
 function(bvhbench_write_if_changed path text)
@@ -136,10 +139,14 @@ function(bvhbench_embed_report target)
     set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_chart_js.c)
     bvhbench_incbin(${output} bb_text_chart_js ${CHART_JS})
     target_sources(${target} PRIVATE ${output})
+    # The script in parts, in this order: what a part uses stands in it or before it.
+    set(html report.html)
+    set(css report.css)
+    set(js data.js series.js draw.js tables.js charts.js page.js)
     foreach(part html css js)
+        list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/)
         set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_report_${part}.c)
-        bvhbench_incbin(${output} bb_text_report_${part}
-                        ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/report.${part})
+        bvhbench_incbin(${output} bb_text_report_${part} ${${part}})
         target_sources(${target} PRIVATE ${output})
     endforeach()
 endfunction()

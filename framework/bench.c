@@ -203,7 +203,9 @@ static bb_status trace_workloads(bb_bench *bench)
         BB_TRY(parse_workload(bench->request->workloads[w], &spec, &workload));
         if (!workload->per_view)
             BB_TRY(trace_rays(bench, &spec, NULL));
-        for (uint32_t v = 0; workload->per_view && v < bench->scene->view_count; v++)
+        uint32_t views = bench->scene->view_count, most = bench->request->max_views;
+        views = most > 0 && most < views ? most : views;
+        for (uint32_t v = 0; workload->per_view && v < views; v++)
             BB_TRY(trace_rays(bench, &spec, &bench->scene->views[v]));
     }
     return BB_OK;
@@ -331,7 +333,7 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
     for (uint32_t i = 0; i < bench->layout_count; i++) {
         const bb_layout_choice *l = &bench->layouts[i];
-        if (l->maker.layout == layout && l->maker.form == form && l->leaf == choice->leaf) {
+        if (l->maker.layout == layout && l->form == form && l->leaf == choice->leaf) {
             choice->layouts[form] = i;
             return BB_OK;
         }
@@ -339,9 +341,8 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_
     choice->layouts[form] = bench->layout_count++;
     bb_layout_choice *wanted = &bench->layouts[choice->layouts[form]];
     wanted->leaf = choice->leaf;
-    BB_TRY(bb_layout_maker_create(layout, bench->device, &wanted->maker));
-    wanted->maker.form = form;
-    return BB_OK;
+    wanted->form = form;
+    return bb_layout_maker_create(layout, bench->device, &wanted->maker);
 }
 
 static bb_status start_kernel(bb_bench *bench, const char *text, bool native_only)
@@ -364,7 +365,7 @@ static bb_status start_kernels(bb_bench *bench)
     for (uint32_t i = 0; i < request->kernel_count; i++)
         BB_TRY(start_kernel(bench, request->kernels[i], false));
     for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)
-        if ((*k)->native && !(*k)->compared && bench->kernel_count < BB_KERNELS_MAX)
+        if ((*k)->native && (*k)->compared == NULL && bench->kernel_count < BB_KERNELS_MAX)
             BB_TRY(start_kernel(bench, (*k)->name, true));
     return BB_OK;
 }
@@ -398,6 +399,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     bench->request = request;
     bench->device = request->device;
     bench->results = results;
+    bench->next_id = bb_results_next_build(results);
     bench->random = request->seed;
     bench->progress = &progress;
     bench->start = bb_wall_ms();

@@ -23,6 +23,7 @@ typedef struct bb_bench_request {
     uint32_t workload_count;
     uint32_t width, height; /* of primary rays */
     uint32_t max_rays;      /* per scene and workload, for the sampled ones */
+    uint32_t max_views;     /* of a scene that per-view rays are made for; 0: all */
     uint32_t repeats;       /* rounds that count; one more comes first */
     uint64_t seed;
     bool epo;
@@ -36,7 +37,7 @@ typedef struct bb_bench_times {
     double build_ms, trace_ms, total_ms;
 } bb_bench_times;
 
-/* Runs the comparison into `results`. *wrong gets the number of `exact` cells of ours above max_wrong_ppm. A cell that fails
+/* Runs the comparison into `results`, which may hold others already. *wrong gets the number of `exact` cells of ours above max_wrong_ppm. A cell that fails
  * becomes a record with status and reason; only what makes the whole comparison impossible (a scene that can't be loaded, a
  * device that fails) ends it; what was measured until then is in `results`. */
 bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong,

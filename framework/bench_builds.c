@@ -12,7 +12,7 @@ enum { PHASE_BUILDS = 3 };
 
 void bb_bench_evict(bb_entrant *entrant)
 {
-    for (uint32_t k = 0; k < BB_KERNELS_MAX; k++) {
+    for (uint32_t k = 0; k < BB_LAYOUTS_MAX; k++) {
         bb_layout_data_release(&entrant->layouts[k]);
         entrant->has_layout[k] = false;
     }
@@ -241,7 +241,8 @@ static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
     bb_layout_data *data = &entrant->layouts[layout];
     bb_tree *tree = &entrant->instance.tree;
     BB_TRY(bb_tree_upload(tree, bench->device, NULL));
-    return bb_layout_maker_make(&choice->maker, bench->scene, tree, choice->leaf, data);
+    return bb_layout_maker_make(&choice->maker, bench->scene, tree, choice->leaf, choice->form,
+                                data);
 }
 
 static void record_layout(bb_entrant *entrant, const bb_layout_data *data)
@@ -270,6 +271,24 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
     return entrant->record.has_tree;
 }
 
+/* Makes room for one layout: other builders' trees, the entrant's other layouts, and the scratch that made those. All of it is made
+ * again when its turn comes. */
+static bb_status make_room(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
+{
+    bb_bench_evict_others(bench, entrant);
+    for (uint32_t k = 0; k < bench->layout_count; k++) {
+        bb_layout_data_release(&entrant->layouts[k]);
+        entrant->has_layout[k] = false;
+        bb_layout_maker *maker = &bench->layouts[k].maker;
+        const bb_layout *made = maker->layout;
+        if (k == layout || made == NULL)
+            continue;
+        bb_layout_maker_destroy(maker);
+        BB_TRY(bb_layout_maker_create(made, bench->device, maker));
+    }
+    return BB_OK;
+}
+
 bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     if (entrant->has_layout[layout])
@@ -286,9 +305,10 @@ bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
                     entrant->record.tree.depth);
     if (status == BB_OK)
         status = make_layout(bench, entrant, layout);
-    if (status == BB_REFUSED && bb_bench_evict_others(bench, entrant)) {
-        bb_layout_data_release(&entrant->layouts[layout]);
-        status = make_layout(bench, entrant, layout);
+    if (status == BB_REFUSED) {
+        status = make_room(bench, entrant, layout);
+        if (status == BB_OK)
+            status = make_layout(bench, entrant, layout);
     }
     /* once more, warm: the first one pays for fresh memory */
     if (status == BB_OK)

@@ -135,6 +135,7 @@ static bb_tracer_request tracer_request(const trace_set *set, const cell *c)
         .query = set->rays->query,
         .kinds = set->bench->scene->kinds,
         .stack_need = c->entrant->layouts[c->layout].stack_need,
+        .levels = c->entrant->layouts[c->layout].levels,
     };
 }
 

@@ -3,8 +3,12 @@
 #include "framework/builder.h"
 #include "traversal/traversal.h"
 
+#include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 bb_status bb_names_add(bb_names *names, const char *list)
 {
@@ -75,8 +79,10 @@ bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
             continue;
         }
         for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-            if (count > 0 || (*kernel)->compared)
+            if (count > 0)
                 BB_TRY(add_item(names, (*kernel)->name));
+            else if ((*kernel)->compared != NULL)
+                BB_TRY(bb_names_add(names, (*kernel)->compared));
     }
     return BB_OK;
 }
@@ -101,5 +107,33 @@ bb_status bb_load_plugins(const bb_cli *cli)
     char *const *paths = bb_cli_values(cli, "plugin", &count);
     for (uint32_t i = 0; i < count; i++)
         BB_TRY(bb_plugin_load(paths[i]));
+    return BB_OK;
+}
+
+bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view)
+{
+    char known[512] = "";
+    for (uint32_t i = 0; i < scene->view_count; i++) {
+        *view = &scene->views[i];
+        if (name == NULL || strcmp(scene->views[i].name, name) == 0)
+            return BB_OK;
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i > 0 ? ", " : "",
+                 scene->views[i].name);
+    }
+    return bb_fail(BB_INVALID, "%s has no view '%s': it has %s", scene->name, name, known);
+}
+
+bb_status bb_make_folder(const char *path)
+{
+    if (mkdir(path, 0777) != 0 && errno != EEXIST)
+        return bb_fail(BB_INVALID, "cannot make the output folder %s: %s", path, strerror(errno));
+    char probe[1100];
+    snprintf(probe, sizeof probe, "%s/.bvhbench-XXXXXX", path);
+    int file = mkstemp(probe);
+    if (file < 0)
+        return bb_fail(BB_INVALID, "cannot write into the output folder %s: %s", path,
+                       strerror(errno));
+    close(file);
+    unlink(probe);
     return BB_OK;
 }

@@ -1,9 +1,11 @@
-/* What the commands share: lists of names with their defaults and `all`, the device that was asked for, plug-ins. */
+/* What the commands share: lists of names with their defaults and `all`, the device that was asked for, plug-ins,
+ * views, output folders. */
 #ifndef BB_CHOICE_H
 #define BB_CHOICE_H
 
 #include "framework/cli.h"
 #include "framework/device.h"
+#include "framework/scene.h"
 
 enum { BB_NAMES_MAX = 128 };
 
@@ -32,5 +34,11 @@ bb_status bb_open_device(const bb_cli *cli, bb_device **device);
 
 /* All of --plugin. */
 bb_status bb_load_plugins(const bb_cli *cli);
+
+/* The scene's view of that name, its first for NULL. */
+bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view);
+
+/* Makes an output folder unless it is there, and makes sure now that it can be written, not after the work. */
+bb_status bb_make_folder(const char *path);
 
 #endif

@@ -85,6 +85,19 @@ bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint
     return BB_OK;
 }
 
+char *bb_cli_command_line(const bb_cli *cli)
+{
+    size_t length = 1;
+    for (int i = 0; i < cli->argc; i++)
+        length += strlen(cli->argv[i]) + 1;
+    char *text = calloc(1, length);
+    for (int i = 0; text != NULL && i < cli->argc; i++) {
+        strcat(text, i > 0 ? " " : "");
+        strcat(text, i > 0 ? cli->argv[i] : "bvhbench");
+    }
+    return text;
+}
+
 /* ---- help ---- */
 
 static void print_help(const bb_command *command)

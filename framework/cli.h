@@ -57,11 +57,14 @@ bb_status bb_cli_double(const bb_cli *cli, const char *name, double fallback, do
 /* "WxH"; both at least 1 and at most 65536, BB_PIXELS_MAX together. */
 bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint32_t *height);
 
+/* The command line with blanks between its words, from malloc; NULL if there is no memory. */
+char *bb_cli_command_line(const bb_cli *cli);
+
 /* Parses and runs; returns the exit status. `commands` ends with NULL. */
 int bb_cli_main(int argc, char **argv, const bb_command *const *commands);
 
 /* The commands, each in framework/cmd_NAME.c. */
 extern const bb_command bb_command_list, bb_command_run, bb_command_check, bb_command_render,
-    bb_command_report;
+    bb_command_report, bb_command_rays, bb_command_judge, bb_command_reproduce;
 
 #endif

@@ -3,6 +3,7 @@
 #include "framework/choice.h"
 #include "framework/embree.h"
 #include "framework/rays.h"
+#include "framework/reproduce.h"
 #include "framework/scene.h"
 #include "traversal/traversal.h"
 
@@ -103,6 +104,13 @@ static bb_status list_rays(cJSON *list)
     return BB_OK;
 }
 
+static bb_status list_papers(cJSON *list)
+{
+    for (const bb_paper *const *p = bb_papers; *p != NULL; p++)
+        add(list, (*p)->name, (*p)->title, NULL, NULL);
+    return BB_OK;
+}
+
 static bb_status list_devices(cJSON *list)
 {
     uint32_t count;
@@ -120,9 +128,10 @@ static const struct {
     const char *name;
     bb_status (*fill)(cJSON *list);
 } kinds[] = {
-    {"builders", list_builders},         {"kernels", list_kernels}, {"layouts", list_layouts},
-    {"intersectors", list_intersectors}, {"scenes", list_scenes},   {"rays", list_rays},
-    {"devices", list_devices},
+    {"builders", list_builders}, {"kernels", list_kernels},
+    {"layouts", list_layouts},   {"intersectors", list_intersectors},
+    {"scenes", list_scenes},     {"rays", list_rays},
+    {"papers", list_papers},     {"devices", list_devices},
 };
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
@@ -172,7 +181,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK && !found)
         status = bb_fail(BB_INVALID,
                          "nothing is called '%s': list takes builders, kernels, layouts, "
-                         "intersectors, scenes, rays or devices",
+                         "intersectors, scenes, rays, papers or devices",
                          wanted);
     if (status == BB_OK && bb_cli_value(cli, "json") != NULL) {
         char *text = cJSON_Print(all);
@@ -188,8 +197,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 
 const bb_command bb_command_list = {
     .name = "list",
-    .summary = "builders, kernels, layouts, intersectors, scenes, rays, devices",
-    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|devices]",
+    .summary = "builders, kernels, layouts, intersectors, scenes, rays, papers, devices",
+    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|papers|devices]",
     .options = options,
     .run = run,
 };

@@ -1,4 +1,5 @@
-/* bvhbench report: result files into one HTML page. */
+/* bvhbench report: result files into one HTML page, and its charts as pictures. */
+#include "framework/charts_option.h"
 #include "framework/cli.h"
 #include "framework/file.h"
 #include "framework/record.h"
@@ -14,6 +15,7 @@
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
      false},
+    BB_CHARTS_OPTION,
     {NULL, NULL, NULL, false},
 };
 
@@ -69,6 +71,16 @@ static bb_status read_input(const char *argument, bb_results **results, char **f
     return locate_pictures(*results, *folder);
 }
 
+static bb_status write_charts(bb_results *results, const char *page)
+{
+    char folder[PATH_MAX];
+    uint32_t pictures;
+    BB_TRY(bb_report_charts_folder(page, folder, sizeof folder));
+    BB_TRY(bb_report_charts(results, folder, &pictures));
+    printf("%s: %u charts, each as SVG and PNG\n", folder, pictures);
+    return BB_OK;
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     if (cli->positional_count == 0)
@@ -77,6 +89,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     char *folder = NULL, *other = NULL;
     char beside[PATH_MAX];
     const char *out = bb_cli_value(cli, "out");
+    bool charts;
+    BB_TRY(bb_charts_wanted(cli, &charts));
     bb_status status = read_input(cli->positional[0], &all, &folder);
     for (uint32_t i = 1; status == BB_OK && i < cli->positional_count; i++) {
         status = read_input(cli->positional[i], &more, &other);
@@ -95,6 +109,10 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         status = bb_report_html(all, NULL, out);
     if (status == BB_OK)
         printf("%s\n", out);
+    if (status == BB_OK && charts)
+        status = write_charts(all, out);
+    else if (status == BB_OK)
+        bb_charts_note(cli);
     bb_results_destroy(all);
     free(folder);
     *exit_status = BB_EXIT_OK;
@@ -103,7 +121,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 
 const bb_command bb_command_report = {
     .name = "report",
-    .summary = "makes the HTML report of one or several result files",
+    .summary = "makes the HTML report of one or several result files, and its charts as pictures",
     .arguments = "FILE|DIR...",
     .details = "A folder stands for its results.json. Several inputs become one report; scenes of "
                "the same\n"

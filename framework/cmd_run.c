@@ -1,19 +1,17 @@
 /* bvhbench run: the comparison. */
 #include "framework/bench.h"
+#include "framework/charts_option.h"
 #include "framework/choice.h"
 #include "framework/cli.h"
 #include "framework/clock.h"
+#include "framework/output.h"
 #include "framework/report.h"
 #include "framework/scene.h"
 #include "traversal/traversal.h"
 
-#include <cjson/cJSON.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const bb_cli_option options[] = {
     {"scene", "S",
@@ -36,6 +34,7 @@ static const bb_cli_option options[] = {
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
     {"out", "DIR", "folder of results.json, report.html and pictures; default: out", false},
     {"no-pictures", NULL, "make no pictures", false},
+    BB_CHARTS_OPTION,
     {"quiet", NULL, "no progress", false},
     {.name = NULL},
 };
@@ -77,68 +76,6 @@ static bb_status read_metrics(const bb_cli *cli, bool *epo)
     return BB_OK;
 }
 
-/* Makes the folder, and makes sure now that it can be written, not after the work. */
-static bb_status make_folder(const char *path)
-{
-    if (mkdir(path, 0777) != 0 && errno != EEXIST)
-        return bb_fail(BB_INVALID, "cannot make the output folder %s: %s", path, strerror(errno));
-    char probe[1100];
-    snprintf(probe, sizeof probe, "%s/.bvhbench-XXXXXX", path);
-    int file = mkstemp(probe);
-    if (file < 0)
-        return bb_fail(BB_INVALID, "cannot write into the output folder %s: %s", path,
-                       strerror(errno));
-    close(file);
-    unlink(probe);
-    return BB_OK;
-}
-
-/* The file first: it is what must not be lost. It is written again with the time that the page took. */
-static bb_status write_results(bb_results *results, const char *folder, const bb_bench_times *times,
-                               bool quiet)
-{
-    char json[1100], html[1100];
-    snprintf(json, sizeof json, "%s/results.json", folder);
-    snprintf(html, sizeof html, "%s/report.html", folder);
-    double start = bb_wall_ms();
-    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
-    BB_TRY(bb_results_write(results, json));
-    BB_TRY(bb_report_html(results, folder, html));
-    double ms = bb_wall_ms() - start;
-    BB_TRY(bb_results_add_step(results, "report", ms));
-    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms + ms));
-    BB_TRY(bb_report_html(results, folder, html));
-    BB_TRY(bb_results_write(results, json));
-    if (!quiet)
-        fprintf(stderr, "wrote %s and %s\n", json, html);
-    return bb_report_table(results, stdout);
-}
-
-/* A comparison that could not be finished: what was measured is kept; its message goes on. */
-static bb_status keep_results(bb_results *results, const char *folder, bb_status status)
-{
-    char reason[1024], json[1100];
-    snprintf(reason, sizeof reason, "%s", bb_message());
-    snprintf(json, sizeof json, "%s/results.json", folder);
-    const cJSON *traces = cJSON_GetObjectItem(bb_results_json(results), "traces");
-    if (cJSON_GetArraySize(traces) == 0 || bb_results_write(results, json) != BB_OK)
-        return bb_fail(status, "%s", reason);
-    return bb_fail(status, "%s (what was measured before is in %s)", reason, json);
-}
-
-static char *join_command(const bb_cli *cli)
-{
-    size_t length = 1;
-    for (int i = 0; i < cli->argc; i++)
-        length += strlen(cli->argv[i]) + 1;
-    char *text = calloc(1, length);
-    for (int i = 0; text != NULL && i < cli->argc; i++) {
-        strcat(text, i > 0 ? " " : "");
-        strcat(text, i > 0 ? cli->argv[i] : "bvhbench");
-    }
-    return text;
-}
-
 static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
 {
     uint64_t max_rays, repeats;
@@ -162,10 +99,13 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_bench_request request = {0};
     bb_bench_times times = {0};
     bb_results *results = NULL;
-    char *command = join_command(cli);
+    char *command = bb_cli_command_line(cli);
     uint32_t wrong = 0, kernels_given;
+    bool charts = false;
     bb_cli_values(cli, "kernel", &kernels_given);
-    bb_status status = bb_load_plugins(cli);
+    bb_status status = bb_charts_wanted(cli, &charts);
+    if (status == BB_OK)
+        status = bb_load_plugins(cli);
     if (status == BB_OK)
         status = choose_scenes(cli, &scenes);
     if (status == BB_OK)
@@ -193,7 +133,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_bench_check(&request);
     if (status == BB_OK)
-        status = make_folder(folder);
+        status = bb_make_folder(folder);
     if (status == BB_OK)
         status = bb_open_device(cli, &request.device);
     if (status == BB_OK)
@@ -201,9 +141,12 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_bench_run(&request, results, &wrong, &times);
     if (status == BB_OK)
-        status = write_results(results, folder, &times, request.quiet);
+        status = bb_output_write(
+            results, &(bb_output_request){folder, &times, charts, request.quiet, bb_report_table});
     else if (results != NULL)
-        status = keep_results(results, folder, status);
+        status = bb_output_keep(results, folder, status);
+    if (status == BB_OK && !charts)
+        bb_charts_note(cli);
     if (status == BB_OK && wrong > 0) {
         fprintf(stderr,
                 "bvhbench: %u cells or builds are wrong: see the rows marked WRONG or failed\n",

@@ -180,13 +180,7 @@ bb_status bb_image_check(const char *path)
         BB_TRY(exr_load(&module));
     else if (!ends_with(path, ".png"))
         return bb_fail(BB_INVALID, "picture %s: the ending must be .png or .exr", path);
-    char *folder = bb_file_folder(path);
-    bool writable = folder != NULL && access(folder, W_OK | X_OK) == 0;
-    free(folder);
-    if (!writable)
-        return bb_fail(BB_INVALID, "picture %s: its folder cannot be written: choose another",
-                       path);
-    return BB_OK;
+    return bb_file_check(path, "picture");
 }
 
 bb_status bb_image_write(const char *path, const float *rgb, uint32_t width, uint32_t height)

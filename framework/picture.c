@@ -84,56 +84,6 @@ bb_status bb_picture_depth(const bb_rays *rays, const bb_hit *hits, float *rgb)
     return BB_OK;
 }
 
-void bb_picture_heat(const bb_rays *rays, const double *values, float *rgb, double *most)
-{
-    *most = 0;
-    for (uint32_t i = 0; i < rays->count; i++)
-        *most = fmax(*most, values[i]);
-    uint32_t bar = rays->width / 32;
-    for (uint32_t y = 0; y < rays->height; y++)
-        for (uint32_t x = 0; x < rays->width; x++) {
-            size_t i = (size_t)y * rays->width + x;
-            double value = *most > 0 ? values[i] / *most : 0;
-            if (bar > 0 && x + bar >= rays->width)
-                value = 1.0 - (y + 0.5) / rays->height;
-            bb_colour_map((float)value, rgb + 3 * i);
-            if (bar > 0 && x + bar + 1 == rays->width)
-                rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = 1;
-        }
-}
-
-static const float *class_colour(uint8_t class)
-{
-    static const float colours[][3] = {
-        [BB_TIE] = {0.05f, 0.25f, 0.80f},       [BB_MISSED] = {0.85f, 0.02f, 0.02f},
-        [BB_FALSE_HIT] = {0.95f, 0.35f, 0.0f},  [BB_WRONG_T] = {0.45f, 0.05f, 0.65f},
-        [BB_UNWRITTEN] = {0.85f, 0.02f, 0.02f},
-    };
-    return class == BB_RIGHT ? NULL : colours[class];
-}
-
-void bb_picture_classes(const bb_rays *rays, const uint8_t *classes, float *rgb)
-{
-    for (size_t i = 0; i < rays->count; i++) {
-        float grey = 0.3f + 0.2f * (rgb[3 * i] + rgb[3 * i + 1] + rgb[3 * i + 2]);
-        rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = grey;
-    }
-    /* ties first, so that nothing wrong is painted over */
-    for (int pass = 0; pass < 2; pass++)
-        for (size_t i = 0; i < rays->count; i++) {
-            const float *colour = class_colour(classes[i]);
-            bool tie = classes[i] == BB_TIE;
-            if (colour == NULL || tie != (pass == 0))
-                continue;
-            int reach = tie ? 0 : 1;
-            int64_t x = (int64_t)(i % rays->width), y = (int64_t)(i / rays->width);
-            for (int64_t v = y - reach; v <= y + reach; v++)
-                for (int64_t u = x - reach; u <= x + reach; u++)
-                    if (u >= 0 && v >= 0 && u < rays->width && v < rays->height)
-                        memcpy(rgb + 3 * (size_t)(v * rays->width + u), colour, 3 * sizeof *rgb);
-        }
-}
-
 /* Letters, digits and dashes of `text`: a file name. */
 static void file_name(const char *text, char *out, size_t capacity)
 {

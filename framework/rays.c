@@ -208,7 +208,7 @@ static bb_status (*const makers[])(bb_rays_job *job) = {
 _Static_assert(sizeof makers / sizeof makers[0] == sizeof bb_workloads / sizeof bb_workloads[0] - 1,
                "one maker per workload");
 
-static bb_status check_rays(const bb_rays *rays)
+bb_status bb_rays_check(const bb_rays *rays)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         const bb_ray *ray = &rays->rays[i];
@@ -270,14 +270,19 @@ bb_status bb_rays_make(const bb_scene *scene, struct bb_oracle *oracle,
     if (status == BB_OK)
         status = makers[rays->workload - bb_workloads](&job);
     if (status == BB_OK)
-        status = check_rays(rays);
+        status = bb_rays_check(rays);
     if (status != BB_OK) {
         bb_rays_free(rays);
         return status;
     }
-    rays->hash = XXH3_64bits(rays->rays, rays->count * sizeof(bb_ray));
+    rays->hash = bb_rays_hash(rays);
     *out = rays;
     return BB_OK;
+}
+
+uint64_t bb_rays_hash(const bb_rays *rays)
+{
+    return XXH3_64bits(rays->rays, rays->count * sizeof(bb_ray));
 }
 
 bb_status bb_rays_upload(bb_rays *rays, bb_device *device)

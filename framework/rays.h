@@ -55,6 +55,11 @@ struct bb_oracle;
  * builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges` without a closed mesh). Owned by the caller. */
 bb_status bb_rays_make(const bb_scene *scene, struct bb_oracle *oracle,
                        const bb_rays_request *request, bb_rays **rays);
+/* Whether all rays are ones that can be traced: finite, of some length, 0 <= tmin < tmax; bb_rays_make() has made sure.
+ * BB_INVALID names the first that is not. */
+bb_status bb_rays_check(const bb_rays *rays);
+/* What rays->hash is. */
+uint64_t bb_rays_hash(const bb_rays *rays);
 bb_status bb_rays_upload(bb_rays *rays, bb_device *device);
 void bb_rays_free(bb_rays *rays); /* NULL is allowed */
 

@@ -401,6 +401,18 @@ static bool put_layouts(cJSON *entry, const bb_build_record *build)
            put_named(entry, "layouts_sah", sah, build->layout_count);
 }
 
+uint32_t bb_results_next_build(const bb_results *results)
+{
+    uint32_t next = 0;
+    const cJSON *build;
+    cJSON_ArrayForEach(build, cJSON_GetObjectItemCaseSensitive(results->root, "builds"))
+    {
+        uint32_t id = (uint32_t)bb_json_number(build, "id");
+        next = id < next ? next : id + 1;
+    }
+    return next;
+}
+
 bb_status bb_results_add_build(bb_results *results, const bb_build_record *build)
 {
     if (bb_results_build(results, build->id) != NULL)
@@ -463,15 +475,18 @@ static bool put_accuracy(cJSON *entry, const bb_trace_record *trace)
 /* Rays per second of the median, and of the ends of its interval the other way round. */
 static bool put_rate(cJSON *entry, const bb_trace_record *trace)
 {
-    double low, high;
+    double low, high, rate = trace->mrays_s_given;
+    bool given = rate > 0;
     bb_samples_interval(&trace->ms, BB_INTERVAL_SEED, &low, &high);
+    if (!given)
+        rate = trace->count / bb_samples_median(&trace->ms) / 1e3;
     return put_samples(entry, "ms", &trace->ms) &&
            put_number(entry, "ms_median", bb_samples_median(&trace->ms)) &&
            put_number(entry, "event_ms", bb_samples_median(&trace->event_ms)) &&
            put_samples(entry, "event_ms_samples", &trace->event_ms) &&
            put_number(entry, "cpu_ms", bb_samples_median(&trace->cpu_ms)) &&
            put_samples(entry, "cpu_ms_samples", &trace->cpu_ms) &&
-           put_number(entry, "mrays_s", trace->count / bb_samples_median(&trace->ms) / 1e3) &&
+           put_number(entry, "mrays_s", rate) && put_bool(entry, "mrays_s_given", given) &&
            put_number(entry, "mrays_s_lo", trace->count / high / 1e3) &&
            put_number(entry, "mrays_s_hi", trace->count / low / 1e3);
 }
@@ -557,4 +572,10 @@ bb_status bb_results_add_picture(bb_results *results, const char *scene, const c
     bool ok = entry != NULL && put_text(entry, "scene", scene) && put_text(entry, "view", view) &&
               put_text(entry, "caption", caption) && put_text(entry, "path", path);
     return append(results, "pictures", entry, ok);
+}
+
+cJSON *bb_results_reproductions(bb_results *results)
+{
+    cJSON *all = cJSON_GetObjectItemCaseSensitive(results->root, "reproductions");
+    return all != NULL ? all : cJSON_AddArrayToObject(results->root, "reproductions");
 }

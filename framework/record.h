@@ -31,6 +31,15 @@ double bb_samples_median(const bb_samples *samples);
  */
 void bb_samples_interval(const bb_samples *samples, uint64_t seed, double *low, double *high);
 
+/* A figure and its 95 % interval. */
+typedef struct bb_estimate {
+    double value, low, high;
+} bb_estimate;
+
+/* Median of a/b over the rounds, which pairs what was measured next to each other, with its bootstrap
+ * interval. NAN if the two have not the same rounds, or none. */
+bb_estimate bb_samples_ratio(const bb_samples *a, const bb_samples *b, uint64_t seed);
+
 typedef struct bb_named_ms {
     char name[64];
     double ms;
@@ -74,6 +83,7 @@ typedef struct bb_trace_record {
     bb_status status;
     char reason[512];
     bb_samples ms, event_ms, cpu_ms;
+    double mrays_s_given; /* of an outside tracer: its speed, as somebody says; else 0 */
     double node_tests_per_ray, prim_tests_per_ray;
     bool has_accuracy;
     bb_accuracy accuracy;
@@ -120,6 +130,9 @@ bb_status bb_results_add_skipped(bb_results *results, const char *scene, const c
 bb_status bb_results_add_picture(bb_results *results, const char *scene, const char *view,
                                  const char *caption, const char *path);
 
+/* The least id that no build has. */
+uint32_t bb_results_next_build(const bb_results *results);
+
 cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
 
 /* Writes DIR/results.json by way of a temporary file and rename: an interrupted run leaves the old
@@ -127,8 +140,8 @@ cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
 bb_status bb_results_write(const bb_results *results, const char *path);
 /* Reads and checks the schema; BB_INVALID names what is wrong. */
 bb_status bb_results_read(const char *path, bb_results **out);
-/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures and times to a; b's
- * context goes into a's "merged" array and b's builds, traces and skipped sets get the member
+/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures, reproductions and times to
+ * a; b's context goes into a's "merged" array and b's builds, traces and skipped sets get the member
  * "run", the number of that entry from 1. Times add up; the total is dropped if one of the two has
  * none. BB_INVALID if a scene of one name has two geometries. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);

@@ -2,7 +2,6 @@
 #include "framework/record_private.h"
 
 #include <cjson/cJSON.h>
-#include <math.h>
 #include <string.h>
 
 static bb_status no_memory(void)
@@ -64,15 +63,19 @@ static bb_status copy_rows(bb_results *a, const bb_results *b, const char *secti
     return BB_OK;
 }
 
-static double next_id(const bb_results *results)
+/* Copies of all elements of b's array `section`, which either may lack, as they are. */
+static bb_status copy_list(bb_results *a, const bb_results *b, const char *section)
 {
-    double next = 0;
-    const cJSON *build;
-    cJSON_ArrayForEach(build, cJSON_GetObjectItemCaseSensitive(results->root, "builds"))
+    const cJSON *from = cJSON_GetObjectItemCaseSensitive(b->root, section), *item;
+    cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, section);
+    if (to == NULL && from != NULL)
+        to = cJSON_AddArrayToObject(a->root, section);
+    cJSON_ArrayForEach(item, from)
     {
-        next = fmax(next, cJSON_GetObjectItemCaseSensitive(build, "id")->valuedouble + 1);
+        if (to == NULL || copy_to(to, item) == NULL)
+            return no_memory();
     }
-    return next;
+    return from == NULL || to != NULL ? BB_OK : no_memory();
 }
 
 /* Notes b's contexts; *first_run is the number of its first. */
@@ -113,7 +116,7 @@ static bb_status add_times(bb_results *a, const bb_results *b)
 bb_status bb_results_merge(bb_results *a, const bb_results *b)
 {
     BB_TRY(check_scenes(a, b));
-    double first_id = next_id(a), first_run = 1;
+    double first_id = bb_results_next_build(a), first_run = 1;
     BB_TRY(copy_contexts(a, b, &first_run));
 
     cJSON *scenes = cJSON_GetObjectItemCaseSensitive(a->root, "scenes");
@@ -127,12 +130,8 @@ bb_status bb_results_merge(bb_results *a, const bb_results *b)
     BB_TRY(copy_rows(a, b, "builds", "id", first_id, first_run));
     BB_TRY(copy_rows(a, b, "traces", "build", first_id, first_run));
     BB_TRY(copy_rows(a, b, "skipped", NULL, 0, first_run));
-    cJSON *pictures = cJSON_GetObjectItemCaseSensitive(a->root, "pictures");
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "pictures"))
-    {
-        if (copy_to(pictures, item) == NULL)
-            return no_memory();
-    }
+    BB_TRY(copy_list(a, b, "pictures"));
+    BB_TRY(copy_list(a, b, "reproductions"));
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "steps_ms"))
     {
         if (cJSON_IsNumber(item))

@@ -17,6 +17,9 @@ struct bb_results {
  * NULL if there is no memory. */
 char *bb_results_print(const bb_results *results, bool formatted);
 
+/* The array of reproductions of papers, made if there is none yet; NULL if there is no memory. */
+cJSON *bb_results_reproductions(bb_results *results);
+
 /* Members by name: "" / NAN / false where there is none of that type. */
 const char *bb_json_text(const cJSON *object, const char *name);
 double bb_json_number(const cJSON *object, const char *name);

@@ -215,6 +215,7 @@ static const field trace_fields[] = {
     {"mrays_s", NUMBER | NONE},
     {"mrays_s_lo", NUMBER | NONE},
     {"mrays_s_hi", NUMBER | NONE},
+    {"mrays_s_given", BOOLEAN | NONE},
     {"node_tests_per_ray", NUMBER | NONE},
     {"prim_tests_per_ray", NUMBER | NONE},
     {"counted", NUMBER | NONE},
@@ -252,6 +253,24 @@ static const field picture_fields[] = {
     {"caption", TEXT | NONE},
     {"path", TEXT},
     {NULL, 0},
+};
+
+/* A paper reproduced: tables of its figures and ours, and what was claimed. */
+static const field reproduction_fields[] = {
+    {"name", TEXT},
+    {"title", TEXT | NONE},
+    {NULL, 0},
+};
+
+static const field paper_table_fields[] = {
+    {"title", TEXT | NONE},
+    {"columns", TEXTS},
+    {NULL, 0},
+};
+
+static const field claim_fields[] = {
+    {"claim", TEXT},       {"held", BOOLEAN | NONE}, {"paper", TEXT | NONE},
+    {"ours", TEXT | NONE}, {"why", TEXT | NONE},     {NULL, 0},
 };
 
 static bool all_numbers(const cJSON *item)
@@ -334,6 +353,47 @@ static bb_status check_section(const char *path, const cJSON *root, const char *
     return BB_OK;
 }
 
+/* Rows of numbers, texts and nulls, as many as there are columns. */
+static bb_status check_rows(const char *path, const cJSON *root)
+{
+    const cJSON *reproduction, *table, *row, *item;
+    cJSON_ArrayForEach(reproduction, cJSON_GetObjectItemCaseSensitive(root, "reproductions"))
+    {
+        cJSON_ArrayForEach(table, cJSON_GetObjectItemCaseSensitive(reproduction, "tables"))
+        {
+            const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows");
+            int columns = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(table, "columns"));
+            bool ok = cJSON_IsArray(rows);
+            cJSON_ArrayForEach(row, rows)
+            {
+                ok = ok && cJSON_IsArray(row) && cJSON_GetArraySize(row) == columns;
+                cJSON_ArrayForEach(item, row)
+                {
+                    ok = ok && (cJSON_IsNumber(item) || cJSON_IsString(item) || cJSON_IsNull(item));
+                }
+            }
+            if (!ok)
+                return bb_fail(BB_INVALID,
+                               "result file %s: reproductions: a table of %s has no \"rows\", or "
+                               "one that is not of %d numbers and texts",
+                               path, bb_json_text(reproduction, "name"), columns);
+        }
+    }
+    return BB_OK;
+}
+
+static bb_status check_reproductions(const char *path, const cJSON *root)
+{
+    BB_TRY(check_section(path, root, "reproductions", false, reproduction_fields, "", NULL));
+    const cJSON *reproduction;
+    cJSON_ArrayForEach(reproduction, cJSON_GetObjectItemCaseSensitive(root, "reproductions"))
+    {
+        BB_TRY(check_section(path, reproduction, "tables", false, paper_table_fields, "", NULL));
+        BB_TRY(check_section(path, reproduction, "claims", false, claim_fields, "", NULL));
+    }
+    return check_rows(path, root);
+}
+
 /* Ids are 0, 1, 2 ... below 2^20 and given once; every trace names one that exists. */
 static bb_status check_ids(const char *path, const cJSON *root)
 {
@@ -382,6 +442,7 @@ static bb_status check_document(const char *path, const cJSON *root)
     BB_TRY(check_section(path, root, "skipped", false, skipped_fields, "", NULL));
     BB_TRY(check_section(path, root, "pictures", false, picture_fields, "", NULL));
     BB_TRY(check_section(path, root, "merged", false, context_fields, "", NULL));
+    BB_TRY(check_reproductions(path, root));
     static const char *const times[] = {"steps_ms", "time_ms"};
     for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
         if (!has_type(cJSON_GetObjectItemCaseSensitive(root, times[i]), FIGURES | NONE))

@@ -1,8 +1,9 @@
 /* The HTML report: a template into which style, chart library, script, records and pictures are
- * put, so that one file is all there is to keep or send. What is computed from the records is
- * computed by the script (framework/report/report.js).
+ * put, so that one file is all there is to keep or send. The cells of the charts are computed here
+ * (framework/chart.h); the page's script draws what is chosen of them.
  */
 #include "framework/report.h"
+#include "framework/chart.h"
 #include "framework/file.h"
 #include "framework/record_private.h"
 
@@ -129,6 +130,17 @@ static char *pictures_json(const cJSON *root, const char *folder)
     return json;
 }
 
+/* The cells of the charts; NULL after bb_fail(). */
+static char *charts_json(bb_results *results)
+{
+    bb_charts charts;
+    if (bb_charts_make(results, &charts) != BB_OK)
+        return NULL;
+    char *json = bb_charts_json(&charts);
+    bb_charts_free(&charts);
+    return json;
+}
+
 /* ---- the page ---- */
 
 typedef struct part {
@@ -163,13 +175,17 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
     bb_status status;
     char *records = bb_results_print(results, false);
     char *pictures = pictures_json(bb_results_json(results), picture_folder);
-    if (records == NULL || pictures == NULL) {
+    char *charts = charts_json(results);
+    if (records == NULL || pictures == NULL || charts == NULL) {
         status = bb_fail(BB_FAILED, "report %s: no memory", path);
         goto out;
     }
     const part parts[] = {
-        {"@BB_CSS@", bb_text_report_css, false},   {"@BB_DATA@", records, true},
-        {"@BB_PICTURES@", pictures, true},         {"@BB_CHART_JS@", bb_text_chart_js, false},
+        {"@BB_CSS@", bb_text_report_css, false},
+        {"@BB_DATA@", records, true},
+        {"@BB_CHARTS@", charts, true},
+        {"@BB_PICTURES@", pictures, true},
+        {"@BB_CHART_JS@", bb_text_chart_js, false},
         {"@BB_SCRIPT@", bb_text_report_js, false},
     };
     status = fill_template(&page, parts, sizeof parts / sizeof parts[0]);
@@ -177,6 +193,7 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         status = bb_file_write(path, page.data, page.size, "report");
 out:
     free(page.data);
+    cJSON_free(charts);
     cJSON_free(pictures);
     cJSON_free(records);
     return status;

@@ -223,13 +223,15 @@ static void classes_cell(char cell[CELL], const cJSON *trace)
                  bb_json_number(accuracy, "false"), bb_json_number(accuracy, "wrong_t"));
 }
 
-/* The kernel, and the intersector where it is not the default; 0-terminated in `name`. */
+/* The kernel, a star if its layout keeps the builder's own tree, and the intersector where it is not the
+ * default; 0-terminated in `name`. */
 static void kernel_name(const cJSON *trace, char *name, size_t capacity)
 {
     const char *intersector = bb_json_text(trace, "intersector");
     bool shown = intersector[0] != '\0' && strcmp(intersector, "exact") != 0 &&
                  !bb_json_true(trace, "reference");
-    snprintf(name, capacity, "%s%s%s", bb_json_text(trace, "kernel"), shown ? " / " : "",
+    snprintf(name, capacity, "%s%s%s%s", bb_json_text(trace, "kernel"),
+             bb_json_true(trace, "native") ? " *" : "", shown ? " / " : "",
              shown ? intersector : "");
 }
 
@@ -403,7 +405,8 @@ bb_status bb_report_table(bb_results *results, FILE *out)
     print_times(out, cJSON_GetObjectItemCaseSensitive(root, "steps_ms"),
                 cJSON_GetObjectItemCaseSensitive(root, "time_ms"));
     fputs(
-        "\n[95 %]: bootstrap interval of the median. /Embree: to the fastest embree-native row on "
+        "\n*: native, the layout keeps the shape of the builder's own tree.\n"
+        "[95 %]: bootstrap interval of the median. /Embree: to the fastest embree-native row on "
         "the "
         "same rays.\nwrong ppm: wrong rays per million; mis/fal/t: rays missed, false hits, wrong "
         "distance.\nboxes, prims: tests per ray, from a separate counting run.\n",

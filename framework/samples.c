@@ -72,3 +72,16 @@ void bb_samples_interval(const bb_samples *samples, uint64_t seed, double *low, 
     *low = medians[RESAMPLES * 25 / 1000];
     *high = medians[RESAMPLES - 1 - RESAMPLES * 25 / 1000];
 }
+
+bb_estimate bb_samples_ratio(const bb_samples *a, const bb_samples *b, uint64_t seed)
+{
+    bb_estimate ratio = {NAN, NAN, NAN};
+    if (a->count != b->count)
+        return ratio;
+    bb_samples ratios = {0};
+    for (uint32_t i = 0; i < a->count; i++)
+        bb_samples_add(&ratios, a->values[i] / b->values[i]);
+    ratio.value = bb_samples_median(&ratios);
+    bb_samples_interval(&ratios, seed, &ratio.low, &ratio.high);
+    return ratio;
+}

@@ -70,7 +70,7 @@ typedef struct bb_subtree {
     bb_u32 leaves; /* of the result, as are the others below */
     bb_u32 height;
     bb_u32 arity;
-    bb_u32 leaf;   /* 1: the node is a leaf */
+    bb_u32 leaf; /* 1: the node is a leaf */
 } bb_subtree;
 
 /* Ray: origin, direction (any non-zero length), and the open interval (tmin, tmax) in which hits
@@ -95,7 +95,7 @@ typedef struct bb_hit {
 typedef struct bb_pair {
     float planes[12];
     bb_u32 links[2];
-    bb_u32 parts[2]; /* 1: the link is to a pair that only parts the children of the same node of the tree */
+    bb_u32 pad[2];
 } bb_pair;
 
 /* What a primitive record holds of a triangle, as the intersector wants it: its vertices, or the affine map from the scene to where it is
@@ -149,6 +149,13 @@ typedef struct bb_quant8 {
     bb_u32 pad[5];
 } bb_quant8;
 
+/* How a pair is best made part of wide nodes: its cost as up to 1, 2, ... children, times area, and, 4 bits each, how many of
+ * these its left side gets; 0: one less is as good. 32 bytes. */
+typedef struct bb_wide_plan {
+    float cost[7];
+    bb_u32 splits;
+} bb_wide_plan;
+
 /* What the counting variant of a kernel counts, per ray. */
 typedef struct bb_count {
     bb_u32 nodes;    /* boxes tested */
@@ -167,6 +174,7 @@ _Static_assert(sizeof(bb_pair) == 64, "bb_pair");
 _Static_assert(sizeof(bb_wide4) == 128, "bb_wide4");
 _Static_assert(sizeof(bb_wide8) == 256, "bb_wide8");
 _Static_assert(sizeof(bb_quant8) == 128, "bb_quant8");
+_Static_assert(sizeof(bb_wide_plan) == 32, "bb_wide_plan");
 _Static_assert(sizeof(bb_count) == 12, "bb_count");
 #endif
 

@@ -77,12 +77,12 @@ kernel void pair_nodes(global const bb_node *nodes, uint count, global const uin
                 from = (from + to) / 2u;
         }
         bb_pair pair;
+        pair.pad[0] = pair.pad[1] = 0;
         for (uint side = 0; side < 2; side++) {
             float lo[3], hi[3];
             uint link;
             pair_side(nodes, base, n, side == 0 ? from : gap, side == 0 ? gap : to, lo, hi, &link);
             pair.links[side] = link;
-            pair.parts[side] = (side == 0 ? gap - from : to - gap) > 1u ? 1u : 0u;
             for (uint k = 0; k < 3; k++) {
                 pair.planes[4 * k + side] = lo[k];
                 pair.planes[4 * k + 2 + side] = hi[k];

@@ -1,17 +1,18 @@
 /* The wide layouts: from pair nodes (layout_pair.cl) to nodes of up to BB_WIDTH children, and from references to blocks of primitives.
  *
- *   level by level from the root (wide_open):
- *     children = both sides of the pair; while there is room: the child that is a pair and has the largest area makes
- *     place for its own two
- *     mark the pair; those of its children that are pairs are the next level
- *   index = exclusive scan of the marks                  (framework/primitives.h): nodes keep the order of the tree in memory
- *   for each marked pair: the same children; write node  (wide_nodes)
- *   first[i] = exclusive scan of the blocks that the leaf at reference i needs   (wide_count)
- *   for each leaf: write its blocks                      (wide_blocks)
+ *   plan, bottom-up; of a pair's two sides the last to come goes on with it        (wide_parents, wide_plan)
+ *     cost(p, 1) = A(p) + cost(p as BB_WIDTH)               p becomes a node
+ *     cost(p, n) = min over k of cost(left, k) + cost(right, n - k), or cost(p, n - 1)      p makes way for up to n of those below it
+ *   level by level from the root: open the pair by its plan, mark it; those of its children that are pairs are the next
+ *     level                                                (wide_open)
+ *   index = exclusive scan of the marks                    (framework/primitives.h): nodes keep the order of the tree in memory
+ *   for each marked pair: open it again; write the node    (wide_nodes)
+ *   first[i] = exclusive scan of the blocks that the leaf at reference i needs     (wide_count)
+ *   for each leaf: write its blocks                        (wide_blocks)
  *
- * Wald, Benthin, Boulos 2008 (collapse by surface area); Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through
- * Compressed Wide BVHs" (8 bits per plane). Pairs that only part the children of one node of a tree of higher
- * arity are opened before all others, so such a tree keeps its nodes as far as they have room.
+ * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.1 (the plan: of all
+ * collapses the one with the least area, leaves being given), 3.2 (8 bits per plane), 3.4 (places by octant). Reads any tree. What the other side
+ * wrote is read after the atomic that both pass, with a fence on either side, as in radix_tree.cl.
  */
 #include "bb_device.h"
 
@@ -37,49 +38,157 @@ void opened_empty(bb_opened *out)
     out->count = 0;
 }
 
-/* Puts side `side` of pair `p` in place `c`. */
-void opened_place(global const bb_pair *pairs, uint p, uint side, bb_opened *out, uint c,
-                  float *priority)
+/* ---- which pairs become nodes ---- */
+
+kernel void wide_parents(global const bb_pair *pairs, uint count, global uint *parents,
+                         global uint *missing, global uint *marks)
+{
+    uint p = get_global_id(0);
+    if (p > count)
+        return;
+    marks[p] = 0;
+    if (p == count)
+        return;
+    uint inner = 0;
+    for (uint side = 0; side < 2; side++)
+        if ((pairs[p].links[side] & BB_LEAF_BIT) == 0) {
+            parents[pairs[p].links[side]] = p;
+            inner++;
+        }
+    missing[p] = inner;
+}
+
+/* Cost of what `link` leads to, as up to `places` children. */
+float plan_cost(volatile global const bb_wide_plan *plans, uint link, uint places)
+{
+    return (link & BB_LEAF_BIT) != 0 ? 0.0f : plans[link].cost[places - 1u];
+}
+
+void plan_pair(global const bb_pair *pairs, uint p, volatile global bb_wide_plan *plans)
 {
     float size[3];
     for (uint axis = 0; axis < 3; axis++) {
-        float lo = pairs[p].planes[4u * axis + side], hi = pairs[p].planes[4u * axis + 2u + side];
-        out->planes[2u * axis * BB_WIDTH + c] = lo;
-        out->planes[(2u * axis + 1u) * BB_WIDTH + c] = hi;
+        global const float *planes = pairs[p].planes + 4u * axis;
+        float lo = BB_MIN(planes[0], planes[1]), hi = BB_MAX(planes[2], planes[3]);
         size[axis] = BB_MIN(hi - lo, FLT_MAX); /* infinity times 0 would have no order */
     }
-    uint link = pairs[p].links[side];
-    out->links[c] = link;
     float area = size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
-    if ((link & BB_LEAF_BIT) != 0)
-        priority[c] = -1.0f;
-    else
-        priority[c] = pairs[p].parts[side] != 0u ? INFINITY : area;
+    uint left = pairs[p].links[0], right = pairs[p].links[1], splits = 0;
+    float best[BB_WIDTH + 1];
+    for (uint places = 2; places <= BB_WIDTH; places++) {
+        best[places] = INFINITY;
+        uint split = 0;
+        for (uint k = 1; k < places; k++) {
+            float cost = plan_cost(plans, left, k) + plan_cost(plans, right, places - k);
+            if (split == 0u || cost < best[places]) {
+                best[places] = cost;
+                split = k;
+            }
+        }
+        splits |= split << 4u * (places - 1u);
+    }
+    best[1] = area + best[BB_WIDTH];
+    for (uint places = 2; places < BB_WIDTH; places++)
+        if (best[places - 1u] <= best[places]) {
+            best[places] = best[places - 1u];
+            splits &= ~(15u << 4u * (places - 1u));
+        }
+    for (uint places = 1; places < BB_WIDTH; places++)
+        plans[p].cost[places - 1u] = best[places];
+    plans[p].splits = splits;
+}
+
+kernel void wide_plan(global const bb_pair *pairs, uint count, uint root,
+                      global const uint *parents, volatile global uint *missing,
+                      volatile global bb_wide_plan *plans)
+{
+    uint p = get_global_id(0);
+    if (p >= count || (pairs[p].links[0] & pairs[p].links[1] & BB_LEAF_BIT) == 0)
+        return;
+    plan_pair(pairs, p, plans);
+    while (p != root) {
+        p = parents[p];
+        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        if (atomic_dec(&missing[p]) != 1u)
+            return;
+        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        plan_pair(pairs, p, plans);
+    }
 }
 
 /* The children of the wide node that pair `root` becomes. */
-void opened_of(global const bb_pair *pairs, uint root, bb_opened *out)
+void opened_of(global const bb_pair *pairs, global const bb_wide_plan *plans, uint root,
+               bb_opened *out)
 {
-    float priority[BB_WIDTH];
+    uint3 stack[BB_WIDTH]; /* pair, side of it, places */
+    uint top = 0;
+    uint split = plans[root].splits >> 4u * (BB_WIDTH - 1u) & 15u;
     opened_empty(out);
-    opened_place(pairs, root, 0, out, 0, priority);
-    opened_place(pairs, root, 1, out, 1, priority);
-    out->count = 2;
-    while (out->count < BB_WIDTH) {
-        uint largest = 0;
-        for (uint c = 1; c < out->count; c++)
-            largest = priority[c] > priority[largest] ? c : largest;
-        if (!(priority[largest] >= 0.0f))
-            return;
-        uint p = out->links[largest];
-        opened_place(pairs, p, 0, out, largest, priority);
-        opened_place(pairs, p, 1, out, out->count, priority);
-        out->count++;
+    stack[top++] = (uint3)(root, 1u, BB_WIDTH - split);
+    stack[top++] = (uint3)(root, 0u, split);
+    while (top > 0u) {
+        uint3 item = stack[--top];
+        uint link = pairs[item.x].links[item.y], places = item.z;
+        split = 0;
+        if ((link & BB_LEAF_BIT) == 0)
+            for (; places > 1u && split == 0u; places -= split == 0u ? 1u : 0u)
+                split = plans[link].splits >> 4u * (places - 1u) & 15u;
+        if (split != 0u) {
+            stack[top++] = (uint3)(link, 1u, places - split);
+            stack[top++] = (uint3)(link, 0u, split);
+            continue;
+        }
+        for (uint axis = 0; axis < 3; axis++) {
+            global const float *planes = pairs[item.x].planes + 4u * axis + item.y;
+            out->planes[2u * axis * BB_WIDTH + out->count] = planes[0];
+            out->planes[(2u * axis + 1u) * BB_WIDTH + out->count] = planes[2];
+        }
+        out->links[out->count++] = link;
     }
 }
 
+#if BB_WIDTH == 8
+/* Puts the children in places such that place ^ octant is roughly the order in which rays of that octant meet them: bit a of an octant
+ * is set where rays go down axis a, bit a of a place where its child should lie high on axis a. The pair of child and
+ * place that fits best first. */
+void opened_arrange(bb_opened *opened)
+{
+    float fit[BB_WIDTH][BB_WIDTH]; /* of child and place */
+    bb_opened arranged;
+    opened_empty(&arranged);
+    arranged.count = opened->count;
+    uint children = 0, places = 0; /* done */
+    for (uint c = 0; c < opened->count; c++)
+        for (uint place = 0; place < BB_WIDTH; place++) {
+            fit[c][place] = 0.0f;
+            for (uint axis = 0; axis < 3; axis++) {
+                const float *plane = opened->planes + 2u * axis * BB_WIDTH + c;
+                float middle = 0.5f * plane[0] + 0.5f * plane[BB_WIDTH];
+                fit[c][place] += (place >> axis & 1u) != 0u ? middle : -middle;
+            }
+        }
+    for (uint i = 0; i < opened->count; i++) {
+        uint child = BB_NONE, place = 0;
+        for (uint c = 0; c < opened->count; c++)
+            for (uint p = 0; p < BB_WIDTH; p++)
+                if (((children >> c | places >> p) & 1u) == 0u &&
+                    (child == BB_NONE || fit[c][p] > fit[child][place])) {
+                    child = c;
+                    place = p;
+                }
+        children |= 1u << child;
+        places |= 1u << place;
+        for (uint plane = 0; plane < 6; plane++)
+            arranged.planes[plane * BB_WIDTH + place] = opened->planes[plane * BB_WIDTH + child];
+        arranged.links[place] = opened->links[child];
+    }
+    *opened = arranged;
+}
+#endif
+
 /* One level. state[0]: the largest stack need so far; state[1 + level]: items of the level. */
-kernel void wide_open(global const bb_pair *pairs, global const uint2 *level, /* pair, stack need above */
+kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *plans,
+                      global const uint2 *level, /* pair, stack need above */
                       uint number, volatile global uint *state, global uint *marks,
                       global uint2 *next)
 {
@@ -87,7 +196,7 @@ kernel void wide_open(global const bb_pair *pairs, global const uint2 *level, /*
     for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
         uint2 item = level[i];
         bb_opened opened;
-        opened_of(pairs, item.x, &opened);
+        opened_of(pairs, plans, item.x, &opened);
         marks[item.x] = 1u;
         uint need = item.y + opened.count - 1u;
         atomic_max(&state[0], need);
@@ -151,14 +260,17 @@ void write_boxes(const bb_opened *opened, global bb_wide *node)
 #endif
 
 /* first[] and index[] are the scans. */
-kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uint *index,
+kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_wide_plan *plans, global const uint *index,
                        global const uint *first, uint ref_count, global bb_wide *nodes)
 {
     uint p = get_global_id(0);
     if (p >= count || index[p] == index[p + 1u])
         return;
     bb_opened opened;
-    opened_of(pairs, p, &opened);
+    opened_of(pairs, plans, p, &opened);
+#if BB_WIDTH == 8
+    opened_arrange(&opened);
+#endif
     global bb_wide *node = nodes + index[p];
     write_boxes(&opened, node);
     for (uint c = 0; c < BB_WIDTH; c++) {

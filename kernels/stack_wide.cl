@@ -10,6 +10,8 @@
  * Overflow and equal distances as in stack.cl.
  *
  *   BB_WIDTH, BB_QUANTISED  the node: wide.clh
+ *   BB_ORDER        sorted: children by distance; octant: by their places, which the layout gives them for this, which saves the sorting
+ *                   but is only roughly right (nodes of 8)
  *   BB_STACK_SIZE   entries
  *   and those of search.clh
  */
@@ -31,6 +33,34 @@
 #ifndef BB_STACK_SIZE
 #define BB_STACK_SIZE 64
 #endif
+/* A child that will be visited later. */
+#define BB_PREFETCH_CHILD(link)                                                                    \
+    BB_PREFETCH(((link) & BB_LEAF_BIT) != 0                                                        \
+                    ? blocks + (ulong)BB_WORDS * ((link) & BB_INDEX_MASK)                          \
+                    : (global const float *)(nodes + (link)))
+
+/* Option `order`, whose words reach here as they are. */
+#define BB_ORDER_sorted 0
+#define BB_ORDER_octant 1
+#ifndef BB_ORDER
+#define BB_ORDER sorted
+#endif
+#define BB_BY_OCTANT BB_JOIN(BB_ORDER_, BB_ORDER)
+
+#if BB_BY_OCTANT
+/* Bit p of the result: bit p ^ octant of `met`. */
+uint places_of(uint met, uint octant)
+{
+    if ((octant & 1u) != 0u)
+        met = (met & 0x55u) << 1 | (met >> 1 & 0x55u);
+    if ((octant & 2u) != 0u)
+        met = (met & 0x33u) << 2 | (met >> 2 & 0x33u);
+    if ((octant & 4u) != 0u)
+        met = (met & 0x0Fu) << 4 | (met >> 4 & 0x0Fu);
+    return met;
+}
+#endif
+
 kernel void trace(global const bb_wide *nodes,
                   global const float *blocks, /* of primitives */
                   uint root,                  /* link */
@@ -54,6 +84,9 @@ kernel void trace(global const bb_wide *nodes,
     uint top = 0;
     uint link = root;
     bool overflow = false;
+#if BB_BY_OCTANT
+    uint octant = (d.x < 0.0f ? 1u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 4u : 0u);
+#endif
     for (;;) {
         while ((link & BB_LEAF_BIT) == 0) {
             global const bb_wide *node = nodes + link;
@@ -66,23 +99,36 @@ kernel void trace(global const bb_wide *nodes,
             if (met == 0u)
                 goto pop;
             uint child = 31u - clz(met);
-            met ^= 1u << child;
             link = node->links[child];
+            met ^= 1u << child;
             if (met == 0u)
                 continue;
             if (top + BB_WIDTH - 1u > BB_STACK_SIZE && top + popcount(met) > BB_STACK_SIZE) {
                 overflow = true;
                 goto done;
             }
-            /* insertion into the sorted entries of this node; the nearest stays in hand */
             float entries[BB_WIDTH];
             BB_VECTOR(vstore, BB_WIDTH)(entry, 0, entries);
+#if BB_BY_OCTANT
+            met = places_of(met | 1u << child, octant);
+            for (uint place = 31u - clz(met); met != 1u << place; place = 31u - clz(met)) {
+                met ^= 1u << place;
+                uint other = node->links[place ^ octant];
+                BB_PREFETCH_CHILD(other);
+                stack_links[top] = other;
+                stack_entries[top] = entries[place ^ octant];
+                top++;
+            }
+            link = node->links[(31u - clz(met)) ^ octant];
+#else
+            /* insertion into the sorted entries of this node; the nearest stays in hand */
             float nearest = entries[child];
             uint bottom = top;
             do {
                 child = 31u - clz(met);
                 met ^= 1u << child;
                 uint other = node->links[child];
+                BB_PREFETCH_CHILD(other);
                 float distance = entries[child];
                 if (distance < nearest) {
                     stack_links[top] = link;
@@ -100,6 +146,7 @@ kernel void trace(global const bb_wide *nodes,
                 }
                 top++;
             } while (met != 0u);
+#endif
         }
         if (bb_search_leaf(&search, &setup, blocks, link, triangle_count))
             goto done;

@@ -39,7 +39,7 @@ static inline void hand_grow(bb_box *box, const float lo[3], const float hi[3])
     }
 }
 
-static void hand_finish(bb_scene *scene)
+static inline void hand_finish(bb_scene *scene)
 {
     const bb_box empty = {{INFINITY, INFINITY, INFINITY}, 0, {-INFINITY, -INFINITY, -INFINITY}, 0};
     scene->bounds = empty;

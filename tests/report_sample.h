@@ -9,6 +9,7 @@
 #include "framework/random.h"
 #include "framework/record.h"
 
+#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -248,6 +249,25 @@ static inline void sample_add_trace(bb_results *results, const sample_scene *sce
     sample_check(results, bb_results_add_trace(results, &trace));
 }
 
+static const char sample_reproduction[] =
+    "{\"name\":\"emc\",\"title\":\"Extended Morton codes </script><b>\","
+    "\"tables\":[{\"title\":\"Table 2\",\"columns\":[\"scene\",\"paper ms\",\"here ms\"],"
+    "\"rows\":[[\"coffee\",1.25,4.5],[\"Sponza\",0.75,null]]}],"
+    "\"claims\":["
+    "{\"claim\":\"fewer steps\",\"held\":true,\"paper\":\"52 %\",\"ours\":\"31 %\"},"
+    "{\"claim\":\"builds as fast\",\"held\":false,\"why\":\"a 64-bit sort\"},"
+    "{\"claim\":\"on GPUs too\",\"held\":null}]}";
+
+/* What other parts of the program may add to a document. */
+static inline void sample_add_extras(bb_results *results)
+{
+    cJSON *root = bb_results_json(results);
+    cJSON_AddItemToArray(cJSON_AddArrayToObject(root, "reproductions"),
+                         cJSON_Parse(sample_reproduction));
+    cJSON *builds = cJSON_GetObjectItem(root, "builds");
+    cJSON_AddStringToObject(cJSON_GetArrayItem(builds, 3), "about", "code: 30 bits, 10 per axis");
+}
+
 /* The whole document; `folder` gets the pictures unless it is NULL. */
 static inline bb_results *sample_results(const char *folder)
 {
@@ -282,6 +302,8 @@ static inline bb_results *sample_results(const char *folder)
                                                  "the mesh is not closed </script><b>"));
     sample_check(results, bb_results_add_skipped(results, "spheres:n=1000000,state=settled",
                                                  "edges", NULL, "spheres have no edges"));
+
+    sample_add_extras(results);
 
     enum { SIDE = 160 };
     float *rgb = malloc(3 * SIDE * SIDE * sizeof *rgb);

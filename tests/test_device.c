@@ -42,15 +42,21 @@ static void structs_have_one_size_everywhere(void **state)
                     "  out[0] = sizeof(bb_box); out[1] = sizeof(bb_node);\n"
                     "  out[2] = sizeof(bb_tree_info); out[3] = sizeof(bb_ray);\n"
                     "  out[4] = sizeof(bb_hit); out[5] = sizeof(bb_count);\n"
-                    "  out[6] = sizeof(bb_pair);\n"
+                    "  out[6] = sizeof(bb_pair); out[9] = sizeof(bb_subtree);\n"
+                    "  out[10] = sizeof(bb_wide4); out[11] = sizeof(bb_wide8);\n"
+                    "  out[12] = sizeof(bb_quant8);\n"
+                    "  global bb_quant8 *q = 0; out[13] = (uint)(ulong)&q->links[0];\n"
                     "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
                     "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
                     "}\n"};
-    const uint32_t expected[] = {
-        sizeof(bb_box),  sizeof(bb_node),         sizeof(bb_tree_info),
-        sizeof(bb_ray),  sizeof(bb_hit),          sizeof(bb_count),
-        sizeof(bb_pair), offsetof(bb_node, skip), offsetof(bb_pair, links)};
-    uint32_t found[9] = {0};
+    const uint32_t expected[] = {sizeof(bb_box),           sizeof(bb_node),
+                                 sizeof(bb_tree_info),     sizeof(bb_ray),
+                                 sizeof(bb_hit),           sizeof(bb_count),
+                                 sizeof(bb_pair),          offsetof(bb_node, skip),
+                                 offsetof(bb_pair, links), sizeof(bb_subtree),
+                                 sizeof(bb_wide4),         sizeof(bb_wide8),
+                                 sizeof(bb_quant8),        offsetof(bb_quant8, links)};
+    uint32_t found[14] = {0};
     cl_program program = NULL;
     cl_kernel kernel = NULL;
     bb_buffer out = {0};

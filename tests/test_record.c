@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "framework/chart_script.h"
 #include "framework/file.h"
 #include "framework/report.h"
 #include "tests/report_sample.h"
@@ -359,6 +360,11 @@ static bool survives(const char *path, FILE *sink)
         return false;
     }
     assert_int_equal(bb_report_table(results, sink), BB_OK);
+    bb_charts charts;
+    uint32_t pictures;
+    assert_int_equal(bb_charts_make(results, &charts), BB_OK);
+    assert_int_equal(bb_charts_script(&charts, sink, &pictures), BB_OK);
+    bb_charts_free(&charts);
     bb_results *twice = NULL;
     assert_int_equal(bb_results_read(path, &twice), BB_OK);
     assert_int_equal(bb_results_merge(results, twice), BB_OK);
@@ -459,6 +465,16 @@ static void wrong_types_are_named(void **state)
         {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"skipped\":[{\"scene\":\"s\",\"rays\":7}]}",
          "skipped[0]: \"rays\""},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"pictures\":[{}]}", "path"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{}]}", "name"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
+         "\"tables\":[{\"columns\":[\"a\",\"b\"],\"rows\":[[1]]}]}]}",
+         "emc"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
+         "\"tables\":[{\"columns\":[\"a\"]}]}]}",
+         "\"rows\""},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
+         "\"claims\":[{\"claim\":\"c\",\"held\":\"yes\"}]}]}",
+         "held"},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[]} x", "not JSON"},
     };
     const char *path = results_path("types");
@@ -529,6 +545,7 @@ static void merging_renumbers(void **state)
     const cJSON *skipped = cJSON_GetArrayItem(section(a, "skipped"), 5);
     assert_string_equal(member(skipped, "rays")->valuestring, "edges");
     assert_int_equal(member(skipped, "run")->valueint, 2);
+    assert_int_equal(cJSON_GetArraySize(section(a, "reproductions")), 3);
 
     const char *path = results_path("merged");
     bb_results *read = NULL;
@@ -547,6 +564,7 @@ static void merging_takes_older_files(void **state)
     bb_results *old = sample_results(NULL), *read = NULL, *now = sample_results(NULL);
     cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(old), "time_ms");
     cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(old), "skipped");
+    cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(old), "reproductions");
     const char *path = results_path("older");
     assert_int_equal(bb_results_write(old, path), BB_OK);
     assert_int_equal(bb_results_read(path, &read), BB_OK);
@@ -559,6 +577,7 @@ static void merging_takes_older_files(void **state)
     assert_int_equal(bb_results_merge(read, now), BB_OK);
     assert_null(cJSON_GetObjectItemCaseSensitive(bb_results_json(read), "time_ms"));
     assert_int_equal(cJSON_GetArraySize(section(read, "skipped")), 2);
+    assert_int_equal(cJSON_GetArraySize(section(read, "reproductions")), 1);
     bb_results_destroy(now);
     bb_results_destroy(read);
     bb_results_destroy(old);

@@ -58,7 +58,8 @@ static void table_shows_every_row(void **state)
     assert_int_equal(count_of(text, "\n  lbvh:bits=63 "), SAMPLE_SCENES * (1 + 3 * sets));
     assert_int_equal(count_of(text, "mode=fast "), SAMPLE_SCENES * (1 + sets));
     assert_int_equal(count_of(text, "refused: brute force"), SAMPLE_SCENES);
-    assert_non_null(strstr(text, "stack / moller"));
+    assert_non_null(strstr(text, "stack * / moller")); /* on the builder's own tree */
+    assert_null(strstr(text, "leaf=4 *"));
     free(text);
     bb_results_destroy(results);
 }
@@ -197,7 +198,7 @@ static void page_escapes_data(void **state)
     const char *folder = sample_folder("page_escapes_data");
     bb_results *results = sample_results(folder);
     char *page = page_of(results, folder);
-    assert_int_equal(count_of(page, "</script"), 4);
+    assert_int_equal(count_of(page, "</script"), 5);
     assert_non_null(strstr(page, "\\u003c/script>\\u003cb>"));
 
     /* and what stands in the page is the document, digit for digit */
@@ -281,12 +282,13 @@ static void command_makes_a_report(void **state)
     assert_int_equal(bb_results_write(results, path), BB_OK);
     snprintf(path, sizeof path, "%s/report.html", folder);
     unlink(path);
-    snprintf(arguments, sizeof arguments, "report '%s'", folder);
+    snprintf(arguments, sizeof arguments, "report '%s' --charts no", folder);
     assert_int_equal(command(arguments, message, sizeof message), 0);
     assert_int_equal(access(path, R_OK), 0);
     /* the same file twice: two runs, and the pictures are found though `--out` lies elsewhere */
-    snprintf(arguments, sizeof arguments, "report '%s' '%s/results.json' --out '%s/two.html'",
-             folder, folder, folder);
+    snprintf(arguments, sizeof arguments,
+             "report '%s' '%s/results.json' --out '%s/two.html' --charts no", folder, folder,
+             folder);
     assert_int_equal(command(arguments, message, sizeof message), 0);
     char *page = NULL;
     size_t size;
@@ -298,6 +300,45 @@ static void command_makes_a_report(void **state)
     bb_results_destroy(results);
 }
 
+/* Charts where gnuplot is; without it a page all the same and a line that says so, unless that was asked
+ * for. */
+static void command_draws_charts(void **state)
+{
+    (void)state;
+    const char *folder = sample_folder("command");
+    char path[600], arguments[1800], message[1024];
+    bb_results *results = sample_results(folder);
+    snprintf(path, sizeof path, "%s/results.json", folder);
+    assert_int_equal(bb_results_write(results, path), BB_OK);
+    bb_results_destroy(results);
+    snprintf(path, sizeof path, "%s/report-charts/coffee_primary_accuracy.svg", folder);
+    unlink(path);
+
+    snprintf(arguments, sizeof arguments, "report '%s' --charts no", folder);
+    assert_int_equal(command(arguments, message, sizeof message), 0);
+    assert_string_equal(message, "");
+    assert_int_equal(access(path, F_OK), -1);
+
+    char *search = strdup(getenv("PATH"));
+    setenv("PATH", "/nonexistent:", 1);
+    snprintf(arguments, sizeof arguments, "report '%s'", folder);
+    assert_int_equal(command(arguments, message, sizeof message), 0);
+    assert_non_null(strstr(message, "gnuplot-nox"));
+    assert_int_equal(count_of(message, "\n"), 1);
+    snprintf(arguments, sizeof arguments, "report '%s' --charts yes", folder);
+    assert_int_equal(command(arguments, message, sizeof message), 2);
+    assert_non_null(strstr(message, "gnuplot-nox"));
+    assert_int_equal(access(path, F_OK), -1);
+    setenv("PATH", search, 1);
+    free(search);
+
+    if (!bb_report_can_draw())
+        skip(); /* gnuplot is not installed */
+    assert_int_equal(command(arguments, message, sizeof message), 0);
+    assert_string_equal(message, "");
+    assert_int_equal(access(path, F_OK), 0);
+}
+
 static void command_refuses_in_one_line(void **state)
 {
     (void)state;
@@ -306,6 +347,7 @@ static void command_refuses_in_one_line(void **state)
                                       "report /dev/null",
                                       "report --out x.html",
                                       "report --nonsense x",
+                                      "report . --charts maybe",
                                       "report /etc/passwd"};
     char message[1024];
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -326,6 +368,10 @@ static int write_sample(const char *folder)
         status = bb_report_html(results, folder, path);
     if (status == BB_OK)
         status = bb_report_table(results, stdout);
+    uint32_t charts;
+    snprintf(path, sizeof path, "%s/report-charts", folder);
+    if (status == BB_OK && bb_report_can_draw())
+        status = bb_report_charts(results, path, &charts);
     if (status != BB_OK)
         fprintf(stderr, "%s\n", bb_message());
     bb_results_destroy(results);
@@ -351,6 +397,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(page_takes_in_no_other_files),
         cmocka_unit_test(page_says_where_it_cannot_write),
         cmocka_unit_test(command_makes_a_report),
+        cmocka_unit_test(command_draws_charts),
         cmocka_unit_test(command_refuses_in_one_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -81,6 +81,24 @@ static void interval_is_reproducible(void **state)
     assert_true(low[0] >= 1 && low[0] < 4.5 && high[0] > 4.5 && high[0] <= 8);
 }
 
+/* Noise that both share in a round is not in their ratio. */
+static void ratio_pairs_the_rounds(void **state)
+{
+    (void)state;
+    const double noise[] = {100, 1, 7, 2, 30, 1, 5}, more[] = {1, 2, 3};
+    bb_samples a = {0}, b = {0};
+    for (int i = 0; i < 7; i++) {
+        bb_samples_add(&a, (i == 0 ? 9 : 1.25) * noise[i]);
+        bb_samples_add(&b, noise[i]);
+    }
+    bb_estimate ratio = bb_samples_ratio(&a, &b, 1);
+    assert_true(ratio.value == 1.25 && ratio.low == 1.25 && ratio.high == 1.25);
+    b = samples_of(more, 3);
+    assert_true(isnan(bb_samples_ratio(&a, &b, 1).value));
+    a = b = (bb_samples){0};
+    assert_true(isnan(bb_samples_ratio(&a, &b, 1).high));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -88,6 +106,7 @@ int main(void)
         cmocka_unit_test(interval_of_few_samples_is_the_median),
         cmocka_unit_test(interval_covers_the_median),
         cmocka_unit_test(interval_is_reproducible),
+        cmocka_unit_test(ratio_pairs_the_rounds),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

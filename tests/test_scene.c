@@ -26,6 +26,7 @@ static const struct {
     {"terrain:n=1000,seed=7", 968, 0x51197177dac57850u},
     {"hairball:n=1000,seed=7", 1000, 0x14b940a9b07c712au},
     {"interior:n=20000,seed=7", 18576, 0xc44d70f0a645f70du},
+    {"city:n=10000,seed=7", 8014, 0x0ccaefbd6548836au},
     {"spheres:n=1000,seed=7", 1000, 0x5a5c5ec5b56a67f1u},
     {"spheres:n=1000,state=settled,seed=7", 1000, 0x4d23b6f1ec7cc68du},
 };
@@ -46,9 +47,13 @@ static void test_recorded_hashes(void **state)
 static void test_seeds_differ(void **state)
 {
     (void)state;
-    static const char *const specs[] = {"random:n=100",   "terrain:n=100",
-                                        "hairball:n=100", "interior:n=5000",
-                                        "spheres:n=100",  "spheres:n=100,state=settled"};
+    static const char *const specs[] = {"random:n=100",
+                                        "terrain:n=100",
+                                        "hairball:n=100",
+                                        "interior:n=5000",
+                                        "city:n=10000",
+                                        "spheres:n=100",
+                                        "spheres:n=100,state=settled"};
     for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++) {
         char spec[128];
         uint64_t hashes[2];

@@ -1,5 +1,5 @@
-/* Kernels against the oracle: every builder with every kernel on small scenes, closed meshes, rays that are awkward, and scenes that are
- * scaled, moved and permuted. Seed: BVHBENCH_TEST_SEED. */
+/* Kernels against the oracle: every builder with every kernel on small scenes, closed meshes, and scenes that are scaled, moved and
+ * permuted. (Awkward rays: test_awkward_rays.c.) Seed: BVHBENCH_TEST_SEED. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,90 +9,12 @@
 
 #include "framework/conformance.h"
 #include "framework/random.h"
-#include "traversal/traversal.h"
+#include "tests/trace_fixture.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static uint64_t seed = 20261121;
-static bb_device *device;
-
-static void check(bb_status status, const char *what)
-{
-    if (status != BB_OK)
-        fail_msg("%s (seed %llu): %s", what, (unsigned long long)seed, bb_message());
-}
-
-/* ---- a scene, a builder's tree of it, and traces ---- */
-
-typedef struct bed {
-    bb_scene *scene;
-    bb_instance instance;
-    bb_layout_maker maker;
-    bb_layout_data layout;
-} bed;
-
-static void open_bed(bed *b, bb_scene *scene, const char *builder, uint32_t leaf)
-{
-    double ms;
-    memset(b, 0, sizeof *b);
-    b->scene = scene;
-    check(bb_scene_upload(scene, device), "upload");
-    check(bb_instance_create(device, builder, scene, seed, &b->instance), builder);
-    check(bb_instance_build(&b->instance, scene, false, NULL, &ms), builder);
-    check(bb_tree_upload(&b->instance.tree, device, NULL), builder);
-    check(bb_layout_maker_create(bb_layout_find("pair"), device, &b->maker), "layout");
-    check(bb_layout_maker_make(&b->maker, scene, &b->instance.tree, leaf, &b->layout), "layout");
-}
-
-static void close_bed(bed *b)
-{
-    bb_layout_data_release(&b->layout);
-    bb_layout_maker_destroy(&b->maker);
-    bb_instance_destroy(&b->instance);
-    bb_scene_free(b->scene);
-}
-
-/* Traces with the stack kernel; `counts` may be NULL. */
-static void trace(const bed *b, const char *intersector, uint32_t stack_need, const bb_ray *rays,
-                  uint32_t count, bb_query query, bb_hit *hits, bb_count *counts)
-{
-    bb_spec spec;
-    check(bb_spec_parse("stack", &spec), "spec");
-    bb_tracer_request request = {
-        .kernel = bb_kernel_find("stack"),
-        .spec = &spec,
-        .intersector = bb_intersector_find(intersector),
-        .query = query,
-        .kinds = b->scene->kinds,
-        .stack_need = stack_need,
-        .counting = counts != NULL,
-    };
-    bb_tracer *tracer;
-    bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
-    check(bb_tracer_get(device, &request, &tracer), "tracer");
-    check(bb_buffer_reserve(device, NULL, count * sizeof *rays, "rays", &d_rays), "rays");
-    check(bb_buffer_reserve(device, NULL, count * sizeof *hits, "hits", &d_hits), "hits");
-    check(bb_buffer_reserve(device, NULL, count * sizeof *counts, "counts", &d_counts), "counts");
-    check(bb_buffer_write(&d_rays, 0, count * sizeof *rays, rays), "rays");
-    check(bb_buffer_fill(&d_hits, count * sizeof *hits, BB_POISON), "hits");
-    check(bb_tracer_launch(tracer, &b->layout, &d_rays, count, &d_hits, &d_counts), "trace");
-    check(bb_buffer_read(&d_hits, 0, count * sizeof *hits, hits), "hits");
-    if (counts != NULL)
-        check(bb_buffer_read(&d_counts, 0, count * sizeof *counts, counts), "counts");
-    bb_buffer_release(&d_rays);
-    bb_buffer_release(&d_hits);
-    bb_buffer_release(&d_counts);
-}
-
-static bb_scene *load(const char *name)
-{
-    bb_scene *scene = NULL;
-    check(bb_scene_load(name, &scene), name);
-    return scene;
-}
 
 /* ---- every builder, every kernel ---- */
 
@@ -141,8 +63,8 @@ static void every_builder_with_every_kernel_is_right(void **state)
 
 /* ---- closed meshes ---- */
 
-static void count_lost(const char *scene_name, const char *intersector, uint32_t count,
-                       uint64_t *lost, uint64_t *wrong)
+static void count_lost(const char *scene_name, const char *kernel, const char *intersector,
+                       uint32_t count, uint64_t *lost, uint64_t *wrong)
 {
     bb_scene *scene = load(scene_name);
     bb_oracle *oracle;
@@ -156,10 +78,9 @@ static void count_lost(const char *scene_name, const char *intersector, uint32_t
     bb_rays_request request = {.spec = &spec, .max_rays = count, .seed = seed};
     check(bb_rays_make(scene, oracle, &request, &rays), "edges");
     check(bb_answers_make(oracle, rays, &answers), "answers");
-    open_bed(&b, scene, "lbvh", 1);
+    open_bed(&b, scene, "lbvh", kernel, 1);
     bb_hit *hits = malloc(rays->count * sizeof *hits);
-    trace(&b, intersector, b.layout.stack_need, rays->rays, rays->count, BB_CLOSEST_HIT, hits,
-          NULL);
+    trace(&b, intersector, rays->rays, rays->count, BB_CLOSEST_HIT, hits, NULL);
     check(bb_judge(oracle, &answers, hits, rays->count, NULL, &accuracy), "judge");
     *lost = accuracy.missed;
     *wrong = accuracy.missed + accuracy.false_hits + accuracy.wrong_t;
@@ -178,13 +99,15 @@ static void closed_meshes_do_not_leak(void **state)
         "sphere-mesh:radius=1000",  "sphere-mesh:radius=1000,x=148376,y=1234,z=-223423",
         "sphere-mesh:radius=1e-15", "sphere-mesh:radius=1e15",
     };
-    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
-        uint64_t lost, wrong;
-        count_lost(scenes[s], "exact", 100000, &lost, &wrong);
-        if (wrong != 0)
-            fail_msg("%s: %llu lost, %llu wrong (seed %llu)", scenes[s], (unsigned long long)lost,
-                     (unsigned long long)wrong, (unsigned long long)seed);
-    }
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
+        for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
+            uint64_t lost, wrong;
+            count_lost(scenes[s], (*k)->name, "exact", 30000, &lost, &wrong);
+            if (wrong != 0)
+                fail_msg("%s, kernel %s: %llu lost, %llu wrong (seed %llu)", scenes[s], (*k)->name,
+                         (unsigned long long)lost, (unsigned long long)wrong,
+                         (unsigned long long)seed);
+        }
 }
 
 /* The same measurement must find what is wrong: the careless intersector leaks. */
@@ -192,87 +115,8 @@ static void careless_intersector_is_found_out(void **state)
 {
     (void)state;
     uint64_t lost, wrong;
-    count_lost("sphere-mesh:radius=2", "fast", 100000, &lost, &wrong);
+    count_lost("sphere-mesh:radius=2", "stack", "fast", 100000, &lost, &wrong);
     assert_true(lost > 100);
-}
-
-/* ---- awkward rays ---- */
-
-static void rays_that_are_no_rays_end(void **state)
-{
-    (void)state;
-    bed b;
-    open_bed(&b, load("interior:n=2000"), "lbvh", 1);
-    const float bad[] = {NAN, INFINITY, -INFINITY, 0.0f, -0.0f, 1e-45f, 3e38f, 1.0f};
-    enum { BAD = sizeof bad / sizeof bad[0], COUNT = BAD * BAD * BAD * 2 };
-    bb_ray *rays = calloc(COUNT, sizeof *rays);
-    bb_hit *hits = calloc(COUNT, sizeof *hits);
-    for (uint32_t i = 0; i < COUNT; i++) {
-        bb_ray *r = &rays[i];
-        *r = (bb_ray){.o = {0.1f, 0.2f, 0.3f}, .tmax = INFINITY};
-        float *v = i < COUNT / 2 ? r->d : r->o;
-        if (i >= COUNT / 2)
-            r->d[2] = 1.0f;
-        v[0] = bad[i % BAD];
-        v[1] = bad[i / BAD % BAD];
-        v[2] = bad[i / BAD / BAD % BAD];
-    }
-    trace(&b, "exact", b.layout.stack_need, rays, COUNT, BB_CLOSEST_HIT, hits, NULL);
-    for (uint32_t i = 0; i < COUNT; i++) {
-        assert_true(hits[i].prim != BB_POISON);
-        bool finite = true;
-        for (int k = 0; k < 3; k++)
-            finite = finite && !isnan(rays[i].o[k]) && !isnan(rays[i].d[k]);
-        if (!finite)
-            assert_int_equal(hits[i].prim, BB_NONE);
-    }
-    free(rays);
-    free(hits);
-    close_bed(&b);
-}
-
-/* Rays along the axes, in the planes of box faces, from and through vertices: judged by the arbiter. */
-static void axis_parallel_rays_in_box_faces_are_right(void **state)
-{
-    (void)state;
-    bb_scene *scene = load("terrain:n=2000");
-    bb_oracle *oracle;
-    check(bb_oracle_create(scene, device->compute_units, &oracle), "oracle");
-    enum { COUNT = 20000 };
-    bb_ray *rays = NULL;
-    check(bb_host_alloc(NULL, COUNT * sizeof *rays, "rays", &rays), "rays");
-    bb_random random = bb_random_make(seed, 1);
-    for (uint32_t i = 0; i < COUNT; i++) {
-        const bb_box *box = &scene->boxes[bb_random_below(&random, scene->prim_count)];
-        bb_ray *r = &rays[i];
-        *r = (bb_ray){.tmax = INFINITY};
-        for (int k = 0; k < 3; k++)
-            r->o[k] = bb_random_below(&random, 2) ? box->lo[k] : box->hi[k];
-        int axis = (int)bb_random_below(&random, 3);
-        r->d[axis] = bb_random_below(&random, 2) ? 1.0f : -1.0f;
-        r->d[(axis + 1) % 3] = bb_random_below(&random, 2) ? 0.0f : -0.0f;
-        r->o[axis] -= r->d[axis] * (float)bb_random_below(&random, 3);
-    }
-    bb_rays set = {
-        .name = "axis", .workload = bb_workload_find("random"), .count = COUNT, .rays = rays};
-    bb_answers answers;
-    check(bb_answers_make(oracle, &set, &answers), "answers");
-    bed b;
-    bb_hit *hits = calloc(COUNT, sizeof *hits);
-    open_bed(&b, scene, "lbvh", 1);
-    bb_accuracy accuracy;
-    trace(&b, "exact", b.layout.stack_need, rays, COUNT, BB_CLOSEST_HIT, hits, NULL);
-    check(bb_judge(oracle, &answers, hits, COUNT, NULL, &accuracy), "judge");
-    if (accuracy.wrong_ppm > 0)
-        fail_msg("%llu missed, %llu false, %llu wrong t, the first is ray %u (seed %llu)",
-                 (unsigned long long)accuracy.missed, (unsigned long long)accuracy.false_hits,
-                 (unsigned long long)accuracy.wrong_t, accuracy.first_wrong,
-                 (unsigned long long)seed);
-    free(hits);
-    bb_answers_release(&answers);
-    bb_host_free(rays);
-    bb_oracle_destroy(oracle);
-    close_bed(&b);
 }
 
 /* ---- the stack ---- */
@@ -296,15 +140,16 @@ static void an_overflow_is_never_silent(void **state)
     scene->vertex_count = 3 * LAYERS;
     check(bb_scene_finish(scene), "finish");
     bed b;
-    open_bed(&b, scene, "lbvh:bits=63", 1);
+    open_bed(&b, scene, "lbvh:bits=63", "stack", 1);
     assert_true(b.layout.stack_need > 16);
     bb_ray ray = {.o = {0, 0, -1}, .d = {0, 0, 1}, .tmax = INFINITY};
     bb_hit hit;
     bb_count count;
-    trace(&b, "exact", b.layout.stack_need, &ray, 1, BB_CLOSEST_HIT, &hit, &count);
+    trace(&b, "exact", &ray, 1, BB_CLOSEST_HIT, &hit, &count);
     assert_int_equal(hit.prim, LAYERS - 1);
     assert_int_equal(count.overflow, 0);
-    trace(&b, "exact", 16, &ray, 1, BB_CLOSEST_HIT, &hit, &count);
+    b.layout.stack_need = 16;
+    trace(&b, "exact", &ray, 1, BB_CLOSEST_HIT, &hit, &count);
     assert_int_equal(count.overflow, 1);
     assert_int_equal(hit.prim, BB_POISON);
     close_bed(&b);
@@ -357,8 +202,8 @@ static void make_rays(const bb_scene *scene, bb_ray *rays)
 static void trace_scene(bb_scene *scene, const bb_ray *rays, bb_hit *hits, const char *builder)
 {
     bed b;
-    open_bed(&b, scene, builder, 1);
-    trace(&b, "exact", b.layout.stack_need, rays, RAYS, BB_CLOSEST_HIT, hits, NULL);
+    open_bed(&b, scene, builder, "stack", 1);
+    trace(&b, "exact", rays, RAYS, BB_CLOSEST_HIT, hits, NULL);
     close_bed(&b);
 }
 
@@ -433,19 +278,6 @@ static void moving_on_a_grid_changes_nothing(void **state)
     free(others);
 }
 
-/* Two answers to one ray that differ by rounding only. A primitive's t is off by a few 2^-24 of the distances between its vertices and the
- * origin; where two lie as close as that, the tree decides which one is found first and culls the other. */
-static bool is_tie(const bb_box *bounds, const bb_ray *ray, const bb_hit *a, const bb_hit *b)
-{
-    double reach = 0, length = 0;
-    for (int k = 0; k < 3; k++) {
-        reach = fmax(reach, (double)bounds->hi[k] - bounds->lo[k]);
-        length += (double)ray->d[k] * ray->d[k];
-    }
-    return a->prim != BB_NONE && b->prim != BB_NONE &&
-           fabs((double)a->t - b->t) * sqrt(length) <= 16 * 0x1p-24 * reach;
-}
-
 static void permuting_primitives_changes_ties_only(void **state)
 {
     (void)state;
@@ -495,8 +327,9 @@ static void the_answer_does_not_depend_on_the_tree(void **state)
     trace_scene(scene, rays, hits, "lbvh");
     for (uint32_t b = 0; b < bb_builder_count(); b++) {
         bed other;
-        open_bed(&other, load("interior:n=3000"), bb_builder_at(b)->name, b % 2 == 0 ? 1 : 4);
-        trace(&other, "exact", other.layout.stack_need, rays, RAYS, BB_CLOSEST_HIT, others, NULL);
+        open_bed(&other, load("interior:n=3000"), bb_builder_at(b)->name, "stack",
+                 b % 2 == 0 ? 1 : 4);
+        trace(&other, "exact", rays, RAYS, BB_CLOSEST_HIT, others, NULL);
         close_bed(&other);
         uint32_t ties = 0;
         for (uint32_t i = 0; i < RAYS; i++) {
@@ -540,8 +373,6 @@ int main(void)
         cmocka_unit_test(every_builder_with_every_kernel_is_right),
         cmocka_unit_test(closed_meshes_do_not_leak),
         cmocka_unit_test(careless_intersector_is_found_out),
-        cmocka_unit_test(rays_that_are_no_rays_end),
-        cmocka_unit_test(axis_parallel_rays_in_box_faces_are_right),
         cmocka_unit_test(an_overflow_is_never_silent),
         cmocka_unit_test(zero_area_triangles_are_harmless),
         cmocka_unit_test(scaling_by_powers_of_two_changes_nothing),

@@ -15,11 +15,11 @@ static bool small(void)
 /* ---- leaf collapse ---- */
 
 /* Collapses a copy on the device; `out` ends up on the host as well. */
-static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32_t block,
-                     bb_tree **out)
+static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32_t width,
+                     uint32_t block, bb_tree **out)
 {
     ASSERT_OK(bb_tree_upload(tree, device, NULL));
-    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, block, out));
+    ASSERT_OK(bb_collapse_make(collapse, tree, leaf, width, block, out));
     ASSERT_OK(bb_tree_download(*out, NULL));
 }
 
@@ -31,21 +31,22 @@ static void collapsed_trees_are_valid_and_cost_no_more(void **state)
     ASSERT_OK(bb_collapse_create(device, &account, &self));
     for (uint32_t run = 0; run < (small() ? 5u : 100u); run++) {
         bb_random random = bb_random_make(SEED, run);
-        bb_scene *scene = make_random_scene(1 + bb_random_below(&random, small() ? 40 : 400), &random);
+        bb_scene *scene =
+            make_random_scene(1 + bb_random_below(&random, small() ? 40 : 400), &random);
         bb_tree tree, *out;
         make_random_tree(scene, 2 + bb_random_below(&random, 7), 1, &random, &tree);
         double before = bb_tree_sah(&tree);
         for (uint32_t leaf = 1; leaf <= BB_LEAF_MAX; leaf *= 2)
             for (uint32_t block = 1; block <= 4; block += 3) {
-                collapse(self, &tree, leaf, block, &out);
+                collapse(self, &tree, leaf, block == 1 ? 2 : 8, block, &out);
                 if (bb_tree_check(out, scene) != BB_OK)
                     fail_msg("seed %llu run %u leaf %u block %u: %s", (unsigned long long)SEED, run,
                              leaf, block, bb_message());
                 double after = bb_tree_sah(out);
                 if ((block == 1 && !(after <= before * (1 + 1e-5))) ||
                     (leaf == 1 && fabs(after - before) > 1e-9))
-                    fail_msg("seed %llu run %u leaf %u: SAH %g became %g",
-                             (unsigned long long)SEED, run, leaf, before, after);
+                    fail_msg("seed %llu run %u leaf %u: SAH %g became %g", (unsigned long long)SEED,
+                             run, leaf, before, after);
                 for (uint32_t i = 0, width = 1; i < out->info.ref_count; i++, width++) {
                     assert_true(width <= leaf);
                     width = out->refs[i] & BB_LAST_BIT ? 0 : width;
@@ -74,9 +75,9 @@ static void collapse_decides_by_cost(void **state)
     bb_tree tree, *out;
     ASSERT_OK(bb_collapse_create(device, NULL, &self));
     make_tree(&tree, near, 3, refs, 2, 2, 1);
-    collapse(self, &tree, 1, 1, &out);
+    collapse(self, &tree, 1, 2, 1, &out);
     assert_int_equal(out->info.node_count, 3);
-    collapse(self, &tree, 2, 1, &out);
+    collapse(self, &tree, 2, 2, 1, &out);
     assert_int_equal(out->info.node_count, 1);
     assert_int_equal(out->info.leaf_count, 1);
     assert_int_equal(out->info.ref_count, 2);
@@ -85,11 +86,13 @@ static void collapse_decides_by_cost(void **state)
     bb_tree_release(&tree);
 
     make_tree(&tree, far, 3, refs, 2, 2, 1);
-    collapse(self, &tree, 2, 1, &out); /* 2 * 201 against 1.2 * 201 + 2 * 3 */
+    collapse(self, &tree, 2, 2, 1, &out); /* 2 * 203 against 1.2 * 203 + 2 * 3 */
     assert_int_equal(out->info.node_count, 3);
     assert_int_equal(out->info.arity, 2);
     assert_int_equal(out->info.depth, 1);
-    collapse(self, &tree, 2, 4, &out); /* 201: one block */
+    collapse(self, &tree, 2, 8, 4, &out); /* one block, 203, against 1.2 * 4 / 7 * 203 + 2 * 3 */
+    assert_int_equal(out->info.node_count, 3);
+    collapse(self, &tree, 2, 2, 4, &out); /* 203 against 1.2 * 203 + 2 * 3 */
     assert_int_equal(out->info.node_count, 1);
     bb_tree_release(&tree);
 
@@ -97,7 +100,7 @@ static void collapse_decides_by_cost(void **state)
     make_tree(&tree, near, 3, refs, 2, 2, 1);
     tree.duplicated = true;
     tree.refs[1] = 0 | BB_LAST_BIT;
-    collapse(self, &tree, 2, 1, &out);
+    collapse(self, &tree, 2, 2, 1, &out);
     assert_int_equal(out->info.ref_count, 1);
     bb_tree_release(&tree);
     bb_collapse_destroy(self);
@@ -178,9 +181,9 @@ static bool read_leaf(wide *w, uint32_t block, bb_box *box)
             assert_int_equal(prim < w->scene->triangle_count,
                              (prims[0] & BB_INDEX_MASK) < w->scene->triangle_count);
             bool triangle = prim < w->scene->triangle_count;
-            const float *from = triangle ? w->scene->vertices + 9 * (size_t)prim
-                                         : w->scene->spheres +
-                                               4 * (size_t)(prim - w->scene->triangle_count);
+            const float *from =
+                triangle ? w->scene->vertices + 9 * (size_t)prim
+                         : w->scene->spheres + 4 * (size_t)(prim - w->scene->triangle_count);
             for (uint32_t k = 0; k < (triangle ? 9u : 4u); k++)
                 assert_memory_equal(&words[k * BB_BLOCK_LANES + lane], &from[k], sizeof *from);
             w->seen[prim]++;
@@ -238,7 +241,7 @@ static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, u
     bb_layout_maker maker;
     bb_layout_data data = {0};
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
-    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, &data));
+    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, BB_RECORD_VERTICES, &data));
     wide w = {
         .scene = scene,
         .width = strcmp(name, "wide4") == 0 ? 4 : 8,
@@ -263,9 +266,9 @@ static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, u
 /* A coordinate of any size, near others of its kind or not. */
 static float extreme(bb_random *random, uint32_t kind)
 {
-    static const float pool[] = {0.0f,   -0.0f,  1e-45f, -3e-42f, 1.2e-38f, 1e-30f,
-                                 1e-3f,  1.0f,   -1.0f,  16777216, -1e7f,   1e20f,
-                                 -1e37f, 1e38f,  -3e38f, 3.4e38f};
+    static const float pool[] = {0.0f,   -0.0f, 1e-45f, -3e-42f,  1.2e-38f, 1e-30f,
+                                 1e-3f,  1.0f,  -1.0f,  16777216, -1e7f,    1e20f,
+                                 -1e37f, 1e38f, -3e38f, 3.4e38f};
     float sign = bb_random_below(random, 2) ? 1.0f : -1.0f;
     switch (kind) {
     case 0:

@@ -16,7 +16,8 @@ struct bb_collapse {
     bb_primitives *primitives;
     bb_buffer parents, missing; /* u32 per node: its parent; children that have not come yet */
     bb_buffer subtrees;         /* bb_subtree per node */
-    bb_buffer places, firsts;   /* u32 per node, and the total: its place, and its first reference's */
+    bb_buffer places,
+        firsts; /* u32 per node, and the total: its place, and its first reference's */
     bb_tree tree;
 };
 
@@ -28,8 +29,7 @@ bb_status bb_collapse_create(bb_device *device, bb_account *account, bb_collapse
     self->device = device;
     self->account = account;
     bb_tree_init(&self->tree, account);
-    bb_status status =
-        bb_program_build(device, bb_source_find("collapse.cl"), "", &self->program);
+    bb_status status = bb_program_build(device, bb_source_find("collapse.cl"), "", &self->program);
     if (status == BB_OK)
         status = bb_kernel_get(self->program, "collapse_parents", &self->parents_kernel);
     if (status == BB_OK)
@@ -72,8 +72,10 @@ static bb_status reserve(bb_collapse *self, size_t count)
         size_t bytes;
         bb_buffer *buffer;
     } wanted[] = {
-        {count * sizeof(uint32_t), &self->parents},    {count * sizeof(uint32_t), &self->missing},
-        {count * sizeof(bb_subtree), &self->subtrees}, {(count + 1) * sizeof(uint32_t), &self->places},
+        {count * sizeof(uint32_t), &self->parents},
+        {count * sizeof(uint32_t), &self->missing},
+        {count * sizeof(bb_subtree), &self->subtrees},
+        {(count + 1) * sizeof(uint32_t), &self->places},
         {(count + 1) * sizeof(uint32_t), &self->firsts},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++)
@@ -82,10 +84,12 @@ static bb_status reserve(bb_collapse *self, size_t count)
     return BB_OK;
 }
 
-static bb_status decide(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf, uint32_t block)
+static bb_status decide(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf, uint32_t width,
+                        uint32_t block)
 {
     uint32_t count = tree->info.node_count;
-    const float traversal = (float)BB_COST_TRAVERSAL, intersection = (float)BB_COST_INTERSECTION;
+    const float traversal = (float)(BB_COST_TRAVERSAL * 0.5 * width / (width - 1)),
+                intersection = (float)BB_COST_INTERSECTION;
     BB_TRY(bb_launch(self->device, self->parents_kernel, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_VALUE(count), BB_VALUE(tree->info.root), BB_MEM(self->parents),
                      BB_MEM(self->missing)));
@@ -95,14 +99,14 @@ static bb_status decide(bb_collapse *self, const bb_tree *tree, uint32_t max_lea
                      BB_MEM(self->parents), BB_MEM(self->missing), BB_MEM(self->subtrees));
 }
 
-bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf, uint32_t block,
-                           bb_tree **out)
+bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf,
+                           uint32_t width, uint32_t block, bb_tree **out)
 {
-    assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && block >= 1);
+    assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && width >= 2 && block >= 1);
     uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0, totals[2];
     bb_tree *result = &self->tree;
     BB_TRY(reserve(self, count));
-    BB_TRY(decide(self, tree, max_leaf, block));
+    BB_TRY(decide(self, tree, max_leaf, width, block));
     BB_TRY(bb_launch(self->device, self->mark, (size_t)count + 1, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(max_leaf),
                      BB_VALUE(duplicated), BB_MEM(self->parents), BB_MEM(self->subtrees),

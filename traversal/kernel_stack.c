@@ -9,5 +9,5 @@ const bb_kernel bb_kernel_stack = {
     .source = "stack.cl",
     .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
     .ordered = true,
-    .compared = true,
+    .compared = "stack",
 };

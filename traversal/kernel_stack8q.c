@@ -1,6 +1,11 @@
 /* The stack8q kernel: kernels/stack_wide.cl on quantised nodes of 8 children. */
 #include "traversal/traversal.h"
 
+static const bb_option options[] = {
+    {"order", "sorted", "sorted|octant", "children by distance, or by the octant of the direction"},
+    {.name = NULL},
+};
+
 const bb_kernel bb_kernel_stack8q = {
     .name = "stack8q",
     .summary = "as stack8, on nodes of half the bytes",
@@ -10,4 +15,5 @@ const bb_kernel bb_kernel_stack8q = {
     .defines = "-DBB_WIDTH=8 -DBB_QUANTISED=1",
     .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
     .ordered = true,
+    .options = options,
 };

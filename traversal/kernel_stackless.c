@@ -9,7 +9,8 @@ const bb_kernel bb_kernel_stackless = {
     .source = "stackless.cl",
     .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
     .ordered = false,
-    .compared =
-        false, /* the stack is faster on every binary tree; this one traces any tree as it was built */
+    /* closest hits take the stack half the time; but this traces any tree as it was built */
+    .compared = NULL,
     .native = true,
+    .stackless = true,
 };

@@ -38,7 +38,8 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
     pair_layout *self = opaque;
     uint32_t count;
     data->buffer_count = 2;
-    data->stack_need = bb_pairs_stack_need(&tree->info);
+    data->levels = bb_pairs_stack_need(&tree->info);
+    data->stack_need = data->levels; /* one per pair node on the way */
     data->keeps_shape = bb_pairs_keep_shape(&tree->info);
     BB_TRY(bb_pairs_make(&self->pairs, tree, &data->buffers[0], &count, &data->root));
     data->bytes += count * sizeof(bb_pair);
@@ -48,6 +49,7 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
 const bb_layout bb_layout_pair = {
     .name = "pair",
     .summary = "binary, both children's boxes in the parent; primitives expanded in leaf order",
+    .width = 2,
     .block = 1,
     .create = create,
     .make = make,

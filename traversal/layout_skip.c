@@ -86,6 +86,7 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
     data->buffer_count = 2;
     data->root = 0;
     data->stack_need = 0;
+    data->levels = tree->info.depth;
     data->keeps_shape = true;
     BB_TRY(number_nodes(self, tree));
     BB_TRY(bb_buffer_reserve(device, self->account, bytes, "skip: nodes", &data->buffers[0]));
@@ -98,6 +99,7 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
 const bb_layout bb_layout_skip = {
     .name = "skip",
     .summary = "the tree's own nodes, of any arity, in preorder; primitives expanded in leaf order",
+    .width = 2,
     .block = 1,
     .create = create,
     .make = make,

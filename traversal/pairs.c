@@ -39,8 +39,8 @@ bb_status bb_pairs_make(bb_pairs *pairs, const bb_tree *tree, bb_buffer *nodes, 
                        tree->info.arity);
     BB_TRY(bb_buffer_reserve(device, pairs->account, ((size_t)node_count + 1) * sizeof(uint32_t),
                              "pairs: numbering", &pairs->base));
-    BB_TRY(bb_launch(device, pairs->extra, (size_t)node_count + 1, GROUP_SIZE, BB_MEM(tree->d_nodes),
-                     BB_VALUE(node_count), BB_MEM(pairs->base)));
+    BB_TRY(bb_launch(device, pairs->extra, (size_t)node_count + 1, GROUP_SIZE,
+                     BB_MEM(tree->d_nodes), BB_VALUE(node_count), BB_MEM(pairs->base)));
     BB_TRY(bb_scan_u32(pairs->primitives, &pairs->base, &pairs->base, node_count + 1, NULL));
     BB_TRY(bb_launch(device, pairs->root, 1, 1, BB_MEM(tree->d_nodes), BB_VALUE(node_count),
                      BB_VALUE(tree->info.root), BB_MEM(pairs->base), BB_MEM(pairs->found)));
@@ -48,7 +48,8 @@ bb_status bb_pairs_make(bb_pairs *pairs, const bb_tree *tree, bb_buffer *nodes, 
     BB_TRY(bb_buffer_read(&pairs->found, 0, sizeof found, found));
     *root = found[0];
     *count = found[1];
-    BB_TRY(bb_buffer_reserve(device, pairs->account, *count * sizeof(bb_pair), "pair nodes", nodes));
+    BB_TRY(
+        bb_buffer_reserve(device, pairs->account, *count * sizeof(bb_pair), "pair nodes", nodes));
     return bb_launch(device, pairs->nodes, node_count, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_VALUE(node_count), BB_MEM(pairs->base), BB_MEM(*nodes));
 }

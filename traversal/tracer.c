@@ -61,11 +61,25 @@ static uint32_t round_stack(uint32_t need)
     return size;
 }
 
+static uint32_t round_levels(uint32_t levels)
+{
+    uint32_t size = 64; /* a word of the trail */
+    while (size < levels)
+        size *= 2;
+    return size;
+}
+
 static void release(bb_tracer *tracer)
 {
     bb_kernel_release(tracer->kernel);
     bb_program_release(tracer->program);
     free(tracer);
+}
+
+static void append_number(const char *name, uint32_t value, char *text, size_t capacity)
+{
+    size_t length = strlen(text);
+    snprintf(text + length, capacity - length, " -D%s=%u", name, value);
 }
 
 /* The kernel's own options as -DBB_NAME=value, '-' as '_'. Appends to `text`. */
@@ -89,13 +103,22 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     uint64_t group;
     BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
                        &group));
-    uint32_t stack_size = round_stack(request->stack_need);
+    if (request->kernel->trail_max > 0 && request->levels > request->kernel->trail_max)
+        return bb_fail(
+            BB_UNSUPPORTED,
+            "the trail of kernel %s is at most %u levels long and the tree has up to %u; a kernel "
+            "without a trail may take it",
+            request->kernel->name, request->kernel->trail_max, request->levels);
+    uint32_t stack_size = request->kernel->stackless ? 0 : round_stack(request->stack_need);
     char intersector[128], defines[768], key[1024];
     bb_intersector_defines(request->intersector, intersector, sizeof intersector);
-    snprintf(defines, sizeof defines,
-             "%s %s -DBB_KINDS=%u -DBB_STACK_SIZE=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d", intersector,
-             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds,
-             stack_size, request->query == BB_ANY_HIT, request->counting);
+    snprintf(defines, sizeof defines, "%s %s -DBB_KINDS=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d",
+             intersector, request->kernel->defines != NULL ? request->kernel->defines : "",
+             request->kinds, request->query == BB_ANY_HIT, request->counting);
+    if (stack_size > 0)
+        append_number("BB_STACK_SIZE", stack_size, defines, sizeof defines);
+    if (request->kernel->trail_max > 0)
+        append_number("BB_LEVELS", round_levels(request->levels), defines, sizeof defines);
     append_options(request->kernel, request->spec, defines, sizeof defines);
     snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)

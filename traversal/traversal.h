@@ -10,7 +10,11 @@
 #include "framework/scene.h"
 #include "framework/tree.h"
 
-enum { BB_LAYOUT_BUFFERS_MAX = 4 };
+enum {
+    BB_LAYOUT_BUFFERS_MAX = 4,
+    BB_TRAIL_MAX =
+        1 << 14, /* levels: 4 KiB of private memory per ray with 2 children, 8 KiB with 8 */
+};
 
 /* A tree in the form that a kernel reads, on the device. */
 typedef struct bb_layout_data {
@@ -20,6 +24,7 @@ typedef struct bb_layout_data {
     bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
     bb_u32 form;                              /* of the triangles' records: BB_RECORD_... */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
+    uint32_t levels; /* inner nodes on the longest path, as the kernel sees them; an upper bound */
     uint64_t bytes;
     bool
         keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too, the pairing is native */
@@ -31,11 +36,11 @@ typedef struct bb_layout_data {
 typedef struct bb_layout {
     const char *name;
     const char *summary;
-    uint32_t
-        block; /* primitives that its kernels test at once: leaf collapse counts begun blocks. Required */
+    uint32_t width; /* children of its nodes at most; 2 where there is no limit. Required */
+    uint32_t block; /* primitives that its kernels test at once. Required */
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
-    /* Makes the layout of `tree` (on the device) with triangles in the form data->form: buffers, root, stack_need, keeps_shape; adds to
-     * data->bytes. May enqueue and return. The rest is bb_layout_maker_make()'s. */
+    /* Makes the layout of `tree` (on the device) with triangles in the form data->form: buffers, root, stack_need, levels, keeps_shape;
+     * adds to data->bytes. May enqueue and return. The rest is bb_layout_maker_make()'s. */
     bb_status (*make)(void *self, const bb_scene *scene, const bb_tree *tree, bb_layout_data *data);
     void (*destroy)(void *self); /* what create() left behind, even if it failed; NULL is allowed */
 } bb_layout;
@@ -51,18 +56,17 @@ typedef struct bb_layout_maker {
     bb_account account; /* of the layouts made too: they go first */
     void *self;
     struct bb_collapse *collapse; /* NULL until leaves are asked for */
-    bb_u32
-        form; /* what it makes of triangles: BB_RECORD_VERTICES, or BB_RECORD_AFFINE if set so after create */
 } bb_layout_maker;
 
 bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,
                                  bb_layout_maker *maker);
 void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed */
 
-/* Makes the layout of `tree`, on the device, with leaves of up to `leaf` references (1: those of the tree). Waits for it; data->ms
- * is the wall time, leaf collapse included. `data` may hold an earlier one, whose memory is used again. */
+/* Makes the layout of `tree`, on the device, with leaves of up to `leaf` references (1: those of the tree) and triangles in the form
+ * `form` (BB_RECORD_...). Waits for it; data->ms is the wall time, leaf collapse included. `data` may hold an earlier one, whose memory is
+ * used again. */
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
-                               uint32_t leaf, bb_layout_data *data);
+                               uint32_t leaf, uint32_t form, bb_layout_data *data);
 
 /* An intersector: ray against triangle and box, with its rounding rules. A named point between careless and exact, by the values of
  * bb_intersector_options, each of which a specification may change: "exact:slab=sign". */
@@ -98,13 +102,17 @@ typedef struct bb_kernel {
     const char *defines; /* -D that every variant gets; NULL for none */
     uint32_t queries;    /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
     bool ordered;        /* visits children near to far */
-    bool compared;       /* `run` takes it when no kernel is asked for */
-    bool
-        native; /* its layout keeps the shape of any tree: when no kernel is asked for, `run` takes it for the trees
-                            whose shape no compared kernel keeps */
-    const bb_option *
-        options; /* its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its
-                                 `values`; `leaf` and `group` are common to all kernels */
+    /* What `run` takes of it when no kernel is asked for, as a list: "stack8:leaf=8"; NULL: nothing. */
+    const char *compared;
+    /* Its layout keeps the shape of any tree: when no kernel is asked for, `run` takes it for the trees whose shape no compared
+     * kernel keeps. */
+    bool native;
+    bool stackless; /* needs no stack of the tree's size: gets no BB_STACK_SIZE */
+    /* Keeps a bit trail: gets BB_LEVELS, and trees of more levels than this are refused; 0: keeps none. */
+    uint32_t trail_max;
+    /* Its own: the value of `name` reaches the kernel as -DBB_NAME=value, so each lists its `values`; `leaf` and `group`
+     * are common to all kernels. */
+    const bb_option *options;
 } bb_kernel;
 
 extern const bb_kernel *const bb_kernels[]; /* generated; ends with NULL */
@@ -123,6 +131,7 @@ typedef struct bb_tracer_request {
     bb_query query;
     uint32_t kinds;      /* of the scene */
     uint32_t stack_need; /* from the layout; rounded up to 16, 32, 64 ... */
+    uint32_t levels;     /* from the layout; rounded up to 64, 128, 256 ... */
     bool counting;       /* the variant that counts tests, overflow included */
 } bb_tracer_request;
 
@@ -130,7 +139,7 @@ typedef struct bb_tracer_request {
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_tracer **tracer);
 void bb_tracers_clear(bb_device *device);
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
-uint32_t bb_tracer_stack_size(const bb_tracer *tracer);
+uint32_t bb_tracer_stack_size(const bb_tracer *tracer); /* 0: it needs none of the tree's size */
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout has the form of records that the intersector reads. `counts`
  * (bb_count[count]) only for counting tracers, else NULL. */

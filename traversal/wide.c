@@ -5,11 +5,11 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     GROUP_SIZE = 64,
-    LEVEL_ITEMS = 4096, /* work-items per level: each takes several nodes, so that levels follow each other without a wait */
+    LEVEL_ITEMS =
+        4096, /* work-items per level, which share its nodes: how many is not known here */
     LEVELS_MAX = 1 << 20,
     LEVELS_AT_ONCE = 32, /* enqueued before asking whether there is another one */
 };
@@ -21,13 +21,15 @@ typedef struct wide_layout {
     bb_account *account;
     bb_pairs pairs;
     cl_program program;
-    cl_kernel open, nodes, count, blocks;
+    cl_kernel parents_kernel, plan, open, nodes, count, blocks;
     bb_buffer pair_nodes;
-    bb_buffer levels[2]; /* uint2 per pair: nodes of one level, and of the next */
-    bb_buffer state;     /* the largest stack need; then nodes per level */
-    bb_buffer index;     /* u32 per pair, and the total: its wide node */
-    bb_buffer first;     /* u32 per reference, and the total: its leaf's first block */
-    bb_buffer none;      /* stands for the arrays that a scene lacks */
+    bb_buffer parents, missing; /* u32 per pair: the pair above; sides that have not come yet */
+    bb_buffer plans;            /* bb_wide_plan per pair */
+    bb_buffer levels[2];        /* uint2 per pair: nodes of one level, and of the next */
+    bb_buffer state;            /* the largest stack need; then nodes per level */
+    bb_buffer index;            /* u32 per pair, and the total: its wide node */
+    bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
+    bb_buffer none;             /* stands for the arrays that a scene lacks */
 } wide_layout;
 
 void bb_wide_destroy(void *opaque)
@@ -35,12 +37,14 @@ void bb_wide_destroy(void *opaque)
     wide_layout *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer *const buffers[] = {&self->pair_nodes, &self->levels[0], &self->levels[1],
-                                  &self->state,      &self->index,     &self->first,
-                                  &self->none};
+    bb_buffer *const buffers[] = {&self->pair_nodes, &self->parents,   &self->missing, &self->plans,
+                                  &self->levels[0],  &self->levels[1], &self->state,   &self->index,
+                                  &self->first,      &self->none};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
     bb_pairs_destroy(&self->pairs);
+    bb_kernel_release(self->parents_kernel);
+    bb_kernel_release(self->plan);
     bb_kernel_release(self->open);
     bb_kernel_release(self->nodes);
     bb_kernel_release(self->count);
@@ -66,6 +70,8 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
     snprintf(defines, sizeof defines, "-DBB_WIDTH=%u -DBB_QUANTISED=%d", width, quantised);
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_program_build(device, bb_source_find("layout_wide.cl"), defines, &self->program));
+    BB_TRY(bb_kernel_get(self->program, "wide_parents", &self->parents_kernel));
+    BB_TRY(bb_kernel_get(self->program, "wide_plan", &self->plan));
     BB_TRY(bb_kernel_get(self->program, "wide_open", &self->open));
     BB_TRY(bb_kernel_get(self->program, "wide_nodes", &self->nodes));
     BB_TRY(bb_kernel_get(self->program, "wide_count", &self->count));
@@ -84,6 +90,21 @@ static bb_status read_total(const bb_buffer *scan, uint32_t count, uint32_t *tot
     return bb_buffer_read(scan, count * sizeof *total, sizeof *total, total);
 }
 
+/* How each pair is best collapsed: self->plans. Clears the marks. */
+static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root)
+{
+    BB_TRY(reserve(self, ((size_t)count + 1) * sizeof(uint32_t), "wide: numbering", &self->index));
+    BB_TRY(reserve(self, count * sizeof(uint32_t), "wide: parents", &self->parents));
+    BB_TRY(reserve(self, count * sizeof(uint32_t), "wide: sides to come", &self->missing));
+    BB_TRY(reserve(self, count * sizeof(bb_wide_plan), "wide: plans", &self->plans));
+    BB_TRY(bb_launch(self->device, self->parents_kernel, (size_t)count + 1, GROUP_SIZE,
+                     BB_MEM(self->pair_nodes), BB_VALUE(count), BB_MEM(self->parents),
+                     BB_MEM(self->missing), BB_MEM(self->index)));
+    return bb_launch(self->device, self->plan, count, GROUP_SIZE, BB_MEM(self->pair_nodes),
+                     BB_VALUE(count), BB_VALUE(root), BB_MEM(self->parents), BB_MEM(self->missing),
+                     BB_MEM(self->plans));
+}
+
 /* Level by level from the root: marks in self->index the pairs that become nodes. */
 static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pair_count,
                              uint32_t root, bb_layout_data *data)
@@ -97,15 +118,15 @@ static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pa
         BB_TRY(reserve(self, pair_count * sizeof(cl_uint2), "wide: level", &self->levels[i]));
     BB_TRY(reserve(self, state_bytes, "wide: levels", &self->state));
     BB_TRY(bb_buffer_fill(&self->state, state_bytes, 0));
-    BB_TRY(bb_buffer_fill(&self->index, ((size_t)pair_count + 1) * sizeof(uint32_t), 0));
     const uint32_t start[2] = {root, 0}, one = 1;
     BB_TRY(bb_buffer_write(&self->levels[0], 0, sizeof start, start));
     BB_TRY(bb_buffer_write(&self->state, sizeof one, sizeof one, &one));
     uint32_t items = pair_count < LEVEL_ITEMS ? pair_count : LEVEL_ITEMS;
     for (uint32_t level = 0, left = 1; level < most && left > 0; level++) {
         BB_TRY(bb_launch(self->device, self->open, items, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                         BB_MEM(self->levels[level % 2]), BB_VALUE(level), BB_MEM(self->state),
-                         BB_MEM(self->index), BB_MEM(self->levels[(level + 1) % 2])));
+                         BB_MEM(self->plans), BB_MEM(self->levels[level % 2]), BB_VALUE(level),
+                         BB_MEM(self->state), BB_MEM(self->index),
+                         BB_MEM(self->levels[(level + 1) % 2])));
         if (level % LEVELS_AT_ONCE == LEVELS_AT_ONCE - 1)
             BB_TRY(bb_buffer_read(&self->state, (level + 2) * sizeof left, sizeof left, &left));
     }
@@ -144,6 +165,7 @@ static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_
 static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_data *data)
 {
     uint32_t pair_count, root, total, ref_count = tree->info.ref_count;
+    data->levels = bb_pairs_stack_need(&tree->info); /* of the pairs: no wide node is deeper */
     BB_TRY(bb_pairs_make(&self->pairs, tree, &self->pair_nodes, &pair_count, &root));
     if ((root & BB_LEAF_BIT) != 0) { /* no node at all */
         data->stack_need = 0;
@@ -153,8 +175,7 @@ static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_da
         data->root |= BB_LEAF_BIT;
         return BB_OK;
     }
-    size_t scan = (size_t)pair_count + 1;
-    BB_TRY(reserve(self, scan * sizeof(uint32_t), "wide: numbering", &self->index));
+    BB_TRY(make_plans(self, pair_count, root));
     BB_TRY(open_levels(self, tree, pair_count, root, data));
     BB_TRY(bb_scan_u32(self->pairs.primitives, &self->index, &self->index, pair_count + 1, NULL));
     BB_TRY(read_total(&self->index, pair_count, &total));
@@ -162,8 +183,8 @@ static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_da
     BB_TRY(reserve(self, total * self->node_bytes, "wide: nodes", &data->buffers[0]));
     data->bytes += total * self->node_bytes;
     return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                     BB_VALUE(pair_count), BB_MEM(self->index), BB_MEM(self->first),
-                     BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
+                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index),
+                     BB_MEM(self->first), BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
 }
 
 bb_status bb_wide_make(void *opaque, const bb_scene *scene, const bb_tree *tree,

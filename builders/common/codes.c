@@ -147,11 +147,14 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
         choice->sizes = strcmp(sizes, "linear") == 0 ? BB_SIZES_LINEAR
                         : strcmp(sizes, "root") == 0 ? BB_SIZES_ROOT
                                                      : BB_SIZES_CELL;
-    BB_TRY(bb_spec_double(spec, options, "large", 1e-3, 1e3, &choice->large));
+    choice->large = 1;
+    if (bb_spec_value(spec, options, "large") != NULL)
+        BB_TRY(bb_spec_double(spec, options, "large", 1e-3, 1e3, &choice->large));
     choice->measure = bb_spec_is(spec, options, "measure", "area")   ? BB_BY_AREA
                       : bb_spec_is(spec, options, "measure", "side") ? BB_BY_SIDE
                                                                      : BB_BY_DIAGONAL;
     choice->by_centroids = bb_spec_is(spec, options, "box", "centroids");
+    choice->cube = bb_spec_is(spec, options, "box", "cube");
     choice->tables = bb_spec_is(spec, options, "expand", "tables");
     return BB_OK;
 }
@@ -259,9 +262,10 @@ void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
     walk w = {.choice = choice};
     for (uint32_t k = 0; k < 3; k++) {
         whole[k] = (double)box->hi[k] - box->lo[k];
-        w.side[k] = whole[k];
         all = fmax(all, whole[k]);
     }
+    for (uint32_t k = 0; k < 3; k++)
+        w.side[k] = whole[k] = choice->cube ? all : whole[k];
     *layout = (bb_code_layout){0};
     order_axes(&w, direction);
     deal_bits(&w, layout);

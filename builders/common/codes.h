@@ -27,7 +27,10 @@
 #define BB_CODE_WORD(name, ...) "|" name
 #define BB_CODE_NAMES (&(BB_CODE_TABLE(BB_CODE_WORD))[1])
 
-/* Options of codes, for a builder's table. Those without a default come from the code. */
+#define BB_CODE_BOX_HELP                                                                           \
+    "what is cut into cells; cube: of the scene's longest side, from its low corner"
+
+/* Options of codes, for a builder's table, which may have a part of them only. Those without a default come from the code. */
 #define BB_CODE_OPTIONS(preset)                                                                    \
     {"code", preset, BB_CODE_NAMES, "the code: what the options below are unless given"},          \
         {"bits", NULL, NULL, "bits of the code, 3 to 64"},                                         \
@@ -41,7 +44,7 @@
         {"large", "1", NULL, "size=cell: from which share of the cell's size on the bit is set"},  \
         {"measure", "diagonal", "diagonal|area|side",                                              \
          "size: the box's diagonal, area or longest side"},                                        \
-        {"box", "centroids", "centroids|scene", "what is cut into cells"},                         \
+        {"box", "centroids", "centroids|scene|cube", BB_CODE_BOX_HELP},                            \
         {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
     {                                                                                              \
         "view", "none", NULL, BB_VIEW_ORDER_HELP                                                   \
@@ -66,7 +69,7 @@ typedef struct bb_code_choice {
     bb_code_sizes sizes;
     double large; /* with sizes told by the cell: the share of its size that is large */
     bb_code_measure measure;
-    bool by_centroids;
+    bool by_centroids, cube;
     bool tables;
     char view[64]; /* as bb_view_order() takes it */
 } bb_code_choice;

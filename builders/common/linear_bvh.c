@@ -39,8 +39,9 @@ bb_status bb_linear_create(const bb_builder_context *context, void **out)
     bool karras = bb_spec_is(context->spec, context->options, "link", "karras");
     BB_TRY(bb_codes_create(context, &self->codes));
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
-    return bb_radix_tree_create(self->device, self->account, bb_codes_key_bytes(self->codes),
-                                karras ? BB_LINK_KARRAS : BB_LINK_APETREI, &self->radix);
+    bb_radix_kind kind = {.key_bytes = bb_codes_key_bytes(self->codes),
+                          .linking = karras ? BB_LINK_KARRAS : BB_LINK_APETREI};
+    return bb_radix_tree_create(self->device, self->account, kind, &self->radix);
 }
 
 bb_status bb_linear_prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
@@ -70,8 +71,8 @@ bb_status bb_linear_build(void *opaque, const bb_scene *scene, const bb_tree *in
     else if (bits > 0)
         BB_TRY(bb_sort_u32(self->primitives, &self->keys, &self->values, count, bits));
     BB_TRY(bb_phase(phases, "link"));
-    BB_TRY(bb_radix_tree_link(self->radix, &self->keys, &self->values, &scene->on_device.boxes,
-                              count, tree));
+    BB_TRY(bb_radix_tree_link(self->radix, &self->keys, NULL, &self->values,
+                              &scene->on_device.boxes, count, tree));
     return bb_phase(phases, NULL);
 }
 

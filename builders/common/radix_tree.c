@@ -1,12 +1,13 @@
 #include "builders/common/radix_tree.h"
 
+#include <assert.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 struct bb_radix_tree {
     bb_device *device;
     bb_account *account;
-    uint32_t key_bytes;
-    bb_linking linking;
+    bb_radix_kind kind;
     cl_program program;
     cl_kernel link; /* link_chunks, link_climb or link_boxes */
     cl_kernel ranges;
@@ -20,21 +21,23 @@ enum {
     CHUNK = 2048, /* leaves per work-item of the CPU form: its nodes fit the second-level cache */
 };
 
-bb_status bb_radix_tree_create(bb_device *device, bb_account *account, uint32_t key_bytes,
-                               bb_linking linking, bb_radix_tree **out)
+bb_status bb_radix_tree_create(bb_device *device, bb_account *account, bb_radix_kind kind,
+                               bb_radix_tree **out)
 {
     bb_radix_tree *radix = calloc(1, sizeof *radix);
     if (radix == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     radix->device = device;
     radix->account = account;
-    radix->key_bytes = key_bytes;
-    radix->linking = linking;
-    const char *kernel = linking == BB_LINK_KARRAS     ? "link_boxes"
-                         : device->form == BB_FORM_CPU ? "link_chunks"
-                                                       : "link_climb";
-    bb_status status = bb_program_build(device, bb_source_find("radix_tree.cl"),
-                                        key_bytes == 8 ? "-DBB_KEY64" : "", &radix->program);
+    radix->kind = kind;
+    const char *kernel = kind.linking == BB_LINK_KARRAS ? "link_boxes"
+                         : device->form == BB_FORM_CPU  ? "link_chunks"
+                                                        : "link_climb";
+    char defines[64];
+    snprintf(defines, sizeof defines, "%s%s%s", kind.key_bytes == 8 ? "-DBB_KEY64 " : "",
+             kind.nodes ? "-DBB_KEY_NODES " : "", kind.runs ? "-DBB_LEAF_RUNS" : "");
+    bb_status status =
+        bb_program_build(device, bb_source_find("radix_tree.cl"), defines, &radix->program);
     if (status == BB_OK)
         status = bb_kernel_get(radix->program, kernel, &radix->link);
     if (status == BB_OK)
@@ -69,36 +72,41 @@ bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *t
                              "radix tree: range ends", &radix->ends));
     BB_TRY(
         bb_buffer_reserve(device, radix->account, nodes, "radix tree: heights", &radix->heights));
-    if (radix->linking == BB_LINK_KARRAS)
+    if (radix->kind.linking == BB_LINK_KARRAS)
         BB_TRY(bb_buffer_reserve(device, radix->account, splits * sizeof(uint32_t),
                                  "radix tree: places", &radix->places));
     return BB_OK;
 }
 
-bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_buffer *values,
-                             const bb_buffer *boxes, uint32_t count, bb_tree *tree)
+bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_radix_runs *runs,
+                             const bb_buffer *values, const bb_buffer *boxes, uint32_t count,
+                             bb_tree *tree)
 {
+    assert((runs != NULL) == radix->kind.runs);
     bb_device *device = radix->device;
+    const bb_radix_runs none = {0};
+    const bb_radix_runs *r = runs != NULL ? runs : &none;
     BB_TRY(bb_radix_tree_reserve(radix, count, tree));
     tree->duplicated = false;
     tree->disjoint = false;
     BB_TRY(bb_buffer_fill(&radix->ends, count * sizeof(uint32_t), BB_NONE));
-    if (radix->linking == BB_LINK_KARRAS) {
-        BB_TRY(bb_launch(device, radix->ranges, count, GROUP_SIZE, BB_MEM(*keys), BB_VALUE(count),
-                         BB_MEM(tree->d_nodes), BB_MEM(radix->places)));
-        return bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(*values),
-                         BB_MEM(*boxes), BB_VALUE(count), BB_MEM(radix->ends),
-                         BB_MEM(radix->heights), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
-                         BB_MEM(tree->d_info), BB_MEM(radix->places));
+    if (radix->kind.linking == BB_LINK_KARRAS) {
+        BB_TRY(bb_launch(device, radix->ranges, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(r->total),
+                         BB_VALUE(count), BB_MEM(tree->d_nodes), BB_MEM(radix->places)));
+        return bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(r->starts),
+                         BB_MEM(r->total), BB_MEM(*values), BB_MEM(*boxes), BB_VALUE(count),
+                         BB_MEM(radix->ends), BB_MEM(radix->heights), BB_MEM(tree->d_nodes),
+                         BB_MEM(tree->d_refs), BB_MEM(tree->d_info), BB_MEM(radix->places));
     }
     if (device->form == BB_FORM_GPU)
-        return bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(*values),
-                         BB_MEM(*boxes), BB_VALUE(count), BB_MEM(radix->ends),
-                         BB_MEM(radix->heights), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
-                         BB_MEM(tree->d_info));
+        return bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(r->starts),
+                         BB_MEM(r->total), BB_MEM(*values), BB_MEM(*boxes), BB_VALUE(count),
+                         BB_MEM(radix->ends), BB_MEM(radix->heights), BB_MEM(tree->d_nodes),
+                         BB_MEM(tree->d_refs), BB_MEM(tree->d_info));
     uint32_t chunk = CHUNK;
     return bb_launch(device, radix->link, (count + CHUNK - 1) / CHUNK, 1, BB_MEM(*keys),
-                     BB_MEM(*values), BB_MEM(*boxes), BB_VALUE(count), BB_MEM(radix->ends),
-                     BB_MEM(radix->heights), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
-                     BB_MEM(tree->d_info), BB_VALUE(chunk));
+                     BB_MEM(r->starts), BB_MEM(r->total), BB_MEM(*values), BB_MEM(*boxes),
+                     BB_VALUE(count), BB_MEM(radix->ends), BB_MEM(radix->heights),
+                     BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs), BB_MEM(tree->d_info),
+                     BB_VALUE(chunk));
 }

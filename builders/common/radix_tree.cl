@@ -1,9 +1,9 @@
 /* The binary radix tree over sorted keys, with boxes.
  *
- * level(i) is the highest bit in which key i and key i + 1 differ, ties broken by the index; it is "infinite" outside. Node
- * [l, r] is the left child of the split at r if level(r) < level(l - 1), else the right child of the split at l - 1. From its
- * range follow the node's place, its children's places (2s + 1 and 2s + 2 below split s) and its skip (the right child of
- * split r).
+ * common(i, j) is the length of the common prefix of keys i and j; equal keys go on with their indices. level(i) counts from the
+ * other end, longest - common(i, i + 1), and is "infinite" outside. Node [l, r] is the left child of the split at r if level(r) <
+ * level(l - 1), else the right child of the split at l - 1. From its range follow the node's place, its children's places (2s + 1
+ * and 2s + 2 below split s) and its skip (the right child of split r).
  *
  * Apetrei 2014 (link_climb; one work-item per leaf):
  *   node = leaf i
@@ -17,6 +17,17 @@
  * Karras 2012, sections 3 and 4 (link_ranges, link_boxes):
  *   for each inner node i: direction, range by exponential and binary search, split by binary search; link
  *   for each leaf: climb; the second to come joins the boxes of both children
+ *
+ * -DBB_KEY_NODES: keys are nodes of a binary tree, any of which may be an ancestor of others: the steps from the root (0 left, 1
+ * right) from the top bit, then a 1, then zeros; sorted in preorder. Such a node stands for the string that has a bit before
+ * each step, 1 to go on, and a 0 at its end. Strings of nodes are in preorder when sorted, and the radix tree over them is the
+ * extended tree of Gu, Jendersie, Grosch 2018, section 3.3.2: a node with descendants becomes a leaf beside the subtree that
+ * holds them. Common prefixes follow from the nodes themselves: where i < j and l is the level of node i, d the number of first
+ * steps that both share, it is 2 l bits if l <= d (i is an ancestor of j), else 2 d + 1. Hence the minimum over adjacent pairs of a
+ * range is met once, and none of the cases for ties of the paper's algorithm 1 (lines 2, 3 and 13) is needed.
+ *
+ * -DBB_LEAF_RUNS: leaf i holds the references of values[starts[i]] to values[starts[i + 1] - 1], and leaves are counted on the
+ * device, in totals[0].
  *
  * No work-item waits for another. The box of a sibling is read after the atomic at the parent that both children pass, with
  * a fence on either side. OpenCL 1.2 does not promise that one work-group sees another's plain stores in this way; the devices
@@ -32,25 +43,46 @@ typedef uint bb_key;
 #define BB_KEY_BITS 32u
 #endif
 
-/* Levels are 1..32 (by index) and 33..96 (by key); this is above all of them. */
+/* The longest common prefix of two different keys is shorter than BB_PREFIX_BITS; that of their indices than 32. */
+#ifdef BB_KEY_NODES
+#define BB_PREFIX_BITS (2u * BB_KEY_BITS)
+#else
+#define BB_PREFIX_BITS BB_KEY_BITS
+#endif
+
+/* Levels are 1..32 (by index) and above that up to 160 (by key); this is above all of them. */
 #define BB_LEVEL_OUTSIDE 255u
 /* Left children that can wait at once: their levels grow strictly towards the bottom. */
-#define BB_STACK_MAX 96
+#define BB_STACK_MAX (BB_PREFIX_BITS + 32u)
 
 typedef struct bb_work {
     float4 lo, hi; /* xyz */
-    uint l, r;   /* range of leaves */
-    uint first;  /* as in bb_node */
-    uint height; /* edges to the deepest leaf below */
+    uint l, r;     /* range of leaves */
+    uint first;    /* as in bb_node */
+    uint height;   /* edges to the deepest leaf below */
 } bb_work;
+
+/* Length of the common prefix of leaves i < j. */
+uint common_of(global const bb_key *keys, uint i, uint j)
+{
+    bb_key key = keys[i], differ = key ^ keys[j];
+    if (differ == 0)
+        return BB_PREFIX_BITS + clz(i ^ j);
+    uint same = (uint)clz(differ);
+#ifdef BB_KEY_NODES
+    uint level = (uint)clz(key & -key);
+    return level <= same ? 2u * level : 2u * same + 1u;
+#else
+    return same;
+#endif
+}
 
 /* Level of the split between i and i + 1; i = -1 and i = count - 1 are outside. */
 uint level_of(global const bb_key *keys, uint count, uint i)
 {
     if (i + 1u == 0u || i + 1u >= count)
         return BB_LEVEL_OUTSIDE;
-    bb_key differ = keys[i] ^ keys[i + 1];
-    return differ != 0 ? 32u + BB_KEY_BITS - (uint)clz(differ) : 32u - clz(i ^ (i + 1u));
+    return BB_PREFIX_BITS + 32u - common_of(keys, i, i + 1u);
 }
 
 uint place_of(const bb_work *w, bool is_left)
@@ -67,37 +99,102 @@ void write_node(global bb_node *nodes, uint place, const bb_work *w, uint count)
     vstore4((uint4)(as_uint4(w->hi).xyz, skip), 1, words);
 }
 
-void write_root(global bb_node *nodes, global bb_tree_info *info, const bb_work *w, uint count)
+void write_root(global bb_node *nodes, global bb_tree_info *info, const bb_work *w, uint count,
+                uint ref_count)
 {
     write_node(nodes, 0, w, count);
     bb_tree_info found;
     found.root = 0;
     found.node_count = 2u * count - 1u;
     found.leaf_count = count;
-    found.ref_count = count;
+    found.ref_count = ref_count;
     found.arity = count > 1u ? 2u : 0u;
     found.depth = w->height;
     *info = found;
-}
-
-void start_leaf(bb_work *w, uint i, global const uint *values, global const bb_box *boxes,
-                global uint *refs)
-{
-    uint prim = values[i];
-    global const float *words = (global const float *)(boxes + prim);
-    w->lo = vload4(0, words);
-    w->hi = vload4(1, words);
-    w->l = i;
-    w->r = i;
-    w->first = BB_LEAF_BIT | i;
-    w->height = 0;
-    refs[i] = prim | BB_LAST_BIT;
 }
 
 void join_box(bb_work *w, float4 lo, float4 hi)
 {
     w->lo = BB_MIN(lo, w->lo);
     w->hi = BB_MAX(hi, w->hi);
+}
+
+/* Of `ref_count` references. */
+uint count_leaves(global const uint *totals, uint ref_count)
+{
+#ifdef BB_LEAF_RUNS
+    return totals[0];
+#else
+    return ref_count;
+#endif
+}
+
+void start_leaf(bb_work *w, uint i, global const uint *starts, global const uint *values,
+                global const bb_box *boxes, global uint *refs)
+{
+#ifdef BB_LEAF_RUNS
+    uint first = starts[i], last = starts[i + 1u] - 1u;
+#else
+    uint first = i, last = i;
+#endif
+    uint prim = values[first];
+    global const float *words = (global const float *)(boxes + prim);
+    w->lo = vload4(0, words);
+    w->hi = vload4(1, words);
+    w->l = i;
+    w->r = i;
+    w->first = BB_LEAF_BIT | first;
+    w->height = 0;
+    for (uint at = first; at < last; at++) {
+        refs[at] = prim;
+        prim = values[at + 1u];
+        words = (global const float *)(boxes + prim);
+        join_box(w, vload4(0, words), vload4(1, words));
+    }
+    refs[last] = prim | BB_LAST_BIT;
+}
+
+/* Boxes lie in the order of the primitives, not of the references: a work-item that does many leaves asks for those of the next
+ * references all at once, and so waits for memory once, not once per leaf. */
+#define BB_AHEAD 128u
+typedef struct bb_ahead {
+    float4 lo[BB_AHEAD], hi[BB_AHEAD];
+    uint from, to; /* references that are here */
+} bb_ahead;
+
+void fetch_ahead(bb_ahead *ahead, uint at, uint end, global const uint *values,
+                 global const bb_box *boxes)
+{
+    ahead->from = at;
+    ahead->to = end - at < BB_AHEAD ? end : at + BB_AHEAD;
+    for (uint k = 0; k < ahead->to - at; k++) {
+        global const float *words = (global const float *)(boxes + values[at + k]);
+        ahead->lo[k] = vload4(0, words);
+        ahead->hi[k] = vload4(1, words);
+    }
+}
+
+/* As start_leaf(); `end` is where the last reference ends that the work-item will come to. */
+void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global const uint *values,
+                      global const bb_box *boxes, global uint *refs, uint end, bb_ahead *ahead)
+{
+#ifdef BB_LEAF_RUNS
+    uint first = starts[i], stop = starts[i + 1u];
+#else
+    uint first = i, stop = i + 1u;
+#endif
+    w->lo = (float4)(INFINITY);
+    w->hi = (float4)(-INFINITY);
+    w->l = i;
+    w->r = i;
+    w->first = BB_LEAF_BIT | first;
+    w->height = 0;
+    for (uint at = first; at < stop; at++) {
+        if (at >= ahead->to)
+            fetch_ahead(ahead, at, end, values, boxes);
+        join_box(w, ahead->lo[at - ahead->from], ahead->hi[at - ahead->from]);
+        refs[at] = values[at] | (at + 1u == stop ? BB_LAST_BIT : 0u);
+    }
 }
 
 /* Meets the sibling at split s. False: it is not there yet, the other side will go on. True: w has become the parent. */
@@ -126,12 +223,13 @@ bool meet(bb_work *w, bool is_left, uint s, volatile global uint *ends,
 
 /* Climbs from w by way of atomics until a sibling is missing or the root is made. */
 void climb(bb_work *w, global const bb_key *keys, uint count, volatile global uint *ends,
-           volatile global uchar *heights, global bb_node *nodes, global bb_tree_info *info)
+           volatile global uchar *heights, global bb_node *nodes, global bb_tree_info *info,
+           uint ref_count)
 {
     for (;;) {
         uint left = level_of(keys, count, w->l - 1u), right = level_of(keys, count, w->r);
         if (left == right) { /* both outside */
-            write_root(nodes, info, w, count);
+            write_root(nodes, info, w, count, ref_count);
             return;
         }
         bool is_left = right < left;
@@ -141,24 +239,28 @@ void climb(bb_work *w, global const bb_key *keys, uint count, volatile global ui
     }
 }
 
-kernel void link_climb(global const bb_key *keys, global const uint *values,
-                       global const bb_box *boxes, uint count, volatile global uint *ends,
+kernel void link_climb(global const bb_key *keys, global const uint *starts,
+                       global const uint *totals, global const uint *values,
+                       global const bb_box *boxes, uint ref_count, volatile global uint *ends,
                        volatile global uchar *heights, global bb_node *nodes, global uint *refs,
                        global bb_tree_info *info)
 {
+    uint count = count_leaves(totals, ref_count);
     uint i = get_global_id(0);
     if (i >= count)
         return;
     bb_work w;
-    start_leaf(&w, i, values, boxes, refs);
-    climb(&w, keys, count, ends, heights, nodes, info);
+    start_leaf(&w, i, starts, values, boxes, refs);
+    climb(&w, keys, count, ends, heights, nodes, info, ref_count);
 }
 
-kernel void link_chunks(global const bb_key *keys, global const uint *values,
-                        global const bb_box *boxes, uint count, volatile global uint *ends,
+kernel void link_chunks(global const bb_key *keys, global const uint *starts,
+                        global const uint *totals, global const uint *values,
+                        global const bb_box *boxes, uint ref_count, volatile global uint *ends,
                         volatile global uchar *heights, global bb_node *nodes, global uint *refs,
                         global bb_tree_info *info, uint chunk)
 {
+    uint count = count_leaves(totals, ref_count);
     uint begin = get_global_id(0) * chunk;
     if (begin >= count)
         return;
@@ -168,14 +270,21 @@ kernel void link_chunks(global const bb_key *keys, global const uint *values,
     uchar levels[BB_STACK_MAX]; /* of the split to the left of each entry */
     uint top = 0;
     uint level_left = level_of(keys, count, begin - 1u);
+#ifdef BB_LEAF_RUNS
+    uint ref_end = starts[end];
+#else
+    uint ref_end = end;
+#endif
+    bb_ahead ahead;
+    ahead.to = 0;
     for (uint i = begin; i < end; i++) {
         uint level_right = level_of(keys, count, i);
         uint level = level_left;
         bb_work w;
-        start_leaf(&w, i, values, boxes, refs);
+        start_leaf_ahead(&w, i, starts, values, boxes, refs, ref_end, &ahead);
         for (;;) {
             if (level == level_right) {
-                write_root(nodes, info, &w, count);
+                write_root(nodes, info, &w, count, ref_count);
                 break;
             }
             bool is_left = level_right < level;
@@ -204,24 +313,24 @@ kernel void link_chunks(global const bb_key *keys, global const uint *values,
     while (top > 0) {
         bb_work w = stack[--top];
         if (meet(&w, true, w.r, ends, heights, nodes))
-            climb(&w, keys, count, ends, heights, nodes, info);
+            climb(&w, keys, count, ends, heights, nodes, info, ref_count);
     }
 }
 
 /* ---- Karras 2012 ---- */
 
-/* Length of the common prefix of leaves i and j, -1 outside. */
+/* The same for leaves i and j in either order, -1 outside. */
 int prefix_of(global const bb_key *keys, uint count, uint i, long j)
 {
     if (j < 0 || j >= (long)count)
         return -1;
-    bb_key differ = keys[i] ^ keys[(uint)j];
-    return differ != 0 ? (int)clz(differ) : (int)(BB_KEY_BITS + clz(i ^ (uint)j));
+    return (int)common_of(keys, BB_MIN(i, (uint)j), BB_MAX(i, (uint)j));
 }
 
-kernel void link_ranges(global const bb_key *keys, uint count, global bb_node *nodes,
-                        global uint *place_of_split)
+kernel void link_ranges(global const bb_key *keys, global const uint *totals, uint ref_count,
+                        global bb_node *nodes, global uint *place_of_split)
 {
+    uint count = count_leaves(totals, ref_count);
     uint i = get_global_id(0);
     if (i + 1u >= count)
         return;
@@ -257,20 +366,22 @@ kernel void link_ranges(global const bb_key *keys, uint count, global bb_node *n
     place_of_split[s] = place;
 }
 
-kernel void link_boxes(global const bb_key *keys, global const uint *values,
-                       global const bb_box *boxes, uint count, volatile global uint *ends,
+kernel void link_boxes(global const bb_key *keys, global const uint *starts,
+                       global const uint *totals, global const uint *values,
+                       global const bb_box *boxes, uint ref_count, volatile global uint *ends,
                        volatile global uchar *heights, volatile global bb_node *nodes,
                        global uint *refs, global bb_tree_info *info,
                        global const uint *place_of_split)
 {
+    uint count = count_leaves(totals, ref_count);
     uint i = get_global_id(0);
     if (i >= count)
         return;
     bb_work w;
-    start_leaf(&w, i, values, boxes, refs);
+    start_leaf(&w, i, starts, values, boxes, refs);
     uint left = level_of(keys, count, i - 1u), right = level_of(keys, count, i);
     if (left == right) {
-        write_root((global bb_node *)nodes, info, &w, count);
+        write_root((global bb_node *)nodes, info, &w, count, ref_count);
         return;
     }
     uint place = place_of(&w, right < left);
@@ -288,5 +399,5 @@ kernel void link_boxes(global const bb_key *keys, global const uint *values,
         nodes[place].hi[1] = w.hi.y;
         nodes[place].hi[2] = w.hi.z;
     }
-    write_root((global bb_node *)nodes, info, &w, count);
+    write_root((global bb_node *)nodes, info, &w, count, ref_count);
 }

@@ -1,9 +1,11 @@
 /* Linking: from sorted keys to the binary radix tree over them, with boxes, in the common format. Shared by all
  * Morton-based builders.
  *
- * Leaf i of the tree is the i-th key; equal keys are told apart by their index. Both ways give the same tree, in the same
- * places: the root at node 0, and below the split between keys s and s + 1 the left child at 2s + 1, the right child at 2s + 2.
- * With that numbering first and skip follow from a node's range alone, in the same pass as its box.
+ * Leaf i of the tree is the i-th key; equal keys are told apart by their index. Keys are strings of bits of one length (Morton
+ * codes), or nodes of a binary tree, some of which may lie below others (those of a loose octree): radix_tree.cl says how nodes
+ * are written. A leaf has one reference, or a run of them. Both ways of linking give the same tree, in the same places: the root at
+ * node 0, and below the split between keys s and s + 1 the left child at 2s + 1, the right child at 2s + 2. With that numbering
+ * first and skip follow from a node's range alone, in the same pass as its box.
  */
 #ifndef BB_RADIX_TREE_H
 #define BB_RADIX_TREE_H
@@ -18,17 +20,31 @@ typedef enum bb_linking {
     BB_LINK_KARRAS,  /* all inner nodes at once, then boxes bottom-up (Karras 2012) */
 } bb_linking;
 
-/* Keys are u32 or u64 (`key_bytes` 4 or 8). Scratch is booked on `account`. */
-bb_status bb_radix_tree_create(bb_device *device, bb_account *account, uint32_t key_bytes,
-                               bb_linking linking, bb_radix_tree **out);
+typedef struct bb_radix_kind {
+    uint32_t key_bytes; /* 4 or 8: keys are u32 or u64 */
+    bb_linking linking;
+    bool nodes; /* keys are nodes of a binary tree */
+    bool runs;  /* leaves are runs of references, see bb_radix_runs */
+} bb_radix_kind;
+
+/* Runs of equal keys as leaves: key i stands for the references starts[i] .. starts[i + 1] - 1. */
+typedef struct bb_radix_runs {
+    bb_buffer starts; /* u32, one more than keys; the last is the number of references */
+    bb_buffer total;  /* u32: the number of keys */
+} bb_radix_runs;
+
+/* Scratch is booked on `account`. */
+bb_status bb_radix_tree_create(bb_device *device, bb_account *account, bb_radix_kind kind,
+                               bb_radix_tree **out);
 void bb_radix_tree_destroy(bb_radix_tree *radix); /* NULL is allowed */
 
-/* Scratch for up to `count` keys, and room in `tree` (on the device). */
+/* Scratch for up to `count` references, and room in `tree` (on the device). */
 bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *tree);
 
-/* Links `count` >= 1 sorted keys; values[i] is the primitive of key i, boxes[] are the primitives' boxes (bb_box). Fills tree,
- * d_info included. Enqueued, not waited for. */
-bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_buffer *values,
-                             const bb_buffer *boxes, uint32_t count, bb_tree *tree);
+/* Links sorted keys over `count` >= 1 references; values[] are their primitives, boxes[] the primitives' boxes (bb_box). `runs`
+ * is NULL unless kind.runs: then there is a key for each reference. Fills tree, d_info included. Enqueued, not waited for. */
+bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_radix_runs *runs,
+                             const bb_buffer *values, const bb_buffer *boxes, uint32_t count,
+                             bb_tree *tree);
 
 #endif

@@ -1,10 +1,12 @@
 #!/bin/sh
-# Opens the sample report in a headless Chromium: no console message, all rows, charts and pictures there. Exit status 77 (skipped)
-# where there is no Chromium.
+# Opens the sample report in a headless Chromium: no console message, all rows, charts and pictures there, the same figures as in the
+# charts drawn by gnuplot. Leaves screenshots at the width of a telephone, of a desktop, in the dark, and the print, to be looked at.
+# Exit status 77 (skipped) where there is no Chromium.
 #   check.sh TEST_REPORT FOLDER      the test executable, which writes the sample, and a folder for it
 set -eu
 test_report=$1
 folder=$2
+here=$(cd "$(dirname "$0")" && pwd)
 
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 if [ -z "$browser" ]; then
@@ -17,12 +19,40 @@ fail() {
     exit 1
 }
 
-# dom FILE: what the page is after its script ran; console messages go to FILE.log.
-dom() {
+# open_page FILE OPTION...: the browser on a page of the folder; console messages go to FILE.log.
+open_page() {
+    page=$1
+    shift
     "$browser" --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking \
         --disable-component-update --disable-sync --disable-dev-shm-usage --host-resolver-rules='MAP * ~NOTFOUND' \
         --user-data-dir="$folder/profile" --enable-logging=stderr --v=0 --virtual-time-budget=5000 \
-        --dump-dom "file://$folder/$1" >"$folder/$1.dom" 2>"$folder/$1.log"
+        "$@" "file://$folder/$page" 2>"$folder/$page.log"
+}
+
+# dom FILE: what the page is after its script ran.
+dom() {
+    open_page "$1" --dump-dom >"$folder/$1.dom"
+}
+
+# silent FILE WHEN
+silent() {
+    if grep 'CONSOLE' "$folder/$1.log"; then
+        fail "the page writes to the console ($2)"
+    fi
+}
+
+# screenshot NAME WIDTH HEIGHT OPTION...: a PNG of that size.
+screenshot() {
+    name=$1 width=$2 height=$3
+    shift 3
+    open_page report.html --hide-scrollbars --window-size="$width,$height" --screenshot="$folder/$name.png" "$@" >/dev/null ||
+        fail "no screenshot $name"
+    silent report.html "$name"
+    # a PNG, whose width stands in bytes 16 to 19, and of more than a blank page's few kilobytes
+    size=$(wc -c <"$folder/$name.png")
+    wide=$(od -An -tu1 -j16 -N4 "$folder/$name.png" | awk '{ print (($1 * 256 + $2) * 256 + $3) * 256 + $4 }')
+    [ "$wide" = "$width" ] || fail "screenshot $name is $wide wide, not $width"
+    [ "$size" -gt 40000 ] || fail "screenshot $name has $size bytes: an empty page?"
 }
 
 # has TEXT COUNT: at least that often in the page.
@@ -43,9 +73,7 @@ grep -q '>ran<' "$folder/control.html.dom" || fail "scripts do not run"
 
 "$test_report" --write "$folder" >"$folder/table.txt" || fail "the sample was not written"
 dom report.html || fail "chromium failed on the report"
-if grep 'CONSOLE' "$folder/report.html.log"; then
-    fail "the page writes to the console"
-fi
+silent report.html "as it opens"
 # What was drawn, without the records that it was drawn from.
 sed -n '1,/<script type="application\/json"/p' "$folder/report.html.dom" >"$folder/report.html.body"
 
@@ -56,7 +84,7 @@ has '>lbvh:bits=63</th>' 39             # 12 cells and a build per scene
 has '2.86 WRONG OVERFLOW' 1
 has '<td class="number wrong">' 1
 has 'refused: brute force would take' 3
-has '&lt;/script&gt;&lt;b&gt;' 3        # markup in a reason is text
+has '&lt;/script&gt;&lt;b&gt;' 4        # markup in a reason or a title is text
 has '1 cell WRONG above the limit' 1
 has '72 other cells with wrong answers' 1
 has '<tr class="reference">' 30
@@ -67,8 +95,52 @@ has '>Total</th>' 1
 has '>Not accounted for</th>' 1
 has '; 2 skipped.' 1
 has 'the mesh is not closed &lt;/script' 1
-has '<canvas id="chart-' 4
-has 'wrong rays per million: 17 marks' 1 # 5 builders with 3 cells each, and 2 references
+has '<canvas id="chart-' 5
+has 'wrong rays per million: 5 marks' 1  # 3 kernels and intersectors, each on its fastest tree, and 2 references
+has 'wrong rays per million: 12 marks' 1 # 5 builders with 2 intersectors each, and 2 references
+has '5 of 5 rows' 1                      # the tables beside them
+has '12 of 12 rows' 1
+has 'all 2 together' 1
+has '>≤ 5.72<' 6                         # none of 2 * 262,144 rays: 3/n
 has ' ms before the first ray' 2
 has '1234567890123456789' 1
-echo "ok: $browser shows the report without a console message"
+has '>native</td>' 120
+has '>reshaped</td>' 60
+has 'code: 30 bits, 10 per axis' 1
+has '✓ held' 1
+has '✗ not held' 1
+has '? not decided' 1
+has '<td class="number">4.50</td>' 1
+
+# What the page says of winners and fronts is what gnuplot draws; its script has data blocks per picture.
+if [ -f "$folder/report-charts/charts.gp" ]; then
+    block() {
+        sed -n "/output '$1.svg'/,/output '$1.png'/p" "$folder/report-charts/charts.gp" | sed -n "/^\$$2 <</,/^EOD/p" | sed '1d;$d'
+    }
+    block coffee_primary_time cross | sed 's/.*"\(.*\)"/<b>\1<\/b>/' >"$folder/crossings"
+    [ -s "$folder/crossings" ] || fail "no builder overtakes another in the sample"
+    while IFS= read -r crossing; do
+        has "$crossing" 1
+    done <"$folder/crossings"
+    stairs=$(block coffee_primary_accuracy front; block coffee_primary_builders front)
+    steps=$(($(echo "$stairs" | wc -l) / 2 - 1))
+    found=$(grep -oF '<td>on front</td>' "$folder/report.html.body" | wc -l)
+    [ "$found" -eq "$steps" ] || fail "$found marks are on the page's fronts, $steps on gnuplot's"
+fi
+
+# Each choice and button, at both widths.
+{ cat "$folder/report.html"; echo '<script>'; cat "$here/exercise.js"; echo '</script>'; } >"$folder/exercise.html"
+for width in 400 1280; do
+    open_page exercise.html --window-size="$width,1000" --dump-dom >"$folder/exercise.html.dom"
+    silent exercise.html "as it is used"
+    grep -q 'EXERCISE: [0-9]* choices, all well' "$folder/exercise.html.dom" ||
+        fail "$width wide: $(grep -o 'EXERCISE: .*' "$folder/exercise.html.dom" | tail -n 1)"
+done
+
+screenshot telephone 400 5200
+screenshot desktop 1280 4200
+screenshot dark 1280 4200 --blink-settings=preferredColorScheme=0
+open_page report.html --no-pdf-header-footer --print-to-pdf="$folder/print.pdf" >/dev/null || fail "it does not print"
+silent report.html "in print"
+[ "$(head -c 5 "$folder/print.pdf")" = '%PDF-' ] || fail "the print is no PDF"
+echo "ok: $browser shows the report without a console message; screenshots are in $folder"

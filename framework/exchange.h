@@ -1,0 +1,93 @@
+/* The files by which rays go out to tracers that are no plug-ins, and by which their hits come back.
+ *
+ * `bvhbench rays` writes a rays file: a scene's primitives and a ray set. A tracer answers it with a
+ * hits file, which `bvhbench judge` classes. This header is the format; a tracer needs nothing else
+ * (examples/outside-tracer is one). Numbers are little-endian, floats IEEE 754 binary32. The parts
+ * follow each other without padding:
+ *
+ *   rays file   bb_rays_header
+ *               bb_ray   rays[ray_count]              o, tmin, d, tmax: 32 bytes each
+ *               float    vertices[vertex_count][3]
+ *               uint32_t indices[triangle_count][3]   into vertices
+ *               float    spheres[sphere_count][4]     centre, radius
+ *   hits file   bb_hits_header
+ *               bb_hit   hits[hit_count]              t, primitive: 8 bytes each, hits[i] of rays[i]
+ *
+ * Primitives are numbered through: the triangles first, then the spheres. t is in units of |d|, which
+ * need not be 1. Hits count in the open interval tmin < t < tmax; tmax may be +inf. Triangles have
+ * two sides; a ray that starts in a sphere hits its far side. Nothing has a default: a tracer that
+ * cannot do what a header asks for (another version, another interval) must say so and stop.
+ *
+ *   closest hit   the nearest hit, and which primitive that is
+ *   any hit       some hit; BB_UNNAMED for the primitive says "one of them", and t is not looked at
+ *   no hit        t = +inf, prim = BB_NONE
+ *
+ * The hits may be fewer than the rays: then they are those of the first rays. More of them, a t that is
+ * no number, a primitive that the scene does not have, or a miss whose t is not +inf are no answers: such
+ * a file is refused, with the first ray of which it is true. A t outside the interval is an answer, and
+ * judged.
+ *
+ * Hashes are XXH3 of 64 bits, seed 0 (https://xxhash.com). A checksum is that of the whole file with
+ * its own eight bytes taken as 0. A tracer may take the hashes as names that it repeats, and leave
+ * the checksum of its hits 0, "none"; what is damaged then is judged as it stands.
+ */
+#ifndef BB_EXCHANGE_H
+#define BB_EXCHANGE_H
+
+#include "kernels/bb_shared.h" /* bb_ray, bb_hit, BB_NONE, BB_UNNAMED */
+
+#include <stdint.h>
+
+#define BB_RAYS_MAGIC "BVHBRAYS" /* the first eight bytes, without a 0 */
+#define BB_HITS_MAGIC "BVHBHITS"
+
+enum {
+    BB_EXCHANGE_VERSION = 1,
+    BB_EXCHANGE_ORDER = 0x01020304, /* what a reader of the wrong byte order sees as 0x04030201 */
+    BB_EXCHANGE_CLOSEST = 0,
+    BB_EXCHANGE_ANY = 1,
+    BB_EXCHANGE_OPEN = 1, /* hits count where tmin < t < tmax */
+};
+
+/* 1024 bytes. Texts end with a 0 and are filled up with 0. */
+typedef struct bb_rays_header {
+    char magic[8];
+    uint32_t version;
+    uint32_t byte_order;   /* BB_EXCHANGE_ORDER */
+    uint32_t header_bytes; /* 1024: where the rays start */
+    uint32_t query;        /* BB_EXCHANGE_CLOSEST or BB_EXCHANGE_ANY */
+    uint32_t interval;     /* BB_EXCHANGE_OPEN */
+    uint32_t must_hit;     /* 1: rays aimed at a closed mesh from inside: each must hit; else 0 */
+    uint64_t ray_count;
+    uint64_t vertex_count;
+    uint64_t triangle_count;
+    uint64_t sphere_count;
+    uint64_t scene_hash; /* of the last three counts as uint32_t, vertices, indices, spheres */
+    uint64_t rays_hash;  /* of the rays */
+    uint64_t checksum;
+    uint32_t width; /* of the picture that the rays make, row by row; 0: none */
+    uint32_t height;
+    char scene[256];     /* as given to `bvhbench rays` */
+    char rays[128];      /* the workload, with its parameters */
+    char view[48];       /* "": made over all views, or without one */
+    char generator[496]; /* version and command line of the program that wrote the file */
+} bb_rays_header;
+
+/* 128 bytes. */
+typedef struct bb_hits_header {
+    char magic[8];
+    uint32_t version;
+    uint32_t byte_order;
+    uint32_t header_bytes; /* 128: where the hits start */
+    uint32_t reserved;     /* 0 */
+    uint64_t hit_count;
+    uint64_t scene_hash; /* both of the rays file */
+    uint64_t rays_hash;
+    uint64_t checksum; /* 0: none */
+    char tracer[72];   /* its name, for the report; may be "" */
+} bb_hits_header;
+
+_Static_assert(sizeof(bb_rays_header) == 1024, "bb_rays_header");
+_Static_assert(sizeof(bb_hits_header) == 128, "bb_hits_header");
+
+#endif

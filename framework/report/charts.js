@@ -1,0 +1,210 @@
+/* The charts of the chosen set of cells. */
+const partly = c => c.count < c.rays ? ` (traced: the first ${whole(c.count)} of ${whole(c.rays)})` : '';
+const madeOf = c => c.reference ? 'Embree with its own tree' :
+  [c.t.kernel, c.t.layout && `on ${c.t.layout}`, c.t.intersector && `with ${c.t.intersector}`,
+   c.t.native === true && '(native tree)'].filter(Boolean).join(' ');
+
+/* "732.4 (12 of 16,384)", "at most 183 (0 of 16,384)" */
+function rateText(c) {
+  if (!isNumber(c.ppm)) return 'unchecked';
+  return `${c.none ? 'at most ' : ''}${figure(c.ppm)} (${whole(c.wrong_rays)} of ${whole(c.checked)})`;
+}
+
+function cellLines(c) {
+  const t = c.t, b = t.record;
+  const lines = [`${t.scene}, ${t.rays}, ${c.views > 1 ? `${c.views} views together` : t.view ? `view ${t.view}` : 'whole scene'}`,
+    madeOf(c), `${interval(c.mrays_s, c.mrays_s_lo, c.mrays_s_hi)} Mrays/s` + (c.ratio ? `, ${figure(c.ratio)} of Embree` : ''),
+    `wrong per million: ${rateText(c)}${partly(c)}`];
+  if (c.wrong_rays > 0)
+    lines.push(`95 %: ${figure(c.ppm_lo)} to ${figure(c.ppm_hi)}; missed ${whole(c.missed)}, false ${whole(c.false)}, ` +
+               `wrong t ${whole(c.wrong_t)}`);
+  if (c.views === 1 && isNumber(t.node_tests_per_ray))
+    lines.push(`${figure(t.node_tests_per_ray)} box and ${figure(t.prim_tests_per_ray)} primitive tests per ray`);
+  if (isNumber(b.build_ms_median))
+    lines.push(`built in ${figure(b.build_ms_median)} ms (${figure(b.mprims_s)} Mprims/s)` +
+               (isNumber(c.sah) ? `, SAH ${figure(c.sah)}` : '') + (isNumber(c.epo) ? `, EPO ${figure(c.epo)}` : ''));
+  if (isNumber(c.total)) lines.push(`build, layout and all ${brief(c.rays)} rays: ${figure(c.total)} ms`);
+  return lines;
+}
+
+/* ---- speed, and time, against wrong answers ---- */
+const wrongAxis = range => axis(['wrong rays per million (log scale)', '\u2190 none found of n: at most 3/n'], true, range);
+
+/* Room for the arrows on the left. */
+const wrongRange = points => decades(points.flatMap(p => p.cell.none ? [p.x, p.x / 1.4] : [p.x, p.xHigh]));
+
+/* The checked cells as points; those on the Pareto front, which references are kept out of, are marked so. By the upper bound of
+ * their rate, or one wrong ray of n would seem to beat none of n. */
+function wrongPoints(cells, key, y, gain) {
+  const points = cells.filter(c => isNumber(c.ppm) && isNumber(y(c))).map(c => ({
+    cell: c, key: key(c), x: c.ppm, y: y(c), none: c.none, atMost: c.none, xLow: c.ppm_lo, xHigh: c.ppm_hi,
+    cost: c.ppm_hi, gain: gain(c), front: false }));
+  const front = paretoFront(points.filter(p => !p.cell.reference));
+  for (const p of front) p.front = true;
+  return [points, front];
+}
+
+/* Stairs through the front, from the end of the axis at which y is worst; never back to the left. */
+function stairs(front, worst, right) {
+  const steps = [];
+  let x = 0, y = worst;
+  for (const p of front) {
+    x = Math.max(x, p.x);
+    steps.push({ x, y }, { x, y: p.y });
+    y = p.y;
+  }
+  return steps.concat(steps.length ? [{ x: right, y }] : []);
+}
+
+/* The marks of a chart as a table beside it; a row that is pointed at, or reached by the arrow keys, shows its mark. */
+const tableStates = {};
+function markTable(id, chart, points, columns) {
+  const box = $(id), first = columns.findIndex(c => c.first);
+  box.replaceChildren();
+  tableStates[id] = tableStates[id] || { column: first, down: columns[first].down, words: [], odd: false };
+  const table = addTable(box, 'The marks of the chart. The arrow keys go through them.', columns, points, {
+    tools: true, state: tableStates[id], css: p => p.cell.reference ? 'reference' : null, compact: true });
+  for (const [p, row] of table.rows) {
+    row.tabIndex = -1;
+    for (const [event, cell] of [['mouseenter', p.cell], ['focus', p.cell], ['mouseleave', null], ['blur', null]])
+      row.addEventListener(event, () => pointAt(chart, cell));
+  }
+  table.region.addEventListener('keydown', event => {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key], rows = [...table.region.querySelectorAll('tbody tr')];
+    const at = rows.indexOf(event.target), next = rows[at < 0 ? 0 : at + (step || 0)];
+    if (!step || !next || (at < 0 && event.target !== table.region)) return;
+    event.preventDefault();
+    next.focus();
+  });
+  return p => { for (const [point, row] of table.rows) row.classList.toggle('pointed', point === p); };
+}
+
+const wrongColumn = num('Wrong ppm', p => p.cell.none ? 0 : p.cell.ppm, 'rays per million; \u2264: none found, at most 3/n',
+  null);
+wrongColumn.text = p => p.cell.none ? `\u2264 ${figure(p.cell.ppm)}` : figure(p.cell.ppm);
+wrongColumn.css = p => p.cell.none ? '' : 'odd';
+const frontColumn = { name: 'Front', title: 'on the Pareto front',
+                      text: p => p.front ? 'on front' : p.cell.reference ? 'ref.' : dash };
+
+function notes(set, cells, points) {
+  const checked = unique(points.filter(p => p.none).map(p => p.cell.checked)).map(whole);
+  return (checked.length ? `Here n is ${checked.slice(0, 4).join(' or ')}. ` : '') +
+    (cells.length > points.length
+      ? `Not drawn, since not checked or not measured: ${plural(cells.length - points.length, 'cell')}. ` : '') +
+    (set.incomplete ? `${plural(set.incomplete, 'cell')} without a result in one of the views: choose a view. ` : '') +
+    (points.length ? '' : 'No cell of this choice was traced and checked.');
+}
+
+function drawAccuracy(set, cells) {
+  const tree = $('pick-tree').value, references = cells.filter(c => c.reference);
+  const ours = cells.filter(c => !c.reference && (tree === '*' || tree === '' || c.label === tree));
+  const checkedFirst = c => isNumber(c.ppm) ? c.mrays_s : -1;
+  const drawn = tree === '' ? bestPer(ours, c => JSON.stringify([c.t.kernel, c.t.intersector]), checkedFirst) : ours;
+  const [points, front] = wrongPoints(drawn.concat(references), kernelKey, c => c.mrays_s, c => c.mrays_s);
+  for (const p of points) Object.assign(p, { yLow: p.cell.mrays_s_lo, yHigh: p.cell.mrays_s_hi });
+  const range = wrongRange(points);
+  const marks = marksOf(points, c => c.reference ? c.label : c.t.kernel, kernelColour);
+  if (front.length) marks.push(line('Pareto front', stairs(front, 0, range.max)));
+  $('accuracy-note').textContent = notes(set, drawn.concat(references), points);
+  const show = markTable('accuracy-table', 'chart-accuracy', points, [
+    { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel },
+    { name: 'Intersector', text: p => p.cell.t.intersector || dash },
+    Object.assign(num('Mrays/s', p => p.y), { first: true, down: true }), wrongColumn,
+    num('/Embree', p => p.cell.ratio, 'ratio to the fastest embree-native row on the same rays'), frontColumn,
+    { name: 'Builder', text: p => p.cell.label }]);
+  draw('chart-accuracy', 'Trace speed against wrong rays per million', marks,
+       { x: wrongAxis(range), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
+       p => p.cell ? [p.cell.label].concat(cellLines(p.cell)) : '', show);
+}
+
+function drawBuilders(set, cells) {
+  const drawn = bestPer(cells.filter(c => isNumber(c.ppm) && isNumber(c.total)),
+                        c => JSON.stringify([c.label, c.t.intersector]), c => -c.total);
+  const [points, front] = wrongPoints(drawn, builderKey, c => c.total, c => -c.total);
+  const range = wrongRange(points), ms = decades(points.map(p => p.y));
+  const marks = marksOf(points, c => c.label, builderColour);
+  if (front.length) marks.push(line('Pareto front', stairs(front, ms.max, range.max)));
+  $('builders-note').textContent = notes(set, drawn, points);
+  const show = markTable('builders-table', 'chart-builders', points, [
+    { name: 'Key', text: p => p.key },
+    Object.assign(num('Total ms', p => p.y, 'build, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn,
+    { name: 'Builder', text: p => p.cell.label }, num('Build ms', p => p.cell.t.record.build_ms_median),
+    num('Layout ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median),
+    { name: 'Intersector', text: p => p.cell.t.intersector || dash },
+    { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel }]);
+  draw('chart-builders', 'Time for build, layout and rays against wrong rays per million', marks,
+       { x: wrongAxis(range), y: axis('ms (log scale)', true, ms) }, p => p.cell ? cellLines(p.cell) : '', show);
+}
+
+/* ---- time to n rays ---- */
+const timeAt = (cells, n) => cells.reduce((best, c) => !best || c.fixed_ms + n * c.msPerRay < best.ms
+  ? { ms: c.fixed_ms + n * c.msPerRay, cell: c } : best, null);
+
+function winnerItem(winners, i) {
+  const c = winners[i].cell, next = winners[i + 1];
+  const range = winners.length === 1 ? 'for every n' : i === 0 ? `up to ${brief(next.from)} rays`
+                                                               : `from ${brief(winners[i].from)} rays`;
+  return el('li', {}, el('b', {}, `${builderKey(c)} ${range}`),
+    `: ${c.label}, ${madeOf(c)} (${figure(c.fixed_ms)} ms before the first ray, then ${figure(c.msPerRay * 1e6)} ns per ray; ` +
+    `wrong per million: ${rateText(c)}${partly(c)})`);
+}
+
+function drawTime(set, cells) {
+  const usable = cells.filter(c => c.usable && isNumber(c.fixed_ms)), ours = usable.filter(c => !c.reference);
+  const winners = winnersOf(ours), last = winners.length ? winners[winners.length - 1].from : 0;
+  const rays = usable.length ? usable[0].rays : 1;
+  const { min, max } = decades([Math.max(1, rays / 1e3), Math.min(Math.max(rays * 1e3, last * 30), 1e13)]);
+  const steps = Array.from({ length: 121 }, (_, i) => min * (max / min) ** (i / 120));
+  const curves = unique(usable.map(c => c.label)).map((name, i) => {
+    const own = usable.filter(c => c.label === name);
+    const points = steps.map(n => { const at = timeAt(own, n); return { x: n, y: at.ms, cell: at.cell }; });
+    for (const end of [points[0], points[steps.length - 1]]) end.key = builderKey(own[0]);
+    return line(name, points, { borderColor: builderColour(own[0]), borderWidth: own[0].reference ? 1.5 : 2, hasTip: true,
+      pointHitRadius: 6, borderDash: [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5]][i % 5], clip: 0 });
+  });
+  const overtaken = winners.filter((w, i) => i > 0 && w.cell.label !== winners[i - 1].cell.label && w.from > 0);
+  const crossings = overtaken.map(w => ({ x: w.from, y: w.cell.fixed_ms + w.from * w.cell.msPerRay, cell: w.cell, front: true,
+                                                 below: true, key: `${builderKey(w.cell)} from ${brief(w.from)}` }));
+  const crossed = { label: 'overtakes', data: crossings, pointRadius: 4, pointBackgroundColor: theme().text,
+                    pointBorderColor: theme().text, order: -1 };
+  $('time-note').textContent = usable.length ? `All rays of this choice are ${whole(rays)}.`
+                                             : 'No build and trace of this choice can be combined.';
+  $('winners').replaceChildren(...winners.map((_, i) => winnerItem(winners, i)));
+  draw('chart-time', 'Time to n rays per builder', curves.concat([crossed]),
+       { x: axis('n, rays traced (log scale)', true, { min, max }), y: axis('ms (log scale)', true, {}) },
+       p => [`${brief(p.x)} rays: ${figure(p.y)} ms`, madeOf(p.cell), `${figure(p.cell.fixed_ms)} ms build and layout, then ` +
+             `${figure(p.cell.msPerRay * 1e6)} ns per ray`, `wrong per million: ${rateText(p.cell)}${partly(p.cell)}`]);
+}
+
+/* ---- what is said of the tree, and what building it costs ---- */
+function drawQuality(set, cells) {
+  const measure = $('pick-measure').value, name = measure.toUpperCase();
+  const points = cells.filter(c => !c.reference).map(c => ({
+    cell: c, key: builderKey(c) + kernelKey(c), x: c[measure], y: c.mrays_s, none: c.none, yLow: c.mrays_s_lo, yHigh: c.mrays_s_hi }));
+  const sets = marksOf(points, c => c.label, builderColour), xs = sets.flatMap(s => s.data).map(p => p.x);
+  const rate = Math.max(0, ...cells.filter(c => c.reference).map(c => c.mrays_s));
+  if (rate > 0 && xs.length > 0)
+    sets.push(line('fastest embree-native', [{ x: Math.min(...xs), y: rate }, { x: Math.max(...xs), y: rate }],
+                   { borderDash: [6, 4] }));
+  $('quality-note').textContent = 'Keys: builder and kernel. Filled marks gave wrong answers.' +
+    (rate > 0 && xs.length ? ' Dashed: the fastest embree-native row, whose tree is not seen.' : '') +
+    (xs.length ? '' : ` ${name} was not measured here.`);
+  draw('chart-quality', `Trace speed against ${name}`, sets,
+       { x: axis(name, false, { grace: '5%' }), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
+       p => p.cell ? cellLines(p.cell) : '');
+}
+
+function drawBuild(set, cells) {
+  const best = bestPer(cells.filter(c => c.usable), c => c.label, c => c.mrays_s);
+  const points = best.map(c => ({ cell: c, key: builderKey(c), x: c.t.record.mprims_s, y: c.mrays_s, none: c.none,
+                                  yLow: c.mrays_s_lo, yHigh: c.mrays_s_hi }));
+  const sets = marksOf(points, c => c.label, builderColour);
+  draw('chart-build', 'Build speed against trace speed', sets,
+       { x: axis('Mprims/s built (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.x))),
+         y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) }, p => cellLines(p.cell));
+}
+
+function drawAll(set) {
+  const cells = set.cells.filter(shown);
+  for (const chart of [drawAccuracy, drawBuilders, drawTime, drawQuality, drawBuild]) chart(set, cells);
+}

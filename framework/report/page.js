@@ -1,0 +1,116 @@
+/* The page's head, its sections, and what happens when something is chosen. */
+/* ---- page head ---- */
+function contextList(list, entries) {
+  for (const [name, value] of entries)
+    if ((value ?? '') !== '') list.append(el('div', {}, el('dt', {}, name), el('dd', {}, String(value))));
+}
+
+function head() {
+  const c = data.context;
+  const done = traces.filter(isOk).length, bad = traces.filter(t => t.wrong).length;
+  const inexact = traces.filter(t => !t.wrong && t.acc.wrong_ppm > 0).length;
+  const missing = traces.concat(builds).filter(row => row.status !== 'ok').length, skipped = data.skipped.length;
+  $('summary').append(
+    `${plural(data.scenes.length, 'scene')}, ${plural(builds.length, 'build')}, ${plural(done, 'cell')} traced; `,
+    el('span', { class: bad ? 'bad' : null },
+       bad ? `${plural(bad, 'cell')} WRONG above the limit` : 'no cell above the limit for wrong answers'),
+    (inexact ? `; ${plural(inexact, 'other cell')} with wrong answers (references, inexact, or within the limit)` : '') +
+    (missing ? `; ${plural(missing, 'row')} without a result` : '') + (skipped ? `; ${skipped} skipped` : '') + '.');
+  contextList($('context'), [
+    ['Date', c.date && c.date.replace('T', ' ').replace('Z', ' UTC')], ['Revision', c.revision], ['Host', c.host],
+    ['Processor', c.cpu && c.cpu_threads ? `${c.cpu}, ${c.cpu_threads} threads` : c.cpu],
+    ['Device', c.device], ['Driver', c.driver], ['OpenCL', c.opencl], ['Seed', c.seed]]);
+  contextList($('more-context').querySelector('dl'), [
+    ['Build flags', c.build_flags], ['Kernels', c.kernels], ['Compute units', c.compute_units],
+    ['Load (1, 5, 15 min)', Array.isArray(c.load) ? c.load.map(figure).join(', ') : c.load],
+    ['Command', c.command]]);
+  (data.merged || []).forEach((m, i) => contextList($('more-context').querySelector('dl'), [
+    [`Run ${i + 2}`, [m.date, m.revision, m.host, m.device].filter(Boolean).join(', ')],
+    [`Command of run ${i + 2}`, m.command]]));
+  $('version').textContent = [c.version, c.revision].filter(Boolean).join(', revision ');
+  document.title = `bvhbench report, ${data.scenes.map(s => s.name).join(', ')}`;
+}
+
+/* ---- papers reproduced ---- */
+const verdicts = { true: ['held', '\u2713 held'], false: ['failed', '\u2717 not held'], null: ['open', '? not decided'] };
+
+/* As in the record: numbers, texts, or nothing. */
+const entry = value => typeof value === 'number' ? figure(value) : value ?? dash;
+
+function claimItem(claim) {
+  const [css, text] = verdicts[claim.held ?? null];
+  const details = [['Paper', claim.paper], ['Here', claim.ours], ['Why', claim.why]].filter(([, value]) => (value ?? '') !== '');
+  return el('li', {}, el('span', { class: `verdict ${css}` }, text), ' ', String(claim.claim),
+            el('dl', {}, ...details.flatMap(([name, value]) => [el('dt', {}, name), el('dd', {}, String(value))])));
+}
+
+function reproductions() {
+  const list = data.reproductions || [];
+  $('papers').hidden = $('papers-link').hidden = list.length === 0;
+  for (const r of list) {
+    $('papers').append(el('h3', {}, r.title || r.name));
+    if ((r.claims || []).length > 0) $('papers').append(el('ul', { class: 'claims' }, ...r.claims.map(claimItem)));
+    for (const table of r.tables || []) {
+      const columns = table.columns.map((name, i) => ({ name, number: table.rows.some(row => typeof row[i] === 'number'),
+        value: row => row[i], text: row => entry(row[i]) }));
+      addTable($('papers'), table.title || r.title || r.name, columns, table.rows, {});
+    }
+  }
+}
+function pictureGrid() {
+  if (pictures.length === 0) $('pictures').append(el('p', { class: 'note' }, 'The run made no pictures.'));
+  $('pictures').append(el('div', { class: 'pictures' }, ...pictures.map(p => {
+    const text = [p.scene, p.view, p.caption].filter(Boolean).join(', ');
+    const picture = p.src ? el('img', { src: p.src, alt: text }) : el('p', { class: 'notice' }, `${p.path}: ${p.missing}`);
+    return el('figure', {}, picture, el('figcaption', {}, text));
+  })));
+}
+
+/* ---- what is chosen ---- */
+let current;
+
+function legendButton(kind, name, key, colour, pressed) {
+  const chip = el('i', { 'aria-hidden': 'true' });
+  chip.style.background = colour;
+  const button = el('button', { type: 'button', 'aria-pressed': pressed + '' }, chip, el('b', {}, key), ` ${name}`);
+  button.addEventListener('click', () => {
+    if (!hidden[kind].delete(name)) hidden[kind].add(name);
+    button.setAttribute('aria-pressed', !hidden[kind].has(name) + '');
+    drawAll(current);
+  });
+  return button;
+}
+
+/* One button per builder and kernel of the set, and what the shapes mean. */
+function drawLegend(set) {
+  const first = (cells, name) => unique(cells.map(name)).map(n => cells.find(c => name(c) === n));
+  const builders = first(set.cells, c => c.label), kernels = first(set.cells.filter(c => !c.reference), c => c.t.kernel);
+  const intersectors = first(set.cells.filter(c => !c.reference), c => c.t.intersector || dash);
+  $('legend-kernels').replaceChildren(...kernels.map(c =>
+    legendButton('kernel', c.t.kernel, kernelKey(c), kernelColour(c), !hidden.kernel.has(c.t.kernel))));
+  $('legend-builders').replaceChildren(...builders.map(c =>
+    legendButton('builder', c.label, builderKey(c), builderColour(c), !hidden.builder.has(c.label))));
+  $('shapes').textContent = 'Marks: ' + intersectors.map(c => `${shapeOf(c)[2]} ${c.t.intersector || dash}`)
+    .concat(set.cells.some(c => c.reference) ? ['\u2715 Embree with its own trees (reference)'] : []).join('   ') +
+    '. Filled: wrong answers found; hollow: none.';
+  const tree = $('pick-tree'), chosen = tree.value, names = builders.filter(c => !c.reference).map(c => c.label);
+  tree.replaceChildren(el('option', { value: '' }, 'the fastest for each kernel'), el('option', { value: '*' }, 'of all builders'),
+                       ...names.map(name => el('option', { value: name }, `of ${name}`)));
+  tree.value = ['', '*', ...names].includes(chosen) ? chosen : '';
+}
+
+function redraw() {
+  current = pick();
+  drawLegend(current);
+  drawAll(current);
+}
+
+for (const part of [head, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid]) part();
+Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
+redraw();
+for (const [id, key] of [['pick-scene', 'scene'], ['pick-rays', 'rays'], ['pick-view', 'view']])
+  $(id).addEventListener('change', event => { picked[key] = event.target.value; redraw(); });
+for (const id of ['pick-tree', 'pick-measure']) $(id).addEventListener('change', () => drawAll(current));
+dark.addEventListener('change', redraw);
+window.addEventListener('beforeprint', () => { printing = true; redraw(); });
+window.addEventListener('afterprint', () => { printing = false; redraw(); });

@@ -1,0 +1,143 @@
+/* Traversal with a short stack, or none, and a bit trail (trail.clh) to find the way again.
+ *
+ *   node = root, level = 0, retrace = 0
+ *   loop: while node is inner:
+ *             met = the children that the ray meets, nearest first
+ *             at = level < retrace ? place(level) : 0
+ *             at is past the last of them: go to next
+ *             push met[at + 1 ...], the farthest first; place(level) = at, open(level) = is there one after it?
+ *             node = met[at], level = level + 1
+ *         test the primitives of the leaf
+ *   next: l = the deepest open level, its place moved on by one; none: done
+ *         the stack is not empty: node = what it has, level = l + 1, retrace = 0; again if that is farther than the hit
+ *         it is empty: node = root, level = 0, retrace = l + 1
+ *
+ * Vaidyanathan, Woop, Benthin 2019, "Wide BVH Traversal with a Short Stack"; without entries Laine 2010, "Restart Trail for Stackless BVH
+ * Traversal". Pro: children in order, with a few words of state per ray. Con: what the stack has dropped is found again by a
+ * walk from the root, whose boxes are tested again. Limits: trees of up to BB_LEVELS levels; in a deeper one the hit is left
+ * poisoned and counted as overflown, as the full stack does.
+ *
+ *   -D: those of wide.clh, trail.clh and search.clh
+ */
+#include "bb_device.h"
+#ifndef BB_WIDTH
+#define BB_WIDTH 2
+#endif
+#include "wide.clh"
+#if BB_WIDTH > 2
+#define BB_LANES BB_BLOCK_LANES
+#endif
+#include "search.clh"
+#define BB_CHILDREN BB_WIDTH
+#include "trail.clh"
+
+/* The children of a node that the ray meets, nearest first, the first of equals first; how many. */
+uint short_children(const bb_slab *slab, global const bb_wide *node, const bb_search *search,
+                    uint *met, float *distances)
+{
+    bb_boxes entry, exit;
+    float entries[BB_WIDTH], exits[BB_WIDTH];
+    bb_box_distances(slab, node->planes, search->tmin, search->tmax, &entry, &exit);
+    BB_VECTOR(vstore, BB_WIDTH)(entry, 0, entries);
+    BB_VECTOR(vstore, BB_WIDTH)(exit, 0, exits);
+    uint many = 0;
+    for (uint child = 0; child < BB_WIDTH; child++) {
+        float distance = entries[child];
+        if (!(distance <= exits[child]))
+            continue;
+        uint at = many++;
+        for (; at > 0 && distances[at - 1u] > distance; at--) {
+            met[at] = met[at - 1u];
+            distances[at] = distances[at - 1u];
+        }
+        met[at] = node->links[child];
+        distances[at] = distance;
+    }
+    return many;
+}
+
+kernel void trace(global const bb_wide *nodes,
+                  global const float *records, /* of primitives, or blocks of them */
+                  uint root,                     /* link */
+                  uint triangle_count,
+                  global const bb_ray *rays,
+                  uint count,
+                  global bb_hit *hits
+                  BB_COUNTS_ARGUMENT)
+{
+    uint id = get_global_id(0);
+    if (id >= count)
+        return;
+    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
+    bb_slab slab = bb_slab_of(o, d);
+    bb_ray_setup setup = bb_ray_setup_of(o, d);
+    bb_search search;
+    bb_search_start(&search, &rays[id]);
+    bb_trail trail;
+    bb_trail_start(&trail);
+#if BB_ENTRIES > 0
+    bb_short_stack stack;
+    bb_short_stack_start(&stack);
+#endif
+
+    uint link = root, level = 0, retrace = 0;
+    bool overflow = false;
+    for (;;) {
+        while ((link & BB_LEAF_BIT) == 0) {
+            if (level == BB_LEVELS) {
+                overflow = true;
+                goto done;
+            }
+            uint met[BB_CHILDREN];
+            float distances[BB_CHILDREN];
+            uint many = short_children(&slab, nodes + link, &search, met, distances);
+            uint at = level < retrace ? bb_trail_place(&trail, level) : 0;
+#if BB_WIDTH == 2
+            search.boxes += 2;
+#else
+            search.boxes += nodes[link].count;
+#endif
+            if (at >= many)
+                goto next;
+#if BB_ENTRIES > 0
+            for (uint i = many - 1u; i > at; i--)
+                bb_short_stack_push(&stack, met[i], distances[i], i == many - 1u);
+#endif
+            bb_trail_take(&trail, level, at, at + 1u < many);
+            link = met[at];
+            level++;
+        }
+        if (bb_search_leaf(&search, &setup, records, link, triangle_count))
+            goto done;
+    next:
+        for (;;) {
+            uint open = bb_trail_next(&trail, level);
+            if (open == BB_NONE)
+                goto done;
+#if BB_ENTRIES > 0
+            if (stack.size > 0) {
+                float distance;
+                bool last;
+                link = bb_short_stack_pop(&stack, &distance, &last);
+                if (last)
+                    bb_trail_close(&trail, open);
+                level = open + 1u;
+                retrace = 0;
+                if (distance > search.tmax)
+                    continue;
+                break;
+            }
+#endif
+            link = root;
+            level = 0;
+            retrace = open + 1u;
+            break;
+        }
+    }
+done:
+    if (!overflow)
+        bb_search_write(&search, &hits[id]);
+#if BB_COUNTING
+    bb_search_count(&search, overflow, &counts[id]);
+#endif
+}

@@ -1,0 +1,86 @@
+/* Uses the page as a person would: every choice, every button, sorting, filtering, the keyboard, the print. What it found stands in
+ * an element of its own; an error on the way is a console message. */
+(() => {
+'use strict';
+const $ = id => document.getElementById(id), findings = [];
+const expect = (ok, what) => { if (!ok) findings.push(what); };
+const change = node => node.dispatchEvent(new Event('change', { bubbles: true }));
+const choose = (id, value) => { $(id).value = value; change($(id)); };
+const values = id => [...$(id).options].map(option => option.value);
+const rows = id => [...$(id).querySelectorAll('tbody tr')];
+const ids = ['chart-accuracy', 'chart-builders', 'chart-time', 'chart-quality', 'chart-build'];
+const marks = id => Number($(id).getAttribute('aria-label').match(/: ([0-9]+) mark/)[1]);
+
+/* Every scene, rays and view with every choice of trees and measure. */
+let choices = 0;
+for (const scene of values('pick-scene')) {
+  choose('pick-scene', scene);
+  for (const rays of values('pick-rays')) {
+    choose('pick-rays', rays);
+    for (const view of values('pick-view')) {
+      choose('pick-view', view);
+      for (const tree of values('pick-tree')) {
+        choose('pick-tree', tree);
+        expect(marks('chart-accuracy') === rows('accuracy-table').length, `${scene} ${rays} ${view} ${tree}: a row per mark`);
+        choices++;
+      }
+      for (const measure of values('pick-measure')) choose('pick-measure', measure);
+      for (const id of ids) expect(marks(id) > 0 || id === 'chart-quality', `${scene} ${rays} ${view}: ${id} is empty`);
+    }
+  }
+}
+expect(choices >= 3 * 5 * 7, `only ${choices} choices`);
+
+/* A hidden series takes its marks with it, and comes back. */
+choose('pick-tree', '*');
+for (const button of document.querySelectorAll('#legend-kernels button, #legend-builders button')) {
+  const before = marks('chart-accuracy');
+  button.click();
+  const pressed = () => button.getAttribute('aria-pressed');
+  expect(pressed() === 'false' && marks('chart-accuracy') < before, `${button.textContent} hides nothing`);
+  button.click();
+  expect(pressed() === 'true' && marks('chart-accuracy') === before, `${button.textContent} does not come back`);
+}
+const buttons = [...document.querySelectorAll('#legend-kernels button, #legend-builders button')];
+for (const button of buttons) button.click();
+expect(marks('chart-accuracy') === 0, 'marks without a series');
+for (const button of buttons) button.click();
+
+/* Sorting puts figures in order, both ways; a filter leaves what it names. */
+const heading = [...$('accuracy-table').querySelectorAll('th button')].find(button => button.textContent === 'Mrays/s');
+const column = [...heading.closest('tr').children].indexOf(heading.parentNode);
+for (const direction of ['ascending', 'descending']) {
+  heading.click();
+  const figures = rows('accuracy-table').map(row => Number(row.children[column].textContent.replace(/,/g, '')));
+  const sign = direction === 'ascending' ? 1 : -1;
+  expect(heading.parentNode.getAttribute('aria-sort') === direction, `${direction} is not said`);
+  expect(figures.every((v, i) => i === 0 || sign * (v - figures[i - 1]) >= 0), `${direction}: ${figures}`);
+}
+const filter = $('accuracy-table').querySelector('input[type="search"]');
+filter.value = 'moller';
+filter.dispatchEvent(new Event('input', { bubbles: true }));
+expect(rows('accuracy-table').length > 0 && rows('accuracy-table').every(row => row.textContent.includes('moller')), 'the filter');
+
+/* The arrow keys go through the rows, and each shows its mark's record. */
+const region = $('accuracy-table').querySelector('[role="region"]'), tooltip = Chart.getChart('chart-accuracy').tooltip;
+const press = (node, key) => node.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true, cancelable: true }));
+region.focus();
+for (const [key, row] of [['ArrowDown', 0], ['ArrowDown', 1], ['ArrowUp', 0]]) {
+  press(document.activeElement, key);
+  expect(document.activeElement === rows('accuracy-table')[row], `${key} does not lead to row ${row}`);
+  expect(tooltip.opacity > 0 && tooltip.body.length === 1, `no record of row ${row}`);
+}
+document.activeElement.blur();
+expect(Chart.getChart('chart-accuracy').tooltip.getActiveElements().length === 0, 'the record stays');
+
+/* Everything can be reached by its name, and nothing is wider than the page. */
+for (const node of document.querySelectorAll('select, input, button'))
+  expect(node.labels?.length > 0 || node.textContent.trim() !== '', `a ${node.tagName} without a name`);
+expect(document.documentElement.scrollWidth <= window.innerWidth, `the page is ${document.documentElement.scrollWidth} wide`);
+for (const event of ['beforeprint', 'afterprint']) window.dispatchEvent(new Event(event));
+
+const result = document.createElement('p');
+result.id = 'exercised';
+result.textContent = findings.length ? `EXERCISE: ${findings.slice(0, 5).join('; ')}` : `EXERCISE: ${choices} choices, all well`;
+document.body.append(result);
+})();

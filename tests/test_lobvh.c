@@ -1,0 +1,708 @@
+/* LOBVH against a slow recursive construction from the definition, in both forms, at each level; levels against brute-force fit
+ * tests; next pointers against a recursive walk. Bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small
+ * (for oclgrind). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "builders/common/view_order.h"
+#include "framework/instance.h"
+#include "framework/random.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SMALLEST, LARGEST, MEAN, VOLUME };
+
+/* A variant of the builder, as options and as the reference takes it. */
+typedef struct variant {
+    const char *options;
+    int side;
+    bool fit;
+    bool chains;
+    double a;
+    double direction[3];
+} variant;
+
+static uint64_t seed = 20261121;
+static bb_device *devices[2]; /* one in each form */
+static bool small;
+
+/* ---- levels and cells ---- */
+
+typedef struct item {
+    uint64_t
+        path; /* three bits per level, from the root's children down to the deepest level; 0 below its own level */
+    uint32_t level;
+    uint32_t prim;
+} item;
+
+static float smallest(const float v[3])
+{
+    return fminf(fminf(v[0], v[1]), v[2]);
+}
+
+static float largest(const float v[3])
+{
+    return fmaxf(fmaxf(v[0], v[1]), v[2]);
+}
+
+/* Equation 1 as it stands: the deepest level at which the measure is small enough. */
+static uint32_t level_by_size(const float sides[3], const variant *v, uint32_t levels)
+{
+    float a = (float)(v->a - 1);
+    uint32_t level = 0;
+    for (uint32_t l = 1; l <= levels; l++) {
+        float limit = ldexpf(a, -(int)l);
+        bool enough = v->side == SMALLEST  ? smallest(sides) <= limit
+                      : v->side == LARGEST ? largest(sides) <= limit
+                      : v->side == MEAN
+                          ? sides[0] + sides[1] + sides[2] <= ldexpf(3 * a, -(int)l)
+                          : sides[0] * sides[1] * sides[2] <= ldexpf(a * a * a, -3 * (int)l);
+        if (enough)
+            level = l;
+    }
+    return level;
+}
+
+static bool fits(const float lo[3], const float hi[3], const float centre[3], double a,
+                 uint32_t level)
+{
+    float length = ldexpf(1, (int)level), margin = 0.5f * (float)(a - 1);
+    for (int k = 0; k < 3; k++) {
+        float cell = fminf(floorf(centre[k] * length), length - 1);
+        if (cell - lo[k] * length > margin || hi[k] * length - cell - 1 > margin)
+            return false;
+    }
+    return true;
+}
+
+static item item_of(const bb_box *box, const bb_box *bounds, const variant *v, uint32_t levels)
+{
+    float lo[3], hi[3], sides[3], centre[3], extent[3];
+    for (int k = 0; k < 3; k++)
+        extent[k] = 0.5f * bounds->hi[k] - 0.5f * bounds->lo[k];
+    float scale = 1 / largest(extent);
+    bool extended = scale <= FLT_MAX;
+    for (int k = 0; k < 3; k++) {
+        lo[k] = extended ? (0.5f * box->lo[k] - 0.5f * bounds->lo[k]) * scale : 0;
+        hi[k] = extended ? (0.5f * box->hi[k] - 0.5f * bounds->lo[k]) * scale : 0;
+        sides[k] = hi[k] - lo[k];
+        centre[k] = 0.5f * lo[k] + 0.5f * hi[k];
+    }
+    item it = {.level = extended ? level_by_size(sides, v, levels) : 0};
+    if (v->fit && it.level < levels && fits(lo, hi, centre, v->a, it.level + 1))
+        it.level++;
+    bb_axis_order order = bb_axis_order_of(v->direction);
+    float count = ldexpf(1, (int)levels);
+    for (uint32_t l = 1; l <= levels; l++)
+        for (int place = 0; place < 3; place++) {
+            uint32_t axis = order.axis[place];
+            uint32_t cell = (uint32_t)fminf(floorf(centre[axis] * count), count - 1);
+            uint32_t bit = (cell >> (levels - l) & 1) ^ (order.flips >> axis & 1);
+            it.path = it.path << 1 | (l <= it.level ? bit : 0);
+        }
+    return it;
+}
+
+/* ---- the tree of the definition ---- */
+
+typedef struct reference {
+    const bb_box *boxes;
+    const item *items;
+    uint32_t levels;
+    bool chains;
+    bb_node *nodes;
+    uint32_t *refs;
+    uint32_t node_count, ref_count, leaf_count, depth, arity;
+} reference;
+
+/* An octree node's own items come first, then those of each child. */
+typedef struct family {
+    uint32_t own;
+    uint32_t child_count;
+    uint32_t ends[8];
+} family;
+
+static family family_of(const reference *r, uint32_t from, uint32_t to, uint32_t level)
+{
+    family f = {0};
+    uint32_t i = from;
+    while (i < to && r->items[i].level == level)
+        i++;
+    f.own = i - from;
+    uint32_t shift = 3 * (r->levels - level - 1);
+    while (i < to) {
+        uint64_t digit = r->items[i].path >> shift & 7;
+        while (i < to && (r->items[i].path >> shift & 7) == digit)
+            i++;
+        f.ends[f.child_count++] = i;
+    }
+    return f;
+}
+
+static uint32_t count_nodes(const reference *r, uint32_t from, uint32_t to, uint32_t level)
+{
+    family f = family_of(r, from, to, level);
+    bool chain = f.own == 0 && f.child_count == 1 && !r->chains;
+    uint32_t count = !chain + (f.own > 0 && f.child_count > 0);
+    uint32_t at = from + f.own;
+    for (uint32_t c = 0; c < f.child_count; c++) {
+        count += count_nodes(r, at, f.ends[c], level + 1);
+        at = f.ends[c];
+    }
+    return count;
+}
+
+static void grow(bb_node *node, const float lo[3], const float hi[3])
+{
+    for (int k = 0; k < 3; k++) {
+        node->lo[k] = fminf(node->lo[k], lo[k]);
+        node->hi[k] = fmaxf(node->hi[k], hi[k]);
+    }
+}
+
+static bb_node *add_node(reference *r, uint32_t skip, uint32_t depth)
+{
+    bb_node *node = &r->nodes[r->node_count++];
+    *node = (bb_node){{INFINITY, INFINITY, INFINITY}, 0, {-INFINITY, -INFINITY, -INFINITY}, skip};
+    r->depth = depth > r->depth ? depth : r->depth;
+    return node;
+}
+
+static void add_leaf(reference *r, uint32_t from, uint32_t to, uint32_t skip, uint32_t depth)
+{
+    bb_node *node = add_node(r, skip, depth);
+    node->first = BB_LEAF_BIT | r->ref_count;
+    r->leaf_count++;
+    for (uint32_t i = from; i < to; i++) {
+        uint32_t prim = r->items[i].prim;
+        grow(node, r->boxes[prim].lo, r->boxes[prim].hi);
+        r->refs[r->ref_count++] = prim | (i + 1 == to ? BB_LAST_BIT : 0);
+    }
+}
+
+/* In preorder. */
+static void add_nodes(reference *r, uint32_t from, uint32_t to, uint32_t level, uint32_t skip,
+                      uint32_t depth)
+{
+    family f = family_of(r, from, to, level);
+    if (f.child_count == 0) {
+        add_leaf(r, from, to, skip, depth);
+        return;
+    }
+    if (f.own == 0 && f.child_count == 1 && !r->chains) {
+        add_nodes(r, from, to, level + 1, skip, depth);
+        return;
+    }
+    bb_node *node = add_node(r, skip, depth);
+    node->first = r->node_count;
+    uint32_t at = from + f.own, arity = f.child_count + (f.own > 0);
+    r->arity = arity > r->arity ? arity : r->arity;
+    if (f.own > 0)
+        add_leaf(r, from, at, r->node_count + 1, depth + 1);
+    for (uint32_t c = 0; c < f.child_count; c++) {
+        uint32_t next = r->node_count + count_nodes(r, at, f.ends[c], level + 1);
+        add_nodes(r, at, f.ends[c], level + 1, c + 1 < f.child_count ? next : skip, depth + 1);
+        at = f.ends[c];
+    }
+    uint32_t end = r->node_count;
+    for (uint32_t child = node->first; child < end; child++)
+        grow(node, r->nodes[child].lo, r->nodes[child].hi);
+}
+
+static int compare_items(const void *a, const void *b)
+{
+    const item *x = a, *y = b;
+    if (x->path != y->path)
+        return x->path < y->path ? -1 : 1;
+    if (x->level != y->level)
+        return x->level < y->level ? -1 : 1;
+    return x->prim < y->prim ? -1 : 1;
+}
+
+static bb_box bounds_of(const bb_box *boxes, uint32_t count)
+{
+    bb_box bounds = boxes[0];
+    for (uint32_t i = 1; i < count; i++)
+        for (int k = 0; k < 3; k++) {
+            bounds.lo[k] = fminf(bounds.lo[k], boxes[i].lo[k]);
+            bounds.hi[k] = fmaxf(bounds.hi[k], boxes[i].hi[k]);
+        }
+    return bounds;
+}
+
+/* items[].level and .path are set. */
+static void make_tree(reference *r, const bb_box *boxes, item *items, uint32_t count,
+                      uint32_t levels, bool chains)
+{
+    qsort(items, count, sizeof *items, compare_items);
+    *r = (reference){.boxes = boxes, .items = items, .levels = levels, .chains = chains};
+    size_t most = (levels + 2) * (size_t)count;
+    r->nodes = calloc(most, sizeof *r->nodes);
+    r->refs = calloc(count, sizeof *r->refs);
+    add_nodes(r, 0, count, 0, BB_NONE, 0);
+}
+
+static void make_reference(reference *r, const bb_box *boxes, uint32_t count, const variant *v,
+                           uint32_t levels)
+{
+    bb_box bounds = bounds_of(boxes, count);
+    item *items = malloc(count * sizeof *items);
+    for (uint32_t i = 0; i < count; i++) {
+        items[i] = item_of(&boxes[i], &bounds, v, levels);
+        items[i].prim = i;
+    }
+    make_tree(r, boxes, items, count, levels, v->chains);
+    free(items);
+}
+
+/* ---- the comparison ---- */
+
+static bb_scene scene_of(const bb_box *boxes, uint32_t count)
+{
+    return (bb_scene){.name = "test",
+                      .kinds = BB_TRIANGLES,
+                      .prim_count = count,
+                      .triangle_count = count,
+                      .boxes = (bb_box *)boxes};
+}
+
+static bb_status upload_boxes(bb_scene *scene, bb_device *device)
+{
+    size_t bytes = scene->prim_count * sizeof(bb_box);
+    scene->on_device.device = device;
+    BB_TRY(bb_buffer_reserve(device, NULL, bytes, "boxes", &scene->on_device.boxes));
+    return bb_buffer_write(&scene->on_device.boxes, 0, bytes, scene->boxes);
+}
+
+/* The skip of each node against the next of a recursive walk, which knows children only. */
+static bool next_pointers_are_right(const bb_tree *tree, uint32_t n, uint32_t next)
+{
+    const bb_node *node = &tree->nodes[n];
+    if (node->skip != next)
+        return false;
+    if (bb_node_is_leaf(node))
+        return true;
+    uint32_t children[9], count = 0;
+    for (uint32_t c = node->first; c != next && count < 9; c = tree->nodes[c].skip)
+        children[count++] = c;
+    for (uint32_t i = 0; i < count; i++)
+        if (!next_pointers_are_right(tree, children[i], i + 1 < count ? children[i + 1] : next))
+            return false;
+    return true;
+}
+
+static void compare(bb_device *device, const char *builder, const bb_box *boxes, uint32_t count,
+                    const reference *r, const char *what)
+{
+    bb_scene scene = scene_of(boxes, count);
+    bb_instance instance = {0};
+    bb_tree preorder;
+    double ms;
+    bb_tree_init(&preorder, NULL);
+    bb_status status = upload_boxes(&scene, device);
+    if (status == BB_OK)
+        status = bb_instance_create(device, builder, &scene, 1, &instance);
+    for (int i = 0; i < 2 && status == BB_OK; i++)
+        status = bb_instance_build(&instance, &scene, false, NULL, &ms);
+    if (status == BB_OK)
+        status = bb_tree_download(&instance.tree, NULL);
+    if (status == BB_OK)
+        status = bb_tree_check(&instance.tree, &scene);
+    if (status == BB_OK)
+        status = bb_tree_preorder(&instance.tree, &preorder);
+    if (status != BB_OK)
+        fail_msg("%s, %s, %u boxes, seed %llu: %s", builder, what, count, (unsigned long long)seed,
+                 bb_message());
+    const bb_tree_info *info = &instance.tree.info;
+    if (info->depth != r->depth || info->node_count != r->node_count ||
+        info->leaf_count != r->leaf_count || info->arity != r->arity ||
+        memcmp(preorder.nodes, r->nodes, r->node_count * sizeof(bb_node)) != 0 ||
+        memcmp(preorder.refs, r->refs, count * sizeof(uint32_t)) != 0)
+        fail_msg("%s, %s, %u boxes, seed %llu: not the tree of the definition (%u nodes, not %u)",
+                 builder, what, count, (unsigned long long)seed, info->node_count, r->node_count);
+    if (!next_pointers_are_right(&instance.tree, info->root, BB_NONE))
+        fail_msg("%s, %s, %u boxes, seed %llu: a next pointer is wrong", builder, what, count,
+                 (unsigned long long)seed);
+    bb_tree_release(&preorder);
+    bb_instance_destroy(&instance);
+    bb_buffer_release(&scene.on_device.boxes);
+}
+
+static void compare_variant(const bb_box *boxes, uint32_t count, const variant *v, uint32_t levels,
+                            const char *what)
+{
+    char builder[160];
+    snprintf(builder, sizeof builder, "lobvh:levels=%u%s", levels, v->options);
+    reference r;
+    make_reference(&r, boxes, count, v, levels);
+    for (int form = 0; form < 2; form++)
+        compare(devices[form], builder, boxes, count, &r, what);
+    free(r.nodes);
+    free(r.refs);
+}
+
+/* ---- inputs ---- */
+
+static void set_box(bb_box *box, const double centre[3], const double half[3])
+{
+    *box = (bb_box){0};
+    for (int k = 0; k < 3; k++) {
+        box->lo[k] = (float)(centre[k] - half[k]);
+        box->hi[k] = (float)(centre[k] + half[k]);
+    }
+}
+
+static void random_centre(bb_random *random, double centre[3])
+{
+    for (int k = 0; k < 3; k++)
+        centre[k] = bb_random_range(random, -1, 1);
+}
+
+typedef void (*fill_function)(bb_random *random, uint32_t i, uint32_t count, bb_box *box);
+
+/* Sides from 1 to 1/1024 of the scene's, each on its own. */
+static void fill_mixed(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)i;
+    (void)count;
+    double c[3], half[3];
+    random_centre(random, c);
+    for (int k = 0; k < 3; k++)
+        half[k] = ldexp(bb_random_range(random, 0.5, 1), -(int)bb_random_below(random, 10));
+    set_box(box, c, half);
+}
+
+static void fill_points(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)i;
+    (void)count;
+    double c[3];
+    random_centre(random, c);
+    set_box(box, c, (const double[]){0, 0, 0});
+}
+
+static void fill_concentric(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)i;
+    (void)count;
+    double size = ldexp(1, -(int)bb_random_below(random, 20));
+    set_box(box, (const double[]){3, -4, 5}, (const double[]){size, size, size});
+}
+
+static void fill_one_point(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)random;
+    (void)i;
+    (void)count;
+    set_box(box, (const double[]){3, -4, 5}, (const double[]){0, 0, 0});
+}
+
+/* Flat, and all boxes flat: axis-aligned triangles. */
+static void fill_flat(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    fill_mixed(random, i, count, box);
+    box->lo[1] = box->hi[1] = 7;
+}
+
+static void fill_walls(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    fill_mixed(random, i, count, box);
+    uint32_t axis = bb_random_below(random, 3);
+    box->hi[axis] = box->lo[axis];
+}
+
+static void fill_outlier(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    fill_mixed(random, i, count, box);
+    if (i == count / 2)
+        set_box(box, (const double[]){1e8, 1e8, 1e8}, (const double[]){1, 1, 1});
+}
+
+/* 95 % of all are the same. */
+static void fill_duplicates(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    if (bb_random_below(random, 20) == 0)
+        fill_mixed(random, i, count, box);
+    else
+        set_box(box, (const double[]){0.3, 0.3, 0.3}, (const double[]){0.01, 0.02, 0.03});
+}
+
+/* As far apart as floats go: no difference of two coordinates is finite. */
+static void fill_huge(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    fill_mixed(random, i, count, box);
+    for (int k = 0; k < 3; k++) {
+        box->lo[k] *= 0.4f * FLT_MAX;
+        box->hi[k] *= 0.4f * FLT_MAX;
+    }
+}
+
+static void fill_tiny(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    fill_mixed(random, i, count, box);
+    for (int k = 0; k < 3; k++) {
+        box->lo[k] = ldexpf(box->lo[k], -100);
+        box->hi[k] = ldexpf(box->hi[k], -100);
+    }
+}
+
+static const struct {
+    const char *name;
+    fill_function fill;
+} inputs[] = {
+    {"mixed", fill_mixed},         {"points", fill_points}, {"concentric", fill_concentric},
+    {"one point", fill_one_point}, {"flat", fill_flat},     {"walls", fill_walls},
+    {"outlier", fill_outlier},     {"huge", fill_huge},     {"duplicates", fill_duplicates},
+    {"tiny", fill_tiny},
+};
+enum { INPUTS = sizeof inputs / sizeof inputs[0] };
+
+static bb_box *make_boxes(size_t input, uint32_t count)
+{
+    bb_random random = bb_random_make(seed, input * 10000 + count);
+    bb_box *boxes = malloc(count * sizeof *boxes);
+    for (uint32_t i = 0; i < count; i++)
+        inputs[input].fill(&random, i, count, &boxes[i]);
+    return boxes;
+}
+
+/* ---- tests ---- */
+
+static const variant plain = {"", SMALLEST, true, false, 2, {0, 0, 0}};
+
+static void trees_are_those_of_the_definition(void **state)
+{
+    (void)state;
+    static const uint32_t counts[] = {1, 2, 3, 64, 65, 1000, 5000};
+    for (size_t k = 0; k < INPUTS; k++)
+        for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
+            if ((counts[c] > 1000 && k > 0) || (small && (counts[c] > 70 || c == 1 || c == 3)))
+                continue;
+            bb_box *boxes = make_boxes(k, counts[c]);
+            for (uint32_t levels = 1; levels <= (small ? 3 : 6); levels++)
+                compare_variant(boxes, counts[c], &plain, levels, inputs[k].name);
+            free(boxes);
+        }
+}
+
+static void options_mean_what_they_say(void **state)
+{
+    (void)state;
+    static const variant variants[] = {
+        {",side=largest", LARGEST, true, false, 2, {0, 0, 0}},
+        {",side=mean", MEAN, true, false, 2, {0, 0, 0}},
+        {",side=volume", VOLUME, true, false, 2, {0, 0, 0}},
+        {",fit=no,chains=keep", SMALLEST, false, true, 2, {0, 0, 0}},
+        {",side=largest,loose=1.25", LARGEST, true, false, 1.25, {0, 0, 0}},
+        {",side=largest,loose=9", LARGEST, true, false, 9, {0, 0, 0}},
+        {",view=1/2/3", SMALLEST, true, false, 2, {1, 2, 3}},
+        {",view=-3/2/-1", SMALLEST, true, false, 2, {-3, 2, -1}},
+        {",view=0/-1/0", SMALLEST, true, false, 2, {0, -1, 0}},
+        {",view=2/-1/-3,side=largest", LARGEST, true, false, 2, {2, -1, -3}},
+    };
+    for (size_t k = 0; k < INPUTS; k++) {
+        uint32_t count = small ? 60 : 777;
+        bb_box *boxes = make_boxes(k, count);
+        for (size_t v = 0; v < sizeof variants / sizeof variants[0]; v++)
+            if (!small || (k + v) % 10 == 0)
+                compare_variant(boxes, count, &variants[v], small ? 3 : 4 + (v & 1),
+                                inputs[k].name);
+        free(boxes);
+    }
+}
+
+/* Boxes on a grid of 2^-12 in the unit cube, sides of whole 2^-7: all arithmetic is exact, whatever the order. */
+static void fill_exact(bb_random *random, uint32_t i, bb_box *box)
+{
+    *box = (bb_box){0};
+    for (int k = 0; k < 3; k++) {
+        uint32_t side = bb_random_below(random, 2) == 0 ? bb_random_below(random, 129)
+                                                        : bb_random_below(random, 6);
+        double at = bb_random_below(random, 4096 - 32 * side + 1) / 4096.0;
+        box->lo[k] = i == 0 ? 0 : (float)at;
+        box->hi[k] = i == 0 ? 1 : (float)(at + side / 128.0); /* the first is the cube itself */
+    }
+}
+
+static bool fits_exactly(const bb_box *box, double a, uint32_t level)
+{
+    double length = ldexp(1, -(int)level), margin = 0.5 * (a - 1) * length;
+    for (int k = 0; k < 3; k++) {
+        double centre = 0.5 * ((double)box->lo[k] + (double)box->hi[k]);
+        double cell = fmin(floor(centre / length), 1 / length - 1) * length;
+        if ((double)box->lo[k] < cell - margin || (double)box->hi[k] > cell + length + margin)
+            return false;
+    }
+    return true;
+}
+
+/* Section 3.1: with the largest side as measure and a >= 2, equation 1 and one fit test find the deepest level at which the box
+ * fits into the enlarged cell of its centroid. */
+static void levels_are_those_of_brute_force(void **state)
+{
+    (void)state;
+    const uint32_t count = small ? 100 : 4000, levels = small ? 3 : 6;
+    static const struct {
+        const char *options;
+        double a;
+    } cases[] = {{",side=largest", 2}, {",side=largest,loose=3", 3}};
+    bb_random random = bb_random_make(seed, 7);
+    bb_box *boxes = malloc(count * sizeof *boxes);
+    item *items = malloc(count * sizeof *items);
+    for (uint32_t i = 0; i < count; i++)
+        fill_exact(&random, i, &boxes[i]);
+    for (int n = 0; n < 2; n++) {
+        variant v = {cases[n].options, LARGEST, true, false, cases[n].a, {0, 0, 0}};
+        uint32_t deeper = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            bb_box cube = {{0, 0, 0}, 0, {1, 1, 1}, 0};
+            uint32_t deepest = levels;
+            while (deepest > 0 && !fits_exactly(&boxes[i], v.a, deepest))
+                deepest--;
+            items[i] = item_of(&boxes[i], &cube, &v, levels);
+            items[i].prim = i;
+            if (items[i].level != deepest)
+                fail_msg("box %u, seed %llu: level %u, brute force finds %u", i,
+                         (unsigned long long)seed, items[i].level, deepest);
+            v.fit = false;
+            deeper += item_of(&boxes[i], &cube, &v, levels).level < deepest;
+            v.fit = true;
+        }
+        assert_true(deeper > 0); /* the fit test mattered */
+        compare_variant(boxes, count, &v, levels, "exact");
+    }
+    free(boxes);
+    free(items);
+}
+
+static void what_does_not_fit_is_refused_beforehand(void **state)
+{
+    (void)state;
+    bb_device *device = devices[0];
+    bb_box boxes[2];
+    bb_instance instance;
+    double ms;
+    set_box(&boxes[0], (const double[]){0, 0, 0}, (const double[]){1, 1, 1});
+    set_box(&boxes[1], (const double[]){5, 5, 5}, (const double[]){1, 1, 1});
+    bb_scene scene = scene_of(boxes, 2);
+    assert_int_equal(upload_boxes(&scene, device), BB_OK);
+    const uint64_t global = device->global_bytes, largest_allocation = device->largest_allocation;
+    static const char *const words[] = {"levels=10", "1227133513 nodes", "249261508 bytes",
+                                        "take levels=9 or less"};
+    for (int limit = 0; limit < 2; limit++) {
+        assert_int_equal(bb_instance_create(device, "lobvh:levels=10", &scene, 1, &instance),
+                         BB_OK);
+        if (limit == 0)
+            device->global_bytes = device->bytes + 200000000;
+        else
+            device->largest_allocation = 100000000;
+        const uint64_t before = device->bytes;
+        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL, &ms), BB_REFUSED);
+        assert_true(device->bytes == before);
+        for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+            if (strstr(bb_message(), words[i]) == NULL)
+                fail_msg("not in the message: %s: %s", words[i], bb_message());
+        bb_instance_destroy(&instance);
+        device->global_bytes = global;
+        device->largest_allocation = largest_allocation;
+    }
+    bb_buffer_release(&scene.on_device.boxes);
+}
+
+/* auto takes no more levels than tell the centroids apart; the level and the order are said. */
+static void the_level_is_chosen_and_said(void **state)
+{
+    (void)state;
+    bb_device *device = devices[0];
+    const uint32_t count = 1000;
+    bb_box *boxes = make_boxes(0, count);
+    bb_scene scene = scene_of(boxes, count);
+    char text[200];
+    double ms;
+    assert_int_equal(upload_boxes(&scene, device), BB_OK);
+    uint32_t chosen[3] = {0};
+    for (int n = 0; n < 3; n++) {
+        bb_instance instance;
+        const char *builder = n == 1 ? "lobvh:view=0/0/-1" : "lobvh";
+        scene.profile.octree_depth = n == 2 ? 2 : 0;
+        assert_int_equal(bb_instance_create(device, builder, &scene, 1, &instance), BB_OK);
+        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL, &ms), BB_OK);
+        assert_int_equal(bb_instance_describe(&instance, &scene, text, sizeof text), BB_OK);
+        assert_int_equal(sscanf(text, "octree of %u levels (auto)", &chosen[n]), 1);
+        assert_int_equal(n == 1, strstr(text, "ordered along -z+x+y") != NULL);
+        bb_instance_destroy(&instance);
+    }
+    assert_true(chosen[0] == chosen[1] && chosen[0] > 2 && chosen[0] <= 10);
+    assert_int_equal(chosen[2], 2);
+    bb_buffer_release(&scene.on_device.boxes);
+    free(boxes);
+}
+
+static void bad_options_are_refused(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {
+        "lobvh:levels=0",     "lobvh:levels=11",  "lobvh:side=longest", "lobvh:loose=1",
+        "lobvh:loose=17",     "lobvh:loose=nan",  "lobvh:fit=maybe",    "lobvh:chains=cut",
+        "lobvh:view=nowhere", "lobvh:view=0/0/0",
+    };
+    bb_box box;
+    set_box(&box, (const double[]){0, 0, 0}, (const double[]){1, 1, 1});
+    bb_scene scene = scene_of(&box, 1);
+    assert_int_equal(upload_boxes(&scene, devices[0]), BB_OK);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        bb_instance instance = {0};
+        double ms;
+        bb_status status = bb_instance_create(devices[0], bad[i], &scene, 1, &instance);
+        if (status == BB_OK)
+            status = bb_instance_build(&instance, &scene, false, NULL, &ms);
+        if (status != BB_INVALID)
+            fail_msg("%s: status %d", bad[i], (int)status);
+        bb_instance_destroy(&instance);
+    }
+    bb_buffer_release(&scene.on_device.boxes);
+}
+
+static int open_devices(void **state)
+{
+    (void)state;
+    for (int form = 0; form < 2; form++)
+        if (bb_device_open(NULL, form == 0 ? BB_FORM_CPU : BB_FORM_GPU, NULL, &devices[form]) !=
+            BB_OK) {
+            print_error("%s\n", bb_message());
+            return -1;
+        }
+    return 0;
+}
+
+static int close_devices(void **state)
+{
+    (void)state;
+    bb_device_close(devices[0]);
+    bb_device_close(devices[1]);
+    return 0;
+}
+
+int main(void)
+{
+    if (getenv("BVHBENCH_TEST_SEED") != NULL)
+        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(trees_are_those_of_the_definition),
+        cmocka_unit_test(options_mean_what_they_say),
+        cmocka_unit_test(levels_are_those_of_brute_force),
+        cmocka_unit_test(what_does_not_fit_is_refused_beforehand),
+        cmocka_unit_test(the_level_is_chosen_and_said),
+        cmocka_unit_test(bad_options_are_refused),
+    };
+    return cmocka_run_group_tests(tests, open_devices, close_devices);
+}

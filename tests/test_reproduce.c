@@ -1,0 +1,484 @@
+/* Papers reproduced: look-ups and claims on made-up results whose answers are known, the form in the result file, and the command
+ * from outside. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "framework/record_private.h"
+#include "framework/reproduce.h"
+#include "tests/report_sample.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+
+static char flat[] = "flat", cubic[] = "cubic";
+static char *scenes[] = {flat, cubic};
+
+/* ---- made-up results ---- */
+
+static bb_results *new_results(void)
+{
+    bb_results *results = NULL;
+    assert_int_equal(bb_results_create(&(bb_context){NULL, 1, "test"}, &results), BB_OK);
+    for (int i = 0; i < 2; i++) {
+        bb_scene scene = {.prim_count = 1000, .triangle_count = 1000, .kinds = BB_TRIANGLES};
+        snprintf(scene.name, sizeof scene.name, "%s", scenes[i]);
+        scene.profile.flatness = i == 0 ? 0.01 : 0.9;
+        scene.view_count = 2;
+        snprintf(scene.views[0].name, sizeof scene.views[0].name, "front");
+        snprintf(scene.views[1].name, sizeof scene.views[1].name, "back");
+        assert_int_equal(bb_results_add_scene(results, &scene), BB_OK);
+    }
+    return results;
+}
+
+/* Build times are ms times 1, 2, 1 ... per round, which a paired ratio does not see. */
+static uint32_t add_build(bb_results *results, const char *scene, const char *builder, double sah,
+                          double ms)
+{
+    bb_build_record record;
+    bb_spec spec;
+    assert_int_equal(bb_spec_parse(builder, &spec), BB_OK);
+    bb_build_record_init(&record);
+    record.id = bb_results_next_build(results);
+    record.spec = &spec;
+    snprintf(record.scene, sizeof record.scene, "%s", scene);
+    for (int i = 0; i < 6; i++)
+        bb_samples_add(&record.build_ms, ms * (1 + i % 2));
+    record.has_tree = true;
+    record.sah = sah;
+    assert_int_equal(bb_results_add_build(results, &record), BB_OK);
+    return record.id;
+}
+
+static void add_trace(bb_results *results, uint32_t build, const char *view, double ms,
+                      double boxes)
+{
+    const cJSON *entry = bb_results_build(results, build);
+    bb_trace_record record;
+    bb_trace_record_init(&record);
+    record.build = build;
+    snprintf(record.scene, sizeof record.scene, "%s", bb_json_text(entry, "scene"));
+    snprintf(record.builder, sizeof record.builder, "%s", bb_json_text(entry, "builder"));
+    snprintf(record.view, sizeof record.view, "%s", view);
+    snprintf(record.kernel, sizeof record.kernel, "stack");
+    snprintf(record.rays, sizeof record.rays, "diffuse");
+    record.count = 1000;
+    record.counted = 1000;
+    record.node_tests_per_ray = boxes;
+    record.prim_tests_per_ray = 1;
+    for (int i = 0; i < 4; i++)
+        bb_samples_add(&record.ms, ms * (1 + i % 2));
+    assert_int_equal(bb_results_add_trace(results, &record), BB_OK);
+}
+
+static bb_findings findings_of(bb_results *results, uint32_t first)
+{
+    return (bb_findings){NULL, results, first, bb_results_next_build(results), scenes, 2};
+}
+
+/* ---- look-ups ---- */
+
+static void what_was_measured_is_found(void **state)
+{
+    (void)state;
+    bb_results *results = new_results();
+    add_build(results, flat, "emc:code=mc64", 7, 9); /* of another experiment */
+    uint32_t first = bb_results_next_build(results);
+    uint32_t a = add_build(results, flat, "emc:code=mc64", 100, 2);
+    uint32_t b = add_build(results, flat, "emc:code=emc64-var", 50, 3);
+    add_trace(results, a, "front", 4, 10);
+    add_trace(results, a, "back", 8, 20);
+    add_trace(results, b, "front", 2, 5);
+    add_trace(results, b, "back", 1, 9);
+    bb_findings f = findings_of(results, first);
+
+    assert_true(bb_found_sah(&f, flat, "emc:code=mc64") == 100);
+    assert_true(isnan(bb_found_sah(&f, cubic, "emc:code=mc64")));
+    assert_true(isnan(bb_found_sah(&f, flat, "emc")));
+    bb_estimate build = bb_found_build_ratio(&f, flat, "emc:code=emc64-var", "emc:code=mc64");
+    assert_true(build.value == 1.5 && build.low == 1.5 && build.high == 1.5);
+    assert_true(isnan(bb_found_build_ratio(&f, cubic, "emc", "emc:code=mc64").value));
+
+    bb_cell base = {flat, "emc:code=mc64", "stack", NULL};
+    bb_cell var = {flat, "emc:code=emc64-var", "stack", NULL};
+    /* both views together, round by round: 12, 24, 12, 24; the first round is left out */
+    assert_true(bb_found_trace_ms(&f, base) == 24);
+    assert_true(bb_found_mrays(&f, base) == 2000 / 24e3);
+    assert_true(bb_found_trace_ratio(&f, base, var).value == 4);
+    assert_true(bb_found_tests(&f, base, "node_tests_per_ray") == 15);
+    base.view = var.view = "back";
+    assert_true(bb_found_trace_ratio(&f, base, var).value == 8);
+    assert_true(bb_found_tests(&f, var, "node_tests_per_ray") == 9);
+    var.kernel = "other";
+    assert_true(isnan(bb_found_trace_ms(&f, var)));
+    assert_true(isnan(bb_found_trace_ratio(&f, base, var).value));
+
+    assert_true(bb_found_scene(&f, flat, "prims") == 1000);
+    assert_true(bb_found_scene(&f, flat, "flatness") == 0.01);
+    assert_true(isnan(bb_found_scene(&f, "nowhere", "prims")));
+    assert_string_equal(bb_found_view(&f, flat, 1), "back");
+    assert_string_equal(bb_found_view(&f, flat, 2), "");
+    bb_results_destroy(results);
+}
+
+static void means_leave_out_what_is_missing(void **state)
+{
+    (void)state;
+    const double values[] = {1, NAN, 3};
+    assert_true(bb_mean(values, 3) == 2);
+    assert_true(isnan(bb_mean(values + 1, 1)));
+    bb_findings f = {.scenes = scenes, .scene_count = 2};
+    bb_series s = {.f = &f, .values = {NAN, 0.5}};
+    assert_true(bb_series_mean(&s) == 0.5 && bb_series_least(&s) == 0.5);
+    bb_words words = {0};
+    bb_say_range(&words, "cost", &s);
+    assert_string_equal(words.text, "cost 0.5 on average, 0.5 (cubic) to 0.5 (cubic)");
+    s.values[1] = NAN;
+    bb_say_range(&words, "speed", &s);
+    assert_non_null(strstr(words.text, "; speed not measured"));
+    for (int i = 0; i < 2000; i++) /* what does not fit is left out */
+        bb_say(&words, "%d ", i);
+    assert_true(words.length == strlen(words.text) && words.length < sizeof words.text);
+}
+
+/* ---- claims ---- */
+
+/* The codes' costs on both scenes; experiment 2 of the paper emc has what it varies. */
+typedef struct costs {
+    double sort[2], var[2];
+} costs;
+
+static const char *const mc64 = "emc:code=mc64,box=scene";
+static const char *const sort64 = "emc:code=emc64-sort,box=scene";
+static const char *const var64 = "emc:code=emc64-var,box=scene";
+
+static cJSON *reproduce_emc(bb_results *results, costs cost, const double speed[2])
+{
+    const bb_paper *paper = NULL;
+    assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
+    bb_findings all[BB_EXPERIMENTS_MAX];
+    for (int e = 0; e < 4; e++) {
+        uint32_t first = bb_results_next_build(results);
+        for (int s = 0; s < 2; s++) {
+            uint32_t plain = add_build(results, scenes[s], mc64, 100, 10);
+            uint32_t sort = add_build(results, scenes[s], sort64, 100 * cost.sort[s], 10.1);
+            uint32_t var = add_build(results, scenes[s], var64, 100 * cost.var[s], 12);
+            if (e != 0)
+                continue;
+            add_trace(results, plain, "", 6, 40);
+            add_trace(results, sort, "", 6, 40);
+            add_trace(results, var, "", 6 / speed[s], 30);
+        }
+        all[e] = findings_of(results, first);
+    }
+    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
+    cJSON *reproductions = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+    return cJSON_GetArrayItem(reproductions, cJSON_GetArraySize(reproductions) - 1);
+}
+
+/* The claim that holds these words. */
+static const cJSON *claim_with(const cJSON *reproduction, const char *words)
+{
+    const cJSON *claim;
+    cJSON_ArrayForEach(claim, cJSON_GetObjectItem(reproduction, "claims"))
+    {
+        if (strstr(bb_json_text(claim, "claim"), words) != NULL)
+            return cJSON_GetObjectItem(claim, "held");
+    }
+    fail_msg("no claim with '%s'", words);
+    return NULL;
+}
+
+static const char *why_of(const cJSON *held)
+{
+    const cJSON *item = held;
+    while (strcmp(item->string, "why") != 0)
+        item = item->next;
+    return item->valuestring;
+}
+
+static void claims_follow_the_figures(void **state)
+{
+    (void)state;
+    bb_results *results = new_results();
+    const double faster[] = {2, 1};
+    const cJSON *r = reproduce_emc(results, (costs){{.8, .9}, {.5, 1}}, faster);
+    assert_true(cJSON_IsTrue(claim_with(r, "lowers the cost of LBVH")));
+    assert_true(cJSON_IsTrue(claim_with(r, "before EMC-64-sort")));
+    assert_true(cJSON_IsTrue(claim_with(r, "highest on flat scenes")));
+    assert_true(cJSON_IsTrue(claim_with(r, "traces diffuse rays faster")));
+    assert_true(cJSON_IsTrue(claim_with(r, "follows the cost")));
+    /* emc64-var takes 1.2 times as long */
+    const cJSON *build = claim_with(r, "do not increase the build time");
+    assert_true(cJSON_IsFalse(build));
+    assert_non_null(strstr(why_of(build), "1.200"));
+    assert_null(strstr(why_of(build), sort64));
+    /* what was not measured is not judged */
+    assert_true(cJSON_IsNull(claim_with(r, "full sweep")));
+    assert_true(cJSON_IsNull(claim_with(r, "In 32 bits")));
+    assert_true(cJSON_IsNull(claim_with(r, "ATRBVH")));
+    assert_non_null(strstr(why_of(claim_with(r, "ATRBVH")), "no builder"));
+    bb_results_destroy(results);
+
+    results = new_results();
+    const double slower[] = {0.5, 1};
+    r = reproduce_emc(results, (costs){{.6, .6}, {.9, 1.1}}, slower);
+    const cJSON *cost = claim_with(r, "lowers the cost of LBVH");
+    assert_true(cJSON_IsFalse(cost));
+    assert_non_null(strstr(why_of(cost), "cubic: EMC-64-var 1.100"));
+    assert_true(cJSON_IsFalse(claim_with(r, "before EMC-64-sort")));
+    assert_true(cJSON_IsFalse(claim_with(r, "traces diffuse rays faster")));
+    const cJSON *follows = claim_with(r, "follows the cost");
+    assert_true(cJSON_IsFalse(follows));
+    assert_non_null(strstr(why_of(follows), "box tests per ray -25.0 %"));
+    bb_results_destroy(results);
+}
+
+static const cJSON *cell_of(const cJSON *table, const char *row_name, int column)
+{
+    const cJSON *row;
+    cJSON_ArrayForEach(row, cJSON_GetObjectItem(table, "rows"))
+    {
+        const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(row, 0));
+        if (name != NULL && strcmp(name, row_name) == 0)
+            return cJSON_GetArrayItem(row, column);
+    }
+    fail_msg("no row '%s'", row_name);
+    return NULL;
+}
+
+static void tables_have_both_sides(void **state)
+{
+    (void)state;
+    bb_results *results = new_results();
+    const double speed[] = {2, 1};
+    const cJSON *r = reproduce_emc(results, (costs){{.8, .9}, {.5, 1}}, speed);
+    const cJSON *table = cJSON_GetArrayItem(cJSON_GetObjectItem(r, "tables"), 0);
+    assert_true(cell_of(table, "pompeii (paper)", 5)->valuedouble == 0.53);
+    assert_true(cell_of(table, flat, 3)->valuedouble == 100);
+    assert_true(cell_of(table, flat, 5)->valuedouble == 0.5);
+    assert_true(cJSON_IsNull(cell_of(table, flat, 6)));
+    assert_true(cell_of(table, "average (paper)", 5)->valuedouble == 0.8);
+    assert_true(cell_of(table, "average (here)", 5)->valuedouble == 0.75);
+    table = cJSON_GetArrayItem(cJSON_GetObjectItem(r, "tables"), 1);
+    assert_true(cell_of(table, "average (here)", 5)->valuedouble == 1.5);
+    bb_results_destroy(results);
+}
+
+/* ---- the result file ---- */
+
+static void reproductions_survive_the_file_and_merging(void **state)
+{
+    (void)state;
+    char path[600];
+    snprintf(path, sizeof path, "%s/results.json", sample_folder("reproduce"));
+    bb_results *a = new_results(), *b = new_results(), *read = NULL;
+    const double speed[] = {2, 1};
+    reproduce_emc(a, (costs){{.8, .9}, {.5, 1}}, speed);
+    reproduce_emc(b, (costs){{.8, .9}, {.5, 1}}, speed);
+    assert_int_equal(bb_results_write(a, path), BB_OK);
+    assert_int_equal(bb_results_read(path, &read), BB_OK);
+    assert_int_equal(bb_results_merge(read, b), BB_OK);
+    const cJSON *all = cJSON_GetObjectItem(bb_results_json(read), "reproductions");
+    assert_int_equal(cJSON_GetArraySize(all), 2);
+    assert_true(cJSON_Compare(cJSON_GetArrayItem(all, 0), cJSON_GetArrayItem(all, 1), 1));
+    FILE *out = tmpfile();
+    assert_int_equal(bb_reproduction_print(read, out), BB_OK);
+    assert_true(ftell(out) > 1000);
+    fclose(out);
+    bb_results_destroy(read);
+    /* also into a document without any */
+    read = new_results();
+    assert_int_equal(bb_results_merge(read, b), BB_OK);
+    assert_int_equal(
+        cJSON_GetArraySize(cJSON_GetObjectItem(bb_results_json(read), "reproductions")), 1);
+    bb_results_destroy(read);
+    bb_results_destroy(a);
+    bb_results_destroy(b);
+}
+
+static void broken_reproductions_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *json, *words;
+    } broken[] = {
+        {"3", "not an array"},
+        {"[4]", "not an object"},
+        {"[{\"name\":1,\"tables\":[],\"claims\":[]}]", "\"name\" has the wrong type"},
+        {"[{\"name\":\"x\",\"tables\":[{\"title\":\"t\",\"columns\":[\"a\"],\"rows\":[[1,2]]}],"
+         "\"claims\":[]}]",
+         "not of 1 numbers and texts"},
+        {"[{\"name\":\"x\",\"tables\":[{\"title\":\"t\",\"columns\":[\"a\"],\"rows\":[[[]]]}],"
+         "\"claims\":[]}]",
+         "not of 1 numbers and texts"},
+        {"[{\"name\":\"x\",\"tables\":[{\"title\":\"t\",\"columns\":[\"a\"]}],\"claims\":[]}]",
+         "has no \"rows\""},
+        {"[{\"name\":\"x\",\"tables\":[],\"claims\":[{\"claim\":\"c\",\"held\":2}]}]",
+         "\"held\" has the wrong type"},
+    };
+    char path[600];
+    snprintf(path, sizeof path, "%s/broken.json", sample_folder("reproduce"));
+    for (size_t i = 0; i < sizeof broken / sizeof broken[0]; i++) {
+        bb_results *results = new_results(), *read = NULL;
+        cJSON *value = cJSON_Parse(broken[i].json);
+        assert_non_null(value);
+        cJSON_AddItemToObject(bb_results_json(results), "reproductions", value);
+        assert_int_equal(bb_results_write(results, path), BB_OK);
+        assert_int_equal(bb_results_read(path, &read), BB_INVALID);
+        if (strstr(bb_message(), broken[i].words) == NULL)
+            fail_msg("%s: '%s', expected '%s'", broken[i].json, bb_message(), broken[i].words);
+        bb_results_destroy(results);
+    }
+}
+
+/* ---- papers ---- */
+
+static void papers_are_sound(void **state)
+{
+    (void)state;
+    const bb_paper *found = NULL;
+    assert_int_equal(bb_paper_find("nobody", &found), BB_INVALID);
+    for (const bb_paper *const *p = bb_papers; *p != NULL; p++) {
+        uint32_t count = 0;
+        assert_int_equal(bb_paper_find((*p)->name, &found), BB_OK);
+        assert_ptr_equal(found, *p);
+        for (const bb_experiment *e = (*p)->experiments; e->name != NULL; e++, count++) {
+            assert_true(e->repeats > 0 && e->width > 0 && e->height > 0 && e->max_rays > 0);
+            assert_true((e->rays[0] == '\0') == (e->kernels[0] == '\0'));
+            assert_true(e->scenes[0] != '\0' && e->quick_scenes[0] != '\0');
+        }
+        assert_true(count > 0 && count <= BB_EXPERIMENTS_MAX);
+    }
+}
+
+/* Nothing measured at all: no claim is judged, nothing crashes. */
+static void nothing_measured_judges_nothing(void **state)
+{
+    (void)state;
+    for (const bb_paper *const *p = bb_papers; *p != NULL; p++) {
+        bb_results *results = new_results();
+        bb_findings all[BB_EXPERIMENTS_MAX];
+        for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
+            all[e] = findings_of(results, 0);
+        assert_int_equal(bb_reproduction_add(*p, all, results), BB_OK);
+        const cJSON *r =
+            cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
+        const cJSON *claim;
+        cJSON_ArrayForEach(claim, cJSON_GetObjectItem(r, "claims"))
+        {
+            if (!cJSON_IsNull(cJSON_GetObjectItem(claim, "held")))
+                fail_msg("%s: judged without a figure: %s", (*p)->name,
+                         bb_json_text(claim, "claim"));
+        }
+        bb_results_destroy(results);
+    }
+}
+
+/* ---- the command ---- */
+
+static int run_program(const char *arguments, const char *folder)
+{
+    char command[4096];
+    snprintf(command, sizeof command,
+             BB_TEST_PROGRAM " reproduce %s >%s/stdout 2>%s/stderr </dev/null", arguments, folder,
+             folder);
+    int status = system(command);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static const char *text_of(const char *folder, const char *name)
+{
+    static char text[1 << 17];
+    char path[700];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    fclose(file);
+    return text;
+}
+
+/* A paper whose builders or kernels are not there is refused by name; the others run through. */
+static void quick_papers_run(void **state)
+{
+    (void)state;
+    const char *folder = sample_folder("reproduce");
+    for (const bb_paper *const *p = bb_papers; *p != NULL; p++) {
+        bb_reproduce_request request = {.paper = *p, .quick = true, .max_prims = 10000, .seed = 1};
+        char arguments[1024], path[700];
+        bool there = bb_reproduce_check(&request) == BB_OK;
+        snprintf(arguments, sizeof arguments, "%s --quick --quiet --out %s/out", (*p)->name,
+                 folder);
+        int exit_status = run_program(arguments, folder);
+        if (!there) {
+            assert_int_equal(exit_status, 2);
+            assert_non_null(strstr(text_of(folder, "stderr"), (*p)->name));
+            continue;
+        }
+        if (exit_status != 0)
+            fail_msg("reproduce %s: exit %d, %s", arguments, exit_status,
+                     text_of(folder, "stderr"));
+        assert_non_null(strstr(text_of(folder, "stdout"), "claims: "));
+        snprintf(path, sizeof path, "%s/out/results.json", folder);
+        bb_results *results = NULL;
+        assert_int_equal(bb_results_read(path, &results), BB_OK);
+        const cJSON *all = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+        assert_int_equal(cJSON_GetArraySize(all), 1);
+        assert_string_equal(bb_json_text(cJSON_GetArrayItem(all, 0), "name"), (*p)->name);
+        bb_results_destroy(results);
+    }
+}
+
+static void bad_input_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *arguments, *words;
+    } bad[] = {
+        {"", "name one paper"},
+        {"nobody", "unknown paper 'nobody': there are emc"},
+        {"emc loose-octree", "name one paper"},
+        {"emc --max-prims 10", "--max-prims"},
+        {"emc --repeats 0", "--repeats"},
+        {"emc --quick --repeats 3", "--quick"},
+        {"emc --scene nowhere.glb --quick", "nowhere.glb"},
+        {"emc --speed", "--speed"},
+    };
+    const char *folder = sample_folder("reproduce");
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        char arguments[1024];
+        snprintf(arguments, sizeof arguments, "%s --out %s/bad", bad[i].arguments, folder);
+        int exit_status = run_program(arguments, folder);
+        const char *text = text_of(folder, "stderr"), *newline = strchr(text, '\n');
+        if (exit_status != 2 || newline == NULL || newline[1] != '\0' ||
+            strstr(text, bad[i].words) == NULL)
+            fail_msg("reproduce %s: exit %d, '%s', expected one line with '%s'", arguments,
+                     exit_status, text, bad[i].words);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_was_measured_is_found),
+        cmocka_unit_test(means_leave_out_what_is_missing),
+        cmocka_unit_test(claims_follow_the_figures),
+        cmocka_unit_test(tables_have_both_sides),
+        cmocka_unit_test(reproductions_survive_the_file_and_merging),
+        cmocka_unit_test(broken_reproductions_are_refused),
+        cmocka_unit_test(papers_are_sound),
+        cmocka_unit_test(nothing_measured_judges_nothing),
+        cmocka_unit_test(quick_papers_run),
+        cmocka_unit_test(bad_input_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

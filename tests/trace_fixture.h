@@ -1,0 +1,119 @@
+/* What the tests of traversal share: a scene, a builder's tree of it, the layout that a kernel reads, and traces. */
+#ifndef BB_TRACE_FIXTURE_H
+#define BB_TRACE_FIXTURE_H
+
+#include "framework/instance.h"
+#include "traversal/traversal.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static uint64_t seed = 20261121;
+static bb_device *device;
+
+static inline void check(bb_status status, const char *what)
+{
+    if (status != BB_OK)
+        fail_msg("%s (seed %llu): %s", what, (unsigned long long)seed, bb_message());
+}
+
+typedef struct bed {
+    bb_scene *scene; /* the bed's own */
+    bb_instance instance;
+    bb_spec kernel;
+    bb_layout_maker maker;
+    bb_layout_data layout;
+} bed;
+
+/* Makes what this kernel reads; the tree stays. */
+static inline void choose_kernel(bed *b, const char *kernel, uint32_t leaf)
+{
+    bb_layout_data_release(&b->layout);
+    bb_layout_maker_destroy(&b->maker);
+    check(bb_spec_parse(kernel, &b->kernel), kernel);
+    const bb_layout *layout = bb_layout_find(bb_kernel_find(b->kernel.name)->layout);
+    check(bb_layout_maker_create(layout, device, &b->maker), kernel);
+    check(bb_layout_maker_make(&b->maker, b->scene, &b->instance.tree, leaf, BB_RECORD_VERTICES,
+                               &b->layout),
+          kernel);
+}
+
+static inline void open_bed(bed *b, bb_scene *scene, const char *builder, const char *kernel,
+                            uint32_t leaf)
+{
+    double ms;
+    memset(b, 0, sizeof *b);
+    b->scene = scene;
+    check(bb_scene_upload(scene, device), "upload");
+    check(bb_instance_create(device, builder, scene, seed, &b->instance), builder);
+    check(bb_instance_build(&b->instance, scene, false, NULL, &ms), builder);
+    check(bb_tree_upload(&b->instance.tree, device, NULL), builder);
+    choose_kernel(b, kernel, leaf);
+}
+
+static inline void close_bed(bed *b)
+{
+    bb_layout_data_release(&b->layout);
+    bb_layout_maker_destroy(&b->maker);
+    bb_instance_destroy(&b->instance);
+    bb_scene_free(b->scene);
+}
+
+/* Traces with the bed's kernel, for what its layout needs; `counts` may be NULL. */
+static inline void trace(const bed *b, const char *intersector, const bb_ray *rays, uint32_t count,
+                         bb_query query, bb_hit *hits, bb_count *counts)
+{
+    bb_tracer_request request = {
+        .kernel = bb_kernel_find(b->kernel.name),
+        .spec = &b->kernel,
+        .intersector = bb_intersector_find(intersector),
+        .query = query,
+        .kinds = b->scene->kinds,
+        .stack_need = b->layout.stack_need,
+        .levels = b->layout.levels,
+        .counting = counts != NULL,
+    };
+    bb_tracer *tracer;
+    bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
+    check(bb_tracer_get(device, &request, &tracer), "tracer");
+    check(bb_buffer_reserve(device, NULL, count * sizeof *rays, "rays", &d_rays), "rays");
+    check(bb_buffer_reserve(device, NULL, count * sizeof *hits, "hits", &d_hits), "hits");
+    check(bb_buffer_reserve(device, NULL, count * sizeof *counts, "counts", &d_counts), "counts");
+    check(bb_buffer_write(&d_rays, 0, count * sizeof *rays, rays), "rays");
+    check(bb_buffer_fill(&d_hits, count * sizeof *hits, BB_POISON), "hits");
+    check(bb_tracer_launch(tracer, &b->layout, &d_rays, count, &d_hits, &d_counts), "trace");
+    check(bb_buffer_read(&d_hits, 0, count * sizeof *hits, hits), "hits");
+    if (counts != NULL)
+        check(bb_buffer_read(&d_counts, 0, count * sizeof *counts, counts), "counts");
+    bb_buffer_release(&d_rays);
+    bb_buffer_release(&d_hits);
+    bb_buffer_release(&d_counts);
+}
+
+static inline bb_scene *load(const char *name)
+{
+    bb_scene *scene = NULL;
+    check(bb_scene_load(name, &scene), name);
+    return scene;
+}
+
+/* Two answers to one ray that differ by rounding only. A primitive's t is off by a few 2^-24 of the distances between its vertices and the
+ * origin; where two lie as close as that, the order of the visit decides which one is found first and culls the other. */
+static inline bool is_tie(const bb_box *bounds, const bb_ray *ray, const bb_hit *a, const bb_hit *b)
+{
+    double reach = 0, length = 0;
+    for (int k = 0; k < 3; k++) {
+        reach = fmax(reach, (double)bounds->hi[k] - bounds->lo[k]);
+        length += (double)ray->d[k] * ray->d[k];
+    }
+    return a->prim != BB_NONE && b->prim != BB_NONE &&
+           fabs((double)a->t - b->t) * sqrt(length) <= 16 * 0x1p-24 * reach;
+}
+
+#endif
