@@ -157,8 +157,7 @@ static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_
                      BB_MEM(*(triangles ? &geometry->indices : &self->none)),
                      BB_MEM(*(spheres ? &geometry->spheres : &self->none)),
                      BB_VALUE(triangle_count), BB_VALUE(data->form), BB_VALUE(words),
-                     BB_MEM(self->first),
-                     BB_MEM(data->buffers[1]));
+                     BB_MEM(self->first), BB_MEM(data->buffers[1]));
 }
 
 /* From pairs to nodes: data->buffers[0], root and stack need. Needs self->first. */
