@@ -333,7 +333,7 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
     for (uint32_t i = 0; i < bench->layout_count; i++) {
         const bb_layout_choice *l = &bench->layouts[i];
-        if (l->maker.layout == layout && l->maker.form == form && l->leaf == choice->leaf) {
+        if (l->maker.layout == layout && l->form == form && l->leaf == choice->leaf) {
             choice->layouts[form] = i;
             return BB_OK;
         }
@@ -341,9 +341,8 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_
     choice->layouts[form] = bench->layout_count++;
     bb_layout_choice *wanted = &bench->layouts[choice->layouts[form]];
     wanted->leaf = choice->leaf;
-    BB_TRY(bb_layout_maker_create(layout, bench->device, &wanted->maker));
-    wanted->maker.form = form;
-    return BB_OK;
+    wanted->form = form;
+    return bb_layout_maker_create(layout, bench->device, &wanted->maker);
 }
 
 static bb_status start_kernel(bb_bench *bench, const char *text, bool native_only)

@@ -12,7 +12,7 @@ enum { PHASE_BUILDS = 3 };
 
 void bb_bench_evict(bb_entrant *entrant)
 {
-    for (uint32_t k = 0; k < BB_KERNELS_MAX; k++) {
+    for (uint32_t k = 0; k < BB_LAYOUTS_MAX; k++) {
         bb_layout_data_release(&entrant->layouts[k]);
         entrant->has_layout[k] = false;
     }
@@ -241,7 +241,8 @@ static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
     bb_layout_data *data = &entrant->layouts[layout];
     bb_tree *tree = &entrant->instance.tree;
     BB_TRY(bb_tree_upload(tree, bench->device, NULL));
-    return bb_layout_maker_make(&choice->maker, bench->scene, tree, choice->leaf, data);
+    return bb_layout_maker_make(&choice->maker, bench->scene, tree, choice->leaf, choice->form,
+                                data);
 }
 
 static void record_layout(bb_entrant *entrant, const bb_layout_data *data)
@@ -280,12 +281,10 @@ static bb_status make_room(bb_bench *bench, bb_entrant *entrant, uint32_t layout
         entrant->has_layout[k] = false;
         bb_layout_maker *maker = &bench->layouts[k].maker;
         const bb_layout *made = maker->layout;
-        bb_u32 form = maker->form;
         if (k == layout || made == NULL)
             continue;
         bb_layout_maker_destroy(maker);
         BB_TRY(bb_layout_maker_create(made, bench->device, maker));
-        maker->form = form;
     }
     return BB_OK;
 }

@@ -30,11 +30,11 @@ typedef struct bb_kernel_choice {
     bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
 } bb_kernel_choice;
 
-/* A layout of leaves with up to `leaf` references and triangles in the maker's form; all kernels and intersectors that read the same share
- * it. */
+/* A layout of leaves with up to `leaf` references and triangles in one form; all kernels and intersectors that read the same share it. */
 typedef struct bb_layout_choice {
     bb_layout_maker maker;
     uint32_t leaf;
+    uint32_t form; /* BB_RECORD_... */
 } bb_layout_choice;
 
 /* A builder on the scene: what it has in memory at present, and its record. */

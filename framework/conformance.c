@@ -151,7 +151,8 @@ static bb_status check_kernel(bb_conformance *c, bb_instance *instance, const bb
     if (status == BB_OK)
         status = bb_tree_upload(&instance->tree, c->device, NULL);
     if (status == BB_OK)
-        status = bb_layout_maker_make(&maker, c->scene, &instance->tree, 1, &data);
+        status =
+            bb_layout_maker_make(&maker, c->scene, &instance->tree, 1, BB_RECORD_VERTICES, &data);
     for (uint32_t set = 0; set < c->set_count && status == BB_OK; set++)
         status = check_set(c, set, kernel, &data, &instance->tree.info);
     bb_layout_data_release(&data);

@@ -121,7 +121,7 @@ static void compare_skip(const bb_scene *scene, bb_tree *tree, bb_layout_maker *
     uint32_t count = tree->info.node_count, at = 0;
     check(bb_tree_check(tree, scene), "the test's own tree");
     check(bb_tree_upload(tree, device, NULL), "upload");
-    check(bb_layout_maker_make(maker, scene, tree, 1, &data), "skip");
+    check(bb_layout_maker_make(maker, scene, tree, 1, BB_RECORD_VERTICES, &data), "skip");
     assert_true(data.keeps_shape);
     assert_int_equal(data.root, 0);
     bb_node *nodes = malloc(count * sizeof *nodes);
@@ -162,7 +162,7 @@ static bool keeps_shape(const char *layout, const bb_scene *scene, bb_tree *tree
     bb_layout_maker maker;
     bb_layout_data data = {0};
     check(bb_layout_maker_create(bb_layout_find(layout), device, &maker), layout);
-    check(bb_layout_maker_make(&maker, scene, tree, leaf, &data), layout);
+    check(bb_layout_maker_make(&maker, scene, tree, leaf, BB_RECORD_VERTICES, &data), layout);
     bool keeps = data.keeps_shape;
     bb_layout_data_release(&data);
     bb_layout_maker_destroy(&maker);
@@ -234,8 +234,7 @@ static made make_form(const bb_layout *layout, const bb_scene *scene, bb_tree *t
     bb_layout_maker maker;
     bb_layout_data data = {0};
     check(bb_layout_maker_create(layout, device, &maker), layout->name);
-    maker.form = form;
-    check(bb_layout_maker_make(&maker, scene, tree, 4, &data), layout->name);
+    check(bb_layout_maker_make(&maker, scene, tree, 4, form, &data), layout->name);
     assert_int_equal(data.form, form);
     const bb_buffer *records = &data.buffers[1];
     made made = {malloc(records->bytes), records->bytes / sizeof(float), data.bytes, ""};

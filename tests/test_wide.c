@@ -241,7 +241,7 @@ static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, u
     bb_layout_maker maker;
     bb_layout_data data = {0};
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
-    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, &data));
+    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, BB_RECORD_VERTICES, &data));
     wide w = {
         .scene = scene,
         .width = strcmp(name, "wide4") == 0 ? 4 : 8,

@@ -39,7 +39,9 @@ static inline void choose_kernel(bed *b, const char *kernel, uint32_t leaf)
     check(bb_spec_parse(kernel, &b->kernel), kernel);
     const bb_layout *layout = bb_layout_find(bb_kernel_find(b->kernel.name)->layout);
     check(bb_layout_maker_create(layout, device, &b->maker), kernel);
-    check(bb_layout_maker_make(&b->maker, b->scene, &b->instance.tree, leaf, &b->layout), kernel);
+    check(bb_layout_maker_make(&b->maker, b->scene, &b->instance.tree, leaf, BB_RECORD_VERTICES,
+                               &b->layout),
+          kernel);
 }
 
 static inline void open_bed(bed *b, bb_scene *scene, const char *builder, const char *kernel,

@@ -48,7 +48,7 @@ static void name(const bb_layout *layout, uint32_t leaf, uint32_t form, bb_layou
 }
 
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
-                               uint32_t leaf, bb_layout_data *data)
+                               uint32_t leaf, uint32_t form, bb_layout_data *data)
 {
     const bb_layout *layout = maker->layout;
     bb_tree *source = tree;
@@ -58,7 +58,7 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
     double start = bb_wall_ms();
     data->bytes = 0;
     data->triangle_count = scene->triangle_count;
-    data->form = maker->form;
+    data->form = form;
     if (leaf > 1)
         BB_TRY(
             bb_collapse_make(maker->collapse, tree, leaf, layout->width, layout->block, &source));

@@ -39,8 +39,8 @@ typedef struct bb_layout {
     uint32_t width; /* children of its nodes at most; 2 where there is no limit. Required */
     uint32_t block; /* primitives that its kernels test at once. Required */
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
-    /* Makes the layout of `tree` (on the device) with triangles in the form data->form: buffers, root, stack_need, levels,
-     * keeps_shape; adds to data->bytes. May enqueue and return. The rest is bb_layout_maker_make()'s. */
+    /* Makes the layout of `tree` (on the device) with triangles in the form data->form: buffers, root, stack_need, levels, keeps_shape;
+     * adds to data->bytes. May enqueue and return. The rest is bb_layout_maker_make()'s. */
     bb_status (*make)(void *self, const bb_scene *scene, const bb_tree *tree, bb_layout_data *data);
     void (*destroy)(void *self); /* what create() left behind, even if it failed; NULL is allowed */
 } bb_layout;
@@ -56,18 +56,17 @@ typedef struct bb_layout_maker {
     bb_account account; /* of the layouts made too: they go first */
     void *self;
     struct bb_collapse *collapse; /* NULL until leaves are asked for */
-    bb_u32
-        form; /* what it makes of triangles: BB_RECORD_VERTICES, or BB_RECORD_AFFINE if set so after create */
 } bb_layout_maker;
 
 bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,
                                  bb_layout_maker *maker);
 void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed */
 
-/* Makes the layout of `tree`, on the device, with leaves of up to `leaf` references (1: those of the tree). Waits for it; data->ms
- * is the wall time, leaf collapse included. `data` may hold an earlier one, whose memory is used again. */
+/* Makes the layout of `tree`, on the device, with leaves of up to `leaf` references (1: those of the tree) and triangles in the form
+ * `form` (BB_RECORD_...). Waits for it; data->ms is the wall time, leaf collapse included. `data` may hold an earlier one, whose memory is
+ * used again. */
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
-                               uint32_t leaf, bb_layout_data *data);
+                               uint32_t leaf, uint32_t form, bb_layout_data *data);
 
 /* An intersector: ray against triangle and box, with its rounding rules. A named point between careless and exact, by the values of
  * bb_intersector_options, each of which a specification may change: "exact:slab=sign". */
