@@ -318,7 +318,8 @@ static void answers_depend_on_neither_groups_nor_order(void **state)
         bb_layout_data data = {0};
         const bb_intersector *exact = &bb_intersectors[0];
         check(bb_layout_maker_create(bb_layout_find((*kernel)->layout), device, &maker), "layout");
-        check(bb_layout_maker_make(&maker, &scene, &instance.tree, 1, &data), "layout");
+        check(bb_layout_maker_make(&maker, &scene, &instance.tree, 1, BB_RECORD_VERTICES, &data),
+              "layout");
         trace(&scene, &data, *kernel, exact, BB_CLOSEST_HIT, false, rays, hits);
         for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
             trace_with(ways[w], &scene, &data, *kernel, exact, BB_CLOSEST_HIT, w % 2 == 1, reversed,
