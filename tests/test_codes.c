@@ -10,6 +10,7 @@
 
 #include "builders/common/codes.h"
 #include "framework/random.h"
+#include "tests/both_forms.h"
 
 #include <float.h>
 #include <math.h>
@@ -18,8 +19,7 @@
 #include <string.h>
 
 static const bb_option options[] = {BB_CODE_OPTIONS("mc32"), {.name = NULL}};
-static uint64_t seed = 20261121;
-static bb_device *devices[2]; /* one in each form */
+static uint64_t seed;
 
 static void choose(const char *text, bb_spec *spec, bb_code_choice *choice)
 {
@@ -310,30 +310,9 @@ static void keys_are_those_of_the_definition(void **state)
         }
 }
 
-static int open_devices(void **state)
-{
-    (void)state;
-    for (int form = 0; form < 2; form++)
-        if (bb_device_open(NULL, form == 0 ? BB_FORM_CPU : BB_FORM_GPU, NULL, &devices[form]) !=
-            BB_OK) {
-            print_error("%s\n", bb_message());
-            return -1;
-        }
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    bb_device_close(devices[0]);
-    bb_device_close(devices[1]);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    seed = seed_or(20261121);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layouts_are_those_of_the_paper),
         cmocka_unit_test(wrong_options_are_refused),

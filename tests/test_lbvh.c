@@ -9,6 +9,7 @@
 
 #include "framework/instance.h"
 #include "framework/random.h"
+#include "tests/both_forms.h"
 
 #include <float.h>
 #include <math.h>
@@ -101,8 +102,7 @@ static uint32_t reference_node(reference *r, uint32_t from, uint32_t to, uint32_
 
 /* ---- the comparison ---- */
 
-static uint64_t seed = 20261121;
-static bb_device *devices[2]; /* one in each form */
+static uint64_t seed;
 
 static void make_reference(reference *r, const bb_box *boxes, uint32_t count, uint32_t bits)
 {
@@ -283,30 +283,9 @@ static void trees_are_those_of_the_definition(void **state)
         }
 }
 
-static int open_devices(void **state)
-{
-    (void)state;
-    for (int form = 0; form < 2; form++)
-        if (bb_device_open(NULL, form == 0 ? BB_FORM_CPU : BB_FORM_GPU, NULL, &devices[form]) !=
-            BB_OK) {
-            print_error("%s\n", bb_message());
-            return -1;
-        }
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    bb_device_close(devices[0]);
-    bb_device_close(devices[1]);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    seed = seed_or(20261121);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trees_are_those_of_the_definition),
     };

@@ -10,13 +10,13 @@
 
 #include "framework/instance.h"
 #include "framework/random.h"
+#include "tests/both_forms.h"
 #include "tests/loose_reference.h"
 
 #include <float.h>
 #include <stdio.h>
 
-static uint64_t seed = 20181012;
-static bb_device *devices[2]; /* one in each form */
+static uint64_t seed;
 
 /* ---- what is built ---- */
 
@@ -392,30 +392,9 @@ static void other_codes_are_refused(void **state)
     }
 }
 
-static int open_devices(void **state)
-{
-    (void)state;
-    for (int form = 0; form < 2; form++)
-        if (bb_device_open(NULL, form == 0 ? BB_FORM_CPU : BB_FORM_GPU, NULL, &devices[form]) !=
-            BB_OK) {
-            print_error("%s\n", bb_message());
-            return -1;
-        }
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    bb_device_close(devices[0]);
-    bb_device_close(devices[1]);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    seed = seed_or(20181012);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trees_are_those_of_the_definition),
         cmocka_unit_test(fit_test_finds_the_deepest_level),

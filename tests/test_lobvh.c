@@ -11,6 +11,7 @@
 #include "builders/common/view_order.h"
 #include "framework/instance.h"
 #include "framework/random.h"
+#include "tests/both_forms.h"
 
 #include <float.h>
 #include <math.h>
@@ -30,8 +31,7 @@ typedef struct variant {
     double direction[3];
 } variant;
 
-static uint64_t seed = 20261121;
-static bb_device *devices[2]; /* one in each form */
+static uint64_t seed;
 static bool small;
 
 /* ---- levels and cells ---- */
@@ -671,30 +671,9 @@ static void bad_options_are_refused(void **state)
     bb_buffer_release(&scene.on_device.boxes);
 }
 
-static int open_devices(void **state)
-{
-    (void)state;
-    for (int form = 0; form < 2; form++)
-        if (bb_device_open(NULL, form == 0 ? BB_FORM_CPU : BB_FORM_GPU, NULL, &devices[form]) !=
-            BB_OK) {
-            print_error("%s\n", bb_message());
-            return -1;
-        }
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    bb_device_close(devices[0]);
-    bb_device_close(devices[1]);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    seed = seed_or(20261121);
     small = getenv("BVHBENCH_TEST_SMALL") != NULL;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trees_are_those_of_the_definition),

@@ -10,14 +10,14 @@
 
 #include "builders/common/radix_tree.h"
 #include "framework/random.h"
+#include "tests/both_forms.h"
 #include "tests/loose_reference.h"
 
 #include <stdio.h>
 
 enum { NODES_MAX = 600 };
 
-static uint64_t seed = 20181010;
-static bb_device *devices[2]; /* one in each form */
+static uint64_t seed;
 
 /* Nodes in preorder, all different. */
 typedef struct input {
@@ -291,30 +291,9 @@ static void trees_are_those_of_the_definition(void **state)
     }
 }
 
-static int open_devices(void **state)
-{
-    (void)state;
-    for (int form = 0; form < 2; form++)
-        if (bb_device_open(NULL, form == 0 ? BB_FORM_CPU : BB_FORM_GPU, NULL, &devices[form]) !=
-            BB_OK) {
-            print_error("%s\n", bb_message());
-            return -1;
-        }
-    return 0;
-}
-
-static int close_devices(void **state)
-{
-    (void)state;
-    bb_device_close(devices[0]);
-    bb_device_close(devices[1]);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    seed = seed_or(20181010);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(keys_are_the_preorder),
         cmocka_unit_test(thetas_are_common_ancestors),
