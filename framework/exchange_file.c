@@ -308,7 +308,7 @@ static bb_status read_rays(intake *in, const bb_scene *scene, bb_rays *rays)
                        "rays file %s is damaged: its rays have hash %016" PRIx64
                        ", its header says %016" PRIx64,
                        path, rays->hash, header.rays_hash);
-    if (bb_rays_check(rays) == BB_OK)
+    if (bb_rays_check(scene, rays) == BB_OK)
         return BB_OK;
     char reason[512];
     snprintf(reason, sizeof reason, "%s", bb_message());

@@ -208,20 +208,29 @@ static bb_status (*const makers[])(bb_rays_job *job) = {
 _Static_assert(sizeof makers / sizeof makers[0] == sizeof bb_workloads / sizeof bb_workloads[0] - 1,
                "one maker per workload");
 
-bb_status bb_rays_check(const bb_rays *rays)
+bb_status bb_rays_check(const bb_scene *scene, const bb_rays *rays)
 {
+    float farthest = 0x1p92f / scene->scale; /* 2^34 times the scene's largest coordinate or more */
     for (uint32_t i = 0; i < rays->count; i++) {
         const bb_ray *ray = &rays->rays[i];
-        bool finite = ray->tmin >= 0.0f && ray->tmax > ray->tmin, moves = false;
+        bool finite = ray->tmin >= 0.0f && ray->tmax > ray->tmin;
+        float out = 0.0f, length = 0.0f;
         for (int k = 0; k < 3; k++) {
             finite = finite && isfinite(ray->o[k]) && isfinite(ray->d[k]);
-            moves |= ray->d[k] != 0.0f;
+            out = fmaxf(out, fabsf(ray->o[k]));
+            length = fmaxf(length, fabsf(ray->d[k]));
         }
-        if (!finite || !moves)
+        if (!finite || length == 0.0f)
             return bb_fail(BB_INVALID,
                            "rays %s: ray %u is not finite or has no length: move the view closer, "
                            "or check length and tmin",
                            rays->name, i);
+        if (length < 0x1p-120f || length > 0x1p120f || out > farthest)
+            return bb_fail(
+                BB_INVALID,
+                "rays %s: ray %u starts %g from the origin with a direction of %g, beyond "
+                "what floats serve in scene '%s': move the view closer",
+                rays->name, i, (double)out, (double)length, scene->name);
     }
     return BB_OK;
 }
@@ -270,7 +279,7 @@ bb_status bb_rays_make(const bb_scene *scene, struct bb_oracle *oracle,
     if (status == BB_OK)
         status = makers[rays->workload - bb_workloads](&job);
     if (status == BB_OK)
-        status = bb_rays_check(rays);
+        status = bb_rays_check(scene, rays);
     if (status != BB_OK) {
         bb_rays_free(rays);
         return status;

@@ -55,9 +55,11 @@ struct bb_oracle;
  * builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges` without a closed mesh). Owned by the caller. */
 bb_status bb_rays_make(const bb_scene *scene, struct bb_oracle *oracle,
                        const bb_rays_request *request, bb_rays **rays);
-/* Whether all rays are ones that can be traced: finite, of some length, 0 <= tmin < tmax; bb_rays_make() has made sure.
+/* Whether all rays are ones that kernels can trace in this scene: finite, 0 <= tmin < tmax, the largest
+ * component of the direction between 2^-120 and 2^120, the origin's coordinates at most 2^92 in the
+ * layouts' units (kernels/ERROR_BUDGET.md, "Domain"). bb_rays_make() has made sure.
  * BB_INVALID names the first that is not. */
-bb_status bb_rays_check(const bb_rays *rays);
+bb_status bb_rays_check(const bb_scene *scene, const bb_rays *rays);
 /* What rays->hash is. */
 uint64_t bb_rays_hash(const bb_rays *rays);
 bb_status bb_rays_upload(bb_rays *rays, bb_device *device);

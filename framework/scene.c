@@ -72,6 +72,13 @@ void bb_scene_free(bb_scene *scene)
 
 /* ---- boxes ---- */
 
+/* -0 equals +0, so which of them is the minimum would depend on who comes first. */
+static void drop_negative_zeros(float *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        values[i] += 0.0f;
+}
+
 static bb_status triangle_box(const bb_scene *scene, uint32_t triangle, bb_box *box)
 {
     const float *corner[3];
@@ -195,7 +202,10 @@ bb_status bb_scene_finish(bb_scene *scene)
     scene->prim_count = (uint32_t)prims;
     scene->kinds = (scene->triangle_count > 0 ? (uint32_t)BB_TRIANGLES : 0) |
                    (scene->sphere_count > 0 ? (uint32_t)BB_SPHERES : 0);
+    drop_negative_zeros(scene->vertices, 3 * (size_t)scene->vertex_count);
+    drop_negative_zeros(scene->spheres, 4 * (size_t)scene->sphere_count);
     BB_TRY(make_boxes(scene));
+    BB_TRY(bb_scene_choose_scale(scene));
     return hash_geometry(scene);
 }
 

@@ -69,10 +69,12 @@ typedef struct bb_scene {
     float *vertices;   /* x y z */
     uint32_t *indices; /* three per triangle, < vertex_count */
     float *spheres;    /* x y z radius; radius >= 0 */
-    bb_box *boxes;     /* of the primitives, tight: a sphere's is rounded outwards */
+    bb_box *boxes;     /* of the primitives, tight: a sphere's is rounded outwards; no -0 */
     bb_box bounds;
-    uint64_t hash;    /* of the geometry, XXH3 */
-    uint32_t ignored; /* primitives of the file that are no surface (points, lines), skipped */
+    float scale; /* power of two by which layouts multiply lengths: see bb_scene_choose_scale() */
+    uint32_t out_of_range; /* primitives too small beside the scene for the kernels' floats */
+    uint64_t hash;         /* of the geometry, XXH3 */
+    uint32_t ignored;      /* primitives of the file that are no surface (points, lines), skipped */
     uint32_t view_count;
     bb_view views[BB_VIEWS_MAX];
     bb_profile profile;
@@ -108,9 +110,18 @@ void bb_scene_free(bb_scene *scene); /* NULL is allowed; releases the device sid
 bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, uint64_t triangle_count,
                            uint64_t sphere_count);
 
-/* Checks a filled scene (finite, indices in range, at least one primitive), computes boxes, bounds
- * and hash. */
+/* Checks a filled scene (finite, indices in range, at least one primitive), makes every -0 a +0,
+ * computes boxes, bounds, scale and hash. */
 bb_status bb_scene_finish(bb_scene *scene);
+
+/* Sets scene->scale and scene->out_of_range from its primitives and bounds; bb_scene_finish() does it.
+ *
+ * The kernels' edge functions are products of two lengths. They keep their sign where the doubled area
+ * of a triangle (for a sphere, its radius squared) is at least 2^-100 and lengths are at most 2^60, in
+ * the layout's units. The scale takes the scene's largest coordinate to about 2^32; higher, up to
+ * 2^58, where the smallest primitive asks for it. Primitives that are too small even then are counted:
+ * rays may miss them. BB_INVALID if the largest coordinate is below 2^-100. */
+bb_status bb_scene_choose_scale(bb_scene *scene);
 
 /* Measures scene->profile; bb_scene_load() has done it. */
 bb_status bb_scene_profile(bb_scene *scene);

@@ -30,15 +30,18 @@ kernel void collapse_parents(global const bb_node *nodes, uint count, uint root,
     missing[n] = children;
 }
 
-float half_area(global const bb_node *node)
+/* In the layout's units: those of the scene may be so small or large that products leave the range of
+ * floats. */
+float half_area(global const bb_node *node, float scale)
 {
-    float x = node->hi[0] - node->lo[0], y = node->hi[1] - node->lo[1], z = node->hi[2] - node->lo[2];
+    float x = (node->hi[0] - node->lo[0]) * scale, y = (node->hi[1] - node->lo[1]) * scale,
+          z = (node->hi[2] - node->lo[2]) * scale;
     return x * y + y * z + z * x;
 }
 
 /* Ct per pair of children, Ci per block of up to `block` references. */
 typedef struct cost_model {
-    float traversal, intersection;
+    float scale, traversal, intersection;
     uint block, max_leaf;
 } cost_model;
 
@@ -73,7 +76,7 @@ bb_subtree join(global const bb_node *nodes, volatile global const bb_subtree *s
         s.arity = BB_MAX(arity, s.arity);
     }
     s.arity = BB_MAX(children, s.arity);
-    float area = half_area(nodes + n);
+    float area = half_area(nodes + n, model->scale);
     s.cost += area * 0.5f * model->traversal * (float)children;
     float as_leaf = area * leaf_cost(model, s.refs);
     if (s.refs <= model->max_leaf && as_leaf <= s.cost) {
@@ -95,16 +98,17 @@ void put(volatile global bb_subtree *at, const bb_subtree *s)
 }
 
 kernel void collapse_decide(global const bb_node *nodes, global const uint *refs, uint count,
-                            float traversal, float intersection, uint block, uint max_leaf,
+                            float scale, float traversal, float intersection, uint block,
+                            uint max_leaf,
                             global const uint *parents,
                             volatile global uint *missing, volatile global bb_subtree *subtrees)
 {
     uint n = get_global_id(0);
     if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
         return;
-    const cost_model model = {traversal, intersection, block, max_leaf};
+    const cost_model model = {scale, traversal, intersection, block, max_leaf};
     bb_subtree s = {0.0f, run_length(refs, nodes[n].first & BB_INDEX_MASK), 1u, 0u, 0u, 1u};
-    s.cost = half_area(nodes + n) * leaf_cost(&model, s.refs);
+    s.cost = half_area(nodes + n, scale) * leaf_cost(&model, s.refs);
     put(subtrees + n, &s);
     for (uint p = parents[n]; p != BB_NONE; p = parents[p]) {
         mem_fence(CLK_GLOBAL_MEM_FENCE);

@@ -5,11 +5,14 @@
  *   inner node n with k children owns pair nodes base[n] .. base[n] + k - 2, one per gap between two children: a balanced
  *   binary tree over them, whose root is the gap in the middle    (pair_nodes)
  *
+ *   boxes are scaled and padded (padding.clh)
+ *
  * Aila and Laine 2009 (both children's boxes in the parent). Reads any tree of any arity; a binary tree keeps its shape and
  * its order in memory; a node with one child is passed through. Limits: 2^31 - 1 pair nodes; one work-item
  * writes all pair nodes of a node, in time that grows with the square of its children, so the host refuses more than 4096.
  */
 #include "bb_device.h"
+#include "padding.clh"
 
 kernel void pair_extra(global const bb_node *nodes, uint count, global uint *extra)
 {
@@ -40,9 +43,10 @@ uint pair_link(global const bb_node *nodes, global const uint *base, uint n)
     }
 }
 
-/* Box and link of children [from, to) of node n: a child, or the pair node of the gap in their middle. */
-void pair_side(global const bb_node *nodes, global const uint *base, uint n, uint from, uint to,
-               float *lo, float *hi, uint *link)
+/* Box, reach and link of children [from, to) of node n: a child, or the pair node of the gap in their
+ * middle. `reach` may be NULL. */
+void pair_side(global const bb_node *nodes, global const uint *base, global const float *reach,
+               uint n, uint from, uint to, float *lo, float *hi, float *longest, uint *link)
 {
     uint child = nodes[n].first;
     for (uint i = 0; i < from; i++)
@@ -52,16 +56,21 @@ void pair_side(global const bb_node *nodes, global const uint *base, uint n, uin
         lo[k] = nodes[child].lo[k];
         hi[k] = nodes[child].hi[k];
     }
+    *longest = reach != NULL ? reach[child] : 0.0f;
     for (uint i = from + 1u; i < to; i++) {
         child = nodes[child].skip;
         for (uint k = 0; k < 3; k++) {
             lo[k] = BB_MIN(nodes[child].lo[k], lo[k]);
             hi[k] = BB_MAX(nodes[child].hi[k], hi[k]);
         }
+        if (reach != NULL)
+            *longest = BB_MAX(reach[child], *longest);
     }
 }
 
+/* `reach` per node, used if has_reach: else a box's own longest side. */
 kernel void pair_nodes(global const bb_node *nodes, uint count, global const uint *base,
+                       float scale, global const float *reach, uint has_reach,
                        global bb_pair *pairs)
 {
     uint n = get_global_id(0);
@@ -79,9 +88,11 @@ kernel void pair_nodes(global const bb_node *nodes, uint count, global const uin
         bb_pair pair;
         pair.pad[0] = pair.pad[1] = 0;
         for (uint side = 0; side < 2; side++) {
-            float lo[3], hi[3];
+            float lo[3], hi[3], longest;
             uint link;
-            pair_side(nodes, base, n, side == 0 ? from : gap, side == 0 ? gap : to, lo, hi, &link);
+            pair_side(nodes, base, has_reach != 0 ? reach : NULL, n, side == 0 ? from : gap,
+                      side == 0 ? gap : to, lo, hi, &longest, &link);
+            bb_scale_and_pad(lo, hi, scale, has_reach != 0 ? longest : -1.0f);
             pair.links[side] = link;
             for (uint k = 0; k < 3; k++) {
                 pair.planes[4 * k + side] = lo[k];

@@ -5,13 +5,14 @@
  *       every stride-th node, and the root, is a splitter; each walks to the next one and counts   (skip_walk)
  *       the splitters' own places, one after the other                                             (skip_rank)
  *       each walks again and numbers the nodes that it passes                                      (skip_place)
- *   out[position(n)] = node n, its links renumbered                                                (skip_nodes)
+ *   out[position(n)] = node n, its links renumbered, its box scaled and padded (padding.clh)       (skip_nodes)
  *
  * Smits 1998, "Efficiency Issues for Ray Tracing" (the order); Helman, JaJa 1999, "Designing Practical Efficient Algorithms for
  * Symmetric Multiprocessors" (the ranking of the list). Takes any tree of any arity; nodes with one child stay. Limits: the work is that of
  * two walks over the list, whatever its order, but a numbering made to keep all splitters together leaves it to one work-item.
  */
 #include "bb_device.h"
+#include "padding.clh"
 
 /* The splitter at node n, BB_NONE if there is none. The one past the strides is the root's. */
 uint skip_splitter(uint n, uint root, uint stride, uint splitters)
@@ -81,7 +82,9 @@ kernel void skip_place(global const bb_node *nodes,
         } while (n != BB_NONE && skip_splitter(n, root, stride, splitters) == BB_NONE);
 }
 
+/* `reach` as in layout_pair.cl. */
 kernel void skip_nodes(global const bb_node *nodes, uint count, global const uint *positions,
+                       float scale, global const float *reach, uint has_reach,
                        global bb_node *out)
 {
     uint n = get_global_id(0);
@@ -93,5 +96,6 @@ kernel void skip_nodes(global const bb_node *nodes, uint count, global const uin
         node.first = at + 1u;
     if (node.skip != BB_NONE)
         node.skip = positions[node.skip];
+    bb_scale_and_pad(node.lo, node.hi, scale, has_reach != 0 ? reach[n] : -1.0f);
     out[at] = node;
 }

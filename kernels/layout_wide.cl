@@ -327,7 +327,8 @@ void block_empty(global uint *block, uint words, uint id_word, bool points)
 
 kernel void wide_blocks(global const uint *refs, uint count, global const float *vertices,
                         global const uint *indices, global const float *spheres,
-                        uint triangle_count, uint form, uint words, global const uint *first,
+                        uint triangle_count, float scale, uint form, uint words,
+                        global const uint *first,
                         global uint *blocks)
 {
     uint i = get_global_id(0);
@@ -349,7 +350,7 @@ kernel void wide_blocks(global const uint *refs, uint count, global const float 
         uint place = next[sphere ? 1 : 0]++;
         global uint *lane = blocks + (ulong)(place / BB_BLOCK_LANES) * words + place % BB_BLOCK_LANES;
         bb_write_primitive(lane, BB_BLOCK_LANES, form, prim, vertices, indices, spheres,
-                           triangle_count);
+                           triangle_count, scale);
         lane[id_word] = prim;
     }
     uint last_block = (next[1] > sphere_block * BB_BLOCK_LANES ? next[1] : next[0]) - 1u;

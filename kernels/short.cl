@@ -32,12 +32,12 @@
 #include "trail.clh"
 
 /* The children of a node that the ray meets, nearest first, the first of equals first; how many. */
-uint short_children(const bb_slab *slab, global const bb_wide *node, const bb_search *search,
-                    uint *met, float *distances)
+uint short_children(const bb_search *search, global const bb_wide *node, uint *met,
+                    float *distances)
 {
     bb_boxes entry, exit;
     float entries[BB_WIDTH], exits[BB_WIDTH];
-    bb_box_distances(slab, node->planes, search->tmin, search->tmax, &entry, &exit);
+    bb_box_distances(&search->slab, node->planes, search->tmin, search->tmax, &entry, &exit);
     BB_VECTOR(vstore, BB_WIDTH)(entry, 0, entries);
     BB_VECTOR(vstore, BB_WIDTH)(exit, 0, exits);
     uint many = 0;
@@ -59,14 +59,11 @@ uint short_children(const bb_slab *slab, global const bb_wide *node, const bb_se
 void trace_ray(uint id, global const bb_wide *nodes,
                global const float *records, /* of primitives, or blocks of them */
                uint root,                   /* link */
-               uint triangle_count, global const bb_ray *rays,
+               uint triangle_count, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
-    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
-    bb_slab slab = bb_slab_of(o, d);
-    bb_ray_setup setup = bb_ray_setup_of(o, d);
     bb_search search;
-    bb_search_start(&search, &rays[id]);
+    bb_search_start(&search, &rays[id], scale);
     bb_trail trail;
     bb_trail_start(&trail);
 #if BB_ENTRIES > 0
@@ -84,7 +81,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
             }
             uint met[BB_CHILDREN];
             float distances[BB_CHILDREN];
-            uint many = short_children(&slab, nodes + link, &search, met, distances);
+            uint many = short_children(&search, nodes + link, met, distances);
             uint at = level < retrace ? bb_trail_place(&trail, level) : 0;
 #if BB_WIDTH == 2
             search.boxes += 2;
@@ -101,7 +98,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
             link = met[at];
             level++;
         }
-        if (bb_search_leaf(&search, &setup, records, link, triangle_count))
+        if (bb_search_leaf(&search, records, link, triangle_count))
             goto done;
     next:
         for (;;) {

@@ -21,14 +21,11 @@
 void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
                global const float *records,        /* primitive records */
                uint root,                          /* link */
-               uint triangle_count, global const bb_ray *rays,
+               uint triangle_count, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
-    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
-    bb_slab slab = bb_slab_of(o, d);
-    bb_ray_setup setup = bb_ray_setup_of(o, d);
     bb_search search;
-    bb_search_start(&search, &rays[id]);
+    bb_search_start(&search, &rays[id], scale);
 
     uint stack_links[BB_STACK_SIZE];
     float stack_entries[BB_STACK_SIZE];
@@ -39,7 +36,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
         while ((link & BB_LEAF_BIT) == 0) {
             global const float *pair = pairs + 16ul * link;
             float2 entry, exit;
-            bb_box_distances(&slab, pair, search.tmin, search.tmax, &entry, &exit);
+            bb_box_distances(&search.slab, pair, search.tmin, search.tmax, &entry, &exit);
             uint2 links = vload2(6, (global const uint *)pair);
             bool meets0 = entry.x <= exit.x, meets1 = entry.y <= exit.y;
             search.boxes += 2;
@@ -59,7 +56,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
                 goto pop;
             }
         }
-        if (bb_search_leaf(&search, &setup, records, link, triangle_count))
+        if (bb_search_leaf(&search, records, link, triangle_count))
             goto done;
     pop:
         do {

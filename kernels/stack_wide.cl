@@ -62,14 +62,11 @@ uint places_of(uint met, uint octant)
 
 void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks, /* of primitives */
                uint root,                                                        /* link */
-               uint triangle_count, global const bb_ray *rays,
+               uint triangle_count, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
-    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
-    bb_slab slab = bb_slab_of(o, d);
-    bb_ray_setup setup = bb_ray_setup_of(o, d);
     bb_search search;
-    bb_search_start(&search, &rays[id]);
+    bb_search_start(&search, &rays[id], scale);
 
     uint stack_links[BB_STACK_SIZE];
     float stack_entries[BB_STACK_SIZE];
@@ -77,13 +74,14 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
     uint link = root;
     bool overflow = false;
 #if BB_BY_OCTANT
+    const float3 d = search.setup.d;
     uint octant = (d.x < 0.0f ? 1u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 4u : 0u);
 #endif
     for (;;) {
         while ((link & BB_LEAF_BIT) == 0) {
             global const bb_wide *node = nodes + link;
             bb_boxes entry, exit;
-            bb_box_distances(&slab, BB_NODE_OF(node), search.tmin, search.tmax, &entry, &exit);
+            bb_box_distances(&search.slab, BB_NODE_OF(node), search.tmin, search.tmax, &entry, &exit);
             uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit);
 #if BB_COUNTING
             search.boxes += node->count;
@@ -140,7 +138,7 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
             } while (met != 0u);
 #endif
         }
-        if (bb_search_leaf(&search, &setup, blocks, link, triangle_count))
+        if (bb_search_leaf(&search, blocks, link, triangle_count))
             goto done;
     pop:
         do {

@@ -19,26 +19,23 @@
 void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
                global const float *records,        /* primitive records */
                uint root,                          /* node */
-               uint triangle_count, global const bb_ray *rays,
+               uint triangle_count, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
-    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
-    bb_slab slab = bb_slab_of(o, d);
-    bb_ray_setup setup = bb_ray_setup_of(o, d);
     bb_search search;
-    bb_search_start(&search, &rays[id]);
+    bb_search_start(&search, &rays[id], scale);
 
     uint link = root;
     while (link != BB_NONE) {
         global const float *node = nodes + 8ul * link;
         uint first = as_uint(node[3]), skip = as_uint(node[7]);
         search.boxes++;
-        if (!bb_meets_node(&slab, node, search.tmin, search.tmax)) {
+        if (!bb_meets_node(&search.slab, node, search.tmin, search.tmax)) {
             link = skip;
         } else if ((first & BB_LEAF_BIT) == 0) {
             link = first;
         } else {
-            if (bb_search_leaf(&search, &setup, records, first, triangle_count))
+            if (bb_search_leaf(&search, records, first, triangle_count))
                 break;
             link = skip;
         }

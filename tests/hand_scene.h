@@ -18,6 +18,7 @@ static bb_scene *hand_scene(uint32_t triangles, uint32_t spheres)
     scene->sphere_count = spheres;
     scene->prim_count = triangles + spheres;
     scene->vertex_count = 3 * triangles;
+    scene->scale = 1.0f;
     scene->kinds =
         (triangles > 0 ? (uint32_t)BB_TRIANGLES : 0) | (spheres > 0 ? (uint32_t)BB_SPHERES : 0);
     bb_status status = bb_host_alloc(NULL, 9 * triangles * sizeof(float), "test", &scene->vertices);

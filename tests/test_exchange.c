@@ -385,7 +385,7 @@ static void sealed_noise_is_refused_or_can_be_traced(void **state)
         bb_status status = read_rays(bytes, rays_size, &got);
         if (status == BB_OK) {
             assert_int_equal(got->count, RAYS);
-            assert_int_equal(bb_rays_check(got), BB_OK);
+            assert_int_equal(bb_rays_check(scene, got), BB_OK);
             read++;
         } else {
             assert_int_equal(status, BB_INVALID);

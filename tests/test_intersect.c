@@ -40,7 +40,7 @@ static const bb_source triangles_source = {
     "    uint i = get_global_id(0);\n"
     "    if (i < count)\n"
     "        bb_write_primitive(records + i / BB_LANES * BB_WORDS + i % BB_LANES, BB_LANES,\n"
-    "                           BB_RECORD_FORM, i, vertices, indices, vertices, count);\n"
+    "                           BB_RECORD_FORM, i, vertices, indices, vertices, count, 1.0f);\n"
     "}\n"
     "kernel void test(global const float *records, global const bb_ray *rays, uint count,\n"
     "                 global float *t)\n"
@@ -48,13 +48,15 @@ static const bb_source triangles_source = {
     "    uint i = get_global_id(0);\n"
     "    if (i >= count)\n"
     "        return;\n"
-    "    bb_ray_setup r = bb_ray_setup_of(vload3(0, rays[i].o), vload3(0, rays[i].d));\n"
+    "    bb_ray_setup r;\n"
+    "    bb_ray_setup_make(&r, rays + i, 1.0f);\n"
+    "    float toward = bb_times_power(1.0f, -r.power);\n"
     "#if BB_LANES == 1\n"
     "    for (uint k = 0; k < BB_BLOCK_LANES; k++)\n"
     "        t[BB_BLOCK_LANES * i + k] =\n"
-    "            bb_triangle(&r, records + (BB_BLOCK_LANES * i + k) * BB_WORDS);\n"
+    "            toward * bb_triangle(&r, records + (BB_BLOCK_LANES * i + k) * BB_WORDS);\n"
     "#else\n"
-    "    vstore4(bb_triangle(&r, records + i * BB_WORDS), i, t);\n"
+    "    vstore4(toward * bb_triangle(&r, records + i * BB_WORDS), i, t);\n"
     "#endif\n"
     "}\n"};
 
@@ -352,7 +354,7 @@ static void affine_maps_take_vertices_to_the_unit_triangle(void **state)
         "    uint i = get_global_id(0);\n"
         "    if (i < count)\n"
         "        bb_write_primitive(records + 12 * i, 1, BB_RECORD_AFFINE, i, vertices, indices,\n"
-        "                           vertices, count);\n"
+        "                           vertices, count, 1.0f);\n"
         "}\n";
     const bb_source source = {"test_affine.cl", text};
     enum { COUNT = 20000 };

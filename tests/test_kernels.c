@@ -10,6 +10,7 @@
 #include "framework/instance.h"
 #include "framework/random.h"
 #include "traversal/collapse.h"
+#include "traversal/reach.h"
 #include "traversal/traversal.h"
 
 #include <math.h>
@@ -240,6 +241,7 @@ static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
     /* what it still has is its own */
     maker.layout->destroy(maker.self);
     bb_collapse_destroy(maker.collapse);
+    bb_reach_destroy(maker.reach);
     assert_int_equal(maker.account.bytes, 0);
 }
 

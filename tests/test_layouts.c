@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "framework/bench_private.h"
+#include "tests/padding_reference.h"
 #include "tests/tree_fixture.h"
 #include "traversal/traversal.h"
 
@@ -88,8 +89,11 @@ static void add_single_children(bb_tree *tree, uint32_t count, bb_random *random
 static void walk(const bb_tree *tree, uint32_t n, const bb_node *out, uint32_t *at)
 {
     const bb_node *node = &tree->nodes[n], *here = &out[(*at)++];
-    assert_memory_equal(node->lo, here->lo, sizeof node->lo);
-    assert_memory_equal(node->hi, here->hi, sizeof node->hi);
+    bb_box box = {.lo = {node->lo[0], node->lo[1], node->lo[2]},
+                  .hi = {node->hi[0], node->hi[1], node->hi[2]}};
+    box = padded_box(&box);
+    assert_memory_equal(box.lo, here->lo, sizeof box.lo);
+    assert_memory_equal(box.hi, here->hi, sizeof box.hi);
     if (bb_node_is_leaf(node)) {
         assert_int_equal(here->first, node->first);
     } else {

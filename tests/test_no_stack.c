@@ -1,5 +1,5 @@
-/* Kernels without a full stack against the stack: the same answers, bit for bit but for ties, on the trees of all builders; trees that are
- * very deep; trails that are too short. Seed: BVHBENCH_TEST_SEED. */
+/* Kernels without a full stack against the stack: the same answers, bit for bit, on the trees of all
+ * builders; trees that are very deep; trails that are too short. Seed: BVHBENCH_TEST_SEED. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,22 +31,20 @@ static void make_rays(const bb_scene *scene, bb_ray *rays)
 
 /* ---- the same answers ---- */
 
-static uint32_t compare(const bed *b, const char *builder, const bb_ray *rays, const bb_hit *hits,
-                        const bb_hit *found, bb_query query)
+static void compare(const bed *b, const char *builder, const bb_hit *hits, const bb_hit *found,
+                    bb_query query)
 {
-    uint32_t ties = 0;
     for (uint32_t i = 0; i < RAYS; i++) {
         if (memcmp(&hits[i], &found[i], sizeof hits[i]) == 0)
             continue;
+        /* any hit will do, if there is one */
         bool both = (hits[i].prim == BB_NONE) == (found[i].prim == BB_NONE);
-        if (query == BB_ANY_HIT ? !both : !is_tie(&b->scene->bounds, &rays[i], &hits[i], &found[i]))
+        if (query == BB_CLOSEST_HIT || !both)
             fail_msg(
                 "%s, builder %s, kernel %s, %s hit, ray %u: %u at %a, not %u at %a (seed %llu)",
                 b->scene->name, builder, b->kernel.text, bb_query_name(query), i, found[i].prim,
                 found[i].t, hits[i].prim, hits[i].t, (unsigned long long)seed);
-        ties += query == BB_CLOSEST_HIT;
     }
-    return ties;
 }
 
 static void all_kernels_answer_as_the_stack_does(void **state)
@@ -69,7 +67,7 @@ static void all_kernels_answer_as_the_stack_does(void **state)
                 for (size_t k = 0; k < OTHERS; k++) {
                     choose_kernel(&b, others[k], leaf);
                     trace(&b, "exact", rays, RAYS, query, found, NULL);
-                    assert_true(compare(&b, builder, rays, hits, found, query) < RAYS / 1000);
+                    compare(&b, builder, hits, found, query);
                 }
             }
             close_bed(&b);

@@ -462,7 +462,7 @@ static void test_views_derived(void **state)
     static const float point[9] = {3, 3, 3, 3, 3, 3, 3, 3, 3};
     static const float line[9] = {0, 0, 0, 1, 0, 0, 2, 0, 0};
     static const float huge[9] = {-1e38f, 0, 0, 1e38f, 0, 0, 0, 1e38f, 1e38f};
-    static const float tiny[9] = {0, 0, 0, 1e-38f, 0, 0, 0, 1e-38f, 1e-38f};
+    static const float tiny[9] = {0, 0, 0, 1e-30f, 0, 0, 0, 1e-30f, 1e-30f};
     static const float *const triangles[] = {point, line, huge, tiny};
     for (int i = 0; i < 4; i++) {
         bb_scene *scene = make_scene(triangles[i], 1, NULL, 0);

@@ -103,17 +103,4 @@ static inline bb_scene *load(const char *name)
     return scene;
 }
 
-/* Two answers to one ray that differ by rounding only. A primitive's t is off by a few 2^-24 of the distances between its vertices and the
- * origin; where two lie as close as that, the order of the visit decides which one is found first and culls the other. */
-static inline bool is_tie(const bb_box *bounds, const bb_ray *ray, const bb_hit *a, const bb_hit *b)
-{
-    double reach = 0, length = 0;
-    for (int k = 0; k < 3; k++) {
-        reach = fmax(reach, (double)bounds->hi[k] - bounds->lo[k]);
-        length += (double)ray->d[k] * ray->d[k];
-    }
-    return a->prim != BB_NONE && b->prim != BB_NONE &&
-           fabs((double)a->t - b->t) * sqrt(length) <= 16 * 0x1p-24 * reach;
-}
-
 #endif

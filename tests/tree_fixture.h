@@ -34,6 +34,7 @@ static inline bb_scene *make_box_scene(uint32_t count)
     assert_non_null(scene);
     scene->kinds = BB_TRIANGLES;
     scene->prim_count = scene->triangle_count = count;
+    scene->scale = 1.0f;
     scene->boxes = calloc(count, sizeof *scene->boxes);
     assert_non_null(scene->boxes);
     return scene;

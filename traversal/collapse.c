@@ -84,8 +84,8 @@ static bb_status reserve(bb_collapse *self, size_t count)
     return BB_OK;
 }
 
-static bb_status decide(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf, uint32_t width,
-                        uint32_t block)
+static bb_status decide(bb_collapse *self, const bb_tree *tree, float scale, uint32_t max_leaf,
+                        uint32_t width, uint32_t block)
 {
     uint32_t count = tree->info.node_count;
     const float traversal = (float)(BB_COST_TRAVERSAL * 0.5 * width / (width - 1)),
@@ -94,19 +94,19 @@ static bb_status decide(bb_collapse *self, const bb_tree *tree, uint32_t max_lea
                      BB_VALUE(count), BB_VALUE(tree->info.root), BB_MEM(self->parents),
                      BB_MEM(self->missing)));
     return bb_launch(self->device, self->decide, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
-                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(traversal),
+                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(scale), BB_VALUE(traversal),
                      BB_VALUE(intersection), BB_VALUE(block), BB_VALUE(max_leaf),
                      BB_MEM(self->parents), BB_MEM(self->missing), BB_MEM(self->subtrees));
 }
 
-bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, uint32_t max_leaf,
+bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, uint32_t max_leaf,
                            uint32_t width, uint32_t block, bb_tree **out)
 {
     assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && width >= 2 && block >= 1);
     uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0, totals[2];
     bb_tree *result = &self->tree;
     BB_TRY(reserve(self, count));
-    BB_TRY(decide(self, tree, max_leaf, width, block));
+    BB_TRY(decide(self, tree, scale, max_leaf, width, block));
     BB_TRY(bb_launch(self->device, self->mark, (size_t)count + 1, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(max_leaf),
                      BB_VALUE(duplicated), BB_MEM(self->parents), BB_MEM(self->subtrees),

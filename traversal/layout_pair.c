@@ -1,7 +1,5 @@
 /* The `pair` layout: both children's boxes in the parent (kernels/layout_pair.cl). Binary trees keep their shape; wider ones
  * are made binary over the order of their children. */
-#include "traversal/traversal.h"
-
 #include "traversal/pairs.h"
 #include "traversal/records.h"
 
@@ -32,18 +30,18 @@ static bb_status create(bb_device *device, bb_account *account, void **out)
     return bb_records_create(device, account, &self->records);
 }
 
-static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
-                      bb_layout_data *data)
+static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_data *data)
 {
     pair_layout *self = opaque;
+    const bb_tree *tree = source->tree;
     uint32_t count;
     data->buffer_count = 2;
     data->levels = bb_pairs_stack_need(&tree->info);
     data->stack_need = data->levels; /* one per pair node on the way */
     data->keeps_shape = bb_pairs_keep_shape(&tree->info);
-    BB_TRY(bb_pairs_make(&self->pairs, tree, &data->buffers[0], &count, &data->root));
+    BB_TRY(bb_pairs_make(&self->pairs, source, &data->buffers[0], &count, &data->root));
     data->bytes += count * sizeof(bb_pair);
-    return bb_records_make(self->records, scene, tree, data->form, &data->buffers[1], &data->bytes);
+    return bb_records_make(self->records, source, data->form, &data->buffers[1], &data->bytes);
 }
 
 const bb_layout bb_layout_pair = {

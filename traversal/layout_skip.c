@@ -76,12 +76,12 @@ static bb_status number_nodes(skip_layout *self, const bb_tree *tree)
                      BB_MEM(self->positions));
 }
 
-static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
-                      bb_layout_data *data)
+static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_data *data)
 {
     skip_layout *self = opaque;
     bb_device *device = self->device;
-    uint32_t count = tree->info.node_count;
+    const bb_tree *tree = source->tree;
+    uint32_t count = tree->info.node_count, has_reach = source->reach != NULL;
     size_t bytes = count * sizeof(bb_node);
     data->buffer_count = 2;
     data->root = 0;
@@ -92,8 +92,10 @@ static bb_status make(void *opaque, const bb_scene *scene, const bb_tree *tree,
     BB_TRY(bb_buffer_reserve(device, self->account, bytes, "skip: nodes", &data->buffers[0]));
     data->bytes += bytes;
     BB_TRY(bb_launch(device, self->nodes, count, GROUP_SIZE, BB_MEM(tree->d_nodes), BB_VALUE(count),
-                     BB_MEM(self->positions), BB_MEM(data->buffers[0])));
-    return bb_records_make(self->records, scene, tree, data->form, &data->buffers[1], &data->bytes);
+                     BB_MEM(self->positions), BB_VALUE(data->scale),
+                     BB_MEM(*(has_reach ? source->reach : &self->positions)), BB_VALUE(has_reach),
+                     BB_MEM(data->buffers[0])));
+    return bb_records_make(self->records, source, data->form, &data->buffers[1], &data->bytes);
 }
 
 const bb_layout bb_layout_skip = {

@@ -3,6 +3,7 @@
 
 #include "framework/clock.h"
 #include "traversal/collapse.h"
+#include "traversal/reach.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -30,6 +31,7 @@ void bb_layout_maker_destroy(bb_layout_maker *maker)
     if (maker->layout != NULL)
         maker->layout->destroy(maker->self);
     bb_collapse_destroy(maker->collapse);
+    bb_reach_destroy(maker->reach);
     *maker = (bb_layout_maker){0};
 }
 
@@ -51,25 +53,32 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
                                uint32_t leaf, uint32_t form, bb_layout_data *data)
 {
     const bb_layout *layout = maker->layout;
-    bb_tree *source = tree;
+    bb_layout_source source = {.scene = scene, .tree = tree};
     if (leaf > 1 && maker->collapse == NULL)
         BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
+    if (tree->duplicated && maker->reach == NULL)
+        BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
     BB_TRY(bb_finish(maker->device));
     double start = bb_wall_ms();
     data->bytes = 0;
     data->triangle_count = scene->triangle_count;
     data->form = form;
+    data->scale = scene->scale;
+    bb_tree *collapsed = tree;
     if (leaf > 1)
-        BB_TRY(
-            bb_collapse_make(maker->collapse, tree, leaf, layout->width, layout->block, &source));
-    BB_TRY(layout->make(maker->self, scene, source, data));
+        BB_TRY(bb_collapse_make(maker->collapse, tree, scene->scale, leaf, layout->width,
+                                layout->block, &collapsed));
+    source.tree = collapsed;
+    if (tree->duplicated)
+        BB_TRY(bb_reach_make(maker->reach, scene, collapsed, &source.reach));
+    BB_TRY(layout->make(maker->self, &source, data));
     BB_TRY(bb_finish(maker->device));
     data->ms = bb_wall_ms() - start;
     data->sah = NAN;
     if (leaf > 1) {
         if (data->keeps_shape) { /* outside the clock */
-            BB_TRY(bb_tree_download(source, NULL));
-            data->sah = bb_tree_sah(source);
+            BB_TRY(bb_tree_download(collapsed, NULL));
+            data->sah = bb_tree_sah(collapsed);
         }
         data->keeps_shape = false;
     }

@@ -29,11 +29,14 @@ void bb_pairs_destroy(bb_pairs *pairs)
     bb_program_release(pairs->program);
 }
 
-bb_status bb_pairs_make(bb_pairs *pairs, const bb_tree *tree, bb_buffer *nodes, uint32_t *count,
-                        uint32_t *root)
+bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buffer *nodes,
+                        uint32_t *count, uint32_t *root)
 {
     bb_device *device = pairs->device;
-    uint32_t node_count = tree->info.node_count;
+    const bb_tree *tree = source->tree;
+    const bb_buffer *reach = source->reach != NULL ? source->reach : &pairs->found;
+    uint32_t node_count = tree->info.node_count, has_reach = source->reach != NULL;
+    float scale = source->scene->scale;
     if (tree->info.arity > ARITY_MAX)
         return bb_fail(BB_UNSUPPORTED, "layouts take nodes of up to %d children, not %u", ARITY_MAX,
                        tree->info.arity);
@@ -51,7 +54,8 @@ bb_status bb_pairs_make(bb_pairs *pairs, const bb_tree *tree, bb_buffer *nodes, 
     BB_TRY(
         bb_buffer_reserve(device, pairs->account, *count * sizeof(bb_pair), "pair nodes", nodes));
     return bb_launch(device, pairs->nodes, node_count, GROUP_SIZE, BB_MEM(tree->d_nodes),
-                     BB_VALUE(node_count), BB_MEM(pairs->base), BB_MEM(*nodes));
+                     BB_VALUE(node_count), BB_MEM(pairs->base), BB_VALUE(scale), BB_MEM(*reach),
+                     BB_VALUE(has_reach), BB_MEM(*nodes));
 }
 
 /* Those of a balanced binary tree over up to `arity` children at each of `depth` levels: an upper bound that needs no walk. */

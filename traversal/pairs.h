@@ -3,7 +3,7 @@
 #define BB_PAIRS_H
 
 #include "framework/primitives.h"
-#include "framework/tree.h"
+#include "traversal/traversal.h"
 
 typedef struct bb_pairs {
     bb_device *device;
@@ -11,19 +11,19 @@ typedef struct bb_pairs {
     cl_program program;
     cl_kernel extra, nodes, root;
     bb_primitives *primitives;
-    bb_buffer base; /* u32 per node, and the total */
-    bb_buffer found;
+    bb_buffer base;  /* u32 per node, and the total */
+    bb_buffer found; /* also stands for the array that a source lacks */
 } bb_pairs;
 
 /* Compiles; scratch is booked on `account`. To be destroyed also after a failure. */
 bb_status bb_pairs_create(bb_device *device, bb_account *account, bb_pairs *pairs);
 void bb_pairs_destroy(bb_pairs *pairs);
 
-/* Pair nodes (bb_pair) of `tree`, which is on the device, into `nodes`; their number; and the link to start from: a pair node, or
- * the tree's only leaf. Leaves are linked as in bb_node. Waits for the device once. BB_UNSUPPORTED for nodes of more than
- * 4096 children. */
-bb_status bb_pairs_make(bb_pairs *pairs, const bb_tree *tree, bb_buffer *nodes, uint32_t *count,
-                        uint32_t *root);
+/* Pair nodes (bb_pair) of the source's tree into `nodes`; their number; and the link to start from: a
+ * pair node, or the tree's only leaf. Leaves are linked as in bb_node. Waits for the device once.
+ * BB_UNSUPPORTED for nodes of more than 4096 children. */
+bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buffer *nodes,
+                        uint32_t *count, uint32_t *root);
 
 /* Entries that the stack of an ordered traversal needs at most. */
 uint32_t bb_pairs_stack_need(const bb_tree_info *info);

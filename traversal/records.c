@@ -44,9 +44,11 @@ void bb_records_destroy(bb_records *records)
     free(records);
 }
 
-bb_status bb_records_make(bb_records *records, const bb_scene *scene, const bb_tree *tree,
-                          uint32_t form, bb_buffer *out, uint64_t *bytes)
+bb_status bb_records_make(bb_records *records, const bb_layout_source *source, uint32_t form,
+                          bb_buffer *out, uint64_t *bytes)
 {
+    const bb_scene *scene = source->scene;
+    const bb_tree *tree = source->tree;
     const bb_scene_device *geometry = &scene->on_device;
     bool affine = form == BB_RECORD_AFFINE;
     uint32_t words = affine ? BB_AFFINE_RECORD_WORDS : BB_RECORD_WORDS;
@@ -64,6 +66,6 @@ bb_status bb_records_make(bb_records *records, const bb_scene *scene, const bb_t
                      BB_VALUE(count), BB_MEM(*(triangles ? &geometry->vertices : &records->none)),
                      BB_MEM(*(triangles ? &geometry->indices : &records->none)),
                      BB_MEM(*(spheres ? &geometry->spheres : &records->none)),
-                     BB_VALUE(scene->triangle_count), BB_VALUE(form), BB_VALUE(words),
-                     BB_VALUE(id_word), BB_MEM(*out));
+                     BB_VALUE(scene->triangle_count), BB_VALUE(scene->scale), BB_VALUE(form),
+                     BB_VALUE(words), BB_VALUE(id_word), BB_MEM(*out));
 }

@@ -3,8 +3,7 @@
 #ifndef BB_RECORDS_H
 #define BB_RECORDS_H
 
-#include "framework/scene.h"
-#include "framework/tree.h"
+#include "traversal/traversal.h"
 
 typedef struct bb_records bb_records;
 
@@ -12,9 +11,10 @@ typedef struct bb_records bb_records;
 bb_status bb_records_create(bb_device *device, bb_account *account, bb_records **out);
 void bb_records_destroy(bb_records *records); /* NULL is allowed */
 
-/* Record i is of the primitive of refs[i] of `tree` (on the device), its last-bit included; triangles in the form BB_RECORD_.... Reserves
- * `out` on the account and adds its size to *bytes. Enqueued, not waited for. */
-bb_status bb_records_make(bb_records *records, const bb_scene *scene, const bb_tree *tree,
-                          uint32_t form, bb_buffer *out, uint64_t *bytes);
+/* Record i is of the primitive of refs[i] of the source's tree, its last-bit included; triangles in the
+ * form BB_RECORD_..., lengths times the scene's scale. Reserves `out` on the account and adds its size
+ * to *bytes. Enqueued, not waited for. */
+bb_status bb_records_make(bb_records *records, const bb_layout_source *source, uint32_t form,
+                          bb_buffer *out, uint64_t *bytes);
 
 #endif

@@ -192,12 +192,13 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
 {
     assert(layout->form == tracer->form);
     bb_device *device = tracer->device;
-    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 7];
+    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 8];
     uint32_t n = 0;
     for (uint32_t i = 0; i < layout->buffer_count; i++)
         args[n++] = BB_MEM(layout->buffers[i]);
     args[n++] = BB_VALUE(layout->root);
     args[n++] = BB_VALUE(layout->triangle_count);
+    args[n++] = BB_VALUE(layout->scale);
     args[n++] = BB_MEM(*rays);
     args[n++] = BB_VALUE(count);
     args[n++] = BB_MEM(*hits);

@@ -16,13 +16,24 @@ enum {
         1 << 14, /* levels: 4 KiB of private memory per ray with 2 children, 8 KiB with 8 */
 };
 
-/* A tree in the form that a kernel reads, on the device. */
+/* What a layout is made of. */
+typedef struct bb_layout_source {
+    const bb_scene *scene;
+    const bb_tree *tree; /* on the device */
+    const bb_buffer
+        *reach; /* float per node: the longest side of the primitives below it; NULL: the
+                               node's box holds them whole, and has their longest side */
+} bb_layout_source;
+
+/* A tree in the form that a kernel reads, on the device. Lengths are in units of their own: those of
+ * the scene times `scale`. Boxes are padded (kernels/ERROR_BUDGET.md). */
 typedef struct bb_layout_data {
     uint32_t buffer_count;
     bb_buffer buffers[BB_LAYOUT_BUFFERS_MAX]; /* the kernel's first arguments, in this order */
     bb_u32 root;                              /* link to start from, as the kernel reads links */
     bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
     bb_u32 form;                              /* of the triangles' records: BB_RECORD_... */
+    float scale;                              /* the scene's */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
     uint32_t levels; /* inner nodes on the longest path, as the kernel sees them; an upper bound */
     uint64_t bytes;
@@ -39,9 +50,10 @@ typedef struct bb_layout {
     uint32_t width; /* children of its nodes at most; 2 where there is no limit. Required */
     uint32_t block; /* primitives that its kernels test at once. Required */
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
-    /* Makes the layout of `tree` (on the device) with triangles in the form data->form: buffers, root, stack_need, levels, keeps_shape;
-     * adds to data->bytes. May enqueue and return. The rest is bb_layout_maker_make()'s. */
-    bb_status (*make)(void *self, const bb_scene *scene, const bb_tree *tree, bb_layout_data *data);
+    /* Makes the layout of `source` with triangles in the form data->form and lengths times
+     * data->scale: buffers, root, stack_need, levels, keeps_shape; adds to data->bytes. May enqueue
+     * and return. The rest is bb_layout_maker_make()'s. */
+    bb_status (*make)(void *self, const bb_layout_source *source, bb_layout_data *data);
     void (*destroy)(void *self); /* what create() left behind, even if it failed; NULL is allowed */
 } bb_layout;
 
@@ -56,6 +68,7 @@ typedef struct bb_layout_maker {
     bb_account account; /* of the layouts made too: they go first */
     void *self;
     struct bb_collapse *collapse; /* NULL until leaves are asked for */
+    struct bb_reach *reach;       /* NULL until a tree needs it */
 } bb_layout_maker;
 
 bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,

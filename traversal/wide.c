@@ -134,9 +134,11 @@ static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pa
 }
 
 /* From references to blocks: self->first, data->buffers[1]. */
-static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_tree *tree,
+static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
                              bb_layout_data *data)
 {
+    const bb_scene *scene = source->scene;
+    const bb_tree *tree = source->tree;
     const bb_scene_device *geometry = &scene->on_device;
     uint32_t count = tree->info.ref_count, triangle_count = scene->triangle_count, total;
     uint32_t words = scene->kinds == BB_SPHERES       ? BB_SPHERE_BLOCK_WORDS
@@ -156,16 +158,17 @@ static bb_status make_blocks(wide_layout *self, const bb_scene *scene, const bb_
                      BB_VALUE(count), BB_MEM(*(triangles ? &geometry->vertices : &self->none)),
                      BB_MEM(*(triangles ? &geometry->indices : &self->none)),
                      BB_MEM(*(spheres ? &geometry->spheres : &self->none)),
-                     BB_VALUE(triangle_count), BB_VALUE(data->form), BB_VALUE(words),
-                     BB_MEM(self->first), BB_MEM(data->buffers[1]));
+                     BB_VALUE(triangle_count), BB_VALUE(data->scale), BB_VALUE(data->form),
+                     BB_VALUE(words), BB_MEM(self->first), BB_MEM(data->buffers[1]));
 }
 
 /* From pairs to nodes: data->buffers[0], root and stack need. Needs self->first. */
-static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_data *data)
+static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, bb_layout_data *data)
 {
+    const bb_tree *tree = source->tree;
     uint32_t pair_count, root, total, ref_count = tree->info.ref_count;
     data->levels = bb_pairs_stack_need(&tree->info); /* of the pairs: no wide node is deeper */
-    BB_TRY(bb_pairs_make(&self->pairs, tree, &self->pair_nodes, &pair_count, &root));
+    BB_TRY(bb_pairs_make(&self->pairs, source, &self->pair_nodes, &pair_count, &root));
     if ((root & BB_LEAF_BIT) != 0) { /* no node at all */
         data->stack_need = 0;
         BB_TRY(reserve(self, self->node_bytes, "wide: nodes", &data->buffers[0]));
@@ -186,12 +189,11 @@ static bb_status make_nodes(wide_layout *self, const bb_tree *tree, bb_layout_da
                      BB_MEM(self->first), BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
 }
 
-bb_status bb_wide_make(void *opaque, const bb_scene *scene, const bb_tree *tree,
-                       bb_layout_data *data)
+bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_data *data)
 {
     wide_layout *self = opaque;
     data->buffer_count = 2;
     data->keeps_shape = false;
-    BB_TRY(make_blocks(self, scene, tree, data));
-    return make_nodes(self, tree, data);
+    BB_TRY(make_blocks(self, source, data));
+    return make_nodes(self, source, data);
 }

@@ -7,8 +7,7 @@
 /* A layout of nodes with up to `width` children (4 or 8; quantised: 8), called `name`. */
 bb_status bb_wide_create(bb_device *device, bb_account *account, const char *name, uint32_t width,
                          bool quantised, void **self);
-bb_status bb_wide_make(void *self, const bb_scene *scene, const bb_tree *tree,
-                       bb_layout_data *data);
+bb_status bb_wide_make(void *self, const bb_layout_source *source, bb_layout_data *data);
 void bb_wide_destroy(void *self);
 
 #endif

@@ -1,0 +1,352 @@
+/* The box test and the triangle test together: whatever the triangle test accepts is in the triangle's
+ * own box, at the distance that it computes (kernels/ERROR_BUDGET.md), also with quotients that are
+ * off by 2.5 ulp; and the constants of that budget are not much too large. Then whole walls, seen
+ * along long triangles, by every kernel. Seed: BVHBENCH_TEST_SEED. */
+#include "framework/random.h"
+#include "tests/trace_fixture.h"
+
+/* ---- on the device: triangle i against ray i, and its own box ---- */
+
+static const char *const prologue[] = {
+    "",
+    /* up to two floats off what is rounded rightly, by chance */
+    "float off(float q)\n"
+    "{\n"
+    "    uint bits = as_uint(q), hash = (bits ^ bits >> 15) * 0x2C1B3C6Du;\n"
+    "    hash = (hash ^ hash >> 12) * 0x297A2D39u;\n"
+    "    bool usable = fabs(q) > 0.0f && fabs(q) < FLT_MAX;\n"
+    "    return usable ? as_float(bits + (hash >> 15) % 5u - 2u) : q;\n"
+    "}\n"
+    "#define BB_DIVIDE(a, b) off((a) / (b))\n",
+};
+
+static const char program_text[] =
+    "#include \"bb_device.h\"\n"
+    "#include \"intersect.clh\"\n"
+    "#include \"record.clh\"\n"
+    "kernel void test(global const float *vertices, global const uint *indices,\n"
+    "                 global const bb_ray *rays, uint count, float scale, global uint *records,\n"
+    "                 global float *found)\n"
+    "{\n"
+    "    uint i = get_global_id(0);\n"
+    "    if (i >= count)\n"
+    "        return;\n"
+    "    global uint *record = records + i * BB_WORDS;\n"
+    "    bb_write_primitive(record, 1, BB_RECORD_VERTICES, i, vertices, indices, vertices, count,\n"
+    "                       scale);\n"
+    "    float node[8];\n"
+    "    for (uint k = 0; k < 3; k++) {\n"
+    "        float a = vertices[9 * i + k], b = vertices[9 * i + 3 + k],\n"
+    "              c = vertices[9 * i + 6 + k];\n"
+    "        node[k] = BB_MIN(a, BB_MIN(b, c));\n"
+    "        node[4 + k] = BB_MAX(a, BB_MAX(b, c));\n"
+    "    }\n"
+    "    bb_scale_and_pad(node, node + 4, scale, -1.0f);\n"
+    "    for (uint k = 0; k < 8; k++)\n"
+    "        found[10 * i + 2 + k] = node[k];\n"
+    "    bb_ray_setup setup;\n"
+    "    bb_ray_setup_make(&setup, rays + i, scale);\n"
+    "    bb_slab slab = bb_slab_of(setup.o, setup.d);\n"
+    "    float t = bb_triangle(&setup, (global const float *)record);\n"
+    "    found[10 * i] = t;\n"
+    "    found[10 * i + 1] = bb_meets_node(&slab, found + 10 * i + 2, t, t);\n"
+    "}\n";
+
+typedef struct batch {
+    uint32_t count;
+    float *vertices; /* 9 per case */
+    bb_ray *rays;
+} batch;
+
+static void upload(bb_buffer *buffer, const void *data, size_t bytes)
+{
+    *buffer = (bb_buffer){0};
+    check(bb_buffer_reserve(device, NULL, bytes, "test", buffer), "buffer");
+    if (data != NULL)
+        check(bb_buffer_write(buffer, 0, bytes, data), "buffer");
+}
+
+typedef struct verdict {
+    uint32_t accepted; /* by the triangle test */
+    uint32_t lost;     /* accepted, and the box not met at that distance */
+    uint32_t first;    /* of those */
+} verdict;
+
+static verdict run(const batch *b, float scale, bool rough, const char *defines)
+{
+    char *text = malloc(strlen(prologue[rough]) + sizeof program_text);
+    strcpy(text, prologue[rough]);
+    strcat(text, program_text);
+    const bb_source source = {"test_watertight.cl", text};
+    uint32_t *order = calloc(3 * (size_t)b->count, sizeof *order);
+    float *found = calloc(10 * (size_t)b->count, sizeof *found);
+    for (uint32_t i = 0; i < 3 * b->count; i++)
+        order[i] = i;
+    bb_buffer vertices, indices, rays, records, d_found;
+    upload(&vertices, b->vertices, 9 * (size_t)b->count * sizeof(float));
+    upload(&indices, order, 3 * (size_t)b->count * sizeof *order);
+    upload(&rays, b->rays, b->count * sizeof *b->rays);
+    upload(&records, NULL, (size_t)b->count * BB_RECORD_WORDS * sizeof(float));
+    upload(&d_found, NULL, 10 * (size_t)b->count * sizeof *found);
+    cl_program program;
+    cl_kernel kernel;
+    check(bb_program_build(device, &source, defines, &program), "program");
+    check(bb_kernel_get(program, "test", &kernel), "kernel");
+    check(bb_launch(device, kernel, b->count, 64, BB_MEM(vertices), BB_MEM(indices), BB_MEM(rays),
+                    BB_VALUE(b->count), BB_VALUE(scale), BB_MEM(records), BB_MEM(d_found)),
+          "launch");
+    check(bb_buffer_read(&d_found, 0, 10 * (size_t)b->count * sizeof *found, found), "read");
+    verdict v = {0, 0, 0};
+    for (uint32_t i = 0; i < b->count; i++) {
+        float t = found[10 * (size_t)i];
+        if (!(t > 0 && t < INFINITY))
+            continue;
+        v.accepted++;
+        if (found[10 * (size_t)i + 1] != 0)
+            continue;
+        v.first = v.lost == 0 ? i : v.first;
+        v.lost++;
+    }
+    bb_kernel_release(kernel);
+    bb_program_release(program);
+    bb_programs_clear(device); /* the cache knows sources by address */
+    bb_buffer_release(&vertices);
+    bb_buffer_release(&indices);
+    bb_buffer_release(&rays);
+    bb_buffer_release(&records);
+    bb_buffer_release(&d_found);
+    free(order);
+    free(found);
+    free(text);
+    return v;
+}
+
+/* ---- cases ---- */
+
+/* A random rotation, or one of the axes' own. */
+static void make_frame(bb_random *random, double frame[3][3])
+{
+    bool aligned = bb_random_below(random, 2) == 0;
+    int axis = (int)bb_random_below(random, 3);
+    for (int k = 0; k < 3; k++) {
+        frame[0][k] = aligned ? k == axis : bb_random_range(random, -1, 1);
+        frame[1][k] = aligned ? k == (axis + 1) % 3 : bb_random_range(random, -1, 1);
+    }
+    double length = hypot(hypot(frame[0][0], frame[0][1]), frame[0][2]), along = 0;
+    for (int k = 0; k < 3; k++)
+        along += (frame[0][k] /= length) * frame[1][k];
+    for (int k = 0; k < 3; k++)
+        frame[1][k] -= along * frame[0][k];
+    length = hypot(hypot(frame[1][0], frame[1][1]), frame[1][2]);
+    for (int k = 0; k < 3; k++)
+        frame[1][k] /= length;
+    for (int k = 0; k < 3; k++)
+        frame[2][k] = frame[0][(k + 1) % 3] * frame[1][(k + 2) % 3] -
+                      frame[0][(k + 2) % 3] * frame[1][(k + 1) % 3];
+}
+
+/* A long triangle in the plane z = 1 of the frame, one of whose edges runs along its x; the ray starts
+ * near the origin of the frame and is aimed near that edge, or at any place of the triangle. Then all
+ * of it is moved and scaled. */
+static void make_case(bb_random *random, float *vertices, bb_ray *ray)
+{
+    double frame[3][3], move[3], scale = ldexp(1, (int)bb_random_below(random, 61) - 30);
+    make_frame(random, frame);
+    double reach = pow(10, bb_random_range(random, -1, 6)),
+           width = pow(10, bb_random_range(random, -3, 3));
+    double back = bb_random_below(random, 3) == 0 ? 0.5 : reach * bb_random_range(random, -1, 1);
+    double corners[3][3] = {{back - reach, 0, 1}, {back + reach, 0, 1}, {0, width, 1}};
+    corners[2][0] = back + reach * bb_random_range(random, -1, 1);
+    if (bb_random_below(random, 4) == 0)
+        corners[2][2] += bb_random_range(random, -1, 1);
+    double far = bb_random_below(random, 4) == 0 ? pow(10, bb_random_range(random, 0, 6)) : 0;
+    for (int k = 0; k < 3; k++)
+        move[k] = far * bb_random_range(random, -1, 1);
+    double from[3], at[3];
+    for (int k = 0; k < 3; k++)
+        from[k] = 0.1 * bb_random_range(random, -1, 1);
+    double s = bb_random_unit(random), step = pow(10, bb_random_range(random, -2, 2));
+    double jitter = bb_random_range(random, -64, 64) * 0x1p-24 * reach;
+    at[0] = bb_random_below(random, 2) ? step * bb_random_range(random, -1, 1)
+                                       : corners[0][0] + 2 * s * reach;
+    at[1] = bb_random_below(random, 8) == 0 ? width * bb_random_unit(random) : jitter;
+    at[2] = 1;
+    *ray = (bb_ray){.tmax = INFINITY};
+    for (int k = 0; k < 3; k++) {
+        double o = move[k], d = 0;
+        for (int a = 0; a < 3; a++) {
+            o += from[a] * frame[a][k];
+            d += (at[a] - from[a]) * frame[a][k];
+        }
+        ray->o[k] = (float)(o * scale);
+        ray->d[k] = (float)d;
+        for (int c = 0; c < 3; c++) {
+            double v = move[k];
+            for (int a = 0; a < 3; a++)
+                v += corners[c][a] * frame[a][k];
+            vertices[3 * c + k] = (float)(v * scale);
+        }
+    }
+}
+
+static batch make_batch(uint32_t count, uint64_t stream)
+{
+    batch b = {count, calloc(9 * (size_t)count, sizeof(float)), calloc(count, sizeof(bb_ray))};
+    bb_random random = bb_random_make(seed, stream);
+    for (uint32_t i = 0; i < count; i++)
+        make_case(&random, b.vertices + 9 * (size_t)i, &b.rays[i]);
+    return b;
+}
+
+static void free_batch(batch *b)
+{
+    free(b->vertices);
+    free(b->rays);
+}
+
+static void fail_with(const batch *b, verdict v, const char *what)
+{
+    const float *c = b->vertices + 9 * (size_t)v.first;
+    const bb_ray *r = &b->rays[v.first];
+    fail_msg("%s: %u of %u hits are not in their own box; the first: o %a %a %a d %a %a %a, "
+             "triangle %a %a %a, %a %a %a, %a %a %a (seed %llu)",
+             what, v.lost, v.accepted, r->o[0], r->o[1], r->o[2], r->d[0], r->d[1], r->d[2], c[0],
+             c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], (unsigned long long)seed);
+}
+
+static void what_the_triangle_test_accepts_is_in_its_box(void **state)
+{
+    (void)state;
+    batch b = make_batch(1000000, 1);
+    for (int rough = 0; rough < 2; rough++) {
+        verdict v = run(&b, 1.0f, rough, "");
+        assert_true(v.accepted > b.count / 20);
+        if (v.lost > 0)
+            fail_with(&b, v, rough ? "quotients off by 2.5 ulp" : "quotients as they are");
+    }
+    free_batch(&b);
+}
+
+/* With less padding something is lost: the cases are hard enough to tell. */
+static void the_budget_is_needed(void **state)
+{
+    (void)state;
+    batch b = make_batch(1000000, 1);
+    static const char *const less[] = {
+        "-DBB_SLAB_TEST=BB_SLAB_SIGN -DBB_PAD_BOX=0.0f",
+        "-DBB_PAD_BOX=0.0f",
+        "-DBB_PAD_BOX=0x1p-26f",
+        "-DBB_PAD_DISTANCE=0.0f -DBB_PAD_BOX=0x1p-26f",
+    };
+    for (size_t i = 0; i < sizeof less / sizeof less[0]; i++) {
+        verdict v = run(&b, 1.0f, true, less[i]);
+        print_message("%s: %u of %u lost\n", less[i], v.lost, v.accepted);
+        if (v.lost == 0)
+            fail_msg("%s: nothing is lost (seed %llu)", less[i], (unsigned long long)seed);
+    }
+    free_batch(&b);
+}
+
+/* ---- a wall of two long triangles ---- */
+
+/* They share the edge x = 1, y = 0.5, from z = -reach to z = reach. */
+static bb_scene *make_wall(float reach)
+{
+    bb_scene *scene = load("single");
+    const float v[18] = {1, 0.5f, -reach, 1, 0.5f, reach,  1, -reach, 0,
+                         1, 0.5f, reach,  1, 0.5f, -reach, 1, reach,  0};
+    check(bb_host_alloc(NULL, sizeof v, "v", &scene->vertices), "v");
+    check(bb_host_alloc(NULL, 6 * sizeof(uint32_t), "i", &scene->indices), "i");
+    memcpy(scene->vertices, v, sizeof v);
+    for (uint32_t i = 0; i < 6; i++)
+        scene->indices[i] = i;
+    scene->triangle_count = scene->prim_count = 2;
+    scene->vertex_count = 6;
+    check(bb_scene_finish(scene), "finish");
+    return scene;
+}
+
+enum { WALL_RAYS = 100000 };
+
+static void aim_at_wall(float reach, bb_ray *rays)
+{
+    bb_random random = bb_random_make(seed, 3);
+    /* the first is one that was lost, with reach = 100 */
+    rays[0] = (bb_ray){.o = {0x1.643382p-4f, 0x1.6cd294p-8f, -0x1.7e2650p-4f},
+                       .d = {0x1.d37990p-1f, 0x1.fa4c74p-2f, 0x1.a236e0p+0f},
+                       .tmax = INFINITY};
+    for (uint32_t i = 1; i < WALL_RAYS; i++) {
+        rays[i] = (bb_ray){.tmax = INFINITY};
+        const double at[3] = {1, 0.5 + 4 * 0x1p-24 * reach * bb_random_range(&random, -1, 1),
+                              reach * bb_random_range(&random, -0.5, 0.5) *
+                                  pow(bb_random_unit(&random), 4)};
+        for (int k = 0; k < 3; k++) {
+            rays[i].o[k] = (float)bb_random_range(&random, -0.1, 0.1);
+            rays[i].d[k] = (float)(at[k] - rays[i].o[k]);
+        }
+    }
+}
+
+/* No ray passes between the two, and all kernels answer as brute force does, bit for bit. */
+static void no_ray_passes_a_wall(void **state)
+{
+    (void)state;
+    static const float reaches[] = {50, 100, 1000, 1e5f, 1e6f};
+    bb_ray *rays = calloc(WALL_RAYS, sizeof *rays);
+    bb_hit *hits = calloc(WALL_RAYS, sizeof *hits), *others = calloc(WALL_RAYS, sizeof *others);
+    for (size_t r = 0; r < sizeof reaches / sizeof reaches[0]; r++) {
+        aim_at_wall(reaches[r], rays);
+        bed b;
+        open_bed(&b, make_wall(reaches[r]), "null", "stack", 1);
+        trace(&b, "exact", rays, WALL_RAYS, BB_CLOSEST_HIT, hits, NULL);
+        for (uint32_t i = 0; i < WALL_RAYS; i++)
+            if (hits[i].prim == BB_NONE)
+                fail_msg("reach %g: ray %u passes (seed %llu)", reaches[r], i,
+                         (unsigned long long)seed);
+        close_bed(&b);
+        open_bed(&b, make_wall(reaches[r]), "lbvh", "stack", 1);
+        for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
+            choose_kernel(&b, (*k)->name, 1);
+            trace(&b, "exact", rays, WALL_RAYS, BB_CLOSEST_HIT, others, NULL);
+            for (uint32_t i = 0; i < WALL_RAYS; i++)
+                if (memcmp(&hits[i], &others[i], sizeof hits[i]) != 0)
+                    fail_msg("reach %g, kernel %s, ray %u: %u at %a, brute force %u at %a "
+                             "(seed %llu)",
+                             reaches[r], (*k)->name, i, others[i].prim, others[i].t, hits[i].prim,
+                             hits[i].t, (unsigned long long)seed);
+        }
+        close_bed(&b);
+    }
+    free(rays);
+    free(hits);
+    free(others);
+}
+
+static int open_device(void **state)
+{
+    (void)state;
+    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
+        return 0;
+    print_error("%s\n", bb_message());
+    return -1;
+}
+
+static int close_device(void **state)
+{
+    (void)state;
+    bb_tracers_clear(device);
+    bb_device_close(device);
+    return 0;
+}
+
+int main(void)
+{
+    if (getenv("BVHBENCH_TEST_SEED") != NULL)
+        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_the_triangle_test_accepts_is_in_its_box),
+        cmocka_unit_test(the_budget_is_needed),
+        cmocka_unit_test(no_ray_passes_a_wall),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}
