@@ -1,4 +1,4 @@
-/* Classes of answers; the definitions are in arbiter.h. */
+/* Classes of answers: the definitions are in arbiter.h. */
 #include "framework/arbiter.h"
 
 #include "framework/exact.h"
@@ -18,6 +18,14 @@ typedef struct trial {
     double length;         /* of d */
 } trial;
 
+static double length_of(const bb_ray *ray)
+{
+    double square = 0.0;
+    for (int k = 0; k < 3; k++)
+        square += (double)ray->d[k] * (double)ray->d[k];
+    return sqrt(square);
+}
+
 static const double eighth = 0.70710678118654752440;
 
 static void begin_trial(trial *trial, const bb_scene *scene, const bb_ray *ray)
@@ -33,13 +41,10 @@ static void begin_trial(trial *trial, const bb_scene *scene, const bb_ray *ray)
                                    {eighth, -eighth}};
     trial->scene = scene;
     trial->ray = ray;
-    double d[3], square = 0.0;
-    for (int k = 0; k < 3; k++) {
+    const double d[3] = {ray->d[0], ray->d[1], ray->d[2]};
+    for (int k = 0; k < 3; k++)
         trial->o[k] = ray->o[k];
-        d[k] = ray->d[k];
-        square += d[k] * d[k];
-    }
-    trial->length = sqrt(square);
+    trial->length = length_of(ray);
     /* u = d cross (the axis in which d is smallest), w = d cross u. */
     int axis = fabs(d[0]) <= fabs(d[1]) && fabs(d[0]) <= fabs(d[2]) ? 0
                : fabs(d[1]) <= fabs(d[2])                           ? 1
@@ -102,9 +107,32 @@ double bb_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
     return margin(scene, o, prim);
 }
 
-/* The values of t at which the line from `o` hits the primitive: 0, 1 or 2. */
-static int hits_of(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
-                   double t[2])
+double bb_t_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
+{
+    return bb_margin(scene, ray, prim) / length_of(ray);
+}
+
+float bb_smallest_height(const bb_scene *scene, uint32_t prim)
+{
+    if (!is_triangle(scene, prim))
+        return 2.0f * sphere_of(scene, prim)[3];
+    const float *v[3] = {bb_scene_vertex(scene, prim, 0), bb_scene_vertex(scene, prim, 1),
+                         bb_scene_vertex(scene, prim, 2)};
+    double longest = 0.0, area = 0.0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double side = 0.0;
+        for (int axis = 0; axis < 3; axis++)
+            side = hypot(side, (double)v[j][axis] - v[i][axis]);
+        longest = fmax(longest, side);
+        area = hypot(area, ((double)v[1][j] - v[0][j]) * ((double)v[2][k] - v[0][k]) -
+                               ((double)v[1][k] - v[0][k]) * ((double)v[2][j] - v[0][j]));
+    }
+    return area > 0.0 ? (float)(area / longest) : 0.0f;
+}
+
+int bb_exact_hits(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
+                  double t[2])
 {
     if (!is_triangle(scene, prim)) {
         const float *s = sphere_of(scene, prim);
@@ -115,14 +143,18 @@ static int hits_of(const bb_scene *scene, const double o[3], const float d[3], u
     return bb_exact_meets_triangle(o, d, a, b, c) && bb_exact_plane_t(o, d, a, b, c, &t[0]) ? 1 : 0;
 }
 
-bool bb_exact_hit(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
+bool bb_exact_first(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double *t)
 {
     const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
-    double t[2];
-    int count = hits_of(scene, o, ray->d, prim, t);
-    for (int root = 0; root < count; root++)
-        if (t[root] >= ray->tmin && t[root] <= ray->tmax)
-            return true;
+    double roots[2];
+    int count = bb_exact_hits(scene, o, ray->d, prim, roots);
+    for (int root = 0; root < count; root++) {
+        double slack = 0x1p-28 * fabs(roots[root]);
+        if (roots[root] < ray->tmin - slack)
+            continue; /* where the ray, beyond tmin, has entered a sphere already */
+        *t = roots[root];
+        return *t > ray->tmin + slack && *t < ray->tmax - slack;
+    }
     return false;
 }
 
@@ -246,7 +278,7 @@ static spread spread_over(const trial *trial, uint32_t prim, double eps)
     for (int copy = 0; copy < NINE; copy++) {
         double o[3], t[2];
         moved_origin(trial, copy, eps, o);
-        int count = hits_of(trial->scene, o, trial->ray->d, prim, t);
+        int count = bb_exact_hits(trial->scene, o, trial->ray->d, prim, t);
         bool inside = false;
         for (int root = 0; root < count; root++)
             if (t[root] >= tmin && t[root] <= tmax) {
@@ -270,12 +302,11 @@ static spread spread_over(const trial *trial, uint32_t prim, double eps)
 
 typedef struct search {
     const trial *trial;
-    double limit;     /* t below which a hit counts, INFINITY: any */
-    double limit_eps; /* margin of the limit, in scene units */
-    double common;    /* move all copies by this; 0: by each primitive's own eps */
-    bool literal;     /* no margin at the ends of the ray's interval */
-    int wanted;       /* bits of the copies that still look for a hit */
-    double largest;   /* eps of the primitives that any copy hit */
+    double limit;   /* t below which a hit counts, INFINITY: any */
+    double common;  /* move all copies by this; 0: by each primitive's own eps */
+    bool literal;   /* no margin at the ends of the ray's interval */
+    int wanted;     /* bits of the copies that still look for a hit */
+    double largest; /* eps of the primitives that any copy hit */
 } search;
 
 static bool hits_well(const search *search, const double o[3], uint32_t prim, double eps)
@@ -284,8 +315,8 @@ static bool hits_well(const search *search, const double o[3], uint32_t prim, do
     double length = search->trial->length, t[2];
     double end = search->literal ? 0.0 : eps / length;
     double low = ray->tmin + end;
-    double high = fmin(ray->tmax - end, search->limit - fmax(eps, search->limit_eps) / length);
-    int count = hits_of(search->trial->scene, o, ray->d, prim, t);
+    double high = fmin(ray->tmax - end, search->limit - eps / length);
+    int count = bb_exact_hits(search->trial->scene, o, ray->d, prim, t);
     for (int root = 0; root < count; root++)
         if (t[root] > low && t[root] < high)
             return true;
@@ -320,11 +351,13 @@ static bool all_found(const bb_arbiter *arbiter, search *search, int wanted, dou
     return search->wanted == 0;
 }
 
-/* Whether all of the nine hit something nearer than `limit` by more than the margin. The ray itself
- * goes first: in most cases it hits nothing there, and the eight need not be asked. */
-static bool nine_hit(const bb_arbiter *arbiter, const trial *trial, double limit, double limit_eps)
+/* Whether all of the nine hit something nearer than `limit` by more than its margin. The margin of what
+ * was reported is no matter: a kernel that finds both by its own arithmetic takes the one that it finds
+ * nearer, and it is held to the t that it gave. The ray itself goes first: in most cases it hits nothing
+ * there, and the eight need not be asked. */
+static bool nine_hit(const bb_arbiter *arbiter, const trial *trial, double limit)
 {
-    search search = {.trial = trial, .limit = limit, .limit_eps = limit_eps};
+    search search = {.trial = trial, .limit = limit};
     if (!all_found(arbiter, &search, 1, 0.0))
         return false;
     return all_found(arbiter, &search, ALL_NINE, 0.0) ||
@@ -358,7 +391,7 @@ static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
 static bool hits_itself(const trial *trial, const bb_hit *hit, double e)
 {
     double t[2];
-    int count = hits_of(trial->scene, trial->o, trial->ray->d, hit->prim, t);
+    int count = bb_exact_hits(trial->scene, trial->o, trial->ray->d, hit->prim, t);
     for (int root = 0; root < count; root++)
         if (fabs((double)hit->t - t[root]) <= e && t[root] >= trial->ray->tmin &&
             t[root] <= trial->ray->tmax)
@@ -381,7 +414,7 @@ static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const b
         if (!inside || !(first || second))
             return BB_WRONG_T;
     }
-    if (query == BB_CLOSEST_HIT && nine_hit(arbiter, trial, t, eps))
+    if (query == BB_CLOSEST_HIT && nine_hit(arbiter, trial, t))
         return BB_WRONG_T;
     return BB_RIGHT;
 }
@@ -394,7 +427,7 @@ bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb
     trial trial;
     begin_trial(&trial, arbiter->scene, ray);
     if (hit->prim == BB_NONE)
-        return nine_hit(arbiter, &trial, INFINITY, 0.0) ? BB_MISSED : BB_RIGHT;
+        return nine_hit(arbiter, &trial, INFINITY) ? BB_MISSED : BB_RIGHT;
     if (query == BB_ANY_HIT && hit->prim == BB_UNNAMED)
         return judge_occluded(arbiter, &trial);
     return judge_hit(arbiter, &trial, hit, query);
@@ -411,7 +444,7 @@ bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_
     }
     double t[2];
     if ((query == BB_ANY_HIT && hit->prim == BB_UNNAMED) ||
-        hits_of(trial.scene, trial.o, trial.ray->d, hit->prim, t) > 0)
+        bb_exact_hits(trial.scene, trial.o, trial.ray->d, hit->prim, t) > 0)
         return false;
     return spread_over(&trial, hit->prim, margin(trial.scene, trial.o, hit->prim)).hits == 0;
 }

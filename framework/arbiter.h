@@ -1,4 +1,4 @@
-/* The arbiter: classes one answer to one ray in exact arithmetic, without asking Embree.
+/* The arbiter: classifies one answer to one ray in exact arithmetic, without asking Embree.
  *
  * eps = 16 * 2^-24 * max |v - o| over the coordinates of the primitive's vertices (sphere: centre
  * +- radius) and the ray's origin; t is in units of |d|, so the margin of t is eps / |d|. "The
@@ -11,8 +11,8 @@
  *   false    none of the nine hits that primitive within the interval grown by eps, and the ray
  *            itself passes it at more than eps (the nine are a sample of the disc of radius eps: a
  *            needle may lie between them).
- *   wrong t  each of the nine hits something that is nearer than the reported t by more than eps
- *            (closest hit only); or t lies outside the range of the nine's own t on that primitive,
+ *   wrong t  each of the nine hits something that is nearer than the reported t by more than that
+ *            nearer primitive's own eps (closest hit only); or t lies outside the range of the nine's own t on that primitive,
  *            grown by eps, or outside the interval grown by eps. Where some of the nine pass the
  *            primitive by, their t is that of its plane, clamped to the triangle's own extent along
  *            the ray, or the sphere's point nearest to the ray.
@@ -32,8 +32,10 @@
 #ifndef BB_ARBITER_H
 #define BB_ARBITER_H
 
+#include "framework/accuracy.h"
 #include "framework/box_tree.h"
-#include "framework/oracle.h"
+#include "framework/rays.h"
+#include "framework/scene.h"
 
 typedef struct bb_arbiter {
     const bb_scene *scene;
@@ -54,14 +56,24 @@ bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb
 bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
                          bb_query query);
 
-/* eps of this ray and primitive, in scene units. */
+/* eps of this ray and primitive, in scene units; and in units of t. */
 double bb_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim);
+double bb_t_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim);
+
+/* The smallest height of a triangle, 0 if it has no area; the diameter of a sphere. */
+float bb_smallest_height(const bb_scene *scene, uint32_t prim);
 
 /* t of the ray on the primitive's plane or sphere (of two, the one nearer to `near`), to 2^-32.
  * False if there is none. */
 bool bb_exact_t(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double near, double *t);
 
-/* Whether the ray hits the primitive at a t within [tmin, tmax]. */
-bool bb_exact_hit(const bb_scene *scene, const bb_ray *ray, uint32_t prim);
+/* The values of t at which the line from `o` along `d` hits the primitive, to 2^-32: 0, 1 or 2 of
+ * them, in order. `o` as in exact.h. */
+int bb_exact_hits(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
+                  double t[2]);
+
+/* The first t, to 2^-32, at which the ray itself hits the primitive between tmin and tmax. False if
+ * there is none, or one so near to an end that it can't be told on which side. */
+bool bb_exact_first(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double *t);
 
 #endif

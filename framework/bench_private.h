@@ -5,7 +5,7 @@
 #include "framework/bench.h"
 #include "framework/embree.h"
 #include "framework/instance.h"
-#include "framework/oracle.h"
+#include "framework/judge.h"
 #include "framework/progress.h"
 #include "framework/rays.h"
 #include "traversal/traversal.h"

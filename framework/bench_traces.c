@@ -168,7 +168,9 @@ static bb_status judge_cell(trace_set *set, cell *c)
     if (c->judged && hash == c->hits_hash)
         return bb_bench_step(set->bench, "judge answers", start);
     bb_accuracy accuracy;
-    BB_TRY(bb_judge(set->bench->oracle, &set->answers, set->hits, c->count, NULL, &accuracy));
+    const bb_verdict_request wanted = {
+        .hits = set->hits, .count = c->count, .may_be_unnamed = c->entrant->reference};
+    BB_TRY(bb_judge(set->bench->oracle, &set->answers, &wanted, &accuracy));
     if (!c->judged || accuracy.wrong_ppm > c->record.accuracy.wrong_ppm)
         c->record.accuracy = accuracy;
     c->record.has_accuracy = true;
@@ -308,7 +310,8 @@ static bb_status start_set(trace_set *set)
     BB_TRY(bb_buffer_write(&bench->rays, 0, first * sizeof(bb_ray), set->rays->rays));
     double start = bb_wall_ms();
     BB_TRY(bb_answers_make(bench->oracle, set->rays, &set->answers));
-    return bb_bench_step(bench, "oracle: trace", start);
+    BB_TRY(bb_bench_step(bench, "oracle: arbitrate", bb_wall_ms() - set->answers.show_ms));
+    return bb_bench_step(bench, "oracle: trace", start + set->answers.show_ms);
 }
 
 static void run_round(trace_set *set)

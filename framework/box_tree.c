@@ -16,16 +16,9 @@
 
 enum { LEAF_MAX = 4, BINS = 16, BINNED_DEPTH = 48, STACK = 96 };
 
-typedef struct box_node {
-    float lo[3];
-    uint32_t first; /* of the children, which are neighbours, or of the references */
-    float hi[3];
-    uint32_t count; /* of the references; 0 for an inner node */
-} box_node;
-
 struct bb_box_tree {
     const bb_box *boxes;
-    box_node *nodes;
+    bb_box_node *nodes;
     uint32_t *refs;
     uint32_t node_count;
 };
@@ -184,7 +177,7 @@ static void build(bb_box_tree *tree, uint32_t count)
         bounds all = empty_bounds();
         for (uint32_t i = r.begin; i < r.end; i++)
             extend(&all, tree->boxes[tree->refs[i]].lo, tree->boxes[tree->refs[i]].hi);
-        box_node *node = &tree->nodes[r.node];
+        bb_box_node *node = &tree->nodes[r.node];
         memcpy(node->lo, all.lo, sizeof node->lo);
         memcpy(node->hi, all.hi, sizeof node->hi);
         if (r.end - r.begin <= LEAF_MAX) {
@@ -231,6 +224,17 @@ void bb_box_tree_destroy(bb_box_tree *tree)
     bb_host_free(tree->nodes);
     bb_host_free(tree->refs);
     free(tree);
+}
+
+const bb_box_node *bb_box_tree_nodes(const bb_box_tree *tree, uint32_t *count)
+{
+    *count = tree->node_count;
+    return tree->nodes;
+}
+
+const uint32_t *bb_box_tree_refs(const bb_box_tree *tree)
+{
+    return tree->refs;
 }
 
 /* ---- visiting ---- */
@@ -288,7 +292,7 @@ void bb_box_tree_visit(const bb_box_tree *tree, const bb_probe *probe,
     uint32_t stack[STACK], height = 0;
     stack[height++] = 0;
     while (height > 0) {
-        const box_node *node = &tree->nodes[stack[--height]];
+        const bb_box_node *node = &tree->nodes[stack[--height]];
         if (!meets(probe, node->lo, node->hi))
             continue;
         if (node->count == 0) {

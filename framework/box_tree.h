@@ -12,8 +12,19 @@
 
 typedef struct bb_box_tree bb_box_tree;
 
+typedef struct bb_box_node {
+    float lo[3];
+    uint32_t first; /* of the children, which are neighbours, or of the references */
+    float hi[3];
+    uint32_t count; /* of the references; 0 for an inner node */
+} bb_box_node;
+
 bb_status bb_box_tree_create(const bb_box *boxes, uint32_t count, bb_box_tree **out);
 void bb_box_tree_destroy(bb_box_tree *tree); /* NULL is allowed */
+
+/* Node 0 is the root; references are primitives. The tree's own. */
+const bb_box_node *bb_box_tree_nodes(const bb_box_tree *tree, uint32_t *count);
+const uint32_t *bb_box_tree_refs(const bb_box_tree *tree);
 
 /* A ray that looks for boxes. The fields after `grow` are filled by bb_probe_make(). */
 typedef struct bb_probe {

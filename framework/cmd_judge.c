@@ -1,8 +1,8 @@
-/* bvhbench judge: classes the hits of a tracer that is no plug-in, by the oracle and the arbiter of `run`. */
+/* bvhbench judge: classifies the hits of a tracer that is no plug-in, by the oracle and the arbiter of `run`. */
 #include "framework/choice.h"
 #include "framework/clock.h"
 #include "framework/exchange_file.h"
-#include "framework/oracle.h"
+#include "framework/judge.h"
 #include "framework/record.h"
 #include "framework/report.h"
 #include "framework/threads.h"
@@ -120,8 +120,9 @@ static bb_status judge(job *j)
     for (uint32_t i = 0; i < j->set_count; i++) {
         ray_set *set = &j->sets[i];
         BB_TRY(bb_answers_make(j->oracle, set->rays, &set->answers));
-        BB_TRY(bb_judge(j->oracle, &set->answers, set->outside.hits, set->outside.count, NULL,
-                        &set->accuracy));
+        const bb_verdict_request wanted = {
+            .hits = set->outside.hits, .count = set->outside.count, .may_be_unnamed = true};
+        BB_TRY(bb_judge(j->oracle, &set->answers, &wanted, &set->accuracy));
     }
     return BB_OK;
 }

@@ -3,7 +3,7 @@
 #include "framework/choice.h"
 #include "framework/image.h"
 #include "framework/instance.h"
-#include "framework/oracle.h"
+#include "framework/judge.h"
 #include "framework/picture.h"
 #include "traversal/traversal.h"
 
@@ -142,7 +142,10 @@ static bb_status shade_diff(rendering *r)
     if (status == BB_OK)
         status = bb_answers_make(r->oracle, r->rays, &answers);
     if (status == BB_OK)
-        status = bb_judge(r->oracle, &answers, r->hits, r->rays->count, classes, &a);
+        status = bb_judge(
+            r->oracle, &answers,
+            &(bb_verdict_request){.hits = r->hits, .count = r->rays->count, .classes = classes},
+            &a);
     if (status == BB_OK)
         status = bb_picture_diff(r->scene, r->rays, r->hits, classes, &a, &r->canvas);
     if (status == BB_OK)

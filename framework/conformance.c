@@ -132,7 +132,8 @@ static bb_status check_set(bb_conformance *c, uint32_t set, const bb_kernel *ker
     BB_TRY(bb_buffer_fill(&c->hits, count * sizeof(bb_hit), BB_POISON));
     BB_TRY(bb_tracer_launch(tracer, layout, &rays->on_device, count, &c->hits, NULL));
     BB_TRY(bb_buffer_read(&c->hits, 0, count * sizeof(bb_hit), c->host_hits));
-    BB_TRY(bb_judge(c->oracle, &c->answers[set], c->host_hits, count, NULL, &accuracy));
+    const bb_verdict_request wanted = {.hits = c->host_hits, .count = count};
+    BB_TRY(bb_judge(c->oracle, &c->answers[set], &wanted, &accuracy));
     if (accuracy.wrong_ppm > 0)
         return bb_fail(BB_FAILED,
                        "kernel %s, %s rays: of %u rays %llu missed, %llu false, %llu wrong t; the "

@@ -3,7 +3,7 @@
 #define BB_CONFORMANCE_H
 
 #include "framework/instance.h"
-#include "framework/oracle.h"
+#include "framework/judge.h"
 
 typedef struct bb_conformance bb_conformance;
 

@@ -2,6 +2,7 @@
 #ifndef BB_PICTURE_H
 #define BB_PICTURE_H
 
+#include "framework/accuracy.h"
 #include "framework/canvas.h"
 #include "framework/oracle.h"
 #include "framework/rays.h"

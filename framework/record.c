@@ -455,6 +455,7 @@ static bool put_accuracy(cJSON *entry, const bb_trace_record *trace)
         put_number(inner, "right", (double)accuracy->right) &&
         put_number(inner, "ties", (double)accuracy->ties) &&
         put_number(inner, "margin_limited", (double)accuracy->margin_limited) &&
+        put_number(inner, "t_off", (double)accuracy->t_off) &&
         put_number(inner, "oracle_wrong", (double)accuracy->oracle_wrong) &&
         put_number(inner, "forgiven", (double)accuracy->forgiven) &&
         put_number(inner, "arbitrated", (double)accuracy->arbitrated) &&

@@ -4,7 +4,8 @@
 #ifndef BB_RECORD_H
 #define BB_RECORD_H
 
-#include "framework/oracle.h"
+#include "framework/accuracy.h"
+#include "framework/rays.h"
 #include "framework/scene.h"
 #include "framework/status.h"
 #include "framework/tree.h"

@@ -235,6 +235,7 @@ static const field accuracy_fields[] = {
     {"wrong_t", NUMBER | NONE},
     {"ties", NUMBER | NONE},
     {"margin_limited", NUMBER | NONE},
+    {"t_off", NUMBER | NONE},
     {"oracle_wrong", NUMBER | NONE},
     {"t_ulp_max", NUMBER | NONE},
     {"t_ulp_p99", NUMBER | NONE},

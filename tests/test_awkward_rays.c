@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "framework/oracle.h"
+#include "framework/judge.h"
 #include "framework/random.h"
 #include "tests/trace_fixture.h"
 
@@ -30,7 +30,9 @@ static void expect_right(const char *scene_name, const char *what, const bb_ray 
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
         choose_kernel(&b, (*k)->name, 1);
         trace(&b, "exact", rays, count, BB_CLOSEST_HIT, hits, NULL);
-        check(bb_judge(oracle, &answers, hits, count, NULL, &accuracy), "judge");
+        check(bb_judge(oracle, &answers, &(bb_verdict_request){.hits = hits, .count = count},
+                       &accuracy),
+              "judge");
         if (accuracy.wrong_ppm > 0)
             fail_msg("%s, kernel %s: %llu missed, %llu false, %llu wrong t, the first is ray %u "
                      "(seed %llu)",

@@ -3,7 +3,7 @@
  * all primitives. A few seconds. */
 #include "framework/arbiter.h"
 #include "framework/exact.h"
-#include "framework/oracle.h"
+#include "framework/judge.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>
@@ -14,6 +14,14 @@
 static const uint64_t seed = 4711;
 static const uint32_t threads = 2;
 
+static bb_status judge_all(bb_oracle *oracle, bb_answers *answers, const bb_hit *hits,
+                           uint32_t count, uint8_t *classes, bb_accuracy *accuracy)
+{
+    const bb_verdict_request request = {
+        .hits = hits, .count = count, .may_be_unnamed = true, .classes = classes};
+    return bb_judge(oracle, answers, &request, accuracy);
+}
+
 /* Answers and judgement of raw rays. */
 static bb_accuracy judge(const bb_scene *scene, bb_rays *rays, const bb_hit *hits, uint8_t *classes)
 {
@@ -22,7 +30,7 @@ static bb_accuracy judge(const bb_scene *scene, bb_rays *rays, const bb_hit *hit
     bb_accuracy accuracy;
     assert_int_equal(bb_oracle_create(scene, threads, &oracle), BB_OK);
     assert_int_equal(bb_answers_make(oracle, rays, &answers), BB_OK);
-    assert_int_equal(bb_judge(oracle, &answers, hits, rays->count, classes, &accuracy), BB_OK);
+    assert_int_equal(judge_all(oracle, &answers, hits, rays->count, classes, &accuracy), BB_OK);
     bb_answers_release(&answers);
     bb_oracle_destroy(oracle);
     return accuracy;
@@ -277,7 +285,7 @@ static void test_cheap_rule(void **state)
         for (int i = 0; i < COUNT; i++)
             hits[i] = damage(scene, &rays[i], &random, hits[i]);
         assert_int_equal(bb_answers_make(oracle, &set, &answers), BB_OK);
-        assert_int_equal(bb_judge(oracle, &answers, hits, COUNT, classes, &accuracy), BB_OK);
+        assert_int_equal(judge_all(oracle, &answers, hits, COUNT, classes, &accuracy), BB_OK);
         uint32_t counts[6] = {0}, arbitrated = 0;
         for (int i = 0; i < COUNT; i++) {
             bb_class full = bb_arbiter_judge(&arbiter, &rays[i], &hits[i], (bb_query)query, false);

@@ -279,9 +279,10 @@ static void test_edges(void **state)
         uint32_t vertices = 0, centres = 0;
         for (uint32_t i = 0; i < rays->count; i++) {
             const bb_ray *ray = &rays->rays[i];
+            double t;
             bool hit = false;
             for (uint32_t p = 0; p < 12; p++)
-                hit |= bb_exact_hit(scene, ray, p);
+                hit |= bb_exact_first(scene, ray, p, &t);
             assert_true(hit);
             /* At t = 1 it is on an edge of the cube or on a diagonal of a face: on its surface, at
              * least. */

@@ -82,7 +82,9 @@ static void count_lost(const char *scene_name, const char *kernel, const char *i
     open_bed(&b, scene, "lbvh", kernel, 1);
     bb_hit *hits = malloc(rays->count * sizeof *hits);
     trace(&b, intersector, rays->rays, rays->count, BB_CLOSEST_HIT, hits, NULL);
-    check(bb_judge(oracle, &answers, hits, rays->count, NULL, &accuracy), "judge");
+    check(bb_judge(oracle, &answers, &(bb_verdict_request){.hits = hits, .count = rays->count},
+                   &accuracy),
+          "judge");
     *lost = accuracy.missed;
     *wrong = accuracy.missed + accuracy.false_hits + accuracy.wrong_t;
     free(hits);

@@ -1,0 +1,26 @@
+/* What the oracle and the judge share. */
+#ifndef BB_ORACLE_PRIVATE_H
+#define BB_ORACLE_PRIVATE_H
+
+#include "framework/arbiter.h"
+#include "framework/clear_way.h"
+#include "framework/embree.h"
+#include "framework/oracle.h"
+#include "framework/threads.h"
+
+struct bb_oracle {
+    const bb_scene *scene;
+    bb_embree *embree;
+    bb_pool *pool;
+    bb_arbiter arbiter; /* these three once there is something to arbitrate */
+    bb_way *way;
+    float *heights; /* smallest height of each triangle, diameter of each sphere */
+};
+
+/* Arbitrates answers->hits, whoever gave them: fills answers->shown. */
+bb_status bb_answers_show(bb_oracle *oracle, bb_answers *answers);
+
+/* Frees answers->judged. */
+void bb_judged_release(bb_answers *answers);
+
+#endif
