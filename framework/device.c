@@ -2,6 +2,7 @@
 #include "framework/device.h"
 
 #include "framework/cl_error.h"
+#include "framework/handover.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -147,6 +148,11 @@ bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_
     if (error != CL_SUCCESS) {
         bb_status status = bb_fail(BB_FAILED, "cannot open the OpenCL device %s: %s", device->name,
                                    bb_cl_error(error));
+        bb_device_close(device);
+        return status;
+    }
+    bb_status status = bb_choose_handover(device);
+    if (status != BB_OK) {
         bb_device_close(device);
         return status;
     }

@@ -21,6 +21,13 @@ typedef enum bb_form {
     BB_FORM_GPU,  /* work-groups that co-operate through local memory */
 } bb_form;
 
+/* How bottom-up passes hand from one work-group to another: kernels/handover.clh. */
+typedef enum bb_handover {
+    BB_HANDOVER_AUTO,   /* by what the device documents, and a litmus test */
+    BB_HANDOVER_FENCE,  /* inside a launch */
+    BB_HANDOVER_LEVELS, /* in launches by levels */
+} bb_handover;
+
 typedef struct bb_device {
     cl_platform_id platform;
     cl_device_id id;
@@ -31,6 +38,10 @@ typedef struct bb_device {
     char version[128]; /* CL_DEVICE_VERSION */
     bool is_cpu;       /* shares memory with the host */
     bb_form form;      /* BB_FORM_CPU or BB_FORM_GPU, never AUTO */
+    bb_handover handover;    /* FENCE or LEVELS, never AUTO */
+    char fence[64];          /* options that compile a fence between work-groups; "": there is none */
+    uint32_t litmus_pairs;   /* of work-groups' messages in the litmus test; 0: there is no fence */
+    uint32_t litmus_stale;   /* words of them that were not there yet */
     uint32_t compute_units;
     size_t max_group_size;
     uint64_t local_bytes;
@@ -50,11 +61,18 @@ bb_status bb_device_count(uint32_t *count);
 bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);
 
 /* Opens the device that `selector` names: NULL (the first there is), an index, or part of a device
- * or platform name. `form` as above. BB_INVALID when there is none: the message says what to
+ * or platform name. `form` as above; the hand-over is chosen (framework/handover.c). BB_INVALID when there is none: the message says what to
  * install. Close with bb_device_close(). */
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
                          bb_device **device);
 void bb_device_close(bb_device *device);
+
+/* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence that
+ * the device has not. */
+bb_status bb_device_set_handover(bb_device *device, bb_handover handover);
+
+/* What programs that include handover.clh are compiled with; 96 characters are enough. */
+void bb_handover_defines(const bb_device *device, char *text, size_t capacity);
 
 /* Waits until all that was enqueued is done. */
 bb_status bb_finish(bb_device *device);
@@ -99,9 +117,10 @@ extern const bb_source bb_embedded_sources[];
 #define BB_DEVICE_SOURCE(name) extern const bb_source bb_source_##name
 const bb_source *bb_source_find(const char *name); /* NULL if there is none */
 
-/* Compiles `source`, or takes what was compiled of it before with the same defines; `#include "x.h"` resolves by name among the embedded headers. `defines` is
- * "-DX=1 -DY" or "". Every program gets FP_CONTRACT OFF from "bb_device.h". BB_FAILED carries the
- * first line of the build log. */
+/* Compiles `source` with `defines` ("-DX=1 -DY", or ""), or returns what was compiled of it before with
+ * the same. `#include "x.h"` resolves by name among the embedded headers. OpenCL C 1.2 unless `defines`
+ * say otherwise (-cl-std=...). Every program gets FP_CONTRACT OFF from "bb_device.h". BB_FAILED carries
+ * the first line of the build log. */
 bb_status bb_program_build(bb_device *device, const bb_source *source, const char *defines,
                            cl_program *program);
 bb_status bb_kernel_get(cl_program program, const char *name, cl_kernel *kernel);

@@ -158,7 +158,8 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
                            cl_program *program)
 {
     char options[2048], key[2304];
-    if (snprintf(options, sizeof options, "-cl-std=CL1.2 %s", defines) >= (int)sizeof options)
+    const char *standard = strstr(defines, "-cl-std=") == NULL ? "-cl-std=CL1.2 " : "";
+    if (snprintf(options, sizeof options, "%s%s", standard, defines) >= (int)sizeof options)
         return bb_fail(BB_INVALID, "%s: the build options are too long", source->name);
     snprintf(key, sizeof key, "%.200s %s", source->name, options);
     for (const struct bb_program_cache *entry = device->programs; entry != NULL;

@@ -1,19 +1,19 @@
 /* Leaf collapse by the surface area heuristic, one pass for all builders and layouts, from tree to tree.
  *
  *   parent of each node                                                   (collapse_parents)
- *   bottom-up from the leaves; of a node's children the last to come goes on with it:
+ *   bottom-up from the leaves; the last of a node's children to come hands over to it (handover.clh):
  *     a leaf costs Ci A per block of references that it begins; an inner node Ct children/2 A and what its children cost
- *     if its subtree has at most max_leaf references and a leaf of them costs no more: collapse     (collapse_decide)
+ *     if its subtree has at most max_leaf references and a leaf of them costs no more: collapse     (collapse_decide, or collapse_leaves and collapse_level)
  *   kept: nodes without a collapsed ancestor; their references, each once (collapse_mark)
  *   places = exclusive scans of both                                      (framework/primitives.h)
  *   write                                                                 (collapse_write)
  *
  * MacDonald and Booth 1990 (the heuristic); Wald, Benthin and Boulos 2008 (leaves in blocks of the vector's length). Nodes and references
  * keep their order in memory. Reads any tree. A primitive that several leaves of a collapsed subtree reference is referenced
- * once. What a sibling wrote is read after the atomic that both pass, with a fence on either side, as in radix_tree.cl. Costs are
- * floats: they decide between two trees that are both right.
+ * once. Costs are floats: they decide between two trees that are both right.
  */
 #include "bb_device.h"
+#include "handover.clh"
 
 kernel void collapse_parents(global const bb_node *nodes, uint count, uint root,
                              global uint *parents, global uint *missing)
@@ -97,26 +97,67 @@ void put(volatile global bb_subtree *at, const bb_subtree *s)
     at->leaf = s->leaf;
 }
 
+void decide_leaf(global const bb_node *nodes, global const uint *refs, uint n,
+                 const cost_model *model, volatile global bb_subtree *subtrees)
+{
+    bb_subtree s = {0.0f, run_length(refs, nodes[n].first & BB_INDEX_MASK), 1u, 0u, 0u, 1u};
+    s.cost = half_area(nodes + n, model->scale) * leaf_cost(model, s.refs);
+    put(subtrees + n, &s);
+}
+
+#if BB_HANDOVER
 kernel void collapse_decide(global const bb_node *nodes, global const uint *refs, uint count,
                             float scale, float traversal, float intersection, uint block,
-                            uint max_leaf,
-                            global const uint *parents,
+                            uint max_leaf, global const uint *parents,
                             volatile global uint *missing, volatile global bb_subtree *subtrees)
 {
     uint n = get_global_id(0);
     if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
         return;
     const cost_model model = {scale, traversal, intersection, block, max_leaf};
-    bb_subtree s = {0.0f, run_length(refs, nodes[n].first & BB_INDEX_MASK), 1u, 0u, 0u, 1u};
-    s.cost = half_area(nodes + n, scale) * leaf_cost(&model, s.refs);
-    put(subtrees + n, &s);
+    decide_leaf(nodes, refs, n, &model, subtrees);
     for (uint p = parents[n]; p != BB_NONE; p = parents[p]) {
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        BB_DEVICE_FENCE();
         if (atomic_dec(&missing[p]) != 1u)
             return;
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
-        s = join(nodes, subtrees, p, &model);
+        BB_DEVICE_FENCE();
+        bb_subtree s = join(nodes, subtrees, p, &model);
         put(subtrees + p, &s);
+    }
+}
+#endif
+
+kernel void collapse_leaves(global const bb_node *nodes, global const uint *refs, uint count,
+                            float scale, float traversal, float intersection, uint block,
+                            uint max_leaf, global const uint *parents,
+                            volatile global uint *missing, volatile global bb_subtree *subtrees,
+                            volatile global uint *counts, global uint *next)
+{
+    uint n = get_global_id(0);
+    if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
+        return;
+    const cost_model model = {scale, traversal, intersection, block, max_leaf};
+    decide_leaf(nodes, refs, n, &model, subtrees);
+    uint p = parents[n];
+    if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
+        bb_put_on_list(p, 0u, counts, next);
+}
+
+kernel void collapse_level(global const bb_node *nodes, float scale, float traversal,
+                           float intersection, uint block, uint max_leaf,
+                           global const uint *parents, volatile global uint *missing,
+                           volatile global bb_subtree *subtrees, global const uint *level,
+                           uint number, volatile global uint *counts, global uint *next)
+{
+    const cost_model model = {scale, traversal, intersection, block, max_leaf};
+    uint count = counts[number];
+    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+        uint n = level[i];
+        bb_subtree s = join(nodes, subtrees, n, &model);
+        put(subtrees + n, &s);
+        uint p = parents[n];
+        if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
+            bb_put_on_list(p, number, counts, next);
     }
 }
 
@@ -138,7 +179,7 @@ uint gather(global const bb_node *nodes, global const uint *refs, uint n, uint d
                 known = known || own[k] == prim;
             if (known)
                 continue;
-            if (several)
+            if (several && written < BB_LEAF_MAX)
                 own[written] = prim;
             if (out != NULL)
                 out[written] = prim;

@@ -1,6 +1,7 @@
 /* The wide layouts: from pair nodes (layout_pair.cl) to nodes of up to BB_WIDTH children, and from references to blocks of primitives.
  *
- *   plan, bottom-up; of a pair's two sides the last to come goes on with it        (wide_parents, wide_plan)
+ *   plan, bottom-up; the last of a pair's two sides to come hands over to it (handover.clh)
+ *                                                (wide_parents, wide_plan, or plan_leaves and plan_level)
  *     cost(p, 1) = A(p) + cost(p as BB_WIDTH)               p becomes a node
  *     cost(p, n) = min over k of cost(left, k) + cost(right, n - k), or cost(p, n - 1)      p makes way for up to n of those below it
  *   level by level from the root: open the pair by its plan, mark it; those of its children that are pairs are the next
@@ -11,11 +12,11 @@
  *   for each leaf: write its blocks                        (wide_blocks)
  *
  * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.1 (the plan: of all
- * collapses the one with the least area, leaves being given), 3.2 (8 bits per plane), 3.4 (places by octant). Reads any tree. What the other side
- * wrote is read after the atomic that both pass, with a fence on either side, as in radix_tree.cl.
+ * collapses the one with the least area, leaves being given), 3.2 (8 bits per plane), 3.4 (places by octant). Reads any tree.
  */
 #include "bb_device.h"
 
+#include "handover.clh"
 #include "record.clh"
 #include "wide.clh"
 
@@ -98,6 +99,7 @@ void plan_pair(global const bb_pair *pairs, uint p, volatile global bb_wide_plan
     plans[p].splits = splits;
 }
 
+#if BB_HANDOVER
 kernel void wide_plan(global const bb_pair *pairs, uint count, uint root,
                       global const uint *parents, volatile global uint *missing,
                       volatile global bb_wide_plan *plans)
@@ -108,11 +110,39 @@ kernel void wide_plan(global const bb_pair *pairs, uint count, uint root,
     plan_pair(pairs, p, plans);
     while (p != root) {
         p = parents[p];
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        BB_DEVICE_FENCE();
         if (atomic_dec(&missing[p]) != 1u)
             return;
-        mem_fence(CLK_GLOBAL_MEM_FENCE);
+        BB_DEVICE_FENCE();
         plan_pair(pairs, p, plans);
+    }
+}
+#endif
+
+kernel void plan_leaves(global const bb_pair *pairs, uint count, uint root,
+                        global const uint *parents, volatile global uint *missing,
+                        volatile global bb_wide_plan *plans, volatile global uint *counts,
+                        global uint *next)
+{
+    uint p = get_global_id(0);
+    if (p >= count || (pairs[p].links[0] & pairs[p].links[1] & BB_LEAF_BIT) == 0)
+        return;
+    plan_pair(pairs, p, plans);
+    if (p != root && atomic_dec(&missing[parents[p]]) == 1u)
+        bb_put_on_list(parents[p], 0u, counts, next);
+}
+
+kernel void plan_level(global const bb_pair *pairs, uint root, global const uint *parents,
+                       volatile global uint *missing, volatile global bb_wide_plan *plans,
+                       global const uint *level, uint number, volatile global uint *counts,
+                       global uint *next)
+{
+    uint count = counts[number];
+    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+        uint p = level[i];
+        plan_pair(pairs, p, plans);
+        if (p != root && atomic_dec(&missing[parents[p]]) == 1u)
+            bb_put_on_list(parents[p], number, counts, next);
     }
 }
 

@@ -10,7 +10,7 @@
 
 #include "builders/common/codes.h"
 #include "framework/random.h"
-#include "tests/both_forms.h"
+#include "tests/device_forms.h"
 
 #include <float.h>
 #include <math.h>
@@ -304,7 +304,7 @@ static void keys_are_those_of_the_definition(void **state)
             bb_box *boxes = malloc(counts[c] * sizeof *boxes);
             fill(&random, kind, counts[c], boxes);
             for (size_t t = 0; t < sizeof texts / sizeof texts[0]; t++)
-                for (int form = 0; form < 2; form++)
+                for (int form = CPU_FORM; form <= GPU_FORM; form++)
                     compare(devices[form], texts[t], boxes, counts[c], kinds[kind]);
             free(boxes);
         }

@@ -9,7 +9,7 @@
 
 #include "framework/instance.h"
 #include "framework/random.h"
-#include "tests/both_forms.h"
+#include "tests/device_forms.h"
 
 #include <float.h>
 #include <math.h>
@@ -175,7 +175,7 @@ static void compare_all(const bb_box *boxes, uint32_t count, const char *what)
         {"lbvh:bits=63", 21},
         {"lbvh:bits=63,link=karras", 21},
     };
-    for (size_t form = 0; form < 2; form++) {
+    for (int form = first_form(); form < FORMS; form++) {
         for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
             reference r;
             make_reference(&r, boxes, count, ways[w].bits);

@@ -10,7 +10,7 @@
 
 #include "framework/instance.h"
 #include "framework/random.h"
-#include "tests/both_forms.h"
+#include "tests/device_forms.h"
 #include "tests/loose_reference.h"
 
 #include <float.h>
@@ -342,7 +342,7 @@ static void trees_are_those_of_the_definition(void **state)
             for (uint32_t i = 0; i < counts[c]; i++)
                 inputs[k].fill(&random, i, counts[c], &boxes[i]);
             for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++)
-                for (int form = 0; form < 2; form++)
+                for (int form = first_form(); form < FORMS; form++)
                     if (!small || (w + k) % 8 == 0)
                         compare(devices[form], &ways[w], boxes, counts[c], inputs[k].name);
             free(boxes);

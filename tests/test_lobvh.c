@@ -11,7 +11,7 @@
 #include "builders/common/view_order.h"
 #include "framework/instance.h"
 #include "framework/random.h"
-#include "tests/both_forms.h"
+#include "tests/device_forms.h"
 
 #include <float.h>
 #include <math.h>
@@ -343,7 +343,7 @@ static void compare_variant(const bb_box *boxes, uint32_t count, const variant *
     snprintf(builder, sizeof builder, "lobvh:levels=%u%s", levels, v->options);
     reference r;
     make_reference(&r, boxes, count, v, levels);
-    for (int form = 0; form < 2; form++)
+    for (int form = CPU_FORM; form <= GPU_FORM; form++)
         compare(devices[form], builder, boxes, count, &r, what);
     free(r.nodes);
     free(r.refs);

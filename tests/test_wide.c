@@ -2,6 +2,8 @@
 #include "tests/padding_reference.h"
 #include "tests/tree_fixture.h"
 
+#include "tests/device_forms.h"
+
 #include "traversal/collapse.h"
 #include "traversal/traversal.h"
 
@@ -323,22 +325,6 @@ static void wide_layouts_hold_the_tree(void **state)
     }
 }
 
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -346,5 +332,11 @@ int main(void)
         cmocka_unit_test(collapse_decides_by_cost),
         cmocka_unit_test(wide_layouts_hold_the_tree),
     };
-    return cmocka_run_group_tests(tests, open_device, close_device);
+    int failed = open_devices(NULL);
+    for (int form = first_form(); form < FORMS && failed == 0; form += LEVELS_FORM) {
+        device = devices[form];
+        failed = cmocka_run_group_tests(tests, NULL, NULL);
+    }
+    close_devices(NULL);
+    return failed;
 }

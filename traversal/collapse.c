@@ -1,6 +1,7 @@
 /* Leaf collapse by SAH: the host side of kernels/collapse.cl. */
 #include "traversal/collapse.h"
 
+#include "framework/levels.h"
 #include "framework/primitives.h"
 
 #include <assert.h>
@@ -12,7 +13,10 @@ struct bb_collapse {
     bb_device *device;
     bb_account *account;
     cl_program program;
-    cl_kernel parents_kernel, decide, mark, write;
+    cl_kernel parents_kernel, mark, write;
+    cl_kernel decide;        /* by a fence */
+    cl_kernel leaves, level; /* by levels */
+    bb_levels levels;
     bb_primitives *primitives;
     bb_buffer parents, missing; /* u32 per node: its parent; children that have not come yet */
     bb_buffer subtrees;         /* bb_subtree per node */
@@ -29,11 +33,19 @@ bb_status bb_collapse_create(bb_device *device, bb_account *account, bb_collapse
     self->device = device;
     self->account = account;
     bb_tree_init(&self->tree, account);
-    bb_status status = bb_program_build(device, bb_source_find("collapse.cl"), "", &self->program);
+    bool levels = device->handover == BB_HANDOVER_LEVELS;
+    char defines[96];
+    bb_handover_defines(device, defines, sizeof defines);
+    bb_status status =
+        bb_program_build(device, bb_source_find("collapse.cl"), defines, &self->program);
     if (status == BB_OK)
         status = bb_kernel_get(self->program, "collapse_parents", &self->parents_kernel);
-    if (status == BB_OK)
+    if (status == BB_OK && !levels)
         status = bb_kernel_get(self->program, "collapse_decide", &self->decide);
+    if (status == BB_OK && levels)
+        status = bb_kernel_get(self->program, "collapse_leaves", &self->leaves);
+    if (status == BB_OK && levels)
+        status = bb_kernel_get(self->program, "collapse_level", &self->level);
     if (status == BB_OK)
         status = bb_kernel_get(self->program, "collapse_mark", &self->mark);
     if (status == BB_OK)
@@ -56,10 +68,13 @@ void bb_collapse_destroy(bb_collapse *self)
                                   &self->firsts};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
+    bb_levels_release(&self->levels);
     bb_tree_release(&self->tree);
     bb_primitives_destroy(self->primitives);
     bb_kernel_release(self->parents_kernel);
     bb_kernel_release(self->decide);
+    bb_kernel_release(self->leaves);
+    bb_kernel_release(self->level);
     bb_kernel_release(self->mark);
     bb_kernel_release(self->write);
     bb_program_release(self->program);
@@ -84,19 +99,50 @@ static bb_status reserve(bb_collapse *self, size_t count)
     return BB_OK;
 }
 
-static bb_status decide(bb_collapse *self, const bb_tree *tree, float scale, uint32_t max_leaf,
-                        uint32_t width, uint32_t block)
+/* What the decisions depend on: the kernels' cost_model. */
+typedef struct decision {
+    bb_collapse *self;
+    const bb_tree *tree;
+    float scale, traversal, intersection;
+    uint32_t block, max_leaf;
+} decision;
+
+static bb_status decide_level(void *context, const bb_levels *levels, uint32_t n)
 {
+    const decision *d = context;
+    bb_collapse *self = d->self;
+    return bb_launch(self->device, self->level, bb_levels_items(levels), GROUP_SIZE,
+                     BB_MEM(d->tree->d_nodes), BB_VALUE(d->scale), BB_VALUE(d->traversal),
+                     BB_VALUE(d->intersection), BB_VALUE(d->block), BB_VALUE(d->max_leaf),
+                     BB_MEM(self->parents), BB_MEM(self->missing), BB_MEM(self->subtrees),
+                     BB_MEM(levels->lists[n % 2]), BB_VALUE(n), BB_MEM(levels->counts),
+                     BB_MEM(levels->lists[(n + 1) % 2]));
+}
+
+static bb_status decide(decision *d)
+{
+    bb_collapse *self = d->self;
+    const bb_tree *tree = d->tree;
     uint32_t count = tree->info.node_count;
-    const float traversal = (float)(BB_COST_TRAVERSAL * 0.5 * width / (width - 1)),
-                intersection = (float)BB_COST_INTERSECTION;
     BB_TRY(bb_launch(self->device, self->parents_kernel, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_VALUE(count), BB_VALUE(tree->info.root), BB_MEM(self->parents),
                      BB_MEM(self->missing)));
-    return bb_launch(self->device, self->decide, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
-                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(scale), BB_VALUE(traversal),
-                     BB_VALUE(intersection), BB_VALUE(block), BB_VALUE(max_leaf),
-                     BB_MEM(self->parents), BB_MEM(self->missing), BB_MEM(self->subtrees));
+    if (self->device->handover == BB_HANDOVER_FENCE)
+        return bb_launch(self->device, self->decide, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                         BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(d->scale),
+                         BB_VALUE(d->traversal), BB_VALUE(d->intersection), BB_VALUE(d->block),
+                         BB_VALUE(d->max_leaf), BB_MEM(self->parents), BB_MEM(self->missing),
+                         BB_MEM(self->subtrees));
+    BB_TRY(bb_levels_reserve(&self->levels, self->device, self->account, count, tree->info.depth,
+                             "leaf collapse: levels"));
+    BB_TRY(bb_levels_start(&self->levels));
+    BB_TRY(bb_launch(self->device, self->leaves, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(d->scale),
+                     BB_VALUE(d->traversal), BB_VALUE(d->intersection), BB_VALUE(d->block),
+                     BB_VALUE(d->max_leaf), BB_MEM(self->parents), BB_MEM(self->missing),
+                     BB_MEM(self->subtrees), BB_MEM(self->levels.counts),
+                     BB_MEM(self->levels.lists[1])));
+    return bb_levels_run(&self->levels, decide_level, d);
 }
 
 bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, uint32_t max_leaf,
@@ -106,7 +152,14 @@ bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, 
     uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0, totals[2];
     bb_tree *result = &self->tree;
     BB_TRY(reserve(self, count));
-    BB_TRY(decide(self, tree, scale, max_leaf, width, block));
+    decision d = {.self = self,
+                  .tree = tree,
+                  .scale = scale,
+                  .traversal = (float)(BB_COST_TRAVERSAL * 0.5 * width / (width - 1)),
+                  .intersection = (float)BB_COST_INTERSECTION,
+                  .block = block,
+                  .max_leaf = max_leaf};
+    BB_TRY(decide(&d));
     BB_TRY(bb_launch(self->device, self->mark, (size_t)count + 1, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(max_leaf),
                      BB_VALUE(duplicated), BB_MEM(self->parents), BB_MEM(self->subtrees),

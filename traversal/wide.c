@@ -1,6 +1,7 @@
 /* The wide layouts: the host side of kernels/layout_wide.cl. */
 #include "traversal/wide.h"
 
+#include "framework/levels.h"
 #include "traversal/pairs.h"
 
 #include <stdio.h>
@@ -21,7 +22,10 @@ typedef struct wide_layout {
     bb_account *account;
     bb_pairs pairs;
     cl_program program;
-    cl_kernel parents_kernel, plan, open, nodes, count, blocks;
+    cl_kernel parents_kernel, open, nodes, count, blocks;
+    cl_kernel plan;               /* by a fence */
+    cl_kernel plan_leaves, level; /* by levels */
+    bb_levels plan_levels;
     bb_buffer pair_nodes;
     bb_buffer parents, missing; /* u32 per pair: the pair above; sides that have not come yet */
     bb_buffer plans;            /* bb_wide_plan per pair */
@@ -45,6 +49,9 @@ void bb_wide_destroy(void *opaque)
     bb_pairs_destroy(&self->pairs);
     bb_kernel_release(self->parents_kernel);
     bb_kernel_release(self->plan);
+    bb_kernel_release(self->plan_leaves);
+    bb_kernel_release(self->level);
+    bb_levels_release(&self->plan_levels);
     bb_kernel_release(self->open);
     bb_kernel_release(self->nodes);
     bb_kernel_release(self->count);
@@ -66,12 +73,17 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
                                     : sizeof(bb_wide8);
     self->device = device;
     self->account = account;
-    char defines[64];
-    snprintf(defines, sizeof defines, "-DBB_WIDTH=%u -DBB_QUANTISED=%d", width, quantised);
+    char handover[96], defines[160];
+    bb_handover_defines(device, handover, sizeof handover);
+    snprintf(defines, sizeof defines, "%s -DBB_WIDTH=%u -DBB_QUANTISED=%d", handover, width,
+             quantised);
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_program_build(device, bb_source_find("layout_wide.cl"), defines, &self->program));
     BB_TRY(bb_kernel_get(self->program, "wide_parents", &self->parents_kernel));
-    BB_TRY(bb_kernel_get(self->program, "wide_plan", &self->plan));
+    if (device->handover == BB_HANDOVER_FENCE)
+        BB_TRY(bb_kernel_get(self->program, "wide_plan", &self->plan));
+    BB_TRY(bb_kernel_get(self->program, "plan_leaves", &self->plan_leaves));
+    BB_TRY(bb_kernel_get(self->program, "plan_level", &self->level));
     BB_TRY(bb_kernel_get(self->program, "wide_open", &self->open));
     BB_TRY(bb_kernel_get(self->program, "wide_nodes", &self->nodes));
     BB_TRY(bb_kernel_get(self->program, "wide_count", &self->count));
@@ -90,8 +102,37 @@ static bb_status read_total(const bb_buffer *scan, uint32_t count, uint32_t *tot
     return bb_buffer_read(scan, count * sizeof *total, sizeof *total, total);
 }
 
-/* How each pair is best collapsed: self->plans. Clears the marks. */
-static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root)
+/* What a launch over one level of pairs needs. */
+typedef struct plan_job {
+    wide_layout *self;
+    uint32_t root;
+} plan_job;
+
+static bb_status plan_level(void *context, const bb_levels *levels, uint32_t n)
+{
+    const plan_job *job = context;
+    wide_layout *self = job->self;
+    return bb_launch(self->device, self->level, bb_levels_items(levels), GROUP_SIZE,
+                     BB_MEM(self->pair_nodes), BB_VALUE(job->root), BB_MEM(self->parents),
+                     BB_MEM(self->missing), BB_MEM(self->plans), BB_MEM(levels->lists[n % 2]),
+                     BB_VALUE(n), BB_MEM(levels->counts), BB_MEM(levels->lists[(n + 1) % 2]));
+}
+
+static bb_status plan_by_levels(wide_layout *self, uint32_t count, uint32_t root, uint32_t most)
+{
+    plan_job job = {self, root};
+    BB_TRY(bb_levels_reserve(&self->plan_levels, self->device, self->account, count, most,
+                             "wide: levels of the plan"));
+    BB_TRY(bb_levels_start(&self->plan_levels));
+    BB_TRY(bb_launch(self->device, self->plan_leaves, count, GROUP_SIZE, BB_MEM(self->pair_nodes),
+                     BB_VALUE(count), BB_VALUE(root), BB_MEM(self->parents),
+                     BB_MEM(self->missing), BB_MEM(self->plans), BB_MEM(self->plan_levels.counts),
+                     BB_MEM(self->plan_levels.lists[1])));
+    return bb_levels_run(&self->plan_levels, plan_level, &job);
+}
+
+/* How each pair is best collapsed: self->plans. Clears the marks. `most`: levels of pairs. */
+static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root, uint32_t most)
 {
     BB_TRY(reserve(self, ((size_t)count + 1) * sizeof(uint32_t), "wide: numbering", &self->index));
     BB_TRY(reserve(self, count * sizeof(uint32_t), "wide: parents", &self->parents));
@@ -100,6 +141,8 @@ static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root)
     BB_TRY(bb_launch(self->device, self->parents_kernel, (size_t)count + 1, GROUP_SIZE,
                      BB_MEM(self->pair_nodes), BB_VALUE(count), BB_MEM(self->parents),
                      BB_MEM(self->missing), BB_MEM(self->index)));
+    if (self->device->handover == BB_HANDOVER_LEVELS)
+        return plan_by_levels(self, count, root, most);
     return bb_launch(self->device, self->plan, count, GROUP_SIZE, BB_MEM(self->pair_nodes),
                      BB_VALUE(count), BB_VALUE(root), BB_MEM(self->parents), BB_MEM(self->missing),
                      BB_MEM(self->plans));
@@ -177,7 +220,7 @@ static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, b
         data->root |= BB_LEAF_BIT;
         return BB_OK;
     }
-    BB_TRY(make_plans(self, pair_count, root));
+    BB_TRY(make_plans(self, pair_count, root, data->levels));
     BB_TRY(open_levels(self, tree, pair_count, root, data));
     BB_TRY(bb_scan_u32(self->pairs.primitives, &self->index, &self->index, pair_count + 1, NULL));
     BB_TRY(read_total(&self->index, pair_count, &total));

@@ -1,5 +1,7 @@
 #include "builders/common/radix_tree.h"
 
+#include "framework/levels.h"
+
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,17 +11,31 @@ struct bb_radix_tree {
     bb_account *account;
     bb_radix_kind kind;
     cl_program program;
-    cl_kernel link; /* link_chunks, link_climb or link_boxes */
     cl_kernel ranges;
+    cl_kernel link;  /* link_chunks, link_climb, link_boxes; by levels: link_leaves */
+    cl_kernel level; /* link_level */
     bb_buffer ends;    /* u32 per split: the far end of the first sibling to come */
     bb_buffer heights; /* u8 per node */
-    bb_buffer places;  /* u32 per split: its inner node; Karras only */
+    bb_buffer places;  /* u32 per split: its inner node; Karras, and by levels */
+    bb_levels levels;
 };
 
 enum {
     GROUP_SIZE = 64,
     CHUNK = 2048, /* leaves per work-item of the CPU form: its nodes fit the second-level cache */
+    HEIGHT_MAX = 160, /* the longest prefix of keys, 128, and that of indices */
 };
+
+static bool by_levels(const bb_radix_tree *radix)
+{
+    return radix->device->handover == BB_HANDOVER_LEVELS;
+}
+
+/* Inner nodes by their ranges, all at once, before boxes. */
+static bool ranges_first(const bb_radix_tree *radix)
+{
+    return by_levels(radix) || radix->kind.linking == BB_LINK_KARRAS;
+}
 
 bb_status bb_radix_tree_create(bb_device *device, bb_account *account, bb_radix_kind kind,
                                bb_radix_tree **out)
@@ -30,18 +46,22 @@ bb_status bb_radix_tree_create(bb_device *device, bb_account *account, bb_radix_
     radix->device = device;
     radix->account = account;
     radix->kind = kind;
-    const char *kernel = kind.linking == BB_LINK_KARRAS ? "link_boxes"
-                         : device->form == BB_FORM_CPU  ? "link_chunks"
-                                                        : "link_climb";
-    char defines[64];
-    snprintf(defines, sizeof defines, "%s%s%s", kind.key_bytes == 8 ? "-DBB_KEY64 " : "",
-             kind.nodes ? "-DBB_KEY_NODES " : "", kind.runs ? "-DBB_LEAF_RUNS" : "");
+    const char *kernel = by_levels(radix)                   ? "link_leaves"
+                         : kind.linking == BB_LINK_KARRAS ? "link_boxes"
+                         : device->form == BB_FORM_CPU    ? "link_chunks"
+                                                          : "link_climb";
+    char handover[96], defines[160];
+    bb_handover_defines(device, handover, sizeof handover);
+    snprintf(defines, sizeof defines, "%s %s%s%s", handover, kind.key_bytes == 8 ? "-DBB_KEY64 " : "", kind.nodes ? "-DBB_KEY_NODES " : "",
+             kind.runs ? "-DBB_LEAF_RUNS" : "");
     bb_status status =
         bb_program_build(device, bb_source_find("radix_tree.cl"), defines, &radix->program);
     if (status == BB_OK)
         status = bb_kernel_get(radix->program, kernel, &radix->link);
     if (status == BB_OK)
         status = bb_kernel_get(radix->program, "link_ranges", &radix->ranges);
+    if (status == BB_OK)
+        status = bb_kernel_get(radix->program, "link_level", &radix->level);
     if (status != BB_OK) {
         bb_radix_tree_destroy(radix);
         return status;
@@ -57,7 +77,9 @@ void bb_radix_tree_destroy(bb_radix_tree *radix)
     bb_buffer_release(&radix->ends);
     bb_buffer_release(&radix->heights);
     bb_buffer_release(&radix->places);
+    bb_levels_release(&radix->levels);
     bb_kernel_release(radix->link);
+    bb_kernel_release(radix->level);
     bb_kernel_release(radix->ranges);
     bb_program_release(radix->program);
     free(radix);
@@ -72,10 +94,32 @@ bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *t
                              "radix tree: range ends", &radix->ends));
     BB_TRY(
         bb_buffer_reserve(device, radix->account, nodes, "radix tree: heights", &radix->heights));
-    if (radix->kind.linking == BB_LINK_KARRAS)
+    if (ranges_first(radix))
         BB_TRY(bb_buffer_reserve(device, radix->account, splits * sizeof(uint32_t),
                                  "radix tree: places", &radix->places));
+    if (by_levels(radix))
+        BB_TRY(bb_levels_reserve(&radix->levels, device, radix->account, count, HEIGHT_MAX,
+                                 "radix tree: levels"));
     return BB_OK;
+}
+
+/* What a launch over one level needs. */
+typedef struct level_job {
+    bb_radix_tree *radix;
+    bb_tree *tree;
+    const bb_buffer *total;
+    uint32_t count;
+} level_job;
+
+static bb_status link_level(void *context, const bb_levels *levels, uint32_t n)
+{
+    const level_job *job = context;
+    bb_radix_tree *radix = job->radix;
+    return bb_launch(radix->device, radix->level, bb_levels_items(levels), GROUP_SIZE,
+                     BB_MEM(*job->total), BB_VALUE(job->count), BB_MEM(radix->ends),
+                     BB_MEM(radix->heights), BB_MEM(job->tree->d_nodes), BB_MEM(job->tree->d_info),
+                     BB_MEM(radix->places), BB_MEM(levels->lists[n % 2]), BB_VALUE(n),
+                     BB_MEM(levels->counts), BB_MEM(levels->lists[(n + 1) % 2]));
 }
 
 bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_radix_runs *runs,
@@ -90,14 +134,24 @@ bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const 
     tree->duplicated = false;
     tree->disjoint = false;
     BB_TRY(bb_buffer_fill(&radix->ends, count * sizeof(uint32_t), BB_NONE));
-    if (radix->kind.linking == BB_LINK_KARRAS) {
+    if (ranges_first(radix))
         BB_TRY(bb_launch(device, radix->ranges, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(r->total),
                          BB_VALUE(count), BB_MEM(tree->d_nodes), BB_MEM(radix->places)));
+    if (by_levels(radix)) {
+        level_job job = {radix, tree, &r->total, count};
+        BB_TRY(bb_levels_start(&radix->levels));
+        BB_TRY(bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(r->starts),
+                         BB_MEM(r->total), BB_MEM(*values), BB_MEM(*boxes), BB_VALUE(count),
+                         BB_MEM(radix->ends), BB_MEM(radix->heights), BB_MEM(tree->d_nodes),
+                         BB_MEM(tree->d_refs), BB_MEM(tree->d_info), BB_MEM(radix->places),
+                         BB_MEM(radix->levels.counts), BB_MEM(radix->levels.lists[1])));
+        return bb_levels_run(&radix->levels, link_level, &job);
+    }
+    if (radix->kind.linking == BB_LINK_KARRAS)
         return bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(r->starts),
                          BB_MEM(r->total), BB_MEM(*values), BB_MEM(*boxes), BB_VALUE(count),
                          BB_MEM(radix->ends), BB_MEM(radix->heights), BB_MEM(tree->d_nodes),
                          BB_MEM(tree->d_refs), BB_MEM(tree->d_info), BB_MEM(radix->places));
-    }
     if (device->form == BB_FORM_GPU)
         return bb_launch(device, radix->link, count, GROUP_SIZE, BB_MEM(*keys), BB_MEM(r->starts),
                          BB_MEM(r->total), BB_MEM(*values), BB_MEM(*boxes), BB_VALUE(count),

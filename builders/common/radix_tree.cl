@@ -29,11 +29,16 @@
  * -DBB_LEAF_RUNS: leaf i holds the references of values[starts[i]] to values[starts[i + 1] - 1], and leaves are counted on the
  * device, in totals[0].
  *
- * No work-item waits for another. The box of a sibling is read after the atomic at the parent that both children pass, with
- * a fence on either side. OpenCL 1.2 does not promise that one work-group sees another's plain stores in this way; the devices
- * there are keep to it. Limits: count <= 2^31 - 1; -DBB_KEY64 for ulong keys.
+ * Where a device has no fence for that (handover.clh), in launches by levels (link_ranges, link_leaves,
+ * link_level):
+ *   for each inner node: link; for each leaf: write it; the second child to come puts the parent on the list
+ *   level by level: join the boxes of both children; the second to come ...
+ *
+ * No work-item waits for another. Limits: count <= 2^30, so that 2s + 2 stays below the leaf bit;
+ * -DBB_KEY64 for ulong keys.
  */
 #include "bb_device.h"
+#include "handover.clh"
 
 #ifdef BB_KEY64
 typedef ulong bb_key;
@@ -97,6 +102,17 @@ void write_node(global bb_node *nodes, uint place, const bb_work *w, uint count)
     global uint *words = (global uint *)(nodes + place);
     vstore4((uint4)(as_uint4(w->lo).xyz, w->first), 0, words);
     vstore4((uint4)(as_uint4(w->hi).xyz, skip), 1, words);
+}
+
+/* Of a node whose links are there already. */
+void write_box(volatile global bb_node *node, const bb_work *w)
+{
+    node->lo[0] = w->lo.x;
+    node->lo[1] = w->lo.y;
+    node->lo[2] = w->lo.z;
+    node->hi[0] = w->hi.x;
+    node->hi[1] = w->hi.y;
+    node->hi[2] = w->hi.z;
 }
 
 void write_root(global bb_node *nodes, global bb_tree_info *info, const bb_work *w, uint count,
@@ -197,16 +213,17 @@ void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global cons
     }
 }
 
+#if BB_HANDOVER
 /* Meets the sibling at split s. False: it is not there yet, the other side will go on. True: w has become the parent. */
 bool meet(bb_work *w, bool is_left, uint s, volatile global uint *ends,
           volatile global uchar *heights, volatile global bb_node *nodes)
 {
     heights[2u * s + (is_left ? 1u : 2u)] = (uchar)w->height;
-    mem_fence(CLK_GLOBAL_MEM_FENCE);
+    BB_DEVICE_FENCE();
     uint end = atomic_xchg(&ends[s], is_left ? w->l : w->r);
     if (end == BB_NONE)
         return false;
-    mem_fence(CLK_GLOBAL_MEM_FENCE);
+    BB_DEVICE_FENCE();
     uint sibling = 2u * s + (is_left ? 2u : 1u);
     float4 lo = (float4)(nodes[sibling].lo[0], nodes[sibling].lo[1], nodes[sibling].lo[2], 0.0f);
     float4 hi = (float4)(nodes[sibling].hi[0], nodes[sibling].hi[1], nodes[sibling].hi[2], 0.0f);
@@ -316,6 +333,7 @@ kernel void link_chunks(global const bb_key *keys, global const uint *starts,
             climb(&w, keys, count, ends, heights, nodes, info, ref_count);
     }
 }
+#endif
 
 /* ---- Karras 2012 ---- */
 
@@ -366,6 +384,7 @@ kernel void link_ranges(global const bb_key *keys, global const uint *totals, ui
     place_of_split[s] = place;
 }
 
+#if BB_HANDOVER
 kernel void link_boxes(global const bb_key *keys, global const uint *starts,
                        global const uint *totals, global const uint *values,
                        global const bb_box *boxes, uint ref_count, volatile global uint *ends,
@@ -392,12 +411,69 @@ kernel void link_boxes(global const bb_key *keys, global const uint *starts,
         if (!meet(&w, is_left, s, ends, heights, nodes))
             return;
         place = place_of_split[s];
-        nodes[place].lo[0] = w.lo.x;
-        nodes[place].lo[1] = w.lo.y;
-        nodes[place].lo[2] = w.lo.z;
-        nodes[place].hi[0] = w.hi.x;
-        nodes[place].hi[1] = w.hi.y;
-        nodes[place].hi[2] = w.hi.z;
+        write_box(nodes + place, &w);
     }
     write_root((global bb_node *)nodes, info, &w, count, ref_count);
+}
+#endif
+
+/* ---- by levels ---- */
+
+/* Node `place` is written; the second child to come puts their parent on the list. */
+void arrive(uint place, global const uint *place_of_split, volatile global uint *ends, uint number,
+            volatile global uint *counts, global uint *next)
+{
+    uint s = (place - 1u) / 2u;
+    if (atomic_xchg(&ends[s], 0u) != BB_NONE)
+        bb_put_on_list(place_of_split[s], number, counts, next);
+}
+
+kernel void link_leaves(global const bb_key *keys, global const uint *starts,
+                        global const uint *totals, global const uint *values,
+                        global const bb_box *boxes, uint ref_count, volatile global uint *ends,
+                        global uchar *heights, global bb_node *nodes, global uint *refs,
+                        global bb_tree_info *info, global const uint *place_of_split,
+                        volatile global uint *counts, global uint *next)
+{
+    uint count = count_leaves(totals, ref_count);
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    bb_work w;
+    start_leaf(&w, i, starts, values, boxes, refs);
+    uint left = level_of(keys, count, i - 1u), right = level_of(keys, count, i);
+    if (left == right) {
+        write_root(nodes, info, &w, count, ref_count);
+        return;
+    }
+    uint place = place_of(&w, right < left);
+    write_node(nodes, place, &w, count);
+    heights[place] = 0;
+    arrive(place, place_of_split, ends, 0u, counts, next);
+}
+
+kernel void link_level(global const uint *totals, uint ref_count, volatile global uint *ends,
+                       global uchar *heights, global bb_node *nodes, global bb_tree_info *info,
+                       global const uint *place_of_split, global const uint *level, uint number,
+                       volatile global uint *counts, global uint *next)
+{
+    uint count = counts[number];
+    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+        uint place = level[i], left = nodes[place].first;
+        global const float *words = (global const float *)(nodes + left);
+        bb_work w;
+        w.lo = vload4(0, words);
+        w.hi = vload4(1, words);
+        join_box(&w, vload4(2, words), vload4(3, words));
+        w.height = 1u + BB_MAX(heights[left], heights[left + 1u]);
+        heights[place] = (uchar)w.height;
+        write_box(nodes + place, &w);
+        if (place != 0u) {
+            arrive(place, place_of_split, ends, number, counts, next);
+            continue;
+        }
+        uint leaves = count_leaves(totals, ref_count);
+        bb_tree_info found = {0u, 2u * leaves - 1u, leaves, ref_count, 2u, w.height};
+        *info = found;
+    }
 }

@@ -1,0 +1,40 @@
+/* Does a fence of this device do what it promises? Message passing between work-groups, as the bottom-up
+ * passes do it (handover.clh).
+ *
+ *   two work-items of different groups per slot: each writes a message, goes through the slot's atomic,
+ *   and, if it is the second, reads the other's message; a word that is not there yet is counted
+ *
+ * A count of 0 proves nothing, any other count proves that the device can't be used this way. The
+ * messages of a slot lie apart, so that they are in different cache lines.
+ */
+#include "bb_device.h"
+#include "handover.clh"
+
+#define WORDS 8u
+
+kernel void litmus(uint slots, uint stamp, global uint *messages, volatile global uint *gates,
+                   volatile global uint *stale)
+{
+    uint item = get_global_id(0), side = item / slots, slot = item % slots;
+    if (side > 1u)
+        return;
+    /* the other end of the array comes first, so that the two are seldom in step */
+    slot = side == 0u ? slot : slots - 1u - slot;
+    global uint *mine = messages + (ulong)(2u * slot + side) * WORDS;
+    volatile global uint *other = messages + (ulong)(2u * slot + 1u - side) * WORDS;
+    for (uint w = 0; w < WORDS; w++)
+        mine[w] = stamp;
+#if BB_HANDOVER
+    BB_DEVICE_FENCE();
+#endif
+    if (atomic_inc(&gates[slot]) % 2u == 0u)
+        return;
+#if BB_HANDOVER
+    BB_DEVICE_FENCE();
+#endif
+    uint missing = 0;
+    for (uint w = 0; w < WORDS; w++)
+        missing += other[w] != stamp ? 1u : 0u;
+    if (missing != 0u)
+        atomic_add(stale, missing);
+}
