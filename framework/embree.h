@@ -1,5 +1,5 @@
-/* The only door to Embree, version 3 or 4: as oracle, and as the reference that traces with its own trees. (builders/embree
- * uses rtcBuildBVH itself.)
+/* The only door to Embree, version 3 or 4: as oracle, and as the reference that traces with its own
+ * trees. (builders/embree uses rtcBuildBVH itself.)
  */
 #ifndef BB_EMBREE_H
 #define BB_EMBREE_H

@@ -1,5 +1,6 @@
-/* Embree's own header, for the two files that call it, framework/embree.c and builders/embree; and the few calls whose form
- * Embree 4 changed, by names of our own. CMake says which of the two it found (BB_EMBREE_MAJOR).
+/* Embree's own header, for the two files that call it, framework/embree.c and builders/embree; and
+ * the few calls whose form Embree 4 changed, by names of our own. CMake says which of the two it
+ * found (BB_EMBREE_MAJOR).
  */
 #ifndef BB_EMBREE_API_H
 #define BB_EMBREE_API_H
@@ -12,7 +13,8 @@
 #error "bvhbench needs Embree 3 or 4: CMake sets BB_EMBREE_MAJOR"
 #endif
 
-/* What rtcIntersect1() and rtcOccluded1() take beside scene and ray: incoherent rays, no filters. Made once for many rays. */
+/* What rtcIntersect1() and rtcOccluded1() take beside scene and ray: incoherent rays, no filters.
+ * Made once for many rays. */
 #if BB_EMBREE_MAJOR == 3
 
 typedef struct RTCIntersectContext bb_intersect_arguments;

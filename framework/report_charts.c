@@ -67,8 +67,8 @@ static void read_complaint(int from, char *text, size_t capacity)
             text[i] = ' ';
 }
 
-/* This process's environment with another locale: the script is in UTF-8, which gnuplot complains of
- * where the locale is not. To be freed, not its strings; NULL without memory. */
+/* This process's environment with another locale: the script is in UTF-8, which gnuplot complains
+ * of where the locale is not. To be freed, not its strings; NULL without memory. */
 static char **environment_in_utf8(void)
 {
     size_t count = 0, kept = 0;

@@ -111,7 +111,7 @@ bool take_buffer(Bytes *out, std::string *, const std::string &name, void *user)
     return true;
 }
 
-/* From 2.9 on, tinygltf asks for the size of a file first, and takes only a full set of callbacks. */
+/* From 2.9 on, tinygltf asks for a file's size first, and takes only a full set of callbacks. */
 template <class Callbacks>
 auto answer_size(Callbacks &files, int) -> decltype(files.GetFileSizeInBytes, void())
 {

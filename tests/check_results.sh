@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Whether a comparison measured and judged all that it should: tests/check_results.sh FOLDER CELLS
-# FOLDER is what `bvhbench run` wrote. Exit status 1 unless its results have exactly CELLS cells, each measured and each of its
-# rays judged, no ray set was left out, and report and pictures are there.
+# FOLDER is what `bvhbench run` wrote. Exit status 1 unless its results have exactly CELLS cells,
+# each measured and each of its rays judged, no ray set was left out, and report and pictures are
+# there.
 set -euo pipefail
 folder=$1 cells=$2
 results=$folder/results.json
@@ -18,12 +19,15 @@ count() {
 
 found=$(count '.traces | length')
 [ "$found" -eq "$cells" ] || fail "$found cells, not $cells"
-bad=$(count '[.traces[] | select(.status != "ok") | "\(.scene) \(.builder) \(.kernel) \(.rays): \(.status)"] | .[:3] | join("; ")')
+bad=$(count '[.traces[] | select(.status != "ok")
+    | "\(.scene) \(.builder) \(.kernel) \(.rays): \(.status)"] | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "cells that were not measured: $bad"
-bad=$(count '[.traces[] | select((.accuracy.checked == .count and .count > 0 and .mrays_s > 0) | not)
+bad=$(count '[.traces[]
+    | select((.accuracy.checked == .count and .count > 0 and .mrays_s > 0) | not)
     | "\(.scene) \(.builder) \(.kernel) \(.rays)"] | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "cells of which not each ray was judged: $bad"
-bad=$(count '[.builds[] | select(.status != "ok") | "\(.scene) \(.builder): \(.status)"] | .[:3] | join("; ")')
+bad=$(count '[.builds[] | select(.status != "ok") | "\(.scene) \(.builder): \(.status)"]
+    | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "builds that were not measured: $bad"
 bad=$(count '[.skipped[] | "\(.scene) \(.rays)"] | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "ray sets that were left out: $bad"

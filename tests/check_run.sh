@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Whether the last runs of `scripts/test` checked what there is to check: tests/check_run.sh BUILD... (folders such as build/test)
-# Prints what was skipped. Exit status 1 if a test_NAME.c did not run, or if something was skipped that may_skip.txt does not
-# allow here.
+# Whether the last runs of `scripts/test` checked what there is to check: tests/check_run.sh
+# BUILD... (folders such as build/test) Prints what was skipped. Exit status 1 if a test_NAME.c did
+# not run, or if something was skipped that may_skip.txt does not allow here.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(dirname "$here")
@@ -34,7 +34,8 @@ for build in "$@"; do
     fi
     for source in "$here"/test_*.c; do
         name=$(basename "$source" .c)
-        grep -q "<testcase name=\"$name\".* status=\"run\"" "$build/tests.xml" || complain "$build: $name did not run"
+        grep -q "<testcase name=\"$name\".* status=\"run\"" "$build/tests.xml" ||
+            complain "$build: $name did not run"
     done
     while IFS= read -r name; do
         needed=$(allowed_without "$name")
@@ -44,6 +45,7 @@ for build in "$@"; do
             complain "$build: $name was skipped"
         fi
     done < <(skipped "$build" | sort -u)
-    echo "check_run: $build: $(grep -c '<testcase .* status="run"' "$build/tests.xml" || true) tests ran"
+    ran=$(grep -c '<testcase .* status="run"' "$build/tests.xml" || true)
+    echo "check_run: $build: $ran tests ran"
 done
 exit $bad

@@ -1,5 +1,6 @@
-/* The pool of host threads: each index once, the results there when it returns, jobs back to back. What a data race would spoil
- * is written without atomics, for ThreadSanitizer to see (preset tsan). Seed: BVHBENCH_TEST_SEED. */
+/* The pool of host threads: each index once, the results there when it returns, jobs back to back.
+ * What a data race would spoil is written without atomics, for ThreadSanitizer to see (preset
+ * tsan). Seed: BVHBENCH_TEST_SEED. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

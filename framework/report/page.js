@@ -23,7 +23,8 @@ function head() {
   contextList($('more-context').querySelector('dl'), [
     ['Build flags', c.build_flags], ['Kernels', c.kernels], ['Compute units', c.compute_units],
     ['Floats of the device', Array.isArray(c.float_config) ? c.float_config.join(', ') : null],
-    ['Embree', c.embree && [c.embree.version, c.embree.api].filter(v => typeof v === 'string').join(', ')],
+    ['Embree', c.embree &&
+      [c.embree.version, c.embree.api].filter(v => typeof v === 'string').join(', ')],
     ['Load (1, 5, 15 min)', Array.isArray(c.load) ? c.load.map(figure).join(', ') : c.load],
     ['Command', c.command]]);
   (data.merged || []).forEach((m, i) => contextList($('more-context').querySelector('dl'), [

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# scripts/fetch-scenes with a curl that copies a local file: fetch_scenes.sh SOURCE
-# What is kept has the sum of the list, or the one that the user confirms where the list has none; all else is refused, and
-# nothing of it stays. The real list names a commit in each direct link.
+# scripts/fetch-scenes with a curl that copies a local file: fetch_scenes.sh SOURCE What is kept has
+# the sum of the list, or the one that the user confirms where the list has none; all else is
+# refused, and nothing of it stays. The real list names a commit in each direct link.
 set -euo pipefail
 source=$1
 work=$(mktemp -d)
@@ -40,7 +40,8 @@ page  | Archive, CC0 | $link | $(sum "$work/page")
 home  | Archive | https://example.org/
 END
 
-# fetch WHAT-TO-EXPECT ARGUMENT...: runs the script into an empty folder. "kept", or a text that its one line of refusal has.
+# fetch WHAT-TO-EXPECT ARGUMENT...: runs the script into an empty folder. "kept", or a text that its
+# one line of refusal has.
 fetch() {
     local expected=$1 status=0
     shift
@@ -48,12 +49,14 @@ fetch() {
     : >"$CURL_LOG"
     "$work/tree/scripts/fetch-scenes" "$@" >"$work/said" 2>"$work/errors" || status=$?
     if [ "$expected" = kept ]; then
-        [ $status -eq 0 ] && cmp -s "$work/good" "$work/out/$1.glb" || fail "$*: not kept: $(cat "$work/errors")"
+        [ $status -eq 0 ] && cmp -s "$work/good" "$work/out/$1.glb" ||
+            fail "$*: not kept: $(cat "$work/errors")"
         [ "$(cat "$CURL_LOG")" = "$link" ] || fail "$*: fetched $(cat "$CURL_LOG")"
     else
         [ $status -eq 2 ] || fail "$*: exit status $status instead of 2"
         [ "$(wc -l <"$work/errors")" -eq 1 ] || fail "$*: more than one line: $(cat "$work/errors")"
-        grep -qF -- "$expected" "$work/errors" || fail "$*: '$expected' is not in: $(cat "$work/errors")"
+        grep -qF -- "$expected" "$work/errors" ||
+            fail "$*: '$expected' is not in: $(cat "$work/errors")"
         [ -z "$(ls -A "$work/out" 2>/dev/null)" ] || fail "$*: left $(ls -A "$work/out")"
     fi
 }
@@ -71,8 +74,9 @@ fetch "by hand from https://example.org/" home "$work/out"
 fetch "no scene 'none'" none "$work/out"
 fetch "usage"
 
-entries=$(grep -cE '\| https://[^ ]*/[0-9a-f]{40}/[^ ]*\.glb \| (unknown|[0-9a-f]{64})$' "$source/scenes/fetch.txt")
+complete='\| https://[^ ]*/[0-9a-f]{40}/[^ ]*\.glb \| (unknown|[0-9a-f]{64})$'
+entries=$(grep -cE "$complete" "$source/scenes/fetch.txt")
 listed=$("$source/scripts/fetch-scenes" --list | grep -c '^download ')
 [ "$listed" -gt 0 ] && [ "$entries" -eq "$listed" ] ||
-    fail "$listed direct links in scenes/fetch.txt, $entries of them with a commit and a sum (or 'unknown')"
+    fail "$listed direct links in scenes/fetch.txt, $entries with a commit and a sum (or 'unknown')"
 echo "fetch-scenes: ok"
