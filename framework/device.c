@@ -115,6 +115,8 @@ static void query_device(bb_device *device)
     clGetDeviceInfo(device->id, CL_DEVICE_LOCAL_MEM_SIZE, sizeof local, &local, NULL);
     clGetDeviceInfo(device->id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof device->max_group_size,
                     &device->max_group_size, NULL);
+    clGetDeviceInfo(device->id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof device->float_config,
+                    &device->float_config, NULL);
     device->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     device->compute_units = units;
     device->global_bytes = global;

@@ -44,6 +44,7 @@ typedef struct bb_device {
     uint32_t litmus_stale;   /* words of them that were not there yet */
     uint32_t compute_units;
     size_t max_group_size;
+    cl_device_fp_config float_config; /* CL_DEVICE_SINGLE_FP_CONFIG */
     uint64_t local_bytes;
     uint64_t global_bytes;       /* what the device has */
     uint64_t largest_allocation; /* what one buffer may have */

@@ -1,11 +1,9 @@
-/* Embree 3 (3.13.5) as oracle and as reference: its own scene over our triangles and spheres,
- * traced with rtcIntersect1 / rtcOccluded1.
+/* Embree (3 or 4) as oracle and as reference: its own scene over our triangles and spheres, traced
+ * with rtcIntersect1 / rtcOccluded1.
  *
  * Spheres are RTC_GEOMETRY_TYPE_SPHERE_POINT: the nearest root in the interval counts, so a ray
  * from inside hits the far side. Embree counts hits in the closed interval [tmin, tmax], bb_ray's
- * is open; the difference is one value of t, within the margin of the arbiter. Where Embree 4
- * renamed a call (RTCIntersectContext to RTCIntersectArguments), its new name goes into
- * trace_closest() and trace_any().
+ * is open; the difference is one value of t, within the margin of the arbiter.
  */
 #include "framework/embree.h"
 
@@ -57,6 +55,25 @@ static void keep_error(void *user, enum RTCError code, const char *text)
     int none = RTC_ERROR_NONE;
     if (atomic_compare_exchange_strong(&embree->error, &none, (int)code))
         snprintf(embree->text, sizeof embree->text, "%s", text != NULL ? text : "no text");
+}
+
+static bb_status no_device(void)
+{
+    return bb_fail(BB_FAILED, "Embree gives no device (error %d): check the installation of Embree",
+                   (int)rtcGetDeviceError(NULL));
+}
+
+bb_status bb_embree_version(char *text, size_t capacity)
+{
+    RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+    if (device == NULL)
+        return no_device();
+    snprintf(text, capacity, "%d.%d.%d",
+             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
+             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH));
+    rtcReleaseDevice(device);
+    return BB_OK;
 }
 
 static bb_status check(bb_embree *embree, const char *what, const bb_scene *scene)
@@ -140,10 +157,7 @@ bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t 
     snprintf(config, sizeof config, "threads=%u,set_affinity=0", bb_pool_threads(embree->pool));
     embree->device = rtcNewDevice(config);
     if (embree->device == NULL) {
-        status = bb_fail(BB_FAILED,
-                         "Embree gives no device (error %d): check the installation "
-                         "of libembree3",
-                         (int)rtcGetDeviceError(NULL));
+        status = no_device();
         goto out;
     }
     rtcSetDeviceErrorFunction(embree->device, keep_error, embree);
@@ -201,13 +215,13 @@ static inline struct RTCRay convert(const bb_ray *ray)
 
 static void trace_closest(trace_job *job, size_t begin, size_t end)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    bb_intersect_arguments arguments;
+    bb_intersect_arguments_init(&arguments);
     for (size_t i = begin; i < end; i++) {
         struct RTCRayHit hit = {.ray = convert(&job->rays[i])};
         hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(job->embree->scene, &context, &hit);
+        bb_intersect1(job->embree->scene, &hit, &arguments);
         if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID)
             job->hits[i] = (bb_hit){INFINITY, BB_NONE};
         else
@@ -218,11 +232,11 @@ static void trace_closest(trace_job *job, size_t begin, size_t end)
 
 static void trace_any(trace_job *job, size_t begin, size_t end)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
+    bb_occluded_arguments arguments;
+    bb_occluded_arguments_init(&arguments);
     for (size_t i = begin; i < end; i++) {
         struct RTCRay ray = convert(&job->rays[i]);
-        rtcOccluded1(job->embree->scene, &context, &ray);
+        bb_occluded1(job->embree->scene, &ray, &arguments);
         bool occluded = ray.tfar < 0.0f && isinf(ray.tfar);
         job->hits[i] = occluded ? (bb_hit){0.0f, BB_UNNAMED} : (bb_hit){INFINITY, BB_NONE};
     }

@@ -1,5 +1,5 @@
-/* The only door to Embree 3: as oracle, and as the reference that traces with its own trees. Where Embree 4 renamed a call, its
- * new name goes into embree.c. (builders/embree uses rtcBuildBVH itself.)
+/* The only door to Embree, version 3 or 4: as oracle, and as the reference that traces with its own
+ * trees. (builders/embree uses rtcBuildBVH itself.)
  */
 #ifndef BB_EMBREE_H
 #define BB_EMBREE_H
@@ -10,6 +10,12 @@
 typedef struct bb_embree bb_embree;
 
 extern const bb_option bb_embree_options[]; /* quality=low|medium|high, mode=fast|robust */
+
+/* The calls that trace, as the record names them: one ray at a time, no packets. */
+#define BB_EMBREE_API "rtcIntersect1/rtcOccluded1"
+
+/* Version of the Embree that is loaded, such as "3.13.5". BB_FAILED if it gives no device. */
+bb_status bb_embree_version(char *text, size_t capacity);
 
 /* Builds Embree's own scene; `threads` threads build and trace. `spec` gives quality and mode; NULL: medium, robust. *build_ms
  * gets the wall time of rtcCommitScene, *bytes the memory that Embree booked (either may be NULL). Threads sleep between calls. */

@@ -6,6 +6,7 @@
  */
 #include "framework/record.h"
 #include "framework/clock.h"
+#include "framework/embree.h"
 #include "framework/record_private.h"
 
 #include <cjson/cJSON.h>
@@ -166,13 +167,51 @@ static bool put_machine(cJSON *object)
                        : put(object, "load", cJSON_CreateNull()));
 }
 
+/* What the device's floats can do, in words: OpenCL's names without their prefix. */
+static bool put_float_config(cJSON *object, cl_device_fp_config config)
+{
+    static const struct {
+        cl_device_fp_config flag;
+        const char *word;
+    } words[] = {
+        {CL_FP_DENORM, "denorm"},
+        {CL_FP_INF_NAN, "inf_nan"},
+        {CL_FP_ROUND_TO_NEAREST, "round_to_nearest"},
+        {CL_FP_ROUND_TO_ZERO, "round_to_zero"},
+        {CL_FP_ROUND_TO_INF, "round_to_inf"},
+        {CL_FP_FMA, "fma"},
+        {CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, "correctly_rounded_divide_sqrt"},
+        {CL_FP_SOFT_FLOAT, "soft_float"},
+    };
+    const char *said[sizeof words / sizeof words[0]];
+    int count = 0;
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        if (config & words[i].flag)
+            said[count++] = words[i].word;
+    return put(object, "float_config",
+               count > 0 ? cJSON_CreateStringArray(said, count) : cJSON_CreateNull());
+}
+
 static bool put_device(cJSON *object, const bb_device *device)
 {
     return put_text(object, "device", device ? device->name : NULL) &&
            put_text(object, "driver", device ? device->driver : NULL) &&
            put_text(object, "opencl", device ? device->version : NULL) &&
            put_size(object, "compute_units", device ? device->compute_units : 0) &&
+           put_float_config(object, device ? device->float_config : 0) &&
            put_text(object, "kernels", device ? device->sources : NULL);
+}
+
+/* The Embree that is the oracle and the reference. */
+static bool put_embree(cJSON *object, const char *version)
+{
+    cJSON *embree = cJSON_CreateObject();
+    if (embree == NULL)
+        return false;
+    if (put_text(embree, "version", version) && put_text(embree, "api", BB_EMBREE_API))
+        return put(object, "embree", embree);
+    cJSON_Delete(embree);
+    return false;
 }
 
 /* A seed that a JSON number cannot hold is written as its digits. */
@@ -185,7 +224,7 @@ static bool put_seed(cJSON *object, uint64_t seed)
     return put_text(object, "seed", digits);
 }
 
-static bool put_context(cJSON *root, const bb_context *context)
+static bool put_context(cJSON *root, const bb_context *context, const char *embree_version)
 {
     cJSON *object = cJSON_CreateObject();
     if (object == NULL)
@@ -197,7 +236,7 @@ static bool put_context(cJSON *root, const bb_context *context)
     strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", &utc);
     bool ok = put_text(object, "date", date) && put_text(object, "revision", bb_build_revision) &&
               put_text(object, "version", bb_build_version) && put_machine(object) &&
-              put_device(object, context->device) &&
+              put_device(object, context->device) && put_embree(object, embree_version) &&
               put_text(object, "build_flags", bb_build_flags) && put_seed(object, context->seed) &&
               put_text(object, "command", context->command);
     if (ok)
@@ -209,16 +248,19 @@ static bool put_context(cJSON *root, const bb_context *context)
 bb_status bb_results_create(const bb_context *context, bb_results **out)
 {
     *out = NULL;
+    char embree_version[32];
+    BB_TRY(bb_embree_version(embree_version, sizeof embree_version));
     bb_results *results = calloc(1, sizeof *results);
     if (results == NULL)
         return no_memory();
     results->root = cJSON_CreateObject();
     cJSON *root = results->root;
     bool ok =
-        root != NULL && put_text(root, "schema", BB_RESULTS_SCHEMA) && put_context(root, context) &&
-        put(root, "scenes", cJSON_CreateArray()) && put(root, "builds", cJSON_CreateArray()) &&
-        put(root, "traces", cJSON_CreateArray()) && put(root, "steps_ms", cJSON_CreateObject()) &&
-        put(root, "skipped", cJSON_CreateArray()) && put(root, "pictures", cJSON_CreateArray());
+        root != NULL && put_text(root, "schema", BB_RESULTS_SCHEMA) &&
+        put_context(root, context, embree_version) && put(root, "scenes", cJSON_CreateArray()) &&
+        put(root, "builds", cJSON_CreateArray()) && put(root, "traces", cJSON_CreateArray()) &&
+        put(root, "steps_ms", cJSON_CreateObject()) && put(root, "skipped", cJSON_CreateArray()) &&
+        put(root, "pictures", cJSON_CreateArray());
     if (!ok) {
         bb_results_destroy(results);
         return no_memory();

@@ -105,7 +105,8 @@ void bb_trace_record_init(bb_trace_record *trace);
 typedef struct bb_results bb_results;
 
 /* An empty result document with its context (date, revision, host, cpu, load, device, driver ...).
- * Revision, flags and the like are those of the binary. Owned by the caller. */
+ * Revision, flags and the like are those of the binary, Embree's version that of the library that
+ * is loaded. Owned by the caller. BB_FAILED without memory or Embree. */
 typedef struct bb_context {
     const bb_device *device;
     uint64_t seed;

@@ -133,6 +133,8 @@ static const field context_fields[] = {
     {"driver", TEXT | NONE},
     {"opencl", TEXT | NONE},
     {"compute_units", NUMBER | NONE},
+    {"float_config", TEXTS | NONE},
+    {"embree", OBJECT | NONE},
     {"kernels", TEXT | NONE},
     {"build_flags", TEXT | NONE},
     {"seed", NUMBER | TEXT | NONE},

@@ -67,15 +67,38 @@ static void read_complaint(int from, char *text, size_t capacity)
             text[i] = ' ';
 }
 
+/* This process's environment with another locale: the script is in UTF-8, which gnuplot complains
+ * of where the locale is not. To be freed, not its strings; NULL without memory. */
+static char **environment_in_utf8(void)
+{
+    size_t count = 0, kept = 0;
+    while (environ[count] != NULL)
+        count++;
+    char **copy = malloc((count + 2) * sizeof *copy);
+    if (copy == NULL)
+        return NULL;
+    for (size_t i = 0; i < count; i++)
+        if (strncmp(environ[i], "LC_ALL=", 7) != 0)
+            copy[kept++] = environ[i];
+    copy[kept++] = "LC_ALL=C.UTF-8";
+    copy[kept] = NULL;
+    return copy;
+}
+
 /* `gnuplot charts.gp` in `folder`: without the user's own settings, its standard error into
  * `errors`. */
 static int start(const char *folder, int errors, pid_t *child)
 {
     char *arguments[] = {"gnuplot", "--default-settings", (char *)script_name, NULL};
+    char **environment = environment_in_utf8();
+    if (environment == NULL)
+        return ENOMEM;
     posix_spawn_file_actions_t actions;
     int error = posix_spawn_file_actions_init(&actions);
-    if (error != 0)
+    if (error != 0) {
+        free(environment);
         return error;
+    }
     error = posix_spawn_file_actions_addchdir_np(&actions, folder);
     if (error == 0)
         error = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
@@ -84,8 +107,9 @@ static int start(const char *folder, int errors, pid_t *child)
     if (error == 0)
         error = posix_spawn_file_actions_adddup2(&actions, errors, 2);
     if (error == 0)
-        error = posix_spawnp(child, "gnuplot", &actions, NULL, arguments, environ);
+        error = posix_spawnp(child, "gnuplot", &actions, NULL, arguments, environment);
     posix_spawn_file_actions_destroy(&actions);
+    free(environment);
     return error;
 }
 

@@ -158,7 +158,7 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
                        bb_bench_times *times)
 {
     plan *plans = calloc(BB_EXPERIMENTS_MAX, sizeof *plans);
-    bb_findings findings[BB_EXPERIMENTS_MAX];
+    bb_findings findings[BB_EXPERIMENTS_MAX] = {0};
     bb_status status = plans != NULL ? BB_OK : bb_fail(BB_FAILED, "out of memory");
     uint32_t count = 0;
     for (const bb_experiment *e = request->paper->experiments; e->name != NULL && status == BB_OK;

@@ -111,6 +111,22 @@ bool take_buffer(Bytes *out, std::string *, const std::string &name, void *user)
     return true;
 }
 
+/* From 2.9 on, tinygltf asks for a file's size first, and takes only a full set of callbacks. */
+template <class Callbacks>
+auto answer_size(Callbacks &files, int) -> decltype(files.GetFileSizeInBytes, void())
+{
+    files.GetFileSizeInBytes = [](size_t *size, std::string *, const std::string &name,
+                                  void *user) {
+        *size = std::max<size_t>(
+            1, static_cast<std::vector<Bytes> *>(user)->at(std::stoul(name)).size());
+        return true;
+    };
+}
+
+template <class Callbacks> void answer_size(Callbacks &, long)
+{
+}
+
 void Loader::read(Document &&document)
 {
     for (const Bytes &bytes : document.buffers)
@@ -126,6 +142,10 @@ void Loader::read(Document &&document)
     files.FileExists = [](const std::string &, void *) { return true; };
     files.ExpandFilePath = [](const std::string &name, void *) { return name; };
     files.ReadWholeFile = take_buffer;
+    files.WriteWholeFile = [](std::string *, const std::string &, const Bytes &, void *) {
+        return false;
+    };
+    answer_size(files, 0);
     files.user_data = &document.buffers;
     parser.SetFsCallbacks(files);
     std::string error, warning;

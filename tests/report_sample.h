@@ -277,6 +277,7 @@ static inline bb_results *sample_results(const char *folder)
     snprintf(device.version, sizeof device.version, "OpenCL 3.0 PoCL HSTR: sample");
     snprintf(device.sources, sizeof device.sources, "embedded");
     device.compute_units = 2;
+    device.float_config = CL_FP_INF_NAN | CL_FP_ROUND_TO_NEAREST | CL_FP_FMA;
     bb_results *results = NULL;
     bb_context context = {&device, 1234567890123456789u, "bvhbench run --scene coffee <&\"'>"};
     sample_check(NULL, bb_results_create(&context, &results));

@@ -437,8 +437,8 @@ static void names_are_text_to_gnuplot(void **state)
     snprintf(path, sizeof path, "%s.svg", stem);
     assert_true(file_size(folder, path, "<?xml") > 5000);
     /* no warnings either */
-    snprintf(command, sizeof command, "cd '%s' && test -z \"$(gnuplot -d charts.gp 2>&1)\"",
-             folder);
+    snprintf(command, sizeof command,
+             "cd '%s' && test -z \"$(LC_ALL=C.UTF-8 gnuplot -d charts.gp 2>&1)\"", folder);
     assert_int_equal(system(command), 0);
     bb_results_destroy(results);
 }
@@ -467,21 +467,23 @@ static void what_cannot_be_drawn_is_said(void **state)
     snprintf(folder, sizeof folder, "%s", sample_folder("charts_failing"));
     snprintf(program, sizeof program, "%s/gnuplot", folder);
     FILE *file = fopen(program, "w");
-    fputs("#!/bin/sh\necho 'no such\tterminal' >&2\nexit 3\n", file);
+    fputs("#!/bin/sh\necho \"no such\tterminal in $LC_ALL\" >&2\nexit 3\n", file);
     fclose(file);
     chmod(program, 0755);
     char *search = strdup(getenv("PATH"));
     snprintf(path, sizeof path, "%s:/bin:/usr/bin", folder);
     setenv("PATH", path, 1);
     assert_true(bb_report_can_draw());
+    setenv("LC_ALL", "C", 1); /* whatever the user's is, gnuplot's has UTF-8 */
     assert_int_equal(bb_report_charts(results, folder, &pictures), BB_FAILED);
-    assert_non_null(strstr(bb_message(), "no such terminal"));
+    assert_non_null(strstr(bb_message(), "no such terminal in C.UTF-8"));
     unlink(program);
     setenv("PATH", folder, 1);
     assert_false(bb_report_can_draw());
     assert_int_equal(bb_report_charts(results, folder, &pictures), BB_FAILED);
     assert_non_null(strstr(bb_message(), "gnuplot"));
     setenv("PATH", search, 1);
+    unsetenv("LC_ALL");
     free(search);
     bb_results_destroy(results);
 }

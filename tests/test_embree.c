@@ -289,12 +289,28 @@ static void test_bad_options(void **state)
     }
 }
 
+/* Embree's own threads do the work of its builder; they are not built with ThreadSanitizer, which
+ * would see races in all that they hand over. */
+#if defined(__SANITIZE_THREAD__)
+enum { BUILDER_TOO = 0 };
+#else
+enum { BUILDER_TOO = 1 };
+#endif
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_trace_by_hand), cmocka_unit_test(test_manners),
-        cmocka_unit_test(test_builder),       cmocka_unit_test(test_small_scenes),
-        cmocka_unit_test(test_depth),         cmocka_unit_test(test_bad_options),
+    const struct CMUnitTest tracer[] = {
+        cmocka_unit_test(test_trace_by_hand),
+        cmocka_unit_test(test_manners),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest builder[] = {
+        cmocka_unit_test(test_builder),
+        cmocka_unit_test(test_small_scenes),
+        cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_bad_options),
+    };
+    int failed = cmocka_run_group_tests(tracer, NULL, NULL);
+    if (BUILDER_TOO)
+        failed += cmocka_run_group_tests(builder, NULL, NULL);
+    return failed;
 }

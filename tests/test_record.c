@@ -20,9 +20,9 @@
 
 /* ---- schema ---- */
 
-static const char *const context_fields[] = {"date",        "revision", "host",   "cpu",  "load",
-                                             "device",      "driver",   "opencl", "seed", "kernels",
-                                             "build_flags", "command",  NULL};
+static const char *const context_fields[] = {
+    "date", "revision", "host",        "cpu",     "load",         "device", "driver", "opencl",
+    "seed", "kernels",  "build_flags", "command", "float_config", "embree", NULL};
 static const char *const scene_fields[] = {"name", "kind",    "prims", "bounds",
                                            "hash", "profile", NULL};
 static const char *const build_fields[] = {
@@ -119,6 +119,17 @@ static void context_describes_the_machine(void **state)
     /* beyond 2^53: digits, not a rounded number */
     assert_string_equal(member(context, "seed")->valuestring, "1234567890123456789");
     assert_true(strlen(member(context, "build_flags")->valuestring) > 3);
+    const char *const words[] = {"inf_nan", "round_to_nearest", "fma"};
+    const cJSON *floats = member(context, "float_config");
+    assert_int_equal(cJSON_GetArraySize(floats), 3);
+    for (int i = 0; i < 3; i++)
+        assert_string_equal(cJSON_GetArrayItem(floats, i)->valuestring, words[i]);
+    int major = 0, minor, patch;
+    const cJSON *embree = member(context, "embree");
+    assert_int_equal(
+        sscanf(member(embree, "version")->valuestring, "%d.%d.%d", &major, &minor, &patch), 3);
+    assert_in_range(major, 3, 4);
+    assert_string_equal(member(embree, "api")->valuestring, "rtcIntersect1/rtcOccluded1");
     bb_results_destroy(results);
 }
 

@@ -1,4 +1,4 @@
-/* Embree's builders (3.13.5) by way of rtcBuildBVH, as an ordinary plug-in.
+/* Embree's builders (Embree 3 or 4) by way of rtcBuildBVH, as an ordinary plug-in.
  *
  *   phase rtcBuildBVH: Embree's binary tree, nodes from its thread-local allocator
  *       quality=low: Morton codes; medium: binned SAH (Wald 2007); high: binned SAH with spatial
@@ -337,7 +337,7 @@ static bb_status open_device(embree *self)
     if (self->device == NULL)
         return bb_fail(BB_FAILED,
                        "builder embree: no Embree device (error %d): check the installation of "
-                       "libembree3",
+                       "Embree",
                        (int)rtcGetDeviceError(NULL));
     rtcSetDeviceErrorFunction(self->device, keep_error, self);
     rtcSetDeviceMemoryMonitorFunction(self->device, book, self->context.account);

@@ -22,6 +22,9 @@ function head() {
     ['Device', c.device], ['Driver', c.driver], ['OpenCL', c.opencl], ['Seed', c.seed]]);
   contextList($('more-context').querySelector('dl'), [
     ['Build flags', c.build_flags], ['Kernels', c.kernels], ['Compute units', c.compute_units],
+    ['Floats of the device', Array.isArray(c.float_config) ? c.float_config.join(', ') : null],
+    ['Embree', c.embree &&
+      [c.embree.version, c.embree.api].filter(v => typeof v === 'string').join(', ')],
     ['Load (1, 5, 15 min)', Array.isArray(c.load) ? c.load.map(figure).join(', ') : c.load],
     ['Command', c.command]]);
   (data.merged || []).forEach((m, i) => contextList($('more-context').querySelector('dl'), [

@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# The checks of CI must fail where something was not checked: checks.sh SOURCE
+# tests/check_run.sh and tests/check_results.sh on runs made up here.
+set -euo pipefail
+source=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+    echo "checks.sh: $1" >&2
+    exit 1
+}
+
+# expect STATUS TEXT COMMAND...: TEXT is in what the command says.
+expect() {
+    local expected=$1 text=$2 status=0
+    shift 2
+    "$@" >"$work/said" 2>&1 || status=$?
+    [ $status -eq "$expected" ] && grep -qF -- "$text" "$work/said" ||
+        fail "exit status $status, not $expected with '$text': $(cat "$work/said")"
+}
+
+# ---- runs of ctest ----
+tree=$work/tree
+mkdir -p "$tree/tests" "$tree/build/Testing/Temporary"
+cp "$source/tests/check_run.sh" "$tree/tests/"
+touch "$tree/tests/test_one.c" "$tree/tests/test_two.c"
+echo 'big_case | ../data | a reason' >"$tree/tests/may_skip.txt"
+
+# run STATUS-OF-TWO SKIPPED-CASE: what ctest leaves of a run.
+run() {
+    {
+        echo '	<testcase name="test_one" classname="test_one" status="run">'
+        [ -z "$1" ] || echo "	<testcase name=\"test_two\" classname=\"test_two\" status=\"$1\">"
+    } >"$tree/build/tests.xml"
+    {
+        echo '[ RUN      ] a_case'
+        [ -z "$2" ] || echo "[  SKIPPED ] $2"
+        echo '[  SKIPPED ] 1 test(s), listed below:'
+    } >"$tree/build/Testing/Temporary/LastTest.log"
+}
+check_run() {
+    expect "$1" "$2" "$tree/tests/check_run.sh" "$tree/build"
+}
+expect 1 'usage' "$tree/tests/check_run.sh"
+check_run 1 'no tests ran'
+run run ''
+check_run 0 '2 tests ran'
+run '' ''
+check_run 1 'test_two did not run'
+run fail ''
+check_run 1 'test_two did not run'
+run notrun ''
+check_run 1 'test_two did not run'
+run run other_case
+check_run 1 'other_case was skipped'
+run run big_case
+check_run 0 'big_case was skipped: no ../data'
+mkdir "$work/data"
+check_run 1 'big_case was skipped'
+
+# ---- results ----
+out=$work/out
+mkdir "$out"
+check_results() {
+    expect "$1" "$2" "$source/tests/check_results.sh" "$out" 2
+}
+# results FILTER: a good document of two cells, changed by a filter of jq.
+results() {
+    jq -n '{builds: [{scene: "s", builder: "b", status: "ok"}], skipped: [],
+        pictures: [{path: "p.png"}], traces: [range(2) | {scene: "s", builder: "b", kernel: "k\(.)",
+        rays: "r", status: "ok", count: 5, mrays_s: 1, accuracy: {checked: 5}}]}' |
+        jq "$1" >"$out/results.json"
+}
+check_results 1 'is not there'
+results .
+check_results 1 'no report.html'
+echo page >"$out/report.html"
+check_results 1 'no p.png'
+echo picture >"$out/p.png"
+check_results 0 '2 cells, each measured and judged'
+results 'del(.traces[1])'
+check_results 1 '1 cells, not 2'
+results '.traces[1].status = "refused"'
+check_results 1 's b k1 r: refused'
+results '.traces[0].accuracy.checked = 4'
+check_results 1 'not each ray was judged: s b k0 r'
+results '.traces[0].accuracy = null'
+check_results 1 'not each ray was judged'
+results '.traces[0] |= (.count = 0 | .accuracy.checked = 0)'
+check_results 1 'not each ray was judged'
+results '.builds[0].status = "failed"'
+check_results 1 's b: failed'
+results '.skipped = [{scene: "s", rays: "edges"}]'
+check_results 1 's edges'
+results '.traces = 7'
+check_results 1 'not 2'
+echo '{' >"$out/results.json"
+check_results 1 'not what it should be'
+echo "checks: ok"
