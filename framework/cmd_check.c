@@ -36,6 +36,13 @@ static const char *const procedural_scenes[] = {
     "awkward:kind=flat",
     "awkward:kind=axis",
     "awkward:kind=duplicates",
+    "awkward:kind=zeros,n=1000",
+    "boards:length=1e5",
+    "blinds:length=1e5",
+    "corridor:length=1e5",
+    "slivers:aspect=40",
+    "scales:n=1",
+    "ground",
 };
 
 static bb_status default_scenes(bb_names *names)

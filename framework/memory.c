@@ -47,7 +47,15 @@ static uint64_t host_memory(void)
     return bytes;
 }
 
-/* All that is booked in the process: several blocks that fit each on their own may not fit together. */
+/* A quarter is left for what is made of the scene, and for everybody else. */
+uint64_t bb_host_limit(void)
+{
+    uint64_t bytes = host_memory();
+    return bytes < UINT64_MAX ? bytes / 4 * 3 : bytes;
+}
+
+/* All that is booked in the process: several blocks that fit each on their own may not fit
+ * together. */
 static uint64_t host_bytes;
 
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out)

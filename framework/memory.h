@@ -29,4 +29,8 @@ void bb_account_subtract(bb_account *account, uint64_t bytes);
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out);
 void bb_host_free(void *pointer); /* NULL is allowed; leaves the account */
 
+/* The most bytes that a scene, or the files that it is read from, may take on the host: three
+ * quarters of its memory. UINT64_MAX if that is not known. */
+uint64_t bb_host_limit(void);
+
 #endif

@@ -64,6 +64,11 @@ static const bb_option random_options[] = {
 
 static const bb_option edges_options[] = {
     {"count", NULL, NULL, "number of rays, also beyond what the run allows (which is the default)"},
+    {"from", NULL, "inside|eyes|around",
+     "origins: inside a closed mesh, where each ray must hit; near the eyes of the views; in the "
+     "scene's box and around it (inside where the mesh is known to be closed, else eyes)"},
+    {"jitter", "0", NULL,
+     "the aim is off by up to this many 2^-24 of the triangle's extent from the origin, 0 to 64"},
     END_OPTION,
 };
 
@@ -77,7 +82,7 @@ const bb_workload bb_workloads[] = {
      shadow_options},
     {"random", "from a uniform point of the scene's box through another, closest hit",
      BB_CLOSEST_HIT, false, random_options},
-    {"edges", "from inside a closed mesh at its edges and vertices: each must hit, closest hit",
+    {"edges", "at edges and vertices; from inside a closed mesh each must hit; closest hit",
      BB_CLOSEST_HIT, false, edges_options},
     {NULL, NULL, BB_CLOSEST_HIT, false, NULL},
 };

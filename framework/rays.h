@@ -33,9 +33,9 @@ typedef struct bb_rays {
     bb_spec spec; /* the specification, parsed */
     bb_query query;
     uint32_t count;
-    bb_ray *rays;  /* from bb_host_alloc */
-    uint64_t hash; /* XXH3 of the rays */
-    bool must_hit; /* each ray must hit something (aimed at a closed mesh from inside): no margin */
+    bb_ray *rays;   /* from bb_host_alloc */
+    uint64_t hash;  /* XXH3 of the rays */
+    bool must_hit;  /* each ray must hit something (`edges` from inside a closed mesh): no margin */
     uint32_t width; /* of the picture that the rays make, row by row; 0: none */
     uint32_t height;
     bb_buffer on_device; /* bb_ray[count] */
@@ -52,7 +52,7 @@ typedef struct bb_rays_request {
 struct bb_oracle;
 
 /* Makes the rays of `request`. Secondary rays start at primary hits of the oracle, so that they do not depend on any
- * builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges` without a closed mesh). Owned by the caller. */
+ * builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges` without triangles). Owned by the caller. */
 bb_status bb_rays_make(const bb_scene *scene, struct bb_oracle *oracle,
                        const bb_rays_request *request, bb_rays **rays);
 /* Whether all rays are ones that kernels can trace in this scene: finite, 0 <= tmin < tmax, the largest

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 enum { PRIM_LIMIT = 0x7FFFFFFF };
@@ -32,14 +31,11 @@ bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, uint64_t tria
                        scene->name, (unsigned long long)vertex_count,
                        (unsigned long long)triangle_count, (unsigned long long)sphere_count);
     uint64_t bytes = scene_bytes(vertex_count, triangle_count, sphere_count);
-    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    /* A quarter is left for the file, the profile and everybody else. */
-    if (pages > 0 && page > 0 && bytes > (uint64_t)pages * (uint64_t)page / 4 * 3)
+    if (bytes > bb_host_limit())
         return bb_fail(
             BB_REFUSED,
             "%s: the scene needs %llu bytes, three quarters of the host's memory are %llu",
-            scene->name, (unsigned long long)bytes,
-            (unsigned long long)pages * (unsigned long long)page / 4 * 3);
+            scene->name, (unsigned long long)bytes, (unsigned long long)bb_host_limit());
     BB_TRY(bb_host_alloc(NULL, (size_t)vertex_count * 3 * sizeof(float), "the scene's vertices",
                          &scene->vertices));
     BB_TRY(bb_host_alloc(NULL, (size_t)triangle_count * 3 * sizeof(uint32_t), "the scene's indices",

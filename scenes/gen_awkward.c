@@ -3,12 +3,13 @@
 #include "framework/scene.h"
 #include "scenes/repeatable.h"
 
+#include <math.h>
 #include <string.h>
 
 static const bb_option options_table[] = {
-    {"kind", "outlier", "outlier|centroids|flat|axis|duplicates",
+    {"kind", "outlier", "outlier|centroids|flat|axis|duplicates|zeros",
      "one far away of all others; one centroid for all; all in a plane; flat on an axis each; 95 % "
-     "copies"},
+     "copies; boxes that end at 0 and at -0"},
     {"n", "10000", NULL, "number of triangles"},
     {"far", "1e8", NULL, "outlier: its distance, in sizes of the others' box"},
     {"seed", "1", NULL, "seed"},
@@ -32,7 +33,8 @@ static void put_somewhere(maker *m, float corners[9])
         corners[i] = (float)(at[i % 3] + bb_random_range(&m->random, -m->size, m->size));
 }
 
-/* A box of any size around the origin, touched by the corners on all sides: its centroid is 0 to the last bit. */
+/* A box of any size around the origin, touched by the corners on all sides: its centroid is 0 to
+ * the last bit. */
 static void put_around_origin(maker *m, float corners[9])
 {
     float half[3];
@@ -47,10 +49,32 @@ static void put_around_origin(maker *m, float corners[9])
     }
 }
 
+/* Some corners are at 0 and some at -0. Nothing is below 0 on x or above it on y, so that boxes of
+ * whole subtrees end at zeros of both signs; z goes both ways. */
+static void put_at_zeros(maker *m, float corners[9])
+{
+    put_somewhere(m, corners);
+    uint32_t flat = bb_random_below(&m->random, 4); /* axis; 3: none */
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        bool below = axis == 1 || (axis == 2 && bb_random_below(&m->random, 2) != 0);
+        uint32_t zeros = axis == flat ? 3 : bb_random_below(&m->random, 3); /* corners */
+        for (uint32_t i = 0; i < 3; i++) {
+            float *to = &corners[3 * i + axis];
+            float size = i < zeros ? 0 : fabsf(*to);
+            bool negative = i < zeros ? bb_random_below(&m->random, 2) != 0 : below;
+            *to = negative ? -size : size;
+        }
+    }
+}
+
 static void put(maker *m, const char *kind, uint32_t i, const float *before, float corners[9])
 {
     if (strcmp(kind, "centroids") == 0) {
         put_around_origin(m, corners);
+        return;
+    }
+    if (strcmp(kind, "zeros") == 0) {
+        put_at_zeros(m, corners);
         return;
     }
     uint32_t distinct = (m->n + 19) / 20;
@@ -92,7 +116,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_awkward;
 const bb_generator bb_generator_awkward = {
     .name = "awkward",
-    .summary = "what builders stumble over: an outlier, equal centroids, flat, duplicates",
+    .summary = "what builders stumble over: an outlier, equal centroids, flat, duplicates, -0",
     .options = options_table,
     .make = make,
 };

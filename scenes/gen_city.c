@@ -284,7 +284,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
         blocks *= sqrt((double)n / c.mesh.triangle_count);
     }
     BB_TRY(bb_scene_reserve(scene, c.mesh.vertex_count, c.mesh.triangle_count, 0));
-    c.mesh = (bb_shape_cursor){scene->vertices, scene->indices, 0, 0};
+    c.mesh = bb_shape_start(scene, NULL);
     put_city(&c);
     put_views(&c, scene);
     return BB_OK;

@@ -9,7 +9,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     (void)spec;
     (void)options;
     BB_TRY(bb_scene_reserve(scene, BB_SHAPE_BOX_VERTICES, BB_SHAPE_BOX_TRIANGLES, 0));
-    bb_shape_cursor cursor = {scene->vertices, scene->indices, 0, 0};
+    bb_shape_cursor cursor = bb_shape_start(scene, NULL);
     bb_shape_box(&cursor, lo, hi);
     scene->closed_from_inside = true; /* inside_point is the origin */
     return BB_OK;

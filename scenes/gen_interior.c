@@ -96,7 +96,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_scene_reserve(
         scene, boxes * BB_SHAPE_BOX_VERTICES + BALLS * bb_shape_sphere_vertices(cuts),
         boxes * BB_SHAPE_BOX_TRIANGLES + BALLS * bb_shape_sphere_triangles(cuts), 0));
-    bb_shape_cursor cursor = {scene->vertices, scene->indices, 0, 0};
+    bb_shape_cursor cursor = bb_shape_start(scene, NULL);
     bb_shape_box(&cursor, room_lo, room_hi);
     for (int i = 0; i < FURNITURE; i++)
         bb_shape_box(&cursor, furniture[i].lo, furniture[i].hi);

@@ -33,7 +33,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
                        "take a larger radius",
                        spec->text, radius, farthest);
     BB_TRY(bb_scene_reserve(scene, bb_shape_sphere_vertices(n), bb_shape_sphere_triangles(n), 0));
-    bb_shape_cursor cursor = {scene->vertices, scene->indices, 0, 0};
+    bb_shape_cursor cursor = bb_shape_start(scene, NULL);
     bb_shape_sphere(&cursor, centre, radius, (uint32_t)n);
     scene->closed_from_inside = true;
     for (int axis = 0; axis < 3; axis++)

@@ -89,7 +89,7 @@ class Loader
     const char *path_;
     const bool quantised_;
     tinygltf::Model model_;
-    std::vector<bool> has_data_; /* per buffer */
+    std::vector<Buffer> buffers_;
     Placement placement_;
     std::vector<Part> parts_;
     uint64_t vertex_count_ = 0;
@@ -99,55 +99,13 @@ class Loader
 
 /* ---- the model ---- */
 
-/* The buffers are read already: the names that the document has for them are their numbers. */
-bool take_buffer(Bytes *out, std::string *, const std::string &name, void *user)
-{
-    auto &buffers = *static_cast<std::vector<Bytes> *>(user);
-    Bytes &bytes = buffers.at(std::stoul(name));
-    if (bytes.empty())
-        out->assign(1, 0); /* a placeholder; has_data_ knows */
-    else
-        out->swap(bytes);
-    return true;
-}
-
-/* From 2.9 on, tinygltf asks for a file's size first, and takes only a full set of callbacks. */
-template <class Callbacks>
-auto answer_size(Callbacks &files, int) -> decltype(files.GetFileSizeInBytes, void())
-{
-    files.GetFileSizeInBytes = [](size_t *size, std::string *, const std::string &name,
-                                  void *user) {
-        *size = std::max<size_t>(
-            1, static_cast<std::vector<Bytes> *>(user)->at(std::stoul(name)).size());
-        return true;
-    };
-}
-
-template <class Callbacks> void answer_size(Callbacks &, long)
-{
-}
-
 void Loader::read(Document &&document)
 {
-    for (const Bytes &bytes : document.buffers)
-        has_data_.push_back(!bytes.empty());
+    buffers_ = std::move(document.buffers);
     if (document.json.size() > INT32_MAX)
         fail(BB_REFUSED, "%s: its JSON is larger than 2 GiB", path_);
 
     tinygltf::TinyGLTF parser;
-    parser.SetImageLoader([](tinygltf::Image *, const int, std::string *, std::string *, int, int,
-                             const unsigned char *, int, void *) { return true; },
-                          nullptr);
-    tinygltf::FsCallbacks files{};
-    files.FileExists = [](const std::string &, void *) { return true; };
-    files.ExpandFilePath = [](const std::string &name, void *) { return name; };
-    files.ReadWholeFile = take_buffer;
-    files.WriteWholeFile = [](std::string *, const std::string &, const Bytes &, void *) {
-        return false;
-    };
-    answer_size(files, 0);
-    files.user_data = &document.buffers;
-    parser.SetFsCallbacks(files);
     std::string error, warning;
     if (!parser.LoadASCIIFromString(&model_, &error, &warning, document.json.data(),
                                     static_cast<unsigned>(document.json.size()), ""))
@@ -186,12 +144,12 @@ const unsigned char *Loader::view_bytes(int number, uint64_t offset, uint64_t co
 {
     const tinygltf::BufferView &view = model_.bufferViews[static_cast<size_t>(number)];
     const size_t owner = static_cast<size_t>(view.buffer);
-    if (!has_data_[owner])
+    const Buffer &buffer = buffers_[owner];
+    if (!buffer.data)
         fail(BB_INVALID, "%s: %s: buffer %zu has no data", path_, what.c_str(), owner);
-    const Bytes &buffer = model_.buffers[owner].data;
-    if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
-        fail(BB_INVALID, "%s: %s: bufferView %d reaches beyond the %zu bytes of buffer %zu", path_,
-             what.c_str(), number, buffer.size(), owner);
+    if (view.byteOffset > buffer.size || view.byteLength > buffer.size - view.byteOffset)
+        fail(BB_INVALID, "%s: %s: bufferView %d reaches beyond the %llu bytes of buffer %zu", path_,
+             what.c_str(), number, static_cast<unsigned long long>(buffer.size), owner);
     *stride = view.byteStride != 0 ? view.byteStride : element;
     if (*stride < element)
         fail(BB_INVALID, "%s: %s: byteStride is %zu, its elements have %llu bytes", path_,
@@ -200,7 +158,7 @@ const unsigned char *Loader::view_bytes(int number, uint64_t offset, uint64_t co
         count - 1 > (view.byteLength - offset - element) / *stride)
         fail(BB_INVALID, "%s: %s: its %llu elements reach beyond the %zu bytes of bufferView %d",
              path_, what.c_str(), static_cast<unsigned long long>(count), view.byteLength, number);
-    return buffer.data() + view.byteOffset + offset;
+    return buffer.data.get() + view.byteOffset + offset;
 }
 
 Elements Loader::elements(int number, const std::string &what) const

@@ -5,19 +5,16 @@
  * truncated BIN chunk, looks for buffers in the working directory, and recurses over `extras`. So
  * the JSON is parsed here first, and a copy is made of the members that the geometry needs, each
  * one checked; images, materials, animations, skins and extras don't get into it, so that they are
- * neither decoded nor able to do harm. The buffers are read here too.
+ * neither decoded nor able to do harm. Nor do the buffers: gltf_buffers.cpp reads them.
  */
 #include "scenes/gltf_parts.hpp"
 
 #include <nlohmann/json.hpp>
-#include <sys/stat.h>
-#include <tiny_gltf.h>
 
-#include <cerrno>
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
-#include <memory>
 
 namespace bb_gltf
 {
@@ -42,24 +39,6 @@ constexpr uint64_t index_limit = INT32_MAX;
 constexpr int depth_limit =
     128; /* of nested JSON: a file of nothing but '[' must not eat the memory */
 
-/* ---- files ---- */
-
-Bytes read_file(const std::string &path, const std::string &what)
-{
-    struct stat info;
-    if (stat(path.c_str(), &info) != 0)
-        fail(BB_INVALID, "%s: %s: check the path", what.c_str(), strerror(errno));
-    if (!S_ISREG(info.st_mode))
-        fail(BB_INVALID, "%s: is not a regular file", what.c_str());
-    std::unique_ptr<FILE, int (*)(FILE *)> file(fopen(path.c_str(), "rb"), fclose);
-    if (!file)
-        fail(BB_INVALID, "%s: %s", what.c_str(), strerror(errno));
-    Bytes bytes(static_cast<size_t>(info.st_size));
-    if (fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
-        fail(BB_INVALID, "%s: cannot read its %zu bytes", what.c_str(), bytes.size());
-    return bytes;
-}
-
 uint32_t little_endian(const unsigned char *bytes)
 {
     return bytes[0] | static_cast<uint32_t>(bytes[1]) << 8 | static_cast<uint32_t>(bytes[2]) << 16 |
@@ -78,26 +57,26 @@ struct Container {
     Span binary;
 };
 
-Container split_glb(const char *path, const Bytes &bytes)
+Container split_glb(const char *path, const Span &file)
 {
     constexpr uint32_t chunk_json = 0x4E4F534Au, chunk_binary = 0x004E4942u;
-    if (bytes.size() < 12)
+    if (file.size < 12)
         fail(BB_INVALID, "%s: is truncated: a GLB header has 12 bytes, the file %zu", path,
-             bytes.size());
-    const uint32_t version = little_endian(&bytes[4]);
-    const uint64_t length = little_endian(&bytes[8]);
+             file.size);
+    const uint32_t version = little_endian(&file.data[4]);
+    const uint64_t length = little_endian(&file.data[8]);
     if (version != 2)
         fail(BB_INVALID, "%s: is GLB version %u, only version 2 can be read", path, version);
-    if (length > bytes.size())
+    if (length > file.size)
         fail(BB_INVALID, "%s: is truncated: its header says %llu bytes, the file has %zu", path,
-             static_cast<unsigned long long>(length), bytes.size());
+             static_cast<unsigned long long>(length), file.size);
     Container parts;
     uint64_t at = 12;
     for (uint32_t chunk = 0; at < length; chunk++) {
         if (length - at < 8)
             fail(BB_INVALID, "%s: is truncated in the header of chunk %u", path, chunk);
-        const uint64_t size = little_endian(&bytes[at]);
-        const uint32_t type = little_endian(&bytes[at + 4]);
+        const uint64_t size = little_endian(&file.data[at]);
+        const uint32_t type = little_endian(&file.data[at + 4]);
         at += 8;
         if (size > length - at)
             fail(BB_INVALID, "%s: is truncated: chunk %u has %llu bytes, %llu are left", path,
@@ -111,9 +90,9 @@ Container split_glb(const char *path, const Bytes &bytes)
                  "%s: chunk %u is out of place: JSON comes first, BIN second, each once", path,
                  chunk);
         if (is_json)
-            parts.text = {bytes.data() + at, static_cast<size_t>(size)};
+            parts.text = {file.data + at, static_cast<size_t>(size)};
         else if (is_binary)
-            parts.binary = {bytes.data() + at, static_cast<size_t>(size)};
+            parts.binary = {file.data + at, static_cast<size_t>(size)};
         at += size;
     }
     if (parts.text.size == 0)
@@ -209,14 +188,14 @@ class Object
         return number;
     }
 
-    std::string string(const char *key) const
+    /* Empty if absent. It lives as long as the JSON does. */
+    const std::string &string(const char *key) const
     {
+        static const std::string none;
         const json *value = find(key);
-        if (value == nullptr)
-            return {};
-        if (!value->is_string())
+        if (value != nullptr && !value->is_string())
             fail(BB_INVALID, "%s: %s: %s is not a string", path_, where.c_str(), key);
-        return value->get<std::string>();
+        return value != nullptr ? value->get_ref<const std::string &>() : none;
     }
 
     bool boolean(const char *key) const
@@ -323,89 +302,17 @@ void check_asset(const char *path, const Object &root)
 
 /* ---- buffers ---- */
 
-/* %41 -> A */
-std::string decode_percent(const std::string &uri)
+/* A placeholder (no uri, no BIN chunk) fails where it is used. */
+std::vector<BufferRequest> list_buffers(const char *path, const Object &root, const Buffer &chunk)
 {
-    std::string out;
-    for (size_t i = 0; i < uri.size(); i++) {
-        unsigned code;
-        if (uri[i] == '%' && i + 2 < uri.size() &&
-            isxdigit(static_cast<unsigned char>(uri[i + 1])) &&
-            isxdigit(static_cast<unsigned char>(uri[i + 2])) &&
-            sscanf(uri.c_str() + i + 1, "%2x", &code) == 1) {
-            out += static_cast<char>(code);
-            i += 2;
-        } else {
-            out += uri[i];
-        }
-    }
-    return out;
-}
-
-/* Base64, decoded by tinygltf whatever its media type says, or percent-encoded text (RFC 2397). */
-Bytes decode_data_uri(const char *path, const std::string &where, const std::string &uri)
-{
-    const size_t comma = uri.find(',');
-    if (comma == std::string::npos)
-        fail(BB_INVALID, "%s: %s: its data URI has no comma", path, where.c_str());
-    const std::string mark = ";base64", payload = uri.substr(comma + 1);
-    Bytes bytes;
-    if (comma < mark.size() || uri.compare(comma - mark.size(), mark.size(), mark) != 0) {
-        const std::string text = decode_percent(payload);
-        bytes.assign(text.begin(), text.end());
-        return bytes;
-    }
-    std::string media;
-    if (!tinygltf::DecodeDataURI(&bytes, media, "data:application/octet-stream;base64," + payload,
-                                 0, false))
-        fail(BB_INVALID, "%s: %s: its data URI holds no data", path, where.c_str());
-    return bytes;
-}
-
-Bytes read_uri(const std::string &path, const std::string &where, const std::string &uri)
-{
-    if (uri.compare(0, 5, "data:") == 0)
-        return decode_data_uri(path.c_str(), where, uri);
-    if (uri.find("://") != std::string::npos)
-        fail(BB_INVALID, "%s: %s: '%s' is not a file: download it and put its name there",
-             path.c_str(), where.c_str(), uri.c_str());
-    const std::string name = decode_percent(uri);
-    if (name.find('\0') != std::string::npos)
-        fail(BB_INVALID, "%s: %s: its uri holds a zero byte", path.c_str(), where.c_str());
-    const size_t slash = path.rfind('/');
-    const bool absolute = !name.empty() && name[0] == '/';
-    const std::string folder =
-        absolute || slash == std::string::npos ? "" : path.substr(0, slash + 1);
-    return read_file(folder + name, path + ": " + where + ": file '" + name + "'");
-}
-
-/* The bytes of each buffer; a placeholder (no uri, no BIN chunk) stays empty and fails where it is
- * used. */
-json read_buffers(const std::string &path, const Object &root, const Span &binary, bool is_glb,
-                  Document &document)
-{
-    json clean = json::array();
+    std::vector<BufferRequest> list;
     for (const json &value : root.array("buffers")) {
-        const size_t number = document.buffers.size();
-        const Object buffer(path.c_str(), value, "buffer " + std::to_string(number));
+        const Object buffer(path, value, "buffer " + std::to_string(list.size()));
         const uint64_t length = buffer.integer("byteLength", 1, UINT64_MAX);
-        Bytes bytes;
-        bool present = true;
-        if (buffer.has("uri"))
-            bytes = read_uri(path, buffer.where, buffer.string("uri"));
-        else if (is_glb && number == 0 && binary.data != nullptr)
-            bytes.assign(binary.data, binary.data + binary.size);
-        else
-            present = false;
-        if (present && bytes.size() < length)
-            fail(BB_INVALID, "%s: %s is truncated: it has %zu of %llu bytes", path.c_str(),
-                 buffer.where.c_str(), bytes.size(), static_cast<unsigned long long>(length));
-        if (present)
-            bytes.resize(static_cast<size_t>(length));
-        clean.push_back({{"byteLength", present ? length : 1}, {"uri", std::to_string(number)}});
-        document.buffers.push_back(std::move(bytes));
+        const std::string *uri = buffer.has("uri") ? &buffer.string("uri") : nullptr;
+        list.push_back({buffer.where, length, uri, list.empty() ? chunk : Buffer()});
     }
-    return clean;
+    return list;
 }
 
 /* ---- the checked copy ---- */
@@ -428,7 +335,7 @@ json copy_views(const char *path, const Object &root, const Document &document)
             to["byteStride"] = stride;
         }
         for (const char *name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
-            if (view.has_extension(name) && document.buffers[to["buffer"].get<size_t>()].empty())
+            if (view.has_extension(name) && !document.buffers[to["buffer"].get<size_t>()].data)
                 fail(BB_UNSUPPORTED,
                      "%s: %s needs the extension %s, which is not supported: save the file without "
                      "it",
@@ -560,23 +467,25 @@ json copy_scenes(const char *path, const Object &root, size_t node_count)
 
 Document read_document(const std::string &path)
 {
-    const Bytes bytes = read_file(path, path);
-    if (bytes.empty())
+    const Buffer file = read_file(path);
+    if (file.size == 0)
         fail(BB_INVALID, "%s: is empty", path.c_str());
-    const size_t magic = std::min<size_t>(bytes.size(), 4);
-    const bool is_glb = memcmp(bytes.data(), "glTF", magic) == 0;
-    Container parts{{bytes.data(), bytes.size()}, {}};
-    if (is_glb)
-        parts = split_glb(path.c_str(), bytes);
+    Container parts{{file.data.get(), file.size}, {}};
+    if (memcmp(file.data.get(), "glTF", std::min<uint64_t>(file.size, 4)) == 0)
+        parts = split_glb(path.c_str(), parts.text);
+    Buffer chunk;
+    if (parts.binary.data != nullptr) /* shares the file's bytes */
+        chunk = {std::shared_ptr<const unsigned char>(file.data, parts.binary.data),
+                 parts.binary.size};
 
     const json value = parse(path.c_str(), parts.text);
     const Object root(path.c_str(), value, "the document");
     Document document;
     check_asset(path.c_str(), root);
     document.quantised = check_extensions(path.c_str(), root);
+    document.buffers = read_buffers(path, file.size, list_buffers(path.c_str(), root, chunk));
 
     json clean = {{"asset", {{"version", "2.0"}}}};
-    clean["buffers"] = read_buffers(path, root, parts.binary, is_glb, document);
     clean["bufferViews"] = copy_views(path.c_str(), root, document);
     clean["accessors"] = copy_accessors(path.c_str(), root, clean["bufferViews"].size());
     clean["meshes"] = copy_meshes(path.c_str(), root, clean["accessors"]);

@@ -1,5 +1,5 @@
-/* What the parts of the glTF loader share: gltf_json.cpp reads and checks the file, gltf.cpp takes
- * the triangles. */
+/* What the parts of the glTF loader share: gltf_json.cpp checks the file, gltf_buffers.cpp reads
+ * it and its buffers, gltf.cpp takes the triangles. */
 #ifndef BB_GLTF_PARTS_HPP
 #define BB_GLTF_PARTS_HPP
 
@@ -8,6 +8,7 @@ extern "C" {
 }
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,14 +22,34 @@ struct Failure {
 [[noreturn]] void fail(bb_status status, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-using Bytes = std::vector<unsigned char>;
+/* Bytes of a file or a buffer; buffers may share them. A placeholder has none. */
+struct Buffer {
+    std::shared_ptr<const unsigned char> data;
+    uint64_t size = 0;
+};
+
+/* What the document says of a buffer. */
+struct BufferRequest {
+    std::string where;      /* names it in messages */
+    uint64_t length;        /* byteLength */
+    const std::string *uri; /* NULL: it has none, and is `chunk` */
+    Buffer chunk;           /* the BIN chunk, or a placeholder */
+};
+
+/* The whole of a file. Refused if it does not fit into the host's memory. */
+Buffer read_file(const std::string &path);
+
+/* byteLength bytes of each buffer of the glTF file at `path`, which has `file_size` bytes
+ * itself. Refused are uris that are no data and name no file below the folder of `path`, what is
+ * shorter than its byteLength, and what does not fit into the host's memory together. */
+std::vector<Buffer> read_buffers(const std::string &path, uint64_t file_size,
+                                 const std::vector<BufferRequest> &requests);
 
 /* A checked file. `json` has only the members that the geometry needs, each of the right type and
- * with references in range; `buffers` has the bytes of each buffer, exactly byteLength of them, or
- * none for a placeholder. */
+ * with references in range, but for the buffers: `buffers` has those. */
 struct Document {
     std::string json;
-    std::vector<Bytes> buffers;
+    std::vector<Buffer> buffers;
     bool quantised = false; /* KHR_mesh_quantization is used: integer positions are allowed */
 };
 

@@ -10,20 +10,35 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void put_vertex(bb_shape_cursor *cursor, double x, double y, double z)
+bb_shape_cursor bb_shape_start(bb_scene *scene, const bb_placement *placement)
 {
-    float *to = cursor->vertices + 3 * (size_t)cursor->vertex_count++;
-    to[0] = (float)x;
-    to[1] = (float)y;
-    to[2] = (float)z;
+    return (bb_shape_cursor){
+        .vertices = scene->vertices, .indices = scene->indices, .placement = placement};
 }
 
-static void put_triangle(bb_shape_cursor *cursor, uint32_t a, uint32_t b, uint32_t c)
+uint32_t bb_shape_vertex(bb_shape_cursor *cursor, const double p[3])
+{
+    double placed[3] = {p[0], p[1], p[2]};
+    float *to = cursor->vertices + 3 * (size_t)cursor->vertex_count;
+    if (cursor->placement != NULL)
+        bb_placement_point(cursor->placement, p, placed);
+    for (int k = 0; k < 3; k++)
+        to[k] = (float)placed[k];
+    return cursor->vertex_count++;
+}
+
+void bb_shape_triangle(bb_shape_cursor *cursor, uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t *to = cursor->indices + 3 * (size_t)cursor->triangle_count++;
     to[0] = a;
     to[1] = b;
     to[2] = c;
+}
+
+void bb_shape_quad(bb_shape_cursor *cursor, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+{
+    bb_shape_triangle(cursor, a, b, c);
+    bb_shape_triangle(cursor, a, c, d);
 }
 
 void bb_shape_box(bb_shape_cursor *cursor, const double lo[3], const double hi[3])
@@ -34,10 +49,11 @@ void bb_shape_box(bb_shape_cursor *cursor, const double lo[3], const double hi[3
                                           {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
     uint32_t base = cursor->vertex_count;
     for (int i = 0; i < 8; i++)
-        put_vertex(cursor, (i & 1) != 0 ? hi[0] : lo[0], (i & 2) != 0 ? hi[1] : lo[1],
-                   (i & 4) != 0 ? hi[2] : lo[2]);
+        bb_shape_vertex(cursor, (const double[3]){(i & 1) != 0 ? hi[0] : lo[0],
+                                                  (i & 2) != 0 ? hi[1] : lo[1],
+                                                  (i & 4) != 0 ? hi[2] : lo[2]});
     for (int i = 0; i < 12; i++)
-        put_triangle(cursor, base + faces[i][0], base + faces[i][1], base + faces[i][2]);
+        bb_shape_triangle(cursor, base + faces[i][0], base + faces[i][1], base + faces[i][2]);
 }
 
 uint64_t bb_shape_sphere_vertices(uint64_t n)
@@ -75,7 +91,8 @@ static void put_points(bb_shape_cursor *cursor, const double centre[3], double r
         for (int64_t i = -(m - llabs(j)); i <= m - llabs(j); i++) {
             double x = (double)i, y = (double)j, z = (double)(sign * (n - llabs(i) - llabs(j)));
             double scale = radius / sqrt(x * x + y * y + z * z);
-            put_vertex(cursor, centre[0] + scale * x, centre[1] + scale * y, centre[2] + scale * z);
+            bb_shape_vertex(cursor, (const double[3]){centre[0] + scale * x, centre[1] + scale * y,
+                                                      centre[2] + scale * z});
         }
 }
 
@@ -88,11 +105,11 @@ static void put_face(bb_shape_cursor *cursor, uint32_t base, int64_t n, int sx, 
             uint32_t p = base + vertex_number(n, sx * a, sy * b, sz);
             uint32_t q = base + vertex_number(n, sx * (a + 1), sy * b, sz);
             uint32_t r = base + vertex_number(n, sx * a, sy * (b + 1), sz);
-            put_triangle(cursor, p, turned ? r : q, turned ? q : r);
+            bb_shape_triangle(cursor, p, turned ? r : q, turned ? q : r);
             if (a + b + 1 >= n)
                 continue;
             uint32_t s = base + vertex_number(n, sx * (a + 1), sy * (b + 1), sz);
-            put_triangle(cursor, q, turned ? r : s, turned ? s : r);
+            bb_shape_triangle(cursor, q, turned ? r : s, turned ? s : r);
         }
 }
 

@@ -3,6 +3,8 @@
 #ifndef BB_SHAPES_H
 #define BB_SHAPES_H
 
+#include "scenes/placement.h"
+
 #include <stdint.h>
 
 /* Where the next shape goes. */
@@ -11,7 +13,17 @@ typedef struct bb_shape_cursor {
     uint32_t *indices;
     uint32_t vertex_count; /* written so far */
     uint32_t triangle_count;
+    const bb_placement *placement; /* NULL: as it is */
 } bb_shape_cursor;
+
+/* From the first vertex and triangle of the scene on. */
+bb_shape_cursor bb_shape_start(bb_scene *scene, const bb_placement *placement);
+
+/* One vertex, rounded to float once, whose number is returned; one triangle; and a quad, as the
+ * triangles abc and acd. */
+uint32_t bb_shape_vertex(bb_shape_cursor *cursor, const double p[3]);
+void bb_shape_triangle(bb_shape_cursor *cursor, uint32_t a, uint32_t b, uint32_t c);
+void bb_shape_quad(bb_shape_cursor *cursor, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
 
 enum { BB_SHAPE_BOX_VERTICES = 8, BB_SHAPE_BOX_TRIANGLES = 12 };
 

@@ -479,7 +479,7 @@ static void test_bad_files(void **state)
          "y\"}]}",
          "not a file"},
         {"{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"/dev/zero\"}]}",
-         "regular"},
+         "absolute"},
         {"{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":9,\"uri\":\"data:;base64,"
          "AAAA\"}]}",
          "truncated"},

@@ -272,7 +272,8 @@ static void test_edges(void **state)
         for (int k = 0; k < 3; k++)
             scene->inside_point[k] = (double)offsets[run][k] + 0.25;
         bb_rays *rays = NULL;
-        assert_int_equal(make(scene, NULL, "edges", NULL, MOST, seed, &rays), BB_UNSUPPORTED);
+        assert_int_equal(make(scene, NULL, "edges:from=inside", NULL, MOST, seed, &rays),
+                         BB_UNSUPPORTED);
         scene->closed_from_inside = true;
         rays = made(scene, NULL, "edges:count=20000", NULL);
         assert_true(rays->must_hit && rays->count == 20000);
@@ -336,7 +337,7 @@ static void test_bad_input(void **state)
     expect(BB_INVALID, scene, oracle, "primary", &along);
     expect(BB_INVALID, scene, oracle, "primary", &huge);
     expect(BB_UNSUPPORTED, scene, oracle, "ao", &away);
-    expect(BB_UNSUPPORTED, scene, oracle, "edges", NULL);
+    expect(BB_UNSUPPORTED, scene, oracle, "edges:from=inside", NULL);
     bb_oracle_destroy(oracle);
     hand_free(scene);
 
