@@ -2,6 +2,7 @@
 #include "framework/arbiter.h"
 
 #include "framework/exact.h"
+#include "framework/passing.h"
 
 #include <float.h>
 #include <math.h>
@@ -12,10 +13,8 @@ enum { NINE = 9, ALL_NINE = (1 << NINE) - 1 };
 typedef struct trial {
     const bb_scene *scene;
     const bb_ray *ray;
-    double o[3];
+    bb_frame frame;
     double moves[NINE][3]; /* unit vectors perpendicular to d; the first is 0 */
-    double across[2][3];   /* the two that span them */
-    double length;         /* of d */
 } trial;
 
 static double length_of(const bb_ray *ray)
@@ -41,23 +40,25 @@ static void begin_trial(trial *trial, const bb_scene *scene, const bb_ray *ray)
                                    {eighth, -eighth}};
     trial->scene = scene;
     trial->ray = ray;
-    const double d[3] = {ray->d[0], ray->d[1], ray->d[2]};
-    for (int k = 0; k < 3; k++)
-        trial->o[k] = ray->o[k];
-    trial->length = length_of(ray);
+    for (int k = 0; k < 3; k++) {
+        trial->frame.o[k] = ray->o[k];
+        trial->frame.d[k] = ray->d[k];
+    }
+    const double *d = trial->frame.d;
+    trial->frame.length = length_of(ray);
     /* u = d cross (the axis in which d is smallest), w = d cross u. */
     int axis = fabs(d[0]) <= fabs(d[1]) && fabs(d[0]) <= fabs(d[2]) ? 0
                : fabs(d[1]) <= fabs(d[2])                           ? 1
                                                                     : 2;
     int j = (axis + 1) % 3, k = (axis + 2) % 3;
-    double *u = trial->across[0], *w = trial->across[1];
+    double *u = trial->frame.across[0], *w = trial->frame.across[1];
     double flat = hypot(d[j], d[k]);
     u[axis] = 0.0;
     u[j] = d[k] / flat;
     u[k] = -d[j] / flat;
     for (int i = 0; i < 3; i++) {
         int a = (i + 1) % 3, b = (i + 2) % 3;
-        w[i] = (d[a] * u[b] - d[b] * u[a]) / trial->length;
+        w[i] = (d[a] * u[b] - d[b] * u[a]) / trial->frame.length;
     }
     /* Rounded to multiples of 2^-30, so that the moved origins have no bits too small for exact.c.
      */
@@ -69,7 +70,7 @@ static void begin_trial(trial *trial, const bb_scene *scene, const bb_ray *ray)
 static void moved_origin(const trial *trial, int copy, double eps, double o[3])
 {
     for (int k = 0; k < 3; k++)
-        o[k] = trial->o[k] + eps * trial->moves[copy][k];
+        o[k] = trial->frame.o[k] + eps * trial->moves[copy][k];
 }
 
 /* ---- primitives ---- */
@@ -172,70 +173,6 @@ bool bb_exact_t(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double 
     return true;
 }
 
-/* ---- how far the ray passes a primitive, in doubles: only ever compared with eps ---- */
-
-typedef struct passing {
-    double distance;
-    double t_low,
-        t_high; /* extent of a triangle along the ray; point of the sphere nearest to it */
-} passing;
-
-static double distance_to_segment(const double p[2], const double q[2])
-{
-    double x = q[0] - p[0], y = q[1] - p[1], square = x * x + y * y;
-    double s = square > 0.0 ? -(p[0] * x + p[1] * y) / square : 0.0;
-    s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
-    return hypot(p[0] + s * x, p[1] + s * y);
-}
-
-/* Seen along the ray the triangle is flat, and the ray is the point 0. */
-static passing pass_triangle(const trial *trial, uint32_t prim)
-{
-    passing result = {INFINITY, INFINITY, -INFINITY};
-    double seen[3][2];
-    for (uint32_t corner = 0; corner < 3; corner++) {
-        const float *v = bb_scene_vertex(trial->scene, prim, corner);
-        double t = 0.0;
-        seen[corner][0] = seen[corner][1] = 0.0;
-        for (int k = 0; k < 3; k++) {
-            double x = (double)v[k] - trial->o[k];
-            seen[corner][0] += x * trial->across[0][k];
-            seen[corner][1] += x * trial->across[1][k];
-            t += x * ((double)trial->ray->d[k] / trial->length);
-        }
-        t /= trial->length;
-        result.t_low = fmin(result.t_low, t);
-        result.t_high = fmax(result.t_high, t);
-    }
-    int left = 0, right = 0;
-    for (int i = 0; i < 3; i++) {
-        const double *p = seen[i], *q = seen[(i + 1) % 3];
-        double turn = p[0] * q[1] - p[1] * q[0];
-        left += turn > 0.0;
-        right += turn < 0.0;
-        result.distance = fmin(result.distance, distance_to_segment(p, q));
-    }
-    if (left == 3 || right == 3)
-        result.distance = 0.0;
-    return result;
-}
-
-static passing pass(const trial *trial, uint32_t prim)
-{
-    if (is_triangle(trial->scene, prim))
-        return pass_triangle(trial, prim);
-    const float *s = sphere_of(trial->scene, prim);
-    double u = 0.0, w = 0.0, t = 0.0;
-    for (int k = 0; k < 3; k++) {
-        double x = (double)s[k] - trial->o[k];
-        u += x * trial->across[0][k];
-        w += x * trial->across[1][k];
-        t += x * ((double)trial->ray->d[k] / trial->length);
-    }
-    t /= trial->length;
-    return (passing){fmax(0.0, hypot(u, w) - (double)s[3]), t, t};
-}
-
 /* ---- a reported primitive: do the nine hit it, and where? ---- */
 
 typedef struct spread {
@@ -253,7 +190,7 @@ static void widen(spread *s, int root, double t)
 /* t of the copies that pass the primitive by. */
 static void widen_by_passing(const trial *trial, uint32_t prim, double eps, spread *s)
 {
-    passing p = pass(trial, prim);
+    bb_passing p = bb_pass(&trial->frame, trial->scene, prim, -INFINITY, INFINITY);
     if (!is_triangle(trial->scene, prim)) {
         widen(s, 0, p.t_low);
         widen(s, 1, p.t_low);
@@ -273,7 +210,7 @@ static void widen_by_passing(const trial *trial, uint32_t prim, double eps, spre
 static spread spread_over(const trial *trial, uint32_t prim, double eps)
 {
     spread s = {.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
-    double e = eps / trial->length;
+    double e = eps / trial->frame.length;
     double tmin = trial->ray->tmin - e, tmax = trial->ray->tmax + e;
     for (int copy = 0; copy < NINE; copy++) {
         double o[3], t[2];
@@ -290,8 +227,8 @@ static spread spread_over(const trial *trial, uint32_t prim, double eps)
     if (s.hits == NINE)
         return s;
     if (s.hits == 0) {
-        passing p = pass(trial, prim);
-        s.near_miss = p.distance <= eps && p.t_low <= tmax && p.t_high >= tmin;
+        bb_passing p = bb_pass(&trial->frame, trial->scene, prim, tmin, tmax);
+        s.near_miss = p.distance <= eps;
     }
     if (s.hits > 0 || s.near_miss)
         widen_by_passing(trial, prim, eps, &s);
@@ -312,7 +249,7 @@ typedef struct search {
 static bool hits_well(const search *search, const double o[3], uint32_t prim, double eps)
 {
     const bb_ray *ray = search->trial->ray;
-    double length = search->trial->length, t[2];
+    double length = search->trial->frame.length, t[2];
     double end = search->literal ? 0.0 : eps / length;
     double low = ray->tmin + end;
     double high = fmin(ray->tmax - end, search->limit - eps / length);
@@ -326,7 +263,7 @@ static bool hits_well(const search *search, const double o[3], uint32_t prim, do
 static bool search_primitive(void *context, uint32_t prim)
 {
     search *search = context;
-    double eps = margin(search->trial->scene, search->trial->o, prim);
+    double eps = margin(search->trial->scene, search->trial->frame.o, prim);
     for (int copy = 0; copy < NINE; copy++) {
         if ((search->wanted >> copy & 1) == 0)
             continue;
@@ -369,7 +306,7 @@ static bool nine_hit(const bb_arbiter *arbiter, const trial *trial, double limit
 static bool find_any(void *context, uint32_t prim)
 {
     search *search = context;
-    double eps = margin(search->trial->scene, search->trial->o, prim);
+    double eps = margin(search->trial->scene, search->trial->frame.o, prim);
     spread s = spread_over(search->trial, prim, eps);
     if (s.hits > 0 || s.near_miss)
         search->wanted = 0;
@@ -391,7 +328,7 @@ static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
 static bool hits_itself(const trial *trial, const bb_hit *hit, double e)
 {
     double t[2];
-    int count = bb_exact_hits(trial->scene, trial->o, trial->ray->d, hit->prim, t);
+    int count = bb_exact_hits(trial->scene, trial->frame.o, trial->ray->d, hit->prim, t);
     for (int root = 0; root < count; root++)
         if (fabs((double)hit->t - t[root]) <= e && t[root] >= trial->ray->tmin &&
             t[root] <= trial->ray->tmax)
@@ -402,7 +339,7 @@ static bool hits_itself(const trial *trial, const bb_hit *hit, double e)
 static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const bb_hit *hit,
                           bb_query query)
 {
-    double eps = margin(trial->scene, trial->o, hit->prim), e = eps / trial->length;
+    double eps = margin(trial->scene, trial->frame.o, hit->prim), e = eps / trial->frame.length;
     double t = hit->t;
     if (!hits_itself(trial, hit, e)) {
         spread s = spread_over(trial, hit->prim, eps);
@@ -444,9 +381,9 @@ bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_
     }
     double t[2];
     if ((query == BB_ANY_HIT && hit->prim == BB_UNNAMED) ||
-        bb_exact_hits(trial.scene, trial.o, trial.ray->d, hit->prim, t) > 0)
+        bb_exact_hits(trial.scene, trial.frame.o, trial.ray->d, hit->prim, t) > 0)
         return false;
-    return spread_over(&trial, hit->prim, margin(trial.scene, trial.o, hit->prim)).hits == 0;
+    return spread_over(&trial, hit->prim, margin(trial.scene, trial.frame.o, hit->prim)).hits == 0;
 }
 
 bb_status bb_arbiter_create(const bb_scene *scene, bb_arbiter *arbiter)

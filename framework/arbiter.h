@@ -9,8 +9,8 @@
  *   missed   no hit was reported, and each of the nine hits something at a t more than eps inside
  *            (tmin, tmax).
  *   false    none of the nine hits that primitive within the interval grown by eps, and the ray
- *            itself passes it at more than eps (the nine are a sample of the disc of radius eps: a
- *            needle may lie between them).
+ *            itself passes it, within that interval, at more than eps (the nine are a sample of the
+ *            disc of radius eps: a needle may lie between them).
  *   wrong t  each of the nine hits something that is nearer than the reported t by more than that
  *            nearer primitive's own eps (closest hit only); or t lies outside the range of the nine's own t on that primitive,
  *            grown by eps, or outside the interval grown by eps. Where some of the nine pass the

@@ -7,8 +7,11 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Builds with exact phase boundaries, made apart from those that count where the work is on the device. */
-enum { PHASE_BUILDS = 3 };
+enum {
+    /* builds with exact phase boundaries, made apart from those that count where the work is on the device */
+    PHASE_BUILDS = 3,
+    REPEATS = 5, /* of transfers and layouts */
+};
 
 void bb_bench_evict(bb_entrant *entrant)
 {
@@ -35,10 +38,13 @@ bool bb_bench_evict_others(bb_bench *bench, const bb_entrant *keep)
 
 static bb_status create_and_build(bb_bench *bench, bb_entrant *entrant, double *ms)
 {
+    bb_build_timing timing;
     if (entrant->instance.builder == NULL)
         BB_TRY(bb_instance_create(bench->device, entrant->text, bench->scene, bench->request->seed,
                                   &entrant->instance));
-    return bb_instance_build(&entrant->instance, bench->scene, false, NULL, ms);
+    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, false, NULL, &timing));
+    *ms = timing.timing.ms;
+    return BB_OK;
 }
 
 /* A first build, on fresh memory. Drivers may compile a kernel when it is first enqueued; so that this is no part of the cold
@@ -94,37 +100,97 @@ static void add_phases(bb_entrant *entrant, const bb_phases *phases)
     }
 }
 
-/* What a builder on the host needs moved: the boxes down, the tree up. One on the device needs nothing moved. */
+/* ---- transfers ---- */
+
+/* Reads the buffers once into `target`, which has room for the largest. */
+static bb_status read_all(const bb_buffer *const *buffers, uint32_t count, void *target, double *ms)
+{
+    double start = bb_wall_ms();
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(bb_buffer_read(buffers[i], 0, buffers[i]->bytes, target));
+    *ms = bb_wall_ms() - start;
+    return BB_OK;
+}
+
+static bb_status repeat_transfer(bb_bench *bench, bb_entrant *entrant,
+                                 const bb_buffer *const *buffers, uint32_t count, void *target)
+{
+    bb_tree *tree = &entrant->instance.tree;
+    for (uint32_t i = 0; i <= REPEATS; i++) {
+        double down, up = 0;
+        BB_TRY(read_all(buffers, count, target, &down));
+        bb_tree_changed(tree); /* else it is there already */
+        BB_TRY(bb_tree_upload(tree, bench->device, &up));
+        bb_samples_add(&entrant->record.transfer_ms, down + up);
+    }
+    return BB_OK;
+}
+
+/* What a builder on the host needs moved: what it declares of the scene down, the tree up. One on the
+ * device needs nothing moved. The first time, on fresh memory, is left out of the median. */
 static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
 {
-    bb_build_record *record = &entrant->record;
-    if (entrant->instance.builder->place == BB_ON_DEVICE)
+    const bb_builder *builder = entrant->instance.builder;
+    if (builder->place == BB_ON_DEVICE)
         return BB_OK;
-    bb_box *boxes = NULL;
-    size_t bytes = bench->scene->prim_count * sizeof *boxes;
-    BB_TRY(bb_host_alloc(NULL, bytes, "boxes on the host", &boxes));
-    double start = bb_wall_ms(), up = 0;
-    bb_status status = bb_buffer_read(&bench->scene->on_device.boxes, 0, bytes, boxes);
-    double down = bb_wall_ms() - start;
-    bb_host_free(boxes);
-    if (status == BB_OK)
-        status = bb_tree_upload(&entrant->instance.tree, bench->device, &up);
-    record->transfer_ms = down + up;
+    double start = bb_wall_ms();
+    const bb_scene_device *there = &bench->scene->on_device;
+    const bb_buffer *buffers[4];
+    uint32_t count = 0;
+    if ((builder->inputs & BB_INPUT_BOXES) != 0)
+        buffers[count++] = &there->boxes;
+    if ((builder->inputs & BB_INPUT_GEOMETRY) != 0) {
+        buffers[count++] = &there->vertices;
+        buffers[count++] = &there->indices;
+        buffers[count++] = &there->spheres;
+    }
+    size_t most = 0;
+    for (uint32_t i = 0; i < count; i++)
+        most = buffers[i]->bytes > most ? buffers[i]->bytes : most;
+    void *target = NULL;
+    BB_TRY(bb_host_alloc(NULL, most, "the builder's input on the host", &target));
+    bb_status status = repeat_transfer(bench, entrant, buffers, count, target);
+    bb_host_free(target);
     return status == BB_OK ? bb_bench_step(bench, "transfers", start) : status;
+}
+
+/* A hand-over between work-groups that fails now and then shows in one tree of many. */
+static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
+{
+    double start = bb_wall_ms();
+    bb_tree *tree = &entrant->instance.tree;
+    BB_TRY(bb_tree_download(tree, NULL));
+    BB_TRY(bb_tree_check(tree, bench->scene));
+    return bb_bench_step(bench, "check trees, SAH", start);
 }
 
 static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
 {
     BB_TRY(acquire(bench, entrant));
     bb_phases phases;
-    double ms;
+    bb_build_timing timing;
+    bb_build_record *record = &entrant->record;
+    char what[256];
+    double start = bb_wall_ms();
     bb_account_mark(&entrant->instance.account);
-    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, exact, &phases, &ms));
+    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, exact, &phases, &timing));
+    snprintf(what, sizeof what, "build of %.100s by %.100s", bench->scene->name, entrant->text);
+    bb_audit_timing(&bench->audit, what, &timing.timing);
+    BB_TRY(bb_bench_step_ms(bench, "prepare, restore, warm up",
+                            bb_wall_ms() - start - timing.timing.ms));
     if (!exact) {
-        bb_samples_add(&entrant->record.build_ms, ms);
-        bench->build_ms += ms;
-        entrant->record.bytes_peak = entrant->instance.account.peak;
+        bb_samples_add(&record->build_ms, timing.timing.ms);
+        bb_samples_add(&record->event_ms, timing.timing.event_ms);
+        bb_samples_add(&record->cpu_ms, timing.timing.cpu_ms);
+        bb_samples_add(&record->restore_ms, timing.restore_ms);
+        bb_samples_add(&record->outside_ms, timing.outside_ms);
+        record->prepare_ms = entrant->instance.prepare_ms;
+        bb_input_words(entrant->instance.builder->inputs, record->inputs, sizeof record->inputs);
+        bench->build_ms += timing.timing.ms;
+        record->bytes_peak = entrant->instance.account.peak;
     }
+    if (bench->device->form == BB_FORM_GPU)
+        BB_TRY(check_tree(bench, entrant));
     if (exact == phases.used_device)
         add_phases(entrant, &phases);
     return BB_OK;
@@ -161,19 +227,22 @@ static void note_failure(bb_entrant *entrant, bb_status status)
     bb_bench_evict(entrant);
 }
 
-/* The reference makes a new scene each time: its samples are all first builds. */
+/* The first build, on fresh memory, is the reference's cold one, as the others have theirs. */
 static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
 {
-    uint64_t bytes = 0;
-    double ms = 0, start = bb_wall_ms();
-    bb_embree_destroy(entrant->embree);
-    entrant->embree = NULL;
-    BB_TRY(bb_embree_create(bench->scene, &entrant->spec, bb_bench_threads(bench), &entrant->embree,
-                            &ms, &bytes));
-    bb_samples_add(&entrant->record.build_ms, ms);
+    bb_build_record *record = &entrant->record;
+    double ms = 0;
+    if (entrant->embree == NULL) {
+        double start = bb_wall_ms();
+        BB_TRY(bb_embree_create(bench->scene, &entrant->spec, bb_host_threads(bench->device),
+                                &entrant->embree, &record->cold_ms));
+        BB_TRY(bb_bench_step(bench, "compile, allocate, first builds", start));
+    }
+    BB_TRY(bb_embree_rebuild(entrant->embree, &ms));
+    bb_samples_add(&record->build_ms, ms);
     bench->build_ms += ms;
-    entrant->record.bytes_native = (double)bytes;
-    return bb_bench_step(bench, "reference: set-up", start + ms);
+    record->bytes_native = (double)bb_embree_bytes(entrant->embree);
+    return BB_OK;
 }
 
 static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
@@ -245,18 +314,29 @@ static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
                                 data);
 }
 
-static void record_layout(bb_entrant *entrant, const bb_layout_data *data)
+/* Makes it some times more, for its time, when it is the first of its name. The one that is there paid for
+ * fresh memory: it is kept, and left out of the median. */
+static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     bb_build_record *record = &entrant->record;
-    uint32_t k = 0;
-    while (k < record->layout_count && strcmp(record->layouts[k].name, data->name) != 0)
-        k++;
-    if (k == record->layout_count && k < sizeof record->layouts / sizeof record->layouts[0]) {
-        snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
-        record->layouts[k].ms = data->ms;
-        record->layout_sah[k] = data->sah;
-        record->layout_count++;
+    const bb_layout_data *data = &entrant->layouts[layout];
+    for (uint32_t k = 0; k < record->layout_count; k++)
+        if (strcmp(record->layouts[k].name, data->name) == 0)
+            return BB_OK;
+    uint32_t k = record->layout_count++;
+    snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
+    record->layouts[k].sah =
+        isnan(data->sah) && data->keeps_shape ? entrant->record.sah : data->sah;
+    bb_samples_add(&record->layouts[k].ms, data->timing.ms);
+    for (uint32_t i = 0; i < REPEATS; i++) {
+        char what[256];
+        BB_TRY(make_layout(bench, entrant, layout));
+        bb_samples_add(&record->layouts[k].ms, data->timing.ms);
+        snprintf(what, sizeof what, "layout %s of %.100s by %.100s", data->name, bench->scene->name,
+                 entrant->text);
+        bb_audit_timing(&bench->audit, what, &data->timing);
     }
+    return BB_OK;
 }
 
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel)
@@ -310,18 +390,13 @@ bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
         if (status == BB_OK)
             status = make_layout(bench, entrant, layout);
     }
-    /* once more, warm: the first one pays for fresh memory */
     if (status == BB_OK)
-        status = make_layout(bench, entrant, layout);
+        status = measure_layout(bench, entrant, layout);
     if (status != BB_OK) {
         bb_layout_data_release(&entrant->layouts[layout]);
         return status;
     }
-    bb_layout_data *data = &entrant->layouts[layout];
-    if (isnan(data->sah) && data->keeps_shape)
-        data->sah = entrant->record.sah;
-    record_layout(entrant, data);
     entrant->has_layout[layout] = true;
-    entrant->keeps_shape[layout] = data->keeps_shape;
+    entrant->keeps_shape[layout] = entrant->layouts[layout].keeps_shape;
     return bb_bench_step(bench, "layouts", start);
 }

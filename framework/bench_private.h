@@ -2,6 +2,7 @@
 #ifndef BB_BENCH_PRIVATE_H
 #define BB_BENCH_PRIVATE_H
 
+#include "framework/audit.h"
 #include "framework/bench.h"
 #include "framework/embree.h"
 #include "framework/instance.h"
@@ -74,6 +75,7 @@ typedef struct bb_bench {
     uint32_t batch;  /* rays per launch */
     double build_ms; /* timed, over all rounds */
     double trace_ms;
+    bb_audit audit;
     double start;
     bb_buffer rays;
     bb_buffer hits;
@@ -82,11 +84,9 @@ typedef struct bb_bench {
     bb_account account; /* of the buffers above and of the rays */
 } bb_bench;
 
-/* Host threads for the oracle and the reference: as many as the device has compute units, but no more than there are cores. */
-uint32_t bb_bench_threads(const bb_bench *bench);
-
-/* Books the time since `start` as a step outside build and trace. */
+/* Books the time since `start` as a step outside build and trace; or `ms`. */
 bb_status bb_bench_step(bb_bench *bench, const char *name, double start);
+bb_status bb_bench_step_ms(bb_bench *bench, const char *name, double ms);
 
 /* order[0..count) = a random permutation of 0..count-1. */
 void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);

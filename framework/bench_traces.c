@@ -50,29 +50,19 @@ static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
     return bb_buffer_write(&set->bench->rays, 0, count * sizeof(bb_ray), set->rays->rays + from);
 }
 
-static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, double *ms, double *event_ms,
-                             double *cpu_ms)
+static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, bb_timing *timing)
 {
-    bb_device *device = set->bench->device;
-    bb_device_clear_events(device);
-    device->profile_events = true;
-    double cpu = bb_cpu_ms(), start = bb_wall_ms();
+    bb_stopwatch watch;
+    BB_TRY(bb_stopwatch_start(set->bench->device, &watch));
     bb_status status = bb_tracer_launch(c->tracer, &c->entrant->layouts[c->layout],
                                         &set->bench->rays, count, &set->bench->hits, NULL);
-    if (status == BB_OK)
-        status = bb_finish(device);
-    *ms += bb_wall_ms() - start;
-    *cpu_ms += bb_cpu_ms() - cpu;
-    device->profile_events = false;
-    if (status == BB_OK)
-        status = bb_device_collect_events(device);
-    *event_ms += device->event_ms;
-    return status;
+    bb_status stopped = bb_stopwatch_stop(&watch, timing);
+    return status != BB_OK ? status : stopped;
 }
 
 /* The reference reads the device's ray buffer and writes its hit buffer where the host can reach them, else copies of them. */
-static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_t count, double *ms,
-                                 double *cpu_ms)
+static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_t count,
+                                 bb_timing *timing)
 {
     bb_bench *bench = set->bench;
     void *rays = set->rays->rays + from, *hits = set->hits + from;
@@ -89,8 +79,8 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     }
     double cpu = bb_cpu_ms(), start = bb_wall_ms();
     bb_status status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
-    *ms += bb_wall_ms() - start;
-    *cpu_ms += bb_cpu_ms() - cpu;
+    *timing =
+        (bb_timing){bb_wall_ms() - start, bb_cpu_ms() - cpu, bb_embree_span_ms(c->entrant->embree)};
     bb_status unmapped[2] = {BB_OK, BB_OK};
     if (mapped) {
         unmapped[0] = bb_buffer_unmap(&bench->rays, rays);
@@ -99,28 +89,34 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     return status != BB_OK ? status : unmapped[0] != BB_OK ? unmapped[0] : unmapped[1];
 }
 
-/* Traces the cell's rays once, in batches; set->hits gets the answer. */
-static bb_status trace_once(trace_set *set, cell *c, double *ms, double *event_ms, double *cpu_ms)
+/* Traces the cell's rays once, in batches; set->hits gets the answer. The reference's event time is what
+ * its threads saw. */
+static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
 {
     bool reference = c->entrant->reference;
-    *ms = *event_ms = *cpu_ms = 0;
+    *timing = (bb_timing){0, 0, 0};
     if (!reference)
         BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
+    double start = bb_wall_ms();
     uint32_t batch = set->bench->batch;
     for (uint32_t from = 0; from < c->count; from += batch) {
         uint32_t count = c->count - from < batch ? c->count - from : batch;
         BB_TRY(load_batch(set, from, count));
         BB_TRY(poison(set, count));
-        if (reference)
-            BB_TRY(trace_reference(set, c, from, count, ms, cpu_ms));
-        else
-            BB_TRY(trace_batch(set, c, count, ms, event_ms, cpu_ms));
+        bb_timing part;
+        BB_TRY(reference ? trace_reference(set, c, from, count, &part)
+                         : trace_batch(set, c, count, &part));
+        timing->ms += part.ms;
+        timing->cpu_ms += part.cpu_ms;
+        timing->event_ms += part.event_ms;
         if (!reference || set->bench->device->is_cpu)
             BB_TRY(bb_buffer_read(&set->bench->hits, 0, count * sizeof(bb_hit), set->hits + from));
     }
-    if (reference)
-        *event_ms = NAN;
-    return BB_OK;
+    char what[256];
+    snprintf(what, sizeof what, "trace of %.60s, %.40s by %.60s on %.60s", c->record.scene,
+             c->record.rays, c->record.kernel, c->record.builder);
+    bb_audit_timing(&set->bench->audit, what, timing);
+    return bb_bench_step_ms(set->bench, "poison and copy hits", bb_wall_ms() - start - timing->ms);
 }
 
 /* ---- preparation and judgement ---- */
@@ -322,13 +318,13 @@ static void run_round(trace_set *set)
         bb_progress_step(set->bench->progress);
         if (c->record.status != BB_OK)
             continue;
-        double ms, event_ms, cpu_ms;
-        bb_status status = trace_once(set, c, &ms, &event_ms, &cpu_ms);
+        bb_timing timing;
+        bb_status status = trace_once(set, c, &timing);
         if (status == BB_OK) {
-            bb_samples_add(&c->record.ms, ms);
-            set->bench->trace_ms += ms;
-            bb_samples_add(&c->record.event_ms, event_ms);
-            bb_samples_add(&c->record.cpu_ms, cpu_ms);
+            bb_samples_add(&c->record.ms, timing.ms);
+            set->bench->trace_ms += timing.ms;
+            bb_samples_add(&c->record.event_ms, timing.event_ms);
+            bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
             status = judge_cell(set, c);
         }
         if (status != BB_OK)
@@ -345,6 +341,7 @@ static bb_status record_cell(trace_set *set, cell *c)
         if (status != BB_OK)
             note_failure(c, status);
     }
+    bb_audit_trace(&bench->audit, r);
     r->wrong = r->has_accuracy && r->accuracy.wrong_ppm > bench->request->max_wrong_ppm;
     bool failed = strcmp(bb_status_word(r->status), "failed") == 0;
     if (r->counts_for_exit && c->entrant->record.status == BB_OK && (r->wrong || failed))

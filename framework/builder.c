@@ -235,6 +235,19 @@ bb_status bb_plugin_load(const char *path)
     return status; /* a loaded builder stays for the life of the process */
 }
 
+/* ---- inputs ---- */
+
+void bb_input_words(uint32_t inputs, char *text, size_t capacity)
+{
+    static const char *const words[] = {"boxes", "geometry", "tree", "profile"};
+    size_t used = 0;
+    text[0] = '\0';
+    for (uint32_t i = 0; i < sizeof words / sizeof words[0] && used < capacity; i++)
+        if ((inputs & 1u << i) != 0)
+            used += (size_t)snprintf(text + used, capacity - used, "%s%s", used > 0 ? " " : "",
+                                     words[i]);
+}
+
 /* ---- phases ---- */
 
 bb_status bb_phase(bb_phases *phases, const char *name)
@@ -270,6 +283,9 @@ bb_status bb_phase(bb_phases *phases, const char *name)
 
 bb_status bb_phase_outside(bb_phases *phases, const char *name)
 {
+    if (phases->device != NULL)
+        return bb_fail(BB_FAILED,
+                       "phase '%s': a builder on the device has no phases outside its time", name);
     BB_TRY(bb_phase(phases, name));
     phases->outside = true;
     return BB_OK;

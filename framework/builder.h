@@ -14,14 +14,20 @@
 #include "framework/tree.h"
 
 /* Raised whenever this header or the structs it takes in change their layout or meaning. */
-enum { BB_ABI_VERSION = 2 };
+enum { BB_ABI_VERSION = 3 };
 
-/* What a builder reads; the clock starts when this is in place. */
+/* What a builder reads; the clock starts when this is in place. All else of the scene is withheld: it
+ * is zero in the scene that the hooks get. Views are withheld, too, since rays follow from them, unless
+ * the builder has an option `view` and it is given. Kinds, counts and names are always there. */
 enum {
-    BB_INPUT_BOXES = 1u << 0,    /* scene->on_device.boxes (device) or scene->boxes (host) */
-    BB_INPUT_GEOMETRY = 1u << 1, /* vertices, indices, spheres */
+    BB_INPUT_BOXES = 1u << 0,    /* on_device.boxes; for builders on the host also boxes */
+    BB_INPUT_GEOMETRY = 1u << 1, /* vertices, indices, spheres: likewise */
     BB_INPUT_TREE = 1u << 2,     /* an optimiser: takes another builder's tree */
+    BB_INPUT_PROFILE = 1u << 3, /* bounds and profile: measured by the harness, outside the clock */
 };
+
+/* As words: "boxes geometry". */
+void bb_input_words(uint32_t inputs, char *text, size_t capacity);
 
 /* What may have changed since the last build, for update(). */
 enum {
@@ -50,8 +56,9 @@ typedef struct bb_phases {
 /* Ends the current phase and begins `name` (a string constant); NULL only ends. A name may come back: its time adds up. */
 bb_status bb_phase(bb_phases *phases, const char *name);
 
-/* The same for a phase that is not the method's work, such as the conversion of a library's own tree: it is recorded, and taken off
- * the build's time. For work on the host only. */
+/* The same for a phase that is not the method's work, such as the conversion of a library's own tree: it
+ * is recorded, and taken off the build's time. BB_FAILED for builders on the device: there is no clock
+ * of theirs to take it off. */
 bb_status bb_phase_outside(bb_phases *phases, const char *name);
 
 /* What the harness hands to create(); outlives the object. */
@@ -85,8 +92,8 @@ struct bb_builder {
      * the other hooks. Required. */
     bb_status (*create)(const bb_builder_context *context, void **self);
 
-    /* Allocates for this scene what build() will need, so that build() does not. Called before the first build of a
-     * scene; not timed. Optional: default none. */
+    /* Allocates for this scene what build() will need, so that build() does not. Called before the first
+     * build of a scene; not part of the build's time, but recorded. Optional: default none. */
     bb_status (*prepare)(void *self, const bb_scene *scene, bb_tree *tree);
 
     /* Fills `tree` from the declared input, in bb_phase() spans; timed from a finished queue to a finished queue (it need
@@ -99,7 +106,8 @@ struct bb_builder {
     bb_status (*update)(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                         bb_phases *phases);
 
-    /* Restores what build() may have used up of its input, before each build; not timed. Optional: default none. */
+    /* Restores what build() may have used up of its input, before each build; not part of the build's
+     * time, but recorded. Optional: default none. */
     bb_status (*restore)(void *self, const bb_scene *scene);
 
     /* Says in one line, without a newline, what there is to know of the last build beyond its figures, such as the bit layout of

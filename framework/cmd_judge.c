@@ -261,7 +261,7 @@ static bb_status write_results(const bb_cli *cli, const job *j)
     bb_results *results = NULL;
     bb_status status = bb_results_create(&(bb_context){.command = command}, &results);
     if (status == BB_OK)
-        status = bb_results_add_scene(results, j->scene);
+        status = bb_results_add_scene(results, j->scene, NULL);
     if (status == BB_OK)
         status = add_build(j, results);
     for (uint32_t i = 0; i < j->set_count && status == BB_OK; i++)

@@ -85,9 +85,8 @@ static bb_status make_rays(rendering *r, const bb_cli *cli)
 static bb_status make_layout(rendering *r, const char *builder)
 {
     uint64_t leaf;
-    double ms;
     BB_TRY(bb_instance_create(r->device, builder, r->scene, 1, &r->instance));
-    BB_TRY(bb_instance_build(&r->instance, r->scene, false, NULL, &ms));
+    BB_TRY(bb_instance_build(&r->instance, r->scene, false, NULL, NULL));
     BB_TRY(bb_tree_upload(&r->instance.tree, r->device, NULL));
     BB_TRY(bb_spec_u64(&r->kernel_spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
     BB_TRY(bb_layout_maker_create(bb_layout_find(r->kernel->layout), r->device, &r->maker));
@@ -210,7 +209,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_scene_upload(r.scene, r.device);
     if (status == BB_OK)
-        status = bb_oracle_create(r.scene, r.device->compute_units, &r.oracle);
+        status = bb_oracle_create(r.scene, bb_host_threads(r.device), &r.oracle);
     if (status == BB_OK)
         status = make_rays(&r, cli);
     if (status == BB_OK)

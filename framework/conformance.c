@@ -58,7 +58,7 @@ bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t see
     c->seed = seed;
     bb_status status = bb_scene_upload(scene, device);
     if (status == BB_OK)
-        status = bb_oracle_create(scene, device->compute_units, &c->oracle);
+        status = bb_oracle_create(scene, bb_host_threads(device), &c->oracle);
     if (status == BB_OK)
         status = add_set(c, "primary");
     if (status == BB_OK)
@@ -97,8 +97,7 @@ void bb_conformance_destroy(bb_conformance *c)
 
 static bb_status check_tree(bb_conformance *c, bb_instance *instance, uint64_t *hash)
 {
-    double ms;
-    BB_TRY(bb_instance_build(instance, c->scene, false, NULL, &ms));
+    BB_TRY(bb_instance_build(instance, c->scene, false, NULL, NULL));
     BB_TRY(bb_tree_download(&instance->tree, NULL));
     BB_TRY(bb_tree_check(&instance->tree, c->scene));
     return bb_tree_hash(&instance->tree, hash);

@@ -3,6 +3,7 @@
 
 #include "framework/cl_error.h"
 #include "framework/handover.h"
+#include "framework/threads.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -174,6 +175,12 @@ void bb_device_close(bb_device *device)
     if (device->context != NULL)
         clReleaseContext(device->context);
     free(device);
+}
+
+uint32_t bb_host_threads(const bb_device *device)
+{
+    uint32_t cores = bb_core_count();
+    return device->is_cpu && device->compute_units < cores ? device->compute_units : cores;
 }
 
 bb_status bb_finish(bb_device *device)

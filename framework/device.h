@@ -35,13 +35,13 @@ typedef struct bb_device {
     cl_command_queue queue; /* in order, profiling on */
     char name[256];
     char driver[128];
-    char version[128]; /* CL_DEVICE_VERSION */
-    bool is_cpu;       /* shares memory with the host */
-    bb_form form;      /* BB_FORM_CPU or BB_FORM_GPU, never AUTO */
-    bb_handover handover;    /* FENCE or LEVELS, never AUTO */
-    char fence[64];          /* options that compile a fence between work-groups; "": there is none */
-    uint32_t litmus_pairs;   /* of work-groups' messages in the litmus test; 0: there is no fence */
-    uint32_t litmus_stale;   /* words of them that were not there yet */
+    char version[128];     /* CL_DEVICE_VERSION */
+    bool is_cpu;           /* shares memory with the host */
+    bb_form form;          /* BB_FORM_CPU or BB_FORM_GPU, never AUTO */
+    bb_handover handover;  /* FENCE or LEVELS, never AUTO */
+    char fence[64];        /* options that compile a fence between work-groups; "": there is none */
+    uint32_t litmus_pairs; /* of work-groups' messages in the litmus test; 0: there is no fence */
+    uint32_t litmus_stale; /* words of them that were not there yet */
     uint32_t compute_units;
     size_t max_group_size;
     cl_device_fp_config float_config; /* CL_DEVICE_SINGLE_FP_CONFIG */
@@ -50,7 +50,7 @@ typedef struct bb_device {
     uint64_t largest_allocation; /* what one buffer may have */
     uint64_t bytes;              /* in use by our own account */
     double event_ms;             /* sum of the event times since bb_device_clear_events() */
-    bool profile_events;         /* collect event_ms (costs a wait per launch list) */
+    bool profile_events;         /* collect event_ms: a stopwatch runs */
     struct bb_event_list *events;
     struct bb_program_cache *programs; /* what was compiled; released with the device */
     const char *kernel_folder; /* edit-and-run: .cl and .h are read from here first; may be NULL */
@@ -71,6 +71,10 @@ void bb_device_close(bb_device *device);
 /* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence that
  * the device has not. */
 bb_status bb_device_set_handover(bb_device *device, bb_handover handover);
+
+/* Threads for the host's share of the work on this device: all cores; for a device that is the host's own
+ * processor no more than its compute units. */
+uint32_t bb_host_threads(const bb_device *device);
 
 /* What programs that include handover.clh are compiled with; 96 characters are enough. */
 void bb_handover_defines(const bb_device *device, char *text, size_t capacity);
@@ -149,7 +153,7 @@ bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, siz
     bb_launch_args((device), (kernel), (global), (local), (const bb_arg[]){__VA_ARGS__},           \
                    (uint32_t)(sizeof((const bb_arg[]){__VA_ARGS__}) / sizeof(bb_arg)))
 
-/* Event times: clear, run, finish, read device->event_ms. */
+/* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read device->event_ms. */
 void bb_device_clear_events(bb_device *device);
 bb_status bb_device_collect_events(bb_device *device);
 

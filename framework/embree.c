@@ -23,10 +23,12 @@
 enum { CHUNK = 2048 }; /* rays that a thread takes at once */
 
 struct bb_embree {
+    const bb_scene *of;
     RTCDevice device;
     RTCScene scene;
     bb_pool *pool;
     uint32_t first_prim[2]; /* of geometry 0 and 1, in the scene's numbering */
+    uint32_t geometries;
     atomic_llong bytes;
     _Atomic int error; /* the first that Embree reported since the last check */
     char text[200];
@@ -76,14 +78,15 @@ bb_status bb_embree_version(char *text, size_t capacity)
     return BB_OK;
 }
 
-static bb_status check(bb_embree *embree, const char *what, const bb_scene *scene)
+static bb_status check(bb_embree *embree, const char *what)
 {
+    const bb_scene *of = embree->of;
     int code = atomic_exchange(&embree->error, RTC_ERROR_NONE);
     if (code == RTC_ERROR_NONE)
         return BB_OK;
     return bb_fail(code == RTC_ERROR_OUT_OF_MEMORY ? BB_REFUSED : BB_FAILED,
-                   "Embree, %s of scene '%s' (%u primitives): %s (error %d)", what, scene->name,
-                   scene->prim_count, embree->text, code);
+                   "Embree, %s of scene '%s' (%u primitives): %s (error %d)", what, of->name,
+                   of->prim_count, embree->text, code);
 }
 
 /* ---- building ---- */
@@ -92,10 +95,10 @@ static void attach(bb_embree *embree, RTCGeometry geometry, unsigned int id, uin
                    enum RTCBuildQuality quality)
 {
     rtcSetGeometryBuildQuality(geometry, quality);
-    rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(embree->scene, geometry, id);
     rtcReleaseGeometry(geometry);
     embree->first_prim[id] = first_prim;
+    embree->geometries = id + 1;
 }
 
 /* Vertices are copied, since Embree reads 16 bytes at the last one; the other arrays are shared. */
@@ -135,20 +138,51 @@ static bb_status build(bb_embree *embree, const bb_scene *scene, const bb_spec *
     enum RTCBuildQuality quality = quality_of(spec);
     bool fast = spec != NULL && bb_spec_is(spec, bb_embree_options, "mode", "fast");
     embree->scene = rtcNewScene(embree->device);
-    BB_TRY(check(embree, "creation", scene));
+    BB_TRY(check(embree, "creation"));
     rtcSetSceneFlags(embree->scene, fast ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(embree->scene, quality);
     add_geometry(embree, scene, quality);
-    return check(embree, "geometry", scene);
+    return check(embree, "geometry");
+}
+
+/* Geometry and scene; the wall time of both. */
+static void commit(bb_embree *embree, double *ms)
+{
+    double start = bb_wall_ms();
+    for (uint32_t id = 0; id < embree->geometries; id++)
+        rtcCommitGeometry(rtcGetGeometry(embree->scene, id));
+    rtcCommitScene(embree->scene);
+    if (ms != NULL)
+        *ms = bb_wall_ms() - start;
+}
+
+bb_status bb_embree_rebuild(bb_embree *embree, double *ms)
+{
+    /* what is not said to have changed is not built again */
+    for (uint32_t id = 0; id < embree->geometries; id++)
+        rtcUpdateGeometryBuffer(rtcGetGeometry(embree->scene, id), RTC_BUFFER_TYPE_VERTEX, 0);
+    commit(embree, ms);
+    return check(embree, "build");
+}
+
+uint64_t bb_embree_bytes(const bb_embree *embree)
+{
+    return (uint64_t)atomic_load(&embree->bytes);
+}
+
+double bb_embree_span_ms(const bb_embree *embree)
+{
+    return bb_pool_span_ms(embree->pool);
 }
 
 bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t threads,
-                           bb_embree **out, double *build_ms, uint64_t *bytes)
+                           bb_embree **out, double *build_ms)
 {
     *out = NULL;
     bb_embree *embree = calloc(1, sizeof *embree);
     if (embree == NULL)
         return bb_fail(BB_REFUSED, "the host refused the memory of an Embree device");
+    embree->of = scene;
     bb_status status = bb_pool_create(threads, &embree->pool);
     if (status != BB_OK)
         goto out;
@@ -165,13 +199,8 @@ bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t 
     status = build(embree, scene, spec);
     if (status != BB_OK)
         goto out;
-    double start = bb_wall_ms();
-    rtcCommitScene(embree->scene);
-    if (build_ms != NULL)
-        *build_ms = bb_wall_ms() - start;
-    status = check(embree, "build", scene);
-    if (bytes != NULL)
-        *bytes = (uint64_t)atomic_load(&embree->bytes);
+    commit(embree, build_ms);
+    status = check(embree, "build");
 out:
     if (status == BB_OK)
         *out = embree;

@@ -58,8 +58,8 @@ static bb_status run_litmus(bb_device *device)
         status = bb_buffer_reserve(device, NULL, 2 * SLOTS * 8 * sizeof(cl_uint),
                                    "litmus test: messages", &messages);
     if (status == BB_OK)
-        status = bb_buffer_reserve(device, NULL, SLOTS * sizeof(cl_uint), "litmus test: gates",
-                                   &gates);
+        status =
+            bb_buffer_reserve(device, NULL, SLOTS * sizeof(cl_uint), "litmus test: gates", &gates);
     if (status == BB_OK)
         status = bb_buffer_reserve(device, NULL, sizeof(cl_uint), "litmus test: count", &stale);
     if (status == BB_OK)

@@ -10,8 +10,8 @@ bb_status bb_levels_reserve(bb_levels *levels, bb_device *device, bb_account *ac
 {
     levels->most = most;
     for (int i = 0; i < 2; i++)
-        BB_TRY(bb_buffer_reserve(device, account, nodes * sizeof(uint32_t), what,
-                                 &levels->lists[i]));
+        BB_TRY(
+            bb_buffer_reserve(device, account, nodes * sizeof(uint32_t), what, &levels->lists[i]));
     return bb_buffer_reserve(device, account, ((size_t)most + 2) * sizeof(uint32_t), what,
                              &levels->counts);
 }

@@ -23,7 +23,7 @@ bb_status bb_oracle_create(const bb_scene *scene, uint32_t threads, bb_oracle **
     oracle->scene = scene;
     bb_status status = bb_pool_create(threads, &oracle->pool);
     if (status == BB_OK)
-        status = bb_embree_create(scene, NULL, threads, &oracle->embree, NULL, NULL);
+        status = bb_embree_create(scene, NULL, threads, &oracle->embree, NULL);
     if (status != BB_OK) {
         bb_oracle_destroy(oracle);
         return status;

@@ -28,10 +28,10 @@ static bb_status no_memory(void)
 void bb_build_record_init(bb_build_record *build)
 {
     memset(build, 0, sizeof *build);
-    build->cold_ms = build->transfer_ms = NAN;
+    build->cold_ms = build->prepare_ms = NAN;
     build->sah = build->epo = build->epo_half = build->bytes_native = NAN;
-    for (uint32_t i = 0; i < sizeof build->layout_sah / sizeof build->layout_sah[0]; i++)
-        build->layout_sah[i] = NAN;
+    for (uint32_t i = 0; i < BB_LAYOUTS_MAX; i++)
+        build->layouts[i].sah = NAN;
 }
 
 void bb_trace_record_init(bb_trace_record *trace)
@@ -106,6 +106,15 @@ static bool put_samples(cJSON *object, const char *name, const bb_samples *sampl
 {
     return samples->count == 0 ? put(object, name, cJSON_CreateNull())
                                : put_numbers(object, name, samples->values, samples->count);
+}
+
+/* The median as NAME, all samples as NAME_samples. */
+static bool put_repeats(cJSON *object, const char *name, const bb_samples *samples)
+{
+    char label[64];
+    snprintf(label, sizeof label, "%s_samples", name);
+    return put_number(object, name, bb_samples_median(samples)) &&
+           put_samples(object, label, samples);
 }
 
 /* { name: ms, ... } */
@@ -341,7 +350,8 @@ static const char *kind_names(uint32_t kinds)
     return triangles && spheres ? "triangles+spheres" : spheres ? "spheres" : "triangles";
 }
 
-bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene)
+bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene,
+                               const bb_samples *boxes_ms)
 {
     char hash[17];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)scene->hash);
@@ -353,6 +363,7 @@ bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene)
         return bb_fail(BB_INVALID, "scene %s is in the results already with other geometry",
                        scene->name);
     }
+    const bb_samples none = {0};
     cJSON *entry = cJSON_CreateObject();
     bool ok = entry != NULL && put_text(entry, "name", scene->name) &&
               put_text(entry, "kind", kind_names(scene->kinds)) &&
@@ -362,6 +373,9 @@ bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene)
               put_number(entry, "spheres", scene->sphere_count) &&
               put_number(entry, "ignored", scene->ignored) && put_bounds(entry, &scene->bounds) &&
               put_hash(entry, "hash", scene->hash) && put_profile(entry, &scene->profile) &&
+              put_number(entry, "scale", scene->scale) &&
+              put_number(entry, "out_of_range", scene->out_of_range) &&
+              put_repeats(entry, "boxes_ms", boxes_ms != NULL ? boxes_ms : &none) &&
               put_views(entry, scene) && put_number(entry, "load_ms", scene->load_ms);
     return append(results, "scenes", entry, ok);
 }
@@ -434,13 +448,17 @@ static bool put_tree(cJSON *entry, const bb_build_record *build)
 
 static bool put_layouts(cJSON *entry, const bb_build_record *build)
 {
-    bb_named_ms sah[BB_LAYOUTS_MAX];
-    for (uint32_t i = 0; i < build->layout_count; i++) {
-        memcpy(sah[i].name, build->layouts[i].name, sizeof sah[i].name);
-        sah[i].ms = build->layout_sah[i];
+    cJSON *ms = cJSON_AddObjectToObject(entry, "layouts_ms");
+    cJSON *samples = cJSON_AddObjectToObject(entry, "layouts_ms_samples");
+    cJSON *sah = cJSON_AddObjectToObject(entry, "layouts_sah");
+    bool ok = ms != NULL && samples != NULL && sah != NULL;
+    for (uint32_t i = 0; ok && i < build->layout_count; i++) {
+        const char *name = build->layouts[i].name;
+        ok = put_number(ms, name, bb_samples_median(&build->layouts[i].ms)) &&
+             put_samples(samples, name, &build->layouts[i].ms) &&
+             put_number(sah, name, build->layouts[i].sah);
     }
-    return put_named(entry, "layouts_ms", build->layouts, build->layout_count) &&
-           put_named(entry, "layouts_sah", sah, build->layout_count);
+    return ok;
 }
 
 uint32_t bb_results_next_build(const bb_results *results)
@@ -470,9 +488,14 @@ bb_status bb_results_add_build(bb_results *results, const bb_build_record *build
         put_measured(entry, "build_ms", &build->build_ms) && put_number(entry, "mprims_s", rate) &&
         put_number(entry, "cold_ms", measured(build->status, build->cold_ms)) &&
         put_named(entry, "phases_ms", build->phases, build->phase_count) &&
-        put_number(entry, "transfer_ms", measured(build->status, build->transfer_ms)) &&
-        put_layouts(entry, build) && put_tree(entry, build) &&
-        put_number(entry, "bytes_native", build->bytes_native) &&
+        put_samples(entry, "event_ms_samples", &build->event_ms) &&
+        put_samples(entry, "cpu_ms_samples", &build->cpu_ms) &&
+        put_number(entry, "prepare_ms", measured(build->status, build->prepare_ms)) &&
+        put_repeats(entry, "restore_ms", &build->restore_ms) &&
+        put_repeats(entry, "outside_ms", &build->outside_ms) &&
+        put_text(entry, "inputs", build->inputs) &&
+        put_repeats(entry, "transfer_ms", &build->transfer_ms) && put_layouts(entry, build) &&
+        put_tree(entry, build) && put_number(entry, "bytes_native", build->bytes_native) &&
         put_bool(entry, "reference", build->reference);
     if (ok && build->about[0] != '\0')
         ok = put_text(entry, "about", build->about);

@@ -54,13 +54,22 @@ typedef struct bb_build_record {
     bb_status status;
     char reason[512];
     bb_samples build_ms; /* warm builds */
+    bb_samples event_ms; /* of those: sum of their kernels' times, by the device's clock */
+    bb_samples cpu_ms;
+    bb_samples restore_ms; /* before each of them; the builder's own, outside the clock */
+    bb_samples outside_ms; /* in phases outside the clock */
+    double prepare_ms;     /* before the first; NAN: not measured */
+    char inputs[64];       /* what the builder declares it reads: "boxes geometry"; "": not known */
     double cold_ms;
-    double transfer_ms;
+    bb_samples transfer_ms; /* of what the builder declares it reads down, of the tree up */
     uint32_t phase_count;
     bb_named_ms phases[16];
     uint32_t layout_count;
-    bb_named_ms layouts[BB_LAYOUTS_MAX]; /* name as recorded ("pair:leaf=4"), ms */
-    double layout_sah[BB_LAYOUTS_MAX];
+    struct {
+        char name[64]; /* as recorded: "pair:leaf=4" */
+        bb_samples ms;
+        double sah;
+    } layouts[BB_LAYOUTS_MAX];
     bool has_tree;
     bb_tree_info tree;
     uint64_t bytes_tree, bytes_peak;
@@ -115,7 +124,9 @@ typedef struct bb_context {
 bb_status bb_results_create(const bb_context *context, bb_results **out);
 void bb_results_destroy(bb_results *results);
 
-bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene);
+/* `boxes_ms`: of making the primitives' boxes on the device; NULL: not measured. */
+bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene,
+                               const bb_samples *boxes_ms);
 bb_status bb_results_add_build(bb_results *results, const bb_build_record *build);
 bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace);
 /* Time of a step outside build and trace: "load", "rays", "oracle", "judge", "compile", "report"

@@ -1,14 +1,12 @@
 /* A scene's memory, its checks, its boxes and its hash, and its copy on the device. */
 #include "framework/scene.h"
 
-#include "framework/clock.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
 
-enum { PRIM_LIMIT = 0x7FFFFFFF };
+enum { PRIM_LIMIT = 0x7FFFFFFF, GROUP_SIZE = 64 };
 
 /* ---- memory ---- */
 
@@ -245,8 +243,7 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
     if (there->device == device)
         return BB_OK;
     const part parts[] = {
-        {"the scene's boxes", &there->boxes, scene->boxes,
-         (uint64_t)scene->prim_count * sizeof(bb_box)},
+        {"the scene's boxes", &there->boxes, NULL, (uint64_t)scene->prim_count * sizeof(bb_box)},
         {"the scene's vertices", &there->vertices, scene->vertices,
          (uint64_t)scene->vertex_count * 3 * sizeof(float)},
         {"the scene's indices", &there->indices, scene->indices,
@@ -259,16 +256,36 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
         bb_buffer_release(parts[i].buffer); /* of another device */
     there->device = NULL;
     BB_TRY(check_room(scene, device, parts, PARTS));
-    double start = bb_wall_ms();
     for (size_t i = 0; i < PARTS; i++) {
         /* Kernels take a buffer for each kind, so none of them stays without one. */
         size_t bytes = parts[i].bytes > 0 ? (size_t)parts[i].bytes : sizeof(bb_box);
         BB_TRY(bb_buffer_reserve(device, &there->account, bytes, parts[i].what, parts[i].buffer));
-        if (parts[i].bytes > 0)
+        if (parts[i].bytes > 0 && parts[i].source != NULL)
             BB_TRY(bb_buffer_write(parts[i].buffer, 0, (size_t)parts[i].bytes, parts[i].source));
     }
-    BB_TRY(bb_finish(device));
     there->device = device;
-    there->upload_ms = bb_wall_ms() - start;
-    return BB_OK;
+    bb_status status = bb_scene_make_boxes(scene);
+    if (status == BB_OK)
+        status = bb_finish(device);
+    if (status != BB_OK)
+        there->device = NULL;
+    return status;
+}
+
+bb_status bb_scene_make_boxes(bb_scene *scene)
+{
+    const bb_scene_device *there = &scene->on_device;
+    cl_program program = NULL;
+    cl_kernel kernel = NULL;
+    bb_status status = bb_program_build(there->device, bb_source_find("boxes.cl"), "", &program);
+    if (status == BB_OK)
+        status = bb_kernel_get(program, "make_boxes", &kernel);
+    if (status == BB_OK)
+        status = bb_launch(there->device, kernel, scene->prim_count, GROUP_SIZE,
+                           BB_MEM(there->vertices), BB_MEM(there->indices), BB_MEM(there->spheres),
+                           BB_VALUE(scene->triangle_count), BB_VALUE(scene->prim_count),
+                           BB_MEM(there->boxes));
+    bb_kernel_release(kernel);
+    bb_program_release(program);
+    return status;
 }

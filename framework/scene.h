@@ -55,7 +55,6 @@ typedef struct bb_scene_device {
     bb_buffer vertices; /* float[3 * vertex_count] */
     bb_buffer indices;  /* u32[3 * triangle_count] */
     bb_buffer spheres;  /* float[4 * sphere_count]: centre, radius */
-    double upload_ms;
 } bb_scene_device;
 
 typedef struct bb_scene {
@@ -133,9 +132,12 @@ void bb_scene_derive_views(bb_scene *scene);
 /* Reads views from a text file (format: scenes/README.md). */
 bb_status bb_views_read(const char *path, bb_view *views, uint32_t capacity, uint32_t *count);
 
-/* Puts the scene on the device (once; a second call with the same device does nothing). Refuses, with
- * the bytes it needs, what does not fit. */
+/* Puts the scene on the device (once; a second call with the same device does nothing), where its boxes
+ * are made anew. Refuses, with the bytes it needs, what does not fit. */
 bb_status bb_scene_upload(bb_scene *scene, bb_device *device);
+
+/* Makes on_device.boxes from the geometry on the device (kernels/boxes.cl). Enqueued, not waited for. */
+bb_status bb_scene_make_boxes(bb_scene *scene);
 
 /* Names of the shipped scenes, ends with NULL, and the folder they are read from: BVHBENCH_SCENES in
  * the environment, the share folder of the installation that the library lies in, or the source tree,

@@ -6,6 +6,8 @@
 #endif
 #include "framework/threads.h"
 
+#include "framework/clock.h"
+
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
@@ -17,6 +19,7 @@ typedef struct worker {
     bb_pool *pool;
     pthread_t thread;
     uint32_t index;
+    double began, ended; /* of its part in the last job; wall clock */
 } worker;
 
 struct bb_pool {
@@ -46,13 +49,26 @@ uint32_t bb_core_count(void)
 
 static void take_chunks(bb_pool *pool, uint32_t thread)
 {
+    worker *self = &pool->workers[thread];
+    self->began = bb_wall_ms();
     for (;;) {
         size_t begin = atomic_fetch_add_explicit(&pool->next, pool->chunk, memory_order_relaxed);
         if (begin >= pool->count)
-            return;
+            break;
         size_t end = pool->count - begin < pool->chunk ? pool->count : begin + pool->chunk;
         pool->function(pool->context, begin, end, thread);
     }
+    self->ended = bb_wall_ms();
+}
+
+double bb_pool_span_ms(const bb_pool *pool)
+{
+    double began = pool->workers[0].began, ended = pool->workers[0].ended;
+    for (uint32_t i = 1; i <= pool->started; i++) {
+        began = pool->workers[i].began < began ? pool->workers[i].began : began;
+        ended = pool->workers[i].ended > ended ? pool->workers[i].ended : ended;
+    }
+    return ended - began;
 }
 
 static void *work(void *argument)

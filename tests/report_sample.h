@@ -118,7 +118,7 @@ static inline void sample_add_scene(bb_results *results, const sample_scene *fro
                                   .code_bits = 63,
                                   .octree_depth = 17};
     scene->load_ms = 431.7;
-    sample_check(results, bb_results_add_scene(results, scene));
+    sample_check(results, bb_results_add_scene(results, scene, NULL));
     free(scene);
 }
 
@@ -146,15 +146,17 @@ static inline void sample_add_build(bb_results *results, const sample_scene *sce
         build.bytes_native = scene->prims * 121;
     } else {
         build.cold_ms = build.build_ms.values[0];
-        build.transfer_ms = scene->prims * 2e-6;
+        bb_samples_add(&build.transfer_ms, scene->prims * 2e-6);
         build.phase_count = 2;
         build.phases[0] = (bb_named_ms){"morton", 5.1};
         build.phases[1] = (bb_named_ms){"link", 22.9};
         build.layout_count = 2;
-        build.layouts[0] = (bb_named_ms){"pair", scene->prims * 9e-6};
-        build.layouts[1] = (bb_named_ms){"pair:leaf=4", scene->prims * 3e-5};
-        build.layout_sah[0] = builder->sah;
-        build.layout_sah[1] = builder->sah * 0.93;
+        strcpy(build.layouts[0].name, "pair");
+        strcpy(build.layouts[1].name, "pair:leaf=4");
+        bb_samples_add(&build.layouts[0].ms, scene->prims * 9e-6);
+        bb_samples_add(&build.layouts[1].ms, scene->prims * 3e-5);
+        build.layouts[0].sah = builder->sah;
+        build.layouts[1].sah = builder->sah * 0.93;
         build.has_tree = true;
         build.tree = (bb_tree_info){
             0, (uint32_t)scene->prims * 2 - 1, (uint32_t)scene->prims, (uint32_t)scene->prims, 2,

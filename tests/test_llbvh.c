@@ -198,7 +198,6 @@ static void compare(bb_device *device, const way *given, const bb_box *boxes, ui
     scene.on_device.device = device;
     bb_instance instance;
     bb_tree preorder;
-    double ms;
     bb_tree_init(&preorder, NULL);
     bb_status status =
         bb_buffer_reserve(device, NULL, count * sizeof *boxes, "boxes", &scene.on_device.boxes);
@@ -207,7 +206,7 @@ static void compare(bb_device *device, const way *given, const bb_box *boxes, ui
     if (status == BB_OK)
         status = bb_instance_create(device, builder, &scene, 1, &instance);
     for (int i = 0; i < 2 && status == BB_OK; i++)
-        status = bb_instance_build(&instance, &scene, false, NULL, &ms);
+        status = bb_instance_build(&instance, &scene, false, NULL, NULL);
     if (status == BB_OK)
         status = bb_tree_download(&instance.tree, NULL);
     if (status == BB_OK)

@@ -305,13 +305,12 @@ static void compare(bb_device *device, const char *builder, const bb_box *boxes,
     bb_scene scene = scene_of(boxes, count);
     bb_instance instance = {0};
     bb_tree preorder;
-    double ms;
     bb_tree_init(&preorder, NULL);
     bb_status status = upload_boxes(&scene, device);
     if (status == BB_OK)
         status = bb_instance_create(device, builder, &scene, 1, &instance);
     for (int i = 0; i < 2 && status == BB_OK; i++)
-        status = bb_instance_build(&instance, &scene, false, NULL, &ms);
+        status = bb_instance_build(&instance, &scene, false, NULL, NULL);
     if (status == BB_OK)
         status = bb_tree_download(&instance.tree, NULL);
     if (status == BB_OK)
@@ -589,7 +588,6 @@ static void what_does_not_fit_is_refused_beforehand(void **state)
     bb_device *device = devices[0];
     bb_box boxes[2];
     bb_instance instance;
-    double ms;
     set_box(&boxes[0], (const double[]){0, 0, 0}, (const double[]){1, 1, 1});
     set_box(&boxes[1], (const double[]){5, 5, 5}, (const double[]){1, 1, 1});
     bb_scene scene = scene_of(boxes, 2);
@@ -605,7 +603,7 @@ static void what_does_not_fit_is_refused_beforehand(void **state)
         else
             device->largest_allocation = 100000000;
         const uint64_t before = device->bytes;
-        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL, &ms), BB_REFUSED);
+        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL, NULL), BB_REFUSED);
         assert_true(device->bytes == before);
         for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
             if (strstr(bb_message(), words[i]) == NULL)
@@ -626,7 +624,6 @@ static void the_level_is_chosen_and_said(void **state)
     bb_box *boxes = make_boxes(0, count);
     bb_scene scene = scene_of(boxes, count);
     char text[200];
-    double ms;
     assert_int_equal(upload_boxes(&scene, device), BB_OK);
     uint32_t chosen[3] = {0};
     for (int n = 0; n < 3; n++) {
@@ -634,7 +631,7 @@ static void the_level_is_chosen_and_said(void **state)
         const char *builder = n == 1 ? "lobvh:view=0/0/-1" : "lobvh";
         scene.profile.octree_depth = n == 2 ? 2 : 0;
         assert_int_equal(bb_instance_create(device, builder, &scene, 1, &instance), BB_OK);
-        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL, &ms), BB_OK);
+        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL, NULL), BB_OK);
         assert_int_equal(bb_instance_describe(&instance, &scene, text, sizeof text), BB_OK);
         assert_int_equal(sscanf(text, "octree of %u levels (auto)", &chosen[n]), 1);
         assert_int_equal(n == 1, strstr(text, "ordered along -z+x+y") != NULL);
@@ -660,10 +657,9 @@ static void bad_options_are_refused(void **state)
     assert_int_equal(upload_boxes(&scene, devices[0]), BB_OK);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         bb_instance instance = {0};
-        double ms;
         bb_status status = bb_instance_create(devices[0], bad[i], &scene, 1, &instance);
         if (status == BB_OK)
-            status = bb_instance_build(&instance, &scene, false, NULL, &ms);
+            status = bb_instance_build(&instance, &scene, false, NULL, NULL);
         if (status != BB_INVALID)
             fail_msg("%s: status %d", bad[i], (int)status);
         bb_instance_destroy(&instance);

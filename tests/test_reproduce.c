@@ -34,7 +34,7 @@ static bb_results *new_results(void)
         scene.view_count = 2;
         snprintf(scene.views[0].name, sizeof scene.views[0].name, "front");
         snprintf(scene.views[1].name, sizeof scene.views[1].name, "back");
-        assert_int_equal(bb_results_add_scene(results, &scene), BB_OK);
+        assert_int_equal(bb_results_add_scene(results, &scene, NULL), BB_OK);
     }
     return results;
 }

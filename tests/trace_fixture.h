@@ -47,12 +47,11 @@ static inline void choose_kernel(bed *b, const char *kernel, uint32_t leaf)
 static inline void open_bed(bed *b, bb_scene *scene, const char *builder, const char *kernel,
                             uint32_t leaf)
 {
-    double ms;
     memset(b, 0, sizeof *b);
     b->scene = scene;
     check(bb_scene_upload(scene, device), "upload");
     check(bb_instance_create(device, builder, scene, seed, &b->instance), builder);
-    check(bb_instance_build(&b->instance, scene, false, NULL, &ms), builder);
+    check(bb_instance_build(&b->instance, scene, false, NULL, NULL), builder);
     check(bb_tree_upload(&b->instance.tree, device, NULL), builder);
     choose_kernel(b, kernel, leaf);
 }

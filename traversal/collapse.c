@@ -136,12 +136,11 @@ static bb_status decide(decision *d)
     BB_TRY(bb_levels_reserve(&self->levels, self->device, self->account, count, tree->info.depth,
                              "leaf collapse: levels"));
     BB_TRY(bb_levels_start(&self->levels));
-    BB_TRY(bb_launch(self->device, self->leaves, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
-                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(d->scale),
-                     BB_VALUE(d->traversal), BB_VALUE(d->intersection), BB_VALUE(d->block),
-                     BB_VALUE(d->max_leaf), BB_MEM(self->parents), BB_MEM(self->missing),
-                     BB_MEM(self->subtrees), BB_MEM(self->levels.counts),
-                     BB_MEM(self->levels.lists[1])));
+    BB_TRY(bb_launch(
+        self->device, self->leaves, count, GROUP_SIZE, BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
+        BB_VALUE(count), BB_VALUE(d->scale), BB_VALUE(d->traversal), BB_VALUE(d->intersection),
+        BB_VALUE(d->block), BB_VALUE(d->max_leaf), BB_MEM(self->parents), BB_MEM(self->missing),
+        BB_MEM(self->subtrees), BB_MEM(self->levels.counts), BB_MEM(self->levels.lists[1])));
     return bb_levels_run(&self->levels, decide_level, d);
 }
 

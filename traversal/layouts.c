@@ -1,7 +1,6 @@
 /* What is the same for all layouts: leaf collapse, the clock, the name. */
 #include "traversal/traversal.h"
 
-#include "framework/clock.h"
 #include "traversal/collapse.h"
 #include "traversal/reach.h"
 
@@ -49,40 +48,49 @@ static void name(const bb_layout *layout, uint32_t leaf, uint32_t form, bb_layou
         snprintf(data->name + length, capacity - (size_t)length, "%striangles=affine", separator);
 }
 
+/* What is timed. *traced is the tree whose leaves the layout has: collapsed, or `tree` itself. */
+static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
+                      bb_layout_data *data, bb_tree **traced)
+{
+    const bb_layout *layout = maker->layout;
+    bb_layout_source source = {.scene = scene};
+    *traced = tree;
+    if (leaf > 1)
+        BB_TRY(bb_collapse_make(maker->collapse, tree, scene->scale, leaf, layout->width,
+                                layout->block, traced));
+    source.tree = *traced;
+    if (tree->duplicated)
+        BB_TRY(bb_reach_make(maker->reach, scene, *traced, &source.reach));
+    return layout->make(maker->self, &source, data);
+}
+
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, uint32_t form, bb_layout_data *data)
 {
-    const bb_layout *layout = maker->layout;
-    bb_layout_source source = {.scene = scene, .tree = tree};
     if (leaf > 1 && maker->collapse == NULL)
         BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
     if (tree->duplicated && maker->reach == NULL)
         BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
-    BB_TRY(bb_finish(maker->device));
-    double start = bb_wall_ms();
     data->bytes = 0;
     data->triangle_count = scene->triangle_count;
     data->form = form;
     data->scale = scene->scale;
-    bb_tree *collapsed = tree;
-    if (leaf > 1)
-        BB_TRY(bb_collapse_make(maker->collapse, tree, scene->scale, leaf, layout->width,
-                                layout->block, &collapsed));
-    source.tree = collapsed;
-    if (tree->duplicated)
-        BB_TRY(bb_reach_make(maker->reach, scene, collapsed, &source.reach));
-    BB_TRY(layout->make(maker->self, &source, data));
-    BB_TRY(bb_finish(maker->device));
-    data->ms = bb_wall_ms() - start;
+    bb_tree *traced;
+    bb_stopwatch watch;
+    BB_TRY(bb_stopwatch_start(maker->device, &watch));
+    bb_status status = make(maker, scene, tree, leaf, data, &traced);
+    bb_status stopped = bb_stopwatch_stop(&watch, &data->timing);
+    BB_TRY(status);
+    BB_TRY(stopped);
     data->sah = NAN;
     if (leaf > 1) {
         if (data->keeps_shape) { /* outside the clock */
-            BB_TRY(bb_tree_download(collapsed, NULL));
-            data->sah = bb_tree_sah(collapsed);
+            BB_TRY(bb_tree_download(traced, NULL));
+            data->sah = bb_tree_sah(traced);
         }
         data->keeps_shape = false;
     }
-    name(layout, leaf, scene->triangle_count > 0 ? data->form : BB_RECORD_VERTICES, data);
+    name(maker->layout, leaf, scene->triangle_count > 0 ? data->form : BB_RECORD_VERTICES, data);
     return BB_OK;
 }
 

@@ -8,6 +8,7 @@
 #include "framework/options.h"
 #include "framework/rays.h"
 #include "framework/scene.h"
+#include "framework/stopwatch.h"
 #include "framework/tree.h"
 
 enum {
@@ -39,9 +40,9 @@ typedef struct bb_layout_data {
     uint64_t bytes;
     bool
         keeps_shape; /* the nodes traced are the tree's own: its SAH is the layout's too, the pairing is native */
-    double sah;    /* of the layout as traced; NAN: not known here */
-    double ms;     /* wall time of making it */
-    char name[64]; /* as recorded: "pair", "pair:leaf=4", "pair:leaf=4,triangles=affine" */
+    double sah;       /* of the layout as traced; NAN: not known here */
+    bb_timing timing; /* of making it, leaf collapse included */
+    char name[64];    /* as recorded: "pair", "pair:leaf=4", "pair:leaf=4,triangles=affine" */
 } bb_layout_data;
 
 typedef struct bb_layout {
@@ -76,7 +77,7 @@ bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,
 void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed */
 
 /* Makes the layout of `tree`, on the device, with leaves of up to `leaf` references (1: those of the tree) and triangles in the form
- * `form` (BB_RECORD_...). Waits for it; data->ms is the wall time, leaf collapse included. `data` may hold an earlier one, whose memory is
+ * `form` (BB_RECORD_...). Waits for it, and times it. `data` may hold an earlier one, whose memory is
  * used again. */
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, uint32_t form, bb_layout_data *data);

@@ -125,8 +125,8 @@ static bb_status plan_by_levels(wide_layout *self, uint32_t count, uint32_t root
                              "wide: levels of the plan"));
     BB_TRY(bb_levels_start(&self->plan_levels));
     BB_TRY(bb_launch(self->device, self->plan_leaves, count, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                     BB_VALUE(count), BB_VALUE(root), BB_MEM(self->parents),
-                     BB_MEM(self->missing), BB_MEM(self->plans), BB_MEM(self->plan_levels.counts),
+                     BB_VALUE(count), BB_VALUE(root), BB_MEM(self->parents), BB_MEM(self->missing),
+                     BB_MEM(self->plans), BB_MEM(self->plan_levels.counts),
                      BB_MEM(self->plan_levels.lists[1])));
     return bb_levels_run(&self->plan_levels, plan_level, &job);
 }

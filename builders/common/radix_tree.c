@@ -12,8 +12,8 @@ struct bb_radix_tree {
     bb_radix_kind kind;
     cl_program program;
     cl_kernel ranges;
-    cl_kernel link;  /* link_chunks, link_climb, link_boxes; by levels: link_leaves */
-    cl_kernel level; /* link_level */
+    cl_kernel link;    /* link_chunks, link_climb, link_boxes; by levels: link_leaves */
+    cl_kernel level;   /* link_level */
     bb_buffer ends;    /* u32 per split: the far end of the first sibling to come */
     bb_buffer heights; /* u8 per node */
     bb_buffer places;  /* u32 per split: its inner node; Karras, and by levels */
@@ -46,13 +46,14 @@ bb_status bb_radix_tree_create(bb_device *device, bb_account *account, bb_radix_
     radix->device = device;
     radix->account = account;
     radix->kind = kind;
-    const char *kernel = by_levels(radix)                   ? "link_leaves"
+    const char *kernel = by_levels(radix)                 ? "link_leaves"
                          : kind.linking == BB_LINK_KARRAS ? "link_boxes"
                          : device->form == BB_FORM_CPU    ? "link_chunks"
                                                           : "link_climb";
     char handover[96], defines[160];
     bb_handover_defines(device, handover, sizeof handover);
-    snprintf(defines, sizeof defines, "%s %s%s%s", handover, kind.key_bytes == 8 ? "-DBB_KEY64 " : "", kind.nodes ? "-DBB_KEY_NODES " : "",
+    snprintf(defines, sizeof defines, "%s %s%s%s", handover,
+             kind.key_bytes == 8 ? "-DBB_KEY64 " : "", kind.nodes ? "-DBB_KEY_NODES " : "",
              kind.runs ? "-DBB_LEAF_RUNS" : "");
     bb_status status =
         bb_program_build(device, bb_source_find("radix_tree.cl"), defines, &radix->program);

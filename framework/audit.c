@@ -1,0 +1,76 @@
+#include "framework/audit.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+/* What two clocks may differ by, and what starting and stopping them takes. */
+static const double clock_share = 0.01, clock_ms = 0.05;
+
+/* What may remain unaccounted for: looking at clocks, shuffling, keeping records. */
+static const double rest_share = 0.03, rest_ms = 500;
+
+static void complain(bb_audit *audit, const char *format, ...)
+{
+    if (audit->complaints < BB_COMPLAINTS_MAX) {
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(audit->texts[audit->complaints], sizeof audit->texts[0], format, arguments);
+        va_end(arguments);
+    }
+    audit->complaints++;
+}
+
+void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing)
+{
+    audit->timings++;
+    if (!(timing->ms > 0))
+        complain(audit, "%s: took %g ms by the wall clock", what, timing->ms);
+    else if (timing->event_ms > timing->ms * (1 + clock_share) + clock_ms)
+        complain(audit, "%s: the work itself took %.3f ms, the clock around it saw %.3f ms", what,
+                 timing->event_ms, timing->ms);
+}
+
+void bb_audit_trace(bb_audit *audit, const bb_trace_record *trace)
+{
+    if (trace->status != BB_OK)
+        return;
+    audit->rates++;
+    if (!trace->has_accuracy || trace->accuracy.checked != trace->count)
+        complain(audit, "%s on %s, %s by %s: the rate is of %u rays, %llu were judged",
+                 trace->builder, trace->scene, trace->rays, trace->kernel, trace->count,
+                 (unsigned long long)(trace->has_accuracy ? trace->accuracy.checked : 0));
+}
+
+void bb_audit_total(bb_audit *audit, double build_ms, double trace_ms, double steps_ms,
+                    double total_ms)
+{
+    audit->rest_ms = total_ms - build_ms - trace_ms - steps_ms;
+    if (fabs(audit->rest_ms) > rest_share * total_ms + rest_ms)
+        complain(audit,
+                 "builds (%.0f ms), traces (%.0f ms) and steps (%.0f ms) do not add up to the %.0f "
+                 "ms of the run",
+                 build_ms, trace_ms, steps_ms, total_ms);
+}
+
+bb_status bb_results_add_audit(bb_results *results, const bb_audit *audit)
+{
+    cJSON *root = bb_results_json(results);
+    cJSON_DeleteItemFromObjectCaseSensitive(root, "audit");
+    cJSON *entry = cJSON_AddObjectToObject(root, "audit");
+    bool ok = entry != NULL &&
+              cJSON_AddNumberToObject(entry, "timings", (double)audit->timings) != NULL &&
+              cJSON_AddNumberToObject(entry, "rates", (double)audit->rates) != NULL &&
+              cJSON_AddNumberToObject(entry, "rest_ms", audit->rest_ms) != NULL &&
+              cJSON_AddNumberToObject(entry, "complaints", audit->complaints) != NULL;
+    cJSON *texts = ok ? cJSON_AddArrayToObject(entry, "texts") : NULL;
+    ok = ok && texts != NULL;
+    for (uint32_t i = 0; ok && i < audit->complaints && i < BB_COMPLAINTS_MAX; i++) {
+        cJSON *text = cJSON_CreateString(audit->texts[i]);
+        ok = text != NULL && cJSON_AddItemToArray(texts, text);
+        if (!ok)
+            cJSON_Delete(text);
+    }
+    return ok ? BB_OK : bb_fail(BB_FAILED, "result document: no memory");
+}

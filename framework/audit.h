@@ -1,0 +1,37 @@
+/* Holds the figures of a run against each other, so that a clock that runs wrong, or a rate of what was not
+ * traced, is found out by the run itself.
+ *
+ *   each timing      the kernels' own times (a reference's: its threads' own) within the wall time
+ *   each rate        made of as many rays as were judged
+ *   the whole run    builds, traces and named steps add up to it, but for a small rest
+ */
+#ifndef BB_AUDIT_H
+#define BB_AUDIT_H
+
+#include "framework/record.h"
+#include "framework/stopwatch.h"
+
+enum { BB_COMPLAINTS_MAX = 20 }; /* that are kept; all are counted */
+
+typedef struct bb_audit {
+    uint64_t timings; /* that were checked */
+    uint64_t rates;
+    double rest_ms; /* of the run, not accounted for */
+    uint32_t complaints;
+    char texts[BB_COMPLAINTS_MAX][256];
+} bb_audit;
+
+/* `what` says what was timed, such as "trace of coffee by stack on lbvh". */
+void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing);
+
+/* A trace's record, before it is added. */
+void bb_audit_trace(bb_audit *audit, const bb_trace_record *trace);
+
+/* Wall times of timed builds and traces, of all steps, and of the whole run. */
+void bb_audit_total(bb_audit *audit, double build_ms, double trace_ms, double steps_ms,
+                    double total_ms);
+
+/* Adds it as member "audit" of the document. */
+bb_status bb_results_add_audit(bb_results *results, const bb_audit *audit);
+
+#endif
