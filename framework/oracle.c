@@ -9,6 +9,7 @@
 #include "framework/clock.h"
 #include "framework/embree.h"
 #include "framework/memory.h"
+#include "framework/statistics.h"
 #include "framework/threads.h"
 
 #include <math.h>
@@ -231,39 +232,11 @@ static void count_classes(const judge_job *job, uint32_t count, bb_accuracy *acc
     accuracy->wrong_ppm = count > 0 ? 1e6 * (double)wrong / count : 0.0;
 }
 
-/* The k-th smallest (Hoare's quickselect). */
-static float select_kth(float *values, int64_t count, int64_t k)
-{
-    int64_t low = 0, high = count - 1;
-    while (low < high) {
-        float pivot = values[low + (high - low) / 2];
-        int64_t i = low, j = high;
-        while (i <= j) {
-            while (values[i] < pivot)
-                i++;
-            while (pivot < values[j])
-                j--;
-            if (i <= j) {
-                float value = values[i];
-                values[i++] = values[j];
-                values[j--] = value;
-            }
-        }
-        if (k <= j)
-            high = j;
-        else if (k >= i)
-            low = i;
-        else
-            break;
-    }
-    return values[k];
-}
-
 /* Uses up job->ulps. p99 by the nearest rank. */
 static void measure_ulps(judge_job *job, uint32_t count, bb_accuracy *accuracy)
 {
     accuracy->t_ulp_max = accuracy->t_ulp_p99 = NAN;
-    int64_t filled = 0;
+    size_t filled = 0;
     float largest = 0.0f;
     for (uint32_t i = 0; i < count; i++)
         if (!isnan(job->ulps[i])) {
@@ -273,7 +246,7 @@ static void measure_ulps(judge_job *job, uint32_t count, bb_accuracy *accuracy)
     if (filled == 0)
         return;
     accuracy->t_ulp_max = largest;
-    accuracy->t_ulp_p99 = select_kth(job->ulps, filled, (99 * filled + 99) / 100 - 1);
+    accuracy->t_ulp_p99 = bb_select(job->ulps, filled, (99 * filled + 99) / 100 - 1);
 }
 
 static bb_status arbitrate(bb_oracle *oracle, judge_job *job, uint32_t count, uint64_t *arbitrated)

@@ -1,4 +1,4 @@
-/* What the charts show: rates with their bounds, Pareto front, who wins for how many rays, cells over
+/* What the charts show: Pareto front, who wins for how many rays, cells over
  * several views, and the pictures.
  */
 #include <setjmp.h>
@@ -22,42 +22,6 @@ static void near(double value, double expected)
 {
     if (!(fabs(value - expected) <= 1e-9 * fabs(expected)))
         fail_msg("%.17g, expected %.17g", value, expected);
-}
-
-/* ---- rates ---- */
-
-static void none_found_is_at_most_three_of_n(void **state)
-{
-    (void)state;
-    bb_wrong_rate rate = bb_wrong_rate_of(0, 16384);
-    near(rate.ppm, 3e6 / 16384);
-    near(rate.high, 3e6 / 16384);
-    assert_true(rate.low == 0);
-    /* nothing checked, nothing known */
-    assert_true(isnan(bb_wrong_rate_of(0, 0).ppm));
-    assert_true(isnan(bb_wrong_rate_of(0, NAN).high));
-    assert_true(isnan(bb_wrong_rate_of(NAN, 100).ppm));
-}
-
-/* Exact Poisson bounds (Garwood 1936), as tabled. */
-static void intervals_are_those_of_a_poisson_count(void **state)
-{
-    (void)state;
-    static const struct {
-        double k, low, high;
-    } table[] = {
-        {1, 0.0253, 5.572},  {2, 0.2422, 7.225},   {5, 1.623, 11.668},
-        {10, 4.795, 18.390}, {100, 81.36, 121.63},
-    };
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        bb_wrong_rate rate = bb_wrong_rate_of(table[i].k, 1e6);
-        near(rate.ppm, table[i].k);
-        assert_true(fabs(rate.low - table[i].low) < 0.02 * table[i].k);
-        assert_true(fabs(rate.high - table[i].high) < 0.02 * table[i].high);
-    }
-    /* more wrong rays never look better, none best of all */
-    for (double k = 0; k < 50; k++)
-        assert_true(bb_wrong_rate_of(k, 1000).high < bb_wrong_rate_of(k + 1, 1000).high);
 }
 
 /* ---- Pareto front ---- */
@@ -489,8 +453,6 @@ static void what_cannot_be_drawn_is_said(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(none_found_is_at_most_three_of_n),
-        cmocka_unit_test(intervals_are_those_of_a_poisson_count),
         cmocka_unit_test(front_is_what_none_beats),
         cmocka_unit_test(winners_are_the_fastest),
         cmocka_unit_test(crossings_are_where_lines_meet),

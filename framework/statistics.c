@@ -1,11 +1,11 @@
-/* Samples of one quantity: median and bootstrap interval.
+/* Statistics: samples with median and bootstrap interval, rate of wrong rays, selection.
  *
  * The interval is the percentile bootstrap of Efron (1979): the median of 1000 resamples with
  * replacement, of which the middle 95 % are kept. Sample 0 belongs to the first round, which pays
  * for page faults and cold caches; it is left out of both.
  */
+#include "framework/statistics.h"
 #include "framework/random.h"
-#include "framework/record.h"
 
 #include <assert.h>
 #include <math.h>
@@ -84,4 +84,55 @@ bb_estimate bb_samples_ratio(const bb_samples *a, const bb_samples *b, uint64_t 
     ratio.value = bb_samples_median(&ratios);
     bb_samples_interval(&ratios, seed, &ratio.low, &ratio.high);
     return ratio;
+}
+
+/* ---- rates ---- */
+
+bb_wrong_rate bb_wrong_rate_of(double wrong, double checked)
+{
+    if (!(checked > 0) || !(wrong >= 0))
+        return (bb_wrong_rate){NAN, NAN, NAN};
+    double million = 1e6 / checked;
+    if (wrong == 0)
+        return (bb_wrong_rate){3 * million, 0, 3 * million};
+    const double z = 1.959964; /* 97.5 % of a normal distribution */
+    double next = wrong + 1;
+    double low = wrong * pow(1 - 1 / (9 * wrong) - z / (3 * sqrt(wrong)), 3);
+    double high = next * pow(1 - 1 / (9 * next) + z / (3 * sqrt(next)), 3);
+    return (bb_wrong_rate){wrong * million, low * million, high * million};
+}
+
+/* ---- selection ---- */
+
+static void swap(float *a, float *b)
+{
+    float value = *a;
+    *a = *b;
+    *b = value;
+}
+
+/* Quickselect (Hoare: Algorithm 65, Find, CACM 4, 1961). Pivots are taken at random places, so that
+ * no order of the values is a bad one, and what equals the pivot is set apart. */
+float bb_select(float *values, size_t count, size_t rank)
+{
+    bb_random random = bb_random_make(count, 0);
+    size_t low = 0, high = count; /* sorted, values[rank] would be in [low, high) */
+    for (;;) {
+        float pivot = values[low + (size_t)(bb_random_unit(&random) * (double)(high - low))];
+        size_t less = low, at = low, more = high;
+        while (at < more) {
+            if (values[at] < pivot)
+                swap(&values[at++], &values[less++]);
+            else if (values[at] > pivot)
+                swap(&values[at], &values[--more]);
+            else
+                at++;
+        }
+        if (rank < less)
+            high = less;
+        else if (rank >= more)
+            low = more;
+        else
+            return pivot;
+    }
 }
