@@ -16,7 +16,10 @@ typedef struct bb_chart_cell {
     double count; /* rays traced */
     double rays;  /* rays of the set: brute force traces only the first of them */
     double ms;    /* sum of the views' medians, for `count` rays */
-    double mrays_s, mrays_s_lo, mrays_s_hi;
+    double mrays_s;
+    double mrays_s_lo,
+        mrays_s_hi; /* 95 % interval; of several views, the ends of theirs together */
+    double mrays_s_least, mrays_s_most;                      /* range of the rounds, likewise */
     double checked, wrong_rays, missed, false_hits, wrong_t; /* rays */
     bb_wrong_rate wrong;
     double fixed_ms; /* build and layout */

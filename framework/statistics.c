@@ -1,8 +1,30 @@
-/* Statistics: samples with median and bootstrap interval, rate of wrong rays, selection.
+/* Statistics: interval of a median, paired ratio, rate of wrong rays, selection.
  *
- * The interval is the percentile bootstrap of Efron (1979): the median of 1000 resamples with
- * replacement, of which the middle 95 % are kept. Sample 0 belongs to the first round, which pays
- * for page faults and cold caches; it is left out of both.
+ * The interval of a median is that of Hettmansperger and Sheather (Confidence intervals based on
+ * interpolated order statistics, Statistics & Probability Letters 4, 1986). Derived again:
+ *
+ * x(1) <= ... <= x(n) are independent samples of a continuous distribution with median m. B of them
+ * lie below m, and B is binomial (n, 1/2) whatever the distribution. m lies below x(d) if B < d,
+ * and as often above x(n+1-d), so the interval from x(d) to x(n+1-d) covers m with probability
+ *
+ *     g(d) = 1 - 2 P(B < d),        g(d) - g(d+1) = 2 P(B = d).
+ *
+ * There are few such probabilities: g(1) = 0.969 and g(2) = 0.781 for n = 6. Take the d with
+ * g(d) >= 0.95 > g(d+1), and go from each end inwards by a share s of the way to the next sample:
+ * low = x(d) + s (x(d+1) - x(d)), and likewise from above. What m loses by that is the case that
+ * exactly d samples lie below m and m lies below `low`. Given B = d, m - x(d) is the least distance
+ * from m of d samples and x(d+1) - m that of the other n - d. Where the density hardly changes
+ * between x(d) and x(d+1), these two are exponential with rates in proportion to d and n - d (for
+ * the double exponential distribution exactly so), and
+ *
+ *     P(m < low | B = d) = P((1-s) (m - x(d)) < s (x(d+1) - m)) = d s / (d s + (n - d) (1 - s)).
+ *
+ * Both ends together cover m with probability g(d) - (g(d) - g(d+1)) times that. Solved for 0.95:
+ *
+ *     i = (g(d) - 0.95) / (g(d) - g(d+1)),        s = (n - d) i / (d + (n - 2 d) i).
+ *
+ * Whatever the distribution, the interval covers at least as often as its inner neighbour, g(d+1),
+ * and at most as often as its outer one, g(d). tests/test_statistics.c measures how often.
  */
 #include "framework/statistics.h"
 #include "framework/random.h"
@@ -12,7 +34,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RESAMPLES = 1000 };
+const bb_estimate bb_not_measured = {NAN, NAN, NAN, NAN, NAN};
+
+/* ---- samples ---- */
 
 void bb_samples_add(bb_samples *samples, double value)
 {
@@ -27,63 +51,64 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Sorts `values`. */
-static double median_of(double *values, uint32_t count)
+/* The samples that count in rising order; returns how many, 0 if one is no finite number. */
+static uint32_t sort_counted(const bb_samples *samples, double sorted[BB_SAMPLES_MAX])
 {
-    qsort(values, count, sizeof *values, compare);
-    uint32_t half = count / 2;
-    return count % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+    uint32_t first = samples->count > 1 ? 1 : 0, count = samples->count - first;
+    memcpy(sorted, samples->values + first, count * sizeof *sorted);
+    for (uint32_t i = 0; i < count; i++)
+        if (!isfinite(sorted[i]))
+            return 0;
+    qsort(sorted, count, sizeof *sorted, compare);
+    return count;
 }
 
-/* The samples that count: without the first, unless it is the only one. */
-static uint32_t counted(const bb_samples *samples, const double **values)
+/* Names as at the top of this file; g(1) is above 0.95 from n = BB_INTERVAL_ROUNDS on. */
+static void set_interval(bb_estimate *e, const double *sorted, uint32_t n)
 {
-    uint32_t skip = samples->count > 1 ? 1 : 0;
-    *values = samples->values + skip;
-    return samples->count - skip;
+    const double wanted = 0.95;
+    uint32_t d = 1;
+    double none = ldexp(1, -(int)n), chance = n * none; /* P(B = 0), P(B = d) */
+    double g = 1 - 2 * none;
+    while (g - 2 * chance >= wanted) {
+        g -= 2 * chance;
+        d++;
+        chance *= (double)(n - d + 1) / d;
+    }
+    double i = (g - wanted) / (2 * chance);
+    double s = (n - d) * i / (d + (n - 2.0 * d) * i);
+    e->low = sorted[d - 1] + s * (sorted[d] - sorted[d - 1]);
+    e->high = sorted[n - d] - s * (sorted[n - d] - sorted[n - d - 1]);
+}
+
+bb_estimate bb_samples_estimate(const bb_samples *samples)
+{
+    double sorted[BB_SAMPLES_MAX];
+    uint32_t count = sort_counted(samples, sorted), half = count / 2;
+    bb_estimate e = bb_not_measured;
+    if (count == 0)
+        return e;
+    e.value = count % 2 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+    if (count > 1) {
+        e.least = sorted[0];
+        e.most = sorted[count - 1];
+    }
+    if (count >= BB_INTERVAL_ROUNDS)
+        set_interval(&e, sorted, count);
+    return e;
 }
 
 double bb_samples_median(const bb_samples *samples)
 {
-    const double *values;
-    uint32_t count = counted(samples, &values);
-    if (count == 0)
-        return NAN;
-    double sorted[BB_SAMPLES_MAX];
-    memcpy(sorted, values, count * sizeof *values);
-    return median_of(sorted, count);
+    return bb_samples_estimate(samples).value;
 }
 
-void bb_samples_interval(const bb_samples *samples, uint64_t seed, double *low, double *high)
+bb_samples bb_samples_ratio(const bb_samples *a, const bb_samples *b)
 {
-    *low = *high = bb_samples_median(samples);
-    const double *values;
-    uint32_t count = counted(samples, &values);
-    if (samples->count < 3 || count < 2)
-        return;
-    bb_random random = bb_random_make(seed, 0);
-    double medians[RESAMPLES], drawn[BB_SAMPLES_MAX];
-    for (uint32_t r = 0; r < RESAMPLES; r++) {
-        for (uint32_t i = 0; i < count; i++)
-            drawn[i] = values[bb_random_below(&random, count)];
-        medians[r] = median_of(drawn, count);
-    }
-    qsort(medians, RESAMPLES, sizeof *medians, compare);
-    *low = medians[RESAMPLES * 25 / 1000];
-    *high = medians[RESAMPLES - 1 - RESAMPLES * 25 / 1000];
-}
-
-bb_estimate bb_samples_ratio(const bb_samples *a, const bb_samples *b, uint64_t seed)
-{
-    bb_estimate ratio = {NAN, NAN, NAN};
-    if (a->count != b->count)
-        return ratio;
     bb_samples ratios = {0};
-    for (uint32_t i = 0; i < a->count; i++)
+    for (uint32_t i = 0; i < a->count && a->count == b->count; i++)
         bb_samples_add(&ratios, a->values[i] / b->values[i]);
-    ratio.value = bb_samples_median(&ratios);
-    bb_samples_interval(&ratios, seed, &ratio.low, &ratio.high);
-    return ratio;
+    return ratios;
 }
 
 /* ---- rates ---- */

@@ -7,31 +7,43 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { BB_SAMPLES_MAX = 256 };
+enum {
+    BB_SAMPLES_MAX = 256,
+    /* Rounds that count, of which a median has a 95 % interval: with 5, even the interval from the
+     * least to the most covers it in 93.75 % of all cases only. */
+    BB_INTERVAL_ROUNDS = 6,
+};
 
-/* Samples of one quantity; sample 0 is the first round (kept in the file, dropped from the median).
+/* Samples of one quantity, one per round. Sample 0 is of the first round, which pays for page
+ * faults and cold caches: it is kept in the file and counts for nothing, unless it is the only one.
  */
 typedef struct bb_samples {
     uint32_t count;
     double values[BB_SAMPLES_MAX];
 } bb_samples;
 
-/* At most BB_SAMPLES_MAX values: the caller limits its repeats. */
-void bb_samples_add(bb_samples *samples, double value);
-/* Median of the samples without the first (of all, if there is only one); NAN if there is none. */
-double bb_samples_median(const bb_samples *samples);
-/* Bootstrap 95 % interval of the median, seeded; low = high = median for fewer than three samples.
- */
-void bb_samples_interval(const bb_samples *samples, uint64_t seed, double *low, double *high);
-
-/* A figure and its 95 % interval. */
+/* What is drawn from samples. NAN: there is no such figure. */
 typedef struct bb_estimate {
-    double value, low, high;
+    double value;       /* the median */
+    double low, high;   /* its 95 % interval; NAN for fewer than BB_INTERVAL_ROUNDS rounds */
+    double least, most; /* of the rounds that count; NAN for fewer than two */
 } bb_estimate;
 
-/* Median of a/b over the rounds, which pairs what was measured next to each other, with its bootstrap
- * interval. NAN if the two have not the same rounds, or none. */
-bb_estimate bb_samples_ratio(const bb_samples *a, const bb_samples *b, uint64_t seed);
+extern const bb_estimate bb_not_measured; /* all NAN */
+
+/* At most BB_SAMPLES_MAX values: the caller limits its repeats. */
+void bb_samples_add(bb_samples *samples, double value);
+
+/* Median of the samples that count; NAN if there is none. */
+double bb_samples_median(const bb_samples *samples);
+
+/* Median, interval and range of the samples that count, which are taken as independent. All NAN if
+ * there is none, or one that is no finite number. */
+bb_estimate bb_samples_estimate(const bb_samples *samples);
+
+/* a/b, round by round, which pairs what was measured next to each other: noise that both share in
+ * a round is not in their ratio. Empty if the two have not the same number of rounds. */
+bb_samples bb_samples_ratio(const bb_samples *a, const bb_samples *b);
 
 /* A rate of wrong rays, in rays per million: k of n rays were wrong. */
 typedef struct bb_wrong_rate {
