@@ -137,11 +137,19 @@ static bb_chart_cell first_cell(const entry *from)
     };
 }
 
-/* One cell of `views` entries, which differ in their view alone. */
+/* Milliseconds for the trace's rays at the rate that the member gives; NAN if it gives none. */
+static double ms_at(const cJSON *trace, const char *member)
+{
+    return bb_json_number(trace, "count") / bb_json_number(trace, member) / 1e3;
+}
+
+/* One cell of `views` entries, which differ in their view alone. The ends of the views' intervals
+ * are added up, which is no narrower than an interval of the sum; where one has none, the cell has
+ * none. */
 static bb_chart_cell make_cell(const entry *entries, uint32_t views)
 {
     bb_chart_cell cell = first_cell(entries);
-    double low_ms = 0, high_ms = 0, wrong = 0;
+    double low_ms = 0, high_ms = 0, least_ms = 0, most_ms = 0, wrong = 0;
     for (uint32_t i = 0; i < views; i++) {
         const cJSON *trace = entries[i].trace;
         const cJSON *accuracy = cJSON_GetObjectItemCaseSensitive(trace, "accuracy");
@@ -149,9 +157,11 @@ static bb_chart_cell make_cell(const entry *entries, uint32_t views)
         bool counts = bb_json_true(trace, "counts_for_exit");
         cell.count += count;
         cell.rays += entries[i].rays;
-        cell.ms += count / bb_json_number(trace, "mrays_s") / 1e3;
-        low_ms += count / bb_json_number(trace, "mrays_s_hi") / 1e3;
-        high_ms += count / bb_json_number(trace, "mrays_s_lo") / 1e3;
+        cell.ms += ms_at(trace, "mrays_s");
+        low_ms += ms_at(trace, "mrays_s_hi");
+        high_ms += ms_at(trace, "mrays_s_lo");
+        least_ms += ms_at(trace, "mrays_s_most");
+        most_ms += ms_at(trace, "mrays_s_least");
         double checked = bb_json_number(accuracy, "checked");
         cell.checked += checked;
         wrong += round(ppm * checked / 1e6);
@@ -166,6 +176,8 @@ static bb_chart_cell make_cell(const entry *entries, uint32_t views)
     cell.mrays_s = cell.count / cell.ms / 1e3;
     cell.mrays_s_lo = cell.count / high_ms / 1e3;
     cell.mrays_s_hi = cell.count / low_ms / 1e3;
+    cell.mrays_s_least = cell.count / most_ms / 1e3;
+    cell.mrays_s_most = cell.count / least_ms / 1e3;
     cell.wrong = bb_wrong_rate_of(wrong, cell.checked);
     return cell;
 }

@@ -7,17 +7,6 @@
 
 #include "framework/record.h"
 
-/* A rate of wrong rays, in rays per million: k of n rays were wrong. */
-typedef struct bb_wrong_rate {
-    double ppm;       /* where the mark stands: k/n; 3/n if k = 0; NAN if nothing was checked */
-    double low, high; /* 95 % interval; if k = 0: 0 and 3/n */
-} bb_wrong_rate;
-
-/* k = 0: the rule of three (Hanley and Lippman-Hand, JAMA 249, 1983); else the interval of a Poisson
- * count by Byar's approximation (Breslow and Day, Statistical Methods in Cancer Research II, 1987,
- * section 2.3). Rays are taken as independent. */
-bb_wrong_rate bb_wrong_rate_of(double wrong, double checked);
-
 /* One build with one kernel, layout and intersector on one ray set: of one view, or of all together
  * (rays and times added up). NAN: not measured. */
 typedef struct bb_chart_cell {
@@ -27,7 +16,10 @@ typedef struct bb_chart_cell {
     double count; /* rays traced */
     double rays;  /* rays of the set: brute force traces only the first of them */
     double ms;    /* sum of the views' medians, for `count` rays */
-    double mrays_s, mrays_s_lo, mrays_s_hi;
+    double mrays_s;
+    double mrays_s_lo,
+        mrays_s_hi; /* 95 % interval; of several views, the ends of theirs together */
+    double mrays_s_least, mrays_s_most;                      /* range of the rounds, likewise */
     double checked, wrong_rays, missed, false_hits, wrong_t; /* rays */
     bb_wrong_rate wrong;
     double fixed_ms; /* build and layout */

@@ -1,24 +1,8 @@
-/* How sure a rate of wrong rays is, the Pareto front, and the fastest for how many rays. */
+/* The Pareto front, and the fastest for how many rays. */
 #include "framework/chart.h"
 
 #include <math.h>
 #include <string.h>
-
-/* ---- rates ---- */
-
-bb_wrong_rate bb_wrong_rate_of(double wrong, double checked)
-{
-    if (!(checked > 0) || !(wrong >= 0))
-        return (bb_wrong_rate){NAN, NAN, NAN};
-    double million = 1e6 / checked;
-    if (wrong == 0)
-        return (bb_wrong_rate){3 * million, 0, 3 * million};
-    const double z = 1.959964; /* 97.5 % of a normal distribution */
-    double next = wrong + 1;
-    double low = wrong * pow(1 - 1 / (9 * wrong) - z / (3 * sqrt(wrong)), 3);
-    double high = next * pow(1 - 1 / (9 * next) + z / (3 * sqrt(next)), 3);
-    return (bb_wrong_rate){wrong * million, low * million, high * million};
-}
 
 /* ---- who beats whom ---- */
 

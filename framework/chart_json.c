@@ -33,6 +33,8 @@ static bool put_cell(cJSON *array, const bb_chart_cell *cell)
         {"mrays_s", cell->mrays_s},
         {"mrays_s_lo", cell->mrays_s_lo},
         {"mrays_s_hi", cell->mrays_s_hi},
+        {"mrays_s_least", cell->mrays_s_least},
+        {"mrays_s_most", cell->mrays_s_most},
         {"checked", cell->checked},
         {"wrong_rays", cell->wrong_rays},
         {"missed", cell->missed},

@@ -195,16 +195,33 @@ void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_axis *x, const 
     }
 }
 
-/* Data: x y, both intervals, colour, mark, length of the arrow that says "at most", key. */
+void bb_plot_speed(bb_mark *mark, bb_axis *y)
+{
+    const bb_chart_cell *cell = mark->cell;
+    bool sure = isfinite(cell->mrays_s_lo) && isfinite(cell->mrays_s_hi);
+    mark->y = cell->mrays_s;
+    mark->y_low = sure ? cell->mrays_s_lo : (double)NAN;
+    mark->y_high = sure ? cell->mrays_s_hi : (double)NAN;
+    mark->y_least = sure ? (double)NAN : cell->mrays_s_least;
+    mark->y_most = sure ? (double)NAN : cell->mrays_s_most;
+    bb_axis_add(y, mark->y);
+    bb_axis_add(y, mark->y_high);
+    bb_axis_add(y, mark->y_most);
+}
+
+/* Data: x y, both intervals, colour, mark, length of the arrow that says "at most", the range from
+ * its least on by so much, key. */
 static void print_marks(FILE *out, const bb_mark *marks, uint32_t count)
 {
     fputs("$marks << EOD\n", out);
     for (uint32_t i = 0; i < count; i++) {
         const bb_mark *m = &marks[i];
-        fprintf(out, "%.9g %.9g %.9g %.9g %.9g %.9g %u %d %.9g %s\n", m->x, m->y,
+        double least = or_else(m->y_least, m->y), most = or_else(m->y_most, m->y);
+        fprintf(out, "%.9g %.9g %.9g %.9g %.9g %.9g %u %d %.9g %.9g %.9g %s\n", m->x, m->y,
                 m->at_most ? m->x : or_else(m->x_low, m->x), or_else(m->x_high, m->x),
                 or_else(m->y_low, m->y), or_else(m->y_high, m->y), m->colour, m->shape,
-                m->at_most ? m->x / 1.35 - m->x : 0.0, m->labelled ? m->key : "");
+                m->at_most ? m->x / 1.35 - m->x : 0.0, least, most - least,
+                m->labelled ? m->key : "");
     }
     fputs("EOD\n", out);
 }
@@ -212,15 +229,17 @@ static void print_marks(FILE *out, const bb_mark *marks, uint32_t count)
 void bb_plot_marks(FILE *out, const bb_mark *marks, uint32_t count, bool front)
 {
     print_marks(out, marks, count);
-    fprintf(out,
-            "plot %s$marks using 1:2:3:4:5:6:7 with xyerrorbars pt 0 ps 0 lw 0.6 lc rgb variable "
-            "notitle, \\\n $marks using 1:2:9:(0) with vectors head filled size screen 0.008,20 lc "
-            "rgb '#565d67' notitle, \\\n $marks using 1:2:8:7 with points pt variable lc rgb "
-            "variable notitle, \\\n $marks using 1:2:10 with labels left offset char 0.8,0.5 tc "
-            "rgb '#1b1e23' notitle",
-            front ? "$front using 1:2 with lines lw 1.2 lc rgb '#565d67' title 'Pareto front', "
-                    "\\\n "
-                  : "");
+    fprintf(
+        out,
+        "plot %s$marks using 1:2:3:4:5:6:7 with xyerrorbars pt 0 ps 0 lw 0.6 lc rgb variable "
+        "notitle, \\\n $marks using 1:10:(0):11:7 with vectors nohead dt 3 lw 1.2 lc rgb variable "
+        "notitle, \\\n $marks using 1:2:9:(0) with vectors head filled size screen 0.008,20 lc "
+        "rgb '#565d67' notitle, \\\n $marks using 1:2:8:7 with points pt variable lc rgb "
+        "variable notitle, \\\n $marks using 1:2:12 with labels left offset char 0.8,0.5 tc "
+        "rgb '#1b1e23' notitle",
+        front ? "$front using 1:2 with lines lw 1.2 lc rgb '#565d67' title 'Pareto front', "
+                "\\\n "
+              : "");
 }
 
 static void legend_entry(FILE *out, unsigned colour, int shape, const char *key, const char *name)
@@ -258,6 +277,23 @@ void bb_plot_legend_series(const bb_plot *p, const bb_series *list, uint32_t mar
             legend_builder(p, cell, coloured ? bb_plot_colour(i) : BB_PLOT_BLACK,
                            list->references ? BB_PLOT_CROSS : 5);
     }
+}
+
+void bb_plot_legend_spread(const bb_plot *p, uint32_t marks)
+{
+    bool interval = false, range = false;
+    for (uint32_t i = 0; i < marks; i++) {
+        interval = interval || isfinite(p->marks[i].y_low);
+        range = range || isfinite(p->marks[i].y_least);
+    }
+    if (interval)
+        fputs(", \\\n NaN with lines lw 0.6 lc rgb '#565d67' title 'upright: 95 % interval of the "
+              "median'",
+              p->out);
+    if (range)
+        fputs(", \\\n NaN with lines lw 1.2 dt 3 lc rgb '#565d67' title 'upright, dotted: range of "
+              "the rounds, too few for a 95 % interval'",
+              p->out);
 }
 
 void bb_plot_legend_shapes(const bb_plot *p)

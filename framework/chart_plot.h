@@ -30,10 +30,12 @@ uint32_t bb_series_find(const bb_series *list, const bb_chart_cell *cell);
 /* Adds the cell's series unless it is there; `cells` has room. */
 void bb_series_add(bb_series *list, const bb_chart_cell *cell);
 
-/* A cell on a chart; intervals that were not measured are NAN. */
+/* A cell on a chart; NAN: there is no such interval or range. */
 typedef struct bb_mark {
     const bb_chart_cell *cell;
-    double x, x_low, x_high, y, y_low, y_high;
+    double x, x_low, x_high, y;
+    double y_low, y_high;   /* 95 % interval */
+    double y_least, y_most; /* range of too few rounds for an interval; NAN if there is one */
     unsigned colour;
     int shape;
     bool at_most; /* gets an arrow to the left */
@@ -100,6 +102,8 @@ void bb_plot_end(bb_plot *p, const bb_frame *frame);
 
 /* Filled, or hollow if none of the cell's rays was wrong; by intersector, a cross for references. */
 int bb_plot_shape(const bb_plot *p, const bb_chart_cell *cell);
+/* The cell's speed as the mark's y, and either its interval or its range; both onto the axis. */
+void bb_plot_speed(bb_mark *mark, bb_axis *y);
 /* Gives keys to as many marks as have room for theirs, the first ones first. */
 void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_axis *x, const bb_axis *y);
 /* Data block $marks, and the plot of it; legend entries may follow. */
@@ -107,6 +111,8 @@ void bb_plot_marks(FILE *out, const bb_mark *marks, uint32_t count, bool front);
 /* The series of `list` that have one of p's first `marks` marks; references have a cross. Where
  * marks do not have the series' colours, the key alone stands for it. */
 void bb_plot_legend_series(const bb_plot *p, const bb_series *list, uint32_t marks, bool coloured);
+/* What the upright lines of p's first `marks` marks are: intervals or ranges. */
+void bb_plot_legend_spread(const bb_plot *p, uint32_t marks);
 /* What the shapes mean: each intersector. */
 void bb_plot_legend_shapes(const bb_plot *p);
 

@@ -28,7 +28,7 @@ static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_cha
     uint32_t count = 0;
     f->x = f->y = bb_axis_make(false);
     f->y_title = "Mrays/s";
-    f->entries = p->builders.count + p->kernels.count;
+    f->entries = p->builders.count + p->kernels.count + 2;
     f->left_out = p->set->incomplete;
     bb_axis_add(&f->y, 0);
     for (uint32_t i = 0; i < p->set->cell_count; i++) {
@@ -40,15 +40,11 @@ static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_cha
                           .x = quality(cell),
                           .x_low = NAN,
                           .x_high = NAN,
-                          .y = cell->mrays_s,
-                          .y_low = cell->mrays_s_lo,
-                          .y_high = cell->mrays_s_hi,
                           .colour = bb_plot_colour(bb_series_find(&p->builders, cell)),
                           .shape = bb_plot_shape(p, cell)};
         builder_and_kernel_key(p, cell, mark->key);
         bb_axis_add(&f->x, mark->x);
-        bb_axis_add(&f->y, mark->y);
-        bb_axis_add(&f->y, mark->y_high);
+        bb_plot_speed(mark, &f->y);
     }
     if (count == 0)
         return;
@@ -59,6 +55,7 @@ static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_cha
     bb_plot_marks(p->out, p->marks, count, false);
     bb_plot_legend_series(p, &p->builders, count, true);
     bb_plot_legend_series(p, &p->kernels, count, false);
+    bb_plot_legend_spread(p, count);
     bb_plot_end(p, f);
 }
 

@@ -96,11 +96,16 @@ static void set_mark(bb_mark *mark, const bb_chart_cell *cell)
                       .x = cell->wrong.ppm,
                       .x_low = cell->wrong.low,
                       .x_high = cell->wrong.high,
+                      .y_low = NAN,
+                      .y_high = NAN,
+                      .y_least = NAN,
+                      .y_most = NAN,
                       .at_most = cell->wrong_rays == 0};
 }
 
 static const char wrong_title[] =
-    "wrong rays per million (log scale; hollow with arrow: none found of n, at most 3/n)";
+    "wrong rays per million (log; lines across: 95 %; hollow with arrow: none found of n, at "
+    "most 3/n)";
 
 /* The marks of one builder or kernel have its colour; their axis of x. */
 static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_axis *x)
@@ -130,19 +135,14 @@ void bb_draw_accuracy(bb_plot *p)
                   .x_title = wrong_title,
                   .y_title = "Mrays/s",
                   .y = bb_axis_make(false),
-                  .entries = p->kernels.count + p->intersectors.count + p->references.count + 1};
+                  .entries = p->kernels.count + p->intersectors.count + p->references.count + 3};
     uint32_t count = pick(p, same_kernel_and_intersector, speed, &f.left_out);
     if (count == 0)
         return;
     bb_axis_add(&f.y, 0);
     for (uint32_t i = 0; i < count; i++) {
-        const bb_chart_cell *cell = p->cells[i];
-        set_mark(&p->marks[i], cell);
-        p->marks[i].y = cell->mrays_s;
-        p->marks[i].y_low = cell->mrays_s_lo;
-        p->marks[i].y_high = cell->mrays_s_hi;
-        bb_axis_add(&f.y, cell->mrays_s);
-        bb_axis_add(&f.y, cell->mrays_s_hi);
+        set_mark(&p->marks[i], p->cells[i]);
+        bb_plot_speed(&p->marks[i], &f.y);
     }
     finish_marks(p, count, &p->kernels, &f.x);
     bb_axis_round(&f.y);
@@ -153,6 +153,7 @@ void bb_draw_accuracy(bb_plot *p)
     bb_plot_legend_series(p, &p->kernels, count, true);
     bb_plot_legend_shapes(p);
     bb_plot_legend_series(p, &p->references, count, false);
+    bb_plot_legend_spread(p, count);
     bb_plot_end(p, &f);
 }
 
@@ -171,7 +172,6 @@ void bb_draw_builders(bb_plot *p)
     for (uint32_t i = 0; i < count; i++) {
         set_mark(&p->marks[i], p->cells[i]);
         p->marks[i].y = total_ms(p->cells[i]);
-        p->marks[i].y_low = p->marks[i].y_high = NAN;
         bb_axis_add(&f.y, p->marks[i].y);
     }
     finish_marks(p, count, &p->builders, &f.x);

@@ -5,6 +5,7 @@
 #include "framework/judge.h"
 #include "framework/record.h"
 #include "framework/report.h"
+#include "framework/statistics.h"
 #include "framework/threads.h"
 
 #include <limits.h>
@@ -129,21 +130,6 @@ static bb_status judge(job *j)
 
 /* ---- what it says ---- */
 
-/* 95 % interval of `wrong` of `checked` rays, in rays per million: of a Poisson count by Byar's approximation (Breslow and Day:
- * Statistical Methods in Cancer Research II, 1987, section 2.3); if there is none, from 0 to 3/n (rule of three; Hanley and
- * Lippman-Hand, JAMA 249, 1983). */
-static void wrong_interval(double wrong, double checked, double *low, double *high)
-{
-    const double z = 1.959964; /* 97.5 % of a normal distribution */
-    double next = wrong + 1, million = 1e6 / checked;
-    *low = 0;
-    *high = 3 * million;
-    if (wrong == 0)
-        return;
-    *low = million * wrong * pow(1 - 1 / (9 * wrong) - z / (3 * sqrt(wrong)), 3);
-    *high = million * next * pow(1 - 1 / (9 * next) + z / (3 * sqrt(next)), 3);
-}
-
 /* Three figures, and never an exponent of ten. */
 static const char *figure(double value, char text[32])
 {
@@ -179,9 +165,8 @@ static void print_classes(const job *j, const ray_set *set)
     const bb_rays *rays = set->rays;
     const bb_accuracy *a = &set->accuracy;
     uint64_t wrong = a->missed + a->false_hits + a->wrong_t;
-    double low, high;
-    char ppm[32], least[32], most[32];
-    wrong_interval((double)wrong, (double)a->checked, &low, &high);
+    bb_wrong_rate rate = bb_wrong_rate_of((double)wrong, (double)a->checked);
+    char ppm[32], low[32], high[32];
     printf("%s on %s, %s%s%s, %s hit: %llu hits for %u rays\n", j->name.text, j->scene->name,
            rays->name, rays->view[0] != '\0' ? " from " : "", rays->view,
            bb_query_name(rays->query), (unsigned long long)a->checked, rays->count);
@@ -191,8 +176,8 @@ static void print_classes(const job *j, const ray_set *set)
     printf("  missed    %10llu\n  false     %10llu\n  wrong t   %10llu\n",
            (unsigned long long)a->missed, (unsigned long long)a->false_hits,
            (unsigned long long)a->wrong_t);
-    printf("  wrong ppm %10s   [%s, %s] %s\n", figure(a->wrong_ppm, ppm), figure(low, least),
-           figure(high, most), wrong == 0 ? "none found: below 3/n at 95 %" : "at 95 %");
+    printf("  wrong ppm %10s   [%s, %s] %s\n", figure(a->wrong_ppm, ppm), figure(rate.low, low),
+           figure(rate.high, high), wrong == 0 ? "none found: below 3/n at 95 %" : "at 95 %");
     if (!isnan(a->t_ulp_max))
         printf("  error of t of the right hits, in units of the last place: 99 %% below %.3g, at "
                "most %.3g\n",

@@ -9,10 +9,13 @@
 
 static const bb_cli_option options[] = {
     {"scene", "S", "instead of the paper's default scenes, where an experiment takes any", true},
-    {"repeats", "N", "rounds that count; default: as each experiment says", false},
-    {"max-prims", "N", "most primitives where their number is varied; default: 1000000", false},
-    {"quick", NULL, "small scenes, few rays, two rounds: shows that it works, measures little",
+    {"repeats", "N",
+     "rounds that count; default: as each experiment says, 6 or more where times are compared; "
+     "below 6 claims on times are undecided",
      false},
+    {"max-prims", "N", "most primitives where their number is varied; default: 1000000", false},
+    {"quick", NULL,
+     "small scenes, few rays, two rounds: shows that it works, decides no claim on times", false},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
     {"seed", "N", "of all that is random; default: 1", false},

@@ -57,57 +57,21 @@ double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *bu
     return bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "phases_ms"), phase);
 }
 
-/* Adds the samples of `entry` to those in `sum`, round by round; false if the rounds differ or a sample is missing. */
-static bool add_samples(const cJSON *entry, const char *member, bool first, bb_samples *sum)
+/* ---- times by rounds ---- */
+
+/* Adds `more` to `sum` round by round; false if the rounds differ. */
+static bool add_samples(bb_samples *sum, const bb_samples *more)
 {
-    const cJSON *array = cJSON_GetObjectItemCaseSensitive(entry, member), *item;
-    uint32_t count = (uint32_t)cJSON_GetArraySize(array), i = 0;
-    if (count == 0 || count > BB_SAMPLES_MAX || (!first && count != sum->count))
+    if (sum->count != 0 && sum->count != more->count)
         return false;
-    sum->count = count;
-    cJSON_ArrayForEach(item, array)
-    {
-        if (!cJSON_IsNumber(item))
-            return false;
-        sum->values[i] = (first ? 0 : sum->values[i]) + item->valuedouble;
-        i++;
-    }
+    for (uint32_t i = 0; i < more->count; i++)
+        sum->values[i] = (sum->count != 0 ? sum->values[i] : 0) + more->values[i];
+    sum->count = more->count;
     return true;
 }
 
-bb_estimate bb_found_build_ratio(const bb_findings *f, const char *scene, const char *builder,
-                                 const char *base)
-{
-    bb_samples a = {0}, b = {0};
-    if (!add_samples(bb_found_build(f, scene, builder), "build_ms", true, &a) ||
-        !add_samples(bb_found_build(f, scene, base), "build_ms", true, &b))
-        return (bb_estimate){NAN, NAN, NAN};
-    return bb_samples_ratio(&a, &b, BB_INTERVAL_SEED);
-}
-
-bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base)
-{
-    bb_samples means = {0}, ones = {0};
-    for (size_t s = 0; s < f->scene_count; s++) {
-        bb_samples a = {0}, b = {0};
-        if (!add_samples(bb_found_build(f, f->scenes[s], builder), "build_ms", true, &a) ||
-            !add_samples(bb_found_build(f, f->scenes[s], base), "build_ms", true, &b) ||
-            a.count != b.count || (s > 0 && a.count != means.count))
-            return (bb_estimate){NAN, NAN, NAN};
-        means.count = ones.count = a.count;
-        for (uint32_t i = 0; i < a.count; i++) {
-            double power = 1.0 / (double)f->scene_count;
-            means.values[i] =
-                (s == 0 ? 1 : means.values[i]) * pow(a.values[i] / b.values[i], power);
-            ones.values[i] = 1;
-        }
-    }
-    return bb_samples_ratio(&means, &ones, BB_INTERVAL_SEED);
-}
-
-/* ---- traces ---- */
-
-/* All traces of a cell: their samples summed per round, their rays, the sum of a member times the rays. */
+/* All traces of a cell: their samples summed by rounds, their rays, the sum of a member times the
+ * rays. */
 typedef struct sum {
     bb_samples ms;
     double rays, member;
@@ -117,7 +81,8 @@ typedef struct sum {
 static bool add_trace(const cJSON *trace, const char *member, sum *s)
 {
     double rays = bb_json_number(trace, "count");
-    if (!add_samples(trace, "ms", s->traces == 0, &s->ms))
+    bb_samples ms;
+    if (!bb_json_samples(trace, "ms", &ms) || !add_samples(&s->ms, &ms))
         return false;
     s->rays += rays;
     s->member += member != NULL ? rays * bb_json_number(trace, member) : 0;
@@ -162,12 +127,76 @@ double bb_found_tests(const bb_findings *f, bb_cell cell, const char *member)
     return sum_up(f, cell, member, &s) ? s.member / s.rays : (double)NAN;
 }
 
-bb_estimate bb_found_trace_ratio(const bb_findings *f, bb_cell cell, bb_cell base)
+/* Times of a cell and of how many rays they are; false if they were not measured. */
+static bool times_of(const bb_findings *f, bb_times what, bb_cell cell, bb_samples *ms,
+                     double *rays)
 {
-    sum a, b;
-    if (!sum_up(f, cell, NULL, &a) || !sum_up(f, base, NULL, &b) || a.rays != b.rays)
-        return (bb_estimate){NAN, NAN, NAN};
-    return bb_samples_ratio(&a.ms, &b.ms, BB_INTERVAL_SEED);
+    sum traces = {0};
+    bb_samples build;
+    *ms = (bb_samples){0};
+    if (what != BB_TRACE_TIME) {
+        if (!bb_json_samples(bb_found_build(f, cell.scene, cell.builder), "build_ms", &build))
+            return false;
+        add_samples(ms, &build);
+    }
+    if (what != BB_BUILD_TIME && (!sum_up(f, cell, NULL, &traces) || !add_samples(ms, &traces.ms)))
+        return false;
+    *rays = traces.rays;
+    return true;
+}
+
+/* Of the same rays, round by round; empty if there is no such ratio. */
+static bb_samples ratios_of(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base)
+{
+    bb_samples a, b;
+    double rays, base_rays;
+    if (!times_of(f, what, cell, &a, &rays) || !times_of(f, what, base, &b, &base_rays) ||
+        rays != base_rays)
+        return (bb_samples){0};
+    return bb_samples_ratio(&a, &b);
+}
+
+bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base)
+{
+    bb_samples ratios = ratios_of(f, what, cell, base);
+    return bb_samples_estimate(&ratios);
+}
+
+void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_cell cell,
+                       bb_cell base)
+{
+    bb_samples ratios = ratios_of(f, what, cell, base);
+    if (ratios.count == 0)
+        return;
+    mean->uneven = !add_samples(&mean->sum, &ratios) || mean->uneven;
+    mean->count++;
+}
+
+bb_estimate bb_ratio_mean_estimate(const bb_ratio_mean *mean)
+{
+    if (mean->count == 0 || mean->uneven)
+        return bb_not_measured;
+    bb_samples means = mean->sum;
+    for (uint32_t i = 0; i < means.count; i++)
+        means.values[i] /= mean->count;
+    return bb_samples_estimate(&means);
+}
+
+bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base)
+{
+    bb_samples logs = {0};
+    for (size_t s = 0; s < f->scene_count; s++) {
+        bb_cell cell = {f->scenes[s], builder, NULL, NULL},
+                other = {f->scenes[s], base, NULL, NULL};
+        bb_samples ratios = ratios_of(f, BB_BUILD_TIME, cell, other);
+        for (uint32_t i = 0; i < ratios.count; i++)
+            ratios.values[i] = log(ratios.values[i]);
+        if (ratios.count == 0 || !add_samples(&logs, &ratios))
+            return bb_not_measured;
+    }
+    for (uint32_t i = 0; i < logs.count; i++)
+        logs.values[i] = exp(logs.values[i] / (double)f->scene_count);
+    return bb_samples_estimate(&logs);
 }
 
 /* ---- scenes ---- */

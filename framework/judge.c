@@ -6,6 +6,7 @@
 #include "framework/clock.h"
 #include "framework/memory.h"
 #include "framework/oracle_private.h"
+#include "framework/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -204,41 +205,13 @@ static void count_verdicts(const job *job, bb_accuracy *accuracy)
     accuracy->wrong_ppm = count > 0 ? 1e6 * (double)wrong / count : 0.0;
 }
 
-/* The k-th smallest (Hoare's quickselect). */
-static float select_kth(float *values, int64_t count, int64_t k)
-{
-    int64_t low = 0, high = count - 1;
-    while (low < high) {
-        float pivot = values[low + (high - low) / 2];
-        int64_t i = low, j = high;
-        while (i <= j) {
-            while (values[i] < pivot)
-                i++;
-            while (pivot < values[j])
-                j--;
-            if (i <= j) {
-                float value = values[i];
-                values[i++] = values[j];
-                values[j--] = value;
-            }
-        }
-        if (k <= j)
-            high = j;
-        else if (k >= i)
-            low = i;
-        else
-            break;
-    }
-    return values[k];
-}
-
 /* p99 by the nearest rank. */
 static bb_status measure_ulps(const job *job, bb_accuracy *accuracy)
 {
     float *ulps = NULL, largest = 0.0f;
     BB_TRY(bb_host_alloc(NULL, job->request->count * sizeof *ulps, "errors of t", &ulps));
     accuracy->t_ulp_max = accuracy->t_ulp_p99 = NAN;
-    int64_t filled = 0;
+    size_t filled = 0;
     for (uint32_t i = 0; i < job->request->count; i++)
         if (!isnan(job->verdicts[i].ulps)) {
             largest = fmaxf(largest, job->verdicts[i].ulps);
@@ -246,7 +219,7 @@ static bb_status measure_ulps(const job *job, bb_accuracy *accuracy)
         }
     if (filled > 0) {
         accuracy->t_ulp_max = largest;
-        accuracy->t_ulp_p99 = select_kth(ulps, filled, (99 * filled + 99) / 100 - 1);
+        accuracy->t_ulp_p99 = bb_select(ulps, filled, (99 * filled + 99) / 100 - 1);
     }
     bb_host_free(ulps);
     return BB_OK;

@@ -411,19 +411,11 @@ static bool put_params(cJSON *entry, const char *name, const bb_spec *spec,
     return false;
 }
 
-/* Samples with what is drawn from them: NAME, NAME_median, NAME_lo, NAME_hi. */
-static bool put_measured(cJSON *entry, const char *name, const bb_samples *samples)
+static bool put_build_times(cJSON *entry, const bb_samples *ms)
 {
-    char label[64];
-    double low, high;
-    bb_samples_interval(samples, BB_INTERVAL_SEED, &low, &high);
-    bool ok = put_samples(entry, name, samples);
-    snprintf(label, sizeof label, "%s_median", name);
-    ok = ok && put_number(entry, label, bb_samples_median(samples));
-    snprintf(label, sizeof label, "%s_lo", name);
-    ok = ok && put_number(entry, label, low);
-    snprintf(label, sizeof label, "%s_hi", name);
-    return ok && put_number(entry, label, high);
+    return put_samples(entry, "build_ms", ms) &&
+           put_number(entry, "build_ms_median", bb_samples_median(ms)) &&
+           bb_put_build_spread(entry, ms);
 }
 
 static bool put_tree(cJSON *entry, const bb_build_record *build)
@@ -485,7 +477,7 @@ bb_status bb_results_add_build(bb_results *results, const bb_build_record *build
         put_text(entry, "scene", build->scene) && put_text(entry, "builder", build->spec->text) &&
         put_params(entry, "params", build->spec, build->options) &&
         put_status(entry, build->status, build->reason) &&
-        put_measured(entry, "build_ms", &build->build_ms) && put_number(entry, "mprims_s", rate) &&
+        put_build_times(entry, &build->build_ms) && put_number(entry, "mprims_s", rate) &&
         put_number(entry, "cold_ms", measured(build->status, build->cold_ms)) &&
         put_named(entry, "phases_ms", build->phases, build->phase_count) &&
         put_samples(entry, "event_ms_samples", &build->event_ms) &&
@@ -538,23 +530,20 @@ static bool put_accuracy(cJSON *entry, const bb_trace_record *trace)
     return false;
 }
 
-/* Rays per second of the median, and of the ends of its interval the other way round. */
+/* A rate that was given has no samples, thus neither interval nor range. */
 static bool put_rate(cJSON *entry, const bb_trace_record *trace)
 {
-    double low, high, rate = trace->mrays_s_given;
+    double median = bb_samples_median(&trace->ms), rate = trace->mrays_s_given;
     bool given = rate > 0;
-    bb_samples_interval(&trace->ms, BB_INTERVAL_SEED, &low, &high);
     if (!given)
-        rate = trace->count / bb_samples_median(&trace->ms) / 1e3;
-    return put_samples(entry, "ms", &trace->ms) &&
-           put_number(entry, "ms_median", bb_samples_median(&trace->ms)) &&
+        rate = trace->count / median / 1e3;
+    return put_samples(entry, "ms", &trace->ms) && put_number(entry, "ms_median", median) &&
            put_number(entry, "event_ms", bb_samples_median(&trace->event_ms)) &&
            put_samples(entry, "event_ms_samples", &trace->event_ms) &&
            put_number(entry, "cpu_ms", bb_samples_median(&trace->cpu_ms)) &&
            put_samples(entry, "cpu_ms_samples", &trace->cpu_ms) &&
            put_number(entry, "mrays_s", rate) && put_bool(entry, "mrays_s_given", given) &&
-           put_number(entry, "mrays_s_lo", trace->count / high / 1e3) &&
-           put_number(entry, "mrays_s_hi", trace->count / low / 1e3);
+           bb_put_rate_spread(entry, &trace->ms);
 }
 
 bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace)

@@ -7,39 +7,13 @@
 #include "framework/accuracy.h"
 #include "framework/rays.h"
 #include "framework/scene.h"
+#include "framework/statistics.h"
 #include "framework/status.h"
 #include "framework/tree.h"
 
 typedef struct cJSON cJSON; /* opaque here; libcjson */
 
-enum {
-    BB_SAMPLES_MAX = 256,
-    BB_LAYOUTS_MAX = 48, /* of one tree */
-};
-
-/* Samples of one quantity; sample 0 is the first round (kept in the file, dropped from the median).
- */
-typedef struct bb_samples {
-    uint32_t count;
-    double values[BB_SAMPLES_MAX];
-} bb_samples;
-
-/* At most BB_SAMPLES_MAX values: the caller limits its repeats. */
-void bb_samples_add(bb_samples *samples, double value);
-/* Median of the samples without the first (of all, if there is only one); NAN if there is none. */
-double bb_samples_median(const bb_samples *samples);
-/* Bootstrap 95 % interval of the median, seeded; low = high = median for fewer than three samples.
- */
-void bb_samples_interval(const bb_samples *samples, uint64_t seed, double *low, double *high);
-
-/* A figure and its 95 % interval. */
-typedef struct bb_estimate {
-    double value, low, high;
-} bb_estimate;
-
-/* Median of a/b over the rounds, which pairs what was measured next to each other, with its bootstrap
- * interval. NAN if the two have not the same rounds, or none. */
-bb_estimate bb_samples_ratio(const bb_samples *a, const bb_samples *b, uint64_t seed);
+enum { BB_LAYOUTS_MAX = 48 }; /* of one tree */
 
 typedef struct bb_named_ms {
     char name[64];

@@ -165,6 +165,8 @@ static const field build_fields[] = {
     {"build_ms_median", NUMBER | NONE},
     {"build_ms_lo", NUMBER | NONE},
     {"build_ms_hi", NUMBER | NONE},
+    {"build_ms_least", NUMBER | NONE},
+    {"build_ms_most", NUMBER | NONE},
     {"mprims_s", NUMBER | NONE},
     {"cold_ms", NUMBER | NONE},
     {"phases_ms", FIGURES | NONE},
@@ -217,6 +219,8 @@ static const field trace_fields[] = {
     {"mrays_s", NUMBER | NONE},
     {"mrays_s_lo", NUMBER | NONE},
     {"mrays_s_hi", NUMBER | NONE},
+    {"mrays_s_least", NUMBER | NONE},
+    {"mrays_s_most", NUMBER | NONE},
     {"mrays_s_given", BOOLEAN | NONE},
     {"node_tests_per_ray", NUMBER | NONE},
     {"prim_tests_per_ray", NUMBER | NONE},
@@ -272,8 +276,13 @@ static const field paper_table_fields[] = {
 };
 
 static const field claim_fields[] = {
-    {"claim", TEXT},       {"held", BOOLEAN | NONE}, {"paper", TEXT | NONE},
-    {"ours", TEXT | NONE}, {"why", TEXT | NONE},     {NULL, 0},
+    {"claim", TEXT},
+    {"held", BOOLEAN | NONE},
+    {"paper", TEXT | NONE},
+    {"ours", TEXT | NONE},
+    {"why", TEXT | NONE},
+    {"verdict", TEXT | NONE},
+    {NULL, 0},
 };
 
 static bool all_numbers(const cJSON *item)
@@ -454,9 +463,11 @@ static bb_status check_document(const char *path, const cJSON *root)
     return check_ids(path, root);
 }
 
-/* Later code appends to these, so they exist. */
-static bool complete(cJSON *root)
+/* Later code appends to these, so they exist. Intervals are drawn anew from the samples: those of
+ * files of earlier versions were bootstrapped, from however few rounds. */
+static bool complete(bb_results *results)
 {
+    cJSON *root = results->root;
     static const char *const arrays[] = {"skipped", "pictures"};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
         if (cJSON_GetObjectItemCaseSensitive(root, arrays[i]) == NULL &&
@@ -465,8 +476,10 @@ static bool complete(cJSON *root)
     }
     if (cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(root, "steps_ms")))
         cJSON_DeleteItemFromObjectCaseSensitive(root, "steps_ms");
-    return cJSON_GetObjectItemCaseSensitive(root, "steps_ms") != NULL ||
-           cJSON_AddObjectToObject(root, "steps_ms") != NULL;
+    if (cJSON_GetObjectItemCaseSensitive(root, "steps_ms") == NULL &&
+        cJSON_AddObjectToObject(root, "steps_ms") == NULL)
+        return false;
+    return bb_results_put_spreads(results);
 }
 
 bb_status bb_results_read(const char *path, bb_results **out)
@@ -491,7 +504,7 @@ bb_status bb_results_read(const char *path, bb_results **out)
         goto out;
     }
     status = check_document(path, results->root);
-    if (status == BB_OK && !complete(results->root))
+    if (status == BB_OK && !complete(results))
         status = bb_fail(BB_FAILED, "result file %s: no memory", path);
     if (status != BB_OK)
         goto out;

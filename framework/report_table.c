@@ -32,17 +32,80 @@ static void figure(char cell[CELL], double value)
                  value);
 }
 
-/* "41.2 [40.1, 43.0]" */
-static void interval(char cell[CELL], double value, double low, double high)
+static int larger(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+/* What the brackets behind a figure hold. */
+typedef enum spread { NOTHING, RANGE, INTERVAL } spread;
+
+/* Of NAME of a build or a trace: the interval where there are rounds enough for one, else their
+ * range; of a single round nothing. */
+static spread spread_of(const cJSON *entry, const char *name, double *low, double *high)
+{
+    static const struct {
+        spread kind;
+        const char *low, *high;
+    } kinds[] = {{INTERVAL, "lo", "hi"}, {RANGE, "least", "most"}};
+    char label[64];
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        snprintf(label, sizeof label, "%s_%s", name, kinds[i].low);
+        *low = bb_json_number(entry, label);
+        snprintf(label, sizeof label, "%s_%s", name, kinds[i].high);
+        *high = bb_json_number(entry, label);
+        if (isfinite(*low) && isfinite(*high))
+            return kinds[i].kind;
+    }
+    return NOTHING;
+}
+
+/* "41.2 [40.1, 43.0]", or "41.2" */
+static spread with_spread(char cell[CELL], const cJSON *entry, const char *name, double value)
 {
     char middle[CELL], left[CELL], right[CELL];
+    double low, high;
+    spread kind = spread_of(entry, name, &low, &high);
     figure(middle, value);
     figure(left, low);
     figure(right, high);
-    if (isfinite(value) && isfinite(low) && isfinite(high))
-        snprintf(cell, CELL, "%.16s [%.16s, %.16s]", middle, left, right);
-    else
+    if (kind == NOTHING)
         snprintf(cell, CELL, "%s", middle);
+    else
+        snprintf(cell, CELL, "%.16s [%.16s, %.16s]", middle, left, right);
+    return kind;
+}
+
+/* A column of medians. Its heading says what the brackets hold; a range among intervals says so
+ * itself. */
+typedef struct column {
+    const char *title, *name, *median; /* as printed; of the members of a row */
+    char heading[CELL];
+    int widths[INTERVAL + 1]; /* of the rows with such a spread; 0: there is none */
+} column;
+
+static void take_row(column *c, const cJSON *entry)
+{
+    char cell[CELL];
+    spread kind = with_spread(cell, entry, c->name, bb_json_number(entry, c->median));
+    c->widths[kind] = larger(c->widths[kind], (int)strlen(cell));
+}
+
+/* After the last row: makes the heading, returns the width. */
+static int finish_column(column *c)
+{
+    bool intervals = c->widths[INTERVAL] > 0, ranges = c->widths[RANGE] > 0;
+    snprintf(c->heading, CELL, "%s%s", c->title, intervals ? " [95 %]" : ranges ? " [range]" : "");
+    int range = c->widths[RANGE] + (intervals && ranges ? (int)strlen(" range") : 0);
+    return larger((int)strlen(c->heading),
+                  larger(range, larger(c->widths[NOTHING], c->widths[INTERVAL])));
+}
+
+static void column_cell(char cell[CELL], const column *c, const cJSON *entry)
+{
+    spread kind = with_spread(cell, entry, c->name, bb_json_number(entry, c->median));
+    if (kind == RANGE && c->widths[INTERVAL] > 0)
+        strncat(cell, " range", CELL - strlen(cell) - 1);
 }
 
 static void bytes(char cell[CELL], double value)
@@ -88,11 +151,6 @@ static void print_text(FILE *out, const char *text, int width)
         fputc(' ', out);
 }
 
-static int larger(int a, int b)
-{
-    return a > b ? a : b;
-}
-
 /* ---- builds ---- */
 
 static const cJSON *first_entry(const cJSON *object)
@@ -100,7 +158,8 @@ static const cJSON *first_entry(const cJSON *object)
     return object != NULL ? object->child : NULL;
 }
 
-static void print_build(FILE *out, const cJSON *build, int width)
+static void print_build(FILE *out, const cJSON *build, int width, const column *times,
+                        int times_width)
 {
     const cJSON *tree = cJSON_GetObjectItemCaseSensitive(build, "tree");
     const cJSON *layout = first_entry(cJSON_GetObjectItemCaseSensitive(build, "layouts_ms"));
@@ -116,16 +175,15 @@ static void print_build(FILE *out, const cJSON *build, int width)
     }
     double native = bb_json_number(build, "bytes_native");
     figure(rate, bb_json_number(build, "mprims_s"));
-    interval(ms, bb_json_number(build, "build_ms_median"), bb_json_number(build, "build_ms_lo"),
-             bb_json_number(build, "build_ms_hi"));
+    column_cell(ms, times, build);
     figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
     figure(sah, bb_json_number(tree, "sah"));
     figure(epo, bb_json_number(tree, "epo"));
     grouped(depth, bb_json_number(tree, "depth"));
     bytes(size, isfinite(native) ? native : bb_json_number(tree, "bytes_tree"));
     bytes(peak, bb_json_number(tree, "bytes_peak"));
-    fprintf(out, "  %8s  %-22s  %9s  %7s  %6s  %5s  %8s  %8s\n", rate, ms, conversion, sah, epo,
-            depth, size, peak);
+    fprintf(out, "  %8s  %-*s  %9s  %7s  %6s  %5s  %8s  %8s\n", rate, times_width, ms, conversion,
+            sah, epo, depth, size, peak);
     const char *about = bb_json_text(build, "about");
     if (about[0] != '\0') {
         fputs("    ", out);
@@ -146,22 +204,26 @@ static void print_build(FILE *out, const cJSON *build, int width)
 static void print_builds(FILE *out, const cJSON *builds, const char *scene)
 {
     const cJSON *build;
+    column times = {.title = "build ms", .name = "build_ms", .median = "build_ms_median"};
     int width = 7, rows = 0;
     cJSON_ArrayForEach(build, builds)
     {
         if (strcmp(bb_json_text(build, "scene"), scene) != 0)
             continue;
         width = larger(width, (int)strlen(bb_json_text(build, "builder")));
+        take_row(&times, build);
         rows++;
     }
     if (rows == 0)
         return;
-    fprintf(out, "\n  %-*s  %8s  %-22s  %9s  %7s  %6s  %5s  %8s  %8s\n", width, "builder",
-            "Mprims/s", "build ms [95 %]", "layout ms", "SAH", "EPO", "depth", "tree", "peak");
+    int times_width = finish_column(&times);
+    fprintf(out, "\n  %-*s  %8s  %-*s  %9s  %7s  %6s  %5s  %8s  %8s\n", width, "builder",
+            "Mprims/s", times_width, times.heading, "layout ms", "SAH", "EPO", "depth", "tree",
+            "peak");
     cJSON_ArrayForEach(build, builds)
     {
         if (strcmp(bb_json_text(build, "scene"), scene) == 0)
-            print_build(out, build, width);
+            print_build(out, build, width, &times, times_width);
     }
 }
 
@@ -239,7 +301,8 @@ static void kernel_name(const cJSON *trace, char *name, size_t capacity)
 typedef struct group {
     double reference; /* Mrays/s; NAN if there is none */
     double count;     /* rays of the set: brute force traces only the first of them */
-    int builder_width, kernel_width;
+    int builder_width, kernel_width, rates_width;
+    column rates;
 } group;
 
 static void print_trace(FILE *out, const cJSON *trace, const group *set)
@@ -257,13 +320,14 @@ static void print_trace(FILE *out, const cJSON *trace, const group *set)
         return;
     }
     double speed = bb_json_number(trace, "mrays_s");
-    interval(rate, speed, bb_json_number(trace, "mrays_s_lo"), bb_json_number(trace, "mrays_s_hi"));
+    column_cell(rate, &set->rates, trace);
     figure(ratio, speed / set->reference);
     wrong_cell(wrong, trace);
     classes_cell(classes, trace);
     figure(nodes, bb_json_number(trace, "node_tests_per_ray"));
     figure(prims, bb_json_number(trace, "prim_tests_per_ray"));
-    fprintf(out, "  %-20s  %6s  %-12s  %-10s  %7s  %7s", rate, ratio, wrong, classes, nodes, prims);
+    fprintf(out, "  %-*s  %6s  %-12s  %-10s  %7s  %7s", set->rates_width, rate, ratio, wrong,
+            classes, nodes, prims);
     if (bb_json_number(trace, "count") < set->count) {
         grouped(rate, bb_json_number(trace, "count"));
         fprintf(out, "  of the first %s rays", rate);
@@ -274,7 +338,10 @@ static void print_trace(FILE *out, const cJSON *trace, const group *set)
 static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
 {
     const cJSON *trace;
-    group set = {reference_rate(traces, first), 0, 7, 6};
+    group set = {.reference = reference_rate(traces, first),
+                 .builder_width = 7,
+                 .kernel_width = 6,
+                 .rates = {.title = "Mrays/s", .name = "mrays_s", .median = "mrays_s"}};
     char count[CELL], kernel[640];
     cJSON_ArrayForEach(trace, traces)
     {
@@ -284,7 +351,9 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
         set.builder_width = larger(set.builder_width, (int)strlen(bb_json_text(trace, "builder")));
         set.kernel_width = larger(set.kernel_width, (int)strlen(kernel));
         set.count = fmax(set.count, bb_json_number(trace, "count"));
+        take_row(&set.rates, trace);
     }
+    set.rates_width = finish_column(&set.rates);
     grouped(count, set.count);
     fputs("\n  ", out);
     print_text(out, bb_json_text(first, "rays"), 0);
@@ -294,9 +363,9 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
     }
     fprintf(out, ": %s rays, %s hit\n", count,
             strcmp(bb_json_text(first, "query"), "any") == 0 ? "any" : "closest");
-    fprintf(out, "  %-*s  %-*s  %-20s  %6s  %-12s  %-10s  %7s  %7s\n", set.builder_width, "builder",
-            set.kernel_width, "kernel", "Mrays/s [95 %]", "/Embree", "wrong ppm", "mis/fal/t",
-            "boxes", "prims");
+    fprintf(out, "  %-*s  %-*s  %-*s  %6s  %-12s  %-10s  %7s  %7s\n", set.builder_width, "builder",
+            set.kernel_width, "kernel", set.rates_width, set.rates.heading, "/Embree", "wrong ppm",
+            "mis/fal/t", "boxes", "prims");
     cJSON_ArrayForEach(trace, traces)
     {
         if (same_rays(trace, first))
@@ -404,12 +473,14 @@ bb_status bb_report_table(bb_results *results, FILE *out)
     print_skipped(out, cJSON_GetObjectItemCaseSensitive(root, "skipped"));
     print_times(out, cJSON_GetObjectItemCaseSensitive(root, "steps_ms"),
                 cJSON_GetObjectItemCaseSensitive(root, "time_ms"));
-    fputs(
-        "\n*: native, the layout keeps the shape of the builder's own tree.\n"
-        "[95 %]: bootstrap interval of the median. /Embree: to the fastest embree-native row on "
-        "the "
-        "same rays.\nwrong ppm: wrong rays per million; mis/fal/t: rays missed, false hits, wrong "
-        "distance.\nboxes, prims: tests per ray, from a separate counting run.\n",
-        out);
+    fprintf(out,
+            "\n*: native, the layout keeps the shape of the builder's own tree.\n"
+            "[95 %%]: interval of the median by order statistics. [range]: the lowest and the "
+            "highest of too\nfew rounds for an interval, which takes %d; of one round there is "
+            "neither.\n"
+            "/Embree: to the fastest embree-native row on the same rays.\n"
+            "wrong ppm: wrong rays per million; mis/fal/t: rays missed, false hits, wrong "
+            "distance.\nboxes, prims: tests per ray, from a separate counting run.\n",
+            BB_INTERVAL_ROUNDS);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

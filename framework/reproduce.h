@@ -26,6 +26,7 @@ typedef struct bb_experiment {
     uint32_t width, height; /* of primary rays */
     uint32_t max_rays;
     uint32_t max_views; /* 0: all */
+    /* rounds that count; below BB_INTERVAL_ROUNDS no claim on its times is decided */
     uint32_t repeats;
 } bb_experiment;
 
@@ -94,13 +95,6 @@ double bb_found_tree(const bb_findings *f, const char *scene, const char *builde
 const char *bb_found_about(const bb_findings *f, const char *scene, const char *builder);
 double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *builder,
                          const char *phase);
-/* Build time over that of `base`, paired by rounds. */
-bb_estimate bb_found_build_ratio(const bb_findings *f, const char *scene, const char *builder,
-                                 const char *base);
-
-/* The same over all scenes: the geometric mean of the scenes' ratios, round by round, which noise does not push one way. */
-bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base);
-
 /* Which traces: of one builder, with one kernel, from one view or (NULL) all of them together. */
 typedef struct bb_cell {
     const char *scene, *builder, *kernel, *view;
@@ -109,8 +103,27 @@ double bb_found_trace_ms(const bb_findings *f, bb_cell cell); /* of all rays of 
 double bb_found_mrays(const bb_findings *f, bb_cell cell);
 /* "node_tests_per_ray" or "prim_tests_per_ray", a mean over the views. */
 double bb_found_tests(const bb_findings *f, bb_cell cell, const char *member);
-/* Time of `cell` over that of the same rays in `base`, paired by rounds. */
-bb_estimate bb_found_trace_ratio(const bb_findings *f, bb_cell cell, bb_cell base);
+
+/* Of a cell: the time of its build, of its traces, or of both together. */
+typedef enum bb_times { BB_BUILD_TIME, BB_TRACE_TIME, BB_FRAME_TIME } bb_times;
+/* Time of `cell` over that of `base` with the same rays, paired by rounds. */
+bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base);
+
+/* Arithmetic mean of such ratios over scenes or views, taken in each round. A zeroed one is empty.
+ */
+typedef struct bb_ratio_mean {
+    bb_samples sum;
+    uint32_t count;
+    bool uneven; /* not all have the same rounds */
+} bb_ratio_mean;
+/* A ratio that was not measured is left out. */
+void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_cell cell,
+                       bb_cell base);
+bb_estimate bb_ratio_mean_estimate(const bb_ratio_mean *mean);
+
+/* Build time over that of `base`: geometric mean over all scenes, round by round, which noise does
+ * not push one way. Not measured if one scene is not. */
+bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base);
 
 /* Of the scene: "prims", and of its profile "flatness" and others. */
 double bb_found_scene(const bb_findings *f, const char *scene, const char *member);
@@ -141,9 +154,27 @@ void bb_cell_text(bb_reproduction *r, const char *text);
 /* Rounded to so many decimals; NAN becomes an empty cell. */
 void bb_cell_number(bb_reproduction *r, double value, int decimals);
 
-typedef enum bb_verdict { BB_NOT_TESTED, BB_NOT_HELD, BB_HELD } bb_verdict;
-/* BB_NOT_TESTED where one of the figures is NAN. */
+/* In rising order of what decides over several that are to hold together. */
+typedef enum bb_verdict {
+    BB_HELD,
+    BB_OPEN,           /* an interval reaches to both sides */
+    BB_TOO_FEW_ROUNDS, /* for an interval */
+    BB_NOT_TESTED,     /* a figure is missing */
+    BB_NOT_HELD,
+} bb_verdict;
+
+/* For figures without noise: costs, bytes, tests per ray. BB_NOT_TESTED where one is NAN. */
 bb_verdict bb_verdict_of(bool holds, double figure, double other);
+/* For times: is the whole interval above, below, between? */
+bb_verdict bb_above(bb_estimate e, double bound);
+bb_verdict bb_below(bb_estimate e, double bound);
+bb_verdict bb_within(bb_estimate e, double least, double most);
+/* All together; BB_NOT_TESTED for none. */
+bb_verdict bb_all(const bb_verdict *each, size_t count);
+/* More than half of those that were tested. */
+bb_verdict bb_most(const bb_verdict *each, size_t count);
+/* As the record says it: "held", "undecided: too few rounds" ... */
+const char *bb_verdict_words(bb_verdict verdict);
 
 /* A text that grows; what does not fit is left out. A zeroed one is empty. */
 typedef struct bb_words {
@@ -154,6 +185,9 @@ __attribute__((format(printf, 2, 3))) void bb_say(bb_words *words, const char *f
 
 /* "WHAT 0.83 on average, 0.56 (city) to 1.02 (scorpion)", after "; " if there is something before it. */
 void bb_say_range(bb_words *words, const char *what, const bb_series *s);
+
+/* "1.20 [95 %: 1.10 to 1.30]", with the range, or without brackets, where there is no interval. */
+void bb_say_estimate(bb_words *words, bb_estimate e);
 
 void bb_claim(bb_reproduction *r, bb_verdict verdict, const char *claim, const char *paper,
               const bb_words *ours, const bb_words *why);

@@ -57,11 +57,6 @@ void bb_cell_number(bb_reproduction *r, double value, int decimals)
            isfinite(value) ? cJSON_CreateNumber(round(value * scale) / scale) : cJSON_CreateNull());
 }
 
-bb_verdict bb_verdict_of(bool holds, double figure, double other)
-{
-    return isnan(figure) || isnan(other) ? BB_NOT_TESTED : holds ? BB_HELD : BB_NOT_HELD;
-}
-
 void bb_say(bb_words *words, const char *format, ...)
 {
     va_list arguments;
@@ -73,15 +68,28 @@ void bb_say(bb_words *words, const char *format, ...)
         words->length += (size_t)length < room ? (size_t)length : room - 1;
 }
 
+void bb_say_estimate(bb_words *words, bb_estimate e)
+{
+    if (isnan(e.value))
+        bb_say(words, "not measured");
+    else if (!isnan(e.low))
+        bb_say(words, "%.3f [95 %%: %.3f to %.3f]", e.value, e.low, e.high);
+    else if (!isnan(e.least))
+        bb_say(words, "%.3f [range: %.3f to %.3f]", e.value, e.least, e.most);
+    else
+        bb_say(words, "%.3f", e.value);
+}
+
 void bb_claim(bb_reproduction *r, bb_verdict verdict, const char *claim, const char *paper,
               const bb_words *ours, const bb_words *why)
 {
     cJSON *entry = cJSON_CreateObject();
     append(r, r->claims, entry);
-    cJSON *held =
-        verdict == BB_NOT_TESTED ? cJSON_CreateNull() : cJSON_CreateBool(verdict == BB_HELD);
+    bool decided = verdict == BB_HELD || verdict == BB_NOT_HELD;
+    cJSON *held = decided ? cJSON_CreateBool(verdict == BB_HELD) : cJSON_CreateNull();
     bool ok = cJSON_AddStringToObject(entry, "claim", claim) != NULL &&
               cJSON_AddItemToObject(entry, "held", held) &&
+              cJSON_AddStringToObject(entry, "verdict", bb_verdict_words(verdict)) != NULL &&
               cJSON_AddStringToObject(entry, "paper", paper) != NULL &&
               cJSON_AddStringToObject(entry, "ours", ours->text) != NULL &&
               cJSON_AddStringToObject(entry, "why", why->text) != NULL;
@@ -204,14 +212,23 @@ static void print_paragraph(const char *label, const char *text, FILE *out)
     fprintf(out, "\n");
 }
 
-static void print_claim(const cJSON *claim, FILE *out)
+/* How a claim is counted. */
+enum { HELD, NOT_HELD, UNDECIDED, UNTESTED, KINDS };
+
+static int kind_of(const cJSON *claim)
 {
     const cJSON *held = cJSON_GetObjectItemCaseSensitive(claim, "held");
-    const char *verdict = cJSON_IsTrue(held)    ? "held"
-                          : cJSON_IsFalse(held) ? "DID NOT HOLD"
-                                                : "cannot be tested here";
-    fprintf(out, "\n  %s\n", bb_json_text(claim, "claim"));
-    fprintf(out, "    %s\n", verdict);
+    return cJSON_IsTrue(held)                                             ? HELD
+           : cJSON_IsFalse(held)                                          ? NOT_HELD
+           : strncmp(bb_json_text(claim, "verdict"), "undecided", 9) == 0 ? UNDECIDED
+                                                                          : UNTESTED;
+}
+
+static void print_claim(const cJSON *claim, FILE *out)
+{
+    const char *const verdicts[KINDS] = {"held", "DID NOT HOLD", bb_json_text(claim, "verdict"),
+                                         bb_verdict_words(BB_NOT_TESTED)};
+    fprintf(out, "\n  %s\n    %s\n", bb_json_text(claim, "claim"), verdicts[kind_of(claim)]);
     print_paragraph("paper", bb_json_text(claim, "paper"), out);
     print_paragraph("here", bb_json_text(claim, "ours"), out);
     print_paragraph("why", bb_json_text(claim, "why"), out);
@@ -234,14 +251,11 @@ bb_status bb_reproduction_print(bb_results *results, FILE *out)
         fprintf(out, "\n");
         cJSON_ArrayForEach(part, cJSON_GetObjectItemCaseSensitive(item, "tables"))
             print_table(part, out);
-        int counts[3] = {0};
+        int counts[KINDS] = {0};
         cJSON_ArrayForEach(part, cJSON_GetObjectItemCaseSensitive(item, "claims"))
-        {
-            const cJSON *held = cJSON_GetObjectItemCaseSensitive(part, "held");
-            counts[cJSON_IsTrue(held) ? 0 : cJSON_IsFalse(held) ? 1 : 2]++;
-        }
-        fprintf(out, "\nclaims: %d held, %d did not hold, %d cannot be tested here\n", counts[0],
-                counts[1], counts[2]);
+            counts[kind_of(part)]++;
+        fprintf(out, "\nclaims: %d held, %d did not hold, %d undecided, %d cannot be tested here\n",
+                counts[HELD], counts[NOT_HELD], counts[UNDECIDED], counts[UNTESTED]);
         cJSON_ArrayForEach(part, cJSON_GetObjectItemCaseSensitive(item, "claims"))
             print_claim(part, out);
         fprintf(out, "\n");

@@ -18,6 +18,7 @@
  */
 #include "framework/random.h"
 #include "framework/scene.h"
+#include "framework/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,38 +51,6 @@ static float diagonal(const bb_box *box)
     return (float)sqrt(square);
 }
 
-/* Quickselect with the median of three (Hoare's FIND): the value that would be values[rank] if they
- * were sorted. */
-static float select_rank(float *values, size_t count, size_t rank)
-{
-    size_t low = 0, high = count - 1;
-    while (low < high) {
-        float a = values[low], b = values[low + (high - low) / 2], c = values[high];
-        float pivot = a < b ? (b < c ? b : (a < c ? c : a)) : (a < c ? a : (b < c ? c : b));
-        size_t i = low, j = high;
-        for (;;) {
-            while (values[i] < pivot)
-                i++;
-            while (values[j] > pivot)
-                j--;
-            if (i >= j)
-                break;
-            float swap = values[i];
-            values[i++] = values[j];
-            values[j--] = swap;
-        }
-        /* low .. i - 1 are at most the pivot, i .. high at least; if i and j met, values[i] is the
-         * pivot. */
-        if (i == j && rank == i)
-            return values[i];
-        if (rank < i)
-            high = i - 1;
-        else
-            low = i == j ? i + 1 : i;
-    }
-    return values[rank];
-}
-
 static bb_status measure_sizes(bb_scene *scene)
 {
     float *sizes = NULL;
@@ -95,7 +64,7 @@ static bb_status measure_sizes(bb_scene *scene)
     scene->profile.size_min = (double)least;
     scene->profile.size_max = (double)most;
     scene->profile.size_median =
-        (double)select_rank(sizes, scene->prim_count, (scene->prim_count - 1) / 2);
+        (double)bb_select(sizes, scene->prim_count, (scene->prim_count - 1) / 2);
     bb_host_free(sizes);
 
     double shortest = INFINITY, longest = 0;

@@ -1,4 +1,4 @@
-/* What the charts show: rates with their bounds, Pareto front, who wins for how many rays, cells over
+/* What the charts show: Pareto front, who wins for how many rays, cells over
  * several views, and the pictures.
  */
 #include <setjmp.h>
@@ -22,42 +22,6 @@ static void near(double value, double expected)
 {
     if (!(fabs(value - expected) <= 1e-9 * fabs(expected)))
         fail_msg("%.17g, expected %.17g", value, expected);
-}
-
-/* ---- rates ---- */
-
-static void none_found_is_at_most_three_of_n(void **state)
-{
-    (void)state;
-    bb_wrong_rate rate = bb_wrong_rate_of(0, 16384);
-    near(rate.ppm, 3e6 / 16384);
-    near(rate.high, 3e6 / 16384);
-    assert_true(rate.low == 0);
-    /* nothing checked, nothing known */
-    assert_true(isnan(bb_wrong_rate_of(0, 0).ppm));
-    assert_true(isnan(bb_wrong_rate_of(0, NAN).high));
-    assert_true(isnan(bb_wrong_rate_of(NAN, 100).ppm));
-}
-
-/* Exact Poisson bounds (Garwood 1936), as tabled. */
-static void intervals_are_those_of_a_poisson_count(void **state)
-{
-    (void)state;
-    static const struct {
-        double k, low, high;
-    } table[] = {
-        {1, 0.0253, 5.572},  {2, 0.2422, 7.225},   {5, 1.623, 11.668},
-        {10, 4.795, 18.390}, {100, 81.36, 121.63},
-    };
-    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-        bb_wrong_rate rate = bb_wrong_rate_of(table[i].k, 1e6);
-        near(rate.ppm, table[i].k);
-        assert_true(fabs(rate.low - table[i].low) < 0.02 * table[i].k);
-        assert_true(fabs(rate.high - table[i].high) < 0.02 * table[i].high);
-    }
-    /* more wrong rays never look better, none best of all */
-    for (double k = 0; k < 50; k++)
-        assert_true(bb_wrong_rate_of(k, 1000).high < bb_wrong_rate_of(k + 1, 1000).high);
 }
 
 /* ---- Pareto front ---- */
@@ -196,6 +160,11 @@ static void views_are_added_up(void **state)
         near(cell->ms, a->ms + b->ms);
         near(cell->mrays_s, 2 * 262144 / (a->ms + b->ms) / 1e3);
         assert_true(cell->mrays_s_lo <= cell->mrays_s && cell->mrays_s <= cell->mrays_s_hi);
+        near(a->mrays_s_most, number(a->trace, "mrays_s_most"));
+        near(cell->mrays_s_least,
+             262144 / (262144 / a->mrays_s_least + 262144 / b->mrays_s_least) * 2);
+        assert_true(cell->mrays_s_least <= cell->mrays_s_lo &&
+                    cell->mrays_s_hi <= cell->mrays_s_most);
         near(cell->checked, 2 * 262144);
         near(cell->wrong_rays, a->wrong_rays + b->wrong_rays);
         near(cell->wrong_rays, cell->missed + cell->false_hits + cell->wrong_t);
@@ -206,6 +175,30 @@ static void views_are_added_up(void **state)
                          cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "traces"),
                                             (int)cell->trace_index));
         assert_true(number(cell->build, "id") == number(trace, "build"));
+    }
+    bb_charts_free(&charts);
+    bb_results_destroy(results);
+}
+
+/* Of three rounds a range, of one neither; of several views the same as of each. */
+static void too_few_rounds_have_no_interval(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    bb_charts charts = charts_of(results);
+    for (uint32_t i = 0; i < charts.set_count; i++) {
+        int rounds = 0;
+        for (uint32_t s = 0; s < SAMPLE_SCENES; s++)
+            if (strcmp(charts.sets[i].scene, sample_scenes[s].name) == 0)
+                rounds = sample_scenes[s].rounds;
+        assert_true(rounds > 0);
+        for (uint32_t k = 0; k < charts.sets[i].cell_count; k++) {
+            const bb_chart_cell *cell = &charts.sets[i].cells[k];
+            assert_true(isnan(cell->mrays_s_lo) == (rounds < 6));
+            assert_true(isnan(cell->mrays_s_hi) == (rounds < 6));
+            assert_true(isnan(cell->mrays_s_least) == (rounds < 2));
+            assert_true(isnan(cell->mrays_s_most) == (rounds < 2));
+        }
     }
     bb_charts_free(&charts);
     bb_results_destroy(results);
@@ -376,6 +369,43 @@ static void each_scene_and_rays_has_its_pictures(void **state)
     bb_results_destroy(results);
 }
 
+/* The picture's part of the script, from its name to the next one's; for free(). */
+static char *picture_of(const char *script, const char *name)
+{
+    const char *start = strstr(script, name);
+    assert_non_null(start);
+    const char *end = strstr(start, "\nreset\n");
+    return end != NULL ? strndup(start, (size_t)(end - start)) : strdup(start);
+}
+
+/* What the upright lines are stands in the legend: nobody takes a range for an interval. */
+static void pictures_tell_ranges_from_intervals(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *picture;
+        bool interval, range;
+    } cases[] = {{"coffee_primary_accuracy.svg", true, false},
+                 {"coffee_primary_sah.svg", true, false},
+                 {"interior-n-200000-seed-7_ao_accuracy.svg", false, true},
+                 {"interior-n-200000-seed-7_ao_sah.svg", false, true},
+                 {"spheres-n-1000000-state-settled_ao_accuracy.svg", false, false},
+                 {"coffee_primary_builders.svg", false, false}};
+    bb_results *results = sample_results(NULL);
+    uint32_t pictures;
+    char *text = script_of(results, &pictures);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char *picture = picture_of(text, cases[i].picture);
+        bool interval = strstr(picture, "upright: 95 % interval") != NULL;
+        bool range = strstr(picture, "upright, dotted: range of the rounds") != NULL;
+        if (interval != cases[i].interval || range != cases[i].range)
+            fail_msg("%s: interval %d, range %d", cases[i].picture, interval, range);
+        free(picture);
+    }
+    free(text);
+    bb_results_destroy(results);
+}
+
 static void an_empty_document_has_none(void **state)
 {
     (void)state;
@@ -491,12 +521,11 @@ static void what_cannot_be_drawn_is_said(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(none_found_is_at_most_three_of_n),
-        cmocka_unit_test(intervals_are_those_of_a_poisson_count),
         cmocka_unit_test(front_is_what_none_beats),
         cmocka_unit_test(winners_are_the_fastest),
         cmocka_unit_test(crossings_are_where_lines_meet),
         cmocka_unit_test(views_are_added_up),
+        cmocka_unit_test(too_few_rounds_have_no_interval),
         cmocka_unit_test(costs_and_measures_are_the_layouts),
         cmocka_unit_test(cells_that_lack_a_view_stay_out),
         cmocka_unit_test(pictures_say_what_is_left_out),
@@ -504,6 +533,7 @@ int main(void)
         cmocka_unit_test(merged_runs_stay_apart),
         cmocka_unit_test(the_page_gets_the_same_cells),
         cmocka_unit_test(each_scene_and_rays_has_its_pictures),
+        cmocka_unit_test(pictures_tell_ranges_from_intervals),
         cmocka_unit_test(an_empty_document_has_none),
         cmocka_unit_test(names_are_text_to_gnuplot),
         cmocka_unit_test(charts_lie_beside_their_page),

@@ -1,6 +1,7 @@
 /* The program from outside: exit statuses, one clear line for bad input, whole result files. */
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -326,6 +327,42 @@ static void an_interrupted_run_leaves_no_half_written_file(void **state)
     assert_int_not_equal(stat(path, &info), 0);
 }
 
+/* The default gives intervals; two rounds give a range, which is called so; one gives neither. */
+static void rounds_decide_what_is_said_of_medians(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *option, *heading;
+        int samples;
+        bool interval, range;
+    } cases[] = {{"", "Mrays/s [95 %]", 7, true, true},
+                 {"--repeats 2", "Mrays/s [range]", 3, false, true},
+                 {"--repeats 1", "Mrays/s ", 2, false, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char arguments[512];
+        snprintf(arguments, sizeof arguments,
+                 "run --scene cube --builder lbvh --kernel stack --rays primary --size 16x16 "
+                 "--no-pictures --charts no --out rounds %s",
+                 cases[i].option);
+        const outcome *o = run(arguments);
+        if (o->exit_status != 0)
+            fail_msg("%s: exit %d: %s", arguments, o->exit_status, o->err);
+        assert_non_null(strstr(o->out, cases[i].heading));
+        assert_true((strstr(o->out, "Mrays/s [") != NULL) == cases[i].range);
+        cJSON *json = read_results("rounds/results.json"), *trace;
+        cJSON_ArrayForEach(trace, cJSON_GetObjectItem(json, "traces"))
+        {
+            assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(trace, "ms")),
+                             cases[i].samples);
+            assert_true(cJSON_IsNumber(cJSON_GetObjectItem(trace, "mrays_s_lo")) ==
+                        cases[i].interval);
+            assert_true(cJSON_IsNumber(cJSON_GetObjectItem(trace, "mrays_s_least")) ==
+                        cases[i].range);
+        }
+        cJSON_Delete(json);
+    }
+}
+
 /* With a device that has room for one builder at a time, the others are built again when their turn comes. */
 static void what_does_not_fit_together_is_built_again(void **state)
 {
@@ -420,6 +457,7 @@ int main(void)
         cmocka_unit_test(careless_cells_are_marked_but_not_counted),
         cmocka_unit_test(wrong_answers_give_exit_status_1),
         cmocka_unit_test(an_interrupted_run_leaves_no_half_written_file),
+        cmocka_unit_test(rounds_decide_what_is_said_of_medians),
         cmocka_unit_test(what_does_not_fit_together_is_built_again),
         cmocka_unit_test(a_scene_too_big_is_refused_with_its_bytes),
         cmocka_unit_test(big_scenes_are_traced_rightly),

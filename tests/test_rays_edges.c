@@ -142,9 +142,10 @@ static void test_inside_must_hit(void **state)
             bb_rays *rays = made(scene, rays_of[k]);
             assert_true(rays->must_hit);
             for (uint32_t r = 0; r < COUNT; r++) {
+                double at;
                 bool hit = false;
                 for (uint32_t t = 0; t < scene->triangle_count && !hit; t++)
-                    hit = bb_exact_hit(scene, &rays->rays[r], t);
+                    hit = bb_exact_first(scene, &rays->rays[r], t, &at);
                 if (!hit)
                     fail_msg("%s, %s, seed %llu: ray %u misses", scenes[i], rays_of[k],
                              (unsigned long long)seed, r);

@@ -25,9 +25,24 @@ static const char *const context_fields[] = {
     "seed", "kernels",  "build_flags", "command", "float_config", "embree", NULL};
 static const char *const scene_fields[] = {"name", "kind",    "prims", "bounds",
                                            "hash", "profile", NULL};
-static const char *const build_fields[] = {
-    "id",      "scene",       "builder", "params",    "status",     "reason", "build_ms",
-    "cold_ms", "transfer_ms", "tree",    "phases_ms", "layouts_ms", NULL};
+static const char *const build_fields[] = {"id",
+                                           "scene",
+                                           "builder",
+                                           "params",
+                                           "status",
+                                           "reason",
+                                           "build_ms",
+                                           "cold_ms",
+                                           "transfer_ms",
+                                           "tree",
+                                           "phases_ms",
+                                           "layouts_ms",
+                                           "build_ms_median",
+                                           "build_ms_lo",
+                                           "build_ms_hi",
+                                           "build_ms_least",
+                                           "build_ms_most",
+                                           NULL};
 static const char *const tree_fields[] = {"nodes", "leaves",     "refs",       "arity", "depth",
                                           "sah",   "bytes_tree", "bytes_peak", "epo",   NULL};
 static const char *const trace_fields[] = {"build",
@@ -51,6 +66,8 @@ static const char *const trace_fields[] = {"build",
                                            "mrays_s",
                                            "mrays_s_lo",
                                            "mrays_s_hi",
+                                           "mrays_s_least",
+                                           "mrays_s_most",
                                            "accuracy",
                                            "node_tests_per_ray",
                                            "prim_tests_per_ray",
@@ -152,7 +169,7 @@ static void figures_follow_from_samples(void **state)
     bb_results *results = sample_results(NULL);
     const cJSON *trace = section(results, "traces")->child;
     const cJSON *samples = member(trace, "ms");
-    assert_int_equal(cJSON_GetArraySize(samples), 6); /* the first round is kept */
+    assert_int_equal(cJSON_GetArraySize(samples), 7); /* the first round is kept */
     bb_samples same = {0};
     const cJSON *value;
     cJSON_ArrayForEach(value, samples) bb_samples_add(&same, value->valuedouble);
@@ -168,6 +185,53 @@ static void figures_follow_from_samples(void **state)
     bb_results_destroy(results);
 }
 
+static const char *const spread_names[] = {"lo", "hi", "least", "most"};
+
+/* NAME_lo, NAME_hi, NAME_least, NAME_most of a row; NAN for null. */
+static void spread_of(const cJSON *row, const char *name, double ends[4])
+{
+    for (int i = 0; i < 4; i++) {
+        char label[64];
+        snprintf(label, sizeof label, "%s_%s", name, spread_names[i]);
+        const cJSON *item = member(row, label);
+        assert_true(cJSON_IsNumber(item) || cJSON_IsNull(item));
+        ends[i] = cJSON_IsNumber(item) ? item->valuedouble : (double)NAN;
+    }
+}
+
+/* The rows of the sample's scenes have 6, 3 and 1 rounds that count. */
+static void too_few_rounds_have_no_interval(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    static const char *const sections[] = {"builds", "traces"}, *const names[] = {"build_ms",
+                                                                                  "mrays_s"};
+    int seen[SAMPLE_SCENES] = {0};
+    for (int i = 0; i < 2; i++) {
+        const cJSON *row;
+        cJSON_ArrayForEach(row, section(results, sections[i]))
+        {
+            if (strcmp(member(row, "status")->valuestring, "ok") != 0)
+                continue;
+            int s = 0;
+            double ends[4];
+            while (strcmp(member(row, "scene")->valuestring, sample_scenes[s].name) != 0)
+                s++;
+            seen[s]++;
+            spread_of(row, names[i], ends);
+            for (int k = 0; k < 4; k++)
+                if (isnan(ends[k]) != (sample_scenes[s].rounds < (k < 2 ? 6 : 2)))
+                    fail_msg("%s_%s of %d rounds is %g", names[i], spread_names[k],
+                             sample_scenes[s].rounds, ends[k]);
+            if (sample_scenes[s].rounds >= 6)
+                assert_true(ends[2] <= ends[0] && ends[0] < ends[1] && ends[1] <= ends[3]);
+        }
+    }
+    for (int s = 0; s < SAMPLE_SCENES; s++)
+        assert_true(seen[s] > 20);
+    bb_results_destroy(results);
+}
+
 /* ---- nulls ---- */
 
 static void no_zero_for_what_was_not_measured(void **state)
@@ -179,8 +243,8 @@ static void no_zero_for_what_was_not_measured(void **state)
     sample_add_scene(results, &sample_scenes[0], 0);
     sample_add_refusal(results, &sample_scenes[0], 0);
     static const char *const null_of_build[] = {
-        "build_ms", "build_ms_median", "mprims_s", "cold_ms", "transfer_ms",
-        "tree",     "bytes_native",    NULL};
+        "build_ms",     "build_ms_median", "mprims_s",    "cold_ms",        "transfer_ms",   "tree",
+        "bytes_native", "build_ms_lo",     "build_ms_hi", "build_ms_least", "build_ms_most", NULL};
     const cJSON *build = section(results, "builds")->child;
     for (const char *const *name = null_of_build; *name != NULL; name++)
         if (!cJSON_IsNull(member(build, *name)))
@@ -203,6 +267,8 @@ static void no_zero_for_what_was_not_measured(void **state)
                                                 "mrays_s",
                                                 "mrays_s_lo",
                                                 "mrays_s_hi",
+                                                "mrays_s_least",
+                                                "mrays_s_most",
                                                 "node_tests_per_ray",
                                                 "prim_tests_per_ray",
                                                 "counted",
@@ -348,6 +414,50 @@ static void an_unwritable_folder_is_named(void **state)
     bb_results_destroy(results);
 }
 
+/* Earlier versions wrote bootstrap intervals, of one round even: what is read has what its samples
+ * give. A speed that was only given keeps what stands beside it. */
+static void intervals_of_older_files_are_drawn_anew(void **state)
+{
+    (void)state;
+    const char *path = results_path("bootstrapped");
+    bb_results *results = sample_results(NULL), *read = NULL, *fresh = sample_results(NULL);
+    static const char *const sections[] = {"builds", "traces"}, *const names[] = {"build_ms",
+                                                                                  "mrays_s"};
+    for (int i = 0; i < 2; i++) {
+        cJSON *row;
+        cJSON_ArrayForEach(row, section(results, sections[i]))
+        {
+            char label[64];
+            for (int k = 0; k < 4; k++) {
+                snprintf(label, sizeof label, "%s_%s", names[i], spread_names[k]);
+                cJSON_DeleteItemFromObjectCaseSensitive(row, label);
+                if (k < 2)
+                    cJSON_AddNumberToObject(row, label, 1.5);
+            }
+        }
+    }
+    cJSON *given = section(results, "traces")->child;
+    cJSON_ReplaceItemInObject(given, "ms", cJSON_CreateNull());
+    assert_int_equal(bb_results_write(results, path), BB_OK);
+    assert_int_equal(bb_results_read(path, &read), BB_OK);
+    assert_true(member(section(read, "traces")->child, "mrays_s_lo")->valuedouble == 1.5);
+    for (int i = 0; i < 2; i++) {
+        const cJSON *row = section(read, sections[i])->child,
+                    *other = section(fresh, sections[i])->child;
+        for (; row != NULL; row = row->next, other = other->next) {
+            if (!cJSON_IsArray(member(row, i == 0 ? "build_ms" : "ms")))
+                continue;
+            double ends[4], expected[4];
+            spread_of(row, names[i], ends);
+            spread_of(other, names[i], expected);
+            assert_memory_equal(ends, expected, sizeof ends);
+        }
+    }
+    bb_results_destroy(fresh);
+    bb_results_destroy(read);
+    bb_results_destroy(results);
+}
+
 /* ---- broken files ---- */
 
 static void write_plain(const char *path, const char *data, size_t size)
@@ -486,6 +596,9 @@ static void wrong_types_are_named(void **state)
         {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
          "\"claims\":[{\"claim\":\"c\",\"held\":\"yes\"}]}]}",
          "held"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
+         "\"claims\":[{\"claim\":\"c\",\"held\":null,\"verdict\":7}]}]}",
+         "verdict"},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[]} x", "not JSON"},
     };
     const char *path = results_path("types");
@@ -614,12 +727,14 @@ int main(void)
         cmocka_unit_test(context_describes_the_machine),
         cmocka_unit_test(parameters_have_their_defaults),
         cmocka_unit_test(figures_follow_from_samples),
+        cmocka_unit_test(too_few_rounds_have_no_interval),
         cmocka_unit_test(no_zero_for_what_was_not_measured),
         cmocka_unit_test(times_add_up),
         cmocka_unit_test(a_trace_needs_its_build),
         cmocka_unit_test(numbers_come_back_exactly),
         cmocka_unit_test(a_failed_write_leaves_the_old_file),
         cmocka_unit_test(an_unwritable_folder_is_named),
+        cmocka_unit_test(intervals_of_older_files_are_drawn_anew),
         cmocka_unit_test(truncated_files_are_refused),
         cmocka_unit_test(damaged_files_do_no_harm),
         cmocka_unit_test(wrong_types_are_named),

@@ -111,6 +111,69 @@ static void table_notes_partly_traced_sets(void **state)
     bb_results_destroy(results);
 }
 
+/* The line of the table after the first `heading` that begins with `start`. */
+static const char *line_after(const char *text, const char *heading, const char *start)
+{
+    const char *at = strstr(text, heading);
+    at = at != NULL ? strstr(at, start) : NULL;
+    assert_non_null(at);
+    return at + 1;
+}
+
+static bool line_has(const char *line, const char *word)
+{
+    const char *found = strstr(line, word), *end = strchr(line, '\n');
+    return found != NULL && found < end;
+}
+
+/* The sample's scenes have 6, 3 and 1 rounds that count: a heading promises no interval in vain,
+ * and of one round there are no brackets. */
+static void table_calls_a_range_a_range(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *heading;
+        bool brackets;
+    } cases[] = {{"\ncoffee", " [95 %] ", true},
+                 {"\ninterior", " [range] ", true},
+                 {"\nspheres", " ", false}};
+    static const char *const columns[] = {"build ms", "Mrays/s"};
+    bb_results *results = sample_results(NULL);
+    char *text = table_of(results);
+    for (int i = 0; i < 3; i++) {
+        const char *scene = strstr(text, cases[i].scene);
+        for (int k = 0; k < 2; k++) {
+            char heading[64];
+            snprintf(heading, sizeof heading, "%s%s", columns[k], cases[i].heading);
+            const char *line = line_after(scene, heading, "\n  sah ");
+            if (line_has(line, "[") != cases[i].brackets || line_has(line, "range"))
+                fail_msg("%s, %s: %.120s", cases[i].scene, columns[k], line);
+        }
+    }
+    assert_int_equal(count_of(text, "ms [95 %]"), 1);
+    assert_int_equal(count_of(text, "ms [range]"), 1);
+    free(text);
+    bb_results_destroy(results);
+}
+
+/* Among intervals, as in a report of several runs, a range says what it is. */
+static void table_tells_a_range_among_intervals(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    cJSON *build = cJSON_GetObjectItem(bb_results_json(results), "builds")->child;
+    cJSON *trace = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
+    cJSON_ReplaceItemInObject(build, "build_ms_lo", cJSON_CreateNull());
+    cJSON_ReplaceItemInObject(trace, "mrays_s_hi", cJSON_CreateNull());
+    char *text = table_of(results);
+    assert_true(line_has(line_after(text, "build ms [95 %]", "\n  sah "), "] range "));
+    assert_false(line_has(line_after(text, "build ms [95 %]", "\n  lbvh"), "range"));
+    assert_true(line_has(line_after(text, "Mrays/s [95 %]", "\n  sah "), "] range "));
+    assert_false(line_has(line_after(text, "Mrays/s [95 %]", "\n  lbvh"), "range"));
+    free(text);
+    bb_results_destroy(results);
+}
+
 /* The ratio is to the fastest embree-native row of the same rays. */
 static void table_ratio_is_to_the_fastest_reference(void **state)
 {
@@ -388,6 +451,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(table_hides_no_step),
         cmocka_unit_test(table_names_what_was_skipped),
         cmocka_unit_test(table_notes_partly_traced_sets),
+        cmocka_unit_test(table_calls_a_range_a_range),
+        cmocka_unit_test(table_tells_a_range_among_intervals),
         cmocka_unit_test(table_ratio_is_to_the_fastest_reference),
         cmocka_unit_test(table_copes_with_nothing),
         cmocka_unit_test(table_keeps_the_terminal_safe),

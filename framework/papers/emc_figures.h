@@ -35,7 +35,7 @@ static const struct {
     const char *builder, *plain;
 } equals[] = {{SORT64, MC64}, {VAR64, MC64}, {CELL64, MC64}, {SORT32, MC32}, {VAR32, MC32}};
 enum { EQUALS = sizeof equals / sizeof equals[0] };
-/* of the upper end of the interval of their build times' ratio */
+/* of the ratio of their build times */
 static const double build_target = 1.05;
 
 /* Cost over that of `base`. */
@@ -58,8 +58,16 @@ static inline bb_series costs(const bb_findings *all, const char *builder, const
 static inline bb_estimate speed_ratio(const bb_findings *all, const char *scene,
                                       const char *builder, const char *base)
 {
-    return bb_found_trace_ratio(&all[TRACED], (bb_cell){scene, base, "stack", NULL},
-                                (bb_cell){scene, builder, "stack", NULL});
+    return bb_found_ratio(&all[TRACED], BB_TRACE_TIME, (bb_cell){scene, base, "stack", NULL},
+                          (bb_cell){scene, builder, "stack", NULL});
+}
+
+/* Build time over that of `base`. */
+static inline bb_estimate build_ratio(const bb_findings *all, const char *scene,
+                                      const char *builder, const char *base)
+{
+    return bb_found_ratio(&all[BUILT], BB_BUILD_TIME, (bb_cell){scene, builder, NULL, NULL},
+                          (bb_cell){scene, base, NULL, NULL});
 }
 
 /* The claims. */

@@ -67,15 +67,21 @@ static inline int level_of(const char *lobvh)
     return level;
 }
 
+/* The builder with the order by view `by`. */
+static inline void name_ordered(const char *builder, int by, char name[128])
+{
+    snprintf(name, 128, "%s,view=%d", builder, by);
+}
+
 /* Rays per second on view `v` of a tree ordered by view `by`, over those without an order. */
 static inline bb_estimate view_factor(const bb_findings *f, const char *scene, const char *builder,
                                       const char *kernel, int v, int by)
 {
     char with[128];
-    snprintf(with, sizeof with, "%s,view=%d", builder, by);
+    name_ordered(builder, by, with);
     const char *view = bb_found_view(f, scene, v);
-    return bb_found_trace_ratio(f, (bb_cell){scene, builder, kernel, view},
-                                (bb_cell){scene, with, kernel, view});
+    return bb_found_ratio(f, BB_TRACE_TIME, (bb_cell){scene, builder, kernel, view},
+                          (bb_cell){scene, with, kernel, view});
 }
 
 /* The claims: all of them, and those on the order by the view, of which `f` is the experiment. */

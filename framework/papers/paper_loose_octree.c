@@ -42,7 +42,7 @@ static const bb_experiment experiments[] = {
                       .height = 768,
                       .max_rays = 1,
                       .max_views = 1,
-                      .repeats = 5},
+                      .repeats = BB_INTERVAL_ROUNDS},
     [OF_SIZES] = {.name = "the size of a box",
                   .builders = SIZE_VARIANTS,
                   .kernels = STACK,
@@ -54,7 +54,7 @@ static const bb_experiment experiments[] = {
                   .height = 768,
                   .max_rays = 1,
                   .max_views = 1,
-                  .repeats = 5},
+                  .repeats = BB_INTERVAL_ROUNDS},
     [OF_VIEWS] =
         {.name = "order by the view",
          .builders = VIEWS_OF(LBVH30) "," VIEWS_OF(LLBVH30) "," VIEWS_OF(LOBVH_VIEWLESS),
@@ -68,7 +68,7 @@ static const bb_experiment experiments[] = {
          .height = 192,
          .max_rays = 1,
          .max_views = VIEWS,
-         .repeats = 5},
+         .repeats = BB_INTERVAL_ROUNDS},
     {.name = NULL},
 };
 

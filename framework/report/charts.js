@@ -13,7 +13,8 @@ function rateText(c) {
 function cellLines(c) {
   const t = c.t, b = t.record;
   const lines = [`${t.scene}, ${t.rays}, ${c.views > 1 ? `${c.views} views together` : t.view ? `view ${t.view}` : 'whole scene'}`,
-    madeOf(c), `${interval(c.mrays_s, c.mrays_s_lo, c.mrays_s_hi)} Mrays/s` + (c.ratio ? `, ${figure(c.ratio)} of Embree` : ''),
+    madeOf(c), measured(c.mrays_s, 'Mrays/s', spreadOf(c, 'mrays_s')) +
+      (c.ratio ? `; ${figure(c.ratio)} of Embree` : ''),
     `wrong per million: ${rateText(c)}${partly(c)}`];
   if (c.wrong_rays > 0)
     lines.push(`95 %: ${figure(c.ppm_lo)} to ${figure(c.ppm_hi)}; missed ${whole(c.missed)}, false ${whole(c.false)}, ` +
@@ -86,6 +87,15 @@ wrongColumn.css = p => p.cell.none ? '' : 'odd';
 const frontColumn = { name: 'Front', title: 'on the Pareto front',
                       text: p => p.front ? 'on front' : p.cell.reference ? 'ref.' : dash };
 
+/* What the upright lines of a chart are. */
+function spreadNote(points) {
+  const spreads = points.map(p => p.ySpread).filter(Boolean);
+  const sure = spreads.some(s => s.isInterval), unsure = spreads.some(s => !s.isInterval);
+  return (sure ? 'Upright lines at the marks are 95 % intervals of the median. ' : '') +
+    (unsure ? 'Dashed upright lines at the marks are the range of the rounds, too few for a 95 % ' +
+              'interval. ' : '');
+}
+
 function notes(set, cells, points) {
   const checked = unique(points.filter(p => p.none).map(p => p.cell.checked)).map(whole);
   return (checked.length ? `Here n is ${checked.slice(0, 4).join(' or ')}. ` : '') +
@@ -101,11 +111,12 @@ function drawAccuracy(set, cells) {
   const checkedFirst = c => isNumber(c.ppm) ? c.mrays_s : -1;
   const drawn = tree === '' ? bestPer(ours, c => JSON.stringify([c.t.kernel, c.t.intersector]), checkedFirst) : ours;
   const [points, front] = wrongPoints(drawn.concat(references), kernelKey, c => c.mrays_s, c => c.mrays_s);
-  for (const p of points) Object.assign(p, { yLow: p.cell.mrays_s_lo, yHigh: p.cell.mrays_s_hi });
+  for (const p of points) p.ySpread = spreadOf(p.cell, 'mrays_s');
   const range = wrongRange(points);
   const marks = marksOf(points, c => c.reference ? c.label : c.t.kernel, kernelColour);
   if (front.length) marks.push(line('Pareto front', stairs(front, 0, range.max)));
-  $('accuracy-note').textContent = notes(set, drawn.concat(references), points);
+  $('accuracy-note').textContent =
+    spreadNote(points) + notes(set, drawn.concat(references), points);
   const show = markTable('accuracy-table', 'chart-accuracy', points, [
     { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel },
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
@@ -180,13 +191,15 @@ function drawTime(set, cells) {
 function drawQuality(set, cells) {
   const measure = $('pick-measure').value, name = measure.toUpperCase();
   const points = cells.filter(c => !c.reference).map(c => ({
-    cell: c, key: builderKey(c) + kernelKey(c), x: c[measure], y: c.mrays_s, none: c.none, yLow: c.mrays_s_lo, yHigh: c.mrays_s_hi }));
+    cell: c, key: builderKey(c) + kernelKey(c), x: c[measure], y: c.mrays_s, none: c.none,
+    ySpread: spreadOf(c, 'mrays_s') }));
   const sets = marksOf(points, c => c.label, builderColour), xs = sets.flatMap(s => s.data).map(p => p.x);
   const rate = Math.max(0, ...cells.filter(c => c.reference).map(c => c.mrays_s));
   if (rate > 0 && xs.length > 0)
     sets.push(line('fastest embree-native', [{ x: Math.min(...xs), y: rate }, { x: Math.max(...xs), y: rate }],
                    { borderDash: [6, 4] }));
-  $('quality-note').textContent = 'Keys: builder and kernel. Filled marks gave wrong answers.' +
+  $('quality-note').textContent = spreadNote(sets.flatMap(s => s.data)) +
+    'Keys: builder and kernel. Filled marks gave wrong answers.' +
     (rate > 0 && xs.length ? ' Dashed: the fastest embree-native row, whose tree is not seen.' : '') +
     (xs.length ? '' : ` ${name} was not measured here.`);
   draw('chart-quality', `Trace speed against ${name}`, sets,
@@ -197,8 +210,9 @@ function drawQuality(set, cells) {
 function drawBuild(set, cells) {
   const best = bestPer(cells.filter(c => c.usable), c => c.label, c => c.mrays_s);
   const points = best.map(c => ({ cell: c, key: builderKey(c), x: c.t.record.mprims_s, y: c.mrays_s, none: c.none,
-                                  yLow: c.mrays_s_lo, yHigh: c.mrays_s_hi }));
+                                  ySpread: spreadOf(c, 'mrays_s') }));
   const sets = marksOf(points, c => c.label, builderColour);
+  $('build-note').textContent = spreadNote(sets.flatMap(s => s.data));
   draw('chart-build', 'Build speed against trace speed', sets,
        { x: axis('Mprims/s built (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.x))),
          y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) }, p => cellLines(p.cell));
@@ -236,7 +250,8 @@ function drawGrowth() {
        { x: axis('primitives (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.x))),
          y: axis('ns per primitive (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.y))) },
        p => [`${whole(p.x)} primitives: ${figure(p.y)} ns each`,
-             `${interval(p.build.build_ms_median, p.build.build_ms_lo, p.build.build_ms_hi)} ms`, p.build.scene]);
+             measured(p.build.build_ms_median, 'ms', spreadOf(p.build, 'build_ms')),
+             p.build.scene]);
 }
 
 function drawAll(set) {

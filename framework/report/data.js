@@ -27,8 +27,23 @@ function figure(value) {
   return value.toLocaleString('en', { minimumFractionDigits: Math.min(decimals, 2), maximumFractionDigits: decimals });
 }
 const whole = value => isNumber(value) ? Math.round(value).toLocaleString('en') : dash;
-const interval = (value, low, high) =>
-  [value, low, high].every(isNumber) ? `${figure(value)} [${figure(low)}, ${figure(high)}]` : figure(value);
+
+/* What is known of the median `name` of a build, a trace or a cell: its 95 % interval; of too few
+ * rounds for one, their range; of a single round, nothing. */
+function spreadOf(row, name) {
+  for (const [low, high, isInterval] of [['lo', 'hi', true], ['least', 'most', false]]) {
+    const ends = [row[`${name}_${low}`], row[`${name}_${high}`]];
+    if (ends.every(isNumber)) return { low: ends[0], high: ends[1], isInterval };
+  }
+  return null;
+}
+const brackets = spread => spread ? ` [${figure(spread.low)}, ${figure(spread.high)}]` : '';
+
+/* "41.2 Mrays/s, 95 %: 40.1 to 43.0", "41.2 Mrays/s, range: 40.1 to 43.0" */
+function measured(value, unit, spread) {
+  const text = `${figure(value)} ${unit}`, kind = spread && spread.isInterval ? '95 %' : 'range';
+  return spread ? `${text}, ${kind}: ${figure(spread.low)} to ${figure(spread.high)}` : text;
+}
 
 function bytes(value) {
   if (!isNumber(value)) return dash;

@@ -31,7 +31,8 @@ function decades(values) {
   return { min: 10 ** Math.floor(Math.min(...logs) - 1e-9), max: 10 ** Math.ceil(Math.max(...logs) + 1e-9) };
 }
 
-/* Under the marks their intervals, and for "at most" an arrow to the left; over them as many keys as find room. */
+/* Under the marks their intervals, or ranges, which are dashed, and for "at most" an arrow to the
+ * left; over them as many keys as find room. */
 const annotations = {
   id: 'annotations',
   beforeDatasetsDraw(chart) {
@@ -52,7 +53,10 @@ const annotations = {
         if (p.none && p.atMost) stroke([at[0] - 20, at[1]], [at[0] - 15, at[1] + 4]);
         const across = value => [inside(x.getPixelForValue(value)), at[1]];
         if (!p.none && isNumber(p.xLow)) stroke(across(p.xLow), across(p.xHigh));
-        if (isNumber(p.yLow)) stroke([at[0], y.getPixelForValue(p.yLow)], [at[0], y.getPixelForValue(p.yHigh)]);
+        if (!p.ySpread) continue;
+        ctx.setLineDash(p.ySpread.isInterval ? [] : [2, 3]);
+        stroke(...[p.ySpread.low, p.ySpread.high].map(value => [at[0], y.getPixelForValue(value)]));
+        ctx.setLineDash([]);
       }
     }
     ctx.restore();

@@ -41,7 +41,8 @@ const verdicts = { true: ['held', '\u2713 held'], false: ['failed', '\u2717 not 
 const entry = value => typeof value === 'number' ? figure(value) : value ?? dash;
 
 function claimItem(claim) {
-  const [css, text] = verdicts[claim.held ?? null];
+  const [css, decided] = verdicts[claim.held ?? null];
+  const text = css === 'open' && claim.verdict ? `? ${claim.verdict}` : decided;
   const details = [['Paper', claim.paper], ['Here', claim.ours], ['Why', claim.why]].filter(([, value]) => (value ?? '') !== '');
   return el('li', {}, el('span', { class: `verdict ${css}` }, text), ' ', String(claim.claim),
             el('dl', {}, ...details.flatMap(([name, value]) => [el('dt', {}, name), el('dd', {}, String(value))])));

@@ -70,6 +70,19 @@ function addTable(section, caption, columns, rows, settings) {
 const runColumn = merged ? [{ name: 'Run', number: true, value: runOf, text: row => runOf(row) + 1 }] : [];
 const num = (name, get, title, text) =>
   ({ name, number: true, value: get, text: row => (text || figure)(get(row)), title });
+/* A column of medians. Its heading says what the brackets hold; a range among intervals says so
+ * itself. */
+function medianColumn(title, rows, name, get) {
+  const spreads = rows.map(row => spreadOf(row, name));
+  const sure = spreads.some(s => s && s.isInterval);
+  const what = sure ? ' [95 %]' : spreads.some(Boolean) ? ' [range]' : '';
+  const text = row => {
+    const spread = spreadOf(row, name), odd = sure && spread && !spread.isInterval;
+    return figure(get(row)) + brackets(spread) + (odd ? ' range' : '');
+  };
+  return { name: title + what, number: true, value: get,
+           text: row => row.status === 'ok' ? text(row) : row.status };
+}
 const minor = columns => columns.map(column => Object.assign(column, { minor: true }));
 const statusText = row => row.status === 'ok' ? 'ok' : row.reason ? `${row.status}: ${row.reason}` : row.status;
 
@@ -82,8 +95,7 @@ function traceTable() {
     { name: 'Tree', text: t => ({ true: 'native', false: 'reshaped' })[t.native] || dash,
       title: 'native: the layout keeps the shape of the builder\u2019s own tree' },
     { name: 'Intersector', text: t => t.intersector || dash },
-    { name: 'Mrays/s [95 %]', number: true, value: t => t.mrays_s,
-      text: t => t.status === 'ok' ? interval(t.mrays_s, t.mrays_s_lo, t.mrays_s_hi) : t.status },
+    medianColumn('Mrays/s', traces, 'mrays_s', t => t.mrays_s),
     { name: 'Wrong ppm', number: true, value: t => t.acc.wrong_ppm, text: t => t.status === 'ok' ? wrongText(t) : dash,
       css: t => t.wrong || t.acc.overflowed > 0 ? 'wrong' : t.acc.wrong_ppm > 0 ? 'odd' : '' },
     num('/Embree', t => t.ratio, 'ratio to the fastest embree-native row on the same rays'),
@@ -118,8 +130,7 @@ function buildTable() {
   addTable($('builds'), 'Builds. Press a heading to sort; the table scrolls sideways.', [
     { name: 'Builder', text: b => b.builder }, ...runColumn, { name: 'Scene', text: b => b.scene },
     num('Mprims/s', b => b.mprims_s),
-    { name: 'Build ms [95 %]', number: true, value: b => b.build_ms_median,
-      text: b => b.status === 'ok' ? interval(b.build_ms_median, b.build_ms_lo, b.build_ms_hi) : b.status },
+    medianColumn('Build ms', builds, 'build_ms', b => b.build_ms_median),
     ...minor([num('Cold ms', b => b.cold_ms, 'first build after allocation'),
               num('Transfer ms', b => b.transfer_ms, 'between host and device')]),
     tree('SAH', 'sah'), tree('EPO', 'epo'), tree('Depth', 'depth', whole),

@@ -31,6 +31,21 @@ for (const scene of values('pick-scene')) {
 }
 expect(choices >= 3 * 5 * 7, `only ${choices} choices`);
 
+/* What the upright lines are: of 6 rounds intervals, of 3 a range, of 1 there are none. */
+const notes = [['Upright lines at the marks are 95 % intervals'],
+               ['Dashed upright lines at the marks are the range'], []];
+values('pick-scene').forEach((scene, i) => {
+  choose('pick-scene', scene);
+  for (const id of ['accuracy-note', 'quality-note', 'build-note'])
+    for (const words of notes.flat())
+      expect($(id).textContent.includes(words) === notes[i].includes(words),
+             `${scene} ${id}: '${words}'`);
+  const marked = Chart.getChart('chart-accuracy').data.datasets.filter(set => !set.isLine);
+  const spreads = marked.flatMap(set => set.data).map(p => p.ySpread);
+  expect(spreads.every(s => i === 2 ? !s : s.isInterval === (i === 0)), `${scene}: other lines`);
+});
+choose('pick-scene', values('pick-scene')[0]);
+
 /* A hidden series takes its marks with it, and comes back. */
 choose('pick-tree', '*');
 for (const button of document.querySelectorAll('#legend-kernels button, #legend-builders button')) {

@@ -1,0 +1,159 @@
+/* What the tests of papers share: made-up results whose answers are known, and the claims that
+ * follow. */
+#ifndef BB_PAPER_FIXTURE_H
+#define BB_PAPER_FIXTURE_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "framework/random.h"
+#include "framework/record_private.h"
+#include "framework/reproduce.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <string.h>
+
+static char flat[] = "flat", cubic[] = "cubic";
+static char *scenes[] = {flat, cubic};
+static int rounds = 7;   /* that count */
+static double noise = 0; /* of the times: at most this share */
+static bb_random noise_source;
+
+/* ---- made-up results ---- */
+
+static inline bb_results *new_results(void)
+{
+    bb_results *results = NULL;
+    assert_int_equal(bb_results_create(&(bb_context){NULL, 1, "test"}, &results), BB_OK);
+    for (int i = 0; i < 2; i++) {
+        bb_scene scene = {.prim_count = 1000, .triangle_count = 1000, .kinds = BB_TRIANGLES};
+        snprintf(scene.name, sizeof scene.name, "%s", scenes[i]);
+        scene.profile.flatness = i == 0 ? 0.01 : 0.9;
+        scene.view_count = 3;
+        snprintf(scene.views[0].name, sizeof scene.views[0].name, "front");
+        snprintf(scene.views[1].name, sizeof scene.views[1].name, "back");
+        snprintf(scene.views[2].name, sizeof scene.views[2].name, "top");
+        assert_int_equal(bb_results_add_scene(results, &scene, NULL), BB_OK);
+    }
+    return results;
+}
+
+/* Times are those given times 1, 2, 1 ... per round, which a paired ratio does not see. */
+static inline void add_rounds(bb_samples *samples, double ms)
+{
+    for (int i = 0; i <= rounds; i++)
+        bb_samples_add(samples,
+                       ms * (1 + i % 2) * (1 + bb_random_range(&noise_source, -noise, noise)));
+}
+
+static inline uint32_t add_build(bb_results *results, const char *scene, const char *builder,
+                                 double sah, double ms)
+{
+    bb_build_record record;
+    bb_spec spec;
+    assert_int_equal(bb_spec_parse(builder, &spec), BB_OK);
+    bb_build_record_init(&record);
+    record.id = bb_results_next_build(results);
+    record.spec = &spec;
+    snprintf(record.scene, sizeof record.scene, "%s", scene);
+    add_rounds(&record.build_ms, ms);
+    record.has_tree = true;
+    record.sah = sah;
+    assert_int_equal(bb_results_add_build(results, &record), BB_OK);
+    return record.id;
+}
+
+static inline void add_trace_by(bb_results *results, uint32_t build, const char *kernel,
+                                const char *view, double ms, double boxes)
+{
+    const cJSON *entry = bb_results_build(results, build);
+    bb_trace_record record;
+    bb_trace_record_init(&record);
+    record.build = build;
+    snprintf(record.scene, sizeof record.scene, "%s", bb_json_text(entry, "scene"));
+    snprintf(record.builder, sizeof record.builder, "%s", bb_json_text(entry, "builder"));
+    snprintf(record.view, sizeof record.view, "%s", view);
+    snprintf(record.kernel, sizeof record.kernel, "%s", kernel);
+    snprintf(record.rays, sizeof record.rays, "diffuse");
+    record.count = 1000;
+    record.counted = 1000;
+    record.node_tests_per_ray = boxes;
+    record.prim_tests_per_ray = 1;
+    add_rounds(&record.ms, ms);
+    assert_int_equal(bb_results_add_trace(results, &record), BB_OK);
+}
+
+static inline void add_trace(bb_results *results, uint32_t build, const char *view, double ms,
+                             double boxes)
+{
+    add_trace_by(results, build, "stack", view, ms, boxes);
+}
+
+static inline bb_findings findings_of(bb_results *results, uint32_t first)
+{
+    return (bb_findings){NULL, results, first, bb_results_next_build(results), scenes, 2};
+}
+
+/* ---- claims ---- */
+
+/* The codes' costs on both scenes; experiment 2 of the paper emc has what it varies. */
+typedef struct costs {
+    double sort[2], var[2];
+} costs;
+
+static const char *const mc64 = "emc:code=mc64,box=scene";
+static const char *const sort64 = "emc:code=emc64-sort,box=scene";
+static const char *const var64 = "emc:code=emc64-var,box=scene";
+
+static inline cJSON *reproduce_emc(bb_results *results, costs cost, const double speed[2])
+{
+    const bb_paper *paper = NULL;
+    assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
+    bb_findings all[BB_EXPERIMENTS_MAX];
+    for (int e = 0; e < 4; e++) {
+        uint32_t first = bb_results_next_build(results);
+        for (int s = 0; s < 2; s++) {
+            uint32_t plain = add_build(results, scenes[s], mc64, 100, 10);
+            uint32_t sort = add_build(results, scenes[s], sort64, 100 * cost.sort[s], 10.1);
+            uint32_t var = add_build(results, scenes[s], var64, 100 * cost.var[s], 12);
+            if (e != 0)
+                continue;
+            add_trace(results, plain, "", 6, 40);
+            add_trace(results, sort, "", 6, 40);
+            add_trace(results, var, "", 6 / speed[s], 30);
+        }
+        all[e] = findings_of(results, first);
+    }
+    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
+    cJSON *reproductions = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+    return cJSON_GetArrayItem(reproductions, cJSON_GetArraySize(reproductions) - 1);
+}
+
+/* Whether the claim with these words held. */
+static inline const cJSON *claim_with(const cJSON *reproduction, const char *words)
+{
+    const cJSON *claim;
+    cJSON_ArrayForEach(claim, cJSON_GetObjectItem(reproduction, "claims"))
+    {
+        if (strstr(bb_json_text(claim, "claim"), words) != NULL)
+            return cJSON_GetObjectItem(claim, "held");
+    }
+    fail_msg("no claim with '%s'", words);
+    return NULL;
+}
+
+/* The verdict on it. */
+static inline const char *verdict_with(const cJSON *reproduction, const char *words)
+{
+    const cJSON *item = claim_with(reproduction, words);
+    while (strcmp(item->string, "verdict") != 0)
+        item = item->next;
+    return item->valuestring;
+}
+
+#endif

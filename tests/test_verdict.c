@@ -1,0 +1,223 @@
+/* Claims of papers on times: they hold, or do not, only by a whole 95 % interval. Made-up times of
+ * the paper on loose octrees, which has most of them. */
+#include "framework/papers/loose_octree_figures.h"
+#include "tests/paper_fixture.h"
+
+static bb_estimate estimate_of(double low, double high)
+{
+    return (bb_estimate){.value = 0.5 * (low + high), .low = low, .high = high};
+}
+
+static void verdicts_need_a_whole_interval(void **state)
+{
+    (void)state;
+    const bb_estimate few = {.value = 2, .low = NAN, .high = NAN, .least = 1.9, .most = 2.1};
+    assert_int_equal(bb_above(estimate_of(1.1, 1.3), 1), BB_HELD);
+    assert_int_equal(bb_above(estimate_of(0.9, 1.3), 1), BB_OPEN);
+    assert_int_equal(bb_above(estimate_of(0.8, 0.9), 1), BB_NOT_HELD);
+    assert_int_equal(bb_above(estimate_of(1, 1), 1), BB_NOT_HELD);
+    assert_int_equal(bb_above(few, 1), BB_TOO_FEW_ROUNDS);
+    assert_int_equal(bb_above(bb_not_measured, 1), BB_NOT_TESTED);
+    assert_int_equal(bb_below(estimate_of(0.8, 0.9), 1), BB_HELD);
+    assert_int_equal(bb_below(estimate_of(0.8, 1.1), 1), BB_OPEN);
+    assert_int_equal(bb_below(estimate_of(1.1, 1.2), 1), BB_NOT_HELD);
+    assert_int_equal(bb_within(estimate_of(0.96, 1.04), 0.95, 1.05), BB_HELD);
+    assert_int_equal(bb_within(estimate_of(0.94, 1.04), 0.95, 1.05), BB_OPEN);
+    assert_int_equal(bb_within(estimate_of(0.90, 1.10), 0.95, 1.05), BB_OPEN);
+    assert_int_equal(bb_within(estimate_of(1.06, 1.10), 0.95, 1.05), BB_NOT_HELD);
+    assert_int_equal(bb_within(estimate_of(0.80, 0.90), 0.95, 1.05), BB_NOT_HELD);
+    assert_int_equal(bb_within(few, 0.95, 1.05), BB_TOO_FEW_ROUNDS);
+}
+
+static void verdicts_of_several_scenes(void **state)
+{
+    (void)state;
+    const bb_verdict yes = BB_HELD, no = BB_NOT_HELD, open = BB_OPEN, few = BB_TOO_FEW_ROUNDS,
+                     none = BB_NOT_TESTED;
+    const struct {
+        bb_verdict each[4];
+        size_t count;
+        bb_verdict all, most;
+    } cases[] = {
+        {{yes}, 0, none, none},          {{yes, yes}, 2, yes, yes},
+        {{yes, open}, 2, open, open},    {{yes, yes, open}, 3, open, yes},
+        {{yes, no}, 2, no, no},          {{yes, yes, no}, 3, no, yes},
+        {{no, none}, 2, no, no},         {{yes, none}, 2, none, yes},
+        {{none, none}, 2, none, none},   {{few, few}, 2, few, few},
+        {{no, open, open}, 3, no, open},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        if (bb_all(cases[i].each, cases[i].count) != cases[i].all ||
+            bb_most(cases[i].each, cases[i].count) != cases[i].most)
+            fail_msg("case %zu: all %d, most %d", i, bb_all(cases[i].each, cases[i].count),
+                     bb_most(cases[i].each, cases[i].count));
+}
+
+static void estimates_say_what_they_are(void **state)
+{
+    (void)state;
+    const bb_estimate few = {.value = 2, .low = NAN, .high = NAN, .least = 1.9, .most = 2.1};
+    const bb_estimate one = {.value = 2, .low = NAN, .high = NAN, .least = NAN, .most = NAN};
+    const bb_estimate all[] = {estimate_of(1, 2), few, one, bb_not_measured};
+    bb_words words = {0};
+    for (int i = 0; i < 4; i++) {
+        bb_say_estimate(&words, all[i]);
+        bb_say(&words, "; ");
+    }
+    assert_string_equal(words.text, "1.500 [95 %: 1.000 to 2.000]; 2.000 [range: 1.900 to 2.100]; "
+                                    "2.000; not measured; ");
+}
+
+/* Times that bear out all that the paper on loose octrees says of times: of a build, and of its
+ * trace by the kernel of its method. */
+static const struct {
+    const char *builder;
+    double build_ms, trace_ms;
+} octrees[] = {
+    {LBVH30, 10, 10}, {LLBVH30, 13, 9.8}, {LOBVH6, 3, 5},     {LOBVH7, 5, 5.2},
+    {LOBVH8, 9, 5},   {LOBVH_AUTO, 3, 5}, {SMALLEST, 13, 10}, {LARGEST, 13, 12},
+    {MEAN, 13, 12},   {VOLUME, 13, 12},   {UNFITTED, 13, 11}, {EVEN, 13, 10.5},
+};
+
+/* Three views by both kernels, without an order and with that of each view. */
+static void add_ordered(bb_results *results, const char *scene, const char *builder)
+{
+    static const char *const views[] = {"front", "back", "top"};
+    bool ours = strcmp(builder, LOBVH_VIEWLESS) == 0;
+    for (int by = -1; by < VIEWS; by++) {
+        char name[128];
+        if (by < 0)
+            snprintf(name, sizeof name, "%s", builder);
+        else
+            name_ordered(builder, by, name);
+        uint32_t id = add_build(results, scene, name, 100, 10);
+        for (int v = 0; v < VIEWS; v++) {
+            add_trace_by(results, id, STACK, views[v], 10, 30);
+            add_trace_by(results, id, STACKLESS, views[v], ours && by == v ? 10 : 80, 30);
+        }
+    }
+}
+
+static cJSON *reproduce_octrees(bb_results *results)
+{
+    const bb_paper *paper = NULL;
+    assert_int_equal(bb_paper_find("loose-octree", &paper), BB_OK);
+    bb_findings all[BB_EXPERIMENTS_MAX];
+    for (int e = 0; e < 4; e++) {
+        uint32_t first = bb_results_next_build(results);
+        for (int s = 0; s < 2; s++) {
+            for (size_t i = 0; e < OF_VIEWS && i < sizeof octrees / sizeof octrees[0]; i++) {
+                const char *builder = octrees[i].builder;
+                uint32_t id = add_build(results, scenes[s], builder, 100, octrees[i].build_ms);
+                add_trace_by(results, id, strstr(builder, "lobvh") != NULL ? STACKLESS : STACK,
+                             "front", octrees[i].trace_ms, 30);
+            }
+            for (int i = 0; e == OF_VIEWS && i < 3; i++)
+                add_ordered(results, scenes[s], ordered[i]);
+        }
+        all[e] = findings_of(results, first);
+    }
+    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
+    return cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
+}
+
+/* All that depend on times; by the made-up ones they hold, but for LOBVH's slowness on triangles.
+ */
+static const struct {
+    const char *words;
+    bool held;
+} octree_claims[] = {
+    {"LOBVH has the shortest build + trace", true},
+    {"A seventh level", true},
+    {"LLBVH's build gets longer by more", true},
+    {"LLBVH's build is often slower", true},
+    {"LLBVH traces triangles hardly faster", true},
+    {"On triangles LOBVH is significantly slower", false},
+    {"With 8 levels instead of 7", true},
+    {"Levels from the smallest side", true},
+    {"Size told every two levels", true},
+    {"faster by an order of", true},
+    {"On the binary trees, traced with a stack", true},
+};
+enum { OCTREE_CLAIMS = sizeof octree_claims / sizeof octree_claims[0] };
+
+static void enough_rounds_decide(void **state)
+{
+    (void)state;
+    bb_results *results = new_results();
+    const cJSON *r = reproduce_octrees(results);
+    for (int i = 0; i < OCTREE_CLAIMS; i++) {
+        const char *verdict = verdict_with(r, octree_claims[i].words);
+        if (strcmp(verdict, octree_claims[i].held ? "held" : "not held") != 0)
+            fail_msg("%s: %s", octree_claims[i].words, verdict);
+        assert_true(cJSON_IsBool(claim_with(r, octree_claims[i].words)));
+    }
+    /* no scene of hairs is there */
+    assert_string_equal(verdict_with(r, "On hairball LOBVH is faster"), "cannot be tested here");
+    bb_results_destroy(results);
+}
+
+static const char *const emc_claims_on_times[] = {"traces diffuse rays faster", "follows the cost",
+                                                  "do not increase the build time"};
+
+/* The very same times, in too few rounds for an interval: nothing is said of them, and what is no
+ * time is judged as ever. */
+static void too_few_rounds_decide_nothing(void **state)
+{
+    (void)state;
+    for (rounds = 1; rounds < BB_INTERVAL_ROUNDS; rounds++) {
+        bb_results *results = new_results();
+        const cJSON *r = reproduce_octrees(results);
+        for (int i = 0; i < OCTREE_CLAIMS; i++)
+            if (strcmp(verdict_with(r, octree_claims[i].words), "undecided: too few rounds") != 0)
+                fail_msg("%d rounds, %s: %s", rounds, octree_claims[i].words,
+                         verdict_with(r, octree_claims[i].words));
+        bb_results_destroy(results);
+
+        results = new_results();
+        const double faster[] = {2, 1};
+        r = reproduce_emc(results, (costs){{.8, .9}, {.5, 1}}, faster);
+        for (int i = 0; i < 2; i++) {
+            assert_string_equal(verdict_with(r, emc_claims_on_times[i]),
+                                "undecided: too few rounds");
+            assert_true(cJSON_IsNull(claim_with(r, emc_claims_on_times[i])));
+        }
+        /* the codes of 32 bits are missing, too */
+        assert_string_equal(verdict_with(r, emc_claims_on_times[2]), "cannot be tested here");
+        assert_true(cJSON_IsTrue(claim_with(r, "lowers the cost of LBVH")));
+        bb_results_destroy(results);
+    }
+    rounds = 7;
+}
+
+/* With noise larger than what is to be told apart the intervals reach to both sides. */
+static void noise_decides_nothing(void **state)
+{
+    (void)state;
+    static const char *const close[] = {"Levels from the smallest side", "A seventh level",
+                                        "LLBVH traces triangles hardly faster"};
+    noise = 0.7;
+    noise_source = bb_random_make(1, 0);
+    bb_results *results = new_results();
+    const cJSON *r = reproduce_octrees(results);
+    for (int i = 0; i < 3; i++) {
+        const char *verdict = verdict_with(r, close[i]);
+        if (strcmp(verdict, "undecided: a 95 % interval reaches to both sides") != 0)
+            fail_msg("%s: %s", close[i], verdict);
+    }
+    noise = 0;
+    bb_results_destroy(results);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(verdicts_need_a_whole_interval),
+        cmocka_unit_test(verdicts_of_several_scenes),
+        cmocka_unit_test(estimates_say_what_they_are),
+        cmocka_unit_test(enough_rounds_decide),
+        cmocka_unit_test(too_few_rounds_decide_nothing),
+        cmocka_unit_test(noise_decides_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
