@@ -68,18 +68,18 @@ static const bb_option edges_options[] = {
 };
 
 const bb_workload bb_workloads[] = {
-    {"primary", "one ray per pixel, closest hit", BB_CLOSEST_HIT, true, primary_options},
+    {"primary", "one ray per pixel, closest hit", BB_CLOSEST_HIT, true, false, primary_options},
     {"ao", "ambient occlusion: short cosine-weighted rays from primary hits, any hit", BB_ANY_HIT,
-     false, ao_options},
+     false, false, ao_options},
     {"diffuse", "unbounded cosine-weighted rays from primary hits, closest hit", BB_CLOSEST_HIT,
-     false, diffuse_options},
+     false, false, diffuse_options},
     {"shadow", "one ray per primary hit to a point of a square light, any hit", BB_ANY_HIT, false,
-     shadow_options},
+     false, shadow_options},
     {"random", "from a uniform point of the scene's box through another, closest hit",
-     BB_CLOSEST_HIT, false, random_options},
+     BB_CLOSEST_HIT, false, false, random_options},
     {"edges", "from inside a closed mesh at its edges and vertices: each must hit, closest hit",
-     BB_CLOSEST_HIT, false, edges_options},
-    {NULL, NULL, BB_CLOSEST_HIT, false, NULL},
+     BB_CLOSEST_HIT, false, true, edges_options},
+    {NULL, NULL, BB_CLOSEST_HIT, false, false, NULL},
 };
 
 const char *bb_query_name(bb_query query)
@@ -251,6 +251,11 @@ static bb_status begin_job(const bb_scene *scene, const bb_rays_request *request
     job->tmin = (float)tmin;
     job->rays->workload = workload;
     job->rays->query = workload->query;
+    job->rays->must_hit = workload->must_hit;
+    job->rays->seed = request->seed;
+    job->rays->primary_width = request->width;
+    job->rays->primary_height = request->height;
+    job->rays->max_rays = request->max_rays;
     snprintf(job->rays->name, sizeof job->rays->name, "%s", spec->text);
     BB_TRY(bb_spec_parse(spec->text, &job->rays->spec));
     if (request->view != NULL)

@@ -87,7 +87,6 @@ bb_status bb_rays_edges(bb_rays_job *job)
                        scene->name);
     BB_TRY(find_radius(scene, &radius));
     BB_TRY(bb_rays_reserve(job->rays, (uint32_t)count));
-    job->rays->must_hit = true;
     bb_random random = bb_random_make(job->request->seed, 0x65646765);
     for (uint32_t i = 0; i < job->rays->count; i++) {
         bb_ray *ray = &job->rays->rays[i];

@@ -506,6 +506,7 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
                                   : cJSON_AddNullToObject(entry, "native") != NULL) &&
         put_text(entry, "intersector", trace->intersector) &&
         put_text(entry, "rays", trace->rays) &&
+        put_text(entry, "rays_source", trace->rays_as_given ? "as given" : "workload") &&
         put_text(entry, "query", bb_query_name(trace->query)) &&
         put_number(entry, "count", trace->count) &&
         put_hash(entry, "rays_hash", trace->rays_hash) &&

@@ -12,7 +12,7 @@ function rateText(c) {
 
 function cellLines(c) {
   const t = c.t, b = t.record;
-  const lines = [`${t.scene}, ${t.rays}, ${c.views > 1 ? `${c.views} views together` : t.view ? `view ${t.view}` : 'whole scene'}`,
+  const lines = [`${t.scene}, ${raysName(t)}, ${c.views > 1 ? `${c.views} views together` : t.view ? `view ${t.view}` : 'whole scene'}`,
     madeOf(c), `${interval(c.mrays_s, c.mrays_s_lo, c.mrays_s_hi)} Mrays/s` + (c.ratio ? `, ${figure(c.ratio)} of Embree` : ''),
     `wrong per million: ${rateText(c)}${partly(c)}`];
   if (c.wrong_rays > 0)
