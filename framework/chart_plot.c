@@ -151,6 +151,9 @@ void bb_plot_begin(bb_plot *p, const bb_frame *f)
     bb_plot_quoted(out, p->set->scene);
     fputs(", ", out);
     bb_plot_quoted(out, p->set->rays);
+    if (p->set->cell_count > 0 &&
+        strcmp(bb_json_text(p->set->cells[0].trace, "rays_source"), "as given") == 0)
+        fputs(" (rays as given)", out);
     /* the line break needs double quotes, which would expand what is in a name */
     fprintf(out, ": %s'.\"\\n%s", f->title, f->subtitle);
     if (f->left_out > 0)

@@ -21,6 +21,8 @@ static const bb_cli_option options[] = {
     {"mrays-s", "X", "its speed with it in million rays per second, for the record", true},
     {"name", "TEXT", "its name; default: as in the file of hits, else `outside`", false},
     {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
+    {"verify", "yes|no", "make the rays again and compare; no: for rays made by hand; default: yes",
+     false},
     {"out", "DIR", "folder of results.json and report.html; default: none are written", false},
     {.name = NULL},
 };
@@ -39,6 +41,7 @@ enum { SETS_MAX = 64 };
 
 typedef struct job {
     const char *folder; /* NULL: no results are written */
+    bool by_hand;       /* --verify no: the rays are of no workload */
     double max_wrong_ppm;
     double start;
     bb_spec name;
@@ -66,6 +69,15 @@ static bb_status read_speeds(const bb_cli *cli, job *j)
     return BB_OK;
 }
 
+static bb_status read_verify(const bb_cli *cli, job *j)
+{
+    const char *verify = bb_cli_value(cli, "verify");
+    j->by_hand = verify != NULL && strcmp(verify, "no") == 0;
+    if (verify != NULL && !j->by_hand && strcmp(verify, "yes") != 0)
+        return bb_fail(BB_INVALID, "--verify is '%s', must be yes or no", verify);
+    return BB_OK;
+}
+
 static bb_status read_options(const bb_cli *cli, job *j)
 {
     uint32_t rays_count, hits_count;
@@ -84,6 +96,7 @@ static bb_status read_options(const bb_cli *cli, job *j)
     }
     j->folder = bb_cli_value(cli, "out");
     BB_TRY(read_speeds(cli, j));
+    BB_TRY(read_verify(cli, j));
     BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &j->max_wrong_ppm));
     const char *name = bb_cli_value(cli, "name");
     return name != NULL ? bb_spec_parse(name, &j->name) : BB_OK;
@@ -99,25 +112,28 @@ static bb_status check_new(const job *j, uint32_t set)
     return BB_OK;
 }
 
-/* All files are read before anything is judged: what is refused shall be refused at once. */
+/* All files are read, and all rays verified, before anything is judged: what is refused shall be
+ * refused at once. */
 static bb_status read_files(const bb_cli *cli, job *j)
 {
     BB_TRY(bb_scene_load(bb_cli_value(cli, "scene"), &j->scene));
     for (uint32_t i = 0; i < j->set_count; i++) {
         ray_set *set = &j->sets[i];
-        BB_TRY(bb_exchange_read_rays(set->rays_path, j->scene, &set->rays));
+        BB_TRY(bb_exchange_read_rays(set->rays_path, j->scene, j->by_hand, &set->rays));
         BB_TRY(check_new(j, i));
         BB_TRY(bb_exchange_read_hits(set->hits_path, j->scene, set->rays, &set->outside));
     }
     const char *tracer = j->sets[0].outside.tracer;
     if (j->name.name == NULL)
         BB_TRY(bb_spec_parse(tracer[0] != '\0' ? tracer : "outside", &j->name));
+    BB_TRY(bb_oracle_create(j->scene, bb_core_count(), &j->oracle));
+    for (uint32_t i = 0; i < j->set_count && !j->by_hand; i++)
+        BB_TRY(bb_exchange_verify_rays(j->sets[i].rays_path, j->scene, j->oracle, j->sets[i].rays));
     return BB_OK;
 }
 
 static bb_status judge(job *j)
 {
-    BB_TRY(bb_oracle_create(j->scene, bb_core_count(), &j->oracle));
     for (uint32_t i = 0; i < j->set_count; i++) {
         ray_set *set = &j->sets[i];
         BB_TRY(bb_answers_make(j->oracle, set->rays, &set->answers));
@@ -167,9 +183,9 @@ static void print_classes(const job *j, const ray_set *set)
     uint64_t wrong = a->missed + a->false_hits + a->wrong_t;
     bb_wrong_rate rate = bb_wrong_rate_of((double)wrong, (double)a->checked);
     char ppm[32], low[32], high[32];
-    printf("%s on %s, %s%s%s, %s hit: %llu hits for %u rays\n", j->name.text, j->scene->name,
-           rays->name, rays->view[0] != '\0' ? " from " : "", rays->view,
-           bb_query_name(rays->query), (unsigned long long)a->checked, rays->count);
+    printf("%s on %s, %s%s%s%s, %s hit: %llu hits for %u rays\n", j->name.text, j->scene->name,
+           rays->name, j->by_hand ? " (rays as given)" : "", rays->view[0] != '\0' ? " from " : "",
+           rays->view, bb_query_name(rays->query), (unsigned long long)a->checked, rays->count);
     printf("  right     %10llu   of them %llu ties, %llu by the margin alone\n",
            (unsigned long long)a->right, (unsigned long long)a->ties,
            (unsigned long long)a->forgiven);
@@ -215,8 +231,11 @@ static bb_status add_trace(const job *j, const ray_set *set, bb_results *results
     snprintf(trace->kernel, sizeof trace->kernel, "outside");
     snprintf(trace->intersector, sizeof trace->intersector, "own");
     snprintf(trace->rays, sizeof trace->rays, "%s", set->rays->name);
-    trace->rays_spec = &set->rays->spec;
-    trace->rays_options = set->rays->workload->options;
+    trace->rays_as_given = j->by_hand;
+    if (!j->by_hand) {
+        trace->rays_spec = &set->rays->spec;
+        trace->rays_options = set->rays->workload->options;
+    }
     trace->query = set->rays->query;
     trace->count = set->outside.count;
     trace->rays_hash = set->rays->hash;
@@ -303,17 +322,15 @@ const bb_command bb_command_judge = {
     .name = "judge",
     .summary = "class the hits that a tracer from outside made for the rays of `rays`",
     .details =
-        "A hit is a primitive and a t; framework/exchange.h is the format of both files. Classes "
-        "and\n"
-        "margins are those of `run`; [ , ] is a 95 % interval. Fewer hits than rays are those of "
-        "the\n"
-        "first rays. Files of several views or workloads become one record: as many --hits, and\n"
-        "--mrays-s, as --rays-file, in the same order. With --out, `bvhbench report DIR OTHER...` "
-        "puts\n"
-        "the tracer into one report with other results. Exit status 1: more wrong rays than\n"
-        "--max-wrong-ppm; 2: a file that is damaged, of another scene or other rays, or holds what "
-        "is\n"
-        "no answer.",
+        "A hit is a primitive and a t; framework/exchange.h is the format of both files.\n"
+        "Classes and margins are those of `run`; [ , ] is a 95 % interval. Fewer hits than\n"
+        "rays are those of the first rays. The rays are made again from scene and header, and\n"
+        "must be those of the file; with --verify no they are judged as given, under a name\n"
+        "that is no workload's, and the record says so. Files of several views or workloads\n"
+        "become one record: as many --hits, and --mrays-s, as --rays-file, in the same order.\n"
+        "With --out, `bvhbench report DIR OTHER...` puts the tracer into one report with\n"
+        "other results. Exit status 1: more wrong rays than --max-wrong-ppm; 2: a file that\n"
+        "is damaged, of another scene or other rays, or holds what is no answer.",
     .options = options,
     .run = run,
 };

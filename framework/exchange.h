@@ -27,6 +27,11 @@
  * a file is refused, with the first ray of which it is true. A t outside the interval is an answer, and
  * judged.
  *
+ * The header names the workload and all that the rays were made by: `bvhbench judge` makes them
+ * again and refuses a file that holds others. Rays made by hand have a name of their own, which is
+ * no workload's, and 0 for seed, primary_width, primary_height, max_rays and must_hit; `bvhbench
+ * judge --verify no` takes them, and its record says so.
+ *
  * Hashes are XXH3 of 64 bits, seed 0 (https://xxhash.com). A checksum is that of the whole file with
  * its own eight bytes taken as 0. A tracer may take the hashes as names that it repeats, and leave
  * the checksum of its hits 0, "none"; what is damaged then is judged as it stands.
@@ -42,7 +47,7 @@
 #define BB_HITS_MAGIC "BVHBHITS"
 
 enum {
-    BB_EXCHANGE_VERSION = 1,
+    BB_EXCHANGE_VERSION = 2,        /* of both files */
     BB_EXCHANGE_ORDER = 0x01020304, /* what a reader of the wrong byte order sees as 0x04030201 */
     BB_EXCHANGE_CLOSEST = 0,
     BB_EXCHANGE_ANY = 1,
@@ -57,7 +62,7 @@ typedef struct bb_rays_header {
     uint32_t header_bytes; /* 1024: where the rays start */
     uint32_t query;        /* BB_EXCHANGE_CLOSEST or BB_EXCHANGE_ANY */
     uint32_t interval;     /* BB_EXCHANGE_OPEN */
-    uint32_t must_hit;     /* 1: rays aimed at a closed mesh from inside: each must hit; else 0 */
+    uint32_t must_hit;     /* 1: the workload `edges`, where each ray must hit; else 0 */
     uint64_t ray_count;
     uint64_t vertex_count;
     uint64_t triangle_count;
@@ -65,12 +70,18 @@ typedef struct bb_rays_header {
     uint64_t scene_hash; /* of the last three counts as uint32_t, vertices, indices, spheres */
     uint64_t rays_hash;  /* of the rays */
     uint64_t checksum;
+    uint64_t
+        seed; /* the rays were made by: scene, workload, view, this and the last three numbers */
     uint32_t width; /* of the picture that the rays make, row by row; 0: none */
     uint32_t height;
+    uint32_t primary_width; /* of the primary rays: these rays, or those at whose hits they start */
+    uint32_t primary_height;
+    uint32_t max_rays;
+    uint32_t reserved;   /* 0 */
     char scene[256];     /* as given to `bvhbench rays` */
     char rays[128];      /* the workload, with its parameters */
     char view[48];       /* "": made over all views, or without one */
-    char generator[496]; /* version and command line of the program that wrote the file */
+    char generator[472]; /* version and command line of the program that wrote the file */
 } bb_rays_header;
 
 /* 128 bytes. */

@@ -10,10 +10,18 @@
 bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const bb_rays *rays,
                                  const char *generator);
 
-/* Reads the ray set of a file that was made for `scene`. BB_INVALID, with what is wrong, unless each byte of the file is as it
- * was written: its counts are those of the scene and agree with its size, and hashes and checksum with its content. Owned by the
- * caller: bb_rays_free(). */
-bb_status bb_exchange_read_rays(const char *path, const bb_scene *scene, bb_rays **rays);
+/* Reads the ray set of a file that was made for `scene`: of a workload or, if `by_hand`, one under
+ * a name that is no workload's. BB_INVALID, with what is wrong, unless each byte of the file is as
+ * it was written: its counts are those of the scene and agree with its size, and hashes and checksum
+ * with its content. That the rays are those of the workload is left to bb_exchange_verify_rays().
+ * Owned by the caller: bb_rays_free(). */
+bb_status bb_exchange_read_rays(const char *path, const bb_scene *scene, bool by_hand,
+                                bb_rays **rays);
+
+/* Makes the rays of a workload again, from the scene and from what their file says they were made
+ * by. BB_INVALID unless they are the same. `path` is that of the file, for the message. */
+bb_status bb_exchange_verify_rays(const char *path, const bb_scene *scene, struct bb_oracle *oracle,
+                                  const bb_rays *rays);
 
 /* What a tracer answered. */
 typedef struct bb_outside_hits {

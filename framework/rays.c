@@ -73,18 +73,18 @@ static const bb_option edges_options[] = {
 };
 
 const bb_workload bb_workloads[] = {
-    {"primary", "one ray per pixel, closest hit", BB_CLOSEST_HIT, true, primary_options},
+    {"primary", "one ray per pixel, closest hit", BB_CLOSEST_HIT, true, primary_options, NULL},
     {"ao", "ambient occlusion: short cosine-weighted rays from primary hits, any hit", BB_ANY_HIT,
-     false, ao_options},
+     false, ao_options, NULL},
     {"diffuse", "unbounded cosine-weighted rays from primary hits, closest hit", BB_CLOSEST_HIT,
-     false, diffuse_options},
+     false, diffuse_options, NULL},
     {"shadow", "one ray per primary hit to a point of a square light, any hit", BB_ANY_HIT, false,
-     shadow_options},
+     shadow_options, NULL},
     {"random", "from a uniform point of the scene's box through another, closest hit",
-     BB_CLOSEST_HIT, false, random_options},
+     BB_CLOSEST_HIT, false, random_options, NULL},
     {"edges", "at edges and vertices; from inside a closed mesh each must hit; closest hit",
-     BB_CLOSEST_HIT, false, edges_options},
-    {NULL, NULL, BB_CLOSEST_HIT, false, NULL},
+     BB_CLOSEST_HIT, false, edges_options, bb_rays_edges_must_hit},
+    {NULL, NULL, BB_CLOSEST_HIT, false, NULL, NULL},
 };
 
 const char *bb_query_name(bb_query query)
@@ -98,6 +98,11 @@ const bb_workload *bb_workload_find(const char *name)
         if (strcmp(workload->name, name) == 0)
             return workload;
     return NULL;
+}
+
+bool bb_rays_must_hit(const bb_scene *scene, const bb_spec *spec, const bb_workload *workload)
+{
+    return workload->must_hit != NULL && workload->must_hit(scene, spec);
 }
 
 /* ---- shared ---- */
@@ -265,6 +270,11 @@ static bb_status begin_job(const bb_scene *scene, const bb_rays_request *request
     job->tmin = (float)tmin;
     job->rays->workload = workload;
     job->rays->query = workload->query;
+    job->rays->must_hit = bb_rays_must_hit(scene, spec, workload);
+    job->rays->seed = request->seed;
+    job->rays->primary_width = request->width;
+    job->rays->primary_height = request->height;
+    job->rays->max_rays = request->max_rays;
     snprintf(job->rays->name, sizeof job->rays->name, "%s", spec->text);
     BB_TRY(bb_spec_parse(spec->text, &job->rays->spec));
     if (request->view != NULL)

@@ -21,16 +21,21 @@ typedef struct bb_workload {
     bb_query query;
     bool per_view;            /* once per view; else once per scene */
     const bb_option *options; /* length, count, offset, tmin ... with their defaults */
+    /* With these parameters in this scene, must each ray hit something? NULL: none must. */
+    bool (*must_hit)(const bb_scene *scene, const bb_spec *spec);
 } bb_workload;
+
+/* Whether each of these rays must hit something: they are aimed at a closed mesh from inside. */
+bool bb_rays_must_hit(const bb_scene *scene, const bb_spec *spec, const bb_workload *workload);
 
 extern const bb_workload bb_workloads[]; /* ends with name NULL */
 const bb_workload *bb_workload_find(const char *name);
 
 typedef struct bb_rays {
-    char name[128]; /* the specification as given */
-    char view[48];  /* name of the view; "" if the set is per scene */
-    const bb_workload *workload;
-    bb_spec spec; /* the specification, parsed */
+    char name[128];              /* the specification as given */
+    char view[48];               /* name of the view; "" if the set is per scene */
+    const bb_workload *workload; /* NULL: made by hand, read from a file */
+    bb_spec spec;                /* the specification, parsed */
     bb_query query;
     uint32_t count;
     bb_ray *rays;   /* from bb_host_alloc */
@@ -38,6 +43,8 @@ typedef struct bb_rays {
     bool must_hit;  /* each ray must hit something (`edges` from inside a closed mesh): no margin */
     uint32_t width; /* of the picture that the rays make, row by row; 0: none */
     uint32_t height;
+    uint64_t seed; /* what they were made by, as in the request */
+    uint32_t primary_width, primary_height, max_rays;
     bb_buffer on_device; /* bb_ray[count] */
 } bb_rays;
 

@@ -263,14 +263,18 @@ static bb_status aim_all(aimer *aimer, bb_rays *rays)
 
 /* ---- the door ---- */
 
-static from choose_from(const bb_rays_job *job)
+static from choose_from(const bb_scene *scene, const bb_spec *spec)
 {
-    const bb_spec *spec = job->request->spec;
-    if (bb_spec_value(spec, job->options, "from") == NULL)
-        return job->scene->closed_from_inside ? FROM_INSIDE : FROM_EYES;
-    return bb_spec_is(spec, job->options, "from", "inside") ? FROM_INSIDE
-           : bb_spec_is(spec, job->options, "from", "eyes") ? FROM_EYES
-                                                            : FROM_AROUND;
+    if (bb_spec_value(spec, NULL, "from") == NULL)
+        return scene->closed_from_inside ? FROM_INSIDE : FROM_EYES;
+    return bb_spec_is(spec, NULL, "from", "inside") ? FROM_INSIDE
+           : bb_spec_is(spec, NULL, "from", "eyes") ? FROM_EYES
+                                                    : FROM_AROUND;
+}
+
+bool bb_rays_edges_must_hit(const bb_scene *scene, const bb_spec *spec)
+{
+    return choose_from(scene, spec) == FROM_INSIDE;
 }
 
 static bb_status prepare(aimer *aimer)
@@ -301,13 +305,12 @@ bb_status bb_rays_edges(bb_rays_job *job)
     const bb_spec *spec = job->request->spec;
     uint64_t count = job->request->max_rays;
     aimer aimer = {.scene = job->scene,
-                   .from = choose_from(job),
+                   .from = choose_from(job->scene, spec),
                    .random = bb_random_make(job->request->seed, 0x65646765)};
     if (bb_spec_value(spec, job->options, "count") != NULL)
         BB_TRY(bb_spec_u64(spec, job->options, "count", 1, INT32_MAX, &count));
     BB_TRY(bb_spec_double(spec, job->options, "jitter", 0, 64, &aimer.jitter));
     BB_TRY(bb_rays_reserve(job->rays, (uint32_t)count));
-    job->rays->must_hit = aimer.from == FROM_INSIDE;
     bb_status status = prepare(&aimer);
     if (status == BB_OK)
         status = aim_all(&aimer, job->rays);

@@ -29,5 +29,6 @@ bb_status bb_rays_shadow(bb_rays_job *job);
 
 /* rays_edges.c */
 bb_status bb_rays_edges(bb_rays_job *job);
+bool bb_rays_edges_must_hit(const bb_scene *scene, const bb_spec *spec);
 
 #endif

@@ -472,23 +472,23 @@ bb_status bb_results_add_build(bb_results *results, const bb_build_record *build
     double prims = bb_json_number(bb_results_scene(results, build->scene), "prims");
     double rate = prims / bb_samples_median(&build->build_ms) / 1e3;
     cJSON *entry = cJSON_CreateObject();
-    bool ok =
-        entry != NULL && put_number(entry, "id", build->id) &&
-        put_text(entry, "scene", build->scene) && put_text(entry, "builder", build->spec->text) &&
-        put_params(entry, "params", build->spec, build->options) &&
-        put_status(entry, build->status, build->reason) &&
-        put_build_times(entry, &build->build_ms) && put_number(entry, "mprims_s", rate) &&
-        put_number(entry, "cold_ms", measured(build->status, build->cold_ms)) &&
-        put_named(entry, "phases_ms", build->phases, build->phase_count) &&
-        put_samples(entry, "event_ms_samples", &build->event_ms) &&
-        put_samples(entry, "cpu_ms_samples", &build->cpu_ms) &&
-        put_number(entry, "prepare_ms", measured(build->status, build->prepare_ms)) &&
-        put_repeats(entry, "restore_ms", &build->restore_ms) &&
-        put_repeats(entry, "outside_ms", &build->outside_ms) &&
-        put_text(entry, "inputs", build->inputs) &&
-        put_repeats(entry, "transfer_ms", &build->transfer_ms) && put_layouts(entry, build) &&
-        put_tree(entry, build) && put_number(entry, "bytes_native", build->bytes_native) &&
-        put_bool(entry, "reference", build->reference);
+    bool ok = entry != NULL && put_number(entry, "id", build->id) &&
+              put_text(entry, "scene", build->scene) &&
+              put_text(entry, "builder", build->spec->text) &&
+              put_params(entry, "params", build->spec, build->options) &&
+              put_status(entry, build->status, build->reason) &&
+              put_build_times(entry, &build->build_ms) && put_number(entry, "mprims_s", rate) &&
+              put_number(entry, "cold_ms", measured(build->status, build->cold_ms)) &&
+              put_named(entry, "phases_ms", build->phases, build->phase_count) &&
+              put_samples(entry, "event_ms_samples", &build->event_ms) &&
+              put_samples(entry, "cpu_ms_samples", &build->cpu_ms) &&
+              put_number(entry, "prepare_ms", measured(build->status, build->prepare_ms)) &&
+              put_repeats(entry, "restore_ms", &build->restore_ms) &&
+              put_repeats(entry, "outside_ms", &build->outside_ms) &&
+              put_text(entry, "inputs", build->inputs) &&
+              put_repeats(entry, "transfer_ms", &build->transfer_ms) && put_layouts(entry, build) &&
+              put_tree(entry, build) && put_number(entry, "bytes_native", build->bytes_native) &&
+              put_bool(entry, "reference", build->reference);
     if (ok && build->about[0] != '\0')
         ok = put_text(entry, "about", build->about);
     return append(results, "builds", entry, ok);
@@ -561,6 +561,7 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
                                   : cJSON_AddNullToObject(entry, "native") != NULL) &&
         put_text(entry, "intersector", trace->intersector) &&
         put_text(entry, "rays", trace->rays) &&
+        put_text(entry, "rays_source", trace->rays_as_given ? "as given" : "workload") &&
         put_text(entry, "query", bb_query_name(trace->query)) &&
         put_number(entry, "count", trace->count) &&
         put_hash(entry, "rays_hash", trace->rays_hash) &&

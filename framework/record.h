@@ -57,6 +57,7 @@ typedef struct bb_trace_record {
     uint32_t build; /* id */
     char scene[256], view[48], builder[512], kernel[512], layout[64], intersector[64];
     char rays[128];
+    bool rays_as_given; /* made by hand, not by a workload: see `bvhbench judge --verify no` */
     const bb_spec *rays_spec; /* with the defaults, all parameters are recorded; may be NULL */
     const bb_option *rays_options;
     bb_query query;

@@ -205,6 +205,7 @@ static const field trace_fields[] = {
     {"native", BOOLEAN | NONE},
     {"intersector", TEXT | NONE},
     {"rays", TEXT},
+    {"rays_source", TEXT | NONE},
     {"query", TEXT | NONE},
     {"count", NUMBER},
     {"rays_hash", TEXT | NONE},

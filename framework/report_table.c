@@ -357,6 +357,8 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
     grouped(count, set.count);
     fputs("\n  ", out);
     print_text(out, bb_json_text(first, "rays"), 0);
+    if (strcmp(bb_json_text(first, "rays_source"), "as given") == 0)
+        fputs(" (rays as given)", out);
     if (bb_json_text(first, "view")[0] != '\0') {
         fputs(", view ", out);
         print_text(out, bb_json_text(first, "view"), 0);

@@ -218,6 +218,7 @@ static inline void sample_add_trace(bb_results *results, const sample_scene *sce
     snprintf(trace.view, sizeof trace.view, "%s", rays->view);
     snprintf(trace.builder, sizeof trace.builder, "%s", builder->spec);
     snprintf(trace.rays, sizeof trace.rays, "%s", rays->name);
+    trace.rays_as_given = id / SAMPLE_PER_SCENE == 0 && strcmp(rays->name, "diffuse") == 0;
     trace.query = rays->query;
     trace.count = rays->count;
     trace.rays_hash = 0xABCDEF0123456789u + rays->count;

@@ -19,7 +19,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-enum { RAYS = 9, FILE_MAX = 1 << 16 };
+enum { RAYS = 9, SEED = 5, FILE_MAX = 1 << 16 };
 
 /* A scene of both kinds, rays through it, and the files of both. */
 static bb_scene *scene;
@@ -36,7 +36,7 @@ static bb_rays *make_rays(const char *text, uint32_t count)
     assert_int_equal(bb_spec_parse(text, &spec), BB_OK);
     assert_int_equal(bb_oracle_create(scene, 1, &oracle), BB_OK);
     bb_rays_request request = {
-        .spec = &spec, .width = 4, .height = 4, .max_rays = count, .seed = 5};
+        .spec = &spec, .width = 4, .height = 4, .max_rays = count, .seed = SEED};
     if (bb_rays_make(scene, oracle, &request, &made) != BB_OK)
         fail_msg("%s: %s", text, bb_message());
     bb_oracle_destroy(oracle);
@@ -47,7 +47,7 @@ static bb_rays *make_rays(const char *text, uint32_t count)
 static size_t make_hits(char *bytes, uint32_t count, bool with_checksum)
 {
     bb_hits_header header = {
-        .version = 1,
+        .version = 2,
         .byte_order = 0x01020304,
         .header_bytes = 128,
         .hit_count = count,
@@ -97,7 +97,7 @@ static void write_anew(const char *path, const char *bytes, size_t size)
 static bb_status read_rays(const char *bytes, size_t size, bb_rays **out)
 {
     write_anew(rays_path, bytes, size);
-    return bb_exchange_read_rays(rays_path, scene, out);
+    return bb_exchange_read_rays(rays_path, scene, false, out);
 }
 
 static bb_status read_hits(const char *bytes, size_t size, bb_outside_hits *out)
@@ -140,6 +140,10 @@ static void rays_come_back(void **state)
     assert_int_equal(got->count, rays->count);
     assert_int_equal(got->hash, rays->hash);
     assert_int_equal(got->must_hit, rays->must_hit);
+    assert_int_equal(got->seed, rays->seed);
+    assert_int_equal(got->primary_width, rays->primary_width);
+    assert_int_equal(got->primary_height, rays->primary_height);
+    assert_int_equal(got->max_rays, rays->max_rays);
     assert_memory_equal(got->rays, rays->rays, rays->count * sizeof(bb_ray));
     bb_rays_free(got);
 }
@@ -153,11 +157,22 @@ static void the_file_is_what_the_header_says(void **state)
     memcpy(words, rays_bytes + 8, sizeof words);
     memcpy(counts, rays_bytes + 32, sizeof counts);
     memcpy(hashes, rays_bytes + 64, sizeof hashes);
-    const uint32_t expected_words[] = {1, 0x01020304, 1024, 0, 1, 0};
+    const uint32_t expected_words[] = {2, 0x01020304, 1024, 0, 1, 0};
     const uint64_t expected_counts[] = {RAYS, scene->vertex_count, 2, 2};
     assert_memory_equal(rays_bytes, "BVHBRAYS", 8);
     assert_memory_equal(words, expected_words, sizeof words);
     assert_memory_equal(counts, expected_counts, sizeof counts);
+    uint64_t seed;
+    uint32_t made_by[6]; /* picture, primary rays, the most rays, reserved */
+    memcpy(&seed, rays_bytes + 88, sizeof seed);
+    memcpy(made_by, rays_bytes + 96, sizeof made_by);
+    const uint32_t expected_made_by[] = {0, 0, 4, 4, RAYS, 0};
+    assert_int_equal(seed, SEED);
+    assert_memory_equal(made_by, expected_made_by, sizeof made_by);
+    assert_string_equal(rays_bytes + 120, scene->name);
+    assert_string_equal(rays_bytes + 376, "random");
+    assert_string_equal(rays_bytes + 504, "");
+    assert_string_equal(rays_bytes + 552, "a test");
     const char *part = rays_bytes + 1024;
     assert_memory_equal(part, rays->rays, RAYS * sizeof(bb_ray));
     assert_int_equal(XXH3_64bits(part, RAYS * sizeof(bb_ray)), hashes[1]);
@@ -305,13 +320,18 @@ static void forged_rays_are_refused(void **state)
         {0, "BVHBHITS", 8, "BVHBRAYS"},
         {0, "\x89PNG\r\n\x1a\n", 8, "BVHBRAYS"},
         {IN_RAYS(version), U32(0), "version 0"},
-        {IN_RAYS(version), U32(2), "version 2"},
+        {IN_RAYS(version), U32(1), "version 1, this program reads 2: make rays and hits anew"},
+        {IN_RAYS(version), U32(3), "version 3"},
         {IN_RAYS(byte_order), U32(0x04030201), "little-endian"},
         {IN_RAYS(header_bytes), U32(1028), "1028"},
         {IN_RAYS(query), U32(2), "query"},
         {IN_RAYS(query), U32(1), "no rays 'random' for this query"},
         {IN_RAYS(interval), U32(0), "interval"},
-        {IN_RAYS(must_hit), U32(2), "must_hit"},
+        {IN_RAYS(must_hit), U32(2), "must_hit is 2, must be 0 or 1"},
+        {IN_RAYS(must_hit), U32(1), "must_hit is 1, for rays 'random' it is 0"},
+        {IN_RAYS(rays), "edges", 6, "must_hit is 0, for rays 'edges' it is 1"},
+        {IN_RAYS(reserved), U32(1), "reserved"},
+        {IN_RAYS(max_rays), U32(UINT32_MAX), "max_rays"},
         {IN_RAYS(ray_count), U64(0), "no ray"},
         {IN_RAYS(ray_count), U64(RAYS + 1), "truncated"},
         {IN_RAYS(ray_count), U64(RAYS - 1), "too long"},
@@ -329,8 +349,9 @@ static void forged_rays_are_refused(void **state)
         {IN_RAYS(scene), "two\nlines", 10, "scene is no text"},
         {IN_RAYS(scene) + 255, "x", 1, "scene is no text"},
         {IN_RAYS(view), "\x1b[2J", 5, "view is no text"},
-        {IN_RAYS(generator) + 495, "x", 1, "generator is no text"},
+        {IN_RAYS(generator) + 471, "x", 1, "generator is no text"},
         {IN_RAYS(rays), "gamma", 6, "no rays 'gamma'"},
+        {IN_RAYS(rays), "mine\0", 6, "made by hand need --verify no"},
         {IN_RAYS(rays), "random:speed=3", 15, "'speed'"},
         {geometry, F32(0.125f), "primitives"},
     };
@@ -361,6 +382,99 @@ static void rays_that_are_none_are_refused(void **state)
             assert_null(got);
             expect_message(rays_path, "ray 3");
         }
+}
+
+/* ---- rays that the header's workload does not make ---- */
+
+static void write_header(char *bytes, size_t at, const void *value, size_t size)
+{
+    memcpy(bytes, rays_bytes, rays_size);
+    memcpy(bytes + at, value, size);
+    uint64_t hash = XXH3_64bits(bytes + 1024, RAYS * sizeof(bb_ray));
+    memcpy(bytes + IN_RAYS(rays_hash), &hash, 8);
+    seal(bytes, rays_size, IN_RAYS(checksum));
+}
+
+/* Read well, since all hashes are right; found out when they are made again. */
+static void forged_rays_are_not_those_of_their_workload(void **state)
+{
+    (void)state;
+    static char bytes[FILE_MAX];
+    const size_t ray = 1024 + 3 * sizeof(bb_ray);
+    const damage damages[] = {
+        {ray, F32(0.125f), "are not those of 'random'"},
+        {ray + 28, F32(1e30f), "are not those of 'random'"}, /* tmax */
+        {IN_RAYS(seed), U64(SEED + 1), "are not those of 'random'"},
+        {IN_RAYS(max_rays), U32(RAYS - 1), "are not those of 'random', which are 8"},
+        {IN_RAYS(max_rays), U32(RAYS + 1), "are not those of 'random', which are 10"},
+        {IN_RAYS(max_rays), U32(0), "cannot be made again"},
+        {IN_RAYS(width), &(uint32_t[]){3, 3}, 8, "are not those of 'random'"},
+        {IN_RAYS(primary_width), U32(0), "1 to "},
+        {IN_RAYS(primary_width), &(uint32_t[]){65536, 65536}, 8, "1 to "},
+        {IN_RAYS(rays), "random:tmin=1", 14, "are not those of 'random:tmin=1'"},
+        {IN_RAYS(rays), "diffuse", 8, "cannot be made again"},
+        {IN_RAYS(rays), "primary", 8, "cannot be made again: rays primary: need a view"},
+        {IN_RAYS(view), "behind", 7, "no view 'behind'"},
+    };
+    bb_oracle *oracle = NULL;
+    assert_int_equal(bb_oracle_create(scene, 1, &oracle), BB_OK);
+    for (size_t i = 0; i < sizeof damages / sizeof damages[0]; i++) {
+        bb_rays *got = NULL;
+        write_header(bytes, damages[i].at, damages[i].value, damages[i].size);
+        if (read_rays(bytes, rays_size, &got) != BB_OK)
+            fail_msg("damage %zu: %s", i, bb_message());
+        assert_int_equal(bb_exchange_verify_rays(rays_path, scene, oracle, got), BB_INVALID);
+        expect_message(rays_path, damages[i].words);
+        bb_rays_free(got);
+    }
+    bb_rays *got = NULL;
+    assert_int_equal(read_rays(rays_bytes, rays_size, &got), BB_OK);
+    if (bb_exchange_verify_rays(rays_path, scene, oracle, got) != BB_OK)
+        fail_msg("%s", bb_message());
+    bb_rays_free(got);
+    bb_oracle_destroy(oracle);
+}
+
+static void rays_made_by_hand_have_a_name_of_their_own(void **state)
+{
+    (void)state;
+    static char bytes[FILE_MAX], named[FILE_MAX];
+    static const char none[24]; /* of all that rays of a workload are made by */
+    bb_rays *got = NULL;
+    write_header(bytes, IN_RAYS(rays), "mine:by=me", 11);
+    memcpy(bytes + IN_RAYS(seed), none, 8);
+    memcpy(bytes + IN_RAYS(primary_width), none, 12);
+    memcpy(bytes + 1024, F32(0.125f));
+    uint64_t hash = XXH3_64bits(bytes + 1024, RAYS * sizeof(bb_ray));
+    memcpy(bytes + IN_RAYS(rays_hash), &hash, 8);
+    seal(bytes, rays_size, IN_RAYS(checksum));
+    refuses_rays(bytes, rays_size, "no rays 'mine' for this query");
+    if (bb_exchange_read_rays(rays_path, scene, true, &got) != BB_OK)
+        fail_msg("%s", bb_message());
+    assert_null(got->workload);
+    assert_string_equal(got->name, "mine:by=me");
+    assert_int_equal(got->query, BB_CLOSEST_HIT);
+    assert_false(got->must_hit);
+    bb_rays_free(got);
+
+    const damage damages[] = {
+        {IN_RAYS(rays), "primary\0\0\0", 11, "'primary' names a workload"},
+        {IN_RAYS(rays), "edges:count=9", 14, "'edges' names a workload"},
+        {IN_RAYS(must_hit), U32(1), "must be 0"},
+        {IN_RAYS(seed), U64(1), "must be 0"},
+        {IN_RAYS(primary_width), U32(4), "must be 0"},
+        {IN_RAYS(primary_height), U32(4), "must be 0"},
+        {IN_RAYS(max_rays), U32(RAYS), "must be 0"},
+    };
+    for (size_t i = 0; i < sizeof damages / sizeof damages[0]; i++) {
+        memcpy(named, bytes, rays_size);
+        memcpy(named + damages[i].at, damages[i].value, damages[i].size);
+        seal(named, rays_size, IN_RAYS(checksum));
+        write_anew(rays_path, named, rays_size);
+        assert_int_equal(bb_exchange_read_rays(rays_path, scene, true, &got), BB_INVALID);
+        assert_null(got);
+        expect_message(rays_path, damages[i].words);
+    }
 }
 
 /* Some bytes at random, with all hashes right: what is read then can be traced. */
@@ -403,6 +517,7 @@ static void forged_hits_are_refused(void **state)
     const size_t hit = 128 + 2 * sizeof(bb_hit);
     const damage damages[] = {
         {0, "BVHBRAYS", 8, "BVHBHITS"},
+        {IN_HITS(version), U32(1), "version 1, this program reads 2: make rays and hits anew"},
         {IN_HITS(version), U32(7), "version 7"},
         {IN_HITS(byte_order), U32(0x04030201), "little-endian"},
         {IN_HITS(header_bytes), U32(0), "header of 0"},
@@ -472,7 +587,7 @@ static void odd_files_are_refused(void **state)
     assert_int_equal(mkfifo(fifo, 0600), 0);
     const char *const paths[] = {test_path("exchange", "missing"), "/", "/dev/zero", fifo};
     for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
-        assert_int_equal(bb_exchange_read_rays(paths[i], scene, &got), BB_INVALID);
+        assert_int_equal(bb_exchange_read_rays(paths[i], scene, false, &got), BB_INVALID);
         expect_message(paths[i], "rays file");
         assert_int_equal(bb_exchange_read_hits(paths[i], scene, rays, &hits), BB_INVALID);
         expect_message(paths[i], "hits file");
@@ -481,7 +596,7 @@ static void odd_files_are_refused(void **state)
     const char *giant = test_path("exchange", "giant");
     write_bytes(giant, rays_bytes, rays_size);
     assert_int_equal(truncate(giant, (off_t)1 << 40), 0);
-    assert_int_equal(bb_exchange_read_rays(giant, scene, &got), BB_INVALID);
+    assert_int_equal(bb_exchange_read_rays(giant, scene, false, &got), BB_INVALID);
     expect_message(giant, "too long");
     unlink(giant);
     assert_int_equal(bb_exchange_write_rays("/dev/null", scene, rays, "test"), BB_INVALID);
@@ -496,7 +611,7 @@ static void long_generators_are_cut(void **state)
     text[sizeof text - 1] = '\0';
     bb_rays *got = NULL;
     assert_int_equal(bb_exchange_write_rays(rays_path, scene, rays, text), BB_OK);
-    if (bb_exchange_read_rays(rays_path, scene, &got) != BB_OK)
+    if (bb_exchange_read_rays(rays_path, scene, false, &got) != BB_OK)
         fail_msg("%s", bb_message());
     bb_rays_free(got);
 }
@@ -544,6 +659,8 @@ int main(void)
         cmocka_unit_test(noise_is_refused),
         cmocka_unit_test(forged_rays_are_refused),
         cmocka_unit_test(rays_that_are_none_are_refused),
+        cmocka_unit_test(forged_rays_are_not_those_of_their_workload),
+        cmocka_unit_test(rays_made_by_hand_have_a_name_of_their_own),
         cmocka_unit_test(sealed_noise_is_refused_or_can_be_traced),
         cmocka_unit_test(forged_hits_are_refused),
         cmocka_unit_test(odd_answers_are_read),

@@ -6,6 +6,8 @@
 
 #include <cmocka.h>
 
+#include "framework/exchange.h"
+
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -14,6 +16,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 static char folder[] = "/tmp/bvhbench-outside-XXXXXX";
 
@@ -324,6 +327,123 @@ static void damaged_files_are_refused(void **state)
     }
 }
 
+/* Writes `to`: the rays of `from` under a changed header, the first `aside` of them turned round,
+ * with all hashes right. */
+static void forge(const char *from, const char *to, const bb_rays_header *changed, uint32_t aside)
+{
+    static char bytes[1 << 20];
+    char path[512];
+    size_t size = read_file(from, bytes, sizeof bytes);
+    bb_rays_header header = *changed;
+    for (uint32_t i = 0; i < aside; i++) {
+        bb_ray ray;
+        memcpy(&ray, bytes + sizeof header + i * sizeof ray, sizeof ray);
+        for (int k = 0; k < 3; k++)
+            ray.d[k] = -ray.d[k];
+        memcpy(bytes + sizeof header + i * sizeof ray, &ray, sizeof ray);
+    }
+    header.rays_hash = XXH3_64bits(bytes + sizeof header, header.ray_count * sizeof(bb_ray));
+    header.checksum = 0;
+    memcpy(bytes, &header, sizeof header);
+    header.checksum = XXH3_64bits(bytes, size);
+    memcpy(bytes, &header, sizeof header);
+    snprintf(path, sizeof path, "%s/%s", folder, to);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static bb_rays_header header_of(const char *name)
+{
+    static char bytes[1 << 20];
+    bb_rays_header header;
+    assert_true(read_file(name, bytes, sizeof bytes) > sizeof header);
+    memcpy(&header, bytes, sizeof header);
+    return header;
+}
+
+/* Judges what the example answers to a.rays: `words` say why not. */
+static void refuses_forged(const char *words)
+{
+    trace("f.rays f.hits");
+    refuses("judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits", words);
+}
+
+/* A file whose hashes are all right, but whose rays are not what it says they are. */
+static void forged_labels_are_refused(void **state)
+{
+    (void)state;
+    make_rays("sphere-mesh:n=8", "edges", "e.rays");
+    bb_rays_header edges = header_of("e.rays"), changed = edges;
+    assert_int_equal(edges.must_hit, 1);
+    changed.must_hit = 0; /* a margin for misses */
+    forge("e.rays", "f.rays", &changed, 0);
+    refuses_forged("must_hit is 0, for rays 'edges' it is 1");
+    forge("e.rays", "f.rays", &edges, 1);
+    refuses_forged("are not those of 'edges'");
+    changed = edges;
+    changed.seed++;
+    forge("e.rays", "f.rays", &changed, 0);
+    refuses_forged("are not those of 'edges'");
+
+    static const char *const workloads[] = {"primary", "ao", "diffuse", "shadow", "random"};
+    for (size_t w = 0; w < sizeof workloads / sizeof workloads[0]; w++) {
+        make_rays("sphere-mesh:n=8", workloads[w], "h.rays");
+        bb_rays_header header = header_of("h.rays");
+        forge("h.rays", "f.rays", &header, 1);
+        refuses_forged("are not those of");
+    }
+    changed = header_of("h.rays");
+    changed.version = 1;
+    forge("h.rays", "f.rays", &changed, 0);
+    refuses("judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits",
+            "f.rays is of version 1, this program reads 2: make rays and hits anew");
+}
+
+/* They are judged under a name of their own, and record and report say what they are. */
+static void rays_made_by_hand_are_judged_as_given(void **state)
+{
+    (void)state;
+    static char page[4 << 20];
+    make_rays("sphere-mesh:n=8", "random", "h.rays");
+    bb_rays_header header = header_of("h.rays");
+    forge("h.rays", "f.rays", &header, 40);
+    trace("f.rays f.hits");
+    const char *judge = "judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits --verify ";
+    char arguments[512];
+    snprintf(arguments, sizeof arguments, "%s%s", judge, "no");
+    refuses(arguments, "'random' names a workload");
+    snprintf(arguments, sizeof arguments, "%s%s", judge, "maybe");
+    refuses(arguments, "--verify");
+
+    memset(header.rays, 0, sizeof header.rays);
+    snprintf(header.rays, sizeof header.rays, "my-rays");
+    header.seed = header.primary_width = header.primary_height = header.max_rays = 0;
+    forge("h.rays", "f.rays", &header, 40);
+    trace("f.rays f.hits");
+    snprintf(arguments, sizeof arguments, "%s%s", judge, "yes");
+    refuses(arguments, "no rays 'my-rays'");
+    snprintf(arguments, sizeof arguments, "%s%s", judge, "no --mrays-s 1 --out given");
+    expect(0, arguments, "my-rays (rays as given), closest hit: 3000 hits for 3000 rays");
+    cJSON *json = read_results("given/results.json");
+    const cJSON *trace_record = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "traces"), 0);
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(trace_record, "rays_source")),
+                        "as given");
+    cJSON_Delete(json);
+    expect(0, "report given --out given.html", "given.html");
+    read_file("given.html", page, sizeof page);
+    assert_non_null(strstr(page, "\"rays_source\":\"as given\""));
+    make_rays("sphere-mesh:n=8", "random", "a.rays");
+    trace("a.rays a.hits");
+    expect(0, "judge --scene sphere-mesh:n=8 --rays-file a.rays --hits a.hits --out made", "right");
+    json = read_results("made/results.json");
+    trace_record = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "traces"), 0);
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(trace_record, "rays_source")),
+                        "workload");
+    cJSON_Delete(json);
+}
+
 static int make_folder(void **state)
 {
     (void)state;
@@ -348,6 +468,8 @@ int main(void)
         cmocka_unit_test(the_same_command_writes_the_same_file),
         cmocka_unit_test(bad_requests_are_refused),
         cmocka_unit_test(damaged_files_are_refused),
+        cmocka_unit_test(forged_labels_are_refused),
+        cmocka_unit_test(rays_made_by_hand_are_judged_as_given),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -174,6 +174,19 @@ static void table_tells_a_range_among_intervals(void **state)
     bb_results_destroy(results);
 }
 
+/* Rays that were made by hand, of one of the scenes. */
+static void table_marks_rays_as_given(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    char *text = table_of(results);
+    assert_int_equal(count_of(text, "\n  diffuse (rays as given): 1,048,576 rays"), 1);
+    assert_int_equal(count_of(text, "\n  diffuse: 1,048,576 rays"), SAMPLE_SCENES - 1);
+    assert_int_equal(count_of(text, "as given"), 1);
+    free(text);
+    bb_results_destroy(results);
+}
+
 /* The ratio is to the fastest embree-native row of the same rays. */
 static void table_ratio_is_to_the_fastest_reference(void **state)
 {
@@ -453,6 +466,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(table_notes_partly_traced_sets),
         cmocka_unit_test(table_calls_a_range_a_range),
         cmocka_unit_test(table_tells_a_range_among_intervals),
+        cmocka_unit_test(table_marks_rays_as_given),
         cmocka_unit_test(table_ratio_is_to_the_fastest_reference),
         cmocka_unit_test(table_copes_with_nothing),
         cmocka_unit_test(table_keeps_the_terminal_safe),

@@ -49,8 +49,9 @@ static bool read_header(FILE *file, const char *path, bb_rays_header *h)
 {
     if (fread(h, sizeof *h, 1, file) != 1 || memcmp(h->magic, BB_RAYS_MAGIC, sizeof h->magic) != 0)
         return complain(path, "no rays file");
-    if (h->byte_order != BB_EXCHANGE_ORDER || h->version != BB_EXCHANGE_VERSION ||
-        h->header_bytes != sizeof *h || h->interval != BB_EXCHANGE_OPEN ||
+    if (h->byte_order != BB_EXCHANGE_ORDER || h->version != BB_EXCHANGE_VERSION)
+        return complain(path, "of a version or byte order that this tracer does not know");
+    if (h->header_bytes != sizeof *h || h->interval != BB_EXCHANGE_OPEN ||
         (h->query != BB_EXCHANGE_CLOSEST && h->query != BB_EXCHANGE_ANY))
         return complain(path, "of a kind that this tracer does not know");
     const uint64_t most = UINT32_MAX;

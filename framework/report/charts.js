@@ -12,7 +12,7 @@ function rateText(c) {
 
 function cellLines(c) {
   const t = c.t, b = t.record;
-  const lines = [`${t.scene}, ${t.rays}, ${c.views > 1 ? `${c.views} views together` : t.view ? `view ${t.view}` : 'whole scene'}`,
+  const lines = [`${t.scene}, ${raysName(t)}, ${c.views > 1 ? `${c.views} views together` : t.view ? `view ${t.view}` : 'whole scene'}`,
     madeOf(c), measured(c.mrays_s, 'Mrays/s', spreadOf(c, 'mrays_s')) +
       (c.ratio ? `; ${figure(c.ratio)} of Embree` : ''),
     `wrong per million: ${rateText(c)}${partly(c)}`];

@@ -69,6 +69,9 @@ const buildById = new Map(builds.map(build => [build.id, build]));
 const runOf = row => row.run || 0;
 const raysKey = t => JSON.stringify([t.scene, t.view || '', t.rays, t.rays_hash || '', runOf(t)]);
 
+/* Rays that no workload made say so wherever they are named. */
+const raysName = t => t.rays_source === 'as given' ? `${t.rays} (rays as given)` : t.rays;
+
 /* Of each ray set the fastest reference row, and its size: brute force traces only the first of the rays. */
 const referenceRate = new Map(), setSize = new Map();
 for (const t of data.traces) {

@@ -90,7 +90,7 @@ function traceTable() {
   const acc = (name, key, title) => num(name, t => t.acc[key], title, whole);
   addTable($('traces'), 'Traces. Press a heading to sort; the table scrolls sideways.', [
     { name: 'Builder', text: t => t.builder }, ...runColumn,
-    { name: 'Scene', text: t => t.scene }, { name: 'Rays', text: t => t.rays },
+    { name: 'Scene', text: t => t.scene }, { name: 'Rays', text: raysName },
     { name: 'View', text: t => t.view || dash }, { name: 'Kernel', text: t => t.kernel },
     { name: 'Tree', text: t => ({ true: 'native', false: 'reshaped' })[t.native] || dash,
       title: 'native: the layout keeps the shape of the builder\u2019s own tree' },

@@ -105,6 +105,7 @@ has '>≤ 5.72<' 6                         # none of 2 * 262,144 rays: 3/n
 has ' ms before the first ray' 2
 has '1234567890123456789' 1
 has '>native</td>' 120
+has '>diffuse (rays as given)</td>' 17   # of one scene
 has '>reshaped</td>' 60
 has 'code: 30 bits, 10 per axis' 1
 has '✓ held' 1
