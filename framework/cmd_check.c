@@ -41,7 +41,7 @@ static const char *const procedural_scenes[] = {
     "blinds:length=1e5",
     "corridor:length=1e5",
     "slivers:aspect=40",
-    "scales:n=1",
+    "scales:from=-8,to=8,n=1",
     "ground",
 };
 
