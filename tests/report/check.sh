@@ -110,6 +110,8 @@ has 'code: 30 bits, 10 per axis' 1
 has '✓ held' 1
 has '✗ not held' 1
 has '? not decided' 1
+has 'inf_nan, round_to_nearest, fma' 1
+has ', rtcIntersect1/rtcOccluded1' 1
 has '<td class="number">4.50</td>' 1
 
 # What the page says of winners and fronts is what gnuplot draws; its script has data blocks per picture.
