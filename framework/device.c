@@ -170,8 +170,11 @@ void bb_device_close(bb_device *device)
     bb_device_clear_events(device);
     bb_programs_clear(device);
     free(device->events);
-    if (device->queue != NULL)
+    if (device->queue != NULL) {
+        /* A driver's thread that still compiles or runs when the process ends can crash there. */
+        clFinish(device->queue);
         clReleaseCommandQueue(device->queue);
+    }
     if (device->context != NULL)
         clReleaseContext(device->context);
     free(device);

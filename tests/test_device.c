@@ -196,6 +196,41 @@ static void a_folder_overrides_embedded_sources(void **state)
     rmdir(folder);
 }
 
+/* A process that ended before its device had would crash in the driver's threads. */
+static void closing_waits_for_what_was_enqueued(void **state)
+{
+    (void)state;
+    static const bb_source source = {"long.cl", "kernel void run(global uint *v, uint count) {\n"
+                                                "  uint x = v[0];\n"
+                                                "  for (uint i = 0; i < count; i++)\n"
+                                                "    x ^= x << 13, x ^= x >> 17, x ^= x << 5;\n"
+                                                "  v[0] = x;\n"
+                                                "}\n"};
+    bb_device *other = NULL;
+    cl_program program = NULL;
+    cl_kernel kernel = NULL;
+    bb_buffer buffer = {0};
+    uint32_t value = 1, count = 1u << 26;
+    cl_event done = NULL;
+    cl_int execution = CL_QUEUED;
+    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, NULL, &other), BB_OK);
+    assert_int_equal(bb_program_build(other, &source, "", &program), BB_OK);
+    assert_int_equal(bb_kernel_get(program, "run", &kernel), BB_OK);
+    assert_int_equal(bb_buffer_reserve(other, NULL, sizeof value, "value", &buffer), BB_OK);
+    assert_int_equal(bb_buffer_write(&buffer, 0, sizeof value, &value), BB_OK);
+    assert_int_equal(bb_launch(other, kernel, 1, 1, BB_MEM(buffer), BB_VALUE(count)), BB_OK);
+    assert_int_equal(clEnqueueMarkerWithWaitList(other->queue, 0, NULL, &done), CL_SUCCESS);
+    bb_buffer_release(&buffer);
+    bb_kernel_release(kernel);
+    bb_program_release(program);
+    bb_device_close(other);
+    assert_int_equal(
+        clGetEventInfo(done, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof execution, &execution, NULL),
+        CL_SUCCESS);
+    assert_int_equal(execution, CL_COMPLETE);
+    clReleaseEvent(done);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -206,6 +241,7 @@ int main(void)
         cmocka_unit_test(unknown_devices_are_refused),
         cmocka_unit_test(build_errors_are_one_line),
         cmocka_unit_test(a_folder_overrides_embedded_sources),
+        cmocka_unit_test(closing_waits_for_what_was_enqueued),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }
