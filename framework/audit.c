@@ -1,9 +1,12 @@
 #include "framework/audit.h"
 
+#include "framework/record_private.h"
+
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 /* What two clocks may differ by, and what starting and stopping them takes. */
 static const double clock_share = 0.01, clock_ms = 0.05;
@@ -32,15 +35,36 @@ void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing)
                  timing->event_ms, timing->ms);
 }
 
-void bb_audit_trace(bb_audit *audit, const bb_trace_record *trace)
+/* From the document itself, so that nothing between the clock and the printed figure is left out. */
+void bb_audit_rates(bb_audit *audit, bb_results *results)
 {
-    if (trace->status != BB_OK)
-        return;
-    audit->rates++;
-    if (!trace->has_accuracy || trace->accuracy.checked != trace->count)
-        complain(audit, "%s on %s, %s by %s: the rate is of %u rays, %llu were judged",
-                 trace->builder, trace->scene, trace->rays, trace->kernel, trace->count,
-                 (unsigned long long)(trace->has_accuracy ? trace->accuracy.checked : 0));
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(bb_results_json(results), "traces"))
+    {
+        if (strcmp(bb_json_text(trace, "status"), "ok") != 0)
+            continue;
+        audit->rates++;
+        const cJSON *accuracy = cJSON_GetObjectItem(trace, "accuracy");
+        double judged = bb_json_number(accuracy, "checked");
+        double shown = bb_json_number(trace, "mrays_s");
+        double ms = bb_json_number(trace, "ms_median");
+        if (!(judged == bb_json_number(trace, "count") &&
+              fabs(shown * ms * 1e3 - judged) <= 1e-6 * judged))
+            complain(audit,
+                     "%.60s on %.60s, %.40s by %.60s: %g Mrays/s in %g ms are %.0f rays, but %.0f "
+                     "were judged",
+                     bb_json_text(trace, "builder"), bb_json_text(trace, "scene"),
+                     bb_json_text(trace, "rays"), bb_json_text(trace, "kernel"), shown, ms,
+                     shown * ms * 1e3, isfinite(judged) ? judged : 0);
+    }
+}
+
+void bb_audit_add(bb_audit *sum, const bb_audit *more)
+{
+    sum->timings += more->timings;
+    sum->rates += more->rates;
+    for (uint32_t i = 0; i < more->complaints; i++)
+        complain(sum, "%s", i < BB_COMPLAINTS_MAX ? more->texts[i] : "");
 }
 
 void bb_audit_total(bb_audit *audit, double build_ms, double trace_ms, double steps_ms,

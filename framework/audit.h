@@ -1,8 +1,9 @@
 /* Holds the figures of a run against each other, so that a clock that runs wrong, or a rate of what was not
  * traced, is found out by the run itself.
  *
- *   each timing      the kernels' own times (a reference's: its threads' own) within the wall time
- *   each rate        made of as many rays as were judged
+ *   each timing      the kernels' own times (a host builder's phases, a reference's threads) within
+ *                    the wall time
+ *   each rate        that of as many rays as were judged
  *   the whole run    builds, traces and named steps add up to it, but for a small rest
  */
 #ifndef BB_AUDIT_H
@@ -24,8 +25,11 @@ typedef struct bb_audit {
 /* `what` says what was timed, such as "trace of coffee by stack on lbvh". */
 void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing);
 
-/* A trace's record, before it is added. */
-void bb_audit_trace(bb_audit *audit, const bb_trace_record *trace);
+/* The rates of all cells in the document. */
+void bb_audit_rates(bb_audit *audit, bb_results *results);
+
+/* sum += more. */
+void bb_audit_add(bb_audit *sum, const bb_audit *more);
 
 /* Wall times of timed builds and traces, of all steps, and of the whole run. */
 void bb_audit_total(bb_audit *audit, double build_ms, double trace_ms, double steps_ms,

@@ -112,7 +112,7 @@ static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
         bb_status stopped = bb_stopwatch_stop(&watch, &timing);
         BB_TRY(status);
         BB_TRY(stopped);
-        bb_audit_timing(&bench->audit, what, &timing);
+        bb_audit_timing(&bench->outcome->audit, what, &timing);
         bb_samples_add(ms, timing.ms);
     }
     return bb_bench_step(bench, "make boxes", start);
@@ -130,9 +130,14 @@ static bb_status load_scene(bb_bench *bench, const char *name)
     start = bb_wall_ms();
     BB_TRY(bb_oracle_create(bench->scene, bb_host_threads(bench->device), &bench->oracle));
     BB_TRY(bb_bench_step(bench, "oracle: build", start));
-    bb_samples boxes_ms = {0};
-    BB_TRY(measure_boxes(bench, &boxes_ms));
-    return bb_results_add_scene(bench->results, bench->scene, &boxes_ms);
+    memset(&bench->boxes_ms, 0, sizeof bench->boxes_ms);
+    BB_TRY(measure_boxes(bench, &bench->boxes_ms));
+    if (bench->scene->out_of_range > 0)
+        bb_progress_note(bench->progress,
+                         "%s: %u of %u primitives are too small beside the scene for floats: they "
+                         "may be missed",
+                         name, bench->scene->out_of_range, bench->scene->prim_count);
+    return bb_results_add_scene(bench->results, bench->scene, &bench->boxes_ms);
 }
 
 static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text)
@@ -167,7 +172,7 @@ static bb_status record_builds(bb_bench *bench)
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
         if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
-            bench->wrong++;
+            bench->outcome->wrong++;
         BB_TRY(bb_results_add_build(bench->results, &entrant->record));
     }
     return BB_OK;
@@ -283,8 +288,14 @@ static bb_status run_scene(bb_bench *bench, const char *name)
         status = bb_bench_builds(bench);
     if (status == BB_OK)
         status = record_builds(bench);
+    bench->judged = 0;
     if (status == BB_OK)
         status = trace_workloads(bench);
+    bool traced = bench->kernel_count > 0 && bench->request->workload_count > 0;
+    if (status == BB_OK && traced && bench->judged == 0) {
+        bench->outcome->unjudged++;
+        bb_progress_note(bench->progress, "%s: no answer was judged", name);
+    }
     if (status == BB_OK)
         status = make_pictures(bench);
     end_scene(bench);
@@ -408,9 +419,20 @@ static void end_layouts(bb_bench *bench)
         bb_layout_maker_destroy(&bench->layouts[i].maker);
 }
 
-bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong,
-                       bb_bench_times *times)
+void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more)
 {
+    sum->wrong += more->wrong;
+    sum->unjudged += more->unjudged;
+    sum->times.build_ms += more->times.build_ms;
+    sum->times.trace_ms += more->times.trace_ms;
+    sum->times.total_ms += more->times.total_ms;
+    bb_audit_add(&sum->audit, &more->audit);
+}
+
+bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
+                       bb_bench_outcome *outcome)
+{
+    memset(outcome, 0, sizeof *outcome);
     BB_TRY(bb_bench_check(request));
     bb_progress progress;
     bb_progress_start(&progress, request->quiet);
@@ -420,6 +442,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     bench->request = request;
     bench->device = request->device;
     bench->results = results;
+    bench->outcome = outcome;
     bench->next_id = bb_results_next_build(results);
     bench->random = request->seed;
     bench->progress = &progress;
@@ -446,8 +469,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uin
     end_layouts(bench);
     free(bench->intersectors);
     bb_tracers_clear(bench->device);
-    *wrong = bench->wrong;
-    *times = (bb_bench_times){bench->build_ms, bench->trace_ms, bb_wall_ms() - bench->start};
+    outcome->times.total_ms = bb_wall_ms() - bench->start;
     free(bench);
     return status;
 }

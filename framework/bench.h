@@ -2,6 +2,7 @@
 #ifndef BB_BENCH_H
 #define BB_BENCH_H
 
+#include "framework/audit.h"
 #include "framework/device.h"
 #include "framework/record.h"
 
@@ -37,11 +38,23 @@ typedef struct bb_bench_times {
     double build_ms, trace_ms, total_ms;
 } bb_bench_times;
 
-/* Runs the comparison into `results`, which may hold others already. *wrong gets the number of `exact` cells of ours above max_wrong_ppm. A cell that fails
- * becomes a record with status and reason; only what makes the whole comparison impossible (a scene that can't be loaded, a
- * device that fails) ends it; what was measured until then is in `results`. */
-bb_status bb_bench_run(const bb_bench_request *request, bb_results *results, uint32_t *wrong,
-                       bb_bench_times *times);
+typedef struct bb_bench_outcome {
+    /* cells of ours with the intersector `exact` that have more wrong answers than max_wrong_ppm, or
+     * answers unlike those of other such cells, or failed; builds that failed */
+    uint32_t wrong;
+    uint32_t unjudged; /* scenes of which not a single answer was judged */
+    bb_bench_times times;
+    bb_audit audit;
+} bb_bench_outcome;
+
+/* Runs the comparison into `results`, which may hold others already. A cell that fails becomes a record
+ * with status and reason; only what makes the whole comparison impossible (a scene that can't be
+ * loaded, a device that fails) ends it; what was measured until then is in `results`. */
+bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
+                       bb_bench_outcome *outcome);
+
+/* sum += more. */
+void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more);
 
 /* Checks the names and parameters of a request before anything is loaded. */
 bb_status bb_bench_check(const bb_bench_request *request);

@@ -2,7 +2,6 @@
 #ifndef BB_BENCH_PRIVATE_H
 #define BB_BENCH_PRIVATE_H
 
-#include "framework/audit.h"
 #include "framework/bench.h"
 #include "framework/embree.h"
 #include "framework/instance.h"
@@ -68,14 +67,13 @@ typedef struct bb_bench {
     uint32_t layout_count;
     bb_entrant *entrants;
     uint32_t entrant_count;
-    uint32_t next_id; /* of builds, over all scenes */
-    uint32_t wrong;   /* cells that count for the exit status */
-    uint64_t random;  /* state of the shuffles */
+    uint32_t next_id;    /* of builds, over all scenes */
+    uint32_t judged;     /* cells of the scene at hand */
+    bb_samples boxes_ms; /* of it */
+    uint64_t random;     /* state of the shuffles */
     bb_progress *progress;
-    uint32_t batch;  /* rays per launch */
-    double build_ms; /* timed, over all rounds */
-    double trace_ms;
-    bb_audit audit;
+    uint32_t batch; /* rays per launch */
+    bb_bench_outcome *outcome;
     double start;
     bb_buffer rays;
     bb_buffer hits;

@@ -28,7 +28,9 @@ typedef struct trace_set {
     bb_bench *bench;
     bb_rays *rays;
     bb_answers answers;
-    bb_hit *hits; /* of the last trace, on the host */
+    bb_hit *hits;    /* of the last trace, on the host */
+    bb_hit *first;   /* of the first full answer by an `exact` cell, which all others must equal */
+    char whose[256]; /* that cell; "": none yet */
     uint32_t *order;
     cell *cells;
     uint32_t count;
@@ -115,7 +117,7 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
     char what[256];
     snprintf(what, sizeof what, "trace of %.60s, %.40s by %.60s on %.60s", c->record.scene,
              c->record.rays, c->record.kernel, c->record.builder);
-    bb_audit_timing(&set->bench->audit, what, timing);
+    bb_audit_timing(&set->bench->outcome->audit, what, timing);
     return bb_bench_step_ms(set->bench, "poison and copy hits", bb_wall_ms() - start - timing->ms);
 }
 
@@ -173,6 +175,31 @@ static bb_status judge_cell(trace_set *set, cell *c)
     c->judged = true;
     c->hits_hash = hash;
     return bb_bench_step(set->bench, "judge answers", start);
+}
+
+/* `exact` answers do not depend on builder, layout and kernel (kernels/ERROR_BUDGET.md). A cell whose
+ * answers differ from those of another is wrong, or that other one is. */
+static bb_status compare_cell(trace_set *set, cell *c)
+{
+    bb_trace_record *r = &c->record;
+    if (!r->counts_for_exit || !bb_device_divides_exactly(set->bench->device))
+        return BB_OK;
+    if (set->whose[0] == '\0') {
+        if (c->count < set->rays->count)
+            return BB_OK;
+        BB_TRY(bb_host_alloc(NULL, c->count * sizeof *set->first, "hits", &set->first));
+        memcpy(set->first, set->hits, c->count * sizeof *set->first);
+        snprintf(set->whose, sizeof set->whose, "%.100s on %.100s", r->kernel, r->builder);
+    }
+    uint32_t unlike = 0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const bb_hit *a = &set->hits[i], *b = &set->first[i];
+        unlike += r->query == BB_ANY_HIT ? (a->prim == BB_NONE) != (b->prim == BB_NONE)
+                                         : memcmp(a, b, sizeof *a) != 0;
+    }
+    r->unlike = unlike > r->unlike ? unlike : r->unlike;
+    snprintf(r->unlike_whom, sizeof r->unlike_whom, "%s", set->whose);
+    return BB_OK;
 }
 
 /* `count` of the first `of` rays of the set, evenly spaced, to the device. */
@@ -322,11 +349,13 @@ static void run_round(trace_set *set)
         bb_status status = trace_once(set, c, &timing);
         if (status == BB_OK) {
             bb_samples_add(&c->record.ms, timing.ms);
-            set->bench->trace_ms += timing.ms;
+            set->bench->outcome->times.trace_ms += timing.ms;
             bb_samples_add(&c->record.event_ms, timing.event_ms);
             bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
             status = judge_cell(set, c);
         }
+        if (status == BB_OK)
+            status = compare_cell(set, c);
         if (status != BB_OK)
             note_failure(c, status);
     }
@@ -341,11 +370,12 @@ static bb_status record_cell(trace_set *set, cell *c)
         if (status != BB_OK)
             note_failure(c, status);
     }
-    bb_audit_trace(&bench->audit, r);
     r->wrong = r->has_accuracy && r->accuracy.wrong_ppm > bench->request->max_wrong_ppm;
     bool failed = strcmp(bb_status_word(r->status), "failed") == 0;
-    if (r->counts_for_exit && c->entrant->record.status == BB_OK && (r->wrong || failed))
-        bench->wrong++;
+    if (r->counts_for_exit && c->entrant->record.status == BB_OK &&
+        (r->wrong || failed || r->unlike > 0))
+        bench->outcome->wrong++;
+    bench->judged += r->has_accuracy;
     return bb_results_add_trace(bench->results, r);
 }
 
@@ -373,6 +403,7 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
 out:
     bb_answers_release(&set.answers);
     bb_host_free(set.hits);
+    bb_host_free(set.first);
     free(set.order);
     free(set.cells);
     return status;

@@ -117,6 +117,16 @@ static double sah_of(const cJSON *build, const char *layout)
                          : bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "tree"), "sah");
 }
 
+/* Milliseconds before the first ray. What a build does not need, or was not measured, costs nothing: a
+ * reference makes its boxes and its layout inside its build, and is on the host already. */
+static double fixed_of(const cJSON *build, double layout_ms)
+{
+    double boxes = bb_json_number(build, "boxes_ms");
+    double transfer = bb_json_number(build, "transfer_ms");
+    return bb_json_number(build, "build_ms_median") + layout_ms + (isfinite(boxes) ? boxes : 0) +
+           (isfinite(transfer) ? transfer : 0);
+}
+
 /* What the views share. */
 static bb_chart_cell first_cell(const entry *from)
 {
@@ -129,7 +139,7 @@ static bb_chart_cell first_cell(const entry *from)
         .trace = trace,
         .build = build,
         .trace_index = from->index,
-        .fixed_ms = bb_json_number(build, "build_ms_median") + layout_ms,
+        .fixed_ms = fixed_of(build, layout_ms),
         .sah = reference ? (double)NAN : sah_of(build, layout),
         .epo = bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "tree"), "epo"),
         .reference = reference,

@@ -22,7 +22,7 @@ typedef struct bb_chart_cell {
     double mrays_s_least, mrays_s_most;                      /* range of the rounds, likewise */
     double checked, wrong_rays, missed, false_hits, wrong_t; /* rays */
     bb_wrong_rate wrong;
-    double fixed_ms; /* build and layout */
+    double fixed_ms; /* before the first ray: boxes, build, transfer and layout */
     double sah;      /* of the layout as traced */
     double epo;      /* of the tree */
     bool reference;

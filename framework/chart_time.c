@@ -120,8 +120,8 @@ void bb_draw_time(bb_plot *p)
 {
     bb_frame f = {.kind = "time",
                   .title = "time to n rays",
-                  .subtitle =
-                      "build + layout + n / rate, with the best kernel of each builder at each n",
+                  .subtitle = "boxes + build + transfer + layout + n / rate, with the best kernel "
+                              "of each builder at each n",
                   .x_title = "n, rays traced (log scale)",
                   .y_title = "ms (log scale)",
                   .left_out = p->set->incomplete};

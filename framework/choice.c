@@ -87,9 +87,23 @@ bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
     return BB_OK;
 }
 
+static bb_status parse_handover(const bb_cli *cli, bb_handover *handover)
+{
+    const char *word = bb_cli_value(cli, "handover");
+    *handover = BB_HANDOVER_AUTO;
+    if (word != NULL && strcmp(word, "fence") == 0)
+        *handover = BB_HANDOVER_FENCE;
+    else if (word != NULL && strcmp(word, "levels") == 0)
+        *handover = BB_HANDOVER_LEVELS;
+    else if (word != NULL && strcmp(word, "auto") != 0)
+        return bb_fail(BB_INVALID, "--handover is '%s', must be auto, fence or levels", word);
+    return BB_OK;
+}
+
 bb_status bb_open_device(const bb_cli *cli, bb_device **device)
 {
     const char *word = bb_cli_value(cli, "form");
+    bb_handover handover;
     bb_form form = BB_FORM_AUTO;
     if (word != NULL && strcmp(word, "cpu") == 0)
         form = BB_FORM_CPU;
@@ -97,8 +111,20 @@ bb_status bb_open_device(const bb_cli *cli, bb_device **device)
         form = BB_FORM_GPU;
     else if (word != NULL && strcmp(word, "auto") != 0)
         return bb_fail(BB_INVALID, "--form is '%s', must be auto, cpu or gpu", word);
-    return bb_device_open(bb_cli_value(cli, "device"), form, bb_cli_value(cli, "kernels-from"),
-                          device);
+    BB_TRY(parse_handover(cli, &handover));
+    BB_TRY(bb_device_open(bb_cli_value(cli, "device"), form, bb_cli_value(cli, "kernels-from"),
+                          device));
+    if ((*device)->litmus_stale > 0)
+        fprintf(stderr,
+                "bvhbench: the fence of %s fails: %u words of %u messages between work-groups came "
+                "late; bottom-up passes are launches by levels\n",
+                (*device)->name, (*device)->litmus_stale, (*device)->litmus_pairs);
+    bb_status status = bb_device_set_handover(*device, handover);
+    if (status == BB_OK)
+        return BB_OK;
+    bb_device_close(*device);
+    *device = NULL;
+    return status;
 }
 
 bb_status bb_load_plugins(const bb_cli *cli)

@@ -1,5 +1,6 @@
 /* bvhbench check: conformance of builders. Each tree is held to the promises of the common tree, must come out the same bit
- * for bit when built again (by the same object, and by a fresh one), and must be traced rightly. */
+ * for bit when built again (by the same object, and by a fresh one), and must be traced rightly: by every
+ * kernel as by brute force, bit for bit. */
 #include "framework/choice.h"
 #include "framework/conformance.h"
 #include "framework/scene.h"
@@ -14,6 +15,7 @@ static const bb_cli_option options[] = {
     {"plugin", "FILE.so", "load a builder", true},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
     {"kernels-from", "DIR", "read device code from here first", false},
     {"seed", "N", "of the rays; default: 1", false},
     {.name = NULL},
@@ -54,14 +56,21 @@ static bb_status default_scenes(bb_names *names)
     return BB_OK;
 }
 
+typedef struct tally {
+    uint32_t checked, failed;
+} tally;
+
 static bb_status check_scene(bb_device *device, const char *name, const bb_names *builders,
-                             uint64_t seed, uint32_t *failures)
+                             uint64_t seed, tally *tally)
 {
     bb_scene *scene = NULL;
     bb_conformance *conformance = NULL;
     bb_status status = bb_scene_load(name, &scene);
     if (status == BB_OK)
         status = bb_conformance_create(device, scene, seed, &conformance);
+    if (status == BB_OK && scene->out_of_range > 0)
+        printf("%-11s %-36s %u of %u primitives are too small beside the scene for floats\n",
+               "note", name, scene->out_of_range, scene->prim_count);
     for (size_t i = 0; i < builders->count && status == BB_OK; i++) {
         char note[512];
         bb_status found = bb_conformance_check(conformance, builders->items[i], note, sizeof note);
@@ -71,7 +80,8 @@ static bb_status check_scene(bb_device *device, const char *name, const bb_names
         printf("%-11s %-36s %-34s %s\n", word, name, builders->items[i],
                found == BB_OK ? note : bb_message());
         fflush(stdout);
-        *failures += found != BB_OK && found != BB_UNSUPPORTED;
+        tally->checked += found != BB_UNSUPPORTED;
+        tally->failed += found != BB_OK && found != BB_UNSUPPORTED;
     }
     bb_conformance_destroy(conformance);
     bb_scene_free(scene);
@@ -82,7 +92,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 {
     bb_names builders = {0}, scenes = {0};
     uint64_t seed = 1;
-    uint32_t failures = 0, scenes_given;
+    uint32_t scenes_given;
+    tally tally = {0};
     bb_device *device = NULL;
     bb_cli_values(cli, "scene", &scenes_given);
     bb_status status = bb_load_plugins(cli);
@@ -97,10 +108,13 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_open_device(cli, &device);
     for (size_t i = 0; i < scenes.count && status == BB_OK; i++)
-        status = check_scene(device, scenes.items[i], &builders, seed, &failures);
+        status = check_scene(device, scenes.items[i], &builders, seed, &tally);
     if (status == BB_OK) {
-        printf("%zu builders on %zu scenes, %u failed\n", builders.count, scenes.count, failures);
-        *exit_status = failures > 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
+        printf("%zu builders on %zu scenes, %u trees checked, %u failed\n", builders.count,
+               scenes.count, tally.checked, tally.failed);
+        if (tally.checked == 0)
+            fprintf(stderr, "bvhbench: no builder takes any of the scenes: nothing was checked\n");
+        *exit_status = tally.failed > 0 || tally.checked == 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
     }
     bb_device_close(device);
     bb_names_free(&builders);

@@ -196,8 +196,8 @@ static void print_classes(const job *j, const ray_set *set)
            figure(rate.high, high), wrong == 0 ? "none found: below 3/n at 95 %" : "at 95 %");
     if (!isnan(a->t_ulp_max))
         printf("  error of t of the right hits, in units of the last place: 99 %% below %.3g, at "
-               "most %.3g\n",
-               a->t_ulp_p99, a->t_ulp_max);
+               "most %.3g; %.3g %% off by more than 1/1024 of t\n",
+               a->t_ulp_p99, a->t_ulp_max, 100.0 * (double)a->t_off / (double)a->right);
     print_first_wrong(set);
 }
 

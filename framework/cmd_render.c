@@ -24,6 +24,7 @@ static const bb_cli_option options[] = {
     {"plugin", "FILE.so", "load a builder", true},
     {"kernels-from", "DIR", "read device code from here first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
     {"out", "FILE", "FILE.png or FILE.exr", false},
     {.name = NULL},
 };

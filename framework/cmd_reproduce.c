@@ -18,6 +18,7 @@ static const bb_cli_option options[] = {
      "small scenes, few rays, two rounds: shows that it works, decides no claim on times", false},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
     {"seed", "N", "of all that is random; default: 1", false},
     {"plugin", "FILE.so", "load a builder", true},
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
@@ -51,10 +52,9 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 {
     const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
     bb_reproduce_request request = {0};
-    bb_bench_times times = {0};
+    bb_bench_outcome outcome = {0};
     bb_results *results = NULL;
     char *command = bb_cli_command_line(cli);
-    uint32_t wrong = 0;
     bool charts = false;
     bb_status status = bb_charts_wanted(cli, &charts);
     if (status == BB_OK)
@@ -70,19 +70,17 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_results_create(&(bb_context){request.device, request.seed, command}, &results);
     if (status == BB_OK)
-        status = bb_reproduce(&request, results, &wrong, &times);
+        status = bb_reproduce(&request, results, &outcome);
     if (status == BB_OK)
         status =
-            bb_output_write(results, &(bb_output_request){folder, &times, charts, request.quiet,
+            bb_output_write(results, &(bb_output_request){folder, &outcome, charts, request.quiet,
                                                           bb_reproduction_print});
     else if (results != NULL)
         status = bb_output_keep(results, folder, status);
     if (status == BB_OK && !charts)
         bb_charts_note(cli);
-    if (status == BB_OK && wrong > 0) {
-        fprintf(stderr, "bvhbench: %u cells or builds are wrong: see the report\n", wrong);
+    if (status == BB_OK && bb_output_blame(&outcome))
         *exit_status = BB_EXIT_WRONG;
-    }
     bb_results_destroy(results);
     bb_device_close(request.device);
     free(command);

@@ -24,6 +24,7 @@ static const bb_cli_option options[] = {
     {"intersector", "I", "rounding rules of the tests; default: exact", true},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
     {"size", "WxH", "of the primary rays' picture; default: 512x512", false},
     {"max-rays", "N", "per scene and workload that samples; default: 1048576", false},
     {"repeats", "N",
@@ -101,10 +102,10 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
     bb_names scenes = {0}, builders = {0}, kernels = {0}, workloads = {0}, intersectors = {0};
     bb_bench_request request = {0};
-    bb_bench_times times = {0};
+    bb_bench_outcome outcome = {0};
     bb_results *results = NULL;
     char *command = bb_cli_command_line(cli);
-    uint32_t wrong = 0, kernels_given;
+    uint32_t kernels_given;
     bool charts = false;
     bb_cli_values(cli, "kernel", &kernels_given);
     bb_status status = bb_charts_wanted(cli, &charts);
@@ -143,20 +144,16 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_results_create(&(bb_context){request.device, request.seed, command}, &results);
     if (status == BB_OK)
-        status = bb_bench_run(&request, results, &wrong, &times);
+        status = bb_bench_run(&request, results, &outcome);
     if (status == BB_OK)
-        status = bb_output_write(
-            results, &(bb_output_request){folder, &times, charts, request.quiet, bb_report_table});
+        status = bb_output_write(results, &(bb_output_request){folder, &outcome, charts,
+                                                               request.quiet, bb_report_table});
     else if (results != NULL)
         status = bb_output_keep(results, folder, status);
     if (status == BB_OK && !charts)
         bb_charts_note(cli);
-    if (status == BB_OK && wrong > 0) {
-        fprintf(stderr,
-                "bvhbench: %u cells or builds are wrong: see the rows marked WRONG or failed\n",
-                wrong);
+    if (status == BB_OK && bb_output_blame(&outcome))
         *exit_status = BB_EXIT_WRONG;
-    }
     bb_results_destroy(results);
     bb_device_close(request.device);
     bb_names_free(&scenes);

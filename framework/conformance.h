@@ -7,14 +7,23 @@
 
 typedef struct bb_conformance bb_conformance;
 
-/* Uploads the scene, makes the oracle and two small ray sets (primary or random, and ao or random) with their answers. */
+/* Uploads the scene, makes the oracle, small ray sets (primary, ambient occlusion, random, and at and
+ * close to edges) with their answers, and as many answers by brute force as there is time for. Fails if
+ * the scene has no rays at all. */
 bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t seed,
                                 bb_conformance **out);
 void bb_conformance_destroy(bb_conformance *conformance); /* NULL is allowed */
 
-/* Builds twice with one object and once with another; checks each tree (bb_tree_check), that all have the same hash (unless the
- * builder says that it is not deterministic: then `note` says so), and that every kernel's answers with the `exact` intersector are right.
- * BB_FAILED with the first violation; BB_UNSUPPORTED where the builder does not take the scene. `note` gets a line of figures. */
+/* Holds a builder to what all builders promise:
+ *
+ *   - its tree is valid (bb_tree_check), and the same, bit for bit, built twice by one object and once
+ *     by another; unless the builder says that it is not deterministic: then `note` says so;
+ *   - the same object, given the same primitives in another order, builds a valid tree of those;
+ *   - every kernel that takes the tree answers rightly with the `exact` intersector, and as brute force
+ *     and all other kernels and trees do, bit for bit.
+ *
+ * BB_FAILED with the first violation, or if no kernel takes the tree; BB_UNSUPPORTED where the builder
+ * does not take the scene. `note` gets a line of figures, and which kernels refuse. */
 bb_status bb_conformance_check(bb_conformance *conformance, const char *builder, char *note,
                                size_t capacity);
 

@@ -186,6 +186,11 @@ uint32_t bb_host_threads(const bb_device *device)
     return device->is_cpu && device->compute_units < cores ? device->compute_units : cores;
 }
 
+bool bb_device_divides_exactly(const bb_device *device)
+{
+    return (device->float_config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+}
+
 bb_status bb_finish(bb_device *device)
 {
     BB_CL_TRY(clFinish(device->queue), "waiting for %s", device->name);

@@ -102,6 +102,11 @@ bb_status bb_device_set_handover(bb_device *device, bb_handover handover)
                        "%s has no fence between work-groups (OpenCL C 2.0 or 3.0): leave out the "
                        "hand-over, or take levels",
                        device->name);
+    if (handover == BB_HANDOVER_FENCE && device->litmus_stale > 0)
+        return bb_fail(BB_INVALID,
+                       "the fence of %s fails: %u words of %u messages between work-groups came "
+                       "late: leave out the hand-over, or take levels",
+                       device->name, device->litmus_stale, device->litmus_pairs);
     if (handover != BB_HANDOVER_AUTO)
         device->handover = handover;
     return BB_OK;

@@ -9,7 +9,8 @@
 /* The file first: it is what must not be lost. It is written again with the time that the page and the charts took. */
 bb_status bb_output_write(bb_results *results, const bb_output_request *request)
 {
-    const bb_bench_times *times = request->times;
+    const bb_bench_times *times = &request->outcome->times;
+    bb_audit *audit = &request->outcome->audit;
     const char *folder = request->folder;
     char json[1100], html[1100], pictures[1100], reason[1024] = "";
     uint32_t chart_count = 0;
@@ -18,6 +19,11 @@ bb_status bb_output_write(bb_results *results, const bb_output_request *request)
     BB_TRY(bb_report_charts_folder(html, pictures, sizeof pictures));
     double start = bb_wall_ms();
     BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
+    const cJSON *all = cJSON_GetObjectItem(bb_results_json(results), "time_ms");
+    bb_audit_total(audit, times->build_ms, times->trace_ms,
+                   cJSON_GetNumberValue(cJSON_GetObjectItem(all, "steps")), times->total_ms);
+    bb_audit_rates(audit, results);
+    BB_TRY(bb_results_add_audit(results, audit));
     BB_TRY(bb_results_write(results, json));
     BB_TRY(bb_report_html(results, folder, html));
     bb_status drawn = request->charts ? bb_report_charts(results, pictures, &chart_count) : BB_OK;
@@ -34,6 +40,25 @@ bb_status bb_output_write(bb_results *results, const bb_output_request *request)
         fprintf(stderr, "wrote %u charts, each as SVG and PNG, into %s\n", chart_count, pictures);
     BB_TRY(request->print(results, stdout));
     return drawn == BB_OK ? BB_OK : bb_fail(drawn, "%s (all else is written)", reason);
+}
+
+bool bb_output_blame(const bb_bench_outcome *outcome)
+{
+    const bb_audit *audit = &outcome->audit;
+    if (outcome->wrong > 0)
+        fprintf(stderr,
+                "bvhbench: %u cells or builds are wrong: see the rows marked WRONG, unlike or "
+                "failed\n",
+                outcome->wrong);
+    if (outcome->unjudged > 0)
+        fprintf(stderr, "bvhbench: of %u scenes no answer was judged: see why cells were refused\n",
+                outcome->unjudged);
+    for (uint32_t i = 0; i < audit->complaints && i < BB_COMPLAINTS_MAX; i++)
+        fprintf(stderr, "bvhbench: clocks: %s\n", audit->texts[i]);
+    if (audit->complaints > 0)
+        fprintf(stderr, "bvhbench: %u figures contradict each other: do not trust this run\n",
+                audit->complaints);
+    return outcome->wrong > 0 || outcome->unjudged > 0 || audit->complaints > 0;
 }
 
 bb_status bb_output_keep(bb_results *results, const char *folder, bb_status status)

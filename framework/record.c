@@ -28,7 +28,7 @@ static bb_status no_memory(void)
 void bb_build_record_init(bb_build_record *build)
 {
     memset(build, 0, sizeof *build);
-    build->cold_ms = build->prepare_ms = NAN;
+    build->cold_ms = build->prepare_ms = build->boxes_ms = NAN;
     build->sah = build->epo = build->epo_half = build->bytes_native = NAN;
     for (uint32_t i = 0; i < BB_LAYOUTS_MAX; i++)
         build->layouts[i].sah = NAN;
@@ -201,6 +201,18 @@ static bool put_float_config(cJSON *object, cl_device_fp_config config)
                count > 0 ? cJSON_CreateStringArray(said, count) : cJSON_CreateNull());
 }
 
+/* How work-groups hand over to each other, and what the litmus test of the fence found; null: no fence. */
+static bool put_handover(cJSON *object, const bb_device *device)
+{
+    bool fence = device != NULL && device->litmus_pairs > 0;
+    const char *word = device == NULL                          ? NULL
+                       : device->handover == BB_HANDOVER_FENCE ? "fence"
+                                                               : "levels";
+    return put_text(object, "handover", word) &&
+           put_number(object, "litmus_messages", fence ? device->litmus_pairs : (double)NAN) &&
+           put_number(object, "litmus_stale", fence ? device->litmus_stale : (double)NAN);
+}
+
 static bool put_device(cJSON *object, const bb_device *device)
 {
     return put_text(object, "device", device ? device->name : NULL) &&
@@ -208,6 +220,7 @@ static bool put_device(cJSON *object, const bb_device *device)
            put_text(object, "opencl", device ? device->version : NULL) &&
            put_size(object, "compute_units", device ? device->compute_units : 0) &&
            put_float_config(object, device ? device->float_config : 0) &&
+           put_handover(object, device) &&
            put_text(object, "kernels", device ? device->sources : NULL);
 }
 
@@ -486,6 +499,7 @@ bb_status bb_results_add_build(bb_results *results, const bb_build_record *build
               put_repeats(entry, "restore_ms", &build->restore_ms) &&
               put_repeats(entry, "outside_ms", &build->outside_ms) &&
               put_text(entry, "inputs", build->inputs) &&
+              put_number(entry, "boxes_ms", measured(build->status, build->boxes_ms)) &&
               put_repeats(entry, "transfer_ms", &build->transfer_ms) && put_layouts(entry, build) &&
               put_tree(entry, build) && put_number(entry, "bytes_native", build->bytes_native) &&
               put_bool(entry, "reference", build->reference);
@@ -575,6 +589,9 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
         put_number(entry, "prim_tests_per_ray",
                    measured(trace->status, trace->prim_tests_per_ray)) &&
         put_size(entry, "counted", trace->counted) && put_accuracy(entry, trace) &&
+        put_number(entry, "unlike",
+                   trace->unlike_whom[0] != '\0' ? (double)trace->unlike : (double)NAN) &&
+        put_text(entry, "unlike_whom", trace->unlike_whom) &&
         put_bool(entry, "counts_for_exit", trace->counts_for_exit) &&
         put_bool(entry, "wrong", trace->wrong) && put_bool(entry, "reference", trace->reference);
     return append(results, "traces", entry, ok);

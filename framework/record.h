@@ -33,7 +33,8 @@ typedef struct bb_build_record {
     bb_samples restore_ms; /* before each of them; the builder's own, outside the clock */
     bb_samples outside_ms; /* in phases outside the clock */
     double prepare_ms;     /* before the first; NAN: not measured */
-    char inputs[64];       /* what the builder declares it reads: "boxes geometry"; "": not known */
+    double boxes_ms; /* of making the primitives' boxes, if they are an input; NAN: not measured */
+    char inputs[64]; /* what the builder declares it reads: "boxes geometry"; "": not known */
     double cold_ms;
     bb_samples transfer_ms; /* of what the builder declares it reads down, of the tree up */
     uint32_t phase_count;
@@ -74,10 +75,13 @@ typedef struct bb_trace_record {
     bb_accuracy accuracy;
     uint32_t counted; /* rays that the counting variant traced, a sample of the set; the tests per
                          ray are means over them; 0: not measured, `overflowed` is null then */
-    uint64_t overflowed;  /* of the counted rays: those that needed more stack than there is. In the
+    uint64_t overflowed; /* of the counted rays: those that needed more stack than there is. In the
                              timed run such a ray's hit stays poisoned: it is judged as unwritten,
                              thus missed */
-    bool counts_for_exit; /* an `exact` cell of ours */
+    uint32_t
+        unlike; /* rays answered otherwise than by the first `exact` cell of the set; `exact` only */
+    char unlike_whom[256]; /* that cell; "" if this one was not compared */
+    bool counts_for_exit;  /* an `exact` cell of ours */
     bool wrong; /* above the limit; marked WRONG if it counts for the exit, else `wrong` */
     bool reference;
 } bb_trace_record;

@@ -170,6 +170,7 @@ static const field build_fields[] = {
     {"mprims_s", NUMBER | NONE},
     {"cold_ms", NUMBER | NONE},
     {"phases_ms", FIGURES | NONE},
+    {"boxes_ms", NUMBER | NONE},
     {"transfer_ms", NUMBER | NONE},
     {"layouts_ms", FIGURES | NONE},
     {"layouts_sah", FIGURES | NONE},

@@ -270,7 +270,8 @@ static void wrong_cell(char cell[CELL], const cJSON *trace)
     figure(rate, ppm);
     bool failed = bb_json_true(trace, "wrong") && bb_json_true(trace, "counts_for_exit");
     const char *mark = failed ? " WRONG" : ppm > 0 ? " wrong" : "";
-    snprintf(cell, CELL, "%.24s%s%s", ppm == 0 ? "0" : rate, mark,
+    snprintf(cell, CELL, "%.24s%s%s%s", ppm == 0 ? "0" : rate, mark,
+             bb_json_number(trace, "unlike") > 0 ? " unlike" : "",
              overflowed > 0 ? " OVERFLOW" : "");
 }
 
@@ -450,6 +451,18 @@ static void print_times(FILE *out, const cJSON *steps, const cJSON *times)
     print_seconds(out, "total", total);
 }
 
+static void print_audit(FILE *out, const cJSON *audit)
+{
+    if (!cJSON_IsObject(audit))
+        return;
+    fprintf(
+        out,
+        "\n%.0f timings were held against the clocks of the devices, %.0f rates against what was "
+        "judged: %.0f contradict each other\n",
+        bb_json_number(audit, "timings"), bb_json_number(audit, "rates"),
+        bb_json_number(audit, "complaints"));
+}
+
 bb_status bb_report_table(bb_results *results, FILE *out)
 {
     const cJSON *root = bb_results_json(results), *scene;
@@ -475,14 +488,16 @@ bb_status bb_report_table(bb_results *results, FILE *out)
     print_skipped(out, cJSON_GetObjectItemCaseSensitive(root, "skipped"));
     print_times(out, cJSON_GetObjectItemCaseSensitive(root, "steps_ms"),
                 cJSON_GetObjectItemCaseSensitive(root, "time_ms"));
+    print_audit(out, cJSON_GetObjectItemCaseSensitive(root, "audit"));
     fprintf(out,
             "\n*: native, the layout keeps the shape of the builder's own tree.\n"
             "[95 %%]: interval of the median by order statistics. [range]: the lowest and the "
             "highest of too\nfew rounds for an interval, which takes %d; of one round there is "
             "neither.\n"
             "/Embree: to the fastest embree-native row on the same rays.\n"
-            "wrong ppm: wrong rays per million; mis/fal/t: rays missed, false hits, wrong "
-            "distance.\nboxes, prims: tests per ray, from a separate counting run.\n",
+            "wrong ppm: wrong rays per million; unlike: answers unlike those of other cells with "
+            "`exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nboxes, prims: tests "
+            "per ray, from a separate counting run.\n",
             BB_INTERVAL_ROUNDS);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

@@ -141,21 +141,16 @@ bb_status bb_reproduce_check(const bb_reproduce_request *request)
     return BB_OK;
 }
 
-static bb_status run_experiment(plan *p, bb_results *results, uint32_t *wrong,
-                                bb_bench_times *times)
+static bb_status run_experiment(plan *p, bb_results *results, bb_bench_outcome *outcome)
 {
-    uint32_t more_wrong = 0;
-    bb_bench_times more = {0};
-    BB_TRY(bb_bench_run(&p->request, results, &more_wrong, &more));
-    *wrong += more_wrong;
-    times->build_ms += more.build_ms;
-    times->trace_ms += more.trace_ms;
-    times->total_ms += more.total_ms;
-    return BB_OK;
+    bb_bench_outcome more;
+    bb_status status = bb_bench_run(&p->request, results, &more);
+    bb_bench_outcome_add(outcome, &more);
+    return status;
 }
 
-bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results, uint32_t *wrong,
-                       bb_bench_times *times)
+bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
+                       bb_bench_outcome *outcome)
 {
     plan *plans = calloc(BB_EXPERIMENTS_MAX, sizeof *plans);
     bb_findings findings[BB_EXPERIMENTS_MAX] = {0};
@@ -167,7 +162,7 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
         uint32_t first = bb_results_next_build(results);
         status = make_plan(request, e, p);
         if (status == BB_OK)
-            status = run_experiment(p, results, wrong, times);
+            status = run_experiment(p, results, outcome);
         findings[count] = (bb_findings){
             e, results, first, bb_results_next_build(results), p->scenes.items, p->scenes.count};
         if (status != BB_OK)

@@ -71,9 +71,9 @@ typedef struct bb_reproduce_request {
 /* Checks that all builders, kernels and rays that the paper needs are there and take these parameters, and loads no scene. */
 bb_status bb_reproduce_check(const bb_reproduce_request *request);
 
-/* Runs all experiments into `results` and adds the reproduction to it. *wrong and *times as bb_bench_run(). */
-bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results, uint32_t *wrong,
-                       bb_bench_times *times);
+/* Runs all experiments into `results` and adds the reproduction to it. *outcome as bb_bench_run(). */
+bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
+                       bb_bench_outcome *outcome);
 
 /* Evaluates what was measured and adds the reproduction to the document. */
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,

@@ -117,8 +117,11 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
             "without a trail may take it",
             request->kernel->name, request->kernel->trail_max, request->levels);
     uint32_t stack_size = request->kernel->stackless ? 0 : round_stack(request->stack_need);
-    char intersector[128], defines[768], key[1024];
+    char intersector[192], defines[768], key[1024];
     bb_intersector_defines(request->intersector, intersector, sizeof intersector);
+    /* so that all kernels get the same bits from the same steps */
+    if (bb_intersector_is_exact(request->intersector) && bb_device_divides_exactly(device))
+        strcat(intersector, " -cl-fp32-correctly-rounded-divide-sqrt");
     bool persistent = bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
     snprintf(defines, sizeof defines,
              "%s %s -DBB_KINDS=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,

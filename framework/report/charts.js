@@ -138,9 +138,9 @@ function drawBuilders(set, cells) {
   $('builders-note').textContent = notes(set, drawn, points);
   const show = markTable('builders-table', 'chart-builders', points, [
     { name: 'Key', text: p => p.key },
-    Object.assign(num('Total ms', p => p.y, 'build, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn,
+    Object.assign(num('Total ms', p => p.y, 'boxes, build, transfer, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn,
     { name: 'Builder', text: p => p.cell.label }, num('Build ms', p => p.cell.t.record.build_ms_median),
-    num('Layout ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median),
+    Object.assign(num('Other ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median), { title: 'boxes, transfer, layout' }),
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel }]);
   draw('chart-builders', 'Time for build, layout and rays against wrong rays per million', marks,
@@ -183,7 +183,7 @@ function drawTime(set, cells) {
   $('winners').replaceChildren(...winners.map((_, i) => winnerItem(winners, i)));
   draw('chart-time', 'Time to n rays per builder', curves.concat([crossed]),
        { x: axis('n, rays traced (log scale)', true, { min, max }), y: axis('ms (log scale)', true, {}) },
-       p => [`${brief(p.x)} rays: ${figure(p.y)} ms`, madeOf(p.cell), `${figure(p.cell.fixed_ms)} ms build and layout, then ` +
+       p => [`${brief(p.x)} rays: ${figure(p.y)} ms`, madeOf(p.cell), `${figure(p.cell.fixed_ms)} ms before the first ray, then ` +
              `${figure(p.cell.msPerRay * 1e6)} ns per ray`, `wrong per million: ${rateText(p.cell)}${partly(p.cell)}`]);
 }
 

@@ -91,11 +91,11 @@ const traces = data.traces.map(t => {
 const isOk = t => t.status === 'ok' && isNumber(t.mrays_s);
 const label = t => merged ? `${t.builder} (run ${runOf(t) + 1})` : t.builder;
 
-/* 732.4 wrong OVERFLOW: capital letters above the limit. */
+/* 732.4 wrong OVERFLOW: capital letters above the limit; unlike: other cells with `exact` answer otherwise. */
 function wrongText(t) {
   if (!isNumber(t.acc.wrong_ppm)) return 'unchecked';
   const mark = t.wrong ? ' WRONG' : t.acc.wrong_ppm > 0 ? ' wrong' : '';
-  return figure(t.acc.wrong_ppm) + mark + (t.acc.overflowed > 0 ? ' OVERFLOW' : '');
+  return figure(t.acc.wrong_ppm) + mark + (t.unlike > 0 ? ' unlike' : '') + (t.acc.overflowed > 0 ? ' OVERFLOW' : '');
 }
 
 /* ---- the cells of the charts, computed with the results (framework/chart.h) ---- */
