@@ -7,7 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-enum { NINE = 9, ALL_NINE = (1 << NINE) - 1 };
+enum { NINE = 9, ALL_NINE = (1 << NINE) - 1, HALVINGS = 5, NEAR_MAX = 48 };
 
 /* One ray under judgement. */
 typedef struct trial {
@@ -240,10 +240,14 @@ static spread spread_over(const trial *trial, uint32_t prim, double eps)
 typedef struct search {
     const trial *trial;
     double limit;   /* t below which a hit counts, INFINITY: any */
+    uint32_t prim;  /* what was reported, BB_NONE: nothing: hits of it do not count */
+    int root;       /* that is, the first or the second ones of a sphere */
     double common;  /* move all copies by this; 0: by each primitive's own eps */
+    double radius;  /* as a share of that */
     bool literal;   /* no margin at the ends of the ray's interval */
     int wanted;     /* bits of the copies that still look for a hit */
     double largest; /* eps of the primitives that any copy hit */
+    uint32_t found; /* the last of those */
 } search;
 
 static bool hits_well(const search *search, const double o[3], uint32_t prim, double eps)
@@ -255,7 +259,7 @@ static bool hits_well(const search *search, const double o[3], uint32_t prim, do
     double high = fmin(ray->tmax - end, search->limit - eps / length);
     int count = bb_exact_hits(search->trial->scene, o, ray->d, prim, t);
     for (int root = 0; root < count; root++)
-        if (t[root] > low && t[root] < high)
+        if (t[root] > low && t[root] < high && !(prim == search->prim && root == search->root))
             return true;
     return false;
 }
@@ -267,19 +271,22 @@ static bool search_primitive(void *context, uint32_t prim)
     for (int copy = 0; copy < NINE; copy++) {
         if ((search->wanted >> copy & 1) == 0)
             continue;
-        double o[3];
-        moved_origin(search->trial, copy, search->common > 0.0 ? search->common : eps, o);
+        double o[3], distance = search->common > 0.0 ? search->common : eps;
+        moved_origin(search->trial, copy, search->radius * distance, o);
         if (hits_well(search, o, prim, eps)) {
             search->wanted &= ~(1 << copy);
             search->largest = fmax(search->largest, eps);
+            search->found = prim;
         }
     }
     return search->wanted == 0;
 }
 
-static bool all_found(const bb_arbiter *arbiter, search *search, int wanted, double common)
+static bool all_found(const bb_arbiter *arbiter, search *search, int wanted, double common,
+                      double radius)
 {
     bb_probe probe;
+    search->radius = radius;
     bb_probe_make(search->trial->ray, &probe);
     probe.tmax = fmin(probe.tmax, search->limit);
     probe.grow = search->common = common;
@@ -288,17 +295,99 @@ static bool all_found(const bb_arbiter *arbiter, search *search, int wanted, dou
     return search->wanted == 0;
 }
 
-/* Whether all of the nine hit something nearer than `limit` by more than its margin. The margin of what
- * was reported is no matter: a kernel that finds both by its own arithmetic takes the one that it finds
- * nearer, and it is held to the t that it gave. The ray itself goes first: in most cases it hits nothing
- * there, and the eight need not be asked. */
-static bool nine_hit(const bb_arbiter *arbiter, const trial *trial, double limit)
+/* ---- what the nine leave open ---- */
+
+/* Primitives near the ray. */
+typedef struct gap {
+    const bb_arbiter *arbiter;
+    const search *search;
+    double common; /* as in search */
+    bb_outline outlines[NEAR_MAX];
+    uint32_t count;
+    bool scaled_alike; /* outlines by the common eps, else by each primitive's own */
+} gap;
+
+/* In the unit disc, which stands for the nine's; so large that what is not seen of it does no matter. */
+static bool add_outline(void *context, uint32_t prim)
 {
-    search search = {.trial = trial, .limit = limit};
-    if (!all_found(arbiter, &search, 1, 0.0))
+    gap *g = context;
+    const trial *trial = g->search->trial;
+    double eps = margin(trial->scene, trial->frame.o, prim), end = eps / trial->frame.length;
+    double unit = g->scaled_alike ? g->common : eps;
+    double from = trial->ray->tmin + end, to = fmin(trial->ray->tmax, g->search->limit) - end;
+    if (prim == g->search->prim ||
+        bb_pass(&trial->frame, trial->scene, prim, from, to).distance > unit)
         return false;
-    return all_found(arbiter, &search, ALL_NINE, 0.0) ||
-           all_found(arbiter, &search, ALL_NINE, search.largest);
+    bb_outline *outline = &g->outlines[g->count];
+    bb_see_outline(&trial->frame, trial->scene, prim, from, to, outline);
+    for (uint32_t i = 0; i < outline->count; i++)
+        for (int k = 0; k < 2; k++)
+            outline->corners[i][k] /= unit;
+    g->count += outline->count > 0;
+    return g->count == NEAR_MAX;
+}
+
+static bool is_open(void *context, double x, double y)
+{
+    const gap *g = context;
+    trial moved = *g->search->trial;
+    search search = *g->search;
+    for (int k = 0; k < 3; k++)
+        moved.moves[1][k] =
+            0x1p-30 * rint(0x1p30 * (x * moved.frame.across[0][k] + y * moved.frame.across[1][k]));
+    search.trial = &moved;
+    return !all_found(g->arbiter, &search, 1 << 1, 0.0, 1.0) &&
+           !all_found(g->arbiter, &search, 1 << 1, g->common, 1.0);
+}
+
+/* The nine are a sample of the disc of radius eps: near a corner, the way between primitives may be
+ * narrower than the angles between the eight. */
+static bool has_gap(const bb_arbiter *arbiter, const search *search, double common)
+{
+    gap g = {.arbiter = arbiter, .search = search, .common = common};
+    for (int alike = 0; alike < 2; alike++) {
+        bb_probe probe;
+        bb_probe_make(search->trial->ray, &probe);
+        probe.grow = common;
+        g.count = 0;
+        g.scaled_alike = alike;
+        bb_box_tree_visit(arbiter->tree, &probe, add_outline, &g);
+        if (bb_find_open_way(g.outlines, g.count, is_open, &g))
+            return true;
+    }
+    return false;
+}
+
+/* Whether all of the nine hit something nearer than the search's limit by more than its margin. The margin
+ * of what was reported is no matter: a kernel that finds both by its own arithmetic takes the one that
+ * it finds nearer, and it is held to the t that it gave. The ray itself goes first: in most cases it
+ * hits nothing there, and the eight need not be asked.
+ *
+ * All nine may hit something each, and the way between them be open: where the primitives are no larger
+ * than eps, or near a corner. It is looked for at smaller and smaller distances, and between sides. */
+static bool nine_hit(const bb_arbiter *arbiter, search search)
+{
+    if (!all_found(arbiter, &search, 1, 0.0, 1.0))
+        return false;
+    search.wanted = ALL_NINE;
+    if (search_primitive(&search, search.found))
+        return true; /* primitives are convex: nothing is open between the nine */
+    double common = 0.0;
+    for (int halvings = 0; halvings <= HALVINGS; halvings++) {
+        double radius = ldexp(1.0, -halvings);
+        bool closed = all_found(arbiter, &search, ALL_NINE, 0.0, radius);
+        common = halvings == 0 ? search.largest : common;
+        if (!closed && !all_found(arbiter, &search, ALL_NINE, common, radius))
+            return false;
+    }
+    return !has_gap(arbiter, &search, common);
+}
+
+static bool nine_hit_by_the_letter(const bb_arbiter *arbiter, const trial *trial, double limit)
+{
+    search search = {.trial = trial, .limit = limit, .prim = BB_NONE, .literal = true};
+    return all_found(arbiter, &search, 1, 0.0, 1.0) &&
+           all_found(arbiter, &search, ALL_NINE, 0.0, 1.0);
 }
 
 /* ---- answers ---- */
@@ -316,24 +405,24 @@ static bool find_any(void *context, uint32_t prim)
 /* "Something was hit", without saying what. */
 static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
 {
-    search search = {.trial = trial, .wanted = 1};
+    search search = {.trial = trial, .prim = BB_NONE, .wanted = 1};
     bb_probe probe;
     bb_probe_make(trial->ray, &probe);
     bb_box_tree_visit(arbiter->tree, &probe, find_any, &search);
     return search.wanted == 0 ? BB_RIGHT : BB_FALSE_HIT;
 }
 
-/* Whether the ray itself hits the primitive within eps of the reported t: then the eight copies can
- * only widen what is allowed, and need not be asked. */
-static bool hits_itself(const trial *trial, const bb_hit *hit, double e)
+/* Where the ray itself hits the primitive within eps of the reported t, as the first or second root: then
+ * the eight copies can only widen what is allowed, and need not be asked. Else -1. */
+static int root_hit(const trial *trial, const bb_hit *hit, double e)
 {
     double t[2];
     int count = bb_exact_hits(trial->scene, trial->frame.o, trial->ray->d, hit->prim, t);
     for (int root = 0; root < count; root++)
         if (fabs((double)hit->t - t[root]) <= e && t[root] >= trial->ray->tmin &&
             t[root] <= trial->ray->tmax)
-            return true;
-    return false;
+            return root;
+    return -1;
 }
 
 static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const bb_hit *hit,
@@ -341,7 +430,8 @@ static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const b
 {
     double eps = margin(trial->scene, trial->frame.o, hit->prim), e = eps / trial->frame.length;
     double t = hit->t;
-    if (!hits_itself(trial, hit, e)) {
+    int root = root_hit(trial, hit, e);
+    if (root < 0) {
         spread s = spread_over(trial, hit->prim, eps);
         if (s.hits == 0 && !s.near_miss)
             return BB_FALSE_HIT;
@@ -350,10 +440,10 @@ static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const b
         bool second = t >= s.low[1] - e && t <= s.high[1] + e;
         if (!inside || !(first || second))
             return BB_WRONG_T;
+        root = first ? 0 : 1;
     }
-    if (query == BB_CLOSEST_HIT && nine_hit(arbiter, trial, t))
-        return BB_WRONG_T;
-    return BB_RIGHT;
+    const search nearer = {.trial = trial, .limit = t, .prim = hit->prim, .root = root};
+    return query == BB_CLOSEST_HIT && nine_hit(arbiter, nearer) ? BB_WRONG_T : BB_RIGHT;
 }
 
 bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
@@ -363,8 +453,9 @@ bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb
         return BB_MISSED;
     trial trial;
     begin_trial(&trial, arbiter->scene, ray);
+    const search any = {.trial = &trial, .limit = INFINITY, .prim = BB_NONE};
     if (hit->prim == BB_NONE)
-        return nine_hit(arbiter, &trial, INFINITY) ? BB_MISSED : BB_RIGHT;
+        return nine_hit(arbiter, any) ? BB_MISSED : BB_RIGHT;
     if (query == BB_ANY_HIT && hit->prim == BB_UNNAMED)
         return judge_occluded(arbiter, &trial);
     return judge_hit(arbiter, &trial, hit, query);
@@ -375,10 +466,10 @@ bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_
 {
     trial trial;
     begin_trial(&trial, arbiter->scene, ray);
-    if (hit->prim == BB_NONE) {
-        search search = {.trial = &trial, .limit = INFINITY, .literal = true};
-        return all_found(arbiter, &search, ALL_NINE, 0.0);
-    }
+    if (hit->prim == BB_NONE)
+        return nine_hit_by_the_letter(arbiter, &trial, INFINITY);
+    if (query == BB_CLOSEST_HIT && nine_hit_by_the_letter(arbiter, &trial, hit->t))
+        return true;
     double t[2];
     if ((query == BB_ANY_HIT && hit->prim == BB_UNNAMED) ||
         bb_exact_hits(trial.scene, trial.frame.o, trial.ray->d, hit->prim, t) > 0)

@@ -12,7 +12,7 @@
 static const double clock_share = 0.01, clock_ms = 0.05;
 
 /* What may remain unaccounted for: looking at clocks, shuffling, keeping records. */
-static const double rest_share = 0.03, rest_ms = 500;
+static const double rest_share = 0.02, rest_ms = 200;
 
 static void complain(bb_audit *audit, const char *format, ...)
 {

@@ -11,14 +11,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-bb_status bb_bench_step_ms(bb_bench *bench, const char *name, double ms)
+static double booked_ms(const bb_bench *bench)
 {
-    return bb_results_add_step(bench->results, name, ms);
+    const bb_bench_times *times = &bench->outcome->times;
+    return bench->steps_ms + times->build_ms + times->trace_ms;
 }
 
-bb_status bb_bench_step(bb_bench *bench, const char *name, double start)
+bb_step bb_bench_begin(const bb_bench *bench)
 {
-    return bb_bench_step_ms(bench, name, bb_wall_ms() - start);
+    return (bb_step){bb_wall_ms(), booked_ms(bench)};
+}
+
+bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_status status)
+{
+    double ms = bb_wall_ms() - step.start - (booked_ms(bench) - step.booked);
+    bench->steps_ms += ms;
+    bb_status added = bb_results_add_step(bench->results, name, ms);
+    return status != BB_OK ? status : added;
 }
 
 void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
@@ -102,7 +111,7 @@ bb_status bb_bench_check(const bb_bench_request *request)
 static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
 {
     char what[256];
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     snprintf(what, sizeof what, "boxes of %.200s", bench->scene->name);
     for (int i = 0; i <= 5; i++) { /* the first is left out of the median */
         bb_stopwatch watch;
@@ -115,21 +124,21 @@ static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
         bb_audit_timing(&bench->outcome->audit, what, &timing);
         bb_samples_add(ms, timing.ms);
     }
-    return bb_bench_step(bench, "make boxes", start);
+    return bb_bench_end(bench, step, "make boxes", BB_OK);
 }
 
 static bb_status load_scene(bb_bench *bench, const char *name)
 {
     bb_progress_stage(bench->progress, 0, "%s: loading", name);
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_scene_load(name, &bench->scene));
-    BB_TRY(bb_bench_step(bench, "load and profile scenes", start));
-    start = bb_wall_ms();
+    BB_TRY(bb_bench_end(bench, step, "load and profile scenes", BB_OK));
+    step = bb_bench_begin(bench);
     BB_TRY(bb_scene_upload(bench->scene, bench->device));
-    BB_TRY(bb_bench_step(bench, "upload scenes", start));
-    start = bb_wall_ms();
+    BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
+    step = bb_bench_begin(bench);
     BB_TRY(bb_oracle_create(bench->scene, bb_host_threads(bench->device), &bench->oracle));
-    BB_TRY(bb_bench_step(bench, "oracle: build", start));
+    BB_TRY(bb_bench_end(bench, step, "oracle: build", BB_OK));
     memset(&bench->boxes_ms, 0, sizeof bench->boxes_ms);
     BB_TRY(measure_boxes(bench, &bench->boxes_ms));
     if (bench->scene->out_of_range > 0)
@@ -184,16 +193,15 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
     bb_rays_request wanted = {
         spec, view, request->width, request->height, request->max_rays, request->seed};
     bb_rays *rays = NULL;
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
+    status = bb_bench_end(bench, step, "make rays", status);
     if (status == BB_UNSUPPORTED) {
         bb_progress_note(bench->progress, "%s: %s skipped: %s", bench->scene->name, spec->text,
                          bb_message());
         return bb_results_add_skipped(bench->results, bench->scene->name, spec->text,
                                       view != NULL ? view->name : "", bb_message());
     }
-    if (status == BB_OK)
-        status = bb_bench_step(bench, "make rays", start);
     if (status == BB_OK)
         status = bb_bench_traces(bench, rays);
     bb_rays_free(rays);
@@ -204,7 +212,7 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
 static bb_status try_workloads(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     for (uint32_t w = 0; w < request->workload_count; w++) {
         bb_spec spec;
         const bb_workload *workload;
@@ -218,7 +226,7 @@ static bb_status try_workloads(bb_bench *bench)
         if (status == BB_INVALID)
             return status;
     }
-    return bb_bench_step(bench, "make rays", start);
+    return bb_bench_end(bench, step, "make rays", BB_OK);
 }
 
 static bb_status trace_workloads(bb_bench *bench)
@@ -243,7 +251,7 @@ static bb_status make_pictures(bb_bench *bench)
     const bb_bench_request *request = bench->request;
     if (request->picture_folder == NULL)
         return BB_OK;
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     for (uint32_t v = 0; v < bench->scene->view_count; v++) {
         const bb_view *view = &bench->scene->views[v];
         bb_status status =
@@ -257,12 +265,12 @@ static bb_status make_pictures(bb_bench *bench)
         BB_TRY(bb_results_add_skipped(bench->results, bench->scene->name, "picture", view->name,
                                       bb_message()));
     }
-    return bb_bench_step(bench, "pictures", start);
+    return bb_bench_end(bench, step, "pictures", BB_OK);
 }
 
 static void end_scene(bb_bench *bench)
 {
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_bench_evict(&bench->entrants[i]);
         bb_embree_destroy(bench->entrants[i].embree);
@@ -274,7 +282,7 @@ static void end_scene(bb_bench *bench)
     bench->oracle = NULL;
     bb_scene_free(bench->scene);
     bench->scene = NULL;
-    (void)bb_bench_step(bench, "free scenes", start);
+    (void)bb_bench_end(bench, step, "free scenes", BB_OK);
 }
 
 static bb_status run_scene(bb_bench *bench, const char *name)
@@ -305,14 +313,14 @@ static bb_status run_scene(bb_bench *bench, const char *name)
 /* A scene that can't be loaded shall be found out before hours of work, not after them. The first is loaded at once anyway. */
 static bb_status try_scenes(bb_bench *bench)
 {
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 1; i < bench->request->scene_count; i++) {
         bb_scene *scene = NULL;
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
         BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
         bb_scene_free(scene);
     }
-    return bb_bench_step(bench, "load and profile scenes", start);
+    return bb_bench_end(bench, step, "load and profile scenes", BB_OK);
 }
 
 /* The same for parameters of builders: what create() finds wrong is found out now. */
@@ -320,7 +328,7 @@ static bb_status try_builders(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
     const bb_scene nothing = {.name = "nothing"};
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < request->builder_count; i++) {
         if (bb_is_reference(request->builders[i]))
             continue;
@@ -331,7 +339,7 @@ static bb_status try_builders(bb_bench *bench)
         if (status == BB_INVALID)
             return status;
     }
-    return bb_bench_step(bench, "compile builders", start);
+    return bb_bench_end(bench, step, "compile builders", BB_OK);
 }
 
 /* What every trace needs, taken before trees can fill the device. */
@@ -450,15 +458,14 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bb_status status = try_builders(bench);
     if (status == BB_OK)
         status = try_scenes(bench);
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     if (status == BB_OK)
         status = start_buffers(bench);
     if (status == BB_OK)
         status = start_intersectors(bench);
     if (status == BB_OK)
         status = start_kernels(bench);
-    if (status == BB_OK)
-        status = bb_bench_step(bench, "compile kernels", start);
+    status = bb_bench_end(bench, step, "compile kernels", status);
     for (uint32_t i = 0; i < request->scene_count && status == BB_OK; i++)
         status = run_scene(bench, request->scenes[i]);
     bb_progress_end(&progress);

@@ -51,16 +51,18 @@ static bb_status create_and_build(bb_bench *bench, bb_entrant *entrant, double *
  * time, the very first build on a device is thrown away, memory and all. */
 static bb_status first_build(bb_bench *bench, bb_entrant *entrant, double *cold_ms)
 {
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     const bb_builder *builder = bb_builder_find(entrant->spec.name);
+    bb_status status = BB_OK;
     if (!entrant->compiled && builder->place == BB_ON_DEVICE) {
-        BB_TRY(create_and_build(bench, entrant, cold_ms));
+        status = create_and_build(bench, entrant, cold_ms);
         bb_bench_evict(entrant);
     }
     entrant->compiled = true;
-    BB_TRY(create_and_build(bench, entrant, cold_ms));
-    entrant->built = true;
-    return bb_bench_step(bench, "compile, allocate, first builds", start);
+    if (status == BB_OK)
+        status = create_and_build(bench, entrant, cold_ms);
+    entrant->built = status == BB_OK;
+    return bb_bench_end(bench, step, "compile, allocate, first builds", status);
 }
 
 /* Makes the entrant's tree exist. What does not fit beside the others' is built in their place. */
@@ -133,7 +135,7 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
     const bb_builder *builder = entrant->instance.builder;
     if (builder->place == BB_ON_DEVICE)
         return BB_OK;
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     const bb_scene_device *there = &bench->scene->on_device;
     const bb_buffer *buffers[4];
     uint32_t count = 0;
@@ -151,17 +153,17 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
     BB_TRY(bb_host_alloc(NULL, most, "the builder's input on the host", &target));
     bb_status status = repeat_transfer(bench, entrant, buffers, count, target);
     bb_host_free(target);
-    return status == BB_OK ? bb_bench_step(bench, "transfers", start) : status;
+    return bb_bench_end(bench, step, "transfers", status);
 }
 
 /* A hand-over between work-groups that fails now and then shows in one tree of many. */
 static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
 {
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     bb_tree *tree = &entrant->instance.tree;
     BB_TRY(bb_tree_download(tree, NULL));
     BB_TRY(bb_tree_check(tree, bench->scene));
-    return bb_bench_step(bench, "check trees, SAH", start);
+    return bb_bench_end(bench, step, "check trees, SAH", BB_OK);
 }
 
 /* What the device's clock, or that of a host builder's own phases, saw must lie within the wall time. */
@@ -186,13 +188,13 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
     bb_phases phases;
     bb_build_timing timing;
     bb_build_record *record = &entrant->record;
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     bb_account_mark(&entrant->instance.account);
     BB_TRY(bb_instance_build(&entrant->instance, bench->scene, exact, &phases, &timing));
     audit_build(bench, entrant, &phases, &timing);
-    BB_TRY(bb_bench_step_ms(bench, "prepare, restore, warm up",
-                            bb_wall_ms() - start - timing.timing.ms));
     if (!exact) {
+        bench->outcome->times.build_ms += timing.timing.ms;
+        BB_TRY(bb_bench_end(bench, step, "prepare, restore, warm up", BB_OK));
         bb_samples_add(&record->build_ms, timing.timing.ms);
         bb_samples_add(&record->event_ms, timing.timing.event_ms);
         bb_samples_add(&record->cpu_ms, timing.timing.cpu_ms);
@@ -202,7 +204,6 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
         bb_input_words(entrant->instance.builder->inputs, record->inputs, sizeof record->inputs);
         if ((entrant->instance.builder->inputs & BB_INPUT_BOXES) != 0)
             record->boxes_ms = bb_samples_median(&bench->boxes_ms);
-        bench->outcome->times.build_ms += timing.timing.ms;
         record->bytes_peak = entrant->instance.account.peak;
     }
     if (bench->device->form == BB_FORM_GPU)
@@ -217,7 +218,7 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
     bb_tree *tree = &entrant->instance.tree;
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_tree_download(tree, NULL));
     BB_TRY(bb_tree_check(tree, bench->scene));
     record->has_tree = true;
@@ -226,12 +227,12 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     record->sah = bb_tree_sah(tree);
     BB_TRY(bb_instance_describe(&entrant->instance, bench->scene, record->about,
                                 sizeof record->about));
-    BB_TRY(bb_bench_step(bench, "check trees, SAH", start));
+    BB_TRY(bb_bench_end(bench, step, "check trees, SAH", BB_OK));
     if (bench->request->epo) {
-        start = bb_wall_ms();
+        step = bb_bench_begin(bench);
         BB_TRY(bb_tree_epo(tree, bench->scene, 1000000, bench->request->seed, &record->epo,
                            &record->epo_half));
-        BB_TRY(bb_bench_step(bench, "EPO", start));
+        BB_TRY(bb_bench_end(bench, step, "EPO", BB_OK));
     }
     return BB_OK;
 }
@@ -249,10 +250,10 @@ static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
     bb_build_record *record = &entrant->record;
     double ms = 0;
     if (entrant->embree == NULL) {
-        double start = bb_wall_ms();
+        bb_step step = bb_bench_begin(bench);
         BB_TRY(bb_embree_create(bench->scene, &entrant->spec, bb_host_threads(bench->device),
                                 &entrant->embree, &record->cold_ms));
-        BB_TRY(bb_bench_step(bench, "compile, allocate, first builds", start));
+        BB_TRY(bb_bench_end(bench, step, "compile, allocate, first builds", BB_OK));
     }
     BB_TRY(bb_embree_rebuild(entrant->embree, &ms));
     bb_samples_add(&record->build_ms, ms);
@@ -268,9 +269,11 @@ static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
     /* the phases of a builder on the host were exact all along */
     if (exact && bb_builder_find(entrant->spec.name)->place == BB_ON_HOST)
         return BB_OK;
-    double start = bb_wall_ms();
-    BB_TRY(timed_build(bench, entrant, exact));
-    return exact ? bb_bench_step(bench, "builds for phase times", start) : BB_OK;
+    if (!exact)
+        return timed_build(bench, entrant, exact);
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = timed_build(bench, entrant, exact);
+    return bb_bench_end(bench, step, "builds for phase times", status);
 }
 
 static void finish_phases(bb_entrant *entrant)
@@ -389,8 +392,8 @@ bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     if (entrant->has_layout[layout])
         return BB_OK;
+    bb_step step = bb_bench_begin(bench);
     bb_status status = acquire(bench, entrant);
-    double start = bb_wall_ms();
     const bb_tree_info *info = &entrant->instance.tree.info;
     if (status == BB_OK && entrant->record.has_tree &&
         (info->node_count != entrant->record.tree.node_count ||
@@ -408,11 +411,12 @@ bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
     }
     if (status == BB_OK)
         status = measure_layout(bench, entrant, layout);
+    status = bb_bench_end(bench, step, "layouts", status);
     if (status != BB_OK) {
         bb_layout_data_release(&entrant->layouts[layout]);
         return status;
     }
     entrant->has_layout[layout] = true;
     entrant->keeps_shape[layout] = entrant->layouts[layout].keeps_shape;
-    return bb_bench_step(bench, "layouts", start);
+    return BB_OK;
 }

@@ -75,6 +75,7 @@ typedef struct bb_bench {
     uint32_t batch; /* rays per launch */
     bb_bench_outcome *outcome;
     double start;
+    double steps_ms; /* booked so far */
     bb_buffer rays;
     bb_buffer hits;
     bb_buffer counts;
@@ -82,9 +83,17 @@ typedef struct bb_bench {
     bb_account account; /* of the buffers above and of the rays */
 } bb_bench;
 
-/* Books the time since `start` as a step outside build and trace; or `ms`. */
-bb_status bb_bench_step(bb_bench *bench, const char *name, double start);
-bb_status bb_bench_step_ms(bb_bench *bench, const char *name, double ms);
+/* A step: the time from begin to end, less what was booked meanwhile (by steps within it, builds and
+ * traces), so that no millisecond is booked twice. */
+typedef struct bb_step {
+    double start;
+    double booked; /* when it began */
+} bb_step;
+
+bb_step bb_bench_begin(const bb_bench *bench);
+
+/* Books the step, also where `status`, which is returned, is that of a failure. */
+bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_status status);
 
 /* order[0..count) = a random permutation of 0..count-1. */
 void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);

@@ -99,7 +99,7 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
     *timing = (bb_timing){0, 0, 0};
     if (!reference)
         BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(set->bench);
     uint32_t batch = set->bench->batch;
     for (uint32_t from = 0; from < c->count; from += batch) {
         uint32_t count = c->count - from < batch ? c->count - from : batch;
@@ -118,7 +118,8 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
     snprintf(what, sizeof what, "trace of %.60s, %.40s by %.60s on %.60s", c->record.scene,
              c->record.rays, c->record.kernel, c->record.builder);
     bb_audit_timing(&set->bench->outcome->audit, what, timing);
-    return bb_bench_step_ms(set->bench, "poison and copy hits", bb_wall_ms() - start - timing->ms);
+    set->bench->outcome->times.trace_ms += timing->ms;
+    return bb_bench_end(set->bench, step, "poison and copy hits", BB_OK);
 }
 
 /* ---- preparation and judgement ---- */
@@ -145,7 +146,7 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
     const bb_layout_data *layout = &c->entrant->layouts[c->layout];
     bb_tracer_request request = tracer_request(set, c);
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_tracer_get(bench->device, &request, &c->tracer));
     c->record.group_size = bb_tracer_group_size(c->tracer);
     c->record.stack_size = bb_tracer_stack_size(c->tracer);
@@ -155,16 +156,16 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     uint32_t few = c->count < c->record.group_size ? c->count : c->record.group_size;
     BB_TRY(bb_tracer_launch(c->tracer, layout, &bench->rays, few, &bench->hits, NULL));
     BB_TRY(bb_finish(bench->device));
-    return bb_bench_step(bench, "compile kernels", start);
+    return bb_bench_end(bench, step, "compile kernels", BB_OK);
 }
 
 /* Judges set->hits unless the same answer has been judged before. Of two different answers of one cell the worse one counts. */
 static bb_status judge_cell(trace_set *set, cell *c)
 {
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(set->bench);
     uint64_t hash = XXH3_64bits(set->hits, c->count * sizeof(bb_hit));
     if (c->judged && hash == c->hits_hash)
-        return bb_bench_step(set->bench, "judge answers", start);
+        return bb_bench_end(set->bench, step, "judge answers", BB_OK);
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {
         .hits = set->hits, .count = c->count, .may_be_unnamed = c->entrant->reference};
@@ -174,7 +175,7 @@ static bb_status judge_cell(trace_set *set, cell *c)
     c->record.has_accuracy = true;
     c->judged = true;
     c->hits_hash = hash;
-    return bb_bench_step(set->bench, "judge answers", start);
+    return bb_bench_end(set->bench, step, "judge answers", BB_OK);
 }
 
 /* `exact` answers do not depend on builder, layout and kernel (kernels/ERROR_BUDGET.md). A cell whose
@@ -229,7 +230,7 @@ static bb_status count_tests(trace_set *set, cell *c)
     bb_bench *bench = set->bench;
     if (c->entrant->reference)
         return BB_OK;
-    double start = bb_wall_ms();
+    bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
     bb_tracer_request request = tracer_request(set, c);
     request.counting = true;
@@ -253,7 +254,7 @@ static bb_status count_tests(trace_set *set, cell *c)
     c->record.prim_tests_per_ray = (double)prims / count;
     c->record.overflowed = overflowed;
     c->record.counted = count;
-    return bb_bench_step(bench, "count tests", start);
+    return bb_bench_end(bench, step, "count tests", BB_OK);
 }
 
 /* ---- the set ---- */
@@ -331,10 +332,12 @@ static bb_status start_set(trace_set *set)
     BB_TRY(bb_host_alloc(NULL, set->rays->count * sizeof(bb_hit), "hits", &set->hits));
     uint32_t first = set->rays->count < bench->batch ? set->rays->count : bench->batch;
     BB_TRY(bb_buffer_write(&bench->rays, 0, first * sizeof(bb_ray), set->rays->rays));
-    double start = bb_wall_ms();
-    BB_TRY(bb_answers_make(bench->oracle, set->rays, &set->answers));
-    BB_TRY(bb_bench_step(bench, "oracle: arbitrate", bb_wall_ms() - set->answers.show_ms));
-    return bb_bench_step(bench, "oracle: trace", start + set->answers.show_ms);
+    bb_step step = bb_bench_begin(bench);
+    BB_TRY(bb_answers_trace(bench->oracle, set->rays, &set->answers));
+    BB_TRY(bb_bench_end(bench, step, "oracle: trace", BB_OK));
+    step = bb_bench_begin(bench);
+    bb_status status = bb_answers_show(bench->oracle, &set->answers);
+    return bb_bench_end(bench, step, "oracle: arbitrate", status);
 }
 
 static void run_round(trace_set *set)
@@ -349,7 +352,6 @@ static void run_round(trace_set *set)
         bb_status status = trace_once(set, c, &timing);
         if (status == BB_OK) {
             bb_samples_add(&c->record.ms, timing.ms);
-            set->bench->outcome->times.trace_ms += timing.ms;
             bb_samples_add(&c->record.event_ms, timing.event_ms);
             bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
             status = judge_cell(set, c);

@@ -21,6 +21,8 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
+enum { SIDE = 128 }; /* of the ray sets */
+
 /* Small scenes, each with something that builders trip over. */
 static const char *const procedural_scenes[] = {
     "single",
@@ -67,10 +69,16 @@ static bb_status check_scene(bb_device *device, const char *name, const bb_names
     bb_conformance *conformance = NULL;
     bb_status status = bb_scene_load(name, &scene);
     if (status == BB_OK)
-        status = bb_conformance_create(device, scene, seed, &conformance);
+        status = bb_conformance_create(device, scene, SIDE, seed, &conformance);
     if (status == BB_OK && scene->out_of_range > 0)
         printf("%-11s %-36s %u of %u primitives are too small beside the scene for floats\n",
                "note", name, scene->out_of_range, scene->prim_count);
+    if (status == BB_OK && bb_conformance_left_out(conformance)[0] != '\0')
+        printf("%-11s %-36s no rays %s\n", "note", name, bb_conformance_left_out(conformance));
+    if (status == BB_OK && bb_conformance_brute_force(conformance) != BB_OK) {
+        tally->failed++;
+        printf("%-11s %-36s %-34s %s\n", "FAILED", name, "no tree, all primitives", bb_message());
+    }
     for (size_t i = 0; i < builders->count && status == BB_OK; i++) {
         char note[512];
         bb_status found = bb_conformance_check(conformance, builders->items[i], note, sizeof note);
@@ -110,7 +118,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     for (size_t i = 0; i < scenes.count && status == BB_OK; i++)
         status = check_scene(device, scenes.items[i], &builders, seed, &tally);
     if (status == BB_OK) {
-        printf("%zu builders on %zu scenes, %u trees checked, %u failed\n", builders.count,
+        printf("%zu builders on %zu scenes, %u trees checked, %u checks failed\n", builders.count,
                scenes.count, tally.checked, tally.failed);
         if (tally.checked == 0)
             fprintf(stderr, "bvhbench: no builder takes any of the scenes: nothing was checked\n");

@@ -28,28 +28,31 @@ struct bb_conformance {
     bb_scene *reversed; /* the same primitives, the last first */
     bb_oracle *oracle;
     uint64_t seed;
+    uint32_t side; /* of the pictures: a set has its square of rays */
     uint32_t set_count;
     ray_set sets[SETS_MAX];
+    char left_out[1024];
     bb_account account;
     bb_buffer hits;
     bb_hit *host_hits;
 };
 
-/* Rays per set; a tree that is one leaf gets fewer. */
-static const uint32_t rays_per_set = 16384;
-static const double brute_force_tests = 2e8;
+/* Tests that a set may take. Rays of a tree that is one leaf test all primitives; those of a chain may meet all of
+ * its levels, and again and again where a kernel restarts from the root: they get fewer. */
+static const double primitive_tests = 2e8, level_tests = 1e8;
 
 static uint32_t affordable(const bb_tree_info *tree, uint32_t count)
 {
-    if (tree->node_count > 1 || (double)tree->ref_count * count <= brute_force_tests)
-        return count;
-    return 1 + (uint32_t)(brute_force_tests / tree->ref_count);
+    double most = tree->node_count > 1 ? level_tests / tree->depth / tree->depth
+                                       : primitive_tests / tree->ref_count;
+    return count <= most ? count : 1 + (uint32_t)most;
 }
 
 /* ---- the answers ---- */
 
+/* `overflows`: whether the kernel's stack may be too small for the tree. */
 static bb_status trace(bb_conformance *c, const ray_set *set, const bb_kernel *kernel,
-                       const bb_layout_data *layout, uint32_t count)
+                       const bb_layout_data *layout, uint32_t count, bool *overflows)
 {
     bb_spec spec;
     BB_TRY(bb_spec_parse(kernel->name, &spec));
@@ -64,18 +67,25 @@ static bb_status trace(bb_conformance *c, const ray_set *set, const bb_kernel *k
     };
     bb_tracer *tracer;
     BB_TRY(bb_tracer_get(c->device, &request, &tracer));
+    *overflows = !kernel->stackless && layout->stack_need > bb_tracer_stack_size(tracer);
     BB_TRY(bb_buffer_fill(&c->hits, count * sizeof(bb_hit), BB_POISON));
     BB_TRY(bb_tracer_launch(tracer, layout, &set->rays->on_device, count, &c->hits, NULL));
     return bb_buffer_read(&c->hits, 0, count * sizeof(bb_hit), c->host_hits);
 }
 
-static bb_status judge(bb_conformance *c, ray_set *set, const char *kernel, uint32_t count)
+/* A kernel whose stack overflowed left the answer unwritten: it refuses the tree, loudly. */
+static bb_status judge(bb_conformance *c, ray_set *set, const char *kernel, uint32_t count,
+                       bool overflows)
 {
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {.hits = c->host_hits, .count = count};
     BB_TRY(bb_judge(c->oracle, &set->answers, &wanted, &accuracy));
     if (accuracy.wrong_ppm == 0)
         return BB_OK;
+    uint64_t wrong = accuracy.missed + accuracy.false_hits + accuracy.wrong_t;
+    if (overflows && accuracy.unwritten == wrong)
+        return bb_fail(BB_UNSUPPORTED, "the stack of kernel %s overflowed for %llu of %u rays",
+                       kernel, (unsigned long long)wrong, count);
     return bb_fail(
         BB_FAILED,
         "kernel %s, %s rays: of %u rays %llu missed, %llu false, %llu wrong t; the first "
@@ -119,8 +129,9 @@ static bb_status check_set(bb_conformance *c, ray_set *set, const char *builder,
                            const bb_tree_info *tree)
 {
     uint32_t count = affordable(tree, set->rays->count);
-    BB_TRY(trace(c, set, kernel, layout, count));
-    BB_TRY(judge(c, set, kernel->name, count));
+    bool overflows;
+    BB_TRY(trace(c, set, kernel, layout, count, &overflows));
+    BB_TRY(judge(c, set, kernel->name, count, overflows));
     return compare(c, set, builder, kernel->name, count);
 }
 
@@ -167,8 +178,8 @@ static bb_status make_one_leaf(const bb_scene *scene, bb_tree *tree)
     return BB_OK;
 }
 
-/* All primitives, one after the other, by the kernel that comes first: what no box can hide. */
-static bb_status answer_by_brute_force(bb_conformance *c)
+/* All primitives, one after the other: what no box can hide. */
+bb_status bb_conformance_brute_force(bb_conformance *c)
 {
     bb_tree tree;
     bb_status status = make_one_leaf(c->scene, &tree);
@@ -189,18 +200,22 @@ static bb_status add_set(bb_conformance *c, const char *workload)
     bb_rays_request request = {
         .spec = &spec,
         .view = found->per_view ? &c->scene->views[0] : NULL,
-        .width = 128,
-        .height = 128,
-        .max_rays = rays_per_set,
+        .width = c->side,
+        .height = c->side,
+        .max_rays = c->side * c->side,
         .seed = c->seed,
     };
     bb_status status = bb_rays_make(c->scene, c->oracle, &request, &set->rays);
-    if (status == BB_UNSUPPORTED)
-        return BB_OK; /* a scene that the views don't see: the other sets remain */
+    if (status == BB_UNSUPPORTED) { /* a scene that the views don't see: the other sets remain */
+        size_t used = strlen(c->left_out);
+        snprintf(c->left_out + used, sizeof c->left_out - used, "%s%s (%s)", used > 0 ? ", " : "",
+                 workload, bb_message());
+        return BB_OK;
+    }
     BB_TRY(status);
     c->set_count++;
     BB_TRY(bb_rays_upload(set->rays, c->device));
-    BB_TRY(bb_host_alloc(NULL, rays_per_set * sizeof(bb_hit), "hits", &set->hits));
+    BB_TRY(bb_host_alloc(NULL, (size_t)c->side * c->side * sizeof(bb_hit), "hits", &set->hits));
     return bb_answers_make(c->oracle, set->rays, &set->answers);
 }
 
@@ -238,13 +253,13 @@ static bb_status prepare(bb_conformance *c)
     if (c->set_count == 0)
         return bb_fail(BB_FAILED, "scene %s: there are no rays to check anything with",
                        scene->name);
-    BB_TRY(
-        bb_buffer_reserve(c->device, &c->account, rays_per_set * sizeof(bb_hit), "hits", &c->hits));
-    BB_TRY(bb_host_alloc(NULL, rays_per_set * sizeof(bb_hit), "hits", &c->host_hits));
-    return answer_by_brute_force(c);
+    size_t bytes = (size_t)c->side * c->side * sizeof(bb_hit);
+    BB_TRY(bb_buffer_reserve(c->device, &c->account, bytes, "hits", &c->hits));
+    BB_TRY(bb_host_alloc(NULL, bytes, "hits", &c->host_hits));
+    return BB_OK;
 }
 
-bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t seed,
+bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint32_t side, uint64_t seed,
                                 bb_conformance **out)
 {
     bb_conformance *c = calloc(1, sizeof *c);
@@ -253,6 +268,7 @@ bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t see
     c->device = device;
     c->scene = scene;
     c->seed = seed;
+    c->side = side;
     bb_status status = prepare(c);
     if (status != BB_OK) {
         bb_conformance_destroy(c);
@@ -277,6 +293,11 @@ void bb_conformance_destroy(bb_conformance *c)
     bb_scene_free(c->reversed);
     bb_tracers_clear(c->device);
     free(c);
+}
+
+const char *bb_conformance_left_out(const bb_conformance *c)
+{
+    return c->left_out;
 }
 
 /* ---- a builder ---- */

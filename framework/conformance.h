@@ -7,12 +7,18 @@
 
 typedef struct bb_conformance bb_conformance;
 
-/* Uploads the scene, makes the oracle, small ray sets (primary, ambient occlusion, random, and at and
- * close to edges) with their answers, and as many answers by brute force as there is time for. Fails if
- * the scene has no rays at all. */
-bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint64_t seed,
+/* Uploads the scene, makes the oracle and small ray sets (primary, ambient occlusion, random, and at and
+ * close to edges) of side x side rays each, with their answers. Fails if the scene has no rays at all. */
+bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint32_t side, uint64_t seed,
                                 bb_conformance **out);
 void bb_conformance_destroy(bb_conformance *conformance); /* NULL is allowed */
+
+/* The ray sets that this scene does not have, and why: "primary (...), ..."; "" if it has all of them. */
+const char *bb_conformance_left_out(const bb_conformance *conformance);
+
+/* As many answers as there is time for without any tree, by the kernel that comes first. They are judged
+ * (BB_FAILED if one is wrong), and then those that every tree's answers must equal: call it first. */
+bb_status bb_conformance_brute_force(bb_conformance *conformance);
 
 /* Holds a builder to what all builders promise:
  *

@@ -103,10 +103,10 @@ static uint8_t judge_quickly(const job *job, size_t i, verdict *v)
     if (hit->prim == BB_NONE) {
         if (rays->must_hit)
             return BB_MISSED;
-        return expected->prim == BB_NONE && shown != BB_ORACLE_WRONG ? BB_RIGHT : OPEN;
+        return expected->prim == BB_NONE && shown == BB_ORACLE_SURE ? BB_RIGHT : OPEN;
     }
     if (is_unnamed(job, hit))
-        return is_unnamed(job, expected) && shown != BB_ORACLE_WRONG ? BB_RIGHT : OPEN;
+        return is_unnamed(job, expected) && shown == BB_ORACLE_SURE ? BB_RIGHT : OPEN;
     if (rays->query == BB_CLOSEST_HIT && (shown != BB_ORACLE_SURE || hit->prim != expected->prim))
         return OPEN;
     double t;

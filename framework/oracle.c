@@ -6,7 +6,6 @@
  */
 #include "framework/oracle_private.h"
 
-#include "framework/clock.h"
 #include "framework/memory.h"
 
 #include <math.h>
@@ -91,10 +90,10 @@ static uint8_t show(const bb_oracle *oracle, const bb_rays *rays, const bb_ray *
 {
     if (hit->prim == BB_NONE && !rays->must_hit &&
         bb_way_ask(oracle->way, ray, ray->tmax, BB_NONE) == BB_WAY_CLEAR)
-        return BB_ORACLE_RIGHT;
+        return BB_ORACLE_SURE;
     if (hit->prim == BB_UNNAMED && rays->query == BB_ANY_HIT &&
         bb_way_ask(oracle->way, ray, ray->tmax, BB_NONE) == BB_WAY_BLOCKED)
-        return BB_ORACLE_RIGHT;
+        return BB_ORACLE_SURE;
     if (hit->prim < oracle->scene->prim_count && rays->query == BB_CLOSEST_HIT &&
         is_sure(oracle, ray, hit))
         return BB_ORACLE_SURE;
@@ -118,32 +117,28 @@ static void show_chunk(void *context, size_t begin, size_t end, uint32_t thread)
 
 /* ---- answers ---- */
 
+bb_status bb_answers_trace(bb_oracle *oracle, const bb_rays *rays, bb_answers *answers)
+{
+    *answers = (bb_answers){.rays = rays};
+    BB_TRY(
+        bb_host_alloc(NULL, rays->count * sizeof(bb_hit), "the oracle's answers", &answers->hits));
+    return bb_oracle_trace(oracle, rays->rays, rays->count, rays->query, answers->hits);
+}
+
 bb_status bb_answers_show(bb_oracle *oracle, bb_answers *answers)
 {
-    double start = bb_wall_ms();
     BB_TRY(bb_host_alloc(NULL, answers->rays->count, "what is known of them", &answers->shown));
     BB_TRY(prepare(oracle));
     show_job job = {oracle, answers};
     bb_parallel_for(oracle->pool, answers->rays->count, CHUNK, show_chunk, &job);
-    answers->show_ms = bb_wall_ms() - start;
     return BB_OK;
-}
-
-static bb_status fill(bb_oracle *oracle, bb_answers *answers)
-{
-    const bb_rays *rays = answers->rays;
-    BB_TRY(
-        bb_host_alloc(NULL, rays->count * sizeof(bb_hit), "the oracle's answers", &answers->hits));
-    double start = bb_wall_ms();
-    BB_TRY(bb_oracle_trace(oracle, rays->rays, rays->count, rays->query, answers->hits));
-    answers->trace_ms = bb_wall_ms() - start;
-    return bb_answers_show(oracle, answers);
 }
 
 bb_status bb_answers_make(bb_oracle *oracle, const bb_rays *rays, bb_answers *answers)
 {
-    *answers = (bb_answers){.rays = rays};
-    bb_status status = fill(oracle, answers);
+    bb_status status = bb_answers_trace(oracle, rays, answers);
+    if (status == BB_OK)
+        status = bb_answers_show(oracle, answers);
     if (status != BB_OK)
         bb_answers_release(answers);
     return status;

@@ -24,8 +24,9 @@ bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count,
 enum {
     BB_ORACLE_WRONG, /* missed, false or wrong t */
     BB_ORACLE_RIGHT,
-    /* Right, and so is any other answer on the same primitive whose t is within its margin of the
-     * exact one: the ray itself hits nothing else before that. Closest hit only. */
+    /* Right, and shown so by the ray itself, without copies that are moved aside. A miss: it hits
+     * nothing. A closest hit: it hits nothing else before the end of the primitive's margin, so that
+     * any other t within the margin is right as well. An unnamed hit: it hits something. */
     BB_ORACLE_SURE,
 };
 
@@ -37,13 +38,16 @@ typedef struct bb_answers {
     const bb_rays *rays;
     bb_hit *hits;
     uint8_t *shown; /* BB_ORACLE_... of each ray */
-    double trace_ms;
-    double show_ms; /* of arbitration */
     struct bb_judged *judged;
 } bb_answers;
 
-/* `rays` must outlive the answers. */
+/* `rays` must outlive the answers. After a failure there is nothing to release. */
 bb_status bb_answers_make(bb_oracle *oracle, const bb_rays *rays, bb_answers *answers);
+
+/* Its two halves, for who times them: the second arbitrates answers->hits, whoever gave them. A failure
+ * releases nothing. */
+bb_status bb_answers_trace(bb_oracle *oracle, const bb_rays *rays, bb_answers *answers);
+bb_status bb_answers_show(bb_oracle *oracle, bb_answers *answers);
 void bb_answers_release(bb_answers *answers);
 
 #endif

@@ -17,9 +17,6 @@ struct bb_oracle {
     float *heights; /* smallest height of each triangle, diameter of each sphere */
 };
 
-/* Arbitrates answers->hits, whoever gave them: fills answers->shown. */
-bb_status bb_answers_show(bb_oracle *oracle, bb_answers *answers);
-
 /* Frees answers->judged. */
 void bb_judged_release(bb_answers *answers);
 

@@ -7,8 +7,6 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { CORNERS_MAX = 5 }; /* of a triangle cut twice */
-
 typedef struct corner {
     double x, y, t;
 } corner;
@@ -29,7 +27,7 @@ static corner see(const bb_frame *frame, const float v[3])
 /* Keeps what has sign * t >= sign * bound; how many corners are left. */
 static int cut(corner *corners, int count, double bound, double sign)
 {
-    corner kept[CORNERS_MAX + 1];
+    corner kept[BB_OUTLINE_CORNERS + 1];
     int left = 0;
     for (int i = 0; i < count; i++) {
         corner p = corners[i], q = corners[(i + 1) % count];
@@ -44,6 +42,20 @@ static int cut(corner *corners, int count, double bound, double sign)
     for (int i = 0; i < left; i++)
         corners[i] = kept[i];
     return left;
+}
+
+static void see_triangle(const bb_frame *frame, const bb_scene *scene, uint32_t prim,
+                         corner corners[3])
+{
+    for (uint32_t i = 0; i < 3; i++)
+        corners[i] = see(frame, bb_scene_vertex(scene, prim, i));
+}
+
+/* Of a triangle what lies in the interval; how many corners it has. */
+static int cut_ends(corner corners[BB_OUTLINE_CORNERS + 1], double from, double to)
+{
+    int count = cut(corners, 3, from, 1.0);
+    return count > 0 ? cut(corners, count, to, -1.0) : 0;
 }
 
 static double distance_to_segment(corner p, corner q)
@@ -78,16 +90,28 @@ bb_passing bb_pass(const bb_frame *frame, const bb_scene *scene, uint32_t prim, 
         double distance = hypot(hypot(c.x, c.y), along) - (double)s[3];
         return (bb_passing){fmax(0.0, distance), c.t, c.t};
     }
-    corner corners[CORNERS_MAX + 1];
+    corner corners[BB_OUTLINE_CORNERS + 1];
+    see_triangle(frame, scene, prim, corners);
     bb_passing passing = {INFINITY, INFINITY, -INFINITY};
-    for (uint32_t i = 0; i < 3; i++) {
-        corners[i] = see(frame, bb_scene_vertex(scene, prim, i));
+    for (int i = 0; i < 3; i++) {
         passing.t_low = fmin(passing.t_low, corners[i].t);
         passing.t_high = fmax(passing.t_high, corners[i].t);
     }
-    int count = cut(corners, 3, from, 1.0);
-    if (count > 0)
-        count = cut(corners, count, to, -1.0);
-    passing.distance = distance_to_polygon(corners, count);
+    passing.distance = distance_to_polygon(corners, cut_ends(corners, from, to));
     return passing;
+}
+
+void bb_see_outline(const bb_frame *frame, const bb_scene *scene, uint32_t prim, double from,
+                    double to, bb_outline *outline)
+{
+    corner corners[BB_OUTLINE_CORNERS + 1];
+    outline->count = 0;
+    if (prim >= scene->triangle_count)
+        return;
+    see_triangle(frame, scene, prim, corners);
+    outline->count = (uint32_t)cut_ends(corners, from, to);
+    for (uint32_t i = 0; i < outline->count; i++) {
+        outline->corners[i][0] = corners[i].x;
+        outline->corners[i][1] = corners[i].y;
+    }
 }

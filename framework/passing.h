@@ -2,6 +2,7 @@
 #ifndef BB_PASSING_H
 #define BB_PASSING_H
 
+#include "framework/open_way.h"
 #include "framework/scene.h"
 
 /* A ray's frame: what lies at o + x across[0] + y across[1] + t d is seen at (x, y), at t. */
@@ -20,5 +21,9 @@ typedef struct bb_passing {
 /* The least distance of the ray from the primitive's part at t in [from, to]. */
 bb_passing bb_pass(const bb_frame *frame, const bb_scene *scene, uint32_t prim, double from,
                    double to);
+
+/* The part of a triangle at t in [from, to] as the ray sees it, in the frame's units; empty for a sphere. */
+void bb_see_outline(const bb_frame *frame, const bb_scene *scene, uint32_t prim, double from,
+                    double to, bb_outline *outline);
 
 #endif

@@ -178,6 +178,24 @@ static bool random_ray(const bb_box *from, const bb_box *to, bb_random *random, 
     return bb_ray_set_direction(ray, d);
 }
 
+/* Two points fall together at most where a box has next to no floats inside, or is that of a primitive
+ * which is a point. */
+static bb_status make_random_ray(const bb_rays_job *job, double near, bb_random *random,
+                                 bb_ray *ray)
+{
+    for (uint32_t tries = 0; tries < 1000; tries++) {
+        bb_box from = job->scene->bounds, to = from;
+        if (near > 0 && bb_random_unit(random) < near) {
+            from = box_near(job->scene, random);
+            to = box_near(job->scene, random);
+        }
+        if (random_ray(&from, &to, random, ray))
+            return BB_OK;
+    }
+    return bb_fail(BB_UNSUPPORTED, "rays random: the box of scene '%s' is too small",
+                   job->scene->name);
+}
+
 static bb_status make_random(bb_rays_job *job)
 {
     uint64_t count = job->request->max_rays;
@@ -196,17 +214,7 @@ static bb_status make_random(bb_rays_job *job)
         bb_ray *ray = &job->rays->rays[i];
         ray->tmin = job->tmin;
         ray->tmax = INFINITY;
-        /* Two points fall together at most where the box has next to no floats inside. */
-        uint32_t tries = 0;
-        bb_box from = job->scene->bounds, to = from;
-        if (near > 0 && bb_random_unit(&random) < near) {
-            from = box_near(job->scene, &random);
-            to = box_near(job->scene, &random);
-        }
-        while (!random_ray(&from, &to, &random, ray))
-            if (++tries == 1000)
-                return bb_fail(BB_UNSUPPORTED, "rays random: the box of scene '%s' is too small",
-                               job->scene->name);
+        BB_TRY(make_random_ray(job, near, &random, ray));
     }
     return BB_OK;
 }

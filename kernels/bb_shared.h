@@ -138,15 +138,17 @@ typedef struct bb_wide8 {
     bb_u32 pad[7];
 } bb_wide8;
 
-/* The same with 8 bits per plane: plane p of axis a is base[a] + p * scale[a], scale a power of two. The boxes hold the exact ones.
- * 128 bytes. */
+/* The same with 8 bits per plane: plane p of axis a is base[a] + p * scale[a], scale a power of two. The
+ * boxes hold the exact ones. From far away even a box turned inside out is met, since distances are
+ * padded: so places without a child are told apart by a bit. 128 bytes. */
 typedef struct bb_quant8 {
     bb_u8 planes[48];
     float base[3];
     float scale[3];
     bb_u32 links[8];
     bb_u32 count;
-    bb_u32 pad[5];
+    bb_u32 places; /* bit c: place c has a child */
+    bb_u32 pad[4];
 } bb_quant8;
 
 /* How a pair is best made part of wide nodes: its cost as up to 1, 2, ... children, times area, and, 4 bits each, how many of

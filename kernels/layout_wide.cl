@@ -280,6 +280,9 @@ void write_boxes(const bb_opened *opened, global bb_wide *node)
                 empty ? 0u : step_above(node, axis, his[c]);
         }
     }
+    node->places = 0;
+    for (uint c = 0; c < BB_WIDTH; c++)
+        node->places |= opened->links[c] != BB_NONE ? 1u << c : 0u;
 }
 #else
 void write_boxes(const bb_opened *opened, global bb_wide *node)

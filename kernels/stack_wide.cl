@@ -24,8 +24,10 @@
     BB_DEQUANTISE(node, axis, convert_float8(vload8(0, (node)->planes + (plane))))
 #define BB_PLANE_STEP BB_WIDTH
 #define BB_NODE_OF(wide) (wide)
+#define BB_PLACES(wide) (wide)->places
 #else
 #define BB_NODE_OF(wide) (wide)->planes
+#define BB_PLACES(wide) ~0u
 #endif
 #define BB_LANES BB_BLOCK_LANES
 #include "search.clh"
@@ -82,7 +84,7 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
             global const bb_wide *node = nodes + link;
             bb_boxes entry, exit;
             bb_box_distances(&search.slab, BB_NODE_OF(node), search.tmin, search.tmax, &entry, &exit);
-            uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit);
+            uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit) & BB_PLACES(node);
 #if BB_COUNTING
             search.boxes += node->count;
 #endif

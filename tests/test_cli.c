@@ -304,6 +304,63 @@ static void wrong_answers_give_exit_status_1(void **state)
     assert_int_equal(run("check --scene cube --builder lbvh")->exit_status, 0);
 }
 
+/* Right, but not what the other kernels say: then one of them loses boxes, and chance has hidden it. */
+static void unlike_answers_give_exit_status_1(void **state)
+{
+    (void)state;
+    char command[1024];
+    snprintf(command, sizeof command,
+             "mkdir -p %s/odd && sed 's/bb_lanes t = bb_primitive(/bb_lanes t = (BB_LANES == 4 ? "
+             "1.0000002f : 1.0f) * bb_primitive(/' " BB_TEST_SOURCE_DIR
+             "/kernels/search.clh >%s/odd/search.clh",
+             folder, folder);
+    assert_int_equal(system(command), 0);
+    const outcome *o = run("run --scene cube --builder lbvh --kernel stack,stack4 --rays primary "
+                           "--size 16x16 --repeats 1 --no-pictures --kernels-from odd --out odd");
+    assert_int_equal(o->exit_status, 1);
+    assert_null(strstr(o->out, "WRONG"));
+    assert_non_null(strstr(o->out, "unlike"));
+    o = run("check --scene cube --builder lbvh --kernels-from odd");
+    assert_int_equal(o->exit_status, 1);
+    assert_non_null(strstr(o->out, "is answered by primitive"));
+}
+
+/* Nothing wrong is no success where nothing was looked at. */
+static void without_a_judgement_exit_status_is_1(void **state)
+{
+    (void)state;
+    const outcome *o = run("run --scene spheres:n=100 --builder lbvh --rays edges --size 16x16 "
+                           "--repeats 1 --no-pictures --out nothing");
+    assert_int_equal(o->exit_status, 1);
+    assert_non_null(strstr(o->err, "no answer was judged"));
+    o = run("check --scene spheres:n=100 --plugin " BB_TEST_PLUGIN_DIR "/rogue.so --builder rogue");
+    assert_int_equal(o->exit_status, 1);
+    assert_non_null(strstr(o->err, "nothing was checked"));
+}
+
+/* What a builder does outside its clock is no secret, and in no sum. */
+static void work_outside_the_clock_is_recorded(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run("run --scene cube --plugin " BB_TEST_PLUGIN_DIR
+            "/rogue.so --builder rogue:kind=early --rays primary --size 16x16 --repeats 3 "
+            "--no-pictures --out early");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = read_results("early/results.json");
+    const cJSON *build = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "builds"), 0);
+    static const char *const outside[] = {"prepare_ms", "restore_ms", "outside_ms"};
+    for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
+        double ms = cJSON_GetNumberValue(cJSON_GetObjectItem(build, outside[i]));
+        if (!(ms >= 20))
+            fail_msg("%s is %g", outside[i], ms);
+    }
+    assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(build, "build_ms_median")) < 20);
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(build, "inputs")), "boxes");
+    cJSON_Delete(json);
+}
+
 static void an_interrupted_run_leaves_no_half_written_file(void **state)
 {
     (void)state;
@@ -456,6 +513,9 @@ int main(void)
         cmocka_unit_test(a_small_run_leaves_results_report_and_pictures),
         cmocka_unit_test(careless_cells_are_marked_but_not_counted),
         cmocka_unit_test(wrong_answers_give_exit_status_1),
+        cmocka_unit_test(unlike_answers_give_exit_status_1),
+        cmocka_unit_test(without_a_judgement_exit_status_is_1),
+        cmocka_unit_test(work_outside_the_clock_is_recorded),
         cmocka_unit_test(an_interrupted_run_leaves_no_half_written_file),
         cmocka_unit_test(rounds_decide_what_is_said_of_medians),
         cmocka_unit_test(what_does_not_fit_together_is_built_again),

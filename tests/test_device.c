@@ -45,7 +45,7 @@ static void structs_have_one_size_everywhere(void **state)
                     "  out[6] = sizeof(bb_pair); out[9] = sizeof(bb_subtree);\n"
                     "  out[10] = sizeof(bb_wide4); out[11] = sizeof(bb_wide8);\n"
                     "  out[12] = sizeof(bb_quant8);\n"
-                    "  global bb_quant8 *q = 0; out[13] = (uint)(ulong)&q->links[0];\n"
+                    "  global bb_quant8 *q = 0; out[13] = (uint)(ulong)&q->places;\n"
                     "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
                     "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
                     "}\n"};
@@ -55,7 +55,7 @@ static void structs_have_one_size_everywhere(void **state)
                                  sizeof(bb_pair),          offsetof(bb_node, skip),
                                  offsetof(bb_pair, links), sizeof(bb_subtree),
                                  sizeof(bb_wide4),         sizeof(bb_wide8),
-                                 sizeof(bb_quant8),        offsetof(bb_quant8, links)};
+                                 sizeof(bb_quant8),        offsetof(bb_quant8, places)};
     uint32_t found[14] = {0};
     cl_program program = NULL;
     cl_kernel kernel = NULL;

@@ -235,6 +235,77 @@ static void a_large_margin_hides_nothing_before_it(void **state)
     close_court(&c);
 }
 
+/* Behind an edge that the ray just meets lies a plane that it grazes. A float may miss what has the edge,
+ * and report the plane. Half of the nine hit the plane far nearer: which does not show that anything
+ * lies before it. */
+static void a_grazed_plane_is_no_witness_against_itself(void **state)
+{
+    (void)state;
+    bb_scene *scene = hand_scene(2, 1);
+    const float near[9] = {0, -1, 1, 0, 1, 1, 1, 0, 1},
+                plane[9] = {-0.5f, 1, -498, 0.5f, 1, 502, 0, -1, 2};
+    memcpy(scene->vertices, near, sizeof near);
+    memcpy(scene->vertices + 9, plane, sizeof plane);
+    memcpy(scene->spheres, ((float[4]){5, 0, 3, 1}), 4 * sizeof(float));
+    hand_finish(scene);
+    const bb_ray along_edge = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY},
+                 inside = {{0.25f, 0, 0}, 0, {0, 0, 1}, INFINITY},
+                 at_sphere = {{5, 0, 0}, 0, {0, 0, 1}, INFINITY};
+    bb_ray rays[] = {along_edge, along_edge, inside, at_sphere, at_sphere};
+    bb_hit hits[] = {{2, 1}, {1, 0}, {252, 1}, {2, 2}, {4, 2}};
+    const bb_class expected[] = {BB_TIE, BB_RIGHT, BB_WRONG_T, BB_RIGHT, BB_WRONG_T};
+    enum { COUNT = sizeof rays / sizeof rays[0] };
+    uint8_t classes[COUNT];
+    court c;
+    open_court(&c, scene, rays, COUNT, BB_CLOSEST_HIT, NULL);
+    judge(&c, hits, false, classes);
+    for (int i = 0; i < COUNT; i++)
+        if (classes[i] != expected[i])
+            fail_msg("case %d: class %d, not %d", i, classes[i], expected[i]);
+    close_court(&c);
+}
+
+/* Corners at distance r from the z axis, at the angle of a sector. */
+static void put_sector(float v[9], const double r[3], const int sector[3], int sectors)
+{
+    for (int corner = 0; corner < 3; corner++) {
+        double angle = 2 * acos(-1) * sector[corner] / sectors;
+        v[3 * corner] = (float)(r[corner] * cos(angle));
+        v[3 * corner + 1] = (float)(r[corner] * sin(angle));
+        v[3 * corner + 2] = 1000;
+    }
+}
+
+/* Around the ray, seen from afar: a sliver that the ray just meets, in a disc as large as the margin, in a
+ * ring of that radius, or in a disc with a narrow sector left out. The nine hit something each, but
+ * through the ring and the sector the way is open. */
+static void an_open_way_between_the_nine_is_found(void **state)
+{
+    (void)state;
+    enum { SECTORS = 20 };
+    const double eps = 16 * 0x1p-24 * 1000;
+    for (int shape = 0; shape < 3; shape++) {
+        const double in = shape == 1 ? 0.8 * eps : 0, out = 1.2 * eps;
+        bb_scene *scene = hand_scene(1 + 2 * (SECTORS - (shape == 2)), 0);
+        float *v = scene->vertices;
+        memcpy(v, ((float[9]){0, -1e-4f, 1000, 0, 1e-4f, 1000, -1e-4f, 0, 1000}), 9 * sizeof *v);
+        for (int i = 0; i < SECTORS - (shape == 2); i++) {
+            put_sector(v += 9, (double[]){in, out, out}, (int[]){i, i, i + 1}, SECTORS);
+            put_sector(v += 9, (double[]){in, out, in}, (int[]){i, i + 1, i + 1}, SECTORS);
+        }
+        hand_finish(scene);
+        bb_ray ray = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY};
+        const bb_hit nothing = {INFINITY, BB_NONE};
+        uint8_t class;
+        court c;
+        open_court(&c, scene, &ray, 1, BB_CLOSEST_HIT, NULL);
+        bb_accuracy a = judge(&c, &nothing, false, &class);
+        assert_int_equal(class, shape > 0 ? BB_RIGHT : BB_MISSED);
+        assert_int_equal(a.forgiven, shape > 0);
+        close_court(&c);
+    }
+}
+
 /* The margin against the smallest height, of the primitive reported and of the oracle's. */
 static void rays_on_hair_are_limited(void **state)
 {
@@ -383,6 +454,8 @@ int main(void)
         cmocka_unit_test(who_agrees_with_a_blind_oracle_is_wrong),
         cmocka_unit_test(no_lie_of_the_oracle_changes_a_class),
         cmocka_unit_test(a_large_margin_hides_nothing_before_it),
+        cmocka_unit_test(a_grazed_plane_is_no_witness_against_itself),
+        cmocka_unit_test(an_open_way_between_the_nine_is_found),
         cmocka_unit_test(rays_on_hair_are_limited),
         cmocka_unit_test(only_who_may_leaves_out_the_name),
         cmocka_unit_test(what_was_judged_before_gets_the_same_class),

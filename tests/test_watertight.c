@@ -287,39 +287,92 @@ static void aim_at_wall(float reach, bb_ray *rays)
     }
 }
 
-/* No ray passes between the two, and all kernels answer as brute force does, bit for bit. */
+/* Takes a bed over the tree without a node, and one over another tree: whether all kernels answer on the
+ * other as brute force does, bit for bit. `hits` gets the answers. */
+static void compare_with_brute_force(bed *brute, bed *b, const bb_ray *rays, uint32_t count,
+                                     const char *what, bb_hit *hits)
+{
+    bb_hit *others = calloc(count, sizeof *others);
+    trace(brute, "exact", rays, count, BB_CLOSEST_HIT, hits, NULL);
+    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
+        choose_kernel(b, (*k)->name, 1);
+        trace(b, "exact", rays, count, BB_CLOSEST_HIT, others, NULL);
+        for (uint32_t i = 0; i < count; i++)
+            if (memcmp(&hits[i], &others[i], sizeof hits[i]) != 0)
+                fail_msg("%s, kernel %s, ray %u: %u at %a, brute force %u at %a (seed %llu)", what,
+                         (*k)->name, i, others[i].prim, others[i].t, hits[i].prim, hits[i].t,
+                         (unsigned long long)seed);
+    }
+    free(others);
+    close_bed(b);
+    close_bed(brute);
+}
+
 static void no_ray_passes_a_wall(void **state)
 {
     (void)state;
     static const float reaches[] = {50, 100, 1000, 1e5f, 1e6f};
     bb_ray *rays = calloc(WALL_RAYS, sizeof *rays);
-    bb_hit *hits = calloc(WALL_RAYS, sizeof *hits), *others = calloc(WALL_RAYS, sizeof *others);
+    bb_hit *hits = calloc(WALL_RAYS, sizeof *hits);
     for (size_t r = 0; r < sizeof reaches / sizeof reaches[0]; r++) {
         aim_at_wall(reaches[r], rays);
-        bed b;
-        open_bed(&b, make_wall(reaches[r]), "null", "stack", 1);
-        trace(&b, "exact", rays, WALL_RAYS, BB_CLOSEST_HIT, hits, NULL);
+        bed brute, b;
+        char what[64];
+        snprintf(what, sizeof what, "reach %g", reaches[r]);
+        open_bed(&brute, make_wall(reaches[r]), "null", "stack", 1);
+        open_bed(&b, make_wall(reaches[r]), "lbvh", "stack", 1);
+        compare_with_brute_force(&brute, &b, rays, WALL_RAYS, what, hits);
         for (uint32_t i = 0; i < WALL_RAYS; i++)
             if (hits[i].prim == BB_NONE)
                 fail_msg("reach %g: ray %u passes (seed %llu)", reaches[r], i,
                          (unsigned long long)seed);
-        close_bed(&b);
-        open_bed(&b, make_wall(reaches[r]), "lbvh", "stack", 1);
-        for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
-            choose_kernel(&b, (*k)->name, 1);
-            trace(&b, "exact", rays, WALL_RAYS, BB_CLOSEST_HIT, others, NULL);
-            for (uint32_t i = 0; i < WALL_RAYS; i++)
-                if (memcmp(&hits[i], &others[i], sizeof hits[i]) != 0)
-                    fail_msg("reach %g, kernel %s, ray %u: %u at %a, brute force %u at %a "
-                             "(seed %llu)",
-                             reaches[r], (*k)->name, i, others[i].prim, others[i].t, hits[i].prim,
-                             hits[i].t, (unsigned long long)seed);
-        }
-        close_bed(&b);
     }
     free(rays);
     free(hits);
-    free(others);
+}
+
+/* ---- from afar ---- */
+
+enum { FAR_RAYS = 20000 };
+
+/* Distances are padded in proportion to themselves: from far enough each box is as wide as the scene, and
+ * even places without a child would be met. */
+static void from_afar_kernels_answer_alike(void **state)
+{
+    (void)state;
+    bb_random random = bb_random_make(seed, 4);
+    bb_ray *rays = calloc(FAR_RAYS, sizeof *rays);
+    bb_hit *hits = calloc(FAR_RAYS, sizeof *hits);
+    static const char *const cases[][2] = {
+        {"sphere-mesh:n=20", "lbvh"},
+        {"spheres:n=1000,state=settled", "lbvh"},
+        {"awkward:kind=outlier,n=1000", "embree:quality=medium"}, /* deep: it fills its stack */
+    };
+    for (size_t s = 0; s < sizeof cases / sizeof cases[0]; s++) {
+        bed brute, b;
+        open_bed(&brute, load(cases[s][0]), "null", "stack", 1);
+        open_bed(&b, load(cases[s][0]), cases[s][1], "stack", 1);
+        for (uint32_t i = 0; i < FAR_RAYS; i++) {
+            double away[3];
+            double distance =
+                b.scene->profile.size_median * pow(2, bb_random_range(&random, 0, 33));
+            const bb_box *at = &b.scene->boxes[bb_random_below(&random, b.scene->prim_count)];
+            bb_random_direction(&random, away);
+            rays[i] = (bb_ray){.tmax = INFINITY};
+            for (int k = 0; k < 3; k++) {
+                double target = bb_random_range(&random, at->lo[k], at->hi[k]);
+                rays[i].o[k] = (float)(target + distance * away[k]);
+                rays[i].d[k] = (float)(target - (double)rays[i].o[k]);
+            }
+        }
+        compare_with_brute_force(&brute, &b, rays, FAR_RAYS, cases[s][0], hits);
+        uint32_t met = 0;
+        for (uint32_t i = 0; i < FAR_RAYS; i++)
+            met += hits[i].prim != BB_NONE;
+        assert_true(met > FAR_RAYS / 4);
+    }
+    free(rays);
+    free(hits);
 }
 
 static int open_device(void **state)
@@ -347,6 +400,7 @@ int main(void)
         cmocka_unit_test(what_the_triangle_test_accepts_is_in_its_box),
         cmocka_unit_test(the_budget_is_needed),
         cmocka_unit_test(no_ray_passes_a_wall),
+        cmocka_unit_test(from_afar_kernels_answer_alike),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

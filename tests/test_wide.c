@@ -139,6 +139,15 @@ static const uint32_t *links_of(const wide *w, uint32_t node, uint32_t *count)
     return n->links;
 }
 
+static bool is_place(const wide *w, uint32_t node, uint32_t child)
+{
+    if (w->quantised)
+        return (((const bb_quant8 *)w->nodes + node)->places >> child & 1u) != 0;
+    const float *planes = w->width == 4 ? ((const bb_wide4 *)w->nodes + node)->planes
+                                        : ((const bb_wide8 *)w->nodes + node)->planes;
+    return isfinite(planes[child]);
+}
+
 static bb_box box_of(const wide *w, uint32_t node, uint32_t child)
 {
     bb_box box = {.lo = {0}};
@@ -211,12 +220,12 @@ static bool read_link(wide *w, uint32_t link, uint32_t above, bb_box *box)
                         .hi = {-INFINITY, -INFINITY, -INFINITY}};
         bb_box said = box_of(w, link, c);
         if (!read_link(w, links[c], need, &below)) {
-            bool empty = w->quantised; /* flat nodes have no empty boxes */
-            for (int k = 0; k < 3; k++)
-                empty = empty || said.lo[k] > said.hi[k];
-            assert_true(empty);
+            for (int k = 0; k < 3; k++) /* boxes of flat nodes can't be empty: a bit says it */
+                assert_true(w->quantised || said.lo[k] > said.hi[k]);
+            assert_false(is_place(w, link, c));
             continue;
         }
+        assert_true(is_place(w, link, c));
         children++;
         bb_box padded = padded_box(&below);
         for (int k = 0; k < 3; k++) {

@@ -1,0 +1,23 @@
+/* Is there a way between primitives that lie side by side? Seen along a ray they are convex outlines; what
+ * they leave open of the unit disc is looked for where it must begin: at corners, crossings and sides.
+ */
+#ifndef BB_OPEN_WAY_H
+#define BB_OPEN_WAY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { BB_OUTLINE_CORNERS = 5 }; /* of a triangle of which two ends are cut off */
+
+typedef struct bb_outline {
+    double corners[BB_OUTLINE_CORNERS][2];
+    uint32_t count;
+} bb_outline;
+
+/* Whether is_open() says so of some point of the unit disc. It is asked about points close to each place in
+ * which sides of the outlines meet or cross, one in each of the angles between them, and on both sides
+ * of each side. An opening that is bounded by anything else may be overlooked. */
+bool bb_find_open_way(const bb_outline *outlines, uint32_t count,
+                      bool (*is_open)(void *context, double x, double y), void *context);
+
+#endif

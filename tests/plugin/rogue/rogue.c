@@ -1,0 +1,173 @@
+/* rogue: halves the primitives in their given order, and breaks one rule of builders, as told. For the tests
+ * of what finds that out; kind=right breaks none.
+ */
+#include "framework/builder.h"
+
+#include <string.h>
+#include <unistd.h>
+
+enum { WORK_US = 20000, STACK_MAX = 64 };
+
+typedef struct rogue {
+    bb_device *device;
+    bool stale, moving, chain, nosy, early;
+    bool sees_views; /* `view` was given */
+    uint32_t builds;
+} rogue;
+
+static const bb_option options[] = {
+    {"kind", "right", "right|stale|moving|chain|nosy|early",
+     "stale: gives its first tree again and again; moving: another one each time; chain: one "
+     "primitive "
+     "per level; nosy: fails if it sees what it did not declare; early: works outside the clock"},
+    {"view", NULL, NULL, "a view to look at"},
+    {.name = NULL},
+};
+
+static bb_status create(const bb_builder_context *context, void **out)
+{
+    rogue *self;
+    BB_TRY(bb_host_alloc(context->account, sizeof *self, "rogue: object", &self));
+    *self = (rogue){
+        .device = context->device,
+        .stale = bb_spec_is(context->spec, options, "kind", "stale"),
+        .moving = bb_spec_is(context->spec, options, "kind", "moving"),
+        .chain = bb_spec_is(context->spec, options, "kind", "chain"),
+        .nosy = bb_spec_is(context->spec, options, "kind", "nosy"),
+        .early = bb_spec_is(context->spec, options, "kind", "early"),
+        .sees_views = bb_spec_value(context->spec, NULL, "view") != NULL,
+    };
+    *out = self;
+    return BB_OK;
+}
+
+static void destroy(void *self)
+{
+    bb_host_free(self);
+}
+
+/* All but the primitives' boxes, which are declared, must look as if it was not there. */
+static bb_status look_around(const rogue *self, const bb_scene *scene)
+{
+    static const bb_box no_bounds;
+    static const bb_profile no_profile;
+    const bb_scene_device *there = &scene->on_device;
+    if (!self->nosy)
+        return BB_OK;
+    if (scene->boxes == NULL || there->boxes.mem == NULL)
+        return bb_fail(BB_FAILED, "rogue: the boxes are not there");
+    if (scene->vertices != NULL || scene->indices != NULL || scene->spheres != NULL)
+        return bb_fail(BB_FAILED, "rogue: sees geometry on the host");
+    if (there->vertices.mem != NULL || there->indices.mem != NULL || there->spheres.mem != NULL)
+        return bb_fail(BB_FAILED, "rogue: sees geometry on the device");
+    if (memcmp(&scene->bounds, &no_bounds, sizeof no_bounds) != 0 ||
+        memcmp(&scene->profile, &no_profile, sizeof no_profile) != 0)
+        return bb_fail(BB_FAILED, "rogue: sees bounds or profile");
+    if ((scene->view_count > 0) != self->sees_views)
+        return bb_fail(BB_FAILED, "rogue: sees %u views", scene->view_count);
+    return BB_OK;
+}
+
+static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
+{
+    (void)tree;
+    rogue *self = opaque;
+    if (self->early)
+        usleep(WORK_US);
+    return look_around(self, scene);
+}
+
+static bb_status restore(void *opaque, const bb_scene *scene)
+{
+    rogue *self = opaque;
+    if (self->early)
+        usleep(WORK_US);
+    return look_around(self, scene);
+}
+
+typedef struct range {
+    uint32_t begin, end, node, skip, depth;
+} range;
+
+static void enclose(const bb_scene *scene, const range *r, bb_node *node)
+{
+    memcpy(node->lo, scene->boxes[r->begin].lo, sizeof node->lo);
+    memcpy(node->hi, scene->boxes[r->begin].hi, sizeof node->hi);
+    for (uint32_t i = r->begin + 1; i < r->end; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            const bb_box *box = &scene->boxes[i];
+            node->lo[axis] = box->lo[axis] < node->lo[axis] ? box->lo[axis] : node->lo[axis];
+            node->hi[axis] = box->hi[axis] > node->hi[axis] ? box->hi[axis] : node->hi[axis];
+        }
+}
+
+static uint32_t split(const rogue *self, const range *r)
+{
+    uint32_t count = r->end - r->begin;
+    if (self->chain)
+        return r->begin + 1;
+    return self->moving && self->builds > 0 ? r->end - 1 - (count - 1) / 3 : r->begin + count / 2;
+}
+
+static void build_nodes(const rogue *self, const bb_scene *scene, bb_tree *tree)
+{
+    range stack[STACK_MAX] = {{0, scene->prim_count, 0, BB_NONE, 0}};
+    for (uint32_t top = 1; top > 0;) {
+        range r = stack[--top];
+        bb_node *node = &tree->nodes[r.node];
+        enclose(scene, &r, node);
+        node->skip = r.skip;
+        if (r.end - r.begin == 1) {
+            node->first = BB_LEAF_BIT | r.begin;
+            tree->refs[r.begin] = r.begin | BB_LAST_BIT;
+            tree->info.depth = r.depth > tree->info.depth ? r.depth : tree->info.depth;
+            continue;
+        }
+        uint32_t middle = split(self, &r);
+        uint32_t left = r.node + 1, right = r.node + 2 * (middle - r.begin);
+        node->first = left;
+        stack[top++] = (range){middle, r.end, right, r.skip, r.depth + 1};
+        stack[top++] = (range){r.begin, middle, left, right, r.depth + 1};
+    }
+}
+
+static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                       bb_phases *phases)
+{
+    (void)input;
+    rogue *self = opaque;
+    uint32_t count = scene->prim_count;
+    BB_TRY(look_around(self, scene));
+    if (self->early) {
+        BB_TRY(bb_phase_outside(phases, "head start"));
+        usleep(WORK_US);
+    }
+    BB_TRY(bb_phase(phases, "split"));
+    if (!self->stale || self->builds == 0) {
+        BB_TRY(bb_tree_reserve(tree, self->device, BB_ON_HOST, 2 * (size_t)count - 1, count));
+        tree->info = (bb_tree_info){.node_count = 2 * count - 1,
+                                    .leaf_count = count,
+                                    .ref_count = count,
+                                    .arity = count > 1 ? 2 : 0};
+        build_nodes(self, scene, tree);
+    }
+    self->builds++;
+    return bb_phase(phases, NULL);
+}
+
+const bb_builder bb_builder_rogue = {
+    .abi_version = BB_ABI_VERSION,
+    .name = "rogue",
+    .summary = "breaks a rule of builders, as told; for tests",
+    .paper = "none",
+    .kinds = BB_TRIANGLES,
+    .inputs = BB_INPUT_BOXES,
+    .place = BB_ON_HOST,
+    .deterministic = true,
+    .options = options,
+    .create = create,
+    .prepare = prepare,
+    .build = build,
+    .restore = restore,
+    .destroy = destroy,
+};

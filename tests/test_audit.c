@@ -1,0 +1,256 @@
+/* The audit: each figure that contradicts another is complained of, and what was measured rightly is not.
+ * The clocks that run wrong here are those that somebody might write by mistake.
+ */
+#include "framework/audit.h"
+#include "framework/clock.h"
+#include "framework/embree.h"
+#include "framework/random.h"
+#include "tests/trace_fixture.h"
+
+#include <cjson/cJSON.h>
+
+enum { RAYS = 1 << 16 };
+
+static int open_device(void **state)
+{
+    (void)state;
+    check(bb_device_open(NULL, BB_FORM_AUTO, NULL, &device), "device");
+    return 0;
+}
+
+static int close_device(void **state)
+{
+    (void)state;
+    bb_tracers_clear(device);
+    bb_device_close(device);
+    return 0;
+}
+
+static uint32_t complaints(double ms, double event_ms)
+{
+    bb_audit audit = {0};
+    bb_audit_timing(&audit, "test", &(bb_timing){ms, ms, event_ms});
+    assert_int_equal(audit.timings, 1);
+    return audit.complaints;
+}
+
+static void timings_are_held_against_events(void **state)
+{
+    (void)state;
+    assert_int_equal(complaints(10, 9), 0);
+    assert_int_equal(complaints(10, 0), 0); /* work of a host's thread has no events */
+    assert_int_equal(complaints(10, 10.1), 0);
+    assert_int_equal(complaints(10, 10.3), 1);
+    assert_int_equal(complaints(0, 0), 1);
+    assert_int_equal(complaints(-1, 0), 1);
+    assert_int_equal(complaints(NAN, 1), 1);
+    assert_int_equal(complaints(0.01, 0.04), 0); /* what two clocks may differ by */
+    assert_int_equal(complaints(0.01, 0.08), 1);
+}
+
+static void complaints_add_up(void **state)
+{
+    (void)state;
+    bb_audit sum = {0}, more = {0};
+    for (int i = 0; i < BB_COMPLAINTS_MAX + 5; i++)
+        bb_audit_timing(&more, "a clock", &(bb_timing){0, 0, 0});
+    assert_int_equal(more.complaints, BB_COMPLAINTS_MAX + 5);
+    bb_audit_add(&sum, &more);
+    bb_audit_add(&sum, &more);
+    assert_int_equal(sum.complaints, 2 * (BB_COMPLAINTS_MAX + 5));
+    assert_int_equal(sum.timings, 2 * (BB_COMPLAINTS_MAX + 5));
+    assert_non_null(strstr(sum.texts[BB_COMPLAINTS_MAX - 1], "a clock"));
+}
+
+/* ---- rates ---- */
+
+/* A document with one cell: `count` rays, of which `judged` were judged. */
+static bb_results *one_cell(uint32_t count, uint32_t judged)
+{
+    bb_results *results = NULL;
+    bb_trace_record trace;
+    static bb_build_record build;
+    bb_spec spec;
+    check(bb_spec_parse("lbvh", &spec), "spec");
+    bb_build_record_init(&build);
+    snprintf(build.scene, sizeof build.scene, "a scene");
+    build.spec = &spec;
+    build.options = bb_builder_find("lbvh")->options;
+    check(bb_results_create(&(bb_context){.command = "test"}, &results), "results");
+    check(bb_results_add_build(results, &build), "build");
+    bb_trace_record_init(&trace);
+    snprintf(trace.scene, sizeof trace.scene, "a scene");
+    trace.count = count;
+    bb_samples_add(&trace.ms, 30);
+    bb_samples_add(&trace.ms, 20);
+    trace.has_accuracy = true;
+    trace.accuracy.checked = judged;
+    check(bb_results_add_trace(results, &trace), "trace");
+    return results;
+}
+
+static uint32_t rate_complaints(bb_results *results)
+{
+    bb_audit audit = {0};
+    bb_audit_rates(&audit, results);
+    assert_int_equal(audit.rates, 1);
+    bb_results_destroy(results);
+    return audit.complaints;
+}
+
+static cJSON *cell_of(bb_results *results)
+{
+    return cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "traces"), 0);
+}
+
+static void rates_are_of_the_rays_that_were_judged(void **state)
+{
+    (void)state;
+    assert_int_equal(rate_complaints(one_cell(1000, 1000)), 0);
+    assert_int_equal(rate_complaints(one_cell(1000, 999)), 1);
+    bb_results *results = one_cell(1000, 1000);
+    cJSON *rate = cJSON_GetObjectItem(cell_of(results), "mrays_s");
+    cJSON_SetNumberValue(rate, rate->valuedouble * 1.01);
+    assert_int_equal(rate_complaints(results), 1);
+    results = one_cell(1000, 1000);
+    cJSON_SetNumberValue(cJSON_GetObjectItem(cell_of(results), "ms_median"), NAN);
+    assert_int_equal(rate_complaints(results), 1);
+    results = one_cell(1000, 1000);
+    cJSON_DeleteItemFromObject(cell_of(results), "accuracy");
+    assert_int_equal(rate_complaints(results), 1);
+}
+
+static void totals_are_sums(void **state)
+{
+    (void)state;
+    bb_audit audit = {0};
+    bb_audit_total(&audit, 1000, 2000, 6900, 10000);
+    assert_int_equal(audit.complaints, 0);
+    assert_true(audit.rest_ms == 100);
+    bb_audit_total(&audit, 1000, 2000, 6500, 10000);
+    assert_int_equal(audit.complaints, 1);
+    bb_audit_total(&audit, 1000, 2000, 7500, 10000);
+    assert_int_equal(audit.complaints, 2);
+}
+
+/* ---- real clocks ---- */
+
+/* Rays through a room, launched as a run does; the wall time ends before or after the queue is done. */
+static bb_timing time_trace(bed *b, const bb_buffer *rays, bb_buffer *hits, bool too_early)
+{
+    bb_tracer_request request = {
+        .kernel = bb_kernel_find("stack"),
+        .spec = &b->kernel,
+        .intersector = bb_intersector_find("exact"),
+        .kinds = b->scene->kinds,
+        .stack_need = b->layout.stack_need,
+    };
+    bb_tracer *tracer;
+    bb_stopwatch watch;
+    bb_timing timing;
+    check(bb_tracer_get(device, &request, &tracer), "tracer");
+    check(bb_tracer_launch(tracer, &b->layout, rays, RAYS, hits, NULL), "warm up");
+    check(bb_stopwatch_start(device, &watch), "start");
+    check(bb_tracer_launch(tracer, &b->layout, rays, RAYS, hits, NULL), "trace");
+    double early = bb_wall_ms() - watch.wall;
+    check(bb_stopwatch_stop(&watch, &timing), "stop");
+    timing.ms = too_early ? early : timing.ms;
+    return timing;
+}
+
+static void a_clock_that_stops_before_the_queue_is_found_out(void **state)
+{
+    (void)state;
+    bed b;
+    bb_buffer d_rays = {0}, d_hits = {0};
+    bb_ray *rays = calloc(RAYS, sizeof *rays);
+    bb_random random = bb_random_make(seed, 1);
+    open_bed(&b, load("interior:n=20000"), "lbvh", "stack", 1);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        rays[i].tmax = INFINITY;
+        for (int k = 0; k < 3; k++)
+            rays[i].d[k] = (float)bb_random_range(&random, -1, 1);
+    }
+    check(bb_buffer_reserve(device, NULL, RAYS * sizeof *rays, "rays", &d_rays), "rays");
+    check(bb_buffer_reserve(device, NULL, RAYS * sizeof(bb_hit), "hits", &d_hits), "hits");
+    check(bb_buffer_write(&d_rays, 0, RAYS * sizeof *rays, rays), "rays");
+    bb_audit audit = {0};
+    bb_timing timing = time_trace(&b, &d_rays, &d_hits, false);
+    assert_true(timing.event_ms > 0.2 * timing.ms); /* else the comparison shows little */
+    bb_audit_timing(&audit, "trace", &timing);
+    if (audit.complaints > 0)
+        fail_msg("%s", audit.texts[0]);
+    timing = time_trace(&b, &d_rays, &d_hits, true);
+    bb_audit_timing(&audit, "trace", &timing);
+    assert_int_equal(audit.complaints, 1);
+    bb_buffer_release(&d_rays);
+    bb_buffer_release(&d_hits);
+    free(rays);
+    close_bed(&b);
+}
+
+static void builds_and_layouts_are_timed_to_their_end(void **state)
+{
+    (void)state;
+    bb_audit audit = {0};
+    bb_build_timing timing;
+    bed b;
+    open_bed(&b, load("interior:n=20000"), "lbvh", "stack8q", 1);
+    check(bb_instance_build(&b.instance, b.scene, false, NULL, &timing), "build");
+    assert_true(timing.timing.event_ms > 0.05 * timing.timing.ms);
+    bb_audit_timing(&audit, "build", &timing.timing);
+    bb_stopwatch watch;
+    bb_timing made;
+    check(bb_stopwatch_start(device, &watch), "start");
+    check(
+        bb_layout_maker_make(&b.maker, b.scene, &b.instance.tree, 1, BB_RECORD_VERTICES, &b.layout),
+        "layout");
+    check(bb_stopwatch_stop(&watch, &made), "stop");
+    assert_true(made.event_ms > 0);
+    bb_audit_timing(&audit, "layout", &made);
+    if (audit.complaints > 0)
+        fail_msg("%s", audit.texts[0]);
+    close_bed(&b);
+}
+
+/* What Embree's own threads saw must lie within the time that the reference is given. */
+static void a_reference_is_timed_with_its_trace(void **state)
+{
+    (void)state;
+    bb_audit audit = {0};
+    bb_scene *scene = load("interior:n=20000");
+    bb_embree *embree = NULL;
+    bb_hit *hits = calloc(RAYS, sizeof *hits);
+    bb_ray *rays = calloc(RAYS, sizeof *rays);
+    for (uint32_t i = 0; i < RAYS; i++)
+        rays[i] = (bb_ray){.d = {1, (float)i / RAYS, 0.5f}, .tmax = INFINITY};
+    check(bb_embree_create(scene, NULL, 2, &embree, NULL), "embree");
+    double start = bb_wall_ms();
+    check(bb_embree_trace(embree, rays, RAYS, BB_CLOSEST_HIT, hits), "trace");
+    double end = bb_wall_ms(), span = bb_embree_span_ms(embree);
+    assert_true(span > 0.2 * (end - start));
+    bb_audit_timing(&audit, "reference", &(bb_timing){end - start, 0, span});
+    if (audit.complaints > 0)
+        fail_msg("%s", audit.texts[0]);
+    double later = bb_wall_ms(); /* of nothing */
+    bb_audit_timing(&audit, "reference", &(bb_timing){bb_wall_ms() - later, 0, span});
+    assert_int_equal(audit.complaints, 1);
+    bb_embree_destroy(embree);
+    bb_scene_free(scene);
+    free(hits);
+    free(rays);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(timings_are_held_against_events),
+        cmocka_unit_test(complaints_add_up),
+        cmocka_unit_test(rates_are_of_the_rays_that_were_judged),
+        cmocka_unit_test(totals_are_sums),
+        cmocka_unit_test(a_clock_that_stops_before_the_queue_is_found_out),
+        cmocka_unit_test(builds_and_layouts_are_timed_to_their_end),
+        cmocka_unit_test(a_reference_is_timed_with_its_trace),
+    };
+    return cmocka_run_group_tests_name("audit", tests, open_device, close_device);
+}
