@@ -35,7 +35,7 @@ static const char *const procedural_scenes[] = {
     "spheres:n=10000,state=settled",
     "sphere-mesh",
     "sphere-mesh:x=148376,y=1234,z=-223423",
-    "awkward:kind=outlier",
+    "awkward:kind=outlier,n=2000",
     "awkward:kind=centroids,n=1000",
     "awkward:kind=flat",
     "awkward:kind=axis",

@@ -170,10 +170,12 @@ const bb_command bb_command_run = {
     .summary = "compare builders: build, trace, judge every answer, report",
     .details = "Unless an embree-native:... is among the builders, three of them are added as "
                "reference rows.\n"
-               "A comma starts a new item of a list unless what follows is key=value. Exit status "
-               "1: a cell with the\n"
-               "intersector `exact` has more wrong answers than --max-wrong-ppm, or a builder or "
-               "kernel failed.",
+               "A comma starts a new item of a list unless what follows is key=value.\n"
+               "Exit status 1: a cell with the intersector `exact` has more wrong answers than "
+               "--max-wrong-ppm, or\n"
+               "others than the other cells; a builder or kernel failed; no answer of a scene was "
+               "judged; or figures\n"
+               "of the run contradict each other.",
     .options = options,
     .run = run,
 };

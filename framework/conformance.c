@@ -39,7 +39,7 @@ struct bb_conformance {
 
 /* Tests that a set may take. Rays of a tree that is one leaf test all primitives; those of a chain may meet all of
  * its levels, and again and again where a kernel restarts from the root: they get fewer. */
-static const double primitive_tests = 2e8, level_tests = 1e8;
+static const double primitive_tests = 4e7, level_tests = 1e8;
 
 static uint32_t affordable(const bb_tree_info *tree, uint32_t count)
 {

@@ -57,6 +57,17 @@ static void rule_breakers_are_found(void **state)
     expect_failure("sphere-mesh:n=30", "rogue:kind=moving", "the same input gave another tree");
 }
 
+/* On the device there is no clock of the phase's own that could be taken off. */
+static void work_on_the_device_is_never_outside(void **state)
+{
+    (void)state;
+    bb_phases on_device = {.device = device, .current = -1}, on_host = {.current = -1};
+    assert_int_equal(bb_phase_outside(&on_device, "head start"), BB_FAILED);
+    ASSERT_OK(bb_phase_outside(&on_host, "conversion"));
+    ASSERT_OK(bb_phase(&on_host, NULL));
+    assert_true(on_host.outside_ms > 0);
+}
+
 /* Nothing but what a builder declares is there; views are, if it asks for one by name. */
 static void undeclared_input_is_withheld(void **state)
 {
@@ -102,6 +113,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rule_breakers_are_found),
+        cmocka_unit_test(work_on_the_device_is_never_outside),
         cmocka_unit_test(undeclared_input_is_withheld),
         cmocka_unit_test(refusing_kernels_are_named),
         cmocka_unit_test(missing_rays_are_named),

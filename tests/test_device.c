@@ -196,6 +196,43 @@ static void a_folder_overrides_embedded_sources(void **state)
     rmdir(folder);
 }
 
+/* ---- hand-over ---- */
+
+/* A litmus test in which every message comes late: the device must not use the fence, and must say so. */
+static void a_fence_that_fails_is_not_used(void **state)
+{
+    (void)state;
+    bb_device *other = NULL;
+    if (device->fence[0] == '\0') {
+        assert_int_equal(device->handover, BB_HANDOVER_LEVELS);
+        assert_int_equal(device->litmus_pairs, 0);
+        assert_int_equal(bb_device_set_handover(device, BB_HANDOVER_FENCE), BB_INVALID);
+        return;
+    }
+    assert_true(device->litmus_pairs > 0);
+    char folder[] = "/tmp/bvhbench-kernels-XXXXXX", path[128];
+    const char *text = bb_source_find("litmus.cl")->text;
+    const char *write = strstr(text, "mine[w] = stamp;");
+    assert_non_null(write);
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/litmus.cl", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fwrite(text, 1, (size_t)(write - text), file);
+    fputs("mine[w] = 0u;", file);
+    fputs(write + strlen("mine[w] = stamp;"), file);
+    fclose(file);
+    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, folder, &other), BB_OK);
+    assert_int_equal(other->handover, BB_HANDOVER_LEVELS);
+    assert_int_equal(other->litmus_stale, 8 * other->litmus_pairs);
+    assert_int_equal(bb_device_set_handover(other, BB_HANDOVER_LEVELS), BB_OK);
+    assert_int_equal(bb_device_set_handover(other, BB_HANDOVER_FENCE), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "came late"));
+    bb_device_close(other);
+    unlink(path);
+    rmdir(folder);
+}
+
 /* A process that ended before its device had would crash in the driver's threads. */
 static void closing_waits_for_what_was_enqueued(void **state)
 {
@@ -241,6 +278,7 @@ int main(void)
         cmocka_unit_test(unknown_devices_are_refused),
         cmocka_unit_test(build_errors_are_one_line),
         cmocka_unit_test(a_folder_overrides_embedded_sources),
+        cmocka_unit_test(a_fence_that_fails_is_not_used),
         cmocka_unit_test(closing_waits_for_what_was_enqueued),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

@@ -21,8 +21,11 @@
 /* ---- schema ---- */
 
 static const char *const context_fields[] = {
-    "date", "revision", "host",        "cpu",     "load",         "device", "driver", "opencl",
-    "seed", "kernels",  "build_flags", "command", "float_config", "embree", NULL};
+    "date",         "revision", "host",        "cpu",
+    "load",         "device",   "driver",      "opencl",
+    "seed",         "kernels",  "build_flags", "command",
+    "float_config", "embree",   "handover",    "litmus_messages",
+    "litmus_stale", NULL};
 static const char *const scene_fields[] = {"name", "kind",    "prims", "bounds",
                                            "hash", "profile", NULL};
 static const char *const build_fields[] = {"id",
@@ -34,6 +37,11 @@ static const char *const build_fields[] = {"id",
                                            "build_ms",
                                            "cold_ms",
                                            "transfer_ms",
+                                           "prepare_ms",
+                                           "restore_ms",
+                                           "outside_ms",
+                                           "boxes_ms",
+                                           "inputs",
                                            "tree",
                                            "phases_ms",
                                            "layouts_ms",
@@ -69,13 +77,16 @@ static const char *const trace_fields[] = {"build",
                                            "mrays_s_least",
                                            "mrays_s_most",
                                            "accuracy",
+                                           "unlike",
+                                           "unlike_whom",
                                            "node_tests_per_ray",
                                            "prim_tests_per_ray",
                                            "counted",
                                            NULL};
 static const char *const accuracy_fields[] = {
-    "checked",        "wrong_ppm",    "missed",    "false",     "wrong_t",    "ties",
-    "margin_limited", "oracle_wrong", "t_ulp_max", "t_ulp_p99", "overflowed", NULL};
+    "checked",      "wrong_ppm",      "missed",    "false",      "wrong_t",
+    "ties",         "margin_limited", "t_off",     "forgiven",   "unwritten",
+    "oracle_wrong", "t_ulp_max",      "t_ulp_p99", "overflowed", NULL};
 
 static void has_fields(const cJSON *object, const char *const *fields, const char *what)
 {
