@@ -32,12 +32,12 @@
 #include "trail.clh"
 
 /* The children of a node that the ray meets, nearest first, the first of equals first; how many. */
-uint short_children(const bb_search *search, global const bb_wide *node, uint *met,
+uint short_children(const bb_search *search, const bb_slab *slab, global const bb_wide *node, uint *met,
                     float *distances)
 {
     bb_boxes entry, exit;
     float entries[BB_WIDTH], exits[BB_WIDTH];
-    bb_box_distances(&search->slab, node->planes, search->tmin, search->tmax, &entry, &exit);
+    bb_box_distances(slab, node->planes, search->tmin, search->tmax, &entry, &exit);
     BB_VECTOR(vstore, BB_WIDTH)(entry, 0, entries);
     BB_VECTOR(vstore, BB_WIDTH)(exit, 0, exits);
     uint many = 0;
@@ -62,8 +62,11 @@ void trace_ray(uint id, global const bb_wide *nodes,
                uint triangle_count, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
+    bb_ray_setup setup;
+    bb_ray_setup_make(&setup, &rays[id], scale);
+    bb_slab slab = bb_slab_of(setup.o, setup.d);
     bb_search search;
-    bb_search_start(&search, &rays[id], scale);
+    bb_search_start(&search, &setup, &rays[id]);
     bb_trail trail;
     bb_trail_start(&trail);
 #if BB_ENTRIES > 0
@@ -81,7 +84,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
             }
             uint met[BB_CHILDREN];
             float distances[BB_CHILDREN];
-            uint many = short_children(&search, nodes + link, met, distances);
+            uint many = short_children(&search, &slab, nodes + link, met, distances);
             uint at = level < retrace ? bb_trail_place(&trail, level) : 0;
 #if BB_WIDTH == 2
             search.boxes += 2;
@@ -98,7 +101,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
             link = met[at];
             level++;
         }
-        if (bb_search_leaf(&search, records, link, triangle_count))
+        if (bb_search_leaf(&search, &setup, &slab, records, link, triangle_count))
             goto done;
     next:
         for (;;) {
@@ -127,7 +130,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
     }
 done:
     if (!overflow)
-        bb_search_write(&search, &hits[id]);
+        bb_search_write(&search, &setup, &hits[id]);
 #if BB_COUNTING
     bb_search_count(&search, overflow, &counts[id]);
 #endif

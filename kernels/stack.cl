@@ -24,8 +24,11 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
                uint triangle_count, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
+    bb_ray_setup setup;
+    bb_ray_setup_make(&setup, &rays[id], scale);
+    bb_slab slab = bb_slab_of(setup.o, setup.d);
     bb_search search;
-    bb_search_start(&search, &rays[id], scale);
+    bb_search_start(&search, &setup, &rays[id]);
 
     uint stack_links[BB_STACK_SIZE];
     float stack_entries[BB_STACK_SIZE];
@@ -36,7 +39,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
         while ((link & BB_LEAF_BIT) == 0) {
             global const float *pair = pairs + 16ul * link;
             float2 entry, exit;
-            bb_box_distances(&search.slab, pair, search.tmin, search.tmax, &entry, &exit);
+            bb_box_distances(&slab, pair, search.tmin, search.tmax, &entry, &exit);
             uint2 links = vload2(6, (global const uint *)pair);
             bool meets0 = entry.x <= exit.x, meets1 = entry.y <= exit.y;
             search.boxes += 2;
@@ -56,7 +59,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
                 goto pop;
             }
         }
-        if (bb_search_leaf(&search, records, link, triangle_count))
+        if (bb_search_leaf(&search, &setup, &slab, records, link, triangle_count))
             goto done;
     pop:
         do {
@@ -68,7 +71,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
     }
 done:
     if (!overflow)
-        bb_search_write(&search, &hits[id]);
+        bb_search_write(&search, &setup, &hits[id]);
 #if BB_COUNTING
     bb_search_count(&search, overflow, &counts[id]);
 #endif

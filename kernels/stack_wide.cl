@@ -67,8 +67,11 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
                uint triangle_count, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
+    bb_ray_setup setup;
+    bb_ray_setup_make(&setup, &rays[id], scale);
+    bb_slab slab = bb_slab_of(setup.o, setup.d);
     bb_search search;
-    bb_search_start(&search, &rays[id], scale);
+    bb_search_start(&search, &setup, &rays[id]);
 
     uint stack_links[BB_STACK_SIZE];
     float stack_entries[BB_STACK_SIZE];
@@ -76,14 +79,14 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
     uint link = root;
     bool overflow = false;
 #if BB_BY_OCTANT
-    const float3 d = search.setup.d;
+    const float3 d = setup.d;
     uint octant = (d.x < 0.0f ? 1u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 4u : 0u);
 #endif
     for (;;) {
         while ((link & BB_LEAF_BIT) == 0) {
             global const bb_wide *node = nodes + link;
             bb_boxes entry, exit;
-            bb_box_distances(&search.slab, BB_NODE_OF(node), search.tmin, search.tmax, &entry, &exit);
+            bb_box_distances(&slab, BB_NODE_OF(node), search.tmin, search.tmax, &entry, &exit);
             uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit) & BB_PLACES(node);
 #if BB_COUNTING
             search.boxes += node->count;
@@ -140,7 +143,7 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
             } while (met != 0u);
 #endif
         }
-        if (bb_search_leaf(&search, blocks, link, triangle_count))
+        if (bb_search_leaf(&search, &setup, &slab, blocks, link, triangle_count))
             goto done;
     pop:
         do {
@@ -152,7 +155,7 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
     }
 done:
     if (!overflow)
-        bb_search_write(&search, &hits[id]);
+        bb_search_write(&search, &setup, &hits[id]);
 #if BB_COUNTING
     bb_search_count(&search, overflow, &counts[id]);
 #endif

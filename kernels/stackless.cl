@@ -22,25 +22,28 @@ void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
                uint triangle_count, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
+    bb_ray_setup setup;
+    bb_ray_setup_make(&setup, &rays[id], scale);
+    bb_slab slab = bb_slab_of(setup.o, setup.d);
     bb_search search;
-    bb_search_start(&search, &rays[id], scale);
+    bb_search_start(&search, &setup, &rays[id]);
 
     uint link = root;
     while (link != BB_NONE) {
         global const float *node = nodes + 8ul * link;
         uint first = as_uint(node[3]), skip = as_uint(node[7]);
         search.boxes++;
-        if (!bb_meets_node(&search.slab, node, search.tmin, search.tmax)) {
+        if (!bb_meets_node(&slab, node, search.tmin, search.tmax)) {
             link = skip;
         } else if ((first & BB_LEAF_BIT) == 0) {
             link = first;
         } else {
-            if (bb_search_leaf(&search, records, first, triangle_count))
+            if (bb_search_leaf(&search, &setup, &slab, records, first, triangle_count))
                 break;
             link = skip;
         }
     }
-    bb_search_write(&search, &hits[id]);
+    bb_search_write(&search, &setup, &hits[id]);
 #if BB_COUNTING
     bb_search_count(&search, false, &counts[id]);
 #endif
