@@ -425,7 +425,8 @@ static void what_does_not_fit_together_is_built_again(void **state)
 {
     (void)state;
     const outcome *o = run_with("POCL_MEMORY_LIMIT=1",
-                                "run --scene spheres:n=2500000 --builder lbvh,lbvh:bits=63 "
+                                "run --scene spheres:n=2500000 --builder "
+                                "lbvh,lbvh:bits=63,embree-native:quality=low "
                                 "--kernel stack,stackless --rays primary --size 64x64 --repeats 1 "
                                 "--no-pictures --out tight");
     if (o->exit_status != 0)
