@@ -243,6 +243,7 @@ typedef struct search {
     uint32_t prim;  /* what was reported, BB_NONE: nothing: hits of it do not count */
     int root;       /* that is, the first or the second ones of a sphere */
     double common;  /* move all copies by this; 0: by each primitive's own eps */
+    double most;    /* only primitives whose own eps is at most this count */
     double radius;  /* as a share of that */
     bool literal;   /* no margin at the ends of the ray's interval */
     int wanted;     /* bits of the copies that still look for a hit */
@@ -268,7 +269,7 @@ static bool search_primitive(void *context, uint32_t prim)
 {
     search *search = context;
     double eps = margin(search->trial->scene, search->trial->frame.o, prim);
-    for (int copy = 0; copy < NINE; copy++) {
+    for (int copy = 0; copy < NINE && eps <= search->most; copy++) {
         if ((search->wanted >> copy & 1) == 0)
             continue;
         double o[3], distance = search->common > 0.0 ? search->common : eps;
@@ -315,7 +316,7 @@ static bool add_outline(void *context, uint32_t prim)
     double eps = margin(trial->scene, trial->frame.o, prim), end = eps / trial->frame.length;
     double unit = g->scaled_alike ? g->common : eps;
     double from = trial->ray->tmin + end, to = fmin(trial->ray->tmax, g->search->limit) - end;
-    if (prim == g->search->prim ||
+    if (prim == g->search->prim || eps > g->search->most ||
         bb_pass(&trial->frame, trial->scene, prim, from, to).distance > unit)
         return false;
     bb_outline *outline = &g->outlines[g->count];
@@ -336,8 +337,8 @@ static bool is_open(void *context, double x, double y)
         moved.moves[1][k] =
             0x1p-30 * rint(0x1p30 * (x * moved.frame.across[0][k] + y * moved.frame.across[1][k]));
     search.trial = &moved;
-    return !all_found(g->arbiter, &search, 1 << 1, 0.0, 1.0) &&
-           !all_found(g->arbiter, &search, 1 << 1, g->common, 1.0);
+    bool own = search.most == INFINITY && all_found(g->arbiter, &search, 1 << 1, 0.0, 1.0);
+    return !own && !all_found(g->arbiter, &search, 1 << 1, g->common, 1.0);
 }
 
 /* The nine are a sample of the disc of radius eps: near a corner, the way between primitives may be
@@ -358,13 +359,49 @@ static bool has_gap(const bb_arbiter *arbiter, const search *search, double comm
     return false;
 }
 
+/* Closed all over the disc: at smaller and smaller distances, and between sides. All by one `common`, or,
+ * where all primitives count, each by its own eps. */
+static bool is_closed(const bb_arbiter *arbiter, search search, double common)
+{
+    for (int halvings = 0; halvings <= HALVINGS; halvings++) {
+        double radius = ldexp(1.0, -halvings);
+        bool own = search.most == INFINITY && all_found(arbiter, &search, ALL_NINE, 0.0, radius);
+        if (!own && !all_found(arbiter, &search, ALL_NINE, common, radius))
+            return false;
+    }
+    return !has_gap(arbiter, &search, common);
+}
+
+/* The eps of what the ray itself hits, each once. */
+typedef struct own_hits {
+    const search *search;
+    double eps[NEAR_MAX];
+    uint32_t count;
+} own_hits;
+
+static bool add_own_hit(void *context, uint32_t prim)
+{
+    own_hits *own = context;
+    const trial *trial = own->search->trial;
+    double o[3], eps = margin(trial->scene, trial->frame.o, prim);
+    moved_origin(trial, 0, 0.0, o);
+    if (!hits_well(own->search, o, prim, eps))
+        return false;
+    for (uint32_t i = 0; i < own->count; i++)
+        if (own->eps[i] == eps)
+            return false;
+    own->eps[own->count++] = eps;
+    return own->count == NEAR_MAX;
+}
+
 /* Whether all of the nine hit something nearer than the search's limit by more than its margin. The margin
  * of what was reported is no matter: a kernel that finds both by its own arithmetic takes the one that
  * it finds nearer, and it is held to the t that it gave. The ray itself goes first: in most cases it
  * hits nothing there, and the eight need not be asked.
  *
  * All nine may hit something each, and the way between them be open: where the primitives are no larger
- * than eps, or near a corner. It is looked for at smaller and smaller distances, and between sides. */
+ * than eps, or near a corner. And a primitive of large eps that is hit as well must not make a way open that
+ * those of smaller eps close among themselves, so these are asked alone, too. */
 static bool nine_hit(const bb_arbiter *arbiter, search search)
 {
     if (!all_found(arbiter, &search, 1, 0.0, 1.0))
@@ -372,20 +409,27 @@ static bool nine_hit(const bb_arbiter *arbiter, search search)
     search.wanted = ALL_NINE;
     if (search_primitive(&search, search.found))
         return true; /* primitives are convex: nothing is open between the nine */
-    double common = 0.0;
-    for (int halvings = 0; halvings <= HALVINGS; halvings++) {
-        double radius = ldexp(1.0, -halvings);
-        bool closed = all_found(arbiter, &search, ALL_NINE, 0.0, radius);
-        common = halvings == 0 ? search.largest : common;
-        if (!closed && !all_found(arbiter, &search, ALL_NINE, common, radius))
-            return false;
+    (void)all_found(arbiter, &search, ALL_NINE, 0.0, 1.0); /* for the largest eps */
+    double largest = search.largest;
+    if (is_closed(arbiter, search, largest))
+        return true;
+    own_hits own = {.search = &search};
+    bb_probe probe;
+    bb_probe_make(search.trial->ray, &probe);
+    probe.tmax = fmin(probe.tmax, search.limit);
+    bb_box_tree_visit(arbiter->tree, &probe, add_own_hit, &own);
+    for (uint32_t i = 0; i < own.count; i++) {
+        search.most = own.eps[i];
+        if (search.most < largest && is_closed(arbiter, search, search.most))
+            return true;
     }
-    return !has_gap(arbiter, &search, common);
+    return false;
 }
 
 static bool nine_hit_by_the_letter(const bb_arbiter *arbiter, const trial *trial, double limit)
 {
-    search search = {.trial = trial, .limit = limit, .prim = BB_NONE, .literal = true};
+    search search = {
+        .trial = trial, .limit = limit, .prim = BB_NONE, .most = INFINITY, .literal = true};
     return all_found(arbiter, &search, 1, 0.0, 1.0) &&
            all_found(arbiter, &search, ALL_NINE, 0.0, 1.0);
 }
@@ -405,7 +449,7 @@ static bool find_any(void *context, uint32_t prim)
 /* "Something was hit", without saying what. */
 static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
 {
-    search search = {.trial = trial, .prim = BB_NONE, .wanted = 1};
+    search search = {.trial = trial, .prim = BB_NONE, .most = INFINITY, .wanted = 1};
     bb_probe probe;
     bb_probe_make(trial->ray, &probe);
     bb_box_tree_visit(arbiter->tree, &probe, find_any, &search);
@@ -442,7 +486,8 @@ static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const b
             return BB_WRONG_T;
         root = first ? 0 : 1;
     }
-    const search nearer = {.trial = trial, .limit = t, .prim = hit->prim, .root = root};
+    const search nearer = {
+        .trial = trial, .limit = t, .prim = hit->prim, .root = root, .most = INFINITY};
     return query == BB_CLOSEST_HIT && nine_hit(arbiter, nearer) ? BB_WRONG_T : BB_RIGHT;
 }
 
@@ -453,7 +498,7 @@ bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb
         return BB_MISSED;
     trial trial;
     begin_trial(&trial, arbiter->scene, ray);
-    const search any = {.trial = &trial, .limit = INFINITY, .prim = BB_NONE};
+    const search any = {.trial = &trial, .limit = INFINITY, .prim = BB_NONE, .most = INFINITY};
     if (hit->prim == BB_NONE)
         return nine_hit(arbiter, any) ? BB_MISSED : BB_RIGHT;
     if (query == BB_ANY_HIT && hit->prim == BB_UNNAMED)

@@ -23,7 +23,8 @@
  * eps belongs to a primitive, so a copy is moved by as much as the primitive's own eps when it is
  * tested against that. Across an edge between primitives of different eps this could leave a gap
  * that is none; therefore the nine count as hitting something also if they all do when moved by one
- * common eps, the largest of those that any of the nine hits.
+ * common eps, the largest of those that any of the nine hits; or by that of something that the ray itself
+ * hits, where only what has no larger eps counts.
  *
  * The nine stand for the disc of radius eps. If no one primitive is hit by all of them, the way between may
  * be open: so all eight must hit something at eps/2, eps/4, ... eps/32 as well, and so must copies that

@@ -25,7 +25,7 @@ static void complain(bb_audit *audit, const char *format, ...)
     audit->complaints++;
 }
 
-void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing)
+void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing, bool seen)
 {
     audit->timings++;
     if (!(timing->ms > 0))
@@ -33,6 +33,33 @@ void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing)
     else if (timing->event_ms > timing->ms * (1 + clock_share) + clock_ms)
         complain(audit, "%s: the work itself took %.3f ms, the clock around it saw %.3f ms", what,
                  timing->event_ms, timing->ms);
+    else if (seen && !(timing->event_ms > 0))
+        complain(audit, "%s: %.3f ms by the wall clock, but no work was seen in them", what,
+                 timing->ms);
+}
+
+void bb_audit_outer(bb_audit *audit, const char *what, double ms, double outer_ms)
+{
+    audit->timings++;
+    if (!(ms > 0) || outer_ms > 2 * ms + 1)
+        complain(audit, "%s: took %.3f ms, but who called waited for %.3f ms", what, ms, outer_ms);
+}
+
+/* Is this median, as printed, long enough for what the device saw? */
+static void audit_median(bb_audit *audit, const cJSON *entry, const char *name)
+{
+    const cJSON *samples = cJSON_GetObjectItem(entry, "event_ms_samples"), *sample;
+    double shown = bb_json_number(entry, name);
+    bb_samples events = {0};
+    cJSON_ArrayForEach(sample, samples)
+    {
+        if (cJSON_IsNumber(sample) && events.count < BB_SAMPLES_MAX)
+            bb_samples_add(&events, sample->valuedouble);
+    }
+    double seen = bb_samples_median(&events);
+    if (events.count > 0 && seen > shown * (1 + clock_share) + clock_ms)
+        complain(audit, "%.60s on %.60s: %.30s is %.3f, but the device's own clock saw %.3f ms",
+                 bb_json_text(entry, "builder"), bb_json_text(entry, "scene"), name, shown, seen);
 }
 
 /* From the document itself, so that nothing between the clock and the printed figure is left out. */
@@ -44,6 +71,7 @@ void bb_audit_rates(bb_audit *audit, bb_results *results)
         if (strcmp(bb_json_text(trace, "status"), "ok") != 0)
             continue;
         audit->rates++;
+        audit_median(audit, trace, "ms_median");
         const cJSON *accuracy = cJSON_GetObjectItem(trace, "accuracy");
         double judged = bb_json_number(accuracy, "checked");
         double shown = bb_json_number(trace, "mrays_s");
@@ -56,6 +84,12 @@ void bb_audit_rates(bb_audit *audit, bb_results *results)
                      bb_json_text(trace, "builder"), bb_json_text(trace, "scene"),
                      bb_json_text(trace, "rays"), bb_json_text(trace, "kernel"), shown, ms,
                      shown * ms * 1e3, isfinite(judged) ? judged : 0);
+    }
+    const cJSON *build;
+    cJSON_ArrayForEach(build, cJSON_GetObjectItem(bb_results_json(results), "builds"))
+    {
+        if (strcmp(bb_json_text(build, "status"), "ok") == 0)
+            audit_median(audit, build, "build_ms_median");
     }
 }
 

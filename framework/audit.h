@@ -2,8 +2,9 @@
  * traced, is found out by the run itself.
  *
  *   each timing      the kernels' own times (a host builder's phases, a reference's threads) within
- *                    the wall time
- *   each rate        that of as many rays as were judged
+ *                    the wall time, and more than nothing where there is such a clock
+ *   each rate        that of as many rays as were judged, in a time that holds what the device saw;
+ *                    builds likewise
  *   the whole run    builds, traces and named steps add up to it, but for a small rest
  */
 #ifndef BB_AUDIT_H
@@ -11,6 +12,8 @@
 
 #include "framework/record.h"
 #include "framework/stopwatch.h"
+
+#include <stdbool.h>
 
 enum { BB_COMPLAINTS_MAX = 20 }; /* that are kept; all are counted */
 
@@ -22,10 +25,14 @@ typedef struct bb_audit {
     char texts[BB_COMPLAINTS_MAX][256];
 } bb_audit;
 
-/* `what` says what was timed, such as "trace of coffee by stack on lbvh". */
-void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing);
+/* `what` says what was timed, such as "trace of coffee by stack on lbvh"; `seen`: a second clock must have
+ * seen some of the work. */
+void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing, bool seen);
 
-/* The rates of all cells in the document. */
+/* A time of which the only other witness is the clock of who called: `ms` of `outer_ms`. */
+void bb_audit_outer(bb_audit *audit, const char *what, double ms, double outer_ms);
+
+/* The rates of all cells in the document, and the times of its builds. */
 void bb_audit_rates(bb_audit *audit, bb_results *results);
 
 /* sum += more. */

@@ -121,7 +121,7 @@ static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
         bb_status stopped = bb_stopwatch_stop(&watch, &timing);
         BB_TRY(status);
         BB_TRY(stopped);
-        bb_audit_timing(&bench->outcome->audit, what, &timing);
+        bb_audit_timing(&bench->outcome->audit, what, &timing, true);
         bb_samples_add(ms, timing.ms);
     }
     return bb_bench_end(bench, step, "make boxes", BB_OK);

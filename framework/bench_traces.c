@@ -117,7 +117,7 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
     char what[256];
     snprintf(what, sizeof what, "trace of %.60s, %.40s by %.60s on %.60s", c->record.scene,
              c->record.rays, c->record.kernel, c->record.builder);
-    bb_audit_timing(&set->bench->outcome->audit, what, timing);
+    bb_audit_timing(&set->bench->outcome->audit, what, timing, true);
     set->bench->outcome->times.trace_ms += timing->ms;
     return bb_bench_end(set->bench, step, "poison and copy hits", BB_OK);
 }

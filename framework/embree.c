@@ -242,6 +242,15 @@ static inline struct RTCRay convert(const bb_ray *ray)
                            .mask = 0xFFFFFFFFu};
 }
 
+/* Embree takes no larger numbers of a ray (FLT_LARGE of its source), and some builds of it abort. */
+static bool is_too_large(const bb_ray *ray)
+{
+    float largest = 0.0f;
+    for (int k = 0; k < 3; k++)
+        largest = fmaxf(largest, fmaxf(fabsf(ray->o[k]), fabsf(ray->d[k])));
+    return largest > 1.8e18f;
+}
+
 static void trace_closest(trace_job *job, size_t begin, size_t end)
 {
     bb_intersect_arguments arguments;
@@ -250,7 +259,8 @@ static void trace_closest(trace_job *job, size_t begin, size_t end)
         struct RTCRayHit hit = {.ray = convert(&job->rays[i])};
         hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        bb_intersect1(job->embree->scene, &hit, &arguments);
+        if (!is_too_large(&job->rays[i]))
+            bb_intersect1(job->embree->scene, &hit, &arguments);
         if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID)
             job->hits[i] = (bb_hit){INFINITY, BB_NONE};
         else
@@ -265,7 +275,8 @@ static void trace_any(trace_job *job, size_t begin, size_t end)
     bb_occluded_arguments_init(&arguments);
     for (size_t i = begin; i < end; i++) {
         struct RTCRay ray = convert(&job->rays[i]);
-        bb_occluded1(job->embree->scene, &ray, &arguments);
+        if (!is_too_large(&job->rays[i]))
+            bb_occluded1(job->embree->scene, &ray, &arguments);
         bool occluded = ray.tfar < 0.0f && isinf(ray.tfar);
         job->hits[i] = occluded ? (bb_hit){0.0f, BB_UNNAMED} : (bb_hit){INFINITY, BB_NONE};
     }

@@ -60,6 +60,7 @@ bb_status bb_scene_choose_scale(bb_scene *scene)
     double smallest = smallest_area(scene);
     int wanted = USUAL - exponent, most = HIGHEST - exponent;
     most = most < SCALE_MAX ? most : SCALE_MAX;
+    wanted = wanted < most ? wanted : most;
     while (wanted < most && smallest * ldexp(1.0, 2 * wanted) < least_area)
         wanted++;
     scene->scale = (float)ldexp(1.0, wanted);

@@ -94,6 +94,47 @@ static void who_agrees_with_a_blind_oracle_is_wrong(void **state)
     close_court(&c);
 }
 
+/* ---- what is lost between primitives ---- */
+
+/* Two triangles, side by side, hide what is behind them; a huge one beside the ray, which some of the copies
+ * that are moved by its own large margin hit, opens no way through: whichever comes first. */
+static void a_huge_neighbour_opens_no_way(void **state)
+{
+    (void)state;
+    enum { COUNT = 99 };
+    static const float q = 0.01f,
+                       near[2][9] = {
+                           {0, -0.0025f, 0.0025f, 0.01f, 0, 0.0025f, 0, 0.0025f, 0.0025f},
+                           {0, -0.0025f, 0.0025f, 0, 0.0025f, 0.0025f, -0.005f, 0, 0.0025f}};
+    static const float huge[2][9] = {{0.035f, -1e5f, 2, 0.035f, 1e5f, 2, 1e5f, 0, 2},
+                                     {-1e5f, 0.035f, 2, 1e5f, 0.035f, 2, 0, -1e5f, 2}};
+    for (int arrangement = 0; arrangement < 5; arrangement++) {
+        bb_scene *scene = hand_scene(arrangement == 0 ? 2 : 3, 0);
+        const float *order[3] = {near[0], near[1], NULL};
+        if (arrangement > 0)
+            order[2] = huge[arrangement / 2 % 2];
+        if (arrangement > 2) { /* first instead of last */
+            order[1] = near[0], order[0] = order[2], order[2] = near[1];
+        }
+        for (uint32_t i = 0; i < scene->triangle_count; i++)
+            memcpy(scene->vertices + 9 * i, order[i], sizeof near[0]);
+        hand_finish(scene);
+        bb_ray rays[COUNT];
+        bb_hit hits[COUNT];
+        for (int i = 0; i < COUNT; i++) {
+            float x = 0x1p-20f * q * (float)(i + 1) / 100;
+            rays[i] = (bb_ray){.o = {x, 1e-4f, 0}, .d = {0, 0, 1}, .tmax = INFINITY};
+            hits[i] = miss;
+        }
+        court c;
+        open_court(&c, scene, rays, COUNT, BB_CLOSEST_HIT, NULL);
+        bb_accuracy a = judge(&c, hits, false, NULL);
+        if (a.missed != COUNT)
+            fail_msg("arrangement %d: %llu missed", arrangement, (unsigned long long)a.missed);
+        close_court(&c);
+    }
+}
+
 /* ---- the oracle lies ---- */
 
 static void aim_at_random(const bb_scene *scene, bb_random *random, bb_ray *ray)
@@ -452,6 +493,7 @@ int main(void)
         seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(who_agrees_with_a_blind_oracle_is_wrong),
+        cmocka_unit_test(a_huge_neighbour_opens_no_way),
         cmocka_unit_test(no_lie_of_the_oracle_changes_a_class),
         cmocka_unit_test(a_large_margin_hides_nothing_before_it),
         cmocka_unit_test(a_grazed_plane_is_no_witness_against_itself),

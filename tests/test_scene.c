@@ -184,6 +184,21 @@ static bb_scene *make_scene(const float *triangles, uint32_t triangle_count, con
     return scene;
 }
 
+/* A float, and no infinity, for whatever is accepted. */
+static void test_scale_is_finite(void **state)
+{
+    (void)state;
+    for (int e = -130; e <= 127; e++) {
+        bb_scene *scene = NULL;
+        assert_int_equal(bb_scene_load("cube", &scene), BB_OK);
+        for (uint32_t i = 0; i < 3 * scene->vertex_count; i++)
+            scene->vertices[i] = ldexpf(scene->vertices[i] > 0 ? 1.0f : -1.0f, e);
+        bb_status status = bb_scene_finish(scene);
+        assert_true(status == BB_INVALID || (isnormal(scene->scale) && scene->scale <= 0x1p120f));
+        bb_scene_free(scene);
+    }
+}
+
 static void expect_finish_failure(bb_scene *scene, const char *words)
 {
     assert_int_equal(bb_scene_finish(scene), BB_INVALID);
@@ -568,6 +583,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_recorded_hashes),
+        cmocka_unit_test(test_scale_is_finite),
         cmocka_unit_test(test_seeds_differ),
         cmocka_unit_test(test_sphere_mesh),
         cmocka_unit_test(test_size_ratio),

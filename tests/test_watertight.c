@@ -337,6 +337,47 @@ enum { FAR_RAYS = 20000 };
 
 /* Distances are padded in proportion to themselves: from far enough each box is as wide as the scene, and
  * even places without a child would be met. */
+/* Spheres whose radius is down to the last place of their centre: rays at the centre must hit. */
+static void spheres_small_beside_their_place_are_hit(void **state)
+{
+    (void)state;
+    enum { AIMED = 4000 };
+    static const float radii[] = {1e-3f, 1e-5f, 1e-6f, 1e-7f};
+    bb_ray *rays = calloc(AIMED, sizeof *rays);
+    bb_hit *hits = calloc(AIMED, sizeof *hits);
+    bb_random random = bb_random_make(seed, 5);
+    for (size_t r = 0; r < sizeof radii / sizeof radii[0]; r++) {
+        bed b;
+        bb_scene *scene = load("spheres:n=10");
+        const float place[4] = {-12.8f, 0.3f, -12.8f, radii[r]};
+        memcpy(scene->spheres, place, sizeof place);
+        check(bb_scene_finish(scene), "finish");
+        open_bed(&b, scene, "lbvh", "stack", 1);
+        for (uint32_t i = 0; i < AIMED; i++) {
+            double away[3];
+            bb_random_direction(&random, away);
+            rays[i] = (bb_ray){.tmax = INFINITY};
+            for (int k = 0; k < 3; k++) {
+                rays[i].o[k] = (float)(place[k] + 100 * (double)radii[r] * away[k]);
+                rays[i].d[k] = place[k] - rays[i].o[k];
+            }
+            if (rays[i].d[0] == 0 && rays[i].d[1] == 0 && rays[i].d[2] == 0)
+                rays[i].d[0] = 1;
+        }
+        for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
+            choose_kernel(&b, (*k)->name, 1);
+            trace(&b, "exact", rays, AIMED, BB_CLOSEST_HIT, hits, NULL);
+            for (uint32_t i = 0; i < AIMED; i++)
+                if (hits[i].prim != 0)
+                    fail_msg("radius %g, kernel %s, ray %u: %u (seed %llu)", radii[r], (*k)->name,
+                             i, hits[i].prim, (unsigned long long)seed);
+        }
+        close_bed(&b);
+    }
+    free(rays);
+    free(hits);
+}
+
 static void from_afar_kernels_answer_alike(void **state)
 {
     (void)state;
@@ -400,6 +441,7 @@ int main(void)
         cmocka_unit_test(what_the_triangle_test_accepts_is_in_its_box),
         cmocka_unit_test(the_budget_is_needed),
         cmocka_unit_test(no_ray_passes_a_wall),
+        cmocka_unit_test(spheres_small_beside_their_place_are_hit),
         cmocka_unit_test(from_afar_kernels_answer_alike),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

@@ -26,7 +26,7 @@ static const bb_option options[] = {
 
 static bb_status create(const bb_builder_context *context, void **out)
 {
-    rogue *self;
+    rogue *self = NULL;
     BB_TRY(bb_host_alloc(context->account, sizeof *self, "rogue: object", &self));
     *self = (rogue){
         .device = context->device,
