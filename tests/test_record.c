@@ -1,22 +1,12 @@
-/* Records: schema, nulls, exact numbers, reading of broken files, merging, atomic writing.
- */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+/* Records: schema, nulls, exact numbers, atomic writing. (Reading and merging: test_record_read.c.) */
+#include "tests/record_fixture.h"
 
-#include <cmocka.h>
-
-#include "framework/chart_script.h"
 #include "framework/file.h"
 #include "framework/report.h"
-#include "tests/report_sample.h"
 
-#include <cjson/cJSON.h>
 #include <dirent.h>
 #include <signal.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 /* ---- schema ---- */
 
@@ -93,21 +83,6 @@ static void has_fields(const cJSON *object, const char *const *fields, const cha
     for (; *fields != NULL; fields++)
         if (cJSON_GetObjectItemCaseSensitive(object, *fields) == NULL)
             fail_msg("%s lacks %s", what, *fields);
-}
-
-static cJSON *section(bb_results *results, const char *name)
-{
-    cJSON *array = cJSON_GetObjectItemCaseSensitive(bb_results_json(results), name);
-    assert_true(cJSON_IsArray(array));
-    return array;
-}
-
-static cJSON *member(const cJSON *object, const char *name)
-{
-    cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
-    if (item == NULL)
-        fail_msg("no member %s", name);
-    return item;
 }
 
 static void schema_is_complete(void **state)
@@ -343,14 +318,6 @@ static void a_trace_needs_its_build(void **state)
 
 /* ---- files ---- */
 
-static const char *results_path(const char *test)
-{
-    static char path[600];
-    snprintf(path, sizeof path, "%s/results.json", sample_folder(test));
-    unlink(path);
-    return path;
-}
-
 static void numbers_come_back_exactly(void **state)
 {
     (void)state;
@@ -469,268 +436,6 @@ static void intervals_of_older_files_are_drawn_anew(void **state)
     bb_results_destroy(results);
 }
 
-/* ---- broken files ---- */
-
-static void write_plain(const char *path, const char *data, size_t size)
-{
-    unlink(path); /* some file systems flush a file that is cut and written again */
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    fclose(file);
-}
-
-/* Either it is refused with a message, or the document can be reported. */
-static bool survives(const char *path, FILE *sink)
-{
-    bb_results *results = NULL;
-    bb_status status = bb_results_read(path, &results);
-    if (status != BB_OK) {
-        assert_null(results);
-        assert_int_equal(status, BB_INVALID);
-        assert_true(strlen(bb_message()) > 10);
-        return false;
-    }
-    assert_int_equal(bb_report_table(results, sink), BB_OK);
-    bb_charts charts;
-    uint32_t pictures;
-    assert_int_equal(bb_charts_make(results, &charts), BB_OK);
-    assert_int_equal(bb_charts_script(&charts, sink, &pictures), BB_OK);
-    bb_charts_free(&charts);
-    bb_results *twice = NULL;
-    assert_int_equal(bb_results_read(path, &twice), BB_OK);
-    assert_int_equal(bb_results_merge(results, twice), BB_OK);
-    bb_results_destroy(twice);
-    bb_results_destroy(results);
-    return true;
-}
-
-/* A small document with one row of each sort. */
-static char *small_document(size_t *size)
-{
-    bb_results *results = sample_results(NULL);
-    while (cJSON_GetArraySize(section(results, "traces")) > 3)
-        cJSON_DeleteItemFromArray(section(results, "traces"), 3);
-    while (cJSON_GetArraySize(section(results, "builds")) > 2)
-        cJSON_DeleteItemFromArray(section(results, "builds"), 1);
-    while (cJSON_GetArraySize(section(results, "scenes")) > 1)
-        cJSON_DeleteItemFromArray(section(results, "scenes"), 1);
-    const char *path = results_path("small");
-    assert_int_equal(bb_results_write(results, path), BB_OK);
-    bb_results_destroy(results);
-    char *text = NULL;
-    assert_int_equal(bb_file_read(path, 1 << 20, "small", &text, size), BB_OK);
-    return text;
-}
-
-static void truncated_files_are_refused(void **state)
-{
-    (void)state;
-    size_t size;
-    char *text = small_document(&size);
-    const char *path = results_path("truncated");
-    FILE *sink = fopen("/dev/null", "w");
-    write_plain(path, text, size);
-    assert_true(survives(path, sink));
-    for (size_t cut = 0; cut < size - 2; cut += 37) {
-        write_plain(path, text, cut);
-        if (survives(path, sink))
-            fail_msg("a file cut at byte %zu was taken", cut);
-    }
-    fclose(sink);
-    free(text);
-}
-
-static void damaged_files_do_no_harm(void **state)
-{
-    (void)state;
-    size_t size;
-    char *text = small_document(&size);
-    char *damaged = malloc(size);
-    const char *path = results_path("damaged");
-    FILE *sink = fopen("/dev/null", "w");
-    bb_random random = bb_random_make(11, 0);
-    static const char bytes[] = "{}[]\",:0-9eE.ntf\\u \0\xff";
-    int taken = 0;
-    for (int round = 0; round < 3000; round++) {
-        memcpy(damaged, text, size);
-        for (uint32_t i = 0; i <= round % 4u; i++)
-            damaged[bb_random_below(&random, (uint32_t)size)] =
-                bytes[bb_random_below(&random, sizeof bytes - 1)];
-        write_plain(path, damaged, size);
-        taken += survives(path, sink);
-    }
-    assert_in_range(taken, 1, 2999); /* both ways were taken */
-    fclose(sink);
-    free(damaged);
-    free(text);
-}
-
-static void wrong_types_are_named(void **state)
-{
-    (void)state;
-    static const char head[] = "{\"schema\":\"bvhbench-results/1\",\"context\":{},";
-    static const struct {
-        const char *text, *named;
-    } cases[] = {
-        {"", "not JSON"},
-        {"[]", "schema"},
-        {"{\"schema\":1}", "schema"},
-        {"{\"schema\":\"bvhbench-results/9\"}", "bvhbench-results/9"},
-        {"{\"schema\":\"bvhbench-results/1\"}", "context"},
-        {"+\"scenes\":[],\"builds\":[]}", "traces"},
-        {"+\"scenes\":{},\"builds\":[],\"traces\":[]}", "scenes"},
-        {"+\"scenes\":[7],\"builds\":[],\"traces\":[]}", "scenes[0]"},
-        {"+\"scenes\":[{\"name\":7,\"prims\":1}],\"builds\":[],\"traces\":[]}", "name"},
-        {"+\"scenes\":[],\"builds\":[{\"id\":\"x\"}],\"traces\":[]}", "id"},
-        {"+\"scenes\":[],\"builds\":[{\"id\":-1,\"scene\":\"s\",\"builder\":\"b\",\"status\":"
-         "\"ok\"}],"
-         "\"traces\":[]}",
-         "-1"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[{\"build\":0,\"scene\":\"s\",\"builder\":\"b\","
-         "\"kernel\":\"k\",\"rays\":\"r\",\"count\":1,\"status\":\"ok\"}]}",
-         "build 0"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"steps_ms\":{\"a\":\"b\"}}", "steps_ms"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"time_ms\":{\"total\":\"b\"}}", "time_ms"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"time_ms\":7}", "time_ms"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"skipped\":{}}", "skipped"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"skipped\":[{\"scene\":\"s\",\"rays\":7}]}",
-         "skipped[0]: \"rays\""},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"pictures\":[{}]}", "path"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{}]}", "name"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
-         "\"tables\":[{\"columns\":[\"a\",\"b\"],\"rows\":[[1]]}]}]}",
-         "emc"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
-         "\"tables\":[{\"columns\":[\"a\"]}]}]}",
-         "\"rows\""},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
-         "\"claims\":[{\"claim\":\"c\",\"held\":\"yes\"}]}]}",
-         "held"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"reproductions\":[{\"name\":\"emc\","
-         "\"claims\":[{\"claim\":\"c\",\"held\":null,\"verdict\":7}]}]}",
-         "verdict"},
-        {"+\"scenes\":[],\"builds\":[],\"traces\":[]} x", "not JSON"},
-    };
-    const char *path = results_path("types");
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        char text[1024];
-        bool whole = cases[i].text[0] != '+';
-        snprintf(text, sizeof text, "%s%s", whole ? "" : head, cases[i].text + !whole);
-        write_plain(path, text, strlen(text));
-        bb_results *results = NULL;
-        if (bb_results_read(path, &results) != BB_INVALID ||
-            strstr(bb_message(), cases[i].named) == NULL || strstr(bb_message(), path) == NULL)
-            fail_msg("case %zu: message '%s'", i, bb_message());
-    }
-    /* the least that is one */
-    char text[256];
-    snprintf(text, sizeof text, "%s\"scenes\":[],\"builds\":[],\"traces\":[]}", head);
-    write_plain(path, text, strlen(text));
-    FILE *sink = fopen("/dev/null", "w");
-    assert_true(survives(path, sink));
-    fclose(sink);
-}
-
-static void deep_nesting_is_refused(void **state)
-{
-    (void)state;
-    enum { DEEP = 3000000 };
-    char *text = malloc(DEEP);
-    memset(text, '[', DEEP);
-    const char *path = results_path("deep");
-    write_plain(path, text, DEEP);
-    free(text);
-    bb_results *results = NULL;
-    assert_int_equal(bb_results_read(path, &results), BB_INVALID);
-    assert_int_equal(bb_results_read("/nonexistent.json", &results), BB_INVALID);
-    assert_int_equal(bb_results_read("/tmp", &results), BB_INVALID);
-}
-
-/* ---- merging ---- */
-
-static void merging_renumbers(void **state)
-{
-    (void)state;
-    bb_results *a = sample_results(NULL), *b = sample_results(NULL), *c = sample_results(NULL);
-    int builds = cJSON_GetArraySize(section(a, "builds"));
-    int traces = cJSON_GetArraySize(section(a, "traces"));
-    assert_int_equal(bb_results_merge(a, b), BB_OK);
-    assert_int_equal(bb_results_merge(a, c), BB_OK);
-    assert_int_equal(cJSON_GetArraySize(section(a, "scenes")), SAMPLE_SCENES);
-    assert_int_equal(cJSON_GetArraySize(section(a, "builds")), 3 * builds);
-    assert_int_equal(cJSON_GetArraySize(section(a, "traces")), 3 * traces);
-    assert_int_equal(cJSON_GetArraySize(section(a, "merged")), 2);
-    const cJSON *build;
-    int index = 0;
-    cJSON_ArrayForEach(build, section(a, "builds"))
-        assert_int_equal(member(build, "id")->valueint, index++);
-    const cJSON *last = cJSON_GetArrayItem(section(a, "traces"), 3 * traces - 1);
-    const cJSON *its = cJSON_GetArrayItem(section(a, "builds"), member(last, "build")->valueint);
-    assert_string_equal(member(its, "builder")->valuestring, member(last, "builder")->valuestring);
-    assert_int_equal(member(last, "run")->valueint, 2);
-    assert_int_equal(member(its, "run")->valueint, 2);
-    double load = member(member(bb_results_json(a), "steps_ms"), "load")->valuedouble;
-    assert_true(load == 3 * 320.5);
-    const cJSON *times = member(bb_results_json(a), "time_ms");
-    assert_true(member(times, "build")->valuedouble == 3 * 2500);
-    assert_true(member(times, "steps")->valuedouble == 3 * (21 * 320.5 + 100));
-    assert_true(member(times, "total")->valuedouble == 3 * 31000);
-    assert_int_equal(cJSON_GetArraySize(section(a, "skipped")), 3 * 2);
-    const cJSON *skipped = cJSON_GetArrayItem(section(a, "skipped"), 5);
-    assert_string_equal(member(skipped, "rays")->valuestring, "edges");
-    assert_int_equal(member(skipped, "run")->valueint, 2);
-    assert_int_equal(cJSON_GetArraySize(section(a, "reproductions")), 3);
-
-    const char *path = results_path("merged");
-    bb_results *read = NULL;
-    assert_int_equal(bb_results_write(a, path), BB_OK);
-    assert_int_equal(bb_results_read(path, &read), BB_OK);
-    bb_results_destroy(read);
-    bb_results_destroy(c);
-    bb_results_destroy(b);
-    bb_results_destroy(a);
-}
-
-/* A file of before there were totals and skipped sets: what it lacks is not made up. */
-static void merging_takes_older_files(void **state)
-{
-    (void)state;
-    bb_results *old = sample_results(NULL), *read = NULL, *now = sample_results(NULL);
-    cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(old), "time_ms");
-    cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(old), "skipped");
-    cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(old), "reproductions");
-    const char *path = results_path("older");
-    assert_int_equal(bb_results_write(old, path), BB_OK);
-    assert_int_equal(bb_results_read(path, &read), BB_OK);
-    assert_int_equal(cJSON_GetArraySize(section(read, "skipped")), 0);
-    assert_int_equal(bb_results_merge(now, read), BB_OK);
-    assert_null(cJSON_GetObjectItemCaseSensitive(bb_results_json(now), "time_ms"));
-    assert_int_equal(cJSON_GetArraySize(section(now, "skipped")), 2);
-    bb_results_destroy(now);
-    now = sample_results(NULL);
-    assert_int_equal(bb_results_merge(read, now), BB_OK);
-    assert_null(cJSON_GetObjectItemCaseSensitive(bb_results_json(read), "time_ms"));
-    assert_int_equal(cJSON_GetArraySize(section(read, "skipped")), 2);
-    assert_int_equal(cJSON_GetArraySize(section(read, "reproductions")), 1);
-    bb_results_destroy(now);
-    bb_results_destroy(read);
-    bb_results_destroy(old);
-}
-
-static void merging_refuses_other_geometry(void **state)
-{
-    (void)state;
-    bb_results *a = sample_results(NULL), *b = sample_results(NULL);
-    cJSON_SetValuestring(member(section(b, "scenes")->child, "hash"), "0123456789abcdef");
-    int traces = cJSON_GetArraySize(section(a, "traces"));
-    assert_int_equal(bb_results_merge(a, b), BB_INVALID);
-    assert_non_null(strstr(bb_message(), "coffee"));
-    assert_int_equal(cJSON_GetArraySize(section(a, "traces")), traces);
-    bb_results_destroy(b);
-    bb_results_destroy(a);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -746,13 +451,6 @@ int main(void)
         cmocka_unit_test(a_failed_write_leaves_the_old_file),
         cmocka_unit_test(an_unwritable_folder_is_named),
         cmocka_unit_test(intervals_of_older_files_are_drawn_anew),
-        cmocka_unit_test(truncated_files_are_refused),
-        cmocka_unit_test(damaged_files_do_no_harm),
-        cmocka_unit_test(wrong_types_are_named),
-        cmocka_unit_test(deep_nesting_is_refused),
-        cmocka_unit_test(merging_renumbers),
-        cmocka_unit_test(merging_takes_older_files),
-        cmocka_unit_test(merging_refuses_other_geometry),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
