@@ -3,6 +3,7 @@
 #include "framework/builder.h"
 #include "traversal/traversal.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -100,6 +101,44 @@ static bb_status parse_handover(const bb_cli *cli, bb_handover *handover)
     return BB_OK;
 }
 
+/* A file of device code that the program has by another folder's name: one of kernels/ or builders/common, or
+ * a builder's own. */
+static bool is_source(const char *name)
+{
+    char builder[64];
+    const char *end = strrchr(name, '.');
+    if (bb_source_find(name) != NULL)
+        return true;
+    snprintf(builder, sizeof builder, "%.*s", (int)(end - name), name);
+    return bb_builder_find(builder) != NULL;
+}
+
+/* A misspelt name would leave the embedded text in place, and what was to be tried untried. */
+static bb_status check_folder(const char *path)
+{
+    uint32_t found = 0;
+    bb_status status = BB_OK;
+    DIR *folder = opendir(path);
+    if (folder == NULL)
+        return BB_OK; /* bb_device_open() says why */
+    for (const struct dirent *e = readdir(folder); e != NULL && status == BB_OK;
+         e = readdir(folder)) {
+        const char *end = strrchr(e->d_name, '.');
+        if (end == NULL || (strcmp(end, ".cl") != 0 && strcmp(end, ".clh") != 0))
+            continue;
+        found++;
+        if (!is_source(e->d_name))
+            status = bb_fail(BB_INVALID,
+                             "--kernels-from %s: nothing reads %s: give it the name of a file of "
+                             "kernels/, or of a builder's",
+                             path, e->d_name);
+    }
+    closedir(folder);
+    if (status == BB_OK && found == 0)
+        return bb_fail(BB_INVALID, "--kernels-from %s: there is no .cl or .clh file", path);
+    return status;
+}
+
 bb_status bb_open_device(const bb_cli *cli, bb_device **device)
 {
     const char *word = bb_cli_value(cli, "form");
@@ -111,9 +150,11 @@ bb_status bb_open_device(const bb_cli *cli, bb_device **device)
         form = BB_FORM_GPU;
     else if (word != NULL && strcmp(word, "auto") != 0)
         return bb_fail(BB_INVALID, "--form is '%s', must be auto, cpu or gpu", word);
+    const char *folder = bb_cli_value(cli, "kernels-from");
     BB_TRY(parse_handover(cli, &handover));
-    BB_TRY(bb_device_open(bb_cli_value(cli, "device"), form, bb_cli_value(cli, "kernels-from"),
-                          device));
+    if (folder != NULL)
+        BB_TRY(check_folder(folder));
+    BB_TRY(bb_device_open(bb_cli_value(cli, "device"), form, folder, device));
     if ((*device)->litmus_stale > 0)
         fprintf(stderr,
                 "bvhbench: the fence of %s fails: %u words of %u messages between work-groups came "

@@ -47,6 +47,7 @@ static const char *const procedural_scenes[] = {
     "slivers:aspect=40",
     "scales:from=-8,to=8,n=1",
     "ground",
+    "ladder",
 };
 
 static bb_status default_scenes(bb_names *names)

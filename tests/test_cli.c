@@ -307,6 +307,9 @@ static void wrong_answers_give_exit_status_1(void **state)
     assert_non_null(strstr(o->out, "WRONG"));
     assert_int_equal(run("check --scene cube --builder lbvh --kernels-from kernels")->exit_status,
                      1);
+    refuses("mkdir -p empty;", "check --scene cube --kernels-from empty", "no .cl or .clh file");
+    refuses("mkdir -p typo; touch typo/stak.cl;", "check --scene cube --kernels-from typo",
+            "nothing reads stak.cl");
     o = run("check --scene cube --builder lbvh");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);

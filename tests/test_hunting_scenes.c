@@ -127,6 +127,7 @@ static const hunted hunting[] = {
     {"scales:from=-3,to=-3,n=4", 128, 0, 0, 192, 0x955fb7de96ba66ffu},
     {"ground:reach=1e5,stones=5,balls=3", 162, 3, 4, 241, 0x880d88b0561667b0u},
     {"ground:cuts=3,stones=0,balls=2,reach=50", 18, 2, 12, 21, 0x2314a57bf7f3cf22u},
+    {"ladder", 17, 0, 51, 0, 0xecabfff2453f7cc5u},
 };
 enum { HUNTING = sizeof hunting / sizeof hunting[0] };
 
