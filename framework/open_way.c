@@ -3,9 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SIDES_MAX = 256 };
+enum { SIDES_MAX = 256, PLACES_MAX = 1024 };
 
-static const double together = 1e-6;             /* what counts as one place */
+static const double together = 1e-6;             /* what counts as meeting there */
+static const double same = 1e-9;                 /* what counts as one place */
 static const double steps[] = {0x1p-4, 0x1p-12}; /* from there */
 
 typedef struct side {
@@ -16,6 +17,12 @@ typedef struct sides {
     side all[SIDES_MAX];
     uint32_t count;
 } sides;
+
+/* Where has been looked already: at a corner of many triangles all pairs of their sides cross. */
+typedef struct places {
+    double all[PLACES_MAX][2];
+    uint32_t count;
+} places;
 
 static void collect(const bb_outline *outlines, uint32_t count, sides *s)
 {
@@ -76,11 +83,24 @@ static uint32_t leave(const sides *s, const double at[2], double angles[2 * SIDE
     return count;
 }
 
-static bool is_open_around(const sides *s, const double at[2],
+/* Notes the place; of those that there is no room for none is known. */
+static bool is_known(places *p, const double at[2])
+{
+    for (uint32_t i = 0; i < p->count; i++)
+        if (fabs(p->all[i][0] - at[0]) <= same && fabs(p->all[i][1] - at[1]) <= same)
+            return true;
+    if (p->count < PLACES_MAX) {
+        p->all[p->count][0] = at[0];
+        p->all[p->count++][1] = at[1];
+    }
+    return false;
+}
+
+static bool is_open_around(const sides *s, const double at[2], places *known,
                            bool (*is_open)(void *context, double x, double y), void *context)
 {
     double angles[2 * SIDES_MAX];
-    if (!(hypot(at[0], at[1]) < 1))
+    if (!(hypot(at[0], at[1]) < 1) || is_known(known, at))
         return false;
     uint32_t count = leave(s, at, angles);
     for (uint32_t i = 0; i < count; i++) {
@@ -99,15 +119,17 @@ bool bb_find_open_way(const bb_outline *outlines, uint32_t count,
                       bool (*is_open)(void *context, double x, double y), void *context)
 {
     sides s;
+    places known;
     double at[2];
+    known.count = 0;
     collect(outlines, count, &s);
     for (uint32_t i = 0; i < s.count; i++) {
         nearest_on(&s.all[i], 0, 0, at);
-        if (is_open_around(&s, at, is_open, context) ||
-            is_open_around(&s, s.all[i].p, is_open, context))
+        if (is_open_around(&s, at, &known, is_open, context) ||
+            is_open_around(&s, s.all[i].p, &known, is_open, context))
             return true;
         for (uint32_t k = 0; k < i; k++)
-            if (cross(&s.all[i], &s.all[k], at) && is_open_around(&s, at, is_open, context))
+            if (cross(&s.all[i], &s.all[k], at) && is_open_around(&s, at, &known, is_open, context))
                 return true;
     }
     return false;

@@ -1,6 +1,7 @@
 /* A judge that trusts nobody: oracles that are wrong, or lie; margins that would hide what lies in front
  * of them; answers that were judged before. Seed: BVHBENCH_TEST_SEED. A few seconds. */
 #include "framework/judge.h"
+#include "framework/open_way.h"
 #include "framework/oracle_private.h"
 #include "hand_scene.h"
 
@@ -347,6 +348,29 @@ static void an_open_way_between_the_nine_is_found(void **state)
     }
 }
 
+static bool count_and_say_no(void *context, double x, double y)
+{
+    (void)x, (void)y;
+    ++*(uint32_t *)context;
+    return false;
+}
+
+/* At a corner of n triangles their 2 n sides cross each other in n (2 n - 1) pairs; all of it is one place. */
+static void a_corner_of_many_is_looked_at_once(void **state)
+{
+    (void)state;
+    enum { FAN = 64 };
+    bb_outline fan[FAN];
+    uint32_t asked = 0;
+    for (int i = 0; i < FAN; i++) {
+        double from = 2 * acos(-1) * i / FAN, to = 2 * acos(-1) * (i + 1) / FAN;
+        fan[i] =
+            (bb_outline){{{0, 0}, {2 * cos(from), 2 * sin(from)}, {2 * cos(to), 2 * sin(to)}}, 3};
+    }
+    assert_false(bb_find_open_way(fan, FAN, count_and_say_no, &asked));
+    assert_in_range(asked, FAN, 8 * FAN);
+}
+
 /* The margin against the smallest height, of the primitive reported and of the oracle's. */
 static void rays_on_hair_are_limited(void **state)
 {
@@ -498,6 +522,7 @@ int main(void)
         cmocka_unit_test(a_large_margin_hides_nothing_before_it),
         cmocka_unit_test(a_grazed_plane_is_no_witness_against_itself),
         cmocka_unit_test(an_open_way_between_the_nine_is_found),
+        cmocka_unit_test(a_corner_of_many_is_looked_at_once),
         cmocka_unit_test(rays_on_hair_are_limited),
         cmocka_unit_test(only_who_may_leaves_out_the_name),
         cmocka_unit_test(what_was_judged_before_gets_the_same_class),
