@@ -45,6 +45,15 @@ void bb_audit_outer(bb_audit *audit, const char *what, double ms, double outer_m
         complain(audit, "%s: took %.3f ms, but who called waited for %.3f ms", what, ms, outer_ms);
 }
 
+void bb_audit_launches(bb_audit *audit, const char *what, uint64_t timed, uint64_t launched,
+                       uint64_t count)
+{
+    if (timed != count || launched != count)
+        complain(audit, "%s: of %llu rays the clock saw %llu launched, of %llu in all", what,
+                 (unsigned long long)count, (unsigned long long)timed,
+                 (unsigned long long)launched);
+}
+
 /* Is this median, as printed, long enough for what the device saw? */
 static void audit_median(bb_audit *audit, const cJSON *entry, const char *name)
 {

@@ -3,6 +3,7 @@
  *
  *   each timing      the kernels' own times (a host builder's phases, a reference's threads) within
  *                    the wall time, and more than nothing where there is such a clock
+ *   each launch      of as many rays within the clock as are counted, and of none beside it
  *   each rate        that of as many rays as were judged, in a time that holds what the device saw;
  *                    builds likewise
  *   the whole run    builds, traces and named steps add up to it, but for a small rest
@@ -31,6 +32,10 @@ void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing,
 
 /* A time of which the only other witness is the clock of who called: `ms` of `outer_ms`. */
 void bb_audit_outer(bb_audit *audit, const char *what, double ms, double outer_ms);
+
+/* Rays launched, within the clock and in all, where `count` are the rate's. */
+void bb_audit_launches(bb_audit *audit, const char *what, uint64_t timed, uint64_t launched,
+                       uint64_t count);
 
 /* The rates of all cells in the document, and the times of its builds. */
 void bb_audit_rates(bb_audit *audit, bb_results *results);

@@ -52,12 +52,16 @@ static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
     return bb_buffer_write(&set->bench->rays, 0, count * sizeof(bb_ray), set->rays->rays + from);
 }
 
-static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, bb_timing *timing)
+/* Adds to *timed how many rays were launched while the clock ran. */
+static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, bb_timing *timing,
+                             uint64_t *timed)
 {
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(set->bench->device, &watch));
+    uint64_t before = bb_tracer_launched(c->tracer);
     bb_status status = bb_tracer_launch(c->tracer, &c->entrant->layouts[c->layout],
                                         &set->bench->rays, count, &set->bench->hits, NULL);
+    *timed += bb_tracer_launched(c->tracer) - before;
     bb_status stopped = bb_stopwatch_stop(&watch, timing);
     return status != BB_OK ? status : stopped;
 }
@@ -101,13 +105,14 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
         BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);
     uint32_t batch = set->bench->batch;
+    uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
     for (uint32_t from = 0; from < c->count; from += batch) {
         uint32_t count = c->count - from < batch ? c->count - from : batch;
         BB_TRY(load_batch(set, from, count));
         BB_TRY(poison(set, count));
         bb_timing part;
         BB_TRY(reference ? trace_reference(set, c, from, count, &part)
-                         : trace_batch(set, c, count, &part));
+                         : trace_batch(set, c, count, &part, &timed));
         timing->ms += part.ms;
         timing->cpu_ms += part.cpu_ms;
         timing->event_ms += part.event_ms;
@@ -118,6 +123,9 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
     snprintf(what, sizeof what, "trace of %.60s, %.40s by %.60s on %.60s", c->record.scene,
              c->record.rays, c->record.kernel, c->record.builder);
     bb_audit_timing(&set->bench->outcome->audit, what, timing, true);
+    if (!reference)
+        bb_audit_launches(&set->bench->outcome->audit, what, timed,
+                          bb_tracer_launched(c->tracer) - before, c->count);
     set->bench->outcome->times.trace_ms += timing->ms;
     return bb_bench_end(set->bench, step, "poison and copy hits", BB_OK);
 }

@@ -140,6 +140,20 @@ static void rates_are_of_the_rays_that_were_judged(void **state)
     assert_int_equal(rate_complaints(results), 1);
 }
 
+static void launches_are_of_the_rays_that_count(void **state)
+{
+    (void)state;
+    bb_audit audit = {0};
+    bb_audit_launches(&audit, "a trace", 1000, 1000, 1000);
+    assert_int_equal(audit.complaints, 0);
+    bb_audit_launches(&audit, "a trace", 500, 1500,
+                      1000); /* half, and all again beside the clock */
+    bb_audit_launches(&audit, "a trace", 500, 1000, 1000);
+    bb_audit_launches(&audit, "a trace", 1000, 2000, 1000);
+    bb_audit_launches(&audit, "a trace", 999, 999, 1000);
+    assert_int_equal(audit.complaints, 4);
+}
+
 static void totals_are_sums(void **state)
 {
     (void)state;
@@ -268,6 +282,7 @@ int main(void)
         cmocka_unit_test(work_that_no_clock_saw_is_found_out),
         cmocka_unit_test(complaints_add_up),
         cmocka_unit_test(rates_are_of_the_rays_that_were_judged),
+        cmocka_unit_test(launches_are_of_the_rays_that_count),
         cmocka_unit_test(totals_are_sums),
         cmocka_unit_test(a_clock_that_stops_before_the_queue_is_found_out),
         cmocka_unit_test(builds_and_layouts_are_timed_to_their_end),

@@ -21,6 +21,7 @@ struct bb_tracer {
     char key[1024]; /* source and defines */
     uint32_t group;
     uint32_t stack_size;
+    uint64_t launched;
     bool counting;
     bool persistent;
     bb_buffer taken; /* u32: rays that groups have taken; of the persistent form */
@@ -190,11 +191,17 @@ uint32_t bb_tracer_stack_size(const bb_tracer *tracer)
     return tracer->stack_size;
 }
 
+uint64_t bb_tracer_launched(const bb_tracer *tracer)
+{
+    return tracer->launched;
+}
+
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
                            uint32_t count, bb_buffer *hits, bb_buffer *counts)
 {
     assert(layout->form == tracer->form);
     bb_device *device = tracer->device;
+    tracer->launched += count;
     bb_arg args[BB_LAYOUT_BUFFERS_MAX + 8];
     uint32_t n = 0;
     for (uint32_t i = 0; i < layout->buffer_count; i++)

@@ -154,6 +154,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
 void bb_tracers_clear(bb_device *device);
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t bb_tracer_stack_size(const bb_tracer *tracer); /* 0: it needs none of the tree's size */
+uint64_t bb_tracer_launched(const bb_tracer *tracer);   /* rays, in all its launches */
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout has the form of records that the intersector reads. `counts`
  * (bb_count[count]) only for counting tracers, else NULL. */
