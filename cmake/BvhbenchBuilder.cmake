@@ -53,7 +53,7 @@ function(bvhbench_add_builder name)
         bvhbench_incbin(${embedded} bb_text_${symbol}_cl ${device})
         set(described ${CMAKE_CURRENT_BINARY_DIR}/generated/${name}_source.c)
         bvhbench_write_if_changed(${described}
-"#include \"framework/device.h\"
+"#include \"framework/device/device.h\"
 extern const char bb_text_${symbol}_cl[];
 extern const bb_source bb_source_${symbol};
 const bb_source bb_source_${symbol} = {\"${name}.cl\", bb_text_${symbol}_cl};
@@ -66,7 +66,7 @@ const bb_source bb_source_${symbol} = {\"${name}.cl\", bb_text_${symbol}_cl};
     else()
         set(exported ${CMAKE_CURRENT_BINARY_DIR}/generated/${name}_plugin.c)
         bvhbench_write_if_changed(${exported}
-"#include \"framework/builder.h\"
+"#include \"framework/builder/builder.h\"
 extern const bb_builder bb_builder_${symbol};
 BB_PLUGIN(bb_builder_${symbol});
 ")
@@ -83,7 +83,7 @@ endfunction()
 function(bvhbench_generate_builder_table target)
     get_target_property(names ${target} BVHBENCH_BUILDERS)
     list(SORT names)
-    set(text "#include \"framework/builder.h\"\n")
+    set(text "#include \"framework/builder/builder.h\"\n")
     foreach(name IN LISTS names)
         string(APPEND text "extern const bb_builder bb_builder_${name};\n")
     endforeach()
@@ -115,7 +115,7 @@ endfunction()
 
 # bb_embedded_sources[]: every device source and header by its file name.
 function(bvhbench_embed_sources target)
-    set(text "#include \"framework/device.h\"\n")
+    set(text "#include \"framework/device/device.h\"\n")
     set(rows "")
     foreach(file IN LISTS ARGN)
         get_filename_component(name ${file} NAME)
@@ -144,7 +144,7 @@ function(bvhbench_embed_report target)
     set(css report.css)
     set(js data.js series.js draw.js tables.js charts.js page.js)
     foreach(part html css js)
-        list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/)
+        list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/)
         set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_report_${part}.c)
         bvhbench_incbin(${output} bb_text_report_${part} ${${part}})
         target_sources(${target} PRIVATE ${output})

@@ -5,7 +5,7 @@
  *     a leaf costs Ci A per block of references that it begins; an inner node Ct children/2 A and what its children cost
  *     if its subtree has at most max_leaf references and a leaf of them costs no more: collapse     (collapse_decide, or collapse_leaves and collapse_level)
  *   kept: nodes without a collapsed ancestor; their references, each once (collapse_mark)
- *   places = exclusive scans of both                                      (framework/primitives.h)
+ *   places = exclusive scans of both                                      (framework/device/primitives.h)
  *   write                                                                 (collapse_write)
  *
  * MacDonald and Booth 1990 (the heuristic); Wald, Benthin and Boulos 2008 (leaves in blocks of the vector's length). Nodes and references

@@ -1,7 +1,7 @@
 /* The `pair` layout: from the common tree to pair nodes. (The primitives: records.cl.)
  *
  *   extra[n] = children(n) - 1 for inner nodes, 0 for leaves     (pair_extra)
- *   base = exclusive scan of extra                                (framework/primitives.h)
+ *   base = exclusive scan of extra                                (framework/device/primitives.h)
  *   inner node n with k children owns pair nodes base[n] .. base[n] + k - 2, one per gap between two children: a balanced
  *   binary tree over them, whose root is the gap in the middle    (pair_nodes)
  *

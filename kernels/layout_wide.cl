@@ -6,7 +6,7 @@
  *     cost(p, n) = min over k of cost(left, k) + cost(right, n - k), or cost(p, n - 1)      p makes way for up to n of those below it
  *   level by level from the root: open the pair by its plan, mark it; those of its children that are pairs are the next
  *     level                                                (wide_open)
- *   index = exclusive scan of the marks                    (framework/primitives.h): nodes keep the order of the tree in memory
+ *   index = exclusive scan of the marks                    (framework/device/primitives.h): nodes keep the order of the tree in memory
  *   for each marked pair: open it again; write the node    (wide_nodes)
  *   first[i] = exclusive scan of the blocks that the leaf at reference i needs     (wide_count)
  *   for each leaf: write its blocks                        (wide_blocks)

@@ -1,6 +1,6 @@
 /* Triangles that methods stumble over, one kind at a time. */
-#include "framework/random.h"
-#include "framework/scene.h"
+#include "framework/base/random.h"
+#include "framework/scene/scene.h"
 #include "scenes/repeatable.h"
 
 #include <math.h>

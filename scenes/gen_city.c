@@ -2,8 +2,8 @@
  * walls that are one quad or a grid of windows, and trees, lamps and cars in the streets. Many more cells of a regular code lie
  * above each other than beside each other in it, and large triangles touch small ones everywhere.
  */
-#include "framework/random.h"
-#include "framework/scene.h"
+#include "framework/base/random.h"
+#include "framework/scene/scene.h"
 #include "scenes/shapes.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* The closed cube of 12 triangles from -1/2 to 1/2. Every coordinate is a power of two, so that its
  * tests can be solved by hand. */
-#include "framework/scene.h"
+#include "framework/scene/scene.h"
 #include "scenes/shapes.h"
 
 static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *scene)

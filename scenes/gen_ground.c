@@ -1,7 +1,7 @@
 /* A huge ground with small things on it, in rows around the origin: balls, and stones, which are
  * closed meshes. A margin in proportion to the ground would hide all that stands on it, and edges
  * as long as the ground run beneath the things. */
-#include "framework/random.h"
+#include "framework/base/random.h"
 #include "scenes/shapes.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Hairs that grow out of a ball and wander: ribbons of long thin triangles, each of which fills its
  * box badly. */
-#include "framework/random.h"
-#include "framework/scene.h"
+#include "framework/base/random.h"
+#include "framework/scene/scene.h"
 
 #include <math.h>
 #include <string.h>

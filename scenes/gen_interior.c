@@ -1,8 +1,8 @@
 /* A closed room: six walls of two triangles each, furniture of boxes, and on it balls of very many
  * very small triangles. The areas differ by seven orders of magnitude; builders that look at
  * centroids only do badly here, and every ray hits something. */
-#include "framework/random.h"
-#include "framework/scene.h"
+#include "framework/base/random.h"
+#include "framework/scene/scene.h"
 #include "scenes/shapes.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Equilateral triangles in random places and orientations, their edges spread evenly over the
  * logarithm of the sizes: what codes of centroids alone cannot tell apart. */
-#include "framework/random.h"
-#include "framework/scene.h"
+#include "framework/base/random.h"
+#include "framework/scene/scene.h"
 #include "scenes/repeatable.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* One triangle: the smallest scene there is. */
-#include "framework/scene.h"
+#include "framework/scene/scene.h"
 
 #include <string.h>
 

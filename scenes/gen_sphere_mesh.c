@@ -1,6 +1,6 @@
 /* A closed sphere mesh anywhere: every ray from inside must hit it, so every miss is wrong, and the
  * offset drives the intersector into coordinates whose differences have few bits. */
-#include "framework/scene.h"
+#include "framework/scene/scene.h"
 #include "scenes/shapes.h"
 
 #include <math.h>

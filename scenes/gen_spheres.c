@@ -11,8 +11,8 @@
  * size on a floor are filled with cells from the bottom; some cells are cut into eight, and some of
  * those again; each cell holds one sphere that about fills it, a little off its middle.
  */
-#include "framework/random.h"
-#include "framework/scene.h"
+#include "framework/base/random.h"
+#include "framework/scene/scene.h"
 #include "scenes/repeatable.h"
 
 static const bb_option options_table[] = {

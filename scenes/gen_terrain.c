@@ -1,7 +1,7 @@
 /* A height field of evenly sized triangles: five octaves of value noise on a regular grid. Flat,
  * open, and kind to Morton codes. */
-#include "framework/random.h"
-#include "framework/scene.h"
+#include "framework/base/random.h"
+#include "framework/scene/scene.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #ifndef BB_GLTF_H
 #define BB_GLTF_H
 
-#include "framework/status.h"
+#include "framework/base/status.h"
 
 #include <stdint.h>
 

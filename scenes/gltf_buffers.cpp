@@ -7,8 +7,8 @@
 #include "scenes/gltf_parts.hpp"
 
 extern "C" {
-#include "framework/file.h"
-#include "framework/memory.h"
+#include "framework/base/file.h"
+#include "framework/base/memory.h"
 }
 
 #include <tiny_gltf.h>

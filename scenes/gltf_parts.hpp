@@ -4,7 +4,7 @@
 #define BB_GLTF_PARTS_HPP
 
 extern "C" {
-#include "framework/status.h"
+#include "framework/base/status.h"
 }
 
 #include <cstdint>

@@ -2,7 +2,7 @@
  * III, 1992), sampled by rejection: + - * / and square roots are the same on every machine. */
 #include "scenes/placement.h"
 
-#include "framework/random.h"
+#include "framework/base/random.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #ifndef BB_PLACEMENT_H
 #define BB_PLACEMENT_H
 
-#include "framework/scene.h"
+#include "framework/scene/scene.h"
 
 typedef struct bb_placement {
     bool turned;

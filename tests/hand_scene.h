@@ -2,8 +2,8 @@
 #ifndef HAND_SCENE_H
 #define HAND_SCENE_H
 
-#include "framework/random.h"
-#include "framework/scene.h"
+#include "framework/base/random.h"
+#include "framework/scene/scene.h"
 
 #include <math.h>
 #include <stdio.h>

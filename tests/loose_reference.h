@@ -3,7 +3,7 @@
 #ifndef LOOSE_REFERENCE_H
 #define LOOSE_REFERENCE_H
 
-#include "framework/tree.h"
+#include "framework/tree/tree.h"
 
 #include <math.h>
 #include <stdlib.h>

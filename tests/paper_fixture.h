@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "framework/random.h"
-#include "framework/record_private.h"
-#include "framework/reproduce.h"
+#include "framework/base/random.h"
+#include "framework/papers/reproduce.h"
+#include "framework/record/record_private.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>

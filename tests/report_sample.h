@@ -5,9 +5,9 @@
 #ifndef BB_TEST_REPORT_SAMPLE_H
 #define BB_TEST_REPORT_SAMPLE_H
 
-#include "framework/image.h"
-#include "framework/random.h"
-#include "framework/record.h"
+#include "framework/base/random.h"
+#include "framework/picture/image.h"
+#include "framework/record/record.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>

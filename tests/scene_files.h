@@ -3,7 +3,7 @@
 #ifndef BB_SCENE_FILES_H
 #define BB_SCENE_FILES_H
 
-#include "framework/scene.h"
+#include "framework/scene/scene.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

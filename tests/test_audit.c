@@ -1,10 +1,10 @@
 /* The audit: each figure that contradicts another is complained of, and what was measured rightly is not.
  * The clocks that run wrong here are those that somebody might write by mistake.
  */
-#include "framework/audit.h"
-#include "framework/clock.h"
-#include "framework/embree.h"
-#include "framework/random.h"
+#include "framework/base/clock.h"
+#include "framework/base/random.h"
+#include "framework/bench/audit.h"
+#include "framework/embree/embree.h"
 #include "tests/trace_fixture.h"
 
 #include <cjson/cJSON.h>

@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "framework/judge.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/judge/judge.h"
 #include "tests/trace_fixture.h"
 
 /* Traces by every kernel and has the answers judged: none may be wrong. */

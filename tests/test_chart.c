@@ -8,9 +8,9 @@
 
 #include <cmocka.h>
 
-#include "framework/chart_script.h"
-#include "framework/file.h"
-#include "framework/report.h"
+#include "framework/base/file.h"
+#include "framework/chart/chart_script.h"
+#include "framework/report/report.h"
 #include "tests/report_sample.h"
 
 #include <cjson/cJSON.h>

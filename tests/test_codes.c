@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "builders/common/codes.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
 #include "tests/device_forms.h"
 
 #include <float.h>

@@ -1,9 +1,9 @@
 /* What `check` says of builders that break a rule (tests/plugin/rogue), and that it does not pass what it
  * could not check. */
-#include "framework/conformance.h"
+#include "framework/bench/conformance.h"
 #include "tests/tree_fixture.h"
 
-#include "framework/scene.h"
+#include "framework/scene/scene.h"
 
 enum { SIDE = 32 };
 

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "framework/device.h"
+#include "framework/device/device.h"
 #include "kernels/bb_shared.h"
 
 #include <stdio.h>

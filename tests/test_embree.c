@@ -1,8 +1,8 @@
-/* Embree as tracer (framework/embree.c) and as builder (builders/embree). A few seconds. */
-#include "framework/builder.h"
-#include "framework/clock.h"
-#include "framework/embree.h"
-#include "framework/oracle.h"
+/* Embree as tracer (framework/embree/embree.c) and as builder (builders/embree). A few seconds. */
+#include "framework/base/clock.h"
+#include "framework/builder/builder.h"
+#include "framework/embree/embree.h"
+#include "framework/judge/oracle.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>

@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-#include "framework/exchange_file.h"
-#include "framework/file.h"
-#include "framework/oracle.h"
+#include "framework/base/file.h"
+#include "framework/exchange/exchange_file.h"
+#include "framework/judge/oracle.h"
 #include "tests/hand_scene.h"
 #include "tests/scene_files.h"
 

@@ -2,8 +2,8 @@
  * where they say so, exactly scaled, and in sight of their views. */
 #include "tests/scene_files.h"
 
-#include "framework/camera.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/scene/camera.h"
 
 #include <math.h>
 

@@ -6,10 +6,10 @@
 
 #include <cmocka.h>
 
-#include "framework/file.h"
-#include "framework/image.h"
-#include "framework/memory.h"
-#include "framework/random.h"
+#include "framework/base/file.h"
+#include "framework/base/memory.h"
+#include "framework/base/random.h"
+#include "framework/picture/image.h"
 #include "tests/report_sample.h"
 
 #include <unistd.h>

@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-#include "framework/device.h"
-#include "framework/exact.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/device/device.h"
+#include "framework/judge/exact.h"
 #include "traversal/traversal.h"
 
 #include <math.h>

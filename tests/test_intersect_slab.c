@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "framework/device.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/device/device.h"
 #include "traversal/traversal.h"
 
 #include <float.h>

@@ -1,8 +1,8 @@
 /* A judge that trusts nobody: oracles that are wrong, or lie; margins that would hide what lies in front
  * of them; answers that were judged before. Seed: BVHBENCH_TEST_SEED. A few seconds. */
-#include "framework/judge.h"
-#include "framework/open_way.h"
-#include "framework/oracle_private.h"
+#include "framework/judge/judge.h"
+#include "framework/judge/open_way.h"
+#include "framework/judge/oracle_private.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>

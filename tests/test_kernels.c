@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "framework/instance.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/builder/instance.h"
 #include "traversal/collapse.h"
 #include "traversal/reach.h"
 #include "traversal/traversal.h"

@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "framework/instance.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/builder/instance.h"
 #include "tests/device_forms.h"
 #include "tests/loose_reference.h"
 

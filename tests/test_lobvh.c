@@ -9,8 +9,8 @@
 #include <cmocka.h>
 
 #include "builders/common/view_order.h"
-#include "framework/instance.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/builder/instance.h"
 #include "tests/device_forms.h"
 
 #include <float.h>

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "framework/random.h"
+#include "framework/base/random.h"
 #include "tests/trace_fixture.h"
 
 enum { RAYS = 10000 };

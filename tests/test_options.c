@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "framework/options.h"
+#include "framework/base/options.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 /* Oracle and arbiter: answers made by hand must be classed as what they are; the cheap rule must
  * give the classes of full arbitration; the arbiter must agree with its definition spelled out over
  * all primitives. A few seconds. */
-#include "framework/arbiter.h"
-#include "framework/exact.h"
-#include "framework/judge.h"
+#include "framework/judge/arbiter.h"
+#include "framework/judge/exact.h"
+#include "framework/judge/judge.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "framework/exchange.h"
+#include "framework/exchange/exchange.h"
 
 #include <cjson/cJSON.h>
 #include <stdbool.h>

@@ -6,9 +6,9 @@
 
 #include <cmocka.h>
 
-#include "framework/image.h"
-#include "framework/memory.h"
-#include "framework/picture.h"
+#include "framework/base/memory.h"
+#include "framework/picture/image.h"
+#include "framework/picture/picture.h"
 #include "tests/hand_scene.h"
 #include "tests/scene_files.h"
 

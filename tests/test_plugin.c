@@ -1,7 +1,7 @@
 /* Plug-ins: what bb_plugin_load() takes, and what it says of what it does not take. The example of
  * tests/plugin/median is loaded and builds; the shared objects of tests/plugin/broken are refused,
  * each with one clear line. */
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 #include "tests/tree_fixture.h"
 
 #include <sys/stat.h>

@@ -9,8 +9,8 @@
  * smaller one released before for uninitialised. So buffers are written whole, and a small run
  * makes all scratch at the start and skips the tests that are about growing.
  */
-#include "framework/primitives.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/device/primitives.h"
 #include "kernels/bb_shared.h"
 
 #include <float.h>

@@ -1,8 +1,8 @@
 /* Ray sets: the same for the same seed, finite, distributed as they should be, and off the surfaces
  * they start on. A few seconds. */
-#include "framework/arbiter.h"
-#include "framework/camera.h"
-#include "framework/oracle.h"
+#include "framework/judge/arbiter.h"
+#include "framework/judge/oracle.h"
+#include "framework/scene/camera.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>

@@ -2,8 +2,8 @@
  * say, at long edges as often as at short ones. A second or two. */
 #include "tests/scene_files.h"
 
-#include "framework/arbiter.h"
-#include "framework/rays.h"
+#include "framework/judge/arbiter.h"
+#include "framework/rays/rays.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* Records: schema, nulls, exact numbers, atomic writing. (Reading and merging: test_record_read.c.) */
 #include "tests/record_fixture.h"
 
-#include "framework/file.h"
-#include "framework/report.h"
+#include "framework/base/file.h"
+#include "framework/report/report.h"
 
 #include <dirent.h>
 #include <signal.h>

@@ -2,9 +2,9 @@
  * included. */
 #include "tests/record_fixture.h"
 
-#include "framework/chart_script.h"
-#include "framework/file.h"
-#include "framework/report.h"
+#include "framework/base/file.h"
+#include "framework/chart/chart_script.h"
+#include "framework/report/report.h"
 
 /* ---- broken files ---- */
 

@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "framework/file.h"
-#include "framework/report.h"
+#include "framework/base/file.h"
+#include "framework/report/report.h"
 #include "tests/report_sample.h"
 
 #include <cjson/cJSON.h>

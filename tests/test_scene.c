@@ -1,7 +1,7 @@
 /* Scenes: generators, finishing, views, the profile on cases solved by hand, and bad names. */
 #include "tests/scene_files.h"
 
-#include "framework/random.h"
+#include "framework/base/random.h"
 
 #include <float.h>
 #include <math.h>

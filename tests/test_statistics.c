@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "framework/random.h"
-#include "framework/statistics.h"
+#include "framework/base/random.h"
+#include "framework/base/statistics.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -94,7 +94,7 @@ static void what_is_no_number_is_not_measured(void **state)
 
 /* ---- intervals ---- */
 
-/* By hand, with the names of framework/statistics.c.
+/* By hand, with the names of framework/base/statistics.c.
  * n = 6: d = 1, g(1) = 31/32, g(2) = 25/32, i = 1/10, s = 5/14.
  * n = 9: d = 2, g(2) = 246/256, g(3) = 210/256, i = (246 - 243.2)/36 = 7/90,
  *        s = 7 (7/90) / (2 + 5 (7/90)) = 49/215.

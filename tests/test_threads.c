@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "framework/random.h"
-#include "framework/threads.h"
+#include "framework/base/random.h"
+#include "framework/base/threads.h"
 
 #include <pthread.h>
 #include <stdbool.h>

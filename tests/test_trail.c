@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-#include "framework/device.h"
-#include "framework/file.h"
-#include "framework/random.h"
+#include "framework/base/file.h"
+#include "framework/base/random.h"
+#include "framework/device/device.h"
 #include "kernels/bb_shared.h"
 
 #include <math.h>

@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "framework/conformance.h"
-#include "framework/random.h"
+#include "framework/base/random.h"
+#include "framework/bench/conformance.h"
 #include "tests/trace_fixture.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
  * own box, at the distance that it computes (kernels/ERROR_BUDGET.md), also with quotients that are
  * off by 2.5 ulp; and the constants of that budget are not much too large. Then whole walls, seen
  * along long triangles, by every kernel. Seed: BVHBENCH_TEST_SEED. */
-#include "framework/random.h"
+#include "framework/base/random.h"
 #include "tests/trace_fixture.h"
 
 /* ---- on the device: triangle i against ray i, and its own box ---- */

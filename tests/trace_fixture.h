@@ -2,7 +2,7 @@
 #ifndef BB_TRACE_FIXTURE_H
 #define BB_TRACE_FIXTURE_H
 
-#include "framework/instance.h"
+#include "framework/builder/instance.h"
 #include "traversal/traversal.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #ifndef BB_TREE_FIXTURE_H
 #define BB_TREE_FIXTURE_H
 
-#include "framework/random.h"
-#include "framework/tree.h"
+#include "framework/base/random.h"
+#include "framework/tree/tree.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
 /* Leaf collapse by SAH: the host side of kernels/collapse.cl. */
 #include "traversal/collapse.h"
 
-#include "framework/levels.h"
-#include "framework/primitives.h"
+#include "framework/device/levels.h"
+#include "framework/device/primitives.h"
 
 #include <assert.h>
 #include <stdlib.h>

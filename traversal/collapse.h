@@ -2,7 +2,7 @@
 #ifndef BB_COLLAPSE_H
 #define BB_COLLAPSE_H
 
-#include "framework/tree.h"
+#include "framework/tree/tree.h"
 
 typedef struct bb_collapse bb_collapse;
 

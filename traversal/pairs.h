@@ -2,7 +2,7 @@
 #ifndef BB_PAIRS_H
 #define BB_PAIRS_H
 
-#include "framework/primitives.h"
+#include "framework/device/primitives.h"
 #include "traversal/traversal.h"
 
 typedef struct bb_pairs {

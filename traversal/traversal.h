@@ -4,12 +4,12 @@
 #ifndef BB_TRAVERSAL_H
 #define BB_TRAVERSAL_H
 
-#include "framework/device.h"
-#include "framework/options.h"
-#include "framework/rays.h"
-#include "framework/scene.h"
-#include "framework/stopwatch.h"
-#include "framework/tree.h"
+#include "framework/base/options.h"
+#include "framework/device/device.h"
+#include "framework/device/stopwatch.h"
+#include "framework/rays/rays.h"
+#include "framework/scene/scene.h"
+#include "framework/tree/tree.h"
 
 enum {
     BB_LAYOUT_BUFFERS_MAX = 4,

@@ -1,7 +1,7 @@
 /* The wide layouts: the host side of kernels/layout_wide.cl. */
 #include "traversal/wide.h"
 
-#include "framework/levels.h"
+#include "framework/device/levels.h"
 #include "traversal/pairs.h"
 
 #include <stdio.h>

@@ -10,7 +10,7 @@
 
 #include "builders/common/code_shared.h"
 #include "builders/common/view_order.h"
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 
 #include <stdbool.h>
 

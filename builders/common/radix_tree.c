@@ -1,6 +1,6 @@
 #include "builders/common/radix_tree.h"
 
-#include "framework/levels.h"
+#include "framework/device/levels.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -10,8 +10,8 @@
 #ifndef BB_RADIX_TREE_H
 #define BB_RADIX_TREE_H
 
-#include "framework/device.h"
-#include "framework/tree.h"
+#include "framework/device/device.h"
+#include "framework/tree/tree.h"
 
 typedef struct bb_radix_tree bb_radix_tree;
 

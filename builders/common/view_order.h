@@ -7,7 +7,7 @@
 #ifndef BB_VIEW_ORDER_H
 #define BB_VIEW_ORDER_H
 
-#include "framework/scene.h"
+#include "framework/scene/scene.h"
 
 /* The value of a builder's option `view` for bb_option.help. */
 #define BB_VIEW_ORDER_HELP                                                                         \

@@ -10,9 +10,9 @@
  * raised: at the default of 32 the Morton builder gives no tree on large scenes, and says so only
  * in the device's error.
  */
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 
-#include "framework/embree_api.h"
+#include "framework/embree/embree_api.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>

@@ -13,7 +13,7 @@
  * - Spheres are measured by their box, whose sides are the diameter, rounded outwards.
  */
 #include "builders/common/view_order.h"
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 
 #include <math.h>
 #include <stdio.h>

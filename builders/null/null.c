@@ -1,7 +1,7 @@
 /* null: one leaf over everything. Tracing it is brute force; building it is the harness's own
  * overhead and what it takes to read every box once.
  */
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 
 #include <string.h>
 

@@ -8,7 +8,7 @@
  * A range whose centroids are all equal is halved by index, so that its depth stays logarithmic.
  * Nothing recurses.
  */
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 #include "sah_split.h"
 
 #include <math.h>

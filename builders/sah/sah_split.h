@@ -2,7 +2,7 @@
 #ifndef BB_SAH_SPLIT_H
 #define BB_SAH_SPLIT_H
 
-#include "framework/tree.h"
+#include "framework/tree/tree.h"
 
 /* Primitives in the order of the leaves to be, and scratch. Both ways keep every range in ascending
  * order of (their key, index) and split it stably, so that the tree does not depend on anything but

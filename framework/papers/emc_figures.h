@@ -2,7 +2,7 @@
 #ifndef BB_EMC_FIGURES_H
 #define BB_EMC_FIGURES_H
 
-#include "framework/reproduce.h"
+#include "framework/papers/reproduce.h"
 
 /* The paper cuts the scene's box into cells (algorithm 1), not that of the centroids. */
 #define MC64 "emc:code=mc64,box=scene"

@@ -2,7 +2,7 @@
 #ifndef BB_LOOSE_OCTREE_FIGURES_H
 #define BB_LOOSE_OCTREE_FIGURES_H
 
-#include "framework/reproduce.h"
+#include "framework/papers/reproduce.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* A plug-in without build(). */
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 
 static bb_status create(const bb_builder_context *context, void **self)
 {

@@ -6,7 +6,7 @@
  *
  * A subtree of k primitives has 2k - 1 nodes, so links are known as soon as a node is made.
  */
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* rogue: halves the primitives in their given order, and breaks one rule of builders, as told. For the tests
  * of what finds that out; kind=right breaks none.
  */
-#include "framework/builder.h"
+#include "framework/builder/builder.h"
 
 #include <string.h>
 #include <unistd.h>

@@ -1,0 +1,46 @@
+/* Whole files: read at once, written so that an interruption leaves the old file or none. */
+#ifndef BB_FILE_H
+#define BB_FILE_H
+
+#include "framework/base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* A regular file that is read from its beginning on, piece by piece. */
+typedef struct bb_input {
+    const char *path, *what; /* for messages; not copied */
+    uint64_t size;           /* of the whole file */
+    int handle;
+} bb_input;
+
+/* BB_INVALID when the file is missing or no regular one; messages start with `what`. */
+bb_status bb_input_open(const char *path, const char *what, bb_input *input);
+/* The next `size` bytes. BB_INVALID if there are fewer. */
+bb_status bb_input_read(bb_input *input, void *data, size_t size);
+void bb_input_close(bb_input *input); /* of one that was opened */
+
+/* Reads a regular file of at most `limit` bytes into *data (from malloc; a 0 byte follows the last
+ * one). BB_INVALID when it is missing, no regular file, or larger; the message starts with `what`.
+ */
+bb_status bb_file_read(const char *path, size_t limit, const char *what, char **data, size_t *size);
+
+/* Writes a temporary file in the folder of `path`, syncs it and renames it to `path`. BB_INVALID
+ * when the folder cannot be written or `path` is something else than a regular file. */
+bb_status bb_file_write(const char *path, const void *data, size_t size, const char *what);
+
+/* Whether the folder of `path` can be written, to be asked before the work. */
+bb_status bb_file_check(const char *path, const char *what);
+
+/* Like bb_file_write(), of parts that follow each other in the file. */
+typedef struct bb_part {
+    const void *data;
+    size_t size;
+} bb_part;
+bb_status bb_file_write_parts(const char *path, const bb_part *parts, size_t count,
+                              const char *what);
+
+/* Folder of `path` as a new string from malloc: "." if it has none. NULL if there is no memory. */
+char *bb_file_folder(const char *path);
+
+#endif

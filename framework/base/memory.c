@@ -1,0 +1,96 @@
+/* Accounted host memory. Each block carries its size and its account in a header of 64 bytes, which
+ * also keeps the block aligned to a cache line. */
+#include "framework/base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct header {
+    uint64_t bytes;
+    bb_account *account;
+    char pad[64 - sizeof(uint64_t) - sizeof(bb_account *)];
+} header;
+_Static_assert(sizeof(header) == 64, "the header keeps blocks aligned");
+
+void bb_account_mark(bb_account *account)
+{
+    account->peak = account->bytes;
+}
+
+/* Builders may allocate from several host threads, hence the atomics. */
+void bb_account_add(bb_account *account, uint64_t bytes)
+{
+    if (account == NULL)
+        return;
+    uint64_t now = __atomic_add_fetch(&account->bytes, bytes, __ATOMIC_RELAXED);
+    uint64_t peak = __atomic_load_n(&account->peak, __ATOMIC_RELAXED);
+    while (now > peak && !__atomic_compare_exchange_n(&account->peak, &peak, now, 1,
+                                                      __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+        ;
+}
+
+void bb_account_subtract(bb_account *account, uint64_t bytes)
+{
+    if (account != NULL)
+        __atomic_sub_fetch(&account->bytes, bytes, __ATOMIC_RELAXED);
+}
+
+/* Drivers and allocators overcommit, so what the machine has is asked for first. */
+static uint64_t host_memory(void)
+{
+    static uint64_t bytes;
+    if (bytes == 0) {
+        long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+        bytes = pages > 0 && size > 0 ? (uint64_t)pages * (uint64_t)size : UINT64_MAX;
+    }
+    return bytes;
+}
+
+/* A quarter is left for what is made of the scene, and for everybody else. */
+uint64_t bb_host_limit(void)
+{
+    uint64_t bytes = host_memory();
+    return bytes < UINT64_MAX ? bytes / 4 * 3 : bytes;
+}
+
+/* All that is booked in the process: several blocks that fit each on their own may not fit
+ * together. */
+static uint64_t host_bytes;
+
+bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out)
+{
+    void *old;
+    memcpy(&old, out, sizeof old);
+    bb_host_free(old);
+    void *block = NULL;
+    memcpy(out, &block, sizeof block);
+
+    uint64_t in_use = __atomic_load_n(&host_bytes, __ATOMIC_RELAXED);
+    if (bytes > host_memory() || bytes + sizeof(header) + 64 + in_use > host_memory())
+        return bb_fail(BB_REFUSED,
+                       "%s needs %zu bytes, the host has %llu, of which %llu are in use: take a "
+                       "smaller scene",
+                       what, bytes, (unsigned long long)host_memory(), (unsigned long long)in_use);
+    size_t whole = (bytes + sizeof(header) + 63) / 64 * 64;
+    header *head = aligned_alloc(64, whole);
+    if (head == NULL)
+        return bb_fail(BB_REFUSED, "%s needs %zu bytes, which the host refused", what, bytes);
+    head->bytes = bytes;
+    head->account = account;
+    __atomic_add_fetch(&host_bytes, bytes, __ATOMIC_RELAXED);
+    bb_account_add(account, bytes);
+    block = head + 1;
+    memcpy(out, &block, sizeof block);
+    return BB_OK;
+}
+
+void bb_host_free(void *pointer)
+{
+    if (pointer == NULL)
+        return;
+    header *head = (header *)pointer - 1;
+    bb_account_subtract(head->account, head->bytes);
+    __atomic_sub_fetch(&host_bytes, head->bytes, __ATOMIC_RELAXED);
+    free(head);
+}

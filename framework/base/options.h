@@ -1,0 +1,54 @@
+/* Specifications: `name:key=value,key=value`, and the options that plug-ins declare. */
+#ifndef BB_OPTIONS_H
+#define BB_OPTIONS_H
+
+#include "framework/base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* A declared option. An array of them ends with {.name = NULL}. */
+typedef struct bb_option {
+    const char *name;
+    const char *default_value; /* NULL: no value unless given */
+    const char *values;        /* "a|b|c": one of these; NULL: free */
+    const char *help;          /* one line, with the unit */
+} bb_option;
+
+enum { BB_PARAMS_MAX = 24 };
+
+/* A parsed specification. Strings live in `text`. */
+typedef struct bb_spec {
+    char text[512];   /* the specification as given: what records and tables show */
+    char buffer[512]; /* storage of the strings below */
+    const char *name;
+    uint32_t param_count;
+    const char *keys[BB_PARAMS_MAX];
+    const char *values[BB_PARAMS_MAX];
+} bb_spec;
+
+/* Splits `text`. BB_INVALID on a missing name, key or value, a repeated key, or too long a text. */
+bb_status bb_spec_parse(const char *text, bb_spec *spec);
+
+/* Checks keys and values of `spec` against the declared `options`. `what` (such as "builder lbvh")
+ * starts the message; the message lists the options there are. */
+bb_status bb_spec_validate(const bb_spec *spec, const bb_option *options, const char *what);
+
+/* Value of `key`: as given, else its declared default, else NULL. */
+const char *bb_spec_value(const bb_spec *spec, const bb_option *options, const char *key);
+
+/* Typed values, range included. BB_INVALID names option, value and range. */
+bb_status bb_spec_u64(const bb_spec *spec, const bb_option *options, const char *key, uint64_t low,
+                      uint64_t high, uint64_t *out);
+bb_status bb_spec_double(const bb_spec *spec, const bb_option *options, const char *key, double low,
+                         double high, double *out);
+/* True if the value of `key` equals `word`. */
+bool bb_spec_is(const bb_spec *spec, const bb_option *options, const char *key, const char *word);
+
+/* Splits a list of specifications at commas: a comma starts a new item unless what follows is
+ * `key=value` with no `:` before the `=`. A text that names an existing file is one item.
+ * Appends to items[*count]; items are malloc'ed strings, the caller frees them. */
+bb_status bb_spec_list(const char *text, char **items, size_t capacity, size_t *count);
+
+#endif

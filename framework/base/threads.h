@@ -1,0 +1,33 @@
+/* A small pool of host threads that sleeps when idle. */
+#ifndef BB_THREADS_H
+#define BB_THREADS_H
+
+#include "framework/base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct bb_pool bb_pool;
+
+/* Cores that this process may use, at least 1. */
+uint32_t bb_core_count(void);
+
+/* A pool of `threads` threads, the caller's included; 0 takes bb_core_count(). Owned by the caller.
+ */
+bb_status bb_pool_create(uint32_t threads, bb_pool **out);
+void bb_pool_destroy(bb_pool *pool); /* NULL is allowed */
+uint32_t bb_pool_threads(const bb_pool *pool);
+
+/* Wall time of the last bb_parallel_for(), as the threads that worked saw it: from the first that began to
+ * the last that ended, in ms. */
+double bb_pool_span_ms(const bb_pool *pool);
+
+/* Calls function(context, begin, end, thread) for [0, count) in chunks of at most `chunk`, taken
+ * from one counter by all threads, the calling one included, and returns when all are done. thread
+ * < bb_pool_threads(pool) tells them apart. One call at a time per pool; `function` must not call
+ * it again on the same pool. */
+void bb_parallel_for(bb_pool *pool, size_t count, size_t chunk,
+                     void (*function)(void *context, size_t begin, size_t end, uint32_t thread),
+                     void *context);
+
+#endif

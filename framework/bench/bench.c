@@ -1,0 +1,482 @@
+/* The comparison, scene by scene: load, oracle, builds, ray sets, traces. */
+#include "framework/bench/bench_private.h"
+
+#include "framework/base/clock.h"
+#include "framework/base/random.h"
+#include "framework/base/threads.h"
+#include "framework/picture/picture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double booked_ms(const bb_bench *bench)
+{
+    const bb_bench_times *times = &bench->outcome->times;
+    return bench->steps_ms + times->build_ms + times->trace_ms;
+}
+
+bb_step bb_bench_begin(const bb_bench *bench)
+{
+    return (bb_step){bb_wall_ms(), booked_ms(bench)};
+}
+
+bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_status status)
+{
+    double ms = bb_wall_ms() - step.start - (booked_ms(bench) - step.booked);
+    bench->steps_ms += ms;
+    bb_status added = bb_results_add_step(bench->results, name, ms);
+    return status != BB_OK ? status : added;
+}
+
+void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
+{
+    bb_random random = {bench->random};
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t k = (uint32_t)bb_random_below(&random, i + 1);
+        order[i] = order[k];
+        order[k] = i;
+    }
+    bench->random = bb_random_u64(&random);
+}
+
+bool bb_is_reference(const char *builder)
+{
+    size_t length = sizeof BB_REFERENCE_NAME - 1;
+    return strncmp(builder, BB_REFERENCE_NAME, length) == 0 &&
+           (builder[length] == '\0' || builder[length] == ':');
+}
+
+/* ---- what was asked for ---- */
+
+static bb_status parse_reference(const char *text, bb_spec *spec)
+{
+    BB_TRY(bb_spec_parse(text, spec));
+    return bb_spec_validate(spec, bb_embree_options, "builder embree-native");
+}
+
+static bb_status parse_kernel(const char *text, bb_kernel_choice *choice)
+{
+    BB_TRY(bb_spec_parse(text, &choice->spec));
+    choice->kernel = bb_kernel_find(choice->spec.name);
+    if (choice->kernel == NULL)
+        return bb_fail(BB_INVALID, "unknown kernel '%s': `bvhbench list kernels` shows them",
+                       choice->spec.name);
+    BB_TRY(bb_kernel_validate(choice->kernel, &choice->spec));
+    uint64_t leaf, group;
+    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
+    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1, 65536, &group));
+    choice->leaf = (uint32_t)leaf;
+    return BB_OK;
+}
+
+static bb_status parse_workload(const char *text, bb_spec *spec, const bb_workload **workload)
+{
+    BB_TRY(bb_spec_parse(text, spec));
+    *workload = bb_workload_find(spec->name);
+    if (*workload == NULL)
+        return bb_fail(BB_INVALID, "unknown rays '%s': `bvhbench list rays` shows them",
+                       spec->name);
+    char what[64];
+    snprintf(what, sizeof what, "rays %s", spec->name);
+    return bb_spec_validate(spec, (*workload)->options, what);
+}
+
+bb_status bb_bench_check(const bb_bench_request *request)
+{
+    bb_spec spec;
+    const bb_workload *workload;
+    bb_kernel_choice choice;
+    if (request->builder_count > BB_ENTRANTS_MAX)
+        return bb_fail(BB_INVALID, "at most %d builders at once", BB_ENTRANTS_MAX);
+    if (request->kernel_count > BB_KERNELS_MAX)
+        return bb_fail(BB_INVALID, "at most %d kernels at once", BB_KERNELS_MAX);
+    for (uint32_t i = 0; i < request->builder_count; i++)
+        BB_TRY(bb_is_reference(request->builders[i]) ? parse_reference(request->builders[i], &spec)
+                                                     : bb_instance_check(request->builders[i]));
+    for (uint32_t i = 0; i < request->kernel_count; i++)
+        BB_TRY(parse_kernel(request->kernels[i], &choice));
+    for (uint32_t i = 0; i < request->workload_count; i++)
+        BB_TRY(parse_workload(request->workloads[i], &spec, &workload));
+    bb_intersector intersector;
+    for (uint32_t i = 0; i < request->intersector_count; i++)
+        BB_TRY(bb_intersector_parse(request->intersectors[i], &intersector));
+    return BB_OK;
+}
+
+/* ---- the steps of a scene ---- */
+
+/* The boxes are every builder's input, and no builder's work: what they cost is told apart. */
+static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
+{
+    char what[256];
+    bb_step step = bb_bench_begin(bench);
+    snprintf(what, sizeof what, "boxes of %.200s", bench->scene->name);
+    for (int i = 0; i <= 5; i++) { /* the first is left out of the median */
+        bb_stopwatch watch;
+        bb_timing timing;
+        BB_TRY(bb_stopwatch_start(bench->device, &watch));
+        bb_status status = bb_scene_make_boxes(bench->scene);
+        bb_status stopped = bb_stopwatch_stop(&watch, &timing);
+        BB_TRY(status);
+        BB_TRY(stopped);
+        bb_audit_timing(&bench->outcome->audit, what, &timing, true);
+        bb_samples_add(ms, timing.ms);
+    }
+    return bb_bench_end(bench, step, "make boxes", BB_OK);
+}
+
+static bb_status load_scene(bb_bench *bench, const char *name)
+{
+    bb_progress_stage(bench->progress, 0, "%s: loading", name);
+    bb_step step = bb_bench_begin(bench);
+    BB_TRY(bb_scene_load(name, &bench->scene));
+    BB_TRY(bb_bench_end(bench, step, "load and profile scenes", BB_OK));
+    step = bb_bench_begin(bench);
+    BB_TRY(bb_scene_upload(bench->scene, bench->device));
+    BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
+    step = bb_bench_begin(bench);
+    BB_TRY(bb_oracle_create(bench->scene, bb_host_threads(bench->device), &bench->oracle));
+    BB_TRY(bb_bench_end(bench, step, "oracle: build", BB_OK));
+    memset(&bench->boxes_ms, 0, sizeof bench->boxes_ms);
+    BB_TRY(measure_boxes(bench, &bench->boxes_ms));
+    if (bench->scene->out_of_range > 0)
+        bb_progress_note(bench->progress,
+                         "%s: %u of %u primitives are too small beside the scene for floats: they "
+                         "may be missed",
+                         name, bench->scene->out_of_range, bench->scene->prim_count);
+    return bb_results_add_scene(bench->results, bench->scene, &bench->boxes_ms);
+}
+
+static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text)
+{
+    entrant->text = text;
+    entrant->reference = bb_is_reference(text);
+    bb_build_record *record = &entrant->record;
+    bb_build_record_init(record);
+    record->id = bench->next_id++;
+    record->reference = entrant->reference;
+    snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
+    bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
+    record->spec = &entrant->spec;
+    record->options =
+        entrant->reference ? bb_embree_options : bb_builder_find(entrant->spec.name)->options;
+}
+
+static bb_status start_entrants(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bench->entrants = calloc(request->builder_count, sizeof *bench->entrants);
+    if (bench->entrants == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    bench->entrant_count = request->builder_count;
+    for (uint32_t i = 0; i < request->builder_count; i++)
+        start_entrant(bench, &bench->entrants[i], request->builders[i]);
+    return BB_OK;
+}
+
+static bb_status record_builds(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_entrant *entrant = &bench->entrants[i];
+        if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
+            bench->outcome->wrong++;
+        BB_TRY(bb_results_add_build(bench->results, &entrant->record));
+    }
+    return BB_OK;
+}
+
+static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
+{
+    const bb_bench_request *request = bench->request;
+    bb_rays_request wanted = {
+        spec, view, request->width, request->height, request->max_rays, request->seed};
+    bb_rays *rays = NULL;
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
+    status = bb_bench_end(bench, step, "make rays", status);
+    if (status == BB_UNSUPPORTED) {
+        bb_progress_note(bench->progress, "%s: %s skipped: %s", bench->scene->name, spec->text,
+                         bb_message());
+        return bb_results_add_skipped(bench->results, bench->scene->name, spec->text,
+                                      view != NULL ? view->name : "", bb_message());
+    }
+    if (status == BB_OK)
+        status = bb_bench_traces(bench, rays);
+    bb_rays_free(rays);
+    return status;
+}
+
+/* Parameters of rays that make no sense shall be found out before the builds, not after them. */
+static bb_status try_workloads(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t w = 0; w < request->workload_count; w++) {
+        bb_spec spec;
+        const bb_workload *workload;
+        bb_rays *rays = NULL;
+        BB_TRY(parse_workload(request->workloads[w], &spec, &workload));
+        bb_rays_request wanted = {
+            &spec, workload->per_view ? &bench->scene->views[0] : NULL, 8,
+            8,     request->max_rays < 1024 ? request->max_rays : 1024, request->seed};
+        bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
+        bb_rays_free(rays);
+        if (status == BB_INVALID)
+            return status;
+    }
+    return bb_bench_end(bench, step, "make rays", BB_OK);
+}
+
+static bb_status trace_workloads(bb_bench *bench)
+{
+    for (uint32_t w = 0; w < bench->request->workload_count; w++) {
+        bb_spec spec;
+        const bb_workload *workload;
+        BB_TRY(parse_workload(bench->request->workloads[w], &spec, &workload));
+        if (!workload->per_view)
+            BB_TRY(trace_rays(bench, &spec, NULL));
+        uint32_t views = bench->scene->view_count, most = bench->request->max_views;
+        views = most > 0 && most < views ? most : views;
+        for (uint32_t v = 0; workload->per_view && v < views; v++)
+            BB_TRY(trace_rays(bench, &spec, &bench->scene->views[v]));
+    }
+    return BB_OK;
+}
+
+/* One picture per view, of the surface normals that the oracle sees. */
+static bb_status make_pictures(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    if (request->picture_folder == NULL)
+        return BB_OK;
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t v = 0; v < bench->scene->view_count; v++) {
+        const bb_view *view = &bench->scene->views[v];
+        bb_status status =
+            bb_picture_of_view(bench->scene, bench->oracle, view, request->width, request->height,
+                               request->picture_folder, bench->results);
+        if (status == BB_OK)
+            continue;
+        /* no picture is worth losing the measurements */
+        bb_progress_note(bench->progress, "%s: no picture of %s: %s", bench->scene->name,
+                         view->name, bb_message());
+        BB_TRY(bb_results_add_skipped(bench->results, bench->scene->name, "picture", view->name,
+                                      bb_message()));
+    }
+    return bb_bench_end(bench, step, "pictures", BB_OK);
+}
+
+static void end_scene(bb_bench *bench)
+{
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_bench_evict(&bench->entrants[i]);
+        bb_embree_destroy(bench->entrants[i].embree);
+    }
+    free(bench->entrants);
+    bench->entrants = NULL;
+    bench->entrant_count = 0;
+    bb_oracle_destroy(bench->oracle);
+    bench->oracle = NULL;
+    bb_scene_free(bench->scene);
+    bench->scene = NULL;
+    (void)bb_bench_end(bench, step, "free scenes", BB_OK);
+}
+
+static bb_status run_scene(bb_bench *bench, const char *name)
+{
+    bb_status status = load_scene(bench, name);
+    if (status == BB_OK)
+        status = try_workloads(bench);
+    if (status == BB_OK)
+        status = start_entrants(bench);
+    if (status == BB_OK)
+        status = bb_bench_builds(bench);
+    if (status == BB_OK)
+        status = record_builds(bench);
+    bench->judged = 0;
+    if (status == BB_OK)
+        status = trace_workloads(bench);
+    bool traced = bench->kernel_count > 0 && bench->request->workload_count > 0;
+    if (status == BB_OK && traced && bench->judged == 0) {
+        bench->outcome->unjudged++;
+        bb_progress_note(bench->progress, "%s: no answer was judged", name);
+    }
+    if (status == BB_OK)
+        status = make_pictures(bench);
+    end_scene(bench);
+    return status;
+}
+
+/* A scene that can't be loaded shall be found out before hours of work, not after them. The first is loaded at once anyway. */
+static bb_status try_scenes(bb_bench *bench)
+{
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t i = 1; i < bench->request->scene_count; i++) {
+        bb_scene *scene = NULL;
+        bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
+        BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
+        bb_scene_free(scene);
+    }
+    return bb_bench_end(bench, step, "load and profile scenes", BB_OK);
+}
+
+/* The same for parameters of builders: what create() finds wrong is found out now. */
+static bb_status try_builders(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    const bb_scene nothing = {.name = "nothing"};
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t i = 0; i < request->builder_count; i++) {
+        if (bb_is_reference(request->builders[i]))
+            continue;
+        bb_instance instance;
+        bb_status status = bb_instance_create(bench->device, request->builders[i], &nothing,
+                                              request->seed, &instance);
+        bb_instance_destroy(&instance);
+        if (status == BB_INVALID)
+            return status;
+    }
+    return bb_bench_end(bench, step, "compile builders", BB_OK);
+}
+
+/* What every trace needs, taken before trees can fill the device. */
+static bb_status start_buffers(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    uint64_t most = (uint64_t)request->width * request->height;
+    most = most > request->max_rays ? most : request->max_rays;
+    bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, bench->batch * sizeof(bb_ray), "rays",
+                             &bench->rays));
+    /* the counting variant writes hits too */
+    size_t hits = bench->batch > BB_COUNTED_RAYS ? bench->batch : BB_COUNTED_RAYS;
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, hits * sizeof(bb_hit), "hits",
+                             &bench->hits));
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, BB_COUNTED_RAYS * sizeof(bb_ray),
+                             "sample of rays", &bench->sample));
+    return bb_buffer_reserve(bench->device, &bench->account, BB_COUNTED_RAYS * sizeof(bb_count),
+                             "counts of tests", &bench->counts);
+}
+
+uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
+                            const bb_intersector *intersector)
+{
+    return bench->kernels[kernel].layouts[bb_intersector_form(intersector)];
+}
+
+/* The layout that the kernel reads, with triangles in `form`: one that is there already, or a new one. */
+static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_t form)
+{
+    const bb_layout *layout = bb_layout_find(choice->kernel->layout);
+    for (uint32_t i = 0; i < bench->layout_count; i++) {
+        const bb_layout_choice *l = &bench->layouts[i];
+        if (l->maker.layout == layout && l->form == form && l->leaf == choice->leaf) {
+            choice->layouts[form] = i;
+            return BB_OK;
+        }
+    }
+    choice->layouts[form] = bench->layout_count++;
+    bb_layout_choice *wanted = &bench->layouts[choice->layouts[form]];
+    wanted->leaf = choice->leaf;
+    wanted->form = form;
+    return bb_layout_maker_create(layout, bench->device, &wanted->maker);
+}
+
+static bb_status start_kernel(bb_bench *bench, const char *text, bool native_only)
+{
+    bb_kernel_choice *choice = &bench->kernels[bench->kernel_count];
+    uint64_t group;
+    BB_TRY(parse_kernel(text, choice));
+    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
+                       bench->device->max_group_size, &group));
+    choice->native_only = native_only;
+    bench->kernel_count++;
+    for (uint32_t i = 0; i < bench->request->intersector_count; i++)
+        BB_TRY(start_layout(bench, choice, bb_intersector_form(&bench->intersectors[i])));
+    return BB_OK;
+}
+
+static bb_status start_kernels(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    for (uint32_t i = 0; i < request->kernel_count; i++)
+        BB_TRY(start_kernel(bench, request->kernels[i], false));
+    for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)
+        if ((*k)->native && (*k)->compared == NULL && bench->kernel_count < BB_KERNELS_MAX)
+            BB_TRY(start_kernel(bench, (*k)->name, true));
+    return BB_OK;
+}
+
+static bb_status start_intersectors(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bench->intersectors = calloc(request->intersector_count, sizeof *bench->intersectors);
+    if (bench->intersectors == NULL && request->intersector_count > 0)
+        return bb_fail(BB_FAILED, "out of memory");
+    for (uint32_t i = 0; i < request->intersector_count; i++)
+        BB_TRY(bb_intersector_parse(request->intersectors[i], &bench->intersectors[i]));
+    return BB_OK;
+}
+
+static void end_layouts(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->layout_count; i++)
+        bb_layout_maker_destroy(&bench->layouts[i].maker);
+}
+
+void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more)
+{
+    sum->wrong += more->wrong;
+    sum->unjudged += more->unjudged;
+    sum->times.build_ms += more->times.build_ms;
+    sum->times.trace_ms += more->times.trace_ms;
+    sum->times.total_ms += more->times.total_ms;
+    bb_audit_add(&sum->audit, &more->audit);
+}
+
+bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
+                       bb_bench_outcome *outcome)
+{
+    memset(outcome, 0, sizeof *outcome);
+    BB_TRY(bb_bench_check(request));
+    bb_progress progress;
+    bb_progress_start(&progress, request->quiet);
+    bb_bench *bench = calloc(1, sizeof *bench);
+    if (bench == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    bench->request = request;
+    bench->device = request->device;
+    bench->results = results;
+    bench->outcome = outcome;
+    bench->next_id = bb_results_next_build(results);
+    bench->random = request->seed;
+    bench->progress = &progress;
+    bench->start = bb_wall_ms();
+    bb_status status = try_builders(bench);
+    if (status == BB_OK)
+        status = try_scenes(bench);
+    bb_step step = bb_bench_begin(bench);
+    if (status == BB_OK)
+        status = start_buffers(bench);
+    if (status == BB_OK)
+        status = start_intersectors(bench);
+    if (status == BB_OK)
+        status = start_kernels(bench);
+    status = bb_bench_end(bench, step, "compile kernels", status);
+    for (uint32_t i = 0; i < request->scene_count && status == BB_OK; i++)
+        status = run_scene(bench, request->scenes[i]);
+    bb_progress_end(&progress);
+    bb_buffer_release(&bench->rays);
+    bb_buffer_release(&bench->hits);
+    bb_buffer_release(&bench->counts);
+    bb_buffer_release(&bench->sample);
+    end_layouts(bench);
+    free(bench->intersectors);
+    bb_tracers_clear(bench->device);
+    outcome->times.total_ms = bb_wall_ms() - bench->start;
+    free(bench);
+    return status;
+}

@@ -1,0 +1,65 @@
+/* The comparison: every builder on every scene, traced by every kernel with the same rays, judged, recorded. */
+#ifndef BB_BENCH_H
+#define BB_BENCH_H
+
+#include "framework/bench/audit.h"
+#include "framework/device/device.h"
+#include "framework/record/record.h"
+
+#include <stdbool.h>
+
+typedef struct bb_bench_request {
+    bb_device *device;
+    char *const *scenes;
+    uint32_t scene_count;
+    char *const *builders; /* specifications; embree-native:... are reference rows */
+    uint32_t builder_count;
+    char *const *kernels;
+    uint32_t kernel_count;
+    bool
+        native; /* with trees whose shape none of `kernels` keeps, also those that keep any tree's */
+    char *const *intersectors;
+    uint32_t intersector_count;
+    char *const *workloads;
+    uint32_t workload_count;
+    uint32_t width, height; /* of primary rays */
+    uint32_t max_rays;      /* per scene and workload, for the sampled ones */
+    uint32_t max_views;     /* of a scene that per-view rays are made for; 0: all */
+    uint32_t repeats;       /* rounds that count; one more comes first */
+    uint64_t seed;
+    bool epo;
+    double max_wrong_ppm;
+    const char *picture_folder; /* NULL: no pictures */
+    bool quiet;                 /* no progress on standard error */
+} bb_bench_request;
+
+/* Wall times of a comparison: timed builds, timed traces, all of it. */
+typedef struct bb_bench_times {
+    double build_ms, trace_ms, total_ms;
+} bb_bench_times;
+
+typedef struct bb_bench_outcome {
+    /* cells of ours with the intersector `exact` that have more wrong answers than max_wrong_ppm, or
+     * answers unlike those of other such cells, or failed; builds that failed */
+    uint32_t wrong;
+    uint32_t unjudged; /* scenes of which not a single answer was judged */
+    bb_bench_times times;
+    bb_audit audit;
+} bb_bench_outcome;
+
+/* Runs the comparison into `results`, which may hold others already. A cell that fails becomes a record
+ * with status and reason; only what makes the whole comparison impossible (a scene that can't be
+ * loaded, a device that fails) ends it; what was measured until then is in `results`. */
+bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
+                       bb_bench_outcome *outcome);
+
+/* sum += more. */
+void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more);
+
+/* Checks the names and parameters of a request before anything is loaded. */
+bb_status bb_bench_check(const bb_bench_request *request);
+
+/* Is this specification a reference row (Embree with its own trees)? */
+bool bb_is_reference(const char *builder);
+
+#endif

@@ -1,0 +1,124 @@
+/* What the parts of the comparison share: bench.c, bench_builds.c, bench_traces.c. */
+#ifndef BB_BENCH_PRIVATE_H
+#define BB_BENCH_PRIVATE_H
+
+#include "framework/base/progress.h"
+#include "framework/bench/bench.h"
+#include "framework/builder/instance.h"
+#include "framework/embree/embree.h"
+#include "framework/judge/judge.h"
+#include "framework/rays/rays.h"
+#include "traversal/traversal.h"
+
+enum {
+    BB_ENTRANTS_MAX = 64,
+    BB_KERNELS_MAX =
+        BB_LAYOUTS_MAX / BB_RECORD_FORMS, /* a build's record has room for their layouts */
+    /* rays per launch: their buffers stay small beside trees, and a set of any size can be traced */
+    BB_BATCH = 1 << 22,
+    /* rays that the counting variant traces: a mean over so many is sure to half a percent */
+    BB_COUNTED_RAYS = 1 << 16,
+};
+
+/* A kernel that was asked for. */
+typedef struct bb_kernel_choice {
+    const bb_kernel *kernel;
+    bb_spec spec;
+    uint32_t leaf;
+    uint32_t layouts
+        [BB_RECORD_FORMS]; /* what it reads, in bb_bench.layouts, with triangles in each form */
+    bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
+} bb_kernel_choice;
+
+/* A layout of leaves with up to `leaf` references and triangles in one form; all kernels and intersectors that read the same share it. */
+typedef struct bb_layout_choice {
+    bb_layout_maker maker;
+    uint32_t leaf;
+    uint32_t form; /* BB_RECORD_... */
+} bb_layout_choice;
+
+/* A builder on the scene: what it has in memory at present, and its record. */
+typedef struct bb_entrant {
+    const char *text;
+    bool reference;
+    bb_spec spec;
+    bb_instance instance; /* alive while instance.builder is set */
+    bool built;           /* instance.tree holds a tree */
+    bool compiled;        /* its kernels have run before */
+    bb_layout_data layouts[BB_LAYOUTS_MAX];
+    bool has_layout[BB_LAYOUTS_MAX];
+    bool keeps_shape
+        [BB_LAYOUTS_MAX]; /* the layout of its tree does; known since it was first made */
+    bb_embree *embree;    /* of a reference row */
+    bb_build_record record;
+    bb_samples phase_samples[BB_PHASES_MAX];
+} bb_entrant;
+
+typedef struct bb_bench {
+    const bb_bench_request *request;
+    bb_device *device;
+    bb_results *results;
+    bb_scene *scene;
+    bb_oracle *oracle;
+    bb_kernel_choice kernels[BB_KERNELS_MAX];
+    uint32_t kernel_count;
+    bb_intersector *intersectors; /* as many as were asked for */
+    bb_layout_choice layouts[BB_LAYOUTS_MAX];
+    uint32_t layout_count;
+    bb_entrant *entrants;
+    uint32_t entrant_count;
+    uint32_t next_id;    /* of builds, over all scenes */
+    uint32_t judged;     /* cells of the scene at hand */
+    bb_samples boxes_ms; /* of it */
+    uint64_t random;     /* state of the shuffles */
+    bb_progress *progress;
+    uint32_t batch; /* rays per launch */
+    bb_bench_outcome *outcome;
+    double start;
+    double steps_ms; /* booked so far */
+    bb_buffer rays;
+    bb_buffer hits;
+    bb_buffer counts;
+    bb_buffer sample;   /* rays for the counting variant */
+    bb_account account; /* of the buffers above and of the rays */
+} bb_bench;
+
+/* A step: the time from begin to end, less what was booked meanwhile (by steps within it, builds and
+ * traces), so that no millisecond is booked twice. */
+typedef struct bb_step {
+    double start;
+    double booked; /* when it began */
+} bb_step;
+
+bb_step bb_bench_begin(const bb_bench *bench);
+
+/* Books the step, also where `status`, which is returned, is that of a failure. */
+bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_status status);
+
+/* order[0..count) = a random permutation of 0..count-1. */
+void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);
+
+/* Frees what all entrants but `keep` (may be NULL) have in memory; false if that was nothing. */
+bool bb_bench_evict_others(bb_bench *bench, const bb_entrant *keep);
+
+/* Builds of all entrants, interleaved; fills their records. */
+bb_status bb_bench_builds(bb_bench *bench);
+
+/* Makes sure that layout `layout` of the entrant is on the device; evicts other entrants and builds again, untimed, where
+ * memory asks for it. BB_FAILED if what was built again has another shape than what was recorded. */
+bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
+
+/* The layout that the kernel reads with this intersector. */
+uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
+                            const bb_intersector *intersector);
+
+/* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for have been made. */
+bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);
+
+/* Frees what the entrant has in memory; its record stays. */
+void bb_bench_evict(bb_entrant *entrant);
+
+/* All cells of one ray set, interleaved; adds their records. */
+bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);
+
+#endif

@@ -1,0 +1,420 @@
+/* Traces: all cells of one ray set, interleaved, each answer judged. */
+#include "framework/bench/bench_private.h"
+
+#include "framework/base/clock.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+/* Primitive tests that a tree of one leaf (brute force) is allowed per set. */
+static const double brute_force_tests = 1e9;
+
+typedef struct cell {
+    bb_entrant *entrant;
+    uint32_t kernel; /* index of the choice */
+    uint32_t layout; /* of what it reads */
+    const bb_intersector *intersector;
+    bb_tracer *tracer;
+    uint32_t count; /* rays that it traces: the first of the set */
+    bb_trace_record record;
+    uint64_t hits_hash;
+    bool judged;
+} cell;
+
+typedef struct trace_set {
+    bb_bench *bench;
+    bb_rays *rays;
+    bb_answers answers;
+    bb_hit *hits;    /* of the last trace, on the host */
+    bb_hit *first;   /* of the first full answer by an `exact` cell, which all others must equal */
+    char whose[256]; /* that cell; "": none yet */
+    uint32_t *order;
+    cell *cells;
+    uint32_t count;
+} trace_set;
+
+/* ---- one measurement ---- */
+
+static bb_status poison(trace_set *set, uint32_t count)
+{
+    BB_TRY(bb_buffer_fill(&set->bench->hits, count * sizeof(bb_hit), BB_POISON));
+    return bb_finish(set->bench->device);
+}
+
+/* Rays [from, from + count) to the device, unless they are all there. */
+static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
+{
+    if (set->rays->count <= set->bench->batch)
+        return BB_OK;
+    return bb_buffer_write(&set->bench->rays, 0, count * sizeof(bb_ray), set->rays->rays + from);
+}
+
+/* Adds to *timed how many rays were launched while the clock ran. */
+static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, bb_timing *timing,
+                             uint64_t *timed)
+{
+    bb_stopwatch watch;
+    BB_TRY(bb_stopwatch_start(set->bench->device, &watch));
+    uint64_t before = bb_tracer_launched(c->tracer);
+    bb_status status = bb_tracer_launch(c->tracer, &c->entrant->layouts[c->layout],
+                                        &set->bench->rays, count, &set->bench->hits, NULL);
+    *timed += bb_tracer_launched(c->tracer) - before;
+    bb_status stopped = bb_stopwatch_stop(&watch, timing);
+    return status != BB_OK ? status : stopped;
+}
+
+/* The reference reads the device's ray buffer and writes its hit buffer where the host can reach them, else copies of them. */
+static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_t count,
+                                 bb_timing *timing)
+{
+    bb_bench *bench = set->bench;
+    void *rays = set->rays->rays + from, *hits = set->hits + from;
+    bool mapped = bench->device->is_cpu;
+    if (mapped) {
+        BB_TRY(bb_buffer_map(&bench->rays, false, &rays));
+        bb_status status = bb_buffer_map(&bench->hits, true, &hits);
+        if (status != BB_OK) {
+            (void)bb_buffer_unmap(&bench->rays, rays);
+            return status;
+        }
+    } else {
+        memset(hits, 0xEE, count * sizeof(bb_hit));
+    }
+    double cpu = bb_cpu_ms(), start = bb_wall_ms();
+    bb_status status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
+    *timing =
+        (bb_timing){bb_wall_ms() - start, bb_cpu_ms() - cpu, bb_embree_span_ms(c->entrant->embree)};
+    bb_status unmapped[2] = {BB_OK, BB_OK};
+    if (mapped) {
+        unmapped[0] = bb_buffer_unmap(&bench->rays, rays);
+        unmapped[1] = bb_buffer_unmap(&bench->hits, hits);
+    }
+    return status != BB_OK ? status : unmapped[0] != BB_OK ? unmapped[0] : unmapped[1];
+}
+
+/* Traces the cell's rays once, in batches; set->hits gets the answer. The reference's event time is what
+ * its threads saw. */
+static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
+{
+    bool reference = c->entrant->reference;
+    *timing = (bb_timing){0, 0, 0};
+    if (!reference)
+        BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
+    bb_step step = bb_bench_begin(set->bench);
+    uint32_t batch = set->bench->batch;
+    uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
+    for (uint32_t from = 0; from < c->count; from += batch) {
+        uint32_t count = c->count - from < batch ? c->count - from : batch;
+        BB_TRY(load_batch(set, from, count));
+        BB_TRY(poison(set, count));
+        bb_timing part;
+        BB_TRY(reference ? trace_reference(set, c, from, count, &part)
+                         : trace_batch(set, c, count, &part, &timed));
+        timing->ms += part.ms;
+        timing->cpu_ms += part.cpu_ms;
+        timing->event_ms += part.event_ms;
+        if (!reference || set->bench->device->is_cpu)
+            BB_TRY(bb_buffer_read(&set->bench->hits, 0, count * sizeof(bb_hit), set->hits + from));
+    }
+    char what[256];
+    snprintf(what, sizeof what, "trace of %.60s, %.40s by %.60s on %.60s", c->record.scene,
+             c->record.rays, c->record.kernel, c->record.builder);
+    bb_audit_timing(&set->bench->outcome->audit, what, timing, true);
+    if (!reference)
+        bb_audit_launches(&set->bench->outcome->audit, what, timed,
+                          bb_tracer_launched(c->tracer) - before, c->count);
+    set->bench->outcome->times.trace_ms += timing->ms;
+    return bb_bench_end(set->bench, step, "poison and copy hits", BB_OK);
+}
+
+/* ---- preparation and judgement ---- */
+
+static bb_tracer_request tracer_request(const trace_set *set, const cell *c)
+{
+    const bb_kernel_choice *choice = &set->bench->kernels[c->kernel];
+    return (bb_tracer_request){
+        .kernel = choice->kernel,
+        .spec = &choice->spec,
+        .intersector = c->intersector,
+        .query = set->rays->query,
+        .kinds = set->bench->scene->kinds,
+        .stack_need = c->entrant->layouts[c->layout].stack_need,
+        .levels = c->entrant->layouts[c->layout].levels,
+    };
+}
+
+static bb_status prepare_cell(trace_set *set, cell *c)
+{
+    bb_bench *bench = set->bench;
+    if (c->entrant->reference)
+        return BB_OK;
+    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
+    const bb_layout_data *layout = &c->entrant->layouts[c->layout];
+    bb_tracer_request request = tracer_request(set, c);
+    bb_step step = bb_bench_begin(bench);
+    BB_TRY(bb_tracer_get(bench->device, &request, &c->tracer));
+    c->record.group_size = bb_tracer_group_size(c->tracer);
+    c->record.stack_size = bb_tracer_stack_size(c->tracer);
+    snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
+    c->record.native = layout->keeps_shape;
+    /* compile for the group size before the clock runs */
+    uint32_t few = c->count < c->record.group_size ? c->count : c->record.group_size;
+    BB_TRY(bb_tracer_launch(c->tracer, layout, &bench->rays, few, &bench->hits, NULL));
+    BB_TRY(bb_finish(bench->device));
+    return bb_bench_end(bench, step, "compile kernels", BB_OK);
+}
+
+/* Judges set->hits unless the same answer has been judged before. Of two different answers of one cell the worse one counts. */
+static bb_status judge_cell(trace_set *set, cell *c)
+{
+    bb_step step = bb_bench_begin(set->bench);
+    uint64_t hash = XXH3_64bits(set->hits, c->count * sizeof(bb_hit));
+    if (c->judged && hash == c->hits_hash)
+        return bb_bench_end(set->bench, step, "judge answers", BB_OK);
+    bb_accuracy accuracy;
+    const bb_verdict_request wanted = {
+        .hits = set->hits, .count = c->count, .may_be_unnamed = c->entrant->reference};
+    BB_TRY(bb_judge(set->bench->oracle, &set->answers, &wanted, &accuracy));
+    if (!c->judged || accuracy.wrong_ppm > c->record.accuracy.wrong_ppm)
+        c->record.accuracy = accuracy;
+    c->record.has_accuracy = true;
+    c->judged = true;
+    c->hits_hash = hash;
+    return bb_bench_end(set->bench, step, "judge answers", BB_OK);
+}
+
+/* `exact` answers do not depend on builder, layout and kernel (kernels/ERROR_BUDGET.md). A cell whose
+ * answers differ from those of another is wrong, or that other one is. */
+static bb_status compare_cell(trace_set *set, cell *c)
+{
+    bb_trace_record *r = &c->record;
+    if (!r->counts_for_exit || !bb_device_divides_exactly(set->bench->device))
+        return BB_OK;
+    if (set->whose[0] == '\0') {
+        if (c->count < set->rays->count)
+            return BB_OK;
+        BB_TRY(bb_host_alloc(NULL, c->count * sizeof *set->first, "hits", &set->first));
+        memcpy(set->first, set->hits, c->count * sizeof *set->first);
+        snprintf(set->whose, sizeof set->whose, "%.100s on %.100s", r->kernel, r->builder);
+    }
+    uint32_t unlike = 0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const bb_hit *a = &set->hits[i], *b = &set->first[i];
+        unlike += r->query == BB_ANY_HIT ? (a->prim == BB_NONE) != (b->prim == BB_NONE)
+                                         : memcmp(a, b, sizeof *a) != 0;
+    }
+    r->unlike = unlike > r->unlike ? unlike : r->unlike;
+    snprintf(r->unlike_whom, sizeof r->unlike_whom, "%s", set->whose);
+    return BB_OK;
+}
+
+/* `count` of the first `of` rays of the set, evenly spaced, to the device. */
+static bb_status load_sample(trace_set *set, uint32_t of, uint32_t count)
+{
+    bb_ray *sample = NULL;
+    BB_TRY(bb_host_alloc(NULL, count * sizeof *sample, "sample of rays", &sample));
+    for (uint32_t i = 0; i < count; i++)
+        sample[i] = set->rays->rays[(uint64_t)i * of / count];
+    bb_status status = bb_buffer_write(&set->bench->sample, 0, count * sizeof *sample, sample);
+    bb_host_free(sample);
+    return status;
+}
+
+static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32_t count,
+                              bb_count *counts)
+{
+    bb_bench *bench = set->bench;
+    BB_TRY(load_sample(set, c->count, count));
+    BB_TRY(bb_tracer_launch(tracer, &c->entrant->layouts[c->layout], &bench->sample, count,
+                            &bench->hits, &bench->counts));
+    return bb_buffer_read(&bench->counts, 0, count * sizeof *counts, counts);
+}
+
+static bb_status count_tests(trace_set *set, cell *c)
+{
+    bb_bench *bench = set->bench;
+    if (c->entrant->reference)
+        return BB_OK;
+    bb_step step = bb_bench_begin(bench);
+    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
+    bb_tracer_request request = tracer_request(set, c);
+    request.counting = true;
+    bb_tracer *tracer;
+    BB_TRY(bb_tracer_get(bench->device, &request, &tracer));
+    /* brute force tests all primitives with each ray: a few rays tell */
+    uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : BB_COUNTED_RAYS;
+    uint32_t count = c->count < most ? c->count : most;
+    bb_count *counts = NULL;
+    BB_TRY(bb_host_alloc(NULL, count * sizeof *counts, "counts of tests", &counts));
+    bb_status status = count_sample(set, c, tracer, count, counts);
+    uint64_t nodes = 0, prims = 0, overflowed = 0;
+    for (uint32_t i = 0; status == BB_OK && i < count; i++) {
+        nodes += counts[i].nodes;
+        prims += counts[i].prims;
+        overflowed += counts[i].overflow;
+    }
+    bb_host_free(counts);
+    BB_TRY(status);
+    c->record.node_tests_per_ray = (double)nodes / count;
+    c->record.prim_tests_per_ray = (double)prims / count;
+    c->record.overflowed = overflowed;
+    c->record.counted = count;
+    return bb_bench_end(bench, step, "count tests", BB_OK);
+}
+
+/* ---- the set ---- */
+
+static void note_failure(cell *c, bb_status status)
+{
+    c->record.status = status;
+    snprintf(c->record.reason, sizeof c->record.reason, "%s", bb_message());
+}
+
+static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t kernel, uint32_t i)
+{
+    bb_bench *bench = set->bench;
+    const bb_intersector *intersector = &bench->intersectors[i];
+    bb_rays *rays = set->rays;
+    *c = (cell){.entrant = entrant, .kernel = kernel, .intersector = intersector};
+    if (!entrant->reference)
+        c->layout = bb_bench_layout_of(bench, kernel, intersector);
+    bb_trace_record *r = &c->record;
+    bb_trace_record_init(r);
+    r->build = entrant->record.id;
+    r->reference = entrant->reference;
+    snprintf(r->scene, sizeof r->scene, "%s", bench->scene->name);
+    snprintf(r->view, sizeof r->view, "%s", rays->view);
+    snprintf(r->builder, sizeof r->builder, "%s", entrant->text);
+    snprintf(r->rays, sizeof r->rays, "%s", rays->name);
+    if (entrant->reference) {
+        snprintf(r->kernel, sizeof r->kernel, "embree");
+        snprintf(r->intersector, sizeof r->intersector, "embree-%s",
+                 bb_spec_value(&entrant->spec, bb_embree_options, "mode"));
+    } else {
+        snprintf(r->kernel, sizeof r->kernel, "%s", bench->kernels[kernel].spec.text);
+        snprintf(r->intersector, sizeof r->intersector, "%s", bench->request->intersectors[i]);
+    }
+    r->query = rays->query;
+    r->rays_hash = rays->hash;
+    r->rays_spec = &rays->spec;
+    r->rays_options = rays->workload->options;
+    r->status = entrant->record.status;
+    snprintf(r->reason, sizeof r->reason, "%s", entrant->record.reason);
+    r->counts_for_exit = !entrant->reference && bb_intersector_is_exact(intersector);
+
+    c->count = rays->count;
+    const bb_tree_info *tree = &entrant->record.tree;
+    if (!entrant->reference && entrant->record.has_tree && tree->node_count == 1 &&
+        (double)tree->ref_count * rays->count > brute_force_tests) {
+        c->count = (uint32_t)(brute_force_tests / tree->ref_count);
+        c->count = c->count > 0 ? c->count : 1;
+    }
+    r->count = c->count;
+}
+
+static bb_status start_set(trace_set *set)
+{
+    bb_bench *bench = set->bench;
+    const bb_bench_request *request = bench->request;
+    uint32_t most = bench->entrant_count * bench->kernel_count * request->intersector_count;
+    set->cells = calloc(most, sizeof *set->cells);
+    if (set->cells == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    for (uint32_t e = 0; e < bench->entrant_count; e++) {
+        bb_entrant *entrant = &bench->entrants[e];
+        uint32_t kernels = entrant->reference ? 1 : bench->kernel_count;
+        uint32_t intersectors = entrant->reference ? 1 : request->intersector_count;
+        for (uint32_t k = 0; k < kernels; k++) {
+            if (!entrant->reference && !bb_bench_takes(bench, entrant, k))
+                continue;
+            for (uint32_t i = 0; i < intersectors; i++)
+                start_cell(set, &set->cells[set->count++], entrant, k, i);
+        }
+    }
+    set->order = calloc(most, sizeof *set->order);
+    if (set->order == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    BB_TRY(bb_host_alloc(NULL, set->rays->count * sizeof(bb_hit), "hits", &set->hits));
+    uint32_t first = set->rays->count < bench->batch ? set->rays->count : bench->batch;
+    BB_TRY(bb_buffer_write(&bench->rays, 0, first * sizeof(bb_ray), set->rays->rays));
+    bb_step step = bb_bench_begin(bench);
+    BB_TRY(bb_answers_trace(bench->oracle, set->rays, &set->answers));
+    BB_TRY(bb_bench_end(bench, step, "oracle: trace", BB_OK));
+    step = bb_bench_begin(bench);
+    bb_status status = bb_answers_show(bench->oracle, &set->answers);
+    return bb_bench_end(bench, step, "oracle: arbitrate", status);
+}
+
+static void run_round(trace_set *set)
+{
+    bb_bench_shuffle(set->bench, set->order, set->count);
+    for (uint32_t i = 0; i < set->count; i++) {
+        cell *c = &set->cells[set->order[i]];
+        bb_progress_step(set->bench->progress);
+        if (c->record.status != BB_OK)
+            continue;
+        bb_timing timing;
+        bb_status status = trace_once(set, c, &timing);
+        if (status == BB_OK) {
+            bb_samples_add(&c->record.ms, timing.ms);
+            bb_samples_add(&c->record.event_ms, timing.event_ms);
+            bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
+            status = judge_cell(set, c);
+        }
+        if (status == BB_OK)
+            status = compare_cell(set, c);
+        if (status != BB_OK)
+            note_failure(c, status);
+    }
+}
+
+static bb_status record_cell(trace_set *set, cell *c)
+{
+    bb_bench *bench = set->bench;
+    bb_trace_record *r = &c->record;
+    if (r->status == BB_OK) {
+        bb_status status = count_tests(set, c);
+        if (status != BB_OK)
+            note_failure(c, status);
+    }
+    r->wrong = r->has_accuracy && r->accuracy.wrong_ppm > bench->request->max_wrong_ppm;
+    bool failed = strcmp(bb_status_word(r->status), "failed") == 0;
+    if (r->counts_for_exit && c->entrant->record.status == BB_OK &&
+        (r->wrong || failed || r->unlike > 0))
+        bench->outcome->wrong++;
+    bench->judged += r->has_accuracy;
+    return bb_results_add_trace(bench->results, r);
+}
+
+bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
+{
+    trace_set set = {.bench = bench, .rays = rays};
+    bb_status status = start_set(&set);
+    if (status != BB_OK)
+        goto out;
+    uint32_t rounds = bench->request->repeats + 1;
+    bb_progress_stage(bench->progress, set.count * rounds, "%s: %s%s%s, %u rays",
+                      bench->scene->name, rays->name, rays->view[0] != '\0' ? " from " : "",
+                      rays->view, rays->count);
+    for (uint32_t i = 0; i < set.count; i++) {
+        if (set.cells[i].record.status != BB_OK)
+            continue;
+        bb_status prepared = prepare_cell(&set, &set.cells[i]);
+        if (prepared != BB_OK)
+            note_failure(&set.cells[i], prepared);
+    }
+    for (uint32_t round = 0; round < rounds; round++)
+        run_round(&set);
+    for (uint32_t i = 0; i < set.count && status == BB_OK; i++)
+        status = record_cell(&set, &set.cells[i]);
+out:
+    bb_answers_release(&set.answers);
+    bb_host_free(set.hits);
+    bb_host_free(set.first);
+    free(set.order);
+    free(set.cells);
+    return status;
+}

@@ -1,0 +1,391 @@
+#include "framework/bench/conformance.h"
+
+#include "traversal/traversal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BUILDS = 3 };
+
+/* Those that a scene does not have are left out. */
+static const char *const workloads[] = {"primary", "ao", "random:near=0.5", "edges:jitter=64",
+                                        "edges:jitter=64,from=around"};
+enum { SETS_MAX = sizeof workloads / sizeof workloads[0] };
+
+/* A ray set, the oracle's answers, and the first full answer by a kernel, which all others must equal. */
+typedef struct ray_set {
+    bb_rays *rays;
+    bb_answers answers;
+    bb_hit *hits; /* of the first `count` rays */
+    uint32_t count;
+    char whose[128];
+} ray_set;
+
+struct bb_conformance {
+    bb_device *device;
+    bb_scene *scene;
+    bb_scene *reversed; /* the same primitives, the last first */
+    bb_oracle *oracle;
+    uint64_t seed;
+    uint32_t side; /* of the pictures: a set has its square of rays */
+    uint32_t set_count;
+    ray_set sets[SETS_MAX];
+    char left_out[1024];
+    bb_account account;
+    bb_buffer hits;
+    bb_hit *host_hits;
+};
+
+/* Tests that a set may take. Rays of a tree that is one leaf test all primitives; those of a chain may meet all of
+ * its levels, and again and again where a kernel restarts from the root: they get fewer. */
+static const double primitive_tests = 4e7, level_tests = 1e8;
+
+static uint32_t affordable(const bb_tree_info *tree, uint32_t count)
+{
+    double most = tree->node_count > 1 ? level_tests / tree->depth / tree->depth
+                                       : primitive_tests / tree->ref_count;
+    return count <= most ? count : 1 + (uint32_t)most;
+}
+
+/* ---- the answers ---- */
+
+/* `overflows`: whether the kernel's stack may be too small for the tree. */
+static bb_status trace(bb_conformance *c, const ray_set *set, const bb_kernel *kernel,
+                       const bb_layout_data *layout, uint32_t count, bool *overflows)
+{
+    bb_spec spec;
+    BB_TRY(bb_spec_parse(kernel->name, &spec));
+    bb_tracer_request request = {
+        .kernel = kernel,
+        .spec = &spec,
+        .intersector = &bb_intersectors[0],
+        .query = set->rays->query,
+        .kinds = c->scene->kinds,
+        .stack_need = layout->stack_need,
+        .levels = layout->levels,
+    };
+    bb_tracer *tracer;
+    BB_TRY(bb_tracer_get(c->device, &request, &tracer));
+    *overflows = !kernel->stackless && layout->stack_need > bb_tracer_stack_size(tracer);
+    BB_TRY(bb_buffer_fill(&c->hits, count * sizeof(bb_hit), BB_POISON));
+    BB_TRY(bb_tracer_launch(tracer, layout, &set->rays->on_device, count, &c->hits, NULL));
+    return bb_buffer_read(&c->hits, 0, count * sizeof(bb_hit), c->host_hits);
+}
+
+/* A kernel whose stack overflowed left the answer unwritten: it refuses the tree, loudly. */
+static bb_status judge(bb_conformance *c, ray_set *set, const char *kernel, uint32_t count,
+                       bool overflows)
+{
+    bb_accuracy accuracy;
+    const bb_verdict_request wanted = {.hits = c->host_hits, .count = count};
+    BB_TRY(bb_judge(c->oracle, &set->answers, &wanted, &accuracy));
+    if (accuracy.wrong_ppm == 0)
+        return BB_OK;
+    uint64_t wrong = accuracy.missed + accuracy.false_hits + accuracy.wrong_t;
+    if (overflows && accuracy.unwritten == wrong)
+        return bb_fail(BB_UNSUPPORTED, "the stack of kernel %s overflowed for %llu of %u rays",
+                       kernel, (unsigned long long)wrong, count);
+    return bb_fail(
+        BB_FAILED,
+        "kernel %s, %s rays: of %u rays %llu missed, %llu false, %llu wrong t; the first "
+        "is ray %u",
+        kernel, set->rays->name, count, (unsigned long long)accuracy.missed,
+        (unsigned long long)accuracy.false_hits, (unsigned long long)accuracy.wrong_t,
+        accuracy.first_wrong);
+}
+
+/* Is this the same answer? Of any-hit queries only that there is one. */
+static bool is_same(bb_query query, const bb_hit *a, const bb_hit *b)
+{
+    return query == BB_ANY_HIT ? (a->prim == BB_NONE) == (b->prim == BB_NONE)
+                               : memcmp(a, b, sizeof *a) == 0;
+}
+
+static bb_status compare(bb_conformance *c, ray_set *set, const char *builder, const char *kernel,
+                         uint32_t count)
+{
+    for (uint32_t i = 0; i < count && i < set->count; i++) {
+        const bb_hit *here = &c->host_hits[i], *there = &set->hits[i];
+        if (!is_same(set->rays->query, here, there))
+            return bb_fail(
+                BB_FAILED,
+                "kernel %s, %s rays: ray %u is answered by primitive %u at %a, and by %s "
+                "with primitive %u at %a: a box around a hit was missed",
+                kernel, set->rays->name, i, here->prim, (double)here->t, set->whose, there->prim,
+                (double)there->t);
+    }
+    if (count <= set->count || !bb_device_divides_exactly(c->device))
+        return BB_OK;
+    memcpy(set->hits + set->count, c->host_hits + set->count,
+           (count - set->count) * sizeof *set->hits);
+    set->count = count;
+    snprintf(set->whose, sizeof set->whose, "%.60s on %.60s", kernel, builder);
+    return BB_OK;
+}
+
+static bb_status check_set(bb_conformance *c, ray_set *set, const char *builder,
+                           const bb_kernel *kernel, const bb_layout_data *layout,
+                           const bb_tree_info *tree)
+{
+    uint32_t count = affordable(tree, set->rays->count);
+    bool overflows;
+    BB_TRY(trace(c, set, kernel, layout, count, &overflows));
+    BB_TRY(judge(c, set, kernel->name, count, overflows));
+    return compare(c, set, builder, kernel->name, count);
+}
+
+/* BB_UNSUPPORTED if the kernel does not take the tree, or answers none of the queries. */
+static bb_status check_kernel(bb_conformance *c, bb_tree *tree, const char *builder,
+                              const bb_kernel *kernel)
+{
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    uint32_t traced = 0;
+    bb_status status = bb_layout_maker_create(bb_layout_find(kernel->layout), c->device, &maker);
+    if (status == BB_OK)
+        status = bb_tree_upload(tree, c->device, NULL);
+    if (status == BB_OK)
+        status = bb_layout_maker_make(&maker, c->scene, tree, 1, BB_RECORD_VERTICES, &data);
+    for (uint32_t i = 0; i < c->set_count && status == BB_OK; i++)
+        if ((kernel->queries & 1u << c->sets[i].rays->query) != 0) {
+            status = check_set(c, &c->sets[i], builder, kernel, &data, &tree->info);
+            traced++;
+        }
+    if (status == BB_OK && traced == 0)
+        status = bb_fail(BB_UNSUPPORTED, "kernel %s answers none of the rays", kernel->name);
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
+    return status;
+}
+
+/* ---- brute force ---- */
+
+/* A tree of one leaf over everything. */
+static bb_status make_one_leaf(const bb_scene *scene, bb_tree *tree)
+{
+    bb_tree_init(tree, NULL);
+    BB_TRY(bb_tree_reserve(tree, NULL, BB_ON_HOST, 1, scene->prim_count));
+    bb_node *root = tree->nodes;
+    memcpy(root->lo, scene->bounds.lo, sizeof root->lo);
+    memcpy(root->hi, scene->bounds.hi, sizeof root->hi);
+    root->first = BB_LEAF_BIT;
+    root->skip = BB_NONE;
+    for (uint32_t i = 0; i < scene->prim_count; i++)
+        tree->refs[i] = i;
+    tree->refs[scene->prim_count - 1] |= BB_LAST_BIT;
+    tree->info = (bb_tree_info){0, 1, 1, scene->prim_count, 0, 0};
+    return BB_OK;
+}
+
+/* All primitives, one after the other: what no box can hide. */
+bb_status bb_conformance_brute_force(bb_conformance *c)
+{
+    bb_tree tree;
+    bb_status status = make_one_leaf(c->scene, &tree);
+    if (status == BB_OK)
+        status = check_kernel(c, &tree, "brute force", bb_kernels[0]);
+    bb_tree_release(&tree);
+    return status;
+}
+
+/* ---- preparation ---- */
+
+static bb_status add_set(bb_conformance *c, const char *workload)
+{
+    bb_spec spec;
+    BB_TRY(bb_spec_parse(workload, &spec));
+    const bb_workload *found = bb_workload_find(spec.name);
+    ray_set *set = &c->sets[c->set_count];
+    bb_rays_request request = {
+        .spec = &spec,
+        .view = found->per_view ? &c->scene->views[0] : NULL,
+        .width = c->side,
+        .height = c->side,
+        .max_rays = c->side * c->side,
+        .seed = c->seed,
+    };
+    bb_status status = bb_rays_make(c->scene, c->oracle, &request, &set->rays);
+    if (status == BB_UNSUPPORTED) { /* a scene that the views don't see: the other sets remain */
+        size_t used = strlen(c->left_out);
+        snprintf(c->left_out + used, sizeof c->left_out - used, "%s%s (%s)", used > 0 ? ", " : "",
+                 workload, bb_message());
+        return BB_OK;
+    }
+    BB_TRY(status);
+    c->set_count++;
+    BB_TRY(bb_rays_upload(set->rays, c->device));
+    BB_TRY(bb_host_alloc(NULL, (size_t)c->side * c->side * sizeof(bb_hit), "hits", &set->hits));
+    return bb_answers_make(c->oracle, set->rays, &set->answers);
+}
+
+/* The first and the last stay, if others can change places: who knows a scene by a glance shall not see that
+ * it is another. */
+static uint32_t opposite(uint32_t i, uint32_t count)
+{
+    bool stays = count > 3 && (i == 0 || i == count - 1);
+    return stays ? i : count - 1 - i;
+}
+
+static bb_status reverse(const bb_scene *scene, bb_scene **out)
+{
+    bb_scene *reversed = calloc(1, sizeof *reversed);
+    if (reversed == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = reversed;
+    snprintf(reversed->name, sizeof reversed->name, "%s", scene->name);
+    BB_TRY(bb_scene_reserve(reversed, scene->vertex_count, scene->triangle_count,
+                            scene->sphere_count));
+    memcpy(reversed->vertices, scene->vertices, 3 * sizeof(float) * (size_t)scene->vertex_count);
+    for (uint32_t i = 0; i < scene->triangle_count; i++)
+        memcpy(reversed->indices + 3 * (size_t)i,
+               scene->indices + 3 * (size_t)opposite(i, scene->triangle_count),
+               3 * sizeof(uint32_t));
+    for (uint32_t i = 0; i < scene->sphere_count; i++)
+        memcpy(reversed->spheres + 4 * (size_t)i,
+               scene->spheres + 4 * (size_t)opposite(i, scene->sphere_count), 4 * sizeof(float));
+    reversed->profile = scene->profile;
+    reversed->view_count = scene->view_count;
+    memcpy(reversed->views, scene->views, sizeof reversed->views);
+    return bb_scene_finish(reversed);
+}
+
+static bb_status prepare(bb_conformance *c)
+{
+    bb_scene *scene = c->scene;
+    BB_TRY(bb_scene_upload(scene, c->device));
+    BB_TRY(reverse(scene, &c->reversed));
+    BB_TRY(bb_scene_upload(c->reversed, c->device));
+    BB_TRY(bb_oracle_create(scene, bb_host_threads(c->device), &c->oracle));
+    for (int i = 0; i < SETS_MAX; i++)
+        BB_TRY(add_set(c, workloads[i]));
+    if (c->set_count == 0)
+        return bb_fail(BB_FAILED, "scene %s: there are no rays to check anything with",
+                       scene->name);
+    size_t bytes = (size_t)c->side * c->side * sizeof(bb_hit);
+    BB_TRY(bb_buffer_reserve(c->device, &c->account, bytes, "hits", &c->hits));
+    BB_TRY(bb_host_alloc(NULL, bytes, "hits", &c->host_hits));
+    return BB_OK;
+}
+
+bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint32_t side, uint64_t seed,
+                                bb_conformance **out)
+{
+    bb_conformance *c = calloc(1, sizeof *c);
+    if (c == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    c->device = device;
+    c->scene = scene;
+    c->seed = seed;
+    c->side = side;
+    bb_status status = prepare(c);
+    if (status != BB_OK) {
+        bb_conformance_destroy(c);
+        return status;
+    }
+    *out = c;
+    return BB_OK;
+}
+
+void bb_conformance_destroy(bb_conformance *c)
+{
+    if (c == NULL)
+        return;
+    for (uint32_t i = 0; i < c->set_count; i++) {
+        bb_answers_release(&c->sets[i].answers);
+        bb_rays_free(c->sets[i].rays);
+        bb_host_free(c->sets[i].hits);
+    }
+    bb_buffer_release(&c->hits);
+    bb_host_free(c->host_hits);
+    bb_oracle_destroy(c->oracle);
+    bb_scene_free(c->reversed);
+    bb_tracers_clear(c->device);
+    free(c);
+}
+
+const char *bb_conformance_left_out(const bb_conformance *c)
+{
+    return c->left_out;
+}
+
+/* ---- a builder ---- */
+
+static bb_status check_tree(bb_instance *instance, const bb_scene *scene, uint64_t *hash)
+{
+    BB_TRY(bb_instance_build(instance, scene, false, NULL, NULL));
+    BB_TRY(bb_tree_download(&instance->tree, NULL));
+    BB_TRY(bb_tree_check(&instance->tree, scene));
+    return bb_tree_hash(&instance->tree, hash);
+}
+
+/* A builder that keeps what it made before would give the tree of the other order again. The last build
+ * is of the scene itself, whose tree stays. */
+static bb_status check_trees(bb_conformance *c, bb_instance *instance, uint64_t hashes[BUILDS])
+{
+    bb_instance fresh = {0};
+    uint64_t other;
+    BB_TRY(check_tree(instance, c->scene, &hashes[0]));
+    bb_status status = check_tree(instance, c->reversed, &other);
+    if (status != BB_OK) {
+        char reason[512];
+        snprintf(reason, sizeof reason, "%s", bb_message());
+        return bb_fail(status, "built with the primitives in reverse order: %s", reason);
+    }
+    BB_TRY(check_tree(instance, c->scene, &hashes[1]));
+    status = bb_instance_create(c->device, instance->spec.text, c->scene, c->seed, &fresh);
+    if (status == BB_OK)
+        status = check_tree(&fresh, c->scene, &hashes[2]);
+    bb_instance_destroy(&fresh);
+    BB_TRY(status);
+    bool same = hashes[0] == hashes[1] && hashes[1] == hashes[2];
+    if (!same && instance->builder->deterministic)
+        return bb_fail(BB_FAILED, "the same input gave another tree: %016llx, %016llx, %016llx",
+                       (unsigned long long)hashes[0], (unsigned long long)hashes[1],
+                       (unsigned long long)hashes[2]);
+    return BB_OK;
+}
+
+/* Every kernel, but for those that refuse the tree: their names go into `refusing`. */
+static bb_status check_kernels(bb_conformance *c, bb_instance *instance, char *refusing,
+                               size_t capacity)
+{
+    uint32_t traced = 0;
+    char reason[512] = "";
+    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
+        bb_status status = check_kernel(c, &instance->tree, instance->spec.text, *kernel);
+        if (status != BB_OK && status != BB_UNSUPPORTED)
+            return status;
+        traced += status == BB_OK;
+        if (status == BB_OK)
+            continue;
+        size_t used = strlen(refusing);
+        snprintf(refusing + used, capacity - used, "%s%s", used > 0 ? ", " : "; not taken by ",
+                 (*kernel)->name);
+        snprintf(reason, sizeof reason, "%s", bb_message());
+    }
+    return traced > 0 ? BB_OK : bb_fail(BB_FAILED, "no kernel takes the tree: %s", reason);
+}
+
+bb_status bb_conformance_check(bb_conformance *c, const char *builder, char *note, size_t capacity)
+{
+    uint64_t hashes[BUILDS] = {0};
+    bb_instance instance = {0};
+    char about[256] = "", refusing[160] = "";
+    BB_TRY(bb_instance_create(c->device, builder, c->scene, c->seed, &instance));
+    bb_status status = check_trees(c, &instance, hashes);
+    if (status == BB_OK)
+        status = check_kernels(c, &instance, refusing, sizeof refusing);
+    if (status == BB_OK)
+        status = bb_instance_describe(&instance, c->scene, about, sizeof about);
+    if (status == BB_OK)
+        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s%s%s%s",
+                 instance.tree.info.node_count, instance.tree.info.depth,
+                 (unsigned long long)hashes[0],
+                 hashes[0] == hashes[1] && hashes[1] == hashes[2]
+                     ? ""
+                     : " (differs between builds, as its builder says)",
+                 about[0] != '\0' ? "; " : "", about, refusing);
+    bb_instance_destroy(&instance);
+    return status;
+}

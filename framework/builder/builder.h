@@ -1,0 +1,147 @@
+/* The plug-in interface: what a builder of BVHs is.
+ *
+ * A builder is one constant struct, `const bb_builder bb_builder_NAME`, in builders/NAME/NAME.c, with its device code in
+ * builders/NAME/NAME.cl. CMake finds the folder; nothing else has to be touched. Outside this tree the same files make a shared
+ * object by `bvhbench_add_builder(NAME)`, which exports the pointer `bb_plugin`, see BB_PLUGIN.
+ */
+#ifndef BB_BUILDER_H
+#define BB_BUILDER_H
+
+#include "framework/base/options.h"
+#include "framework/device/device.h"
+#include "framework/device/primitives.h"
+#include "framework/scene/scene.h"
+#include "framework/tree/tree.h"
+
+/* Raised whenever this header or the structs it takes in change their layout or meaning. */
+enum { BB_ABI_VERSION = 3 };
+
+/* What a builder reads; the clock starts when this is in place. All else of the scene is withheld: it
+ * is zero in the scene that the hooks get. Views are withheld, too, since rays follow from them, unless
+ * the builder has an option `view` and it is given. Kinds, counts and names are always there. */
+enum {
+    BB_INPUT_BOXES = 1u << 0,    /* on_device.boxes; for builders on the host also boxes */
+    BB_INPUT_GEOMETRY = 1u << 1, /* vertices, indices, spheres: likewise */
+    BB_INPUT_TREE = 1u << 2,     /* an optimiser: takes another builder's tree */
+    BB_INPUT_PROFILE = 1u << 3, /* bounds and profile: measured by the harness, outside the clock */
+};
+
+/* As words: "boxes geometry". */
+void bb_input_words(uint32_t inputs, char *text, size_t capacity);
+
+/* What may have changed since the last build, for update(). */
+enum {
+    BB_CHANGED_POSITIONS = 1u << 0,
+    BB_CHANGED_TOPOLOGY = 1u << 1,
+    BB_CHANGED_TRANSFER = 1u << 2, /* the transfer function of a volume */
+};
+
+enum { BB_PHASES_MAX = 16 };
+
+/* Named spans inside a build. Boundaries are exact for work on the host; for work on the device only in builds that the
+ * harness makes for the purpose (`exact`), since each boundary then waits for the queue. */
+typedef struct bb_phases {
+    bb_device *device;
+    bool exact;
+    bool used_device; /* a boundary saw work on the device */
+    uint32_t count;
+    int32_t current; /* -1: between phases */
+    double started;
+    bool outside;      /* the current phase does not count */
+    double outside_ms; /* sum of those that don't: taken off the build's time */
+    const char *names[BB_PHASES_MAX];
+    double ms[BB_PHASES_MAX];
+} bb_phases;
+
+/* Ends the current phase and begins `name` (a string constant); NULL only ends. A name may come back: its time adds up. */
+bb_status bb_phase(bb_phases *phases, const char *name);
+
+/* The same for a phase that is not the method's work, such as the conversion of a library's own tree: it
+ * is recorded, and taken off the build's time. BB_FAILED for builders on the device: there is no clock
+ * of theirs to take it off. */
+bb_status bb_phase_outside(bb_phases *phases, const char *name);
+
+/* What the harness hands to create(); outlives the object. */
+typedef struct bb_builder_context {
+    bb_device *device;
+    bb_account *account;      /* book all memory here */
+    const bb_spec *spec;      /* validated parameters */
+    const bb_option *options; /* the builder's own table, for bb_spec_u64() and the like */
+    uint64_t seed;
+    uint32_t threads; /* host threads to use */
+} bb_builder_context;
+
+typedef struct bb_builder bb_builder;
+struct bb_builder {
+    uint32_t abi_version; /* BB_ABI_VERSION. Required. */
+    const char *name;     /* lower case, digits, '-'; the folder's name. Required. */
+    const char *summary;  /* one line for `list`. Required. */
+    const char *paper;    /* what it implements, with section. Required ("none" for none). */
+    uint32_t kinds;       /* primitive kinds it takes: BB_TRIANGLES | ... Required. */
+    uint32_t inputs;      /* BB_INPUT_...; Required. */
+    bb_place place;       /* where its tree is made. Required. */
+    bool
+        deterministic; /* same input, same tree, bit for bit. Required to be true; false is an exception that the
+                             summary explains and `check` reports. */
+    const bb_option *options; /* ends with name NULL. Optional. */
+    const char *
+        compared; /* what `run` compares when no builder is asked for: specifications by commas. Optional: default
+                             the name alone; "" leaves the builder out. */
+
+    /* Compiles and allocates what does not depend on the scene; not timed. Called once per object, `self` is handed to
+     * the other hooks. Required. */
+    bb_status (*create)(const bb_builder_context *context, void **self);
+
+    /* Allocates for this scene what build() will need, so that build() does not. Called before the first
+     * build of a scene; not part of the build's time, but recorded. Optional: default none. */
+    bb_status (*prepare)(void *self, const bb_scene *scene, bb_tree *tree);
+
+    /* Fills `tree` from the declared input, in bb_phase() spans; timed from a finished queue to a finished queue (it need
+     * not wait itself). `input` is NULL unless BB_INPUT_TREE. Is called many times on the same object. Required. */
+    bb_status (*build)(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                       bb_phases *phases);
+
+    /* Brings `tree` up to date after `changed` (BB_CHANGED_...); timed like build(). Optional: default, the harness builds
+     * again. */
+    bb_status (*update)(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
+                        bb_phases *phases);
+
+    /* Restores what build() may have used up of its input, before each build; not part of the build's
+     * time, but recorded. Optional: default none. */
+    bb_status (*restore)(void *self, const bb_scene *scene);
+
+    /* Says in one line, without a newline, what there is to know of the last build beyond its figures, such as the bit layout of
+     * a code or the level that was chosen; for the record. Not timed. Optional: default nothing. */
+    bb_status (*describe)(void *self, const bb_scene *scene, char *text, size_t capacity);
+
+    /* Frees everything; called once, also after a failed build. Required. */
+    void (*destroy)(void *self);
+};
+
+/* Exports a builder from a shared object. bvhbench_add_builder() writes this line; a plug-in made by other means has it at the
+ * end of its NAME.c. */
+#define BB_PLUGIN(builder)                                                                         \
+    extern const bb_builder *const bb_plugin;                                                      \
+    __attribute__((visibility("default"))) const bb_builder *const bb_plugin = &(builder)
+
+/* ---- the registry ---- */
+
+/* The reference rows' name: Embree with its own trees. No builder may take it. */
+#define BB_REFERENCE_NAME "embree-native"
+
+extern const bb_builder
+    *const bb_builtin_builders[]; /* generated by CMake from the folders; ends with NULL */
+
+/* Built-in and loaded builders, in order. */
+uint32_t bb_builder_count(void);
+const bb_builder *bb_builder_at(uint32_t index);
+const bb_builder *bb_builder_find(const char *name); /* NULL if there is none */
+
+/* Loads a shared object; BB_INVALID when it is none, exports no bb_plugin, was made for another ABI version, or brings a name
+ * that is taken. Validates the struct once. */
+bb_status bb_plugin_load(const char *path);
+
+/* Checks a builder's struct: names, required hooks, options. */
+bb_status bb_builder_validate(const bb_builder *builder);
+
+#endif

@@ -1,0 +1,378 @@
+/* Cells of the charts from the records of a run: grouped by scene and rays, added up over views. */
+#include "framework/chart/chart.h"
+#include "framework/record/record_private.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct entry {
+    const cJSON *trace, *build;
+    uint32_t index;
+    uint32_t group; /* index of the first entry of its scene and rays, then of its cell */
+    double rays;    /* of the whole set */
+} entry;
+
+static int compare_text(const entry *a, const entry *b, const char *name)
+{
+    return strcmp(bb_json_text(a->trace, name), bb_json_text(b->trace, name));
+}
+
+/* Scene and rays; the order is the callers' only where they are equal. */
+static int compare_rays(const entry *a, const entry *b)
+{
+    int order = compare_text(a, b, "scene");
+    return order != 0 ? order : compare_text(a, b, "rays");
+}
+
+static int compare_numbers(double a, double b)
+{
+    return a < b ? -1 : a > b;
+}
+
+/* Build, kernel, layout and intersector. */
+static int compare_cells(const entry *a, const entry *b)
+{
+    int order =
+        compare_numbers(bb_json_number(a->trace, "build"), bb_json_number(b->trace, "build"));
+    if (order == 0)
+        order = compare_text(a, b, "kernel");
+    if (order == 0)
+        order = compare_text(a, b, "layout");
+    return order != 0 ? order : compare_text(a, b, "intersector");
+}
+
+/* The very same rays: of one run, with one hash. */
+static int compare_hashes(const entry *a, const entry *b)
+{
+    int order = compare_rays(a, b);
+    if (order == 0)
+        order = compare_text(a, b, "view");
+    if (order == 0)
+        order = compare_text(a, b, "rays_hash");
+    double run_a = bb_json_number(a->trace, "run"), run_b = bb_json_number(b->trace, "run");
+    return order != 0 ? order : compare_numbers(isnan(run_a) ? 0 : run_a, isnan(run_b) ? 0 : run_b);
+}
+
+static int by_rays(const void *left, const void *right)
+{
+    const entry *a = left, *b = right;
+    int order = compare_rays(a, b);
+    return order != 0 ? order : compare_numbers(a->index, b->index);
+}
+
+static int by_hash(const void *left, const void *right)
+{
+    const entry *a = left, *b = right;
+    int order = compare_hashes(a, b);
+    return order != 0 ? order : compare_numbers(a->index, b->index);
+}
+
+static int by_cell(const void *left, const void *right)
+{
+    const entry *a = left, *b = right;
+    int order = compare_cells(a, b);
+    return order != 0 ? order : compare_numbers(a->index, b->index);
+}
+
+static int by_group(const void *left, const void *right)
+{
+    const entry *a = left, *b = right;
+    int order = compare_numbers(a->group, b->group);
+    return order != 0 ? order : compare_numbers(a->index, b->index);
+}
+
+static int by_index(const void *left, const void *right)
+{
+    return compare_numbers(((const entry *)left)->index, ((const entry *)right)->index);
+}
+
+/* Sorts by `compare` and gives all entries that `same` finds equal the index of the first one. */
+static void group_entries(entry *entries, uint32_t count,
+                          int (*compare)(const void *, const void *),
+                          int (*same)(const entry *, const entry *))
+{
+    qsort(entries, count, sizeof *entries, compare);
+    for (uint32_t i = 0; i < count; i++)
+        entries[i].group = i > 0 && same(&entries[i - 1], &entries[i]) == 0 ? entries[i - 1].group
+                                                                            : entries[i].index;
+}
+
+/* How many entries from `first` on share its group. */
+static uint32_t group_size(const entry *entries, uint32_t count, uint32_t first)
+{
+    uint32_t end = first;
+    while (end < count && entries[end].group == entries[first].group)
+        end++;
+    return end - first;
+}
+
+static double sah_of(const cJSON *build, const char *layout)
+{
+    const cJSON *layouts = cJSON_GetObjectItemCaseSensitive(build, "layouts_sah");
+    double sah = bb_json_number(layouts, layout);
+    return isfinite(sah) ? sah
+                         : bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "tree"), "sah");
+}
+
+/* Milliseconds before the first ray. What a build does not need, or was not measured, costs nothing: a
+ * reference makes its boxes and its layout inside its build, and is on the host already. */
+static double fixed_of(const cJSON *build, double layout_ms)
+{
+    double boxes = bb_json_number(build, "boxes_ms");
+    double transfer = bb_json_number(build, "transfer_ms");
+    return bb_json_number(build, "build_ms_median") + layout_ms + (isfinite(boxes) ? boxes : 0) +
+           (isfinite(transfer) ? transfer : 0);
+}
+
+/* What the views share. */
+static bb_chart_cell first_cell(const entry *from)
+{
+    const cJSON *trace = from->trace, *build = from->build;
+    const char *layout = bb_json_text(trace, "layout");
+    const cJSON *layouts = cJSON_GetObjectItemCaseSensitive(build, "layouts_ms");
+    bool reference = bb_json_true(trace, "reference");
+    double layout_ms = reference ? 0 : bb_json_number(layouts, layout);
+    return (bb_chart_cell){
+        .trace = trace,
+        .build = build,
+        .trace_index = from->index,
+        .fixed_ms = fixed_of(build, layout_ms),
+        .sah = reference ? (double)NAN : sah_of(build, layout),
+        .epo = bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "tree"), "epo"),
+        .reference = reference,
+        .usable = true,
+    };
+}
+
+/* Milliseconds for the trace's rays at the rate that the member gives; NAN if it gives none. */
+static double ms_at(const cJSON *trace, const char *member)
+{
+    return bb_json_number(trace, "count") / bb_json_number(trace, member) / 1e3;
+}
+
+/* One cell of `views` entries, which differ in their view alone. The ends of the views' intervals
+ * are added up, which is no narrower than an interval of the sum; where one has none, the cell has
+ * none. */
+static bb_chart_cell make_cell(const entry *entries, uint32_t views)
+{
+    bb_chart_cell cell = first_cell(entries);
+    double low_ms = 0, high_ms = 0, least_ms = 0, most_ms = 0, wrong = 0;
+    for (uint32_t i = 0; i < views; i++) {
+        const cJSON *trace = entries[i].trace;
+        const cJSON *accuracy = cJSON_GetObjectItemCaseSensitive(trace, "accuracy");
+        double count = bb_json_number(trace, "count"), ppm = bb_json_number(accuracy, "wrong_ppm");
+        bool counts = bb_json_true(trace, "counts_for_exit");
+        cell.count += count;
+        cell.rays += entries[i].rays;
+        cell.ms += ms_at(trace, "mrays_s");
+        low_ms += ms_at(trace, "mrays_s_hi");
+        high_ms += ms_at(trace, "mrays_s_lo");
+        least_ms += ms_at(trace, "mrays_s_most");
+        most_ms += ms_at(trace, "mrays_s_least");
+        double checked = bb_json_number(accuracy, "checked");
+        cell.checked += checked;
+        wrong += round(ppm * checked / 1e6);
+        cell.missed += bb_json_number(accuracy, "missed");
+        cell.false_hits += bb_json_number(accuracy, "false");
+        cell.wrong_t += bb_json_number(accuracy, "wrong_t");
+        cell.usable =
+            cell.usable && (cell.reference || (counts ? !bb_json_true(trace, "wrong") : ppm == 0));
+    }
+    cell.views = views;
+    cell.wrong_rays = wrong;
+    cell.mrays_s = cell.count / cell.ms / 1e3;
+    cell.mrays_s_lo = cell.count / high_ms / 1e3;
+    cell.mrays_s_hi = cell.count / low_ms / 1e3;
+    cell.mrays_s_least = cell.count / most_ms / 1e3;
+    cell.mrays_s_most = cell.count / least_ms / 1e3;
+    cell.wrong = bb_wrong_rate_of(wrong, cell.checked);
+    return cell;
+}
+
+static void add_cell(bb_chart_set *set, const entry *entries, uint32_t views)
+{
+    set->cells[set->cell_count++] = make_cell(entries, views);
+}
+
+/* The cells of all views together; those that lack a view would look faster or slower than they
+ * are. `entries` are of one scene and rays; their order changes. */
+static void add_together(bb_chart_set *set, entry *entries, uint32_t count)
+{
+    group_entries(entries, count, by_cell, compare_cells);
+    qsort(entries, count, sizeof *entries, by_group);
+    for (uint32_t i = 0, views; i < count; i += views) {
+        views = group_size(entries, count, i);
+        if (views == set->views)
+            add_cell(set, entries + i, views);
+        else
+            set->incomplete++;
+    }
+    qsort(entries, count, sizeof *entries, by_index);
+}
+
+/* A new set whose cells follow those of the last one. */
+static bb_chart_set *add_set(bb_charts *charts, const entry *first, const char *view)
+{
+    bb_chart_set *set = &charts->sets[charts->set_count++];
+    bb_chart_cell *cells = charts->cells;
+    if (charts->set_count > 1)
+        cells = set[-1].cells + set[-1].cell_count;
+    *set = (bb_chart_set){.scene = bb_json_text(first->trace, "scene"),
+                          .rays = bb_json_text(first->trace, "rays"),
+                          .view = view,
+                          .views = 1,
+                          .cells = cells};
+    return set;
+}
+
+/* The sets of one scene and rays. `entries` are in the order of the document; `views` has room for
+ * as many. */
+static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const char **views)
+{
+    bb_chart_set *together = add_set(charts, entries, NULL);
+    uint32_t view_count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const char *view = bb_json_text(entries[i].trace, "view");
+        uint32_t v = 0;
+        while (v < view_count && strcmp(views[v], view) != 0)
+            v++;
+        if (v == view_count)
+            views[view_count++] = view;
+    }
+    together->views = view_count;
+    add_together(together, entries, count);
+    for (uint32_t v = 0; view_count > 1 && v < view_count; v++) {
+        bb_chart_set *set = add_set(charts, entries, views[v]);
+        for (uint32_t i = 0; i < count; i++)
+            if (strcmp(bb_json_text(entries[i].trace, "view"), views[v]) == 0)
+                add_cell(set, &entries[i], 1);
+    }
+}
+
+static int by_id(const void *left, const void *right)
+{
+    const cJSON *const *a = left, *const *b = right;
+    return compare_numbers(bb_json_number(*a, "id"), bb_json_number(*b, "id"));
+}
+
+/* All builds by id; NULL if there is no memory. */
+static const cJSON **sorted_builds(const cJSON *builds, uint32_t *count)
+{
+    const cJSON **sorted = calloc((size_t)cJSON_GetArraySize(builds) + 1, sizeof *sorted);
+    const cJSON *build;
+    *count = 0;
+    if (sorted == NULL)
+        return NULL;
+    cJSON_ArrayForEach(build, builds)
+    {
+        sorted[(*count)++] = build;
+    }
+    qsort(sorted, *count, sizeof *sorted, by_id);
+    return sorted;
+}
+
+static const cJSON *find_build(const cJSON *const *sorted, uint32_t count, double id)
+{
+    uint32_t low = 0, high = count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (bb_json_number(sorted[middle], "id") < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < count && bb_json_number(sorted[low], "id") == id ? sorted[low] : NULL;
+}
+
+/* The measured traces with their builds, in the order of the document; returns how many. */
+static uint32_t collect(const cJSON *traces, const cJSON *const *builds, uint32_t build_count,
+                        entry *entries)
+{
+    uint32_t count = 0, index = 0;
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, traces)
+    {
+        const cJSON *build = find_build(builds, build_count, bb_json_number(trace, "build"));
+        bool measured = strcmp(bb_json_text(trace, "status"), "ok") == 0 && build != NULL &&
+                        bb_json_number(trace, "mrays_s") > 0 && bb_json_number(trace, "count") > 0;
+        if (measured)
+            entries[count++] = (entry){.trace = trace, .build = build, .index = index};
+        index++;
+    }
+    return count;
+}
+
+/* Sizes of the whole sets: the largest count among the cells on the very same rays. */
+static void size_sets(entry *entries, uint32_t count)
+{
+    group_entries(entries, count, by_hash, compare_hashes);
+    for (uint32_t i = 0, size; i < count; i += size) {
+        double rays = 0;
+        size = group_size(entries, count, i);
+        for (uint32_t k = i; k < i + size; k++)
+            rays = fmax(rays, bb_json_number(entries[k].trace, "count"));
+        for (uint32_t k = i; k < i + size; k++)
+            entries[k].rays = rays;
+    }
+}
+
+bb_status bb_charts_make(bb_results *results, bb_charts *out)
+{
+    const cJSON *root = bb_results_json(results);
+    const cJSON *traces = cJSON_GetObjectItemCaseSensitive(root, "traces");
+    size_t room = (size_t)cJSON_GetArraySize(traces) + 1;
+    uint32_t build_count, count;
+    const cJSON **builds =
+        sorted_builds(cJSON_GetObjectItemCaseSensitive(root, "builds"), &build_count);
+    entry *entries = calloc(room, sizeof *entries);
+    const char **views = calloc(room, sizeof *views);
+    /* each cell at most once on its own and once with the other views; no set without a cell, or
+     * one more per scene and rays */
+    *out = (bb_charts){.sets = calloc(2 * room, sizeof *out->sets),
+                       .cells = calloc(2 * room, sizeof *out->cells)};
+    bb_status status = BB_OK;
+    if (builds == NULL || entries == NULL || views == NULL || out->sets == NULL ||
+        out->cells == NULL) {
+        status = bb_fail(BB_FAILED, "charts: no memory");
+        bb_charts_free(out);
+        goto out;
+    }
+    count = collect(traces, builds, build_count, entries);
+    size_sets(entries, count);
+    group_entries(entries, count, by_rays, compare_rays);
+    qsort(entries, count, sizeof *entries, by_group);
+    for (uint32_t i = 0, size; i < count; i += size) {
+        size = group_size(entries, count, i);
+        add_sets(out, entries + i, size, views);
+    }
+out:
+    free(views);
+    free(entries);
+    free(builds);
+    return status;
+}
+
+double bb_chart_run(const bb_chart_cell *cell)
+{
+    double run = bb_json_number(cell->trace, "run");
+    return isfinite(run) ? run : 0;
+}
+
+void bb_chart_builder_name(const bb_chart_cell *cell, bool runs, char *name, size_t capacity)
+{
+    const char *builder = bb_json_text(cell->trace, "builder");
+    if (runs)
+        snprintf(name, capacity, "%s (run %g)", builder, bb_chart_run(cell) + 1);
+    else
+        snprintf(name, capacity, "%s", builder);
+}
+
+void bb_charts_free(bb_charts *charts)
+{
+    free(charts->cells);
+    free(charts->sets);
+    *charts = (bb_charts){0};
+}

@@ -1,0 +1,206 @@
+#include "framework/cli/choice.h"
+
+#include "framework/builder/builder.h"
+#include "traversal/traversal.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+bb_status bb_names_add(bb_names *names, const char *list)
+{
+    return bb_spec_list(list, names->items, BB_NAMES_MAX, &names->count);
+}
+
+void bb_names_free(bb_names *names)
+{
+    for (size_t i = 0; i < names->count; i++)
+        free(names->items[i]);
+    names->count = 0;
+}
+
+/* One item as it is: commas in it were seen to when the command line was parsed. */
+static bb_status add_item(bb_names *names, const char *item)
+{
+    if (names->count == BB_NAMES_MAX)
+        return bb_fail(BB_INVALID, "more than %d names, up to '%.80s'", BB_NAMES_MAX, item);
+    names->items[names->count] = strdup(item);
+    if (names->items[names->count] == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    names->count++;
+    return BB_OK;
+}
+
+bb_status bb_choose(const bb_cli *cli, const char *option, const char *fallback, bb_names *names)
+{
+    uint32_t count;
+    char *const *values = bb_cli_values(cli, option, &count);
+    if (count == 0)
+        return bb_names_add(names, fallback);
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(add_item(names, values[i]));
+    return BB_OK;
+}
+
+static bb_status add_all_builders(bb_names *names)
+{
+    for (uint32_t i = 0; i < bb_builder_count(); i++)
+        BB_TRY(add_item(names, bb_builder_at(i)->name));
+    return BB_OK;
+}
+
+bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names)
+{
+    uint32_t count;
+    char *const *values = bb_cli_values(cli, "builder", &count);
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(strcmp(values[i], "all") == 0 ? add_all_builders(names)
+                                             : add_item(names, values[i]));
+    for (uint32_t i = 0; i < bb_builder_count() && count == 0; i++) {
+        const bb_builder *builder = bb_builder_at(i);
+        bool left_out = builder->compared != NULL && builder->compared[0] == '\0';
+        if (!left_out || every)
+            BB_TRY(bb_names_add(names, left_out || builder->compared == NULL ? builder->name
+                                                                             : builder->compared));
+    }
+    return BB_OK;
+}
+
+bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
+{
+    uint32_t count;
+    char *const *values = bb_cli_values(cli, "kernel", &count);
+    for (uint32_t i = 0; i < count || (i == 0 && count == 0); i++) {
+        if (count > 0 && strcmp(values[i], "all") != 0) {
+            BB_TRY(add_item(names, values[i]));
+            continue;
+        }
+        for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
+            if (count > 0)
+                BB_TRY(add_item(names, (*kernel)->name));
+            else if ((*kernel)->compared != NULL)
+                BB_TRY(bb_names_add(names, (*kernel)->compared));
+    }
+    return BB_OK;
+}
+
+static bb_status parse_handover(const bb_cli *cli, bb_handover *handover)
+{
+    const char *word = bb_cli_value(cli, "handover");
+    *handover = BB_HANDOVER_AUTO;
+    if (word != NULL && strcmp(word, "fence") == 0)
+        *handover = BB_HANDOVER_FENCE;
+    else if (word != NULL && strcmp(word, "levels") == 0)
+        *handover = BB_HANDOVER_LEVELS;
+    else if (word != NULL && strcmp(word, "auto") != 0)
+        return bb_fail(BB_INVALID, "--handover is '%s', must be auto, fence or levels", word);
+    return BB_OK;
+}
+
+/* A file of device code that the program has by another folder's name: one of kernels/ or builders/common, or
+ * a builder's own. */
+static bool is_source(const char *name)
+{
+    char builder[64];
+    const char *end = strrchr(name, '.');
+    if (bb_source_find(name) != NULL)
+        return true;
+    snprintf(builder, sizeof builder, "%.*s", (int)(end - name), name);
+    return bb_builder_find(builder) != NULL;
+}
+
+/* A misspelt name would leave the embedded text in place, and what was to be tried untried. */
+static bb_status check_folder(const char *path)
+{
+    uint32_t found = 0;
+    bb_status status = BB_OK;
+    DIR *folder = opendir(path);
+    if (folder == NULL)
+        return BB_OK; /* bb_device_open() says why */
+    for (const struct dirent *e = readdir(folder); e != NULL && status == BB_OK;
+         e = readdir(folder)) {
+        const char *end = strrchr(e->d_name, '.');
+        if (end == NULL || (strcmp(end, ".cl") != 0 && strcmp(end, ".clh") != 0))
+            continue;
+        found++;
+        if (!is_source(e->d_name))
+            status = bb_fail(BB_INVALID,
+                             "--kernels-from %s: nothing reads %s: give it the name of a file of "
+                             "kernels/, or of a builder's",
+                             path, e->d_name);
+    }
+    closedir(folder);
+    if (status == BB_OK && found == 0)
+        return bb_fail(BB_INVALID, "--kernels-from %s: there is no .cl or .clh file", path);
+    return status;
+}
+
+bb_status bb_open_device(const bb_cli *cli, bb_device **device)
+{
+    const char *word = bb_cli_value(cli, "form");
+    bb_handover handover;
+    bb_form form = BB_FORM_AUTO;
+    if (word != NULL && strcmp(word, "cpu") == 0)
+        form = BB_FORM_CPU;
+    else if (word != NULL && strcmp(word, "gpu") == 0)
+        form = BB_FORM_GPU;
+    else if (word != NULL && strcmp(word, "auto") != 0)
+        return bb_fail(BB_INVALID, "--form is '%s', must be auto, cpu or gpu", word);
+    const char *folder = bb_cli_value(cli, "kernels-from");
+    BB_TRY(parse_handover(cli, &handover));
+    if (folder != NULL)
+        BB_TRY(check_folder(folder));
+    BB_TRY(bb_device_open(bb_cli_value(cli, "device"), form, folder, device));
+    if ((*device)->litmus_stale > 0)
+        fprintf(stderr,
+                "bvhbench: the fence of %s fails: %u words of %u messages between work-groups came "
+                "late; bottom-up passes are launches by levels\n",
+                (*device)->name, (*device)->litmus_stale, (*device)->litmus_pairs);
+    bb_status status = bb_device_set_handover(*device, handover);
+    if (status == BB_OK)
+        return BB_OK;
+    bb_device_close(*device);
+    *device = NULL;
+    return status;
+}
+
+bb_status bb_load_plugins(const bb_cli *cli)
+{
+    uint32_t count;
+    char *const *paths = bb_cli_values(cli, "plugin", &count);
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(bb_plugin_load(paths[i]));
+    return BB_OK;
+}
+
+bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view)
+{
+    char known[512] = "";
+    for (uint32_t i = 0; i < scene->view_count; i++) {
+        *view = &scene->views[i];
+        if (name == NULL || strcmp(scene->views[i].name, name) == 0)
+            return BB_OK;
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i > 0 ? ", " : "",
+                 scene->views[i].name);
+    }
+    return bb_fail(BB_INVALID, "%s has no view '%s': it has %s", scene->name, name, known);
+}
+
+bb_status bb_make_folder(const char *path)
+{
+    if (mkdir(path, 0777) != 0 && errno != EEXIST)
+        return bb_fail(BB_INVALID, "cannot make the output folder %s: %s", path, strerror(errno));
+    char probe[1100];
+    snprintf(probe, sizeof probe, "%s/.bvhbench-XXXXXX", path);
+    int file = mkstemp(probe);
+    if (file < 0)
+        return bb_fail(BB_INVALID, "cannot write into the output folder %s: %s", path,
+                       strerror(errno));
+    close(file);
+    unlink(probe);
+    return BB_OK;
+}

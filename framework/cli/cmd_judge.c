@@ -1,0 +1,336 @@
+/* bvhbench judge: classifies the hits of a tracer that is no plug-in, by the oracle and the arbiter of `run`. */
+#include "framework/base/clock.h"
+#include "framework/base/statistics.h"
+#include "framework/base/threads.h"
+#include "framework/cli/choice.h"
+#include "framework/exchange/exchange_file.h"
+#include "framework/judge/judge.h"
+#include "framework/record/record.h"
+#include "framework/report/report.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const bb_cli_option options[] = {
+    {"scene", "S", "the scene of the rays", false},
+    {"rays-file", "FILE", "what `bvhbench rays` wrote", true},
+    {"hits", "FILE", "what the tracer answered to it", true},
+    {"mrays-s", "X", "its speed with it in million rays per second, for the record", true},
+    {"name", "TEXT", "its name; default: as in the file of hits, else `outside`", false},
+    {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
+    {"verify", "yes|no", "make the rays again and compare; no: for rays made by hand; default: yes",
+     false},
+    {"out", "DIR", "folder of results.json and report.html; default: none are written", false},
+    {.name = NULL},
+};
+
+/* A rays file and the answers to it. */
+typedef struct ray_set {
+    const char *rays_path, *hits_path;
+    double mrays_s; /* 0: not given */
+    bb_rays *rays;
+    bb_outside_hits outside;
+    bb_answers answers; /* the oracle's */
+    bb_accuracy accuracy;
+} ray_set;
+
+enum { SETS_MAX = 64 };
+
+typedef struct job {
+    const char *folder; /* NULL: no results are written */
+    bool by_hand;       /* --verify no: the rays are of no workload */
+    double max_wrong_ppm;
+    double start;
+    bb_spec name;
+    bb_scene *scene;
+    bb_oracle *oracle;
+    ray_set sets[SETS_MAX];
+    uint32_t set_count;
+} job;
+
+static bb_status read_speeds(const bb_cli *cli, job *j)
+{
+    uint32_t count;
+    char *const *speeds = bb_cli_values(cli, "mrays-s", &count);
+    if (count > 0 && count != j->set_count)
+        return bb_fail(BB_INVALID, "%u --mrays-s for %u files: give one for each, or none", count,
+                       j->set_count);
+    for (uint32_t i = 0; i < count; i++) {
+        char *end;
+        double speed = strtod(speeds[i], &end);
+        if (end == speeds[i] || *end != '\0' || !(speed >= 1e-9 && speed <= 1e9))
+            return bb_fail(BB_INVALID, "--mrays-s is '%s', must be a number from 1e-9 to 1e9",
+                           speeds[i]);
+        j->sets[i].mrays_s = speed;
+    }
+    return BB_OK;
+}
+
+static bb_status read_verify(const bb_cli *cli, job *j)
+{
+    const char *verify = bb_cli_value(cli, "verify");
+    j->by_hand = verify != NULL && strcmp(verify, "no") == 0;
+    if (verify != NULL && !j->by_hand && strcmp(verify, "yes") != 0)
+        return bb_fail(BB_INVALID, "--verify is '%s', must be yes or no", verify);
+    return BB_OK;
+}
+
+static bb_status read_options(const bb_cli *cli, job *j)
+{
+    uint32_t rays_count, hits_count;
+    char *const *rays = bb_cli_values(cli, "rays-file", &rays_count);
+    char *const *hits = bb_cli_values(cli, "hits", &hits_count);
+    if (bb_cli_value(cli, "scene") == NULL || rays_count == 0 || hits_count == 0)
+        return bb_fail(BB_INVALID, "judge needs --scene, --rays-file and --hits: see `bvhbench "
+                                   "judge --help`");
+    if (rays_count != hits_count || rays_count > SETS_MAX)
+        return bb_fail(BB_INVALID, "%u --rays-file and %u --hits: give as many of each, up to %d",
+                       rays_count, hits_count, SETS_MAX);
+    j->set_count = rays_count;
+    for (uint32_t i = 0; i < rays_count; i++) {
+        j->sets[i].rays_path = rays[i];
+        j->sets[i].hits_path = hits[i];
+    }
+    j->folder = bb_cli_value(cli, "out");
+    BB_TRY(read_speeds(cli, j));
+    BB_TRY(read_verify(cli, j));
+    BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &j->max_wrong_ppm));
+    const char *name = bb_cli_value(cli, "name");
+    return name != NULL ? bb_spec_parse(name, &j->name) : BB_OK;
+}
+
+/* One ray set twice would be two records of one measurement. */
+static bb_status check_new(const job *j, uint32_t set)
+{
+    for (uint32_t i = 0; i < set; i++)
+        if (j->sets[i].rays->hash == j->sets[set].rays->hash)
+            return bb_fail(BB_INVALID, "rays files %s and %s hold the same rays: give them once",
+                           j->sets[i].rays_path, j->sets[set].rays_path);
+    return BB_OK;
+}
+
+/* All files are read, and all rays verified, before anything is judged: what is refused shall be
+ * refused at once. */
+static bb_status read_files(const bb_cli *cli, job *j)
+{
+    BB_TRY(bb_scene_load(bb_cli_value(cli, "scene"), &j->scene));
+    for (uint32_t i = 0; i < j->set_count; i++) {
+        ray_set *set = &j->sets[i];
+        BB_TRY(bb_exchange_read_rays(set->rays_path, j->scene, j->by_hand, &set->rays));
+        BB_TRY(check_new(j, i));
+        BB_TRY(bb_exchange_read_hits(set->hits_path, j->scene, set->rays, &set->outside));
+    }
+    const char *tracer = j->sets[0].outside.tracer;
+    if (j->name.name == NULL)
+        BB_TRY(bb_spec_parse(tracer[0] != '\0' ? tracer : "outside", &j->name));
+    BB_TRY(bb_oracle_create(j->scene, bb_core_count(), &j->oracle));
+    for (uint32_t i = 0; i < j->set_count && !j->by_hand; i++)
+        BB_TRY(bb_exchange_verify_rays(j->sets[i].rays_path, j->scene, j->oracle, j->sets[i].rays));
+    return BB_OK;
+}
+
+static bb_status judge(job *j)
+{
+    for (uint32_t i = 0; i < j->set_count; i++) {
+        ray_set *set = &j->sets[i];
+        BB_TRY(bb_answers_make(j->oracle, set->rays, &set->answers));
+        const bb_verdict_request wanted = {
+            .hits = set->outside.hits, .count = set->outside.count, .may_be_unnamed = true};
+        BB_TRY(bb_judge(j->oracle, &set->answers, &wanted, &set->accuracy));
+    }
+    return BB_OK;
+}
+
+/* ---- what it says ---- */
+
+/* Three figures, and never an exponent of ten. */
+static const char *figure(double value, char text[32])
+{
+    snprintf(text, 32, value >= 100 ? "%.0f" : "%.3g", value);
+    return text;
+}
+
+static void print_first_wrong(const ray_set *set)
+{
+    uint32_t i = set->accuracy.first_wrong;
+    if (i == BB_NONE)
+        return;
+    const bb_ray *ray = &set->rays->rays[i];
+    const bb_hit *hits[] = {&set->outside.hits[i], &set->answers.hits[i]};
+    static const char *const names[] = {"the tracer", "Embree"};
+    printf("the first wrong one is ray %u: o %.9g %.9g %.9g, d %.9g %.9g %.9g, t from %.9g to "
+           "%.9g\n",
+           i, (double)ray->o[0], (double)ray->o[1], (double)ray->o[2], (double)ray->d[0],
+           (double)ray->d[1], (double)ray->d[2], (double)ray->tmin, (double)ray->tmax);
+    for (int k = 0; k < 2; k++) {
+        if (hits[k]->prim == BB_NONE)
+            printf("  %-10s misses\n", names[k]);
+        else if (hits[k]->prim == BB_UNNAMED)
+            printf("  %-10s hits something\n", names[k]);
+        else
+            printf("  %-10s hits primitive %u at t = %.9g\n", names[k], hits[k]->prim,
+                   (double)hits[k]->t);
+    }
+}
+
+static void print_classes(const job *j, const ray_set *set)
+{
+    const bb_rays *rays = set->rays;
+    const bb_accuracy *a = &set->accuracy;
+    uint64_t wrong = a->missed + a->false_hits + a->wrong_t;
+    bb_wrong_rate rate = bb_wrong_rate_of((double)wrong, (double)a->checked);
+    char ppm[32], low[32], high[32];
+    printf("%s on %s, %s%s%s%s, %s hit: %llu hits for %u rays\n", j->name.text, j->scene->name,
+           rays->name, j->by_hand ? " (rays as given)" : "", rays->view[0] != '\0' ? " from " : "",
+           rays->view, bb_query_name(rays->query), (unsigned long long)a->checked, rays->count);
+    printf("  right     %10llu   of them %llu ties, %llu by the margin alone\n",
+           (unsigned long long)a->right, (unsigned long long)a->ties,
+           (unsigned long long)a->forgiven);
+    printf("  missed    %10llu\n  false     %10llu\n  wrong t   %10llu\n",
+           (unsigned long long)a->missed, (unsigned long long)a->false_hits,
+           (unsigned long long)a->wrong_t);
+    printf("  wrong ppm %10s   [%s, %s] %s\n", figure(a->wrong_ppm, ppm), figure(rate.low, low),
+           figure(rate.high, high), wrong == 0 ? "none found: below 3/n at 95 %" : "at 95 %");
+    if (!isnan(a->t_ulp_max))
+        printf("  error of t of the right hits, in units of the last place: 99 %% below %.3g, at "
+               "most %.3g; %.3g %% off by more than 1/1024 of t\n",
+               a->t_ulp_p99, a->t_ulp_max, 100.0 * (double)a->t_off / (double)a->right);
+    print_first_wrong(set);
+}
+
+/* ---- the record ---- */
+
+static bb_status add_build(const job *j, bb_results *results)
+{
+    bb_build_record *build = calloc(1, sizeof *build);
+    if (build == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    bb_build_record_init(build);
+    snprintf(build->scene, sizeof build->scene, "%s", j->scene->name);
+    snprintf(build->about, sizeof build->about,
+             "an outside tracer: its hits were read from a file, its speed %s",
+             j->sets[0].mrays_s > 0 ? "is as given" : "is not known");
+    build->spec = &j->name;
+    bb_status status = bb_results_add_build(results, build);
+    free(build);
+    return status;
+}
+
+static bb_status add_trace(const job *j, const ray_set *set, bb_results *results)
+{
+    bb_trace_record *trace = calloc(1, sizeof *trace);
+    if (trace == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    bb_trace_record_init(trace);
+    snprintf(trace->scene, sizeof trace->scene, "%s", j->scene->name);
+    snprintf(trace->view, sizeof trace->view, "%s", set->rays->view);
+    snprintf(trace->builder, sizeof trace->builder, "%s", j->name.text);
+    snprintf(trace->kernel, sizeof trace->kernel, "outside");
+    snprintf(trace->intersector, sizeof trace->intersector, "own");
+    snprintf(trace->rays, sizeof trace->rays, "%s", set->rays->name);
+    trace->rays_as_given = j->by_hand;
+    if (!j->by_hand) {
+        trace->rays_spec = &set->rays->spec;
+        trace->rays_options = set->rays->workload->options;
+    }
+    trace->query = set->rays->query;
+    trace->count = set->outside.count;
+    trace->rays_hash = set->rays->hash;
+    trace->mrays_s_given = set->mrays_s;
+    trace->has_accuracy = true;
+    trace->accuracy = set->accuracy;
+    trace->counts_for_exit = true;
+    trace->wrong = set->accuracy.wrong_ppm > j->max_wrong_ppm;
+    bb_status status = bb_results_add_trace(results, trace);
+    free(trace);
+    return status;
+}
+
+static bb_status path_in(const char *folder, const char *name, char path[PATH_MAX])
+{
+    if (snprintf(path, PATH_MAX, "%s/%s", folder, name) >= PATH_MAX)
+        return bb_fail(BB_INVALID, "%.80s...: the path is too long", folder);
+    return BB_OK;
+}
+
+static bb_status write_results(const bb_cli *cli, const job *j)
+{
+    char json[PATH_MAX], html[PATH_MAX];
+    BB_TRY(path_in(j->folder, "results.json", json));
+    BB_TRY(path_in(j->folder, "report.html", html));
+    char *command = bb_cli_command_line(cli);
+    bb_results *results = NULL;
+    bb_status status = bb_results_create(&(bb_context){.command = command}, &results);
+    if (status == BB_OK)
+        status = bb_results_add_scene(results, j->scene, NULL);
+    if (status == BB_OK)
+        status = add_build(j, results);
+    for (uint32_t i = 0; i < j->set_count && status == BB_OK; i++)
+        status = add_trace(j, &j->sets[i], results);
+    if (status == BB_OK)
+        status = bb_results_add_step(results, "judge answers", bb_wall_ms() - j->start);
+    if (status == BB_OK)
+        status = bb_results_set_total(results, 0, 0, bb_wall_ms() - j->start);
+    if (status == BB_OK)
+        status = bb_results_write(results, json);
+    if (status == BB_OK)
+        status = bb_report_html(results, j->folder, html);
+    if (status == BB_OK)
+        fprintf(stderr, "wrote %s and %s\n", json, html);
+    bb_results_destroy(results);
+    free(command);
+    return status;
+}
+
+static void release(job *j)
+{
+    for (uint32_t i = 0; i < j->set_count; i++) {
+        bb_answers_release(&j->sets[i].answers);
+        bb_outside_hits_release(&j->sets[i].outside);
+        bb_rays_free(j->sets[i].rays);
+    }
+    bb_oracle_destroy(j->oracle);
+    bb_scene_free(j->scene);
+}
+
+static bb_status run(const bb_cli *cli, int *exit_status)
+{
+    static job j; /* a parsed name must not move */
+    j.start = bb_wall_ms();
+    bb_status status = read_options(cli, &j);
+    if (status == BB_OK && j.folder != NULL)
+        status = bb_make_folder(j.folder);
+    if (status == BB_OK)
+        status = read_files(cli, &j);
+    if (status == BB_OK)
+        status = judge(&j);
+    for (uint32_t i = 0; i < j.set_count && status == BB_OK; i++) {
+        print_classes(&j, &j.sets[i]);
+        if (j.sets[i].accuracy.wrong_ppm > j.max_wrong_ppm)
+            *exit_status = BB_EXIT_WRONG;
+    }
+    if (status == BB_OK && j.folder != NULL)
+        status = write_results(cli, &j);
+    release(&j);
+    return status;
+}
+
+const bb_command bb_command_judge = {
+    .name = "judge",
+    .summary = "class the hits that a tracer from outside made for the rays of `rays`",
+    .details =
+        "A hit is a primitive and a t; framework/exchange/exchange.h is the format of both files.\n"
+        "Classes and margins are those of `run`; [ , ] is a 95 % interval. Fewer hits than\n"
+        "rays are those of the first rays. The rays are made again from scene and header, and\n"
+        "must be those of the file; with --verify no they are judged as given, under a name\n"
+        "that is no workload's, and the record says so. Files of several views or workloads\n"
+        "become one record: as many --hits, and --mrays-s, as --rays-file, in the same order.\n"
+        "With --out, `bvhbench report DIR OTHER...` puts the tracer into one report with\n"
+        "other results. Exit status 1: more wrong rays than --max-wrong-ppm; 2: a file that\n"
+        "is damaged, of another scene or other rays, or holds what is no answer.",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,204 @@
+/* bvhbench list: what there is to choose from. */
+#include "framework/builder/builder.h"
+#include "framework/cli/choice.h"
+#include "framework/embree/embree.h"
+#include "framework/papers/reproduce.h"
+#include "framework/rays/rays.h"
+#include "framework/scene/scene.h"
+#include "traversal/traversal.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const bb_cli_option options[] = {
+    {"json", NULL, "as JSON", false},
+    {"plugin", "FILE.so", "load a builder first", true},
+    {.name = NULL},
+};
+
+/* One entry of a list; as text or JSON. */
+static void add(cJSON *list, const char *name, const char *summary, const char *paper,
+                const bb_option *declared)
+{
+    cJSON *entry = cJSON_CreateObject();
+    cJSON_AddStringToObject(entry, "name", name);
+    cJSON_AddStringToObject(entry, "summary", summary);
+    if (paper != NULL)
+        cJSON_AddStringToObject(entry, "paper", paper);
+    cJSON *all = cJSON_AddArrayToObject(entry, "options");
+    for (const bb_option *o = declared; o != NULL && o->name != NULL; o++) {
+        cJSON *option = cJSON_CreateObject();
+        cJSON_AddStringToObject(option, "name", o->name);
+        if (o->default_value != NULL)
+            cJSON_AddStringToObject(option, "default", o->default_value);
+        if (o->values != NULL)
+            cJSON_AddStringToObject(option, "values", o->values);
+        cJSON_AddStringToObject(option, "help", o->help);
+        cJSON_AddItemToArray(all, option);
+    }
+    cJSON_AddItemToArray(list, entry);
+}
+
+static bb_status list_builders(cJSON *list)
+{
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const bb_builder *b = bb_builder_at(i);
+        add(list, b->name, b->summary, b->paper, b->options);
+    }
+    add(list, "embree-native", "reference: Embree tracing with its own trees", "Wald et al. 2014",
+        bb_embree_options);
+    return BB_OK;
+}
+
+static bb_status list_kernels(cJSON *list)
+{
+    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
+        bb_option all[BB_PARAMS_MAX + 1];
+        uint32_t count = 0;
+        for (const bb_option *o = bb_kernel_common_options; o->name != NULL; o++)
+            all[count++] = *o;
+        for (const bb_option *o = (*k)->options; o != NULL && o->name != NULL; o++)
+            all[count++] = *o;
+        all[count] = (bb_option){.name = NULL};
+        add(list, (*k)->name, (*k)->summary, (*k)->paper, all);
+    }
+    return BB_OK;
+}
+
+static bb_status list_layouts(cJSON *list)
+{
+    for (const bb_layout *const *l = bb_layouts; *l != NULL; l++)
+        add(list, (*l)->name, (*l)->summary, NULL, NULL);
+    return BB_OK;
+}
+
+static bb_status list_intersectors(cJSON *list)
+{
+    for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++) {
+        const char *const own[] = {i->triangle, i->slab, i->contract};
+        bb_option options[sizeof own / sizeof own[0] + 1] = {{.name = NULL}};
+        for (size_t k = 0; bb_intersector_options[k].name != NULL; k++) {
+            options[k] = bb_intersector_options[k];
+            options[k].default_value = own[k];
+        }
+        add(list, i->name, i->summary, NULL, options);
+    }
+    return BB_OK;
+}
+
+static bb_status list_scenes(cJSON *list)
+{
+    for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
+        add(list, *name, "shipped with bvhbench", NULL, NULL);
+    for (const bb_generator *const *g = bb_generators; *g != NULL; g++)
+        add(list, (*g)->name, (*g)->summary, NULL, (*g)->options);
+    return BB_OK;
+}
+
+static bb_status list_rays(cJSON *list)
+{
+    for (const bb_workload *w = bb_workloads; w->name != NULL; w++)
+        add(list, w->name, w->summary, NULL, w->options);
+    return BB_OK;
+}
+
+static bb_status list_papers(cJSON *list)
+{
+    for (const bb_paper *const *p = bb_papers; *p != NULL; p++)
+        add(list, (*p)->name, (*p)->title, NULL, NULL);
+    return BB_OK;
+}
+
+static bb_status list_devices(cJSON *list)
+{
+    uint32_t count;
+    BB_TRY(bb_device_count(&count));
+    for (uint32_t i = 0; i < count; i++) {
+        char number[16], text[512];
+        snprintf(number, sizeof number, "%u", i);
+        BB_TRY(bb_device_describe(i, text, sizeof text));
+        add(list, number, text, NULL, NULL);
+    }
+    return BB_OK;
+}
+
+static const struct {
+    const char *name;
+    bb_status (*fill)(cJSON *list);
+} kinds[] = {
+    {"builders", list_builders}, {"kernels", list_kernels},
+    {"layouts", list_layouts},   {"intersectors", list_intersectors},
+    {"scenes", list_scenes},     {"rays", list_rays},
+    {"papers", list_papers},     {"devices", list_devices},
+};
+
+enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
+
+static const char *text_of(const cJSON *entry, const char *key)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(entry, key));
+    return text != NULL ? text : "";
+}
+
+static void print_list(const char *kind, const cJSON *list)
+{
+    printf("%s\n", kind);
+    const cJSON *entry, *option;
+    cJSON_ArrayForEach(entry, list)
+    {
+        printf("  %-14s %s", text_of(entry, "name"), text_of(entry, "summary"));
+        if (text_of(entry, "paper")[0] != '\0' && strcmp(text_of(entry, "paper"), "none") != 0)
+            printf(" (%s)", text_of(entry, "paper"));
+        printf("\n");
+        cJSON_ArrayForEach(option, cJSON_GetObjectItem(entry, "options"))
+        {
+            const char *values = text_of(option, "values");
+            printf("      %s=%s  %s%s%s\n", text_of(option, "name"), text_of(option, "default"),
+                   text_of(option, "help"), values[0] != '\0' ? ": " : "", values);
+        }
+    }
+    printf("\n");
+}
+
+static bb_status run(const bb_cli *cli, int *exit_status)
+{
+    (void)exit_status;
+    BB_TRY(bb_load_plugins(cli));
+    const char *wanted = cli->positional_count > 0 ? cli->positional[0] : NULL;
+    if (cli->positional_count > 1)
+        return bb_fail(BB_INVALID, "list takes one kind, not '%s' as well", cli->positional[1]);
+    cJSON *all = cJSON_CreateObject();
+    bb_status status = BB_OK;
+    bool found = false;
+    for (uint32_t i = 0; i < KIND_COUNT && status == BB_OK; i++) {
+        if (wanted != NULL && strcmp(wanted, kinds[i].name) != 0)
+            continue;
+        found = true;
+        status = kinds[i].fill(cJSON_AddArrayToObject(all, kinds[i].name));
+    }
+    if (status == BB_OK && !found)
+        status = bb_fail(BB_INVALID,
+                         "nothing is called '%s': list takes builders, kernels, layouts, "
+                         "intersectors, scenes, rays, papers or devices",
+                         wanted);
+    if (status == BB_OK && bb_cli_value(cli, "json") != NULL) {
+        char *text = cJSON_Print(all);
+        printf("%s\n", text);
+        free(text);
+    } else if (status == BB_OK) {
+        const cJSON *list;
+        cJSON_ArrayForEach(list, all) print_list(list->string, list);
+    }
+    cJSON_Delete(all);
+    return status;
+}
+
+const bb_command bb_command_list = {
+    .name = "list",
+    .summary = "builders, kernels, layouts, intersectors, scenes, rays, papers, devices",
+    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|papers|devices]",
+    .options = options,
+    .run = run,
+};

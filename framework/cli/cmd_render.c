@@ -1,0 +1,238 @@
+/* bvhbench render: one picture of a view, traced by a builder's tree and a kernel. */
+#include "framework/builder/builder.h"
+#include "framework/builder/instance.h"
+#include "framework/cli/choice.h"
+#include "framework/judge/judge.h"
+#include "framework/picture/image.h"
+#include "framework/picture/picture.h"
+#include "traversal/traversal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const bb_cli_option options[] = {
+    {"scene", "S", "a file, a shipped or a procedural scene", false},
+    {"builder", "B", "default: the first that `list builders` shows and `run` compares", false},
+    {"kernel", "K", "default: the first there is", false},
+    {"intersector", "I", "default: exact", false},
+    {"view", "V", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
+     false},
+    {"camera", "NAME", "which of the scene's views; default: the first", false},
+    {"size", "WxH", "of the scene's picture, to which heat and diff add a legend; default: 512x512",
+     false},
+    {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
+    {"plugin", "FILE.so", "load a builder", true},
+    {"kernels-from", "DIR", "read device code from here first", false},
+    {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
+    {"out", "FILE", "FILE.png or FILE.exr", false},
+    {.name = NULL},
+};
+
+typedef struct rendering {
+    bb_device *device;
+    bb_scene *scene;
+    bb_oracle *oracle;
+    bb_rays *rays;
+    bb_instance instance;
+    bb_account account;
+    const bb_kernel *kernel;
+    bb_spec kernel_spec;
+    bb_intersector intersector;
+    bb_layout_maker maker;
+    bb_layout_data layout;
+    bb_buffer d_hits, d_counts;
+    bb_hit *hits;
+    bb_count *counts;
+    bb_canvas canvas;
+} rendering;
+
+static bb_status choose_builder(const bb_cli *cli, const char **builder)
+{
+    *builder = bb_cli_value(cli, "builder");
+    for (uint32_t i = 0; i < bb_builder_count() && *builder == NULL; i++)
+        if (bb_builder_at(i)->compared == NULL || bb_builder_at(i)->compared[0] != '\0')
+            *builder = bb_builder_at(i)->name;
+    return bb_instance_check(*builder);
+}
+
+static bb_status choose_kernel(const bb_cli *cli, rendering *r)
+{
+    const char *kernel = bb_cli_value(cli, "kernel");
+    BB_TRY(bb_spec_parse(kernel != NULL ? kernel : bb_kernels[0]->name, &r->kernel_spec));
+    r->kernel = bb_kernel_find(r->kernel_spec.name);
+    if (r->kernel == NULL)
+        return bb_fail(BB_INVALID, "unknown kernel '%s': `bvhbench list kernels` shows them",
+                       r->kernel_spec.name);
+    BB_TRY(bb_kernel_validate(r->kernel, &r->kernel_spec));
+    const char *intersector = bb_cli_value(cli, "intersector");
+    return bb_intersector_parse(intersector != NULL ? intersector : bb_intersectors[0].name,
+                                &r->intersector);
+}
+
+static bb_status make_rays(rendering *r, const bb_cli *cli)
+{
+    uint32_t width = 512, height = 512;
+    bb_spec spec;
+    const bb_view *view = NULL;
+    BB_TRY(bb_cli_size(cli, "size", &width, &height));
+    BB_TRY(bb_choose_view(r->scene, bb_cli_value(cli, "camera"), &view));
+    BB_TRY(bb_spec_parse("primary", &spec));
+    bb_rays_request request = {&spec, view, width, height, width * height, 1};
+    BB_TRY(bb_rays_make(r->scene, r->oracle, &request, &r->rays));
+    return bb_rays_upload(r->rays, r->device);
+}
+
+static bb_status make_layout(rendering *r, const char *builder)
+{
+    uint64_t leaf;
+    BB_TRY(bb_instance_create(r->device, builder, r->scene, 1, &r->instance));
+    BB_TRY(bb_instance_build(&r->instance, r->scene, false, NULL, NULL));
+    BB_TRY(bb_tree_upload(&r->instance.tree, r->device, NULL));
+    BB_TRY(bb_spec_u64(&r->kernel_spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
+    BB_TRY(bb_layout_maker_create(bb_layout_find(r->kernel->layout), r->device, &r->maker));
+    return bb_layout_maker_make(&r->maker, r->scene, &r->instance.tree, (uint32_t)leaf,
+                                bb_intersector_form(&r->intersector), &r->layout);
+}
+
+static bb_status trace(rendering *r)
+{
+    uint32_t count = r->rays->count;
+    bb_tracer *tracer;
+    bb_tracer_request request = {
+        .kernel = r->kernel,
+        .spec = &r->kernel_spec,
+        .intersector = &r->intersector,
+        .query = BB_CLOSEST_HIT,
+        .kinds = r->scene->kinds,
+        .stack_need = r->layout.stack_need,
+        .levels = r->layout.levels,
+        .counting = true,
+    };
+    BB_TRY(bb_tracer_get(r->device, &request, &tracer));
+    BB_TRY(bb_buffer_reserve(r->device, &r->account, count * sizeof(bb_hit), "hits", &r->d_hits));
+    BB_TRY(bb_buffer_reserve(r->device, &r->account, count * sizeof(bb_count), "counts",
+                             &r->d_counts));
+    BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_hit), "hits", &r->hits));
+    BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_count), "counts", &r->counts));
+    BB_TRY(bb_buffer_fill(&r->d_hits, count * sizeof(bb_hit), BB_POISON));
+    BB_TRY(
+        bb_tracer_launch(tracer, &r->layout, &r->rays->on_device, count, &r->d_hits, &r->d_counts));
+    BB_TRY(bb_buffer_read(&r->d_hits, 0, count * sizeof(bb_hit), r->hits));
+    return bb_buffer_read(&r->d_counts, 0, count * sizeof(bb_count), r->counts);
+}
+
+static bb_status shade_heat(rendering *r)
+{
+    bb_heat heat;
+    BB_TRY(bb_picture_heat(r->rays, r->counts, &r->canvas, &heat));
+    printf(
+        "tests per ray: %.1f boxes and %.1f primitives on average, %.0f at most; colours from 0 to "
+        "%.0f\n",
+        heat.boxes, heat.prims, heat.most, heat.top);
+    return BB_OK;
+}
+
+static bb_status shade_diff(rendering *r)
+{
+    bb_answers answers = {0};
+    bb_accuracy a;
+    uint8_t *classes = NULL;
+    bb_status status = bb_host_alloc(NULL, r->rays->count, "classes", &classes);
+    if (status == BB_OK)
+        status = bb_answers_make(r->oracle, r->rays, &answers);
+    if (status == BB_OK)
+        status = bb_judge(
+            r->oracle, &answers,
+            &(bb_verdict_request){.hits = r->hits, .count = r->rays->count, .classes = classes},
+            &a);
+    if (status == BB_OK)
+        status = bb_picture_diff(r->scene, r->rays, r->hits, classes, &a, &r->canvas);
+    if (status == BB_OK)
+        printf("%llu rays: %llu missed, %llu false, %llu wrong t, %llu ties\n",
+               (unsigned long long)a.checked, (unsigned long long)a.missed,
+               (unsigned long long)a.false_hits, (unsigned long long)a.wrong_t,
+               (unsigned long long)a.ties);
+    bb_answers_release(&answers);
+    bb_host_free(classes);
+    return status;
+}
+
+static bb_status shade(rendering *r, const char *view)
+{
+    if (strcmp(view, "heat") == 0)
+        return shade_heat(r);
+    if (strcmp(view, "diff") == 0)
+        return shade_diff(r);
+    BB_TRY(bb_canvas_create(r->rays->width, r->rays->height, &r->canvas));
+    if (strcmp(view, "depth") == 0)
+        return bb_picture_depth(r->rays, r->hits, r->canvas.rgb);
+    bb_picture_normals(r->scene, r->rays, r->hits, r->canvas.rgb);
+    return BB_OK;
+}
+
+static void release(rendering *r)
+{
+    bb_layout_data_release(&r->layout);
+    bb_layout_maker_destroy(&r->maker);
+    bb_instance_destroy(&r->instance);
+    bb_buffer_release(&r->d_hits);
+    bb_buffer_release(&r->d_counts);
+    bb_host_free(r->hits);
+    bb_host_free(r->counts);
+    bb_canvas_free(&r->canvas);
+    bb_rays_free(r->rays);
+    bb_oracle_destroy(r->oracle);
+    bb_scene_free(r->scene);
+    if (r->device != NULL)
+        bb_tracers_clear(r->device);
+    bb_device_close(r->device);
+}
+
+static bb_status run(const bb_cli *cli, int *exit_status)
+{
+    (void)exit_status;
+    static rendering r; /* an instance must not move */
+    const char *builder, *scene = bb_cli_value(cli, "scene"), *out = bb_cli_value(cli, "out");
+    const char *view = bb_cli_value(cli, "view") != NULL ? bb_cli_value(cli, "view") : "normal";
+    if (scene == NULL || out == NULL)
+        return bb_fail(BB_INVALID, "render needs --scene and --out: see `bvhbench render --help`");
+    if (strcmp(view, "depth") != 0 && strcmp(view, "normal") != 0 && strcmp(view, "heat") != 0 &&
+        strcmp(view, "diff") != 0)
+        return bb_fail(BB_INVALID, "--view is '%s', must be depth, normal, heat or diff", view);
+    BB_TRY(bb_image_check(out));
+    BB_TRY(bb_load_plugins(cli));
+    BB_TRY(choose_builder(cli, &builder));
+    BB_TRY(choose_kernel(cli, &r));
+    bb_status status = bb_open_device(cli, &r.device);
+    if (status == BB_OK)
+        status = bb_scene_load(scene, &r.scene);
+    if (status == BB_OK)
+        status = bb_scene_upload(r.scene, r.device);
+    if (status == BB_OK)
+        status = bb_oracle_create(r.scene, bb_host_threads(r.device), &r.oracle);
+    if (status == BB_OK)
+        status = make_rays(&r, cli);
+    if (status == BB_OK)
+        status = make_layout(&r, builder);
+    if (status == BB_OK)
+        status = trace(&r);
+    if (status == BB_OK)
+        status = shade(&r, view);
+    if (status == BB_OK)
+        status = bb_image_write(out, r.canvas.rgb, r.canvas.width, r.canvas.height);
+    release(&r);
+    return status;
+}
+
+const bb_command bb_command_render = {
+    .name = "render",
+    .summary = "a picture of one view: depth, normals, tests per ray, or where rays are wrong",
+    .details =
+        "heat: box and primitive tests of each ray, by the counting variant of the kernel, on a "
+        "map\n"
+        "that is even in lightness (in OKLab); the colours end where 99.9 % of the rays do.\n"
+        "diff: classes of the answers, judged as in `run`. --intersector fast makes wrong ones.",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,131 @@
+/* bvhbench report: result files into one HTML page, and its charts as pictures. */
+#include "framework/base/file.h"
+#include "framework/cli/charts_option.h"
+#include "framework/cli/cli.h"
+#include "framework/record/record.h"
+#include "framework/report/report.h"
+
+#include <cjson/cJSON.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const bb_cli_option options[] = {
+    {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
+     false},
+    BB_CHARTS_OPTION,
+    {NULL, NULL, NULL, false},
+};
+
+/* "FOLDER/NAME" into `path`. */
+static bb_status join(char path[PATH_MAX], const char *folder, const char *name)
+{
+    if (snprintf(path, PATH_MAX, "%s/%s", folder, name) >= PATH_MAX)
+        return bb_fail(BB_INVALID, "%s/%s: the path is too long", folder, name);
+    return BB_OK;
+}
+
+/* A folder stands for its results.json. */
+static bb_status input_path(const char *argument, char path[PATH_MAX])
+{
+    struct stat info;
+    if (stat(argument, &info) == 0 && S_ISDIR(info.st_mode))
+        return join(path, argument, "results.json");
+    if (snprintf(path, PATH_MAX, "%s", argument) >= PATH_MAX)
+        return bb_fail(BB_INVALID, "%.60s...: the path is too long", argument);
+    return BB_OK;
+}
+
+/* Pictures of several inputs lie in several folders: their paths get the folder in front. */
+static bb_status locate_pictures(bb_results *results, const char *folder)
+{
+    cJSON *picture;
+    cJSON_ArrayForEach(picture,
+                       cJSON_GetObjectItemCaseSensitive(bb_results_json(results), "pictures"))
+    {
+        cJSON *item = cJSON_GetObjectItemCaseSensitive(picture, "path");
+        char path[PATH_MAX];
+        if (item->valuestring[0] == '/')
+            continue;
+        BB_TRY(join(path, folder, item->valuestring));
+        cJSON *located = cJSON_CreateString(path);
+        if (located == NULL || !cJSON_ReplaceItemInObjectCaseSensitive(picture, "path", located)) {
+            cJSON_Delete(located);
+            return bb_fail(BB_FAILED, "report: no memory");
+        }
+    }
+    return BB_OK;
+}
+
+/* Reads `argument`; *folder is where it lies, from malloc. */
+static bb_status read_input(const char *argument, bb_results **results, char **folder)
+{
+    char path[PATH_MAX];
+    BB_TRY(input_path(argument, path));
+    BB_TRY(bb_results_read(path, results));
+    *folder = bb_file_folder(path);
+    if (*folder == NULL)
+        return bb_fail(BB_FAILED, "report: no memory");
+    return locate_pictures(*results, *folder);
+}
+
+static bb_status write_charts(bb_results *results, const char *page)
+{
+    char folder[PATH_MAX];
+    uint32_t pictures;
+    BB_TRY(bb_report_charts_folder(page, folder, sizeof folder));
+    BB_TRY(bb_report_charts(results, folder, &pictures));
+    printf("%s: %u charts, each as SVG and PNG\n", folder, pictures);
+    return BB_OK;
+}
+
+static bb_status run(const bb_cli *cli, int *exit_status)
+{
+    if (cli->positional_count == 0)
+        return bb_fail(BB_INVALID, "report: name a result file, or the folder of a run");
+    bb_results *all = NULL, *more = NULL;
+    char *folder = NULL, *other = NULL;
+    char beside[PATH_MAX];
+    const char *out = bb_cli_value(cli, "out");
+    bool charts;
+    BB_TRY(bb_charts_wanted(cli, &charts));
+    bb_status status = read_input(cli->positional[0], &all, &folder);
+    for (uint32_t i = 1; status == BB_OK && i < cli->positional_count; i++) {
+        status = read_input(cli->positional[i], &more, &other);
+        if (status == BB_OK)
+            status = bb_results_merge(all, more);
+        bb_results_destroy(more);
+        free(other);
+        more = NULL;
+        other = NULL;
+    }
+    if (status == BB_OK && out == NULL) {
+        status = join(beside, folder, "report.html");
+        out = beside;
+    }
+    if (status == BB_OK)
+        status = bb_report_html(all, NULL, out);
+    if (status == BB_OK)
+        printf("%s\n", out);
+    if (status == BB_OK && charts)
+        status = write_charts(all, out);
+    else if (status == BB_OK)
+        bb_charts_note(cli);
+    bb_results_destroy(all);
+    free(folder);
+    *exit_status = BB_EXIT_OK;
+    return status;
+}
+
+const bb_command bb_command_report = {
+    .name = "report",
+    .summary = "makes the HTML report of one or several result files, and its charts as pictures",
+    .arguments = "FILE|DIR...",
+    .details = "A folder stands for its results.json. Several inputs become one report; scenes of "
+               "the same\n"
+               "name must have the same geometry.",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,98 @@
+/* bvhbench reproduce: a paper's experiments, tables and claims beside ours. */
+#include "framework/cli/charts_option.h"
+#include "framework/cli/choice.h"
+#include "framework/cli/output.h"
+#include "framework/papers/reproduce.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const bb_cli_option options[] = {
+    {"scene", "S", "instead of the paper's default scenes, where an experiment takes any", true},
+    {"repeats", "N",
+     "rounds that count; default: as each experiment says, 6 or more where times are compared; "
+     "below 6 claims on times are undecided",
+     false},
+    {"max-prims", "N", "most primitives where their number is varied; default: 1000000", false},
+    {"quick", NULL,
+     "small scenes, few rays, two rounds: shows that it works, decides no claim on times", false},
+    {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
+    {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
+    {"seed", "N", "of all that is random; default: 1", false},
+    {"plugin", "FILE.so", "load a builder", true},
+    {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
+    {"out", "DIR", "folder of results.json and report.html; default: out", false},
+    BB_CHARTS_OPTION,
+    {"quiet", NULL, "no progress", false},
+    {.name = NULL},
+};
+
+static bb_status fill_request(const bb_cli *cli, bb_reproduce_request *request)
+{
+    uint64_t repeats;
+    if (cli->positional_count != 1)
+        return bb_fail(BB_INVALID, "reproduce: name one paper: `bvhbench list papers` shows them");
+    BB_TRY(bb_paper_find(cli->positional[0], &request->paper));
+    BB_TRY(bb_cli_u64(cli, "repeats", 0, 1, BB_SAMPLES_MAX - 1, &repeats));
+    BB_TRY(bb_cli_u64(cli, "max-prims", 1000000, 10000, 100000000, &request->max_prims));
+    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
+    request->repeats = (uint32_t)repeats;
+    request->quick = bb_cli_value(cli, "quick") != NULL;
+    request->quiet = bb_cli_value(cli, "quiet") != NULL;
+    if (request->quick && bb_cli_value(cli, "repeats") != NULL)
+        return bb_fail(BB_INVALID, "reproduce: --quick has its own rounds: drop --repeats");
+    if (request->quick && bb_cli_value(cli, "max-prims") == NULL)
+        request->max_prims = 10000;
+    request->scenes = bb_cli_values(cli, "scene", &request->scene_count);
+    return BB_OK;
+}
+
+static bb_status run(const bb_cli *cli, int *exit_status)
+{
+    const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
+    bb_reproduce_request request = {0};
+    bb_bench_outcome outcome = {0};
+    bb_results *results = NULL;
+    char *command = bb_cli_command_line(cli);
+    bool charts = false;
+    bb_status status = bb_charts_wanted(cli, &charts);
+    if (status == BB_OK)
+        status = bb_load_plugins(cli);
+    if (status == BB_OK)
+        status = fill_request(cli, &request);
+    if (status == BB_OK)
+        status = bb_reproduce_check(&request);
+    if (status == BB_OK)
+        status = bb_make_folder(folder);
+    if (status == BB_OK)
+        status = bb_open_device(cli, &request.device);
+    if (status == BB_OK)
+        status = bb_results_create(&(bb_context){request.device, request.seed, command}, &results);
+    if (status == BB_OK)
+        status = bb_reproduce(&request, results, &outcome);
+    if (status == BB_OK)
+        status =
+            bb_output_write(results, &(bb_output_request){folder, &outcome, charts, request.quiet,
+                                                          bb_reproduction_print});
+    else if (results != NULL)
+        status = bb_output_keep(results, folder, status);
+    if (status == BB_OK && !charts)
+        bb_charts_note(cli);
+    if (status == BB_OK && bb_output_blame(&outcome))
+        *exit_status = BB_EXIT_WRONG;
+    bb_results_destroy(results);
+    bb_device_close(request.device);
+    free(command);
+    return status;
+}
+
+const bb_command bb_command_reproduce = {
+    .name = "reproduce",
+    .summary = "a paper's experiments, its tables and claims beside ours",
+    .arguments = "PAPER",
+    .details = "`bvhbench list papers` shows the papers. Exit status 1: a cell has a wrong answer, "
+               "or a builder or\nkernel failed. That a claim did not hold is no failure.",
+    .options = options,
+    .run = run,
+};

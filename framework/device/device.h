@@ -1,0 +1,164 @@
+/* An OpenCL device with one in-order queue, its accounted buffers, its programs and launches. */
+#ifndef BB_DEVICE_H
+#define BB_DEVICE_H
+
+#ifndef CL_TARGET_OPENCL_VERSION
+#define CL_TARGET_OPENCL_VERSION 120
+#endif
+#include <CL/cl.h>
+
+#include "framework/base/memory.h"
+#include "framework/base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Which form of the parallel primitives and other form-dependent kernels to use. */
+typedef enum bb_form {
+    BB_FORM_AUTO, /* by device type */
+    BB_FORM_CPU,  /* one work-item per chunk, no local memory, no barriers */
+    BB_FORM_GPU,  /* work-groups that co-operate through local memory */
+} bb_form;
+
+/* How bottom-up passes hand from one work-group to another: kernels/handover.clh. */
+typedef enum bb_handover {
+    BB_HANDOVER_AUTO,   /* by what the device documents, and a litmus test */
+    BB_HANDOVER_FENCE,  /* inside a launch */
+    BB_HANDOVER_LEVELS, /* in launches by levels */
+} bb_handover;
+
+typedef struct bb_device {
+    cl_platform_id platform;
+    cl_device_id id;
+    cl_context context;
+    cl_command_queue queue; /* in order, profiling on */
+    char name[256];
+    char driver[128];
+    char version[128];     /* CL_DEVICE_VERSION */
+    bool is_cpu;           /* shares memory with the host */
+    bb_form form;          /* BB_FORM_CPU or BB_FORM_GPU, never AUTO */
+    bb_handover handover;  /* FENCE or LEVELS, never AUTO */
+    char fence[64];        /* options that compile a fence between work-groups; "": there is none */
+    uint32_t litmus_pairs; /* of work-groups' messages in the litmus test; 0: there is no fence */
+    uint32_t litmus_stale; /* words of them that were not there yet */
+    uint32_t compute_units;
+    size_t max_group_size;
+    cl_device_fp_config float_config; /* CL_DEVICE_SINGLE_FP_CONFIG */
+    uint64_t local_bytes;
+    uint64_t global_bytes;       /* what the device has */
+    uint64_t largest_allocation; /* what one buffer may have */
+    uint64_t bytes;              /* in use by our own account */
+    double event_ms;             /* sum of the event times since bb_device_clear_events() */
+    bool profile_events;         /* collect event_ms: a stopwatch runs */
+    struct bb_event_list *events;
+    struct bb_program_cache *programs; /* what was compiled; released with the device */
+    const char *kernel_folder; /* edit-and-run: .cl and .h are read from here first; may be NULL */
+    char sources[16];          /* "embedded" or "folder": the record says which */
+} bb_device;
+
+/* Number of OpenCL devices of all platforms, and description of the i-th for `list devices`. */
+bb_status bb_device_count(uint32_t *count);
+bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);
+
+/* Opens the device that `selector` names: NULL (the first there is), an index, or part of a device
+ * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c). BB_INVALID when
+ * there is none: the message says what to install. Close with bb_device_close(). */
+bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
+                         bb_device **device);
+void bb_device_close(bb_device *device);
+
+/* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence that
+ * the device has not, or that failed the litmus test. */
+bb_status bb_device_set_handover(bb_device *device, bb_handover handover);
+
+/* Threads for the host's share of the work on this device: all cores; for a device that is the host's own
+ * processor no more than its compute units. */
+uint32_t bb_host_threads(const bb_device *device);
+
+/* Does the device round quotients and roots rightly, if asked to? Then kernels that take the same steps
+ * get the same bits. */
+bool bb_device_divides_exactly(const bb_device *device);
+
+/* What programs that include handover.clh are compiled with; 96 characters are enough. */
+void bb_handover_defines(const bb_device *device, char *text, size_t capacity);
+
+/* Waits until all that was enqueued is done. */
+bb_status bb_finish(bb_device *device);
+
+/* ---- buffers ---- */
+
+typedef struct bb_buffer {
+    cl_mem mem;   /* NULL when empty */
+    size_t bytes; /* usable size */
+    bb_device *device;
+    bb_account *account;
+} bb_buffer;
+
+/* Makes sure that the buffer has at least `bytes` (contents are lost if it grows). Refuses, with
+ * name and bytes, what exceeds the device's memory or its largest allocation by our own account,
+ * before the driver is asked. Account may be NULL. A zeroed bb_buffer is empty. */
+bb_status bb_buffer_reserve(bb_device *device, bb_account *account, size_t bytes, const char *what,
+                            bb_buffer *buffer);
+void bb_buffer_release(bb_buffer *buffer);
+
+/* Blocking copies. Offsets and sizes in bytes. */
+bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const void *source);
+bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, void *target);
+/* Fills with a 32-bit pattern; enqueued, not waited for. `bytes` is a multiple of 4. */
+bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern);
+/* Maps for host access (no copy on devices that share memory); blocking. */
+bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer);
+bb_status bb_buffer_unmap(const bb_buffer *buffer, void *pointer);
+
+/* ---- programs ---- */
+
+/* A device source by the name that #include and the build use, such as "lbvh.cl". */
+typedef struct bb_source {
+    const char *name;
+    const char *text;
+} bb_source;
+
+/* The device headers and sources of kernels/ and builders/common that are embedded in the library;
+ * ends with name NULL. (Generated by CMake.) */
+extern const bb_source bb_embedded_sources[];
+/* Declares the embedded device source of a builder: its NAME.cl. */
+#define BB_DEVICE_SOURCE(name) extern const bb_source bb_source_##name
+const bb_source *bb_source_find(const char *name); /* NULL if there is none */
+
+/* Compiles `source` with `defines` ("-DX=1 -DY", or ""), or returns what was compiled of it before with
+ * the same. `#include "x.h"` resolves by name among the embedded headers. OpenCL C 1.2 unless `defines`
+ * say otherwise (-cl-std=...). Every program gets FP_CONTRACT OFF from "bb_device.h". BB_FAILED carries
+ * the first line of the build log. */
+bb_status bb_program_build(bb_device *device, const bb_source *source, const char *defines,
+                           cl_program *program);
+bb_status bb_kernel_get(cl_program program, const char *name, cl_kernel *kernel);
+void bb_program_release(cl_program program); /* NULL is allowed */
+void bb_kernel_release(cl_kernel kernel);    /* NULL is allowed */
+
+/* Forgets all compiled programs (those in use live on). */
+void bb_programs_clear(bb_device *device);
+
+/* ---- launches ---- */
+
+typedef struct bb_arg {
+    size_t size;
+    const void *value;
+} bb_arg;
+
+#define BB_MEM(buffer) ((bb_arg){sizeof(cl_mem), &(buffer).mem})
+#define BB_VALUE(variable) ((bb_arg){sizeof(variable), &(variable)})
+
+/* Sets the arguments and enqueues; does not wait. `global` is rounded up to a multiple of `local`:
+ * kernels compare their id with a count. */
+bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, size_t local,
+                         const bb_arg *args, uint32_t count);
+#define bb_launch(device, kernel, global, local, ...)                                              \
+    bb_launch_args((device), (kernel), (global), (local), (const bb_arg[]){__VA_ARGS__},           \
+                   (uint32_t)(sizeof((const bb_arg[]){__VA_ARGS__}) / sizeof(bb_arg)))
+
+/* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read device->event_ms. */
+void bb_device_clear_events(bb_device *device);
+bb_status bb_device_collect_events(bb_device *device);
+
+#endif

@@ -1,0 +1,29 @@
+/* Times a span of work on a device, by three clocks: wall, process CPU, and the device's own events.
+ *
+ * The three check each other: in an in-order queue the kernels' own times can't add up to more than the
+ * wall time around them. A wall clock that stops before the queue is finished, or starts after the
+ * first launch, breaks that (audit.h).
+ */
+#ifndef BB_STOPWATCH_H
+#define BB_STOPWATCH_H
+
+#include "framework/device/device.h"
+
+typedef struct bb_stopwatch {
+    bb_device *device;
+    double wall, cpu;
+} bb_stopwatch;
+
+typedef struct bb_timing {
+    double ms;       /* wall */
+    double cpu_ms;   /* of the process, all threads */
+    double event_ms; /* sum of the kernels' times, by the device's clock */
+} bb_timing;
+
+/* From a finished queue; BB_FAILED if the device fails. No other watch may run on the device. */
+bb_status bb_stopwatch_start(bb_device *device, bb_stopwatch *watch);
+
+/* To a finished queue. */
+bb_status bb_stopwatch_stop(bb_stopwatch *watch, bb_timing *timing);
+
+#endif

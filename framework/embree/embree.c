@@ -1,0 +1,322 @@
+/* Embree (3 or 4) as oracle and as reference: its own scene over our triangles and spheres, traced
+ * with rtcIntersect1 / rtcOccluded1.
+ *
+ * Spheres are RTC_GEOMETRY_TYPE_SPHERE_POINT: the nearest root in the interval counts, so a ray
+ * from inside hits the far side. Embree counts hits in the closed interval [tmin, tmax], bb_ray's
+ * is open; the difference is one value of t, within the margin of the arbiter.
+ */
+#include "framework/embree/embree.h"
+
+#include "framework/base/clock.h"
+#include "framework/base/threads.h"
+
+#include "framework/embree/embree_api.h"
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+enum { CHUNK = 2048 }; /* rays that a thread takes at once */
+
+struct bb_embree {
+    const bb_scene *of;
+    RTCDevice device;
+    RTCScene scene;
+    bb_pool *pool;
+    uint32_t first_prim[2]; /* of geometry 0 and 1, in the scene's numbering */
+    uint32_t geometries;
+    atomic_llong bytes;
+    _Atomic int error; /* the first that Embree reported since the last check */
+    char text[200];
+};
+
+const bb_option bb_embree_options[] = {
+    {"quality", "medium", "low|medium|high",
+     "build quality of Embree's own tree (in robust mode Embree builds high as medium)"},
+    {"mode", "robust", "fast|robust", "robust: watertight edges (RTC_SCENE_FLAG_ROBUST)"},
+    {NULL, NULL, NULL, NULL},
+};
+
+/* ---- what Embree tells ---- */
+
+static bool count_bytes(void *user, ssize_t bytes, bool post)
+{
+    bb_embree *embree = user;
+    (void)post;
+    atomic_fetch_add_explicit(&embree->bytes, bytes, memory_order_relaxed);
+    return true;
+}
+
+static void keep_error(void *user, enum RTCError code, const char *text)
+{
+    bb_embree *embree = user;
+    int none = RTC_ERROR_NONE;
+    if (atomic_compare_exchange_strong(&embree->error, &none, (int)code))
+        snprintf(embree->text, sizeof embree->text, "%s", text != NULL ? text : "no text");
+}
+
+static bb_status no_device(void)
+{
+    return bb_fail(BB_FAILED, "Embree gives no device (error %d): check the installation of Embree",
+                   (int)rtcGetDeviceError(NULL));
+}
+
+bb_status bb_embree_version(char *text, size_t capacity)
+{
+    RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
+    if (device == NULL)
+        return no_device();
+    snprintf(text, capacity, "%d.%d.%d",
+             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
+             (int)rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH));
+    rtcReleaseDevice(device);
+    return BB_OK;
+}
+
+static bb_status check(bb_embree *embree, const char *what)
+{
+    const bb_scene *of = embree->of;
+    int code = atomic_exchange(&embree->error, RTC_ERROR_NONE);
+    if (code == RTC_ERROR_NONE)
+        return BB_OK;
+    return bb_fail(code == RTC_ERROR_OUT_OF_MEMORY ? BB_REFUSED : BB_FAILED,
+                   "Embree, %s of scene '%s' (%u primitives): %s (error %d)", what, of->name,
+                   of->prim_count, embree->text, code);
+}
+
+/* ---- building ---- */
+
+static void attach(bb_embree *embree, RTCGeometry geometry, unsigned int id, uint32_t first_prim,
+                   enum RTCBuildQuality quality)
+{
+    rtcSetGeometryBuildQuality(geometry, quality);
+    rtcAttachGeometryByID(embree->scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+    embree->first_prim[id] = first_prim;
+    embree->geometries = id + 1;
+}
+
+/* Vertices are copied, since Embree reads 16 bytes at the last one; the other arrays are shared. */
+static void add_geometry(bb_embree *embree, const bb_scene *scene, enum RTCBuildQuality quality)
+{
+    unsigned int id = 0;
+    if (scene->triangle_count > 0) {
+        RTCGeometry triangles = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        float *vertices =
+            rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                    3 * sizeof(float), scene->vertex_count);
+        if (vertices != NULL)
+            memcpy(vertices, scene->vertices, 3 * sizeof(float) * (size_t)scene->vertex_count);
+        rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   scene->indices, 0, 3 * sizeof(uint32_t), scene->triangle_count);
+        attach(embree, triangles, id++, 0, quality);
+    }
+    if (scene->sphere_count > 0) {
+        RTCGeometry spheres = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+        rtcSetSharedGeometryBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                   scene->spheres, 0, 4 * sizeof(float), scene->sphere_count);
+        attach(embree, spheres, id++, scene->triangle_count, quality);
+    }
+}
+
+static enum RTCBuildQuality quality_of(const bb_spec *spec)
+{
+    if (spec != NULL && bb_spec_is(spec, bb_embree_options, "quality", "low"))
+        return RTC_BUILD_QUALITY_LOW;
+    if (spec != NULL && bb_spec_is(spec, bb_embree_options, "quality", "high"))
+        return RTC_BUILD_QUALITY_HIGH;
+    return RTC_BUILD_QUALITY_MEDIUM;
+}
+
+static bb_status build(bb_embree *embree, const bb_scene *scene, const bb_spec *spec)
+{
+    enum RTCBuildQuality quality = quality_of(spec);
+    bool fast = spec != NULL && bb_spec_is(spec, bb_embree_options, "mode", "fast");
+    embree->scene = rtcNewScene(embree->device);
+    BB_TRY(check(embree, "creation"));
+    rtcSetSceneFlags(embree->scene, fast ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(embree->scene, quality);
+    add_geometry(embree, scene, quality);
+    return check(embree, "geometry");
+}
+
+/* Geometry and scene; the wall time of both. */
+static void commit(bb_embree *embree, double *ms)
+{
+    double start = bb_wall_ms();
+    for (uint32_t id = 0; id < embree->geometries; id++)
+        rtcCommitGeometry(rtcGetGeometry(embree->scene, id));
+    rtcCommitScene(embree->scene);
+    if (ms != NULL)
+        *ms = bb_wall_ms() - start;
+}
+
+bb_status bb_embree_rebuild(bb_embree *embree, double *ms)
+{
+    /* what is not said to have changed is not built again */
+    for (uint32_t id = 0; id < embree->geometries; id++)
+        rtcUpdateGeometryBuffer(rtcGetGeometry(embree->scene, id), RTC_BUFFER_TYPE_VERTEX, 0);
+    commit(embree, ms);
+    return check(embree, "build");
+}
+
+uint64_t bb_embree_bytes(const bb_embree *embree)
+{
+    return (uint64_t)atomic_load(&embree->bytes);
+}
+
+double bb_embree_span_ms(const bb_embree *embree)
+{
+    return bb_pool_span_ms(embree->pool);
+}
+
+bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t threads,
+                           bb_embree **out, double *build_ms)
+{
+    *out = NULL;
+    bb_embree *embree = calloc(1, sizeof *embree);
+    if (embree == NULL)
+        return bb_fail(BB_REFUSED, "the host refused the memory of an Embree device");
+    embree->of = scene;
+    bb_status status = bb_pool_create(threads, &embree->pool);
+    if (status != BB_OK)
+        goto out;
+    /* Embree's own threads (TBB) only build, and sleep between builds. */
+    char config[64];
+    snprintf(config, sizeof config, "threads=%u,set_affinity=0", bb_pool_threads(embree->pool));
+    embree->device = rtcNewDevice(config);
+    if (embree->device == NULL) {
+        status = no_device();
+        goto out;
+    }
+    rtcSetDeviceErrorFunction(embree->device, keep_error, embree);
+    rtcSetDeviceMemoryMonitorFunction(embree->device, count_bytes, embree);
+    status = build(embree, scene, spec);
+    if (status != BB_OK)
+        goto out;
+    commit(embree, build_ms);
+    status = check(embree, "build");
+out:
+    if (status == BB_OK)
+        *out = embree;
+    else
+        bb_embree_destroy(embree);
+    return status;
+}
+
+void bb_embree_destroy(bb_embree *embree)
+{
+    if (embree == NULL)
+        return;
+    if (embree->scene != NULL)
+        rtcReleaseScene(embree->scene);
+    if (embree->device != NULL)
+        rtcReleaseDevice(embree->device);
+    bb_pool_destroy(embree->pool);
+    free(embree);
+}
+
+/* ---- tracing ---- */
+
+typedef struct trace_job {
+    bb_embree *embree;
+    const bb_ray *rays;
+    bb_hit *hits;
+} trace_job;
+
+static inline struct RTCRay convert(const bb_ray *ray)
+{
+    return (struct RTCRay){.org_x = ray->o[0],
+                           .org_y = ray->o[1],
+                           .org_z = ray->o[2],
+                           .tnear = ray->tmin,
+                           .dir_x = ray->d[0],
+                           .dir_y = ray->d[1],
+                           .dir_z = ray->d[2],
+                           .tfar = ray->tmax,
+                           .mask = 0xFFFFFFFFu};
+}
+
+/* Embree takes no larger numbers of a ray (FLT_LARGE of its source), and some builds of it abort. */
+static bool is_too_large(const bb_ray *ray)
+{
+    float largest = 0.0f;
+    for (int k = 0; k < 3; k++)
+        largest = fmaxf(largest, fmaxf(fabsf(ray->o[k]), fabsf(ray->d[k])));
+    return largest > 1.8e18f;
+}
+
+static void trace_closest(trace_job *job, size_t begin, size_t end)
+{
+    bb_intersect_arguments arguments;
+    bb_intersect_arguments_init(&arguments);
+    for (size_t i = begin; i < end; i++) {
+        struct RTCRayHit hit = {.ray = convert(&job->rays[i])};
+        hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        if (!is_too_large(&job->rays[i]))
+            bb_intersect1(job->embree->scene, &hit, &arguments);
+        if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+            job->hits[i] = (bb_hit){INFINITY, BB_NONE};
+        else
+            job->hits[i] =
+                (bb_hit){hit.ray.tfar, job->embree->first_prim[hit.hit.geomID] + hit.hit.primID};
+    }
+}
+
+static void trace_any(trace_job *job, size_t begin, size_t end)
+{
+    bb_occluded_arguments arguments;
+    bb_occluded_arguments_init(&arguments);
+    for (size_t i = begin; i < end; i++) {
+        struct RTCRay ray = convert(&job->rays[i]);
+        if (!is_too_large(&job->rays[i]))
+            bb_occluded1(job->embree->scene, &ray, &arguments);
+        bool occluded = ray.tfar < 0.0f && isinf(ray.tfar);
+        job->hits[i] = occluded ? (bb_hit){0.0f, BB_UNNAMED} : (bb_hit){INFINITY, BB_NONE};
+    }
+}
+
+/* Embree asks for flush-to-zero; it is set here only, so that nobody else's arithmetic changes. */
+static void trace_chunk(trace_job *job, size_t begin, size_t end,
+                        void (*trace)(trace_job *, size_t, size_t))
+{
+#if defined(__SSE__)
+    unsigned int saved = _mm_getcsr();
+    _mm_setcsr(saved | 0x8040u); /* FTZ and DAZ */
+#endif
+    trace(job, begin, end);
+#if defined(__SSE__)
+    _mm_setcsr(saved);
+#endif
+}
+
+static void closest_chunk(void *context, size_t begin, size_t end, uint32_t thread)
+{
+    (void)thread;
+    trace_chunk(context, begin, end, trace_closest);
+}
+
+static void any_chunk(void *context, size_t begin, size_t end, uint32_t thread)
+{
+    (void)thread;
+    trace_chunk(context, begin, end, trace_any);
+}
+
+bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count, bb_query query,
+                          bb_hit *hits)
+{
+    trace_job job = {.embree = embree, .rays = rays, .hits = hits};
+    bb_parallel_for(embree->pool, count, CHUNK, query == BB_ANY_HIT ? any_chunk : closest_chunk,
+                    &job);
+    int code = atomic_exchange(&embree->error, RTC_ERROR_NONE);
+    if (code != RTC_ERROR_NONE)
+        return bb_fail(BB_FAILED, "Embree, tracing %u rays: %s (error %d)", count, embree->text,
+                       code);
+    return BB_OK;
+}

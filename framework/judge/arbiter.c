@@ -1,0 +1,535 @@
+/* Classes of answers: the definitions are in arbiter.h. */
+#include "framework/judge/arbiter.h"
+
+#include "framework/judge/exact.h"
+#include "framework/judge/passing.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { NINE = 9, ALL_NINE = (1 << NINE) - 1, HALVINGS = 5, NEAR_MAX = 48 };
+
+/* One ray under judgement. */
+typedef struct trial {
+    const bb_scene *scene;
+    const bb_ray *ray;
+    bb_frame frame;
+    double moves[NINE][3]; /* unit vectors perpendicular to d; the first is 0 */
+} trial;
+
+static double length_of(const bb_ray *ray)
+{
+    double square = 0.0;
+    for (int k = 0; k < 3; k++)
+        square += (double)ray->d[k] * (double)ray->d[k];
+    return sqrt(square);
+}
+
+static const double eighth = 0.70710678118654752440;
+
+static void begin_trial(trial *trial, const bb_scene *scene, const bb_ray *ray)
+{
+    const double steps[NINE][2] = {{0, 0},
+                                   {1, 0},
+                                   {eighth, eighth},
+                                   {0, 1},
+                                   {-eighth, eighth},
+                                   {-1, 0},
+                                   {-eighth, -eighth},
+                                   {0, -1},
+                                   {eighth, -eighth}};
+    trial->scene = scene;
+    trial->ray = ray;
+    for (int k = 0; k < 3; k++) {
+        trial->frame.o[k] = ray->o[k];
+        trial->frame.d[k] = ray->d[k];
+    }
+    const double *d = trial->frame.d;
+    trial->frame.length = length_of(ray);
+    /* u = d cross (the axis in which d is smallest), w = d cross u. */
+    int axis = fabs(d[0]) <= fabs(d[1]) && fabs(d[0]) <= fabs(d[2]) ? 0
+               : fabs(d[1]) <= fabs(d[2])                           ? 1
+                                                                    : 2;
+    int j = (axis + 1) % 3, k = (axis + 2) % 3;
+    double *u = trial->frame.across[0], *w = trial->frame.across[1];
+    double flat = hypot(d[j], d[k]);
+    u[axis] = 0.0;
+    u[j] = d[k] / flat;
+    u[k] = -d[j] / flat;
+    for (int i = 0; i < 3; i++) {
+        int a = (i + 1) % 3, b = (i + 2) % 3;
+        w[i] = (d[a] * u[b] - d[b] * u[a]) / trial->frame.length;
+    }
+    /* Rounded to multiples of 2^-30, so that the moved origins have no bits too small for exact.c.
+     */
+    for (int n = 0; n < NINE; n++)
+        for (int i = 0; i < 3; i++)
+            trial->moves[n][i] = 0x1p-30 * rint(0x1p30 * (steps[n][0] * u[i] + steps[n][1] * w[i]));
+}
+
+static void moved_origin(const trial *trial, int copy, double eps, double o[3])
+{
+    for (int k = 0; k < 3; k++)
+        o[k] = trial->frame.o[k] + eps * trial->moves[copy][k];
+}
+
+/* ---- primitives ---- */
+
+static bool is_triangle(const bb_scene *scene, uint32_t prim)
+{
+    return prim < scene->triangle_count;
+}
+
+static const float *sphere_of(const bb_scene *scene, uint32_t prim)
+{
+    return scene->spheres + 4 * (size_t)(prim - scene->triangle_count);
+}
+
+static double margin(const bb_scene *scene, const double o[3], uint32_t prim)
+{
+    double largest = 0.0;
+    if (is_triangle(scene, prim)) {
+        for (uint32_t corner = 0; corner < 3; corner++) {
+            const float *v = bb_scene_vertex(scene, prim, corner);
+            for (int k = 0; k < 3; k++)
+                largest = fmax(largest, fabs((double)v[k] - o[k]));
+        }
+    } else {
+        const float *s = sphere_of(scene, prim);
+        for (int k = 0; k < 3; k++)
+            largest = fmax(largest, fabs((double)s[k] - o[k]) + (double)s[3]);
+    }
+    return 16.0 * 0x1p-24 * largest;
+}
+
+double bb_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
+{
+    const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
+    return margin(scene, o, prim);
+}
+
+double bb_t_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
+{
+    return bb_margin(scene, ray, prim) / length_of(ray);
+}
+
+float bb_smallest_height(const bb_scene *scene, uint32_t prim)
+{
+    if (!is_triangle(scene, prim))
+        return 2.0f * sphere_of(scene, prim)[3];
+    const float *v[3] = {bb_scene_vertex(scene, prim, 0), bb_scene_vertex(scene, prim, 1),
+                         bb_scene_vertex(scene, prim, 2)};
+    double longest = 0.0, area = 0.0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double side = 0.0;
+        for (int axis = 0; axis < 3; axis++)
+            side = hypot(side, (double)v[j][axis] - v[i][axis]);
+        longest = fmax(longest, side);
+        area = hypot(area, ((double)v[1][j] - v[0][j]) * ((double)v[2][k] - v[0][k]) -
+                               ((double)v[1][k] - v[0][k]) * ((double)v[2][j] - v[0][j]));
+    }
+    return area > 0.0 ? (float)(area / longest) : 0.0f;
+}
+
+int bb_exact_hits(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
+                  double t[2])
+{
+    if (!is_triangle(scene, prim)) {
+        const float *s = sphere_of(scene, prim);
+        return bb_exact_meets_sphere(o, d, s) && bb_exact_sphere_t(o, d, s, t) ? 2 : 0;
+    }
+    const float *a = bb_scene_vertex(scene, prim, 0), *b = bb_scene_vertex(scene, prim, 1),
+                *c = bb_scene_vertex(scene, prim, 2);
+    return bb_exact_meets_triangle(o, d, a, b, c) && bb_exact_plane_t(o, d, a, b, c, &t[0]) ? 1 : 0;
+}
+
+bool bb_exact_first(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double *t)
+{
+    const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
+    double roots[2];
+    int count = bb_exact_hits(scene, o, ray->d, prim, roots);
+    for (int root = 0; root < count; root++) {
+        double slack = 0x1p-28 * fabs(roots[root]);
+        if (roots[root] < ray->tmin - slack)
+            continue; /* where the ray, beyond tmin, has entered a sphere already */
+        *t = roots[root];
+        return *t > ray->tmin + slack && *t < ray->tmax - slack;
+    }
+    return false;
+}
+
+bool bb_exact_t(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double near, double *t)
+{
+    const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
+    if (is_triangle(scene, prim))
+        return bb_exact_plane_t(o, ray->d, bb_scene_vertex(scene, prim, 0),
+                                bb_scene_vertex(scene, prim, 1), bb_scene_vertex(scene, prim, 2),
+                                t);
+    double both[2];
+    if (!bb_exact_sphere_t(o, ray->d, sphere_of(scene, prim), both))
+        return false;
+    *t = fabs(both[0] - near) <= fabs(both[1] - near) ? both[0] : both[1];
+    return true;
+}
+
+/* ---- a reported primitive: do the nine hit it, and where? ---- */
+
+typedef struct spread {
+    bool near_miss;         /* none of the nine hits, but the ray passes within eps */
+    int hits;               /* how many of the nine hit within the interval grown by eps */
+    double low[2], high[2]; /* of the (two) values of t, not yet grown by eps */
+} spread;
+
+static void widen(spread *s, int root, double t)
+{
+    s->low[root] = fmin(s->low[root], t);
+    s->high[root] = fmax(s->high[root], t);
+}
+
+/* t of the copies that pass the primitive by. */
+static void widen_by_passing(const trial *trial, uint32_t prim, double eps, spread *s)
+{
+    bb_passing p = bb_pass(&trial->frame, trial->scene, prim, -INFINITY, INFINITY);
+    if (!is_triangle(trial->scene, prim)) {
+        widen(s, 0, p.t_low);
+        widen(s, 1, p.t_low);
+        return;
+    }
+    for (int copy = 0; copy < NINE; copy++) {
+        double o[3], t;
+        moved_origin(trial, copy, eps, o);
+        bool crosses = bb_exact_plane_t(o, trial->ray->d, bb_scene_vertex(trial->scene, prim, 0),
+                                        bb_scene_vertex(trial->scene, prim, 1),
+                                        bb_scene_vertex(trial->scene, prim, 2), &t);
+        widen(s, 0, crosses ? fmin(fmax(t, p.t_low), p.t_high) : p.t_low);
+        widen(s, 0, crosses ? fmin(fmax(t, p.t_low), p.t_high) : p.t_high);
+    }
+}
+
+static spread spread_over(const trial *trial, uint32_t prim, double eps)
+{
+    spread s = {.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
+    double e = eps / trial->frame.length;
+    double tmin = trial->ray->tmin - e, tmax = trial->ray->tmax + e;
+    for (int copy = 0; copy < NINE; copy++) {
+        double o[3], t[2];
+        moved_origin(trial, copy, eps, o);
+        int count = bb_exact_hits(trial->scene, o, trial->ray->d, prim, t);
+        bool inside = false;
+        for (int root = 0; root < count; root++)
+            if (t[root] >= tmin && t[root] <= tmax) {
+                widen(&s, root, t[root]);
+                inside = true;
+            }
+        s.hits += inside;
+    }
+    if (s.hits == NINE)
+        return s;
+    if (s.hits == 0) {
+        bb_passing p = bb_pass(&trial->frame, trial->scene, prim, tmin, tmax);
+        s.near_miss = p.distance <= eps;
+    }
+    if (s.hits > 0 || s.near_miss)
+        widen_by_passing(trial, prim, eps, &s);
+    return s;
+}
+
+/* ---- does every one of the nine hit something? ---- */
+
+typedef struct search {
+    const trial *trial;
+    double limit;   /* t below which a hit counts, INFINITY: any */
+    uint32_t prim;  /* what was reported, BB_NONE: nothing: hits of it do not count */
+    int root;       /* that is, the first or the second ones of a sphere */
+    double common;  /* move all copies by this; 0: by each primitive's own eps */
+    double most;    /* only primitives whose own eps is at most this count */
+    double radius;  /* as a share of that */
+    bool literal;   /* no margin at the ends of the ray's interval */
+    int wanted;     /* bits of the copies that still look for a hit */
+    double largest; /* eps of the primitives that any copy hit */
+    uint32_t found; /* the last of those */
+} search;
+
+static bool hits_well(const search *search, const double o[3], uint32_t prim, double eps)
+{
+    const bb_ray *ray = search->trial->ray;
+    double length = search->trial->frame.length, t[2];
+    double end = search->literal ? 0.0 : eps / length;
+    double low = ray->tmin + end;
+    double high = fmin(ray->tmax - end, search->limit - eps / length);
+    int count = bb_exact_hits(search->trial->scene, o, ray->d, prim, t);
+    for (int root = 0; root < count; root++)
+        if (t[root] > low && t[root] < high && !(prim == search->prim && root == search->root))
+            return true;
+    return false;
+}
+
+static bool search_primitive(void *context, uint32_t prim)
+{
+    search *search = context;
+    double eps = margin(search->trial->scene, search->trial->frame.o, prim);
+    for (int copy = 0; copy < NINE && eps <= search->most; copy++) {
+        if ((search->wanted >> copy & 1) == 0)
+            continue;
+        double o[3], distance = search->common > 0.0 ? search->common : eps;
+        moved_origin(search->trial, copy, search->radius * distance, o);
+        if (hits_well(search, o, prim, eps)) {
+            search->wanted &= ~(1 << copy);
+            search->largest = fmax(search->largest, eps);
+            search->found = prim;
+        }
+    }
+    return search->wanted == 0;
+}
+
+static bool all_found(const bb_arbiter *arbiter, search *search, int wanted, double common,
+                      double radius)
+{
+    bb_probe probe;
+    search->radius = radius;
+    bb_probe_make(search->trial->ray, &probe);
+    probe.tmax = fmin(probe.tmax, search->limit);
+    probe.grow = search->common = common;
+    search->wanted = wanted;
+    bb_box_tree_visit(arbiter->tree, &probe, search_primitive, search);
+    return search->wanted == 0;
+}
+
+/* ---- what the nine leave open ---- */
+
+/* Primitives near the ray. */
+typedef struct gap {
+    const bb_arbiter *arbiter;
+    const search *search;
+    double common; /* as in search */
+    bb_outline outlines[NEAR_MAX];
+    uint32_t count;
+    bool scaled_alike; /* outlines by the common eps, else by each primitive's own */
+} gap;
+
+/* In the unit disc, which stands for the nine's; so large that what is not seen of it does no matter. */
+static bool add_outline(void *context, uint32_t prim)
+{
+    gap *g = context;
+    const trial *trial = g->search->trial;
+    double eps = margin(trial->scene, trial->frame.o, prim), end = eps / trial->frame.length;
+    double unit = g->scaled_alike ? g->common : eps;
+    double from = trial->ray->tmin + end, to = fmin(trial->ray->tmax, g->search->limit) - end;
+    if (prim == g->search->prim || eps > g->search->most ||
+        bb_pass(&trial->frame, trial->scene, prim, from, to).distance > unit)
+        return false;
+    bb_outline *outline = &g->outlines[g->count];
+    bb_see_outline(&trial->frame, trial->scene, prim, from, to, outline);
+    for (uint32_t i = 0; i < outline->count; i++)
+        for (int k = 0; k < 2; k++)
+            outline->corners[i][k] /= unit;
+    g->count += outline->count > 0;
+    return g->count == NEAR_MAX;
+}
+
+static bool is_open(void *context, double x, double y)
+{
+    const gap *g = context;
+    trial moved = *g->search->trial;
+    search search = *g->search;
+    for (int k = 0; k < 3; k++)
+        moved.moves[1][k] =
+            0x1p-30 * rint(0x1p30 * (x * moved.frame.across[0][k] + y * moved.frame.across[1][k]));
+    search.trial = &moved;
+    bool own = search.most == INFINITY && all_found(g->arbiter, &search, 1 << 1, 0.0, 1.0);
+    return !own && !all_found(g->arbiter, &search, 1 << 1, g->common, 1.0);
+}
+
+/* The nine are a sample of the disc of radius eps: near a corner, the way between primitives may be
+ * narrower than the angles between the eight. */
+static bool has_gap(const bb_arbiter *arbiter, const search *search, double common)
+{
+    gap g = {.arbiter = arbiter, .search = search, .common = common};
+    for (int alike = 0; alike < 2; alike++) {
+        bb_probe probe;
+        bb_probe_make(search->trial->ray, &probe);
+        probe.grow = common;
+        g.count = 0;
+        g.scaled_alike = alike;
+        bb_box_tree_visit(arbiter->tree, &probe, add_outline, &g);
+        if (bb_find_open_way(g.outlines, g.count, is_open, &g))
+            return true;
+    }
+    return false;
+}
+
+/* Closed all over the disc: at smaller and smaller distances, and between sides. All by one `common`, or,
+ * where all primitives count, each by its own eps. */
+static bool is_closed(const bb_arbiter *arbiter, search search, double common)
+{
+    for (int halvings = 0; halvings <= HALVINGS; halvings++) {
+        double radius = ldexp(1.0, -halvings);
+        bool own = search.most == INFINITY && all_found(arbiter, &search, ALL_NINE, 0.0, radius);
+        if (!own && !all_found(arbiter, &search, ALL_NINE, common, radius))
+            return false;
+    }
+    return !has_gap(arbiter, &search, common);
+}
+
+/* The eps of what the ray itself hits, each once. */
+typedef struct own_hits {
+    const search *search;
+    double eps[NEAR_MAX];
+    uint32_t count;
+} own_hits;
+
+static bool add_own_hit(void *context, uint32_t prim)
+{
+    own_hits *own = context;
+    const trial *trial = own->search->trial;
+    double o[3], eps = margin(trial->scene, trial->frame.o, prim);
+    moved_origin(trial, 0, 0.0, o);
+    if (!hits_well(own->search, o, prim, eps))
+        return false;
+    for (uint32_t i = 0; i < own->count; i++)
+        if (own->eps[i] == eps)
+            return false;
+    own->eps[own->count++] = eps;
+    return own->count == NEAR_MAX;
+}
+
+/* Whether all of the nine hit something nearer than the search's limit by more than its margin. The margin
+ * of what was reported is no matter: a kernel that finds both by its own arithmetic takes the one that
+ * it finds nearer, and it is held to the t that it gave. The ray itself goes first: in most cases it
+ * hits nothing there, and the eight need not be asked.
+ *
+ * All nine may hit something each, and the way between them be open: where the primitives are no larger
+ * than eps, or near a corner. And a primitive of large eps that is hit as well must not make a way open that
+ * those of smaller eps close among themselves, so these are asked alone, too. */
+static bool nine_hit(const bb_arbiter *arbiter, search search)
+{
+    if (!all_found(arbiter, &search, 1, 0.0, 1.0))
+        return false;
+    search.wanted = ALL_NINE;
+    if (search_primitive(&search, search.found))
+        return true; /* primitives are convex: nothing is open between the nine */
+    (void)all_found(arbiter, &search, ALL_NINE, 0.0, 1.0); /* for the largest eps */
+    double largest = search.largest;
+    if (is_closed(arbiter, search, largest))
+        return true;
+    own_hits own = {.search = &search};
+    bb_probe probe;
+    bb_probe_make(search.trial->ray, &probe);
+    probe.tmax = fmin(probe.tmax, search.limit);
+    bb_box_tree_visit(arbiter->tree, &probe, add_own_hit, &own);
+    for (uint32_t i = 0; i < own.count; i++) {
+        search.most = own.eps[i];
+        if (search.most < largest && is_closed(arbiter, search, search.most))
+            return true;
+    }
+    return false;
+}
+
+static bool nine_hit_by_the_letter(const bb_arbiter *arbiter, const trial *trial, double limit)
+{
+    search search = {
+        .trial = trial, .limit = limit, .prim = BB_NONE, .most = INFINITY, .literal = true};
+    return all_found(arbiter, &search, 1, 0.0, 1.0) &&
+           all_found(arbiter, &search, ALL_NINE, 0.0, 1.0);
+}
+
+/* ---- answers ---- */
+
+static bool find_any(void *context, uint32_t prim)
+{
+    search *search = context;
+    double eps = margin(search->trial->scene, search->trial->frame.o, prim);
+    spread s = spread_over(search->trial, prim, eps);
+    if (s.hits > 0 || s.near_miss)
+        search->wanted = 0;
+    return search->wanted == 0;
+}
+
+/* "Something was hit", without saying what. */
+static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
+{
+    search search = {.trial = trial, .prim = BB_NONE, .most = INFINITY, .wanted = 1};
+    bb_probe probe;
+    bb_probe_make(trial->ray, &probe);
+    bb_box_tree_visit(arbiter->tree, &probe, find_any, &search);
+    return search.wanted == 0 ? BB_RIGHT : BB_FALSE_HIT;
+}
+
+/* Where the ray itself hits the primitive within eps of the reported t, as the first or second root: then
+ * the eight copies can only widen what is allowed, and need not be asked. Else -1. */
+static int root_hit(const trial *trial, const bb_hit *hit, double e)
+{
+    double t[2];
+    int count = bb_exact_hits(trial->scene, trial->frame.o, trial->ray->d, hit->prim, t);
+    for (int root = 0; root < count; root++)
+        if (fabs((double)hit->t - t[root]) <= e && t[root] >= trial->ray->tmin &&
+            t[root] <= trial->ray->tmax)
+            return root;
+    return -1;
+}
+
+static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const bb_hit *hit,
+                          bb_query query)
+{
+    double eps = margin(trial->scene, trial->frame.o, hit->prim), e = eps / trial->frame.length;
+    double t = hit->t;
+    int root = root_hit(trial, hit, e);
+    if (root < 0) {
+        spread s = spread_over(trial, hit->prim, eps);
+        if (s.hits == 0 && !s.near_miss)
+            return BB_FALSE_HIT;
+        bool inside = t >= trial->ray->tmin - e && t <= trial->ray->tmax + e;
+        bool first = t >= s.low[0] - e && t <= s.high[0] + e;
+        bool second = t >= s.low[1] - e && t <= s.high[1] + e;
+        if (!inside || !(first || second))
+            return BB_WRONG_T;
+        root = first ? 0 : 1;
+    }
+    const search nearer = {
+        .trial = trial, .limit = t, .prim = hit->prim, .root = root, .most = INFINITY};
+    return query == BB_CLOSEST_HIT && nine_hit(arbiter, nearer) ? BB_WRONG_T : BB_RIGHT;
+}
+
+bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
+                          bb_query query, bool must_hit)
+{
+    if (hit->prim == BB_NONE && must_hit)
+        return BB_MISSED;
+    trial trial;
+    begin_trial(&trial, arbiter->scene, ray);
+    const search any = {.trial = &trial, .limit = INFINITY, .prim = BB_NONE, .most = INFINITY};
+    if (hit->prim == BB_NONE)
+        return nine_hit(arbiter, any) ? BB_MISSED : BB_RIGHT;
+    if (query == BB_ANY_HIT && hit->prim == BB_UNNAMED)
+        return judge_occluded(arbiter, &trial);
+    return judge_hit(arbiter, &trial, hit, query);
+}
+
+bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
+                         bb_query query)
+{
+    trial trial;
+    begin_trial(&trial, arbiter->scene, ray);
+    if (hit->prim == BB_NONE)
+        return nine_hit_by_the_letter(arbiter, &trial, INFINITY);
+    if (query == BB_CLOSEST_HIT && nine_hit_by_the_letter(arbiter, &trial, hit->t))
+        return true;
+    double t[2];
+    if ((query == BB_ANY_HIT && hit->prim == BB_UNNAMED) ||
+        bb_exact_hits(trial.scene, trial.frame.o, trial.ray->d, hit->prim, t) > 0)
+        return false;
+    return spread_over(&trial, hit->prim, margin(trial.scene, trial.frame.o, hit->prim)).hits == 0;
+}
+
+bb_status bb_arbiter_create(const bb_scene *scene, bb_arbiter *arbiter)
+{
+    arbiter->scene = scene;
+    return bb_box_tree_create(scene->boxes, scene->prim_count, &arbiter->tree);
+}
+
+void bb_arbiter_destroy(bb_arbiter *arbiter)
+{
+    bb_box_tree_destroy(arbiter->tree);
+    arbiter->tree = NULL;
+}

@@ -1,0 +1,87 @@
+/* The arbiter: classifies one answer to one ray in exact arithmetic, without asking Embree.
+ *
+ * eps = 16 * 2^-24 * max |v - o| over the coordinates of the primitive's vertices (sphere: centre
+ * +- radius) and the ray's origin; t is in units of |d|, so the margin of t is eps / |d|. "The
+ * nine" are the ray and eight copies of it, whose origin is moved by eps perpendicular to d in
+ * steps of 45 degrees. Origins are rounded to doubles; from there on every decision "this ray meets
+ * that primitive" is exact (exact.h), edges and vertices included.
+ *
+ *   missed   no hit was reported, and each of the nine hits something at a t more than eps inside
+ *            (tmin, tmax).
+ *   false    none of the nine hits that primitive within the interval grown by eps, and the ray
+ *            itself passes it, within that interval, at more than eps (the nine are a sample of the
+ *            disc of radius eps: a needle may lie between them).
+ *   wrong t  each of the nine hits something else that is nearer than the reported t by more than that
+ *            nearer primitive's own eps (closest hit only; else: on a plane that the ray grazes, a copy
+ *            is nearer by more than eps, and says nothing of what lies before it; of a sphere, where
+ *            the ray leaves it is not where it enters); or t lies outside the range of the nine's own t
+ *            on that primitive, grown by eps, or outside the interval grown by eps. Where some of the
+ *            nine pass the primitive by, their t is that of its plane, clamped to the triangle's own
+ *            extent along the ray, or the sphere's point nearest to the ray.
+ *   right    all else.
+ *
+ * eps belongs to a primitive, so a copy is moved by as much as the primitive's own eps when it is
+ * tested against that. Across an edge between primitives of different eps this could leave a gap
+ * that is none; therefore the nine count as hitting something also if they all do when moved by one
+ * common eps, the largest of those that any of the nine hits; or by that of something that the ray itself
+ * hits, where only what has no larger eps counts.
+ *
+ * The nine stand for the disc of radius eps. If no one primitive is hit by all of them, the way between may
+ * be open: so all eight must hit something at eps/2, eps/4, ... eps/32 as well, and so must copies that
+ * pass between the primitives' sides and corners (open_way.h).
+ *
+ * A triangle in a plane with the ray, and so one of zero area, is never hit and never required; to
+ * report it is right if the ray passes within eps of it, at a t in its extent. Rays that must hit
+ * (edges of a closed mesh, from inside) have no margin for a miss; their hits are judged as usual.
+ * An any-hit answer of BB_UNNAMED does not say which primitive it hit: it is false if none of the nine
+ * hits anything, and the ray passes everything at more than eps.
+ */
+#ifndef BB_ARBITER_H
+#define BB_ARBITER_H
+
+#include "framework/judge/accuracy.h"
+#include "framework/judge/box_tree.h"
+#include "framework/rays/rays.h"
+#include "framework/scene/scene.h"
+
+typedef struct bb_arbiter {
+    const bb_scene *scene;
+    bb_box_tree *tree;
+} bb_arbiter;
+
+/* The scene must outlive the arbiter. */
+bb_status bb_arbiter_create(const bb_scene *scene, bb_arbiter *arbiter);
+void bb_arbiter_destroy(bb_arbiter *arbiter);
+
+/* BB_RIGHT, BB_MISSED, BB_FALSE_HIT or BB_WRONG_T. The answer must be well formed: a miss (inf,
+ * BB_NONE), or a number and a primitive of the scene. May be called from many threads. */
+bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
+                          bb_query query, bool must_hit);
+
+/* Whether an answer that is right here would be wrong by the letter of the definitions, which know
+ * neither a margin at the ends of the ray's interval, nor a needle or an open way between the nine, nor
+ * that a primitive is no witness against itself. Such answers are counted apart. */
+bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
+                         bb_query query);
+
+/* eps of this ray and primitive, in scene units; and in units of t. */
+double bb_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim);
+double bb_t_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim);
+
+/* The smallest height of a triangle, 0 if it has no area; the diameter of a sphere. */
+float bb_smallest_height(const bb_scene *scene, uint32_t prim);
+
+/* t of the ray on the primitive's plane or sphere (of two, the one nearer to `near`), to 2^-32.
+ * False if there is none. */
+bool bb_exact_t(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double near, double *t);
+
+/* The values of t at which the line from `o` along `d` hits the primitive, to 2^-32: 0, 1 or 2 of
+ * them, in order. `o` as in exact.h. */
+int bb_exact_hits(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
+                  double t[2]);
+
+/* The first t, to 2^-32, at which the ray itself hits the primitive between tmin and tmax. False if
+ * there is none, or one so near to an end that it can't be told on which side. */
+bool bb_exact_first(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double *t);
+
+#endif

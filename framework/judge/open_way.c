@@ -1,0 +1,136 @@
+#include "framework/judge/open_way.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { SIDES_MAX = 256, PLACES_MAX = 1024 };
+
+static const double together = 1e-6;             /* what counts as meeting there */
+static const double same = 1e-9;                 /* what counts as one place */
+static const double steps[] = {0x1p-4, 0x1p-12}; /* from there */
+
+typedef struct side {
+    double p[2], q[2];
+} side;
+
+typedef struct sides {
+    side all[SIDES_MAX];
+    uint32_t count;
+} sides;
+
+/* Where has been looked already: at a corner of many triangles all pairs of their sides cross. */
+typedef struct places {
+    double all[PLACES_MAX][2];
+    uint32_t count;
+} places;
+
+static void collect(const bb_outline *outlines, uint32_t count, sides *s)
+{
+    s->count = 0;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t c = 0; c < outlines[i].count && s->count < SIDES_MAX; c++) {
+            const double *p = outlines[i].corners[c],
+                         *q = outlines[i].corners[(c + 1) % outlines[i].count];
+            s->all[s->count++] = (side){{p[0], p[1]}, {q[0], q[1]}};
+        }
+}
+
+/* The point of the side that is nearest to (x, y). */
+static void nearest_on(const side *s, double x, double y, double out[2])
+{
+    double d[2] = {s->q[0] - s->p[0], s->q[1] - s->p[1]};
+    double square = d[0] * d[0] + d[1] * d[1];
+    double a = square > 0 ? ((x - s->p[0]) * d[0] + (y - s->p[1]) * d[1]) / square : 0;
+    a = a < 0 ? 0 : a > 1 ? 1 : a;
+    out[0] = s->p[0] + a * d[0];
+    out[1] = s->p[1] + a * d[1];
+}
+
+static bool cross(const side *a, const side *b, double out[2])
+{
+    double u[2] = {a->q[0] - a->p[0], a->q[1] - a->p[1]};
+    double v[2] = {b->q[0] - b->p[0], b->q[1] - b->p[1]};
+    double w[2] = {b->p[0] - a->p[0], b->p[1] - a->p[1]};
+    double turn = u[0] * v[1] - u[1] * v[0];
+    double s = (w[0] * v[1] - w[1] * v[0]) / turn, t = (w[0] * u[1] - w[1] * u[0]) / turn;
+    out[0] = a->p[0] + s * u[0];
+    out[1] = a->p[1] + s * u[1];
+    return s >= 0 && s <= 1 && t >= 0 && t <= 1; /* no for NaN */
+}
+
+static int compare_angles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The directions in which sides leave the place; of one that goes on, both. */
+static uint32_t leave(const sides *s, const double at[2], double angles[2 * SIDES_MAX])
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s->count; i++) {
+        const side *one = &s->all[i];
+        const double *ends[2] = {one->p, one->q};
+        double nearest[2];
+        nearest_on(one, at[0], at[1], nearest);
+        if (hypot(nearest[0] - at[0], nearest[1] - at[1]) > together)
+            continue;
+        for (int end = 0; end < 2; end++)
+            if (hypot(ends[end][0] - at[0], ends[end][1] - at[1]) > together)
+                angles[count++] = atan2(ends[end][1] - at[1], ends[end][0] - at[0]);
+    }
+    qsort(angles, count, sizeof *angles, compare_angles);
+    return count;
+}
+
+/* Notes the place; of those that there is no room for none is known. */
+static bool is_known(places *p, const double at[2])
+{
+    for (uint32_t i = 0; i < p->count; i++)
+        if (fabs(p->all[i][0] - at[0]) <= same && fabs(p->all[i][1] - at[1]) <= same)
+            return true;
+    if (p->count < PLACES_MAX) {
+        p->all[p->count][0] = at[0];
+        p->all[p->count++][1] = at[1];
+    }
+    return false;
+}
+
+static bool is_open_around(const sides *s, const double at[2], places *known,
+                           bool (*is_open)(void *context, double x, double y), void *context)
+{
+    double angles[2 * SIDES_MAX];
+    if (!(hypot(at[0], at[1]) < 1) || is_known(known, at))
+        return false;
+    uint32_t count = leave(s, at, angles);
+    for (uint32_t i = 0; i < count; i++) {
+        double next = i + 1 < count ? angles[i + 1] : angles[0] + 2 * acos(-1);
+        double middle = 0.5 * (angles[i] + next);
+        for (uint32_t k = 0; k < sizeof steps / sizeof steps[0] && next > angles[i]; k++) {
+            double x = at[0] + steps[k] * cos(middle), y = at[1] + steps[k] * sin(middle);
+            if (hypot(x, y) <= 1 && is_open(context, x, y))
+                return true;
+        }
+    }
+    return false;
+}
+
+bool bb_find_open_way(const bb_outline *outlines, uint32_t count,
+                      bool (*is_open)(void *context, double x, double y), void *context)
+{
+    sides s;
+    places known;
+    double at[2];
+    known.count = 0;
+    collect(outlines, count, &s);
+    for (uint32_t i = 0; i < s.count; i++) {
+        nearest_on(&s.all[i], 0, 0, at);
+        if (is_open_around(&s, at, &known, is_open, context) ||
+            is_open_around(&s, s.all[i].p, &known, is_open, context))
+            return true;
+        for (uint32_t k = 0; k < i; k++)
+            if (cross(&s.all[i], &s.all[k], at) && is_open_around(&s, at, &known, is_open, context))
+                return true;
+    }
+    return false;
+}

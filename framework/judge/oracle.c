@@ -1,0 +1,154 @@
+/* Embree's answers, and which of them are shown to be right.
+ *
+ * Nearly always one question to the ray's own way, exact and fast, is enough: what was reported is hit,
+ * and nothing before it. Only where that cannot tell is the answer taken through all of the arbiter's
+ * definitions.
+ */
+#include "framework/judge/oracle_private.h"
+
+#include "framework/base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { CHUNK = 1024 };
+
+bb_status bb_oracle_create(const bb_scene *scene, uint32_t threads, bb_oracle **out)
+{
+    *out = NULL;
+    bb_oracle *oracle = calloc(1, sizeof *oracle);
+    if (oracle == NULL)
+        return bb_fail(BB_REFUSED, "the host refused the memory of the oracle");
+    oracle->scene = scene;
+    bb_status status = bb_pool_create(threads, &oracle->pool);
+    if (status == BB_OK)
+        status = bb_embree_create(scene, NULL, threads, &oracle->embree, NULL);
+    if (status != BB_OK) {
+        bb_oracle_destroy(oracle);
+        return status;
+    }
+    *out = oracle;
+    return BB_OK;
+}
+
+void bb_oracle_destroy(bb_oracle *oracle)
+{
+    if (oracle == NULL)
+        return;
+    bb_way_destroy(oracle->way);
+    bb_arbiter_destroy(&oracle->arbiter);
+    bb_host_free(oracle->heights);
+    bb_embree_destroy(oracle->embree);
+    bb_pool_destroy(oracle->pool);
+    free(oracle);
+}
+
+bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count, bb_query query,
+                          bb_hit *hits)
+{
+    return bb_embree_trace(oracle->embree, rays, count, query, hits);
+}
+
+/* ---- what arbitration needs ---- */
+
+static void height_chunk(void *context, size_t begin, size_t end, uint32_t thread)
+{
+    (void)thread;
+    bb_oracle *oracle = context;
+    for (size_t prim = begin; prim < end; prim++)
+        oracle->heights[prim] = bb_smallest_height(oracle->scene, (uint32_t)prim);
+}
+
+static bb_status prepare(bb_oracle *oracle)
+{
+    const bb_scene *scene = oracle->scene;
+    if (oracle->way != NULL)
+        return BB_OK;
+    if (oracle->arbiter.tree == NULL)
+        BB_TRY(bb_arbiter_create(scene, &oracle->arbiter));
+    BB_TRY(bb_host_alloc(NULL, scene->prim_count * sizeof *oracle->heights, "heights of primitives",
+                         &oracle->heights));
+    bb_parallel_for(oracle->pool, scene->prim_count, 16 * CHUNK, height_chunk, oracle);
+    return bb_way_create(scene, oracle->arbiter.tree, &oracle->way);
+}
+
+/* ---- showing ---- */
+
+/* Whether the ray itself hits the reported primitive, near the reported t, and nothing else before the
+ * end of its margin. */
+static bool is_sure(const bb_oracle *oracle, const bb_ray *ray, const bb_hit *hit)
+{
+    double t, margin = bb_t_margin(oracle->scene, ray, hit->prim);
+    if (!bb_exact_first(oracle->scene, ray, hit->prim, &t) || fabs((double)hit->t - t) > margin)
+        return false;
+    double limit = fmin(ray->tmax, t + margin);
+    return bb_way_ask(oracle->way, ray, limit, hit->prim) == BB_WAY_CLEAR;
+}
+
+static uint8_t show(const bb_oracle *oracle, const bb_rays *rays, const bb_ray *ray,
+                    const bb_hit *hit)
+{
+    if (hit->prim == BB_NONE && !rays->must_hit &&
+        bb_way_ask(oracle->way, ray, ray->tmax, BB_NONE) == BB_WAY_CLEAR)
+        return BB_ORACLE_SURE;
+    if (hit->prim == BB_UNNAMED && rays->query == BB_ANY_HIT &&
+        bb_way_ask(oracle->way, ray, ray->tmax, BB_NONE) == BB_WAY_BLOCKED)
+        return BB_ORACLE_SURE;
+    if (hit->prim < oracle->scene->prim_count && rays->query == BB_CLOSEST_HIT &&
+        is_sure(oracle, ray, hit))
+        return BB_ORACLE_SURE;
+    bb_class class = bb_arbiter_judge(&oracle->arbiter, ray, hit, rays->query, rays->must_hit);
+    return class == BB_RIGHT ? BB_ORACLE_RIGHT : BB_ORACLE_WRONG;
+}
+
+typedef struct show_job {
+    const bb_oracle *oracle;
+    bb_answers *answers;
+} show_job;
+
+static void show_chunk(void *context, size_t begin, size_t end, uint32_t thread)
+{
+    (void)thread;
+    const show_job *job = context;
+    const bb_rays *rays = job->answers->rays;
+    for (size_t i = begin; i < end; i++)
+        job->answers->shown[i] = show(job->oracle, rays, &rays->rays[i], &job->answers->hits[i]);
+}
+
+/* ---- answers ---- */
+
+bb_status bb_answers_trace(bb_oracle *oracle, const bb_rays *rays, bb_answers *answers)
+{
+    *answers = (bb_answers){.rays = rays};
+    BB_TRY(
+        bb_host_alloc(NULL, rays->count * sizeof(bb_hit), "the oracle's answers", &answers->hits));
+    return bb_oracle_trace(oracle, rays->rays, rays->count, rays->query, answers->hits);
+}
+
+bb_status bb_answers_show(bb_oracle *oracle, bb_answers *answers)
+{
+    BB_TRY(bb_host_alloc(NULL, answers->rays->count, "what is known of them", &answers->shown));
+    BB_TRY(prepare(oracle));
+    show_job job = {oracle, answers};
+    bb_parallel_for(oracle->pool, answers->rays->count, CHUNK, show_chunk, &job);
+    return BB_OK;
+}
+
+bb_status bb_answers_make(bb_oracle *oracle, const bb_rays *rays, bb_answers *answers)
+{
+    bb_status status = bb_answers_trace(oracle, rays, answers);
+    if (status == BB_OK)
+        status = bb_answers_show(oracle, answers);
+    if (status != BB_OK)
+        bb_answers_release(answers);
+    return status;
+}
+
+void bb_answers_release(bb_answers *answers)
+{
+    bb_judged_release(answers);
+    bb_host_free(answers->hits);
+    bb_host_free(answers->shown);
+    answers->hits = NULL;
+    answers->shown = NULL;
+}

@@ -1,0 +1,23 @@
+/* What the oracle and the judge share. */
+#ifndef BB_ORACLE_PRIVATE_H
+#define BB_ORACLE_PRIVATE_H
+
+#include "framework/base/threads.h"
+#include "framework/embree/embree.h"
+#include "framework/judge/arbiter.h"
+#include "framework/judge/clear_way.h"
+#include "framework/judge/oracle.h"
+
+struct bb_oracle {
+    const bb_scene *scene;
+    bb_embree *embree;
+    bb_pool *pool;
+    bb_arbiter arbiter; /* these three once there is something to arbitrate */
+    bb_way *way;
+    float *heights; /* smallest height of each triangle, diameter of each sphere */
+};
+
+/* Frees answers->judged. */
+void bb_judged_release(bb_answers *answers);
+
+#endif

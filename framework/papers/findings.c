@@ -1,0 +1,272 @@
+/* What an experiment measured, looked up in the result document. */
+#include "framework/papers/reproduce.h"
+#include "framework/record/record_private.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <string.h>
+
+static bool is_of(const bb_findings *f, const cJSON *entry, const char *id, const char *scene,
+                  const char *builder)
+{
+    double number = bb_json_number(entry, id);
+    return number >= f->first && number < f->end &&
+           strcmp(bb_json_text(entry, "scene"), scene) == 0 &&
+           strcmp(bb_json_text(entry, "builder"), builder) == 0 &&
+           strcmp(bb_json_text(entry, "status"), "ok") == 0;
+}
+
+const cJSON *bb_found_build(const bb_findings *f, const char *scene, const char *builder)
+{
+    const cJSON *build;
+    cJSON_ArrayForEach(build,
+                       cJSON_GetObjectItemCaseSensitive(bb_results_json(f->results), "builds"))
+    {
+        if (is_of(f, build, "id", scene, builder))
+            return build;
+    }
+    return NULL;
+}
+
+double bb_found_tree(const bb_findings *f, const char *scene, const char *builder,
+                     const char *member)
+{
+    const cJSON *build = bb_found_build(f, scene, builder);
+    return bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "tree"), member);
+}
+
+double bb_found_sah(const bb_findings *f, const char *scene, const char *builder)
+{
+    return bb_found_tree(f, scene, builder, "sah");
+}
+
+double bb_found_build_ms(const bb_findings *f, const char *scene, const char *builder)
+{
+    return bb_json_number(bb_found_build(f, scene, builder), "build_ms_median");
+}
+
+const char *bb_found_about(const bb_findings *f, const char *scene, const char *builder)
+{
+    return bb_json_text(bb_found_build(f, scene, builder), "about");
+}
+
+double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *builder,
+                         const char *phase)
+{
+    const cJSON *build = bb_found_build(f, scene, builder);
+    return bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "phases_ms"), phase);
+}
+
+/* ---- times by rounds ---- */
+
+/* Adds `more` to `sum` round by round; false if the rounds differ. */
+static bool add_samples(bb_samples *sum, const bb_samples *more)
+{
+    if (sum->count != 0 && sum->count != more->count)
+        return false;
+    for (uint32_t i = 0; i < more->count; i++)
+        sum->values[i] = (sum->count != 0 ? sum->values[i] : 0) + more->values[i];
+    sum->count = more->count;
+    return true;
+}
+
+/* All traces of a cell: their samples summed by rounds, their rays, the sum of a member times the
+ * rays. */
+typedef struct sum {
+    bb_samples ms;
+    double rays, member;
+    uint32_t traces;
+} sum;
+
+static bool add_trace(const cJSON *trace, const char *member, sum *s)
+{
+    double rays = bb_json_number(trace, "count");
+    bb_samples ms;
+    if (!bb_json_samples(trace, "ms", &ms) || !add_samples(&s->ms, &ms))
+        return false;
+    s->rays += rays;
+    s->member += member != NULL ? rays * bb_json_number(trace, member) : 0;
+    s->traces++;
+    return true;
+}
+
+/* False if one of the traces lacks its figures, or there is none. */
+static bool sum_up(const bb_findings *f, bb_cell cell, const char *member, sum *s)
+{
+    *s = (sum){0};
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace,
+                       cJSON_GetObjectItemCaseSensitive(bb_results_json(f->results), "traces"))
+    {
+        if (!is_of(f, trace, "build", cell.scene, cell.builder) ||
+            strcmp(bb_json_text(trace, "kernel"), cell.kernel) != 0)
+            continue;
+        if (cell.view != NULL && strcmp(bb_json_text(trace, "view"), cell.view) != 0)
+            continue;
+        if (!add_trace(trace, member, s))
+            return false;
+    }
+    return s->traces > 0;
+}
+
+double bb_found_trace_ms(const bb_findings *f, bb_cell cell)
+{
+    sum s;
+    return sum_up(f, cell, NULL, &s) ? bb_samples_median(&s.ms) : (double)NAN;
+}
+
+double bb_found_mrays(const bb_findings *f, bb_cell cell)
+{
+    sum s;
+    return sum_up(f, cell, NULL, &s) ? s.rays / bb_samples_median(&s.ms) / 1e3 : (double)NAN;
+}
+
+double bb_found_tests(const bb_findings *f, bb_cell cell, const char *member)
+{
+    sum s;
+    return sum_up(f, cell, member, &s) ? s.member / s.rays : (double)NAN;
+}
+
+/* Times of a cell and of how many rays they are; false if they were not measured. */
+static bool times_of(const bb_findings *f, bb_times what, bb_cell cell, bb_samples *ms,
+                     double *rays)
+{
+    sum traces = {0};
+    bb_samples build;
+    *ms = (bb_samples){0};
+    if (what != BB_TRACE_TIME) {
+        if (!bb_json_samples(bb_found_build(f, cell.scene, cell.builder), "build_ms", &build))
+            return false;
+        add_samples(ms, &build);
+    }
+    if (what != BB_BUILD_TIME && (!sum_up(f, cell, NULL, &traces) || !add_samples(ms, &traces.ms)))
+        return false;
+    *rays = traces.rays;
+    return true;
+}
+
+/* Of the same rays, round by round; empty if there is no such ratio. */
+static bb_samples ratios_of(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base)
+{
+    bb_samples a, b;
+    double rays, base_rays;
+    if (!times_of(f, what, cell, &a, &rays) || !times_of(f, what, base, &b, &base_rays) ||
+        rays != base_rays)
+        return (bb_samples){0};
+    return bb_samples_ratio(&a, &b);
+}
+
+bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base)
+{
+    bb_samples ratios = ratios_of(f, what, cell, base);
+    return bb_samples_estimate(&ratios);
+}
+
+void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_cell cell,
+                       bb_cell base)
+{
+    bb_samples ratios = ratios_of(f, what, cell, base);
+    if (ratios.count == 0)
+        return;
+    mean->uneven = !add_samples(&mean->sum, &ratios) || mean->uneven;
+    mean->count++;
+}
+
+bb_estimate bb_ratio_mean_estimate(const bb_ratio_mean *mean)
+{
+    if (mean->count == 0 || mean->uneven)
+        return bb_not_measured;
+    bb_samples means = mean->sum;
+    for (uint32_t i = 0; i < means.count; i++)
+        means.values[i] /= mean->count;
+    return bb_samples_estimate(&means);
+}
+
+bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base)
+{
+    bb_samples logs = {0};
+    for (size_t s = 0; s < f->scene_count; s++) {
+        bb_cell cell = {f->scenes[s], builder, NULL, NULL},
+                other = {f->scenes[s], base, NULL, NULL};
+        bb_samples ratios = ratios_of(f, BB_BUILD_TIME, cell, other);
+        for (uint32_t i = 0; i < ratios.count; i++)
+            ratios.values[i] = log(ratios.values[i]);
+        if (ratios.count == 0 || !add_samples(&logs, &ratios))
+            return bb_not_measured;
+    }
+    for (uint32_t i = 0; i < logs.count; i++)
+        logs.values[i] = exp(logs.values[i] / (double)f->scene_count);
+    return bb_samples_estimate(&logs);
+}
+
+/* ---- scenes ---- */
+
+double bb_found_scene(const bb_findings *f, const char *scene, const char *member)
+{
+    const cJSON *entry = bb_results_scene(f->results, scene);
+    double value = bb_json_number(entry, member);
+    return isnan(value) ? bb_json_number(cJSON_GetObjectItemCaseSensitive(entry, "profile"), member)
+                        : value;
+}
+
+const char *bb_found_view(const bb_findings *f, const char *scene, int number)
+{
+    const cJSON *views =
+        cJSON_GetObjectItemCaseSensitive(bb_results_scene(f->results, scene), "views");
+    const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(views, number));
+    return name != NULL ? name : "";
+}
+
+double bb_mean(const double *values, size_t count)
+{
+    double total = 0;
+    size_t known = 0;
+    for (size_t i = 0; i < count; i++)
+        if (!isnan(values[i])) {
+            total += values[i];
+            known++;
+        }
+    return known > 0 ? total / (double)known : (double)NAN;
+}
+
+double bb_series_mean(const bb_series *s)
+{
+    return bb_mean(s->values, s->f->scene_count);
+}
+
+double bb_series_least(const bb_series *s)
+{
+    double low = NAN;
+    for (size_t i = 0; i < s->f->scene_count; i++)
+        low = fmin(low, s->values[i]);
+    return low;
+}
+
+double bb_series_most(const bb_series *s)
+{
+    double high = NAN;
+    for (size_t i = 0; i < s->f->scene_count; i++)
+        high = fmax(high, s->values[i]);
+    return high;
+}
+
+/* The first scene with this figure. */
+static const char *scene_with(const bb_series *s, double value)
+{
+    for (size_t i = 0; i < s->f->scene_count; i++)
+        if (s->values[i] == value)
+            return s->f->scenes[i];
+    return "none";
+}
+
+void bb_say_range(bb_words *words, const char *what, const bb_series *s)
+{
+    double low = bb_series_least(s), high = bb_series_most(s);
+    bb_say(words, "%s%s ", words->length > 0 ? "; " : "", what);
+    if (isnan(low)) {
+        bb_say(words, "not measured");
+        return;
+    }
+    bb_say(words, "%.3g on average, %.3g (%s) to %.3g (%s)", bb_series_mean(s), low,
+           scene_with(s, low), high, scene_with(s, high));
+}

@@ -1,0 +1,177 @@
+/* A paper's experiments, run one after the other as ordinary comparisons into one document. */
+#include "framework/papers/reproduce.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAMES_MAX = 128, QUICK_RAYS = 4096, QUICK_WIDTH = 64, QUICK_HEIGHT = 48 };
+
+typedef struct names {
+    char *items[NAMES_MAX];
+    size_t count;
+} names;
+
+/* An experiment with its lists taken apart. */
+typedef struct plan {
+    names builders, kernels, rays, scenes;
+    bb_bench_request request;
+} plan;
+
+bb_status bb_paper_find(const char *name, const bb_paper **paper)
+{
+    bb_words there = {0};
+    for (const bb_paper *const *p = bb_papers; *p != NULL; p++) {
+        if (strcmp((*p)->name, name) == 0) {
+            *paper = *p;
+            return BB_OK;
+        }
+        bb_say(&there, "%s%s", there.length > 0 ? ", " : "", (*p)->name);
+    }
+    return bb_fail(BB_INVALID, "unknown paper '%s': there are %s", name, there.text);
+}
+
+static void free_names(names *n)
+{
+    for (size_t i = 0; i < n->count; i++)
+        free(n->items[i]);
+    n->count = 0;
+}
+
+static void free_plan(plan *p)
+{
+    free_names(&p->builders);
+    free_names(&p->kernels);
+    free_names(&p->rays);
+    free_names(&p->scenes);
+}
+
+static bb_status add_list(names *n, const char *list)
+{
+    return list[0] == '\0' ? BB_OK : bb_spec_list(list, n->items, NAMES_MAX, &n->count);
+}
+
+static bb_status add_name(names *n, const char *name)
+{
+    if (n->count == NAMES_MAX)
+        return bb_fail(BB_INVALID, "more than %d scenes", NAMES_MAX);
+    n->items[n->count] = strdup(name);
+    return n->items[n->count++] != NULL ? BB_OK : bb_fail(BB_FAILED, "out of memory");
+}
+
+/* A list whose '#' becomes each number of primitives in turn. */
+static bb_status add_sizes(names *n, const char *list, uint64_t max_prims)
+{
+    const char *mark = strchr(list, '#');
+    if (mark == NULL)
+        return add_list(n, list);
+    for (uint64_t size = 10000, i = 0; size <= max_prims; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "%.*s%llu%s", (int)(mark - list), list,
+                 (unsigned long long)size, mark + 1);
+        BB_TRY(add_list(n, text));
+        size = i % 2 == 0 ? 3 * size : size / 3 * 10;
+    }
+    return BB_OK;
+}
+
+static bb_status choose_scenes(const bb_reproduce_request *request, const bb_experiment *e,
+                               names *n)
+{
+    if (!e->takes_scenes || request->scene_count == 0)
+        return add_sizes(n, request->quick ? e->quick_scenes : e->scenes, request->max_prims);
+    for (uint32_t i = 0; i < request->scene_count; i++)
+        BB_TRY(add_name(n, request->scenes[i]));
+    return BB_OK;
+}
+
+static bb_status make_plan(const bb_reproduce_request *request, const bb_experiment *e, plan *p)
+{
+    static char exact[] = "exact";
+    static char *const intersectors[] = {exact};
+    *p = (plan){0};
+    BB_TRY(add_list(&p->builders, e->builders));
+    BB_TRY(add_list(&p->kernels, e->kernels));
+    BB_TRY(add_list(&p->rays, e->rays));
+    BB_TRY(choose_scenes(request, e, &p->scenes));
+    uint32_t repeats = request->repeats > 0 ? request->repeats : e->repeats;
+    p->request = (bb_bench_request){
+        .device = request->device,
+        .scenes = p->scenes.items,
+        .scene_count = (uint32_t)p->scenes.count,
+        .builders = p->builders.items,
+        .builder_count = (uint32_t)p->builders.count,
+        .kernels = p->kernels.items,
+        .kernel_count = (uint32_t)p->kernels.count,
+        .native = e->native,
+        .intersectors = intersectors,
+        .intersector_count = 1,
+        .workloads = p->rays.items,
+        .workload_count = (uint32_t)p->rays.count,
+        .width = request->quick ? QUICK_WIDTH : e->width,
+        .height = request->quick ? QUICK_HEIGHT : e->height,
+        .max_rays = request->quick ? QUICK_RAYS : e->max_rays,
+        .max_views = e->max_views,
+        .repeats = request->quick ? 2 : repeats,
+        .seed = request->seed,
+        .quiet = request->quiet,
+    };
+    return BB_OK;
+}
+
+/* The same failure, with the paper and the experiment in front. */
+static bb_status blame(const bb_paper *paper, const bb_experiment *e, bb_status status)
+{
+    char reason[1024];
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    return bb_fail(status, "reproduce %s, %s: %s", paper->name, e->name, reason);
+}
+
+bb_status bb_reproduce_check(const bb_reproduce_request *request)
+{
+    bb_status status = BB_OK;
+    for (const bb_experiment *e = request->paper->experiments; e->name != NULL; e++) {
+        plan p;
+        status = make_plan(request, e, &p);
+        if (status == BB_OK)
+            status = bb_bench_check(&p.request);
+        free_plan(&p);
+        if (status != BB_OK)
+            return blame(request->paper, e, status);
+    }
+    return BB_OK;
+}
+
+static bb_status run_experiment(plan *p, bb_results *results, bb_bench_outcome *outcome)
+{
+    bb_bench_outcome more;
+    bb_status status = bb_bench_run(&p->request, results, &more);
+    bb_bench_outcome_add(outcome, &more);
+    return status;
+}
+
+bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
+                       bb_bench_outcome *outcome)
+{
+    plan *plans = calloc(BB_EXPERIMENTS_MAX, sizeof *plans);
+    bb_findings findings[BB_EXPERIMENTS_MAX] = {0};
+    bb_status status = plans != NULL ? BB_OK : bb_fail(BB_FAILED, "out of memory");
+    uint32_t count = 0;
+    for (const bb_experiment *e = request->paper->experiments; e->name != NULL && status == BB_OK;
+         e++, count++) {
+        plan *p = &plans[count];
+        uint32_t first = bb_results_next_build(results);
+        status = make_plan(request, e, p);
+        if (status == BB_OK)
+            status = run_experiment(p, results, outcome);
+        findings[count] = (bb_findings){
+            e, results, first, bb_results_next_build(results), p->scenes.items, p->scenes.count};
+        if (status != BB_OK)
+            status = blame(request->paper, e, status);
+    }
+    if (status == BB_OK)
+        status = bb_reproduction_add(request->paper, findings, results);
+    for (uint32_t i = 0; i < count; i++)
+        free_plan(&plans[i]);
+    free(plans);
+    return status;
+}

@@ -1,0 +1,133 @@
+#include "framework/picture/picture.h"
+
+#include "framework/picture/image.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void surface_normal(const bb_scene *scene, const bb_ray *ray, const bb_hit *hit, double n[3])
+{
+    if (hit->prim < scene->triangle_count) {
+        const float *a = bb_scene_vertex(scene, hit->prim, 0);
+        const float *b = bb_scene_vertex(scene, hit->prim, 1);
+        const float *c = bb_scene_vertex(scene, hit->prim, 2);
+        double u[3], v[3];
+        for (int k = 0; k < 3; k++) {
+            u[k] = (double)b[k] - a[k];
+            v[k] = (double)c[k] - a[k];
+        }
+        for (int k = 0; k < 3; k++)
+            n[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+    } else {
+        const float *s = scene->spheres + 4 * (size_t)(hit->prim - scene->triangle_count);
+        for (int k = 0; k < 3; k++)
+            n[k] = ray->o[k] + (double)hit->t * ray->d[k] - s[k];
+    }
+    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int k = 0; k < 3; k++)
+        n[k] = length > 0 ? n[k] / length : 0;
+}
+
+void bb_picture_normals(const bb_scene *scene, const bb_rays *rays, const bb_hit *hits, float *rgb)
+{
+    for (uint32_t i = 0; i < rays->count; i++) {
+        float *pixel = rgb + 3 * (size_t)i;
+        if (hits[i].prim >= scene->prim_count) {
+            pixel[0] = pixel[1] = pixel[2] = 0.80f;
+            continue;
+        }
+        const bb_ray *ray = &rays->rays[i];
+        double n[3];
+        surface_normal(scene, ray, &hits[i], n);
+        double length = sqrt((double)ray->d[0] * ray->d[0] + (double)ray->d[1] * ray->d[1] +
+                             (double)ray->d[2] * ray->d[2]);
+        double facing = -(n[0] * ray->d[0] + n[1] * ray->d[1] + n[2] * ray->d[2]) / length;
+        double side = facing < 0 ? -1 : 1;
+        for (int k = 0; k < 3; k++) {
+            double tint = 0.5 + 0.5 * side * n[(k + 2) % 3];
+            pixel[k] = (float)((0.10 + 0.75 * fabs(facing)) * (0.35 + 0.65 * tint));
+        }
+    }
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+bb_status bb_picture_depth(const bb_rays *rays, const bb_hit *hits, float *rgb)
+{
+    float *sorted = malloc((rays->count + 1) * sizeof *sorted);
+    if (sorted == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    size_t count = 0;
+    for (uint32_t i = 0; i < rays->count; i++)
+        if (hits[i].prim != BB_NONE && isfinite(hits[i].t))
+            sorted[count++] = hits[i].t;
+    qsort(sorted, count, sizeof *sorted, compare_floats);
+    /* a few outliers shall not take all the shades */
+    float low = count > 0 ? sorted[count / 100] : 0;
+    float high = count > 0 ? sorted[count - 1 - count / 100] : 1;
+    for (uint32_t i = 0; i < rays->count; i++) {
+        float shade = 0.95f;
+        if (hits[i].prim != BB_NONE) {
+            float x = high > low ? (hits[i].t - low) / (high - low) : 0;
+            shade = 0.80f - 0.77f * fminf(fmaxf(x, 0.0f), 1.0f);
+        }
+        rgb[3 * (size_t)i] = rgb[3 * (size_t)i + 1] = rgb[3 * (size_t)i + 2] = shade;
+    }
+    free(sorted);
+    return BB_OK;
+}
+
+/* Letters, digits and dashes of `text`: a file name. */
+static void file_name(const char *text, char *out, size_t capacity)
+{
+    const char *slash = strrchr(text, '/');
+    if (slash != NULL)
+        text = slash + 1;
+    size_t used = 0;
+    for (; *text != '\0' && used + 1 < capacity; text++)
+        out[used++] = isalnum((unsigned char)*text) ? *text : '-';
+    out[used] = '\0';
+}
+
+bb_status bb_picture_of_view(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
+                             uint32_t width, uint32_t height, const char *folder,
+                             bb_results *results)
+{
+    bb_spec spec;
+    BB_TRY(bb_spec_parse("primary", &spec));
+    bb_rays_request request = {&spec, view, width, height, width * height, 1};
+    bb_rays *rays = NULL;
+    bb_hit *hits = NULL;
+    float *rgb = NULL;
+    char scene_name[128], view_name[64], file[256], path[1024];
+    file_name(scene->name, scene_name, sizeof scene_name);
+    file_name(view->name, view_name, sizeof view_name);
+    snprintf(file, sizeof file, "%s-%s.png", scene_name, view_name);
+
+    bb_status status = bb_rays_make(scene, oracle, &request, &rays);
+    if (status == BB_OK)
+        status = bb_host_alloc(NULL, rays->count * sizeof *hits, "hits", &hits);
+    if (status == BB_OK)
+        status = bb_host_alloc(NULL, 3 * (size_t)rays->count * sizeof *rgb, "picture", &rgb);
+    if (status == BB_OK)
+        status = bb_oracle_trace(oracle, rays->rays, rays->count, BB_CLOSEST_HIT, hits);
+    if (status == BB_OK && snprintf(path, sizeof path, "%s/%s", folder, file) >= (int)sizeof path)
+        status = bb_fail(BB_INVALID, "the path of the output folder is too long: %.60s...", folder);
+    if (status == BB_OK) {
+        bb_picture_normals(scene, rays, hits, rgb);
+        status = bb_image_write(path, rgb, width, height);
+    }
+    if (status == BB_OK)
+        status = bb_results_add_picture(results, scene->name, view->name, "surface normals", file);
+    bb_host_free(rgb);
+    bb_host_free(hits);
+    bb_rays_free(rays);
+    return status;
+}

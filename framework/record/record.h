@@ -1,0 +1,141 @@
+/* Records of a run, and the result file (schema bvhbench-results/1). Units are in the names; NAN
+ * and NULL are "not measured" and are written as null, never as 0.
+ */
+#ifndef BB_RECORD_H
+#define BB_RECORD_H
+
+#include "framework/base/statistics.h"
+#include "framework/base/status.h"
+#include "framework/judge/accuracy.h"
+#include "framework/rays/rays.h"
+#include "framework/scene/scene.h"
+#include "framework/tree/tree.h"
+
+typedef struct cJSON cJSON; /* opaque here; libcjson */
+
+enum { BB_LAYOUTS_MAX = 48 }; /* of one tree */
+
+typedef struct bb_named_ms {
+    char name[64];
+    double ms;
+} bb_named_ms;
+
+typedef struct bb_build_record {
+    uint32_t id;
+    char scene[256];
+    const bb_spec *spec;      /* builder as given with its parameters */
+    const bb_option *options; /* with the defaults, all parameters are recorded */
+    bb_status status;
+    char reason[512];
+    bb_samples build_ms; /* warm builds */
+    bb_samples event_ms; /* of those: sum of their kernels' times, by the device's clock */
+    bb_samples cpu_ms;
+    bb_samples restore_ms; /* before each of them; the builder's own, outside the clock */
+    bb_samples outside_ms; /* in phases outside the clock */
+    double prepare_ms;     /* before the first; NAN: not measured */
+    double boxes_ms; /* of making the primitives' boxes, if they are an input; NAN: not measured */
+    char inputs[64]; /* what the builder declares it reads: "boxes geometry"; "": not known */
+    double cold_ms;
+    bb_samples transfer_ms; /* of what the builder declares it reads down, of the tree up */
+    uint32_t phase_count;
+    bb_named_ms phases[16];
+    uint32_t layout_count;
+    struct {
+        char name[64]; /* as recorded: "pair:leaf=4" */
+        bb_samples ms;
+        double sah;
+    } layouts[BB_LAYOUTS_MAX];
+    bool has_tree;
+    bb_tree_info tree;
+    uint64_t bytes_tree, bytes_peak;
+    double sah, epo, epo_half;
+    char about[512];     /* the builder's own words on its tree; "" for none */
+    double bytes_native; /* reference rows: what the library booked; NAN else */
+    bool reference;
+} bb_build_record;
+
+typedef struct bb_trace_record {
+    uint32_t build; /* id */
+    char scene[256], view[48], builder[512], kernel[512], layout[64], intersector[64];
+    char rays[128];
+    bool rays_as_given; /* made by hand, not by a workload: see `bvhbench judge --verify no` */
+    const bb_spec *rays_spec; /* with the defaults, all parameters are recorded; may be NULL */
+    const bb_option *rays_options;
+    bb_query query;
+    uint32_t count;
+    uint64_t rays_hash;
+    bool native; /* the layout keeps the shape of the builder's tree */
+    uint32_t group_size, stack_size;
+    bb_status status;
+    char reason[512];
+    bb_samples ms, event_ms, cpu_ms;
+    double mrays_s_given; /* of an outside tracer: its speed, as somebody says; else 0 */
+    double node_tests_per_ray, prim_tests_per_ray;
+    bool has_accuracy;
+    bb_accuracy accuracy;
+    uint32_t counted; /* rays that the counting variant traced, a sample of the set; the tests per
+                         ray are means over them; 0: not measured, `overflowed` is null then */
+    uint64_t overflowed; /* of the counted rays: those that needed more stack than there is. In the
+                             timed run such a ray's hit stays poisoned: it is judged as unwritten,
+                             thus missed */
+    uint32_t
+        unlike; /* rays answered otherwise than by the first `exact` cell of the set; `exact` only */
+    char unlike_whom[256]; /* that cell; "" if this one was not compared */
+    bool counts_for_exit;  /* an `exact` cell of ours */
+    bool wrong; /* above the limit; marked WRONG if it counts for the exit, else `wrong` */
+    bool reference;
+} bb_trace_record;
+
+/* Empty records: every figure "not measured", status ok. */
+void bb_build_record_init(bb_build_record *build);
+void bb_trace_record_init(bb_trace_record *trace);
+
+typedef struct bb_results bb_results;
+
+/* An empty result document with its context (date, revision, host, cpu, load, device, driver ...).
+ * Revision, flags and the like are those of the binary, Embree's version that of the library that
+ * is loaded. Owned by the caller. BB_FAILED without memory or Embree. */
+typedef struct bb_context {
+    const bb_device *device;
+    uint64_t seed;
+    const char *command; /* the command line */
+} bb_context;
+bb_status bb_results_create(const bb_context *context, bb_results **out);
+void bb_results_destroy(bb_results *results);
+
+/* `boxes_ms`: of making the primitives' boxes on the device; NULL: not measured. */
+bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene,
+                               const bb_samples *boxes_ms);
+bb_status bb_results_add_build(bb_results *results, const bb_build_record *build);
+bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace);
+/* Time of a step outside build and trace: "load", "rays", "oracle", "judge", "compile", "report"
+ * ...; adds up per name. */
+bb_status bb_results_add_step(bb_results *results, const char *name, double ms);
+/* Wall clock of the whole run and of its timed builds and traces; what neither they nor the steps
+ * account for is written as "other". To be called after the last step; a later call replaces it. */
+bb_status bb_results_set_total(bb_results *results, double build_ms, double trace_ms,
+                               double total_ms);
+/* A ray set that the scene does not have, and why: no hole goes unsaid. */
+bb_status bb_results_add_skipped(bb_results *results, const char *scene, const char *rays,
+                                 const char *view, const char *reason);
+/* A picture (path relative to the results folder) to be shown in the report. */
+bb_status bb_results_add_picture(bb_results *results, const char *scene, const char *view,
+                                 const char *caption, const char *path);
+
+/* The least id that no build has. */
+uint32_t bb_results_next_build(const bb_results *results);
+
+cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
+
+/* Writes DIR/results.json by way of a temporary file and rename: an interrupted run leaves the old
+ * file or none. */
+bb_status bb_results_write(const bb_results *results, const char *path);
+/* Reads and checks the schema; BB_INVALID names what is wrong. */
+bb_status bb_results_read(const char *path, bb_results **out);
+/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures, reproductions and times to
+ * a; b's context goes into a's "merged" array and b's builds, traces and skipped sets get the member
+ * "run", the number of that entry from 1. Times add up; the total is dropped if one of the two has
+ * none. BB_INVALID if a scene of one name has two geometries. */
+bb_status bb_results_merge(bb_results *a, const bb_results *b);
+
+#endif

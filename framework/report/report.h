@@ -1,0 +1,25 @@
+/* The report: tables on the terminal, one HTML file that works offline, and charts as pictures. */
+#ifndef BB_REPORT_H
+#define BB_REPORT_H
+
+#include "framework/record/record.h"
+
+#include <stdio.h>
+
+/* Text table of builds and traces, speeds beside wrong-answer rates, wrong cells marked. */
+bb_status bb_report_table(bb_results *results, FILE *out);
+
+/* Writes one self-contained HTML file (charts, sortable tables, pictures embedded from
+ * `picture_folder`). */
+bb_status bb_report_html(bb_results *results, const char *picture_folder, const char *path);
+
+/* Whether gnuplot, which draws the charts, is among the user's programs. */
+bool bb_report_can_draw(void);
+/* Where the charts of a page lie: "out/report-charts" for "out/report.html". */
+bb_status bb_report_charts_folder(const char *page, char *folder, size_t capacity);
+/* The charts of each scene and rays as SVG and PNG, and the script that drew them, into `folder`,
+ * which is made if need be; *pictures is how many charts there are. BB_FAILED with gnuplot's own
+ * words if it is missing or fails. */
+bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pictures);
+
+#endif

@@ -1,0 +1,166 @@
+/* The charts as SVG and PNG: the script is written beside them, and gnuplot, a program of its own,
+ * draws it.
+ */
+#include "framework/base/file.h"
+#include "framework/chart/chart_script.h"
+#include "framework/report/report.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+static const char script_name[] = "charts.gp";
+
+bool bb_report_can_draw(void)
+{
+    const char *path = getenv("PATH");
+    char candidate[PATH_MAX];
+    for (const char *at = path; at != NULL && *at != '\0';) {
+        size_t length = strcspn(at, ":");
+        int size = snprintf(candidate, sizeof candidate, "%.*s/gnuplot", (int)length, at);
+        struct stat info;
+        if (length > 0 && size < (int)sizeof candidate && stat(candidate, &info) == 0 &&
+            S_ISREG(info.st_mode) && access(candidate, X_OK) == 0)
+            return true;
+        at += length + (at[length] == ':');
+    }
+    return false;
+}
+
+bb_status bb_report_charts_folder(const char *page, char *folder, size_t capacity)
+{
+    size_t length = strlen(page);
+    if (length > 5 && strcmp(page + length - 5, ".html") == 0)
+        length -= 5;
+    if (snprintf(folder, capacity, "%.*s-charts", (int)length, page) >= (int)capacity)
+        return bb_fail(BB_INVALID, "%s: the path is too long", page);
+    return BB_OK;
+}
+
+/* The start of what gnuplot says, without line breaks; 0-terminated. Reads to the end, so that the
+ * writer never waits. */
+static void read_complaint(int from, char *text, size_t capacity)
+{
+    size_t size = 0;
+    char rest[512];
+    for (;;) {
+        bool full = size == capacity - 1;
+        ssize_t got =
+            full ? read(from, rest, sizeof rest) : read(from, text + size, capacity - 1 - size);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            break;
+        size += full ? 0 : (size_t)got;
+    }
+    text[size] = '\0';
+    for (size_t i = 0; i < size; i++)
+        if ((unsigned char)text[i] < 0x20 || text[i] == 0x7F)
+            text[i] = ' ';
+}
+
+/* This process's environment with another locale: the script is in UTF-8, which gnuplot complains
+ * of where the locale is not. To be freed, not its strings; NULL without memory. */
+static char **environment_in_utf8(void)
+{
+    size_t count = 0, kept = 0;
+    while (environ[count] != NULL)
+        count++;
+    char **copy = malloc((count + 2) * sizeof *copy);
+    if (copy == NULL)
+        return NULL;
+    for (size_t i = 0; i < count; i++)
+        if (strncmp(environ[i], "LC_ALL=", 7) != 0)
+            copy[kept++] = environ[i];
+    copy[kept++] = "LC_ALL=C.UTF-8";
+    copy[kept] = NULL;
+    return copy;
+}
+
+/* `gnuplot charts.gp` in `folder`: without the user's own settings, its standard error into
+ * `errors`. */
+static int start(const char *folder, int errors, pid_t *child)
+{
+    char *arguments[] = {"gnuplot", "--default-settings", (char *)script_name, NULL};
+    char **environment = environment_in_utf8();
+    if (environment == NULL)
+        return ENOMEM;
+    posix_spawn_file_actions_t actions;
+    int error = posix_spawn_file_actions_init(&actions);
+    if (error != 0) {
+        free(environment);
+        return error;
+    }
+    error = posix_spawn_file_actions_addchdir_np(&actions, folder);
+    if (error == 0)
+        error = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    if (error == 0)
+        error = posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
+    if (error == 0)
+        error = posix_spawn_file_actions_adddup2(&actions, errors, 2);
+    if (error == 0)
+        error = posix_spawnp(child, "gnuplot", &actions, NULL, arguments, environment);
+    posix_spawn_file_actions_destroy(&actions);
+    free(environment);
+    return error;
+}
+
+static bb_status draw(const char *folder)
+{
+    int ends[2];
+    pid_t child;
+    char complaint[600];
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return bb_fail(BB_FAILED, "charts: no pipe to gnuplot: %s", strerror(errno));
+    int error = start(folder, ends[1], &child);
+    close(ends[1]);
+    if (error != 0) {
+        close(ends[0]);
+        return bb_fail(BB_FAILED, "charts: gnuplot does not start: %s", strerror(error));
+    }
+    read_complaint(ends[0], complaint, sizeof complaint);
+    close(ends[0]);
+    int status;
+    pid_t waited;
+    while ((waited = waitpid(child, &status, 0)) < 0 && errno == EINTR)
+        continue;
+    if (waited != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        return bb_fail(BB_FAILED, "charts: gnuplot failed on %s/%s:%s", folder, script_name,
+                       complaint[0] != '\0' ? complaint : " it does not say why");
+    return BB_OK;
+}
+
+bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pictures)
+{
+    bb_charts charts = {0};
+    char *script = NULL;
+    size_t size = 0;
+    char path[PATH_MAX];
+    *pictures = 0;
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return bb_fail(BB_INVALID, "cannot make the folder of the charts %s: %s", folder,
+                       strerror(errno));
+    if (snprintf(path, sizeof path, "%s/%s", folder, script_name) >= (int)sizeof path)
+        return bb_fail(BB_INVALID, "%s/%s: the path is too long", folder, script_name);
+    BB_TRY(bb_charts_make(results, &charts));
+    FILE *out = open_memstream(&script, &size);
+    bb_status status = out != NULL ? bb_charts_script(&charts, out, pictures)
+                                   : bb_fail(BB_FAILED, "charts: no memory");
+    if (out != NULL && (ferror(out) | fclose(out)) != 0 && status == BB_OK)
+        status = bb_fail(BB_FAILED, "charts: no memory for the script");
+    if (status == BB_OK)
+        status = bb_file_write(path, script, size, "charts");
+    if (status == BB_OK && *pictures > 0)
+        status = draw(folder);
+    free(script);
+    bb_charts_free(&charts);
+    return status;
+}

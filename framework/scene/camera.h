@@ -1,0 +1,26 @@
+/* Cameras: from a view and a picture's size to one ray per pixel. */
+#ifndef BB_CAMERA_H
+#define BB_CAMERA_H
+
+#include "framework/scene/scene.h"
+
+/* A view made ready: pixel (x, y) looks along `corner` + x * `right` + y * `down` (pinhole), or
+ * starts there (parallel). */
+typedef struct bb_camera {
+    bool parallel;
+    double eye[3];
+    double forward[3]; /* length 1 */
+    double right[3];   /* one pixel; pinhole: at distance 1 */
+    double down[3];
+    double corner[3]; /* centre of the top left pixel, relative to the eye */
+} bb_camera;
+
+/* BB_INVALID for an empty picture, a view that looks nowhere or along its up vector, or an
+ * impossible angle of view. */
+bb_status bb_camera_make(const bb_view *view, uint32_t width, uint32_t height, bb_camera *camera);
+
+/* The ray through the centre of pixel (x, y), y from the top; of length 1 before rounding. tmin =
+ * 0, tmax = inf. */
+void bb_camera_ray(const bb_camera *camera, uint32_t x, uint32_t y, bb_ray *ray);
+
+#endif

@@ -1,0 +1,155 @@
+/* A scene: primitives of one or more kinds, their boxes, their views; on the host and on the device.
+ *
+ * Primitives are numbered through: the triangles first, then the spheres. A later kind gets the next
+ * range. Everything is float, in scene units, as loaded; nothing is merged or dropped.
+ */
+#ifndef BB_SCENE_H
+#define BB_SCENE_H
+
+#include "framework/base/options.h"
+#include "framework/device/device.h"
+#include "kernels/bb_shared.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Kinds of primitives, as bits. */
+enum {
+    BB_TRIANGLES = 1u << 0,
+    BB_SPHERES = 1u << 1,
+};
+
+/* Projection and place of a camera. */
+typedef struct bb_view {
+    char name[48];
+    bool parallel; /* parallel projection instead of a pinhole */
+    double eye[3];
+    double target[3];
+    double up[3];
+    double fov_y; /* degrees; for a parallel view: height of the picture in scene units */
+} bb_view;
+
+enum { BB_VIEWS_MAX = 16 };
+
+/* What the harness measures of a scene, once; the parsimony choices are taken from it. */
+typedef struct bb_profile {
+    double flatness; /* shortest / longest side of the scene's box, 0..1 */
+    double size_min; /* box diagonals of the primitives: smallest, median, largest */
+    double size_median;
+    double size_max;
+    uint32_t zero_area;       /* triangles of exactly zero area, spheres of radius 0 */
+    uint32_t duplicate_boxes; /* primitives whose box equals an earlier one's */
+    uint32_t duplicate_centroids;
+    double overlap;     /* mean number of other boxes that hold a box's centroid, estimated */
+    int32_t closed;     /* 1: each edge of the triangles has two sides; 0: open; -1: no triangles */
+    uint32_t code_bits; /* 30, 32, 63 or 64: the least that separates the centroids; 0: none does */
+    uint32_t octree_depth; /* levels that separate the centroids, at most 21 */
+} bb_profile;
+
+/* Device side of a scene. */
+typedef struct bb_scene_device {
+    bb_device *device;
+    bb_account account;
+    bb_buffer boxes;    /* bb_box[prim_count] */
+    bb_buffer vertices; /* float[3 * vertex_count] */
+    bb_buffer indices;  /* u32[3 * triangle_count] */
+    bb_buffer spheres;  /* float[4 * sphere_count]: centre, radius */
+} bb_scene_device;
+
+typedef struct bb_scene {
+    char name[256];      /* the specification: what records and tables show */
+    char source[64];     /* "glTF" or the generator's name */
+    uint32_t kinds;      /* BB_TRIANGLES | BB_SPHERES */
+    uint32_t prim_count; /* triangle_count + sphere_count, 1 .. 2^31 - 1 */
+    uint32_t triangle_count;
+    uint32_t sphere_count;
+    uint32_t vertex_count;
+    float *vertices;   /* x y z */
+    uint32_t *indices; /* three per triangle, < vertex_count */
+    float *spheres;    /* x y z radius; radius >= 0 */
+    bb_box *boxes;     /* of the primitives, tight: a sphere's is rounded outwards; no -0 */
+    bb_box bounds;
+    float scale; /* power of two by which layouts multiply lengths: see bb_scene_choose_scale() */
+    uint32_t out_of_range; /* primitives too small beside the scene for the kernels' floats */
+    uint64_t hash;         /* of the geometry, XXH3 */
+    uint32_t ignored;      /* primitives of the file that are no surface (points, lines), skipped */
+    uint32_t view_count;
+    bb_view views[BB_VIEWS_MAX];
+    bb_profile profile;
+    bool
+        closed_from_inside; /* a closed mesh whose inside holds `inside_point` (generators say so) */
+    double inside_point[3];
+    bb_scene_device on_device;
+    double load_ms;
+} bb_scene;
+
+/* A procedural scene: one constant struct per generator, found in scenes/gen_NAME.c. */
+typedef struct bb_generator {
+    const char *name;
+    const char *summary; /* one line */
+    const bb_option *options;
+    /* Fills counts, kinds, vertices/indices/spheres (from bb_host_alloc), views if it has fixed ones,
+     * closed_from_inside. Finishing (boxes, bounds, hash, checks) is bb_scene_finish()'s. */
+    bb_status (*make)(const bb_spec *spec, const bb_option *options, bb_scene *scene);
+} bb_generator;
+
+extern const bb_generator *const bb_generators[]; /* generated table; ends with NULL */
+
+/* Loads what `text` names: an existing file (.gltf, .glb), a shipped scene (coffee, scorpion, ...: see
+ * bb_shipped_scenes), or a generator with parameters. Finishes it and takes its views: from
+ * `NAME.views` beside the file, from the generator, or derived from the profile. BB_INVALID with one
+ * clear line for everything that is wrong with the input. Owned by the caller: bb_scene_free(). */
+bb_status bb_scene_load(const char *text, bb_scene **scene);
+void bb_scene_free(bb_scene *scene); /* NULL is allowed; releases the device side too */
+
+/* Sets counts and kinds of an empty scene and allocates its vertices, indices and spheres, not cleared; for loaders and
+ * generators. BB_REFUSED, with the bytes that the scene needs, if it has more than 2^31 - 1 primitives or 2^32 - 1
+ * vertices, or does not fit into the host's memory. */
+bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, uint64_t triangle_count,
+                           uint64_t sphere_count);
+
+/* Checks a filled scene (finite, indices in range, at least one primitive), makes every -0 a +0,
+ * computes boxes, bounds, scale and hash. */
+bb_status bb_scene_finish(bb_scene *scene);
+
+/* Sets scene->scale and scene->out_of_range from its primitives and bounds; bb_scene_finish() does it.
+ *
+ * The kernels' edge functions are products of two lengths. They keep their sign where the doubled area
+ * of a triangle (for a sphere, its radius squared) is at least 2^-100 and lengths are at most 2^60, in
+ * the layout's units. The scale takes the scene's largest coordinate to about 2^32; higher, up to
+ * 2^58, where the smallest primitive asks for it. Primitives that are too small even then are counted:
+ * rays may miss them. BB_INVALID if the largest coordinate is below 2^-100. */
+bb_status bb_scene_choose_scale(bb_scene *scene);
+
+/* Measures scene->profile; bb_scene_load() has done it. */
+bb_status bb_scene_profile(bb_scene *scene);
+
+/* Three views or more, by name, derived from box and profile; deterministic. Does nothing if the scene
+ * has views. */
+void bb_scene_derive_views(bb_scene *scene);
+
+/* Reads views from a text file (format: scenes/README.md). */
+bb_status bb_views_read(const char *path, bb_view *views, uint32_t capacity, uint32_t *count);
+
+/* Puts the scene on the device (once; a second call with the same device does nothing), where its boxes
+ * are made anew. Refuses, with the bytes it needs, what does not fit. */
+bb_status bb_scene_upload(bb_scene *scene, bb_device *device);
+
+/* Makes on_device.boxes from the geometry on the device (kernels/boxes.cl). Enqueued, not waited for. */
+bb_status bb_scene_make_boxes(bb_scene *scene);
+
+/* Names of the shipped scenes, ends with NULL, and the folder they are read from: BVHBENCH_SCENES in
+ * the environment, the share folder of the installation that the library lies in, or the source tree,
+ * the first that exists. */
+extern const char *const bb_shipped_scenes[];
+const char *bb_scene_folder(void);
+
+/* The three vertices of triangle `triangle`, as pointers into scene->vertices. */
+static inline const float *bb_scene_vertex(const bb_scene *scene, uint32_t triangle,
+                                           uint32_t corner)
+{
+    return scene->vertices + 3 * (size_t)scene->indices[3 * (size_t)triangle + corner];
+}
+
+#endif

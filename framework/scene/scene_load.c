@@ -1,0 +1,196 @@
+/* From a specification to a finished scene: a file, a shipped scene, or a generator. */
+#include "framework/base/clock.h"
+#include "framework/scene/scene.h"
+#include "scenes/gltf.h"
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+const char *const bb_shipped_scenes[] = {"coffee", "mountain", "scorpion", NULL};
+
+static bool is_folder(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+static bool exists(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0;
+}
+
+/* The share folder of the installation that the loaded library belongs to, wherever that was moved. */
+static char installed[PATH_MAX + 64];
+
+static void find_installed(void)
+{
+    Dl_info info;
+    char library[PATH_MAX];
+    if (dladdr(installed, &info) == 0 || realpath(info.dli_fname, library) == NULL)
+        return;
+    *strrchr(library, '/') = '\0';
+    snprintf(installed, sizeof installed, "%s/" BB_LIBDIR_TO_DATADIR "/bvhbench/scenes/data",
+             library);
+}
+
+const char *bb_scene_folder(void)
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    const char *given = getenv("BVHBENCH_SCENES");
+    if (given != NULL && is_folder(given))
+        return given;
+    pthread_once(&once, find_installed);
+    return is_folder(installed) ? installed : BB_SOURCE_DIR "/scenes/data";
+}
+
+static bool has_ending(const char *path, const char *ending)
+{
+    size_t length = strlen(path), size = strlen(ending);
+    return length > size && strcasecmp(path + length - size, ending) == 0;
+}
+
+static bool looks_like_file(const char *text)
+{
+    return strchr(text, '/') != NULL || has_ending(text, ".glb") || has_ending(text, ".gltf");
+}
+
+/* ---- files ---- */
+
+static bb_status reserve_triangles(void *user, uint64_t vertex_count, uint64_t triangle_count,
+                                   float **vertices, uint32_t **indices)
+{
+    bb_scene *scene = user;
+    BB_TRY(bb_scene_reserve(scene, vertex_count, triangle_count, 0));
+    *vertices = scene->vertices;
+    *indices = scene->indices;
+    return BB_OK;
+}
+
+/* NAME.views beside NAME.glb, if there is one. */
+static bb_status read_views_beside(const char *path, bb_scene *scene)
+{
+    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+    size_t stem =
+        dot != NULL && (slash == NULL || dot > slash) ? (size_t)(dot - path) : strlen(path);
+    char views[4096];
+    int length = snprintf(views, sizeof views, "%.*s.views", (int)stem, path);
+    if (length < 0 || (size_t)length >= sizeof views || !exists(views))
+        return BB_OK;
+    return bb_views_read(views, scene->views, BB_VIEWS_MAX, &scene->view_count);
+}
+
+static bb_status load_file(const char *path, bb_scene *scene)
+{
+    if (!exists(path))
+        return bb_fail(BB_INVALID, "%s: there is no such file: check the path", path);
+    if (!has_ending(path, ".gltf") && !has_ending(path, ".glb"))
+        return bb_fail(BB_INVALID,
+                       "%s: is no scene file that can be read: its ending must be .gltf or .glb",
+                       path);
+    BB_TRY(bb_gltf_load(path, reserve_triangles, scene, &scene->ignored));
+    snprintf(scene->source, sizeof scene->source, "glTF");
+    return read_views_beside(path, scene);
+}
+
+static bb_status load_shipped(const bb_spec *spec, bb_scene *scene)
+{
+    BB_TRY(bb_spec_validate(spec, NULL, spec->name));
+    char path[4096];
+    int length = snprintf(path, sizeof path, "%s/%s.glb", bb_scene_folder(), spec->name);
+    if (length < 0 || (size_t)length >= sizeof path)
+        return bb_fail(BB_INVALID, "the path of the scenes folder is too long: %.80s...",
+                       bb_scene_folder());
+    return load_file(path, scene);
+}
+
+/* ---- names ---- */
+
+static bool is_shipped(const char *name)
+{
+    for (size_t i = 0; bb_shipped_scenes[i] != NULL; i++)
+        if (strcmp(bb_shipped_scenes[i], name) == 0)
+            return true;
+    return false;
+}
+
+static const bb_generator *find_generator(const char *name)
+{
+    for (size_t i = 0; bb_generators[i] != NULL; i++)
+        if (strcmp(bb_generators[i]->name, name) == 0)
+            return bb_generators[i];
+    return NULL;
+}
+
+static bb_status unknown(const char *text)
+{
+    char names[512] = "";
+    size_t used = 0;
+    for (size_t i = 0; bb_shipped_scenes[i] != NULL && used < sizeof names; i++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s, ", bb_shipped_scenes[i]);
+    for (size_t i = 0; bb_generators[i] != NULL && used < sizeof names; i++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", bb_generators[i]->name,
+                                 bb_generators[i + 1] != NULL ? ", " : "");
+    return bb_fail(BB_INVALID,
+                   "'%s' is no file and no scene: take a .gltf or .glb file, or one of %s", text,
+                   names);
+}
+
+static bb_status load_named(const char *text, bb_scene *scene)
+{
+    bb_spec spec;
+    BB_TRY(bb_spec_parse(text, &spec));
+    if (is_shipped(spec.name))
+        return load_shipped(&spec, scene);
+    const bb_generator *generator = find_generator(spec.name);
+    if (generator == NULL)
+        return unknown(text);
+    char what[96];
+    snprintf(what, sizeof what, "scene %s", generator->name);
+    BB_TRY(bb_spec_validate(&spec, generator->options, what));
+    snprintf(scene->source, sizeof scene->source, "%s", generator->name);
+    return generator->make(&spec, generator->options, scene);
+}
+
+/* A path that is too long for the name keeps its end, which tells scenes apart. */
+static void set_name(bb_scene *scene, const char *text)
+{
+    size_t length = strlen(text), room = sizeof scene->name - 1;
+    snprintf(scene->name, sizeof scene->name, "%s", length > room ? text + (length - room) : text);
+}
+
+static bb_status load(const char *text, bb_scene *scene)
+{
+    set_name(scene, text);
+    if ((exists(text) && !is_folder(text)) || looks_like_file(text))
+        BB_TRY(load_file(text, scene));
+    else
+        BB_TRY(load_named(text, scene));
+    BB_TRY(bb_scene_finish(scene));
+    BB_TRY(bb_scene_profile(scene));
+    bb_scene_derive_views(scene);
+    return BB_OK;
+}
+
+bb_status bb_scene_load(const char *text, bb_scene **out)
+{
+    *out = NULL;
+    double start = bb_wall_ms();
+    bb_scene *scene = calloc(1, sizeof *scene);
+    if (scene == NULL)
+        return bb_fail(BB_REFUSED, "%s: no memory for a scene", text);
+    bb_status status = load(text, scene);
+    if (status != BB_OK) {
+        bb_scene_free(scene);
+        return status;
+    }
+    scene->load_ms = bb_wall_ms() - start;
+    *out = scene;
+    return BB_OK;
+}

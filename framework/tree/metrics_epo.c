@@ -1,0 +1,245 @@
+/* End-point overlap (Aila, Karras, Laine: On Quality Metrics of Bounding Volume Hierarchies, 2013):
+ *
+ *   EPO = sum over nodes n of C(n) area(S in the box of n, less the primitives below n) / area(S)
+ *
+ * with S the surface of the scene and C(n) the cost of a node, as in the surface area heuristic.
+ * Measured as the mean over points p, uniform on S, of the cost of the nodes that contain p but
+ * not, in their subtree, p's primitive. Triangles and spheres.
+ */
+#include "framework/base/random.h"
+#include "framework/base/threads.h"
+#include "framework/tree/tree_walk.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Points whose costs are added up together, so that the number of threads does not change the sum.
+ */
+enum { BLOCK = 4096 };
+
+typedef struct epo {
+    const bb_scene *scene;
+    bb_tree tree;    /* preorder: the subtree of n is [n, skip(n)) */
+    uint32_t *start; /* leaves[start[p] .. start[p + 1]) hold primitive p, in ascending order */
+    uint32_t *leaves;
+    double *node_cost;
+    double *area; /* inclusive prefix sums over the primitives */
+    double *sum;  /* per block: of the costs, of their squares */
+    double *square;
+    uint64_t samples, seed;
+} epo;
+
+static double triangle_area(const bb_scene *scene, uint32_t triangle)
+{
+    const float *v[3];
+    double a[3], b[3];
+    for (uint32_t corner = 0; corner < 3; corner++)
+        v[corner] = bb_scene_vertex(scene, triangle, corner);
+    for (int axis = 0; axis < 3; axis++) {
+        a[axis] = (double)v[1][axis] - v[0][axis];
+        b[axis] = (double)v[2][axis] - v[0][axis];
+    }
+    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2],
+           z = a[0] * b[1] - a[1] * b[0];
+    return 0.5 * hypot(hypot(x, y), z);
+}
+
+static double prim_area(const bb_scene *scene, uint32_t prim)
+{
+    if (prim < scene->triangle_count)
+        return triangle_area(scene, prim);
+    double radius = scene->spheres[4 * (size_t)(prim - scene->triangle_count) + 3];
+    return 4.0 * acos(-1.0) * radius * radius;
+}
+
+/* Point on primitive `prim` for two uniform numbers. On a plane of constant coordinate it is
+ * exactly on it. */
+static void prim_point(const bb_scene *scene, uint32_t prim, double u, double v, double point[3])
+{
+    if (prim < scene->triangle_count) {
+        if (u + v > 1.0) {
+            u = 1.0 - u;
+            v = 1.0 - v;
+        }
+        const float *a = bb_scene_vertex(scene, prim, 0), *b = bb_scene_vertex(scene, prim, 1),
+                    *c = bb_scene_vertex(scene, prim, 2);
+        for (int axis = 0; axis < 3; axis++)
+            point[axis] =
+                a[axis] + (u * ((double)b[axis] - a[axis]) + v * ((double)c[axis] - a[axis]));
+        return;
+    }
+    const float *sphere = scene->spheres + 4 * (size_t)(prim - scene->triangle_count);
+    double z = 1.0 - 2.0 * u, ring = sqrt(fmax(0.0, 1.0 - z * z)), phi = 2.0 * acos(-1.0) * v;
+    const double direction[3] = {ring * cos(phi), ring * sin(phi), z};
+    for (int axis = 0; axis < 3; axis++)
+        point[axis] = sphere[axis] + sphere[3] * direction[axis];
+}
+
+/* First primitive whose prefix sum exceeds `area`. */
+static uint32_t pick(const epo *e, double area)
+{
+    uint32_t low = 0, high = e->scene->prim_count - 1;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (e->area[middle] > area)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+/* Whether a leaf of primitive `prim` is among the nodes [begin, end). */
+static bool holds_prim(const epo *e, uint32_t prim, uint32_t begin, uint32_t end)
+{
+    uint32_t low = e->start[prim], high = e->start[prim + 1], last = high;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (e->leaves[middle] >= begin)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low < last && e->leaves[low] < end;
+}
+
+static double point_cost(const epo *e, uint32_t prim, const double p[3])
+{
+    uint32_t count = e->tree.info.node_count;
+    double cost = 0.0;
+    for (uint32_t i = 0; i < count;) {
+        const bb_node *node = &e->tree.nodes[i];
+        uint32_t end = node->skip == BB_NONE ? count : node->skip;
+        bool inside = node->lo[0] <= p[0] && p[0] <= node->hi[0] && node->lo[1] <= p[1] &&
+                      p[1] <= node->hi[1] && node->lo[2] <= p[2] && p[2] <= node->hi[2];
+        if (inside && !holds_prim(e, prim, i, end))
+            cost += e->node_cost[i];
+        i = inside ? i + 1 : end;
+    }
+    return cost;
+}
+
+static void run_blocks(void *context, size_t begin, size_t end, uint32_t thread)
+{
+    (void)thread;
+    epo *e = context;
+    double total = e->area[e->scene->prim_count - 1];
+    for (size_t block = begin; block < end; block++) {
+        uint64_t first = (uint64_t)block * BLOCK, rest = e->samples - first;
+        uint64_t last = first + (rest < BLOCK ? rest : BLOCK);
+        e->sum[block] = e->square[block] = 0.0;
+        for (uint64_t sample = first; sample < last; sample++) {
+            bb_random random = bb_random_make(e->seed, sample);
+            uint32_t prim = pick(e, bb_random_unit(&random) * total);
+            double u = bb_random_unit(&random), v = bb_random_unit(&random), p[3];
+            prim_point(e->scene, prim, u, v, p);
+            double cost = point_cost(e, prim, p);
+            e->sum[block] += cost;
+            e->square[block] += cost * cost;
+        }
+    }
+}
+
+/* Fills leaves[] and start[]: counts, prefix sums, and positions from the last to the first. */
+static bb_status index_leaves(epo *e)
+{
+    uint32_t prims = e->scene->prim_count, end = 0;
+    const bb_tree_info *info = &e->tree.info;
+    memset(e->start, 0, ((size_t)prims + 1) * sizeof *e->start);
+    for (uint32_t i = 0; i < info->ref_count; i++) {
+        uint32_t prim = e->tree.refs[i] & BB_INDEX_MASK;
+        if (prim >= prims)
+            return bb_fail(BB_FAILED, "reference %u is to primitive %u, there are %u", i, prim,
+                           prims);
+        e->start[prim]++;
+    }
+    for (uint32_t prim = 0; prim < prims; prim++)
+        e->start[prim] = end += e->start[prim];
+    e->start[prims] = end;
+    uint32_t node = info->node_count, ref = info->ref_count;
+    while (node-- > 0) {
+        if (!bb_node_is_leaf(&e->tree.nodes[node]))
+            continue;
+        for (uint32_t first = e->tree.nodes[node].first & BB_INDEX_MASK; ref > first;)
+            e->leaves[--e->start[e->tree.refs[--ref] & BB_INDEX_MASK]] = node;
+    }
+    return BB_OK;
+}
+
+static uint32_t node_width(const bb_tree *tree, uint32_t index)
+{
+    const bb_node *node = &tree->nodes[index];
+    uint32_t width = 1;
+    if (bb_node_is_leaf(node))
+        for (uint32_t ref = node->first & BB_INDEX_MASK; !(tree->refs[ref] & BB_LAST_BIT); ref++)
+            width++;
+    else
+        for (uint32_t child = node->first; tree->nodes[child].skip != node->skip; width++)
+            child = tree->nodes[child].skip;
+    return width;
+}
+
+static bb_status prepare(epo *e, const bb_tree *tree, size_t blocks)
+{
+    const char *what = "end-point overlap";
+    size_t prims = e->scene->prim_count;
+    BB_TRY(bb_tree_preorder(tree, &e->tree));
+    BB_TRY(bb_host_alloc(NULL, (prims + 1) * sizeof *e->start, what, &e->start));
+    BB_TRY(bb_host_alloc(NULL, e->tree.info.ref_count * sizeof *e->leaves, what, &e->leaves));
+    BB_TRY(
+        bb_host_alloc(NULL, e->tree.info.node_count * sizeof *e->node_cost, what, &e->node_cost));
+    BB_TRY(bb_host_alloc(NULL, prims * sizeof *e->area, what, &e->area));
+    BB_TRY(bb_host_alloc(NULL, blocks * sizeof *e->sum, what, &e->sum));
+    BB_TRY(bb_host_alloc(NULL, blocks * sizeof *e->square, what, &e->square));
+    BB_TRY(index_leaves(e));
+    for (uint32_t i = 0; i < e->tree.info.node_count; i++)
+        e->node_cost[i] = bb_node_cost(&e->tree.nodes[i], node_width(&e->tree, i));
+    double area = 0.0;
+    for (size_t prim = 0; prim < prims; prim++)
+        e->area[prim] = area += prim_area(e->scene, (uint32_t)prim);
+    return BB_OK;
+}
+
+static void summarise(const epo *e, size_t blocks, double *mean, double *half)
+{
+    double sum = 0.0, square = 0.0, n = (double)e->samples;
+    for (size_t block = 0; block < blocks; block++) {
+        sum += e->sum[block];
+        square += e->square[block];
+    }
+    *mean = sum / n;
+    double variance = n > 1.0 ? fmax(0.0, (square - sum * *mean) / (n - 1.0)) : (double)INFINITY;
+    if (half != NULL)
+        *half = 1.959963985 * sqrt(variance / n);
+}
+
+bb_status bb_tree_epo(const bb_tree *tree, const bb_scene *scene, uint64_t samples, uint64_t seed,
+                      double *mean, double *half)
+{
+    *mean = (double)NAN;
+    if (half != NULL)
+        *half = (double)NAN;
+    if (samples == 0)
+        return bb_fail(BB_INVALID, "end-point overlap by 0 points: take at least 1");
+    epo e = {.scene = scene, .samples = samples, .seed = seed};
+    bb_tree_init(&e.tree, NULL);
+    bb_pool *pool = NULL;
+    size_t blocks = (size_t)((samples - 1) / BLOCK + 1);
+    bb_status status = prepare(&e, tree, blocks);
+    if (status == BB_OK && e.area[scene->prim_count - 1] > 0.0) {
+        status = bb_pool_create(0, &pool);
+        if (status == BB_OK) {
+            bb_parallel_for(pool, blocks, 1, run_blocks, &e);
+            summarise(&e, blocks, mean, half);
+        }
+    }
+    bb_pool_destroy(pool);
+    bb_tree_release(&e.tree);
+    bb_host_free(e.start);
+    bb_host_free(e.leaves);
+    bb_host_free(e.node_cost);
+    bb_host_free(e.area);
+    bb_host_free(e.sum);
+    bb_host_free(e.square);
+    return status;
+}

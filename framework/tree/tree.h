@@ -1,0 +1,122 @@
+/* The common tree: one node format for all builders, of any arity (bb_node in kernels/bb_shared.h).
+ *
+ * The harness owns it. A builder reserves room, fills nodes and references, on the host or on the
+ * device, and says of the tree what bb_tree_info and the flags hold.
+ */
+#ifndef BB_TREE_H
+#define BB_TREE_H
+
+#include "framework/base/memory.h"
+#include "framework/device/device.h"
+#include "framework/scene/scene.h"
+#include "kernels/bb_shared.h"
+
+typedef enum bb_place { BB_ON_HOST, BB_ON_DEVICE } bb_place;
+
+enum { BB_TREE_ARRAYS_MAX = 4 };
+
+/* A named side array, per node or per reference (boundary flags, offsets ...). */
+typedef struct bb_tree_array {
+    const char *name;
+    bool per_reference; /* else per node */
+    uint32_t stride;    /* bytes per element */
+    bb_buffer buffer;
+    void *host;
+} bb_tree_array;
+
+typedef struct bb_tree {
+    bb_account *account; /* what reserving is booked on */
+    bb_place place;      /* where the builder left it */
+    bb_tree_info info;   /* on the device: valid after bb_tree_fetch_info() */
+    bool duplicated;     /* a primitive may be referenced more than once */
+    bool disjoint;       /* boxes of siblings share no volume */
+
+    bool copied; /* the other side holds an up-to-date copy */
+
+    bb_node *nodes;       /* host side; NULL until reserved there or downloaded */
+    uint32_t *refs;       /* primitive, with BB_LAST_BIT on the last of each leaf */
+    size_t node_capacity; /* of the host arrays; the device's is in the buffers */
+    size_t ref_capacity;
+
+    bb_buffer d_info; /* one bb_tree_info */
+    bb_buffer d_nodes;
+    bb_buffer d_refs;
+
+    uint32_t array_count;
+    bb_tree_array arrays[BB_TREE_ARRAYS_MAX];
+} bb_tree;
+
+void bb_tree_init(bb_tree *tree, bb_account *account);
+void bb_tree_release(bb_tree *tree); /* frees all; the tree is empty and may be used again */
+
+/* Room for this many nodes and references at `place`, which becomes the tree's. Contents are lost if
+ * it grows; copies on the other side are stale from now on. On the device, d_info is reserved too. Booked on
+ * tree->account; refused beyond what there is. A tree has at most 2^31 - 1 nodes and references. */
+bb_status bb_tree_reserve(bb_tree *tree, bb_device *device, bb_place place, size_t nodes,
+                          size_t refs);
+
+/* Says that nodes or references were rewritten where the tree is: a copy on the other side is stale. For update() hooks and
+ * builds that do not reserve. */
+void bb_tree_changed(bb_tree *tree);
+
+/* Reads d_info of a tree built on the device; BB_FAILED if it claims more nodes or references than there is room for. Does
+ * nothing for a tree on the host. */
+bb_status bb_tree_fetch_info(bb_tree *tree);
+
+/* device -> host and host -> device copies of what the tree holds, side arrays included; `ms` gets the wall time (may be NULL).
+ * Do nothing if the copy is there already. Copies are the harness's: they are not booked on tree->account. */
+bb_status bb_tree_download(bb_tree *tree, double *ms);
+bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms);
+
+/* Bytes of the nodes and references in use. */
+uint64_t bb_tree_bytes(const bb_tree *tree);
+
+/* ---- on the host side (downloaded or built there) ---- */
+
+static inline bool bb_node_is_leaf(const bb_node *node)
+{
+    return (node->first & BB_LEAF_BIT) != 0;
+}
+
+/* Ct (per pair of children) and Ci (per reference) of all costs. */
+#define BB_COST_TRAVERSAL 1.2
+#define BB_COST_INTERSECTION 1.0
+
+/* Half the surface area of a box; 0 for one that is flat on two axes. */
+static inline double bb_half_area(const float lo[3], const float hi[3])
+{
+    double x = (double)hi[0] - lo[0], y = (double)hi[1] - lo[1], z = (double)hi[2] - lo[2];
+    return x * y + y * z + z * x;
+}
+
+/* The functions below need the tree on the host (built there or downloaded) and fail with a message if it is not, or if
+ * its links are corrupt. */
+
+/* Renumbers into preorder: nodes 0, 1, 2 ... as visited by first/skip, references in the order of the
+ * leaves. `out` is another tree, initialised; it ends up on the host. Two equal trees give equal bytes. Side arrays stay
+ * behind. */
+bb_status bb_tree_preorder(const bb_tree *tree, bb_tree *out);
+
+/* XXH3 of the preorder form. */
+bb_status bb_tree_hash(const bb_tree *tree, uint64_t *hash);
+
+/* Largest sum of children - 1 along a path: the entries that an ordered traversal's stack needs. */
+bb_status bb_tree_stack_need(const bb_tree *tree, uint32_t *entries);
+
+/* Holds the tree to what section "The common tree" of the README of framework/ promises; BB_FAILED with the first
+ * violation, in words with node and primitive numbers. Never loops or reads out of bounds on a corrupt tree. */
+bb_status bb_tree_check(const bb_tree *tree, const bb_scene *scene);
+
+/* ---- metrics ---- */
+
+/* Surface area heuristic, Ct = 1.2, Ci = 1 (metrics.c has the definition); NAN if the root's area is 0 or the links are
+ * corrupt. */
+double bb_tree_sah(const bb_tree *tree);
+
+/* End-point overlap (Aila, Karras, Laine 2013) by `samples` seeded points on the surface; `half` gets the half width of
+ * its 95 % interval (may be NULL). NAN for a scene without surface area. Uses all cores; the figure does not depend on how
+ * many. */
+bb_status bb_tree_epo(const bb_tree *tree, const bb_scene *scene, uint64_t samples, uint64_t seed,
+                      double *epo, double *half);
+
+#endif

@@ -1,0 +1,268 @@
+/* Coverage of a primitive by several boxes, by subtracting the boxes from it.
+ *
+ *   regions = { box of the primitive }
+ *   while there is a region R:
+ *       shrink R to the part of the primitive's surface in it; drop R if there is none
+ *       if a box holds R: it is covered
+ *       else if a box overlaps R: cut R along the box, keep the up to six pieces outside
+ *       else: what is left of the primitive in R is covered by nobody
+ *
+ * A triangle is clipped against R exactly as a polygon (Sutherland and Hodgman 1974); a sphere's
+ * surface meets R if the distances from its centre to the nearest and the farthest point of R say
+ * so. All in double; the boxes are grown by 2^-40 of the largest coordinate, so that rounding here
+ * (2^-53) can't open a gap between boxes that abut. A gap in the floats of a leaf is 2^-24 of its
+ * coordinate.
+ */
+#include "framework/tree/tree_cover.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct region {
+    double lo[3], hi[3];
+} region;
+
+typedef struct region_stack {
+    region *items;
+    size_t count, capacity;
+} region_stack;
+
+static bb_status push(region_stack *stack, const region *item)
+{
+    if (stack->count == stack->capacity) {
+        size_t capacity = stack->capacity == 0 ? 64 : 2 * stack->capacity;
+        region *items = NULL;
+        BB_TRY(bb_host_alloc(NULL, capacity * sizeof *items, "check of the tree", &items));
+        if (stack->count > 0)
+            memcpy(items, stack->items, stack->count * sizeof *items);
+        bb_host_free(stack->items);
+        stack->items = items;
+        stack->capacity = capacity;
+    }
+    stack->items[stack->count++] = *item;
+    return BB_OK;
+}
+
+/* ---- what of a primitive is in a region ---- */
+
+enum { POLYGON_MAX = 16 }; /* a triangle cut by six planes has at most nine corners */
+
+/* Keeps the part of the polygon with sign * x[axis] <= sign * plane; returns the number of corners
+ * left. */
+static int clip(double (*polygon)[3], int count, int axis, double plane, double sign)
+{
+    double kept[POLYGON_MAX][3];
+    int kept_count = 0;
+    for (int i = 0; i < count; i++) {
+        const double *a = polygon[i], *b = polygon[(i + 1) % count];
+        double da = sign * (plane - a[axis]), db = sign * (plane - b[axis]);
+        if (da >= 0.0)
+            memcpy(kept[kept_count++], a, sizeof kept[0]);
+        if ((da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0)) {
+            double t = da / (da - db);
+            for (int k = 0; k < 3; k++)
+                kept[kept_count][k] = a[k] + t * (b[k] - a[k]);
+            kept[kept_count++][axis] = plane;
+        }
+    }
+    memcpy(polygon, kept, (size_t)kept_count * sizeof kept[0]);
+    return kept_count;
+}
+
+/* Shrinks `r` to the box of the triangle's part in it; false if there is none. */
+static bool shrink_to_triangle(const bb_scene *scene, uint32_t triangle, region *r)
+{
+    double polygon[POLYGON_MAX][3];
+    int count = 3;
+    for (uint32_t corner = 0; corner < 3; corner++)
+        for (int axis = 0; axis < 3; axis++)
+            polygon[corner][axis] = bb_scene_vertex(scene, triangle, corner)[axis];
+    for (int axis = 0; axis < 3 && count > 0; axis++) {
+        count = clip(polygon, count, axis, r->hi[axis], 1.0);
+        if (count > 0)
+            count = clip(polygon, count, axis, r->lo[axis], -1.0);
+    }
+    for (int axis = 0; axis < 3 && count > 0; axis++) {
+        double lo = polygon[0][axis], hi = lo;
+        for (int i = 1; i < count; i++) {
+            lo = fmin(lo, polygon[i][axis]);
+            hi = fmax(hi, polygon[i][axis]);
+        }
+        /* An interpolated corner may have been rounded out of the region; a region that never grows
+         * is what ends the loop. */
+        double low = r->lo[axis], high = r->hi[axis];
+        r->lo[axis] = fmin(fmax(lo, low), high);
+        r->hi[axis] = fmin(fmax(hi, low), high);
+    }
+    return count > 0;
+}
+
+/* Whether the sphere's surface meets `r`, which is left as it is. */
+static bool sphere_meets(const bb_scene *scene, uint32_t sphere, const region *r)
+{
+    const float *s = scene->spheres + 4 * (size_t)sphere;
+    double nearest = 0.0, farthest = 0.0;
+    for (int axis = 0; axis < 3; axis++) {
+        double below = r->lo[axis] - s[axis], above = r->hi[axis] - s[axis];
+        double near = below > 0.0 ? below : above < 0.0 ? above : 0.0;
+        double far = fmax(fabs(below), fabs(above));
+        nearest += near * near;
+        farthest += far * far;
+    }
+    double radius = s[3];
+    return nearest <= radius * radius && radius * radius <= farthest;
+}
+
+static bool shrink(const bb_scene *scene, uint32_t prim, region *r)
+{
+    if (prim < scene->triangle_count)
+        return shrink_to_triangle(scene, prim, r);
+    return sphere_meets(scene, prim - scene->triangle_count, r);
+}
+
+/* ---- regions and boxes ---- */
+
+static region grown(const bb_box *box, double margin)
+{
+    region r;
+    for (int axis = 0; axis < 3; axis++) {
+        r.lo[axis] = box->lo[axis] - margin;
+        r.hi[axis] = box->hi[axis] + margin;
+    }
+    return r;
+}
+
+static bool holds(const region *box, const region *r)
+{
+    bool inside = true;
+    for (int axis = 0; axis < 3; axis++)
+        inside = inside && box->lo[axis] <= r->lo[axis] && r->hi[axis] <= box->hi[axis];
+    return inside;
+}
+
+/* Overlap that a cut makes use of: more than a touch, unless the region is flat there. */
+static bool overlaps(const region *box, const region *r)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        bool flat = r->lo[axis] == r->hi[axis];
+        if (flat ? r->lo[axis] < box->lo[axis] || r->lo[axis] > box->hi[axis]
+                 : r->hi[axis] <= box->lo[axis] || r->lo[axis] >= box->hi[axis])
+            return false;
+    }
+    return true;
+}
+
+/* Pushes the parts of `r` outside of `box`. */
+static bb_status cut(region_stack *stack, const region *box, const region *r)
+{
+    region rest = *r;
+    for (int axis = 0; axis < 3; axis++) {
+        if (rest.lo[axis] < box->lo[axis]) {
+            region piece = rest;
+            piece.hi[axis] = rest.lo[axis] = box->lo[axis];
+            BB_TRY(push(stack, &piece));
+        }
+        if (rest.hi[axis] > box->hi[axis]) {
+            region piece = rest;
+            piece.lo[axis] = rest.hi[axis] = box->hi[axis];
+            BB_TRY(push(stack, &piece));
+        }
+    }
+    return BB_OK;
+}
+
+/* Takes one region apart; *covered is false if a part of it is covered by no box. */
+static bb_status cover_region(region_stack *stack, const region *r, const bb_box *boxes,
+                              uint32_t count, double margin, bool *covered)
+{
+    uint32_t cutter = BB_NONE;
+    *covered = true;
+    for (uint32_t i = 0; i < count; i++) {
+        region box = grown(&boxes[i], margin);
+        if (holds(&box, r))
+            return BB_OK;
+        if (cutter == BB_NONE && overlaps(&box, r))
+            cutter = i;
+    }
+    *covered = cutter != BB_NONE;
+    if (!*covered)
+        return BB_OK;
+    region box = grown(&boxes[cutter], margin);
+    return cut(stack, &box, r);
+}
+
+bb_status bb_cover_primitive(const bb_scene *scene, uint32_t prim, const bb_box *boxes,
+                             uint32_t count, bool *covered, double point[3])
+{
+    region_stack stack = {0};
+    const bb_box *own = &scene->boxes[prim];
+    region r = grown(own, 0.0);
+    double largest = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+        largest = fmax(largest, fmax(fabs(r.lo[axis]), fabs(r.hi[axis])));
+    double margin = ldexp(largest, -40);
+
+    *covered = true;
+    for (uint32_t i = 0; i < count; i++) { /* most primitives are in one leaf, whole */
+        region box = grown(&boxes[i], 0.0);
+        if (holds(&box, &r))
+            return BB_OK;
+    }
+    bb_status status = push(&stack, &r);
+    while (status == BB_OK && *covered && stack.count > 0) {
+        r = stack.items[--stack.count];
+        if (shrink(scene, prim, &r))
+            status = cover_region(&stack, &r, boxes, count, margin, covered);
+    }
+    for (int axis = 0; axis < 3; axis++)
+        point[axis] = 0.5 * r.lo[axis] + 0.5 * r.hi[axis];
+    bb_host_free(stack.items);
+    return status;
+}
+
+/* Lists the boxes of the leaves of each primitive. start[p] is the end of p's boxes before, their
+ * start after. */
+static void list_boxes(const bb_tree *tree, const bb_walk *walk, uint32_t *start, bb_box *boxes)
+{
+    for (uint32_t i = walk->info.node_count; i-- > 0;) {
+        const bb_node *node = &tree->nodes[walk->order[i]];
+        if (!bb_node_is_leaf(node))
+            continue;
+        const uint32_t *refs = tree->refs + (node->first & BB_INDEX_MASK);
+        for (uint32_t k = 0; k < walk->width[i]; k++) {
+            bb_box *box = &boxes[--start[refs[k] & BB_INDEX_MASK]];
+            memcpy(box->lo, node->lo, sizeof box->lo);
+            memcpy(box->hi, node->hi, sizeof box->hi);
+        }
+    }
+}
+
+bb_status bb_tree_check_cover(const bb_tree *tree, const bb_scene *scene, const bb_walk *walk,
+                              const uint32_t *uses)
+{
+    uint32_t *start = NULL, prims = scene->prim_count, end = 0;
+    bb_box *boxes = NULL;
+    bb_status status = bb_host_alloc(NULL, prims * sizeof *start, "check of the tree", &start);
+    if (status == BB_OK)
+        status =
+            bb_host_alloc(NULL, walk->info.ref_count * sizeof *boxes, "check of the tree", &boxes);
+    if (status == BB_OK) {
+        for (uint32_t prim = 0; prim < prims; prim++)
+            start[prim] = end += uses[prim];
+        list_boxes(tree, walk, start, boxes);
+    }
+    for (uint32_t prim = 0; prim < prims && status == BB_OK; prim++) {
+        bool covered;
+        double at[3];
+        status = bb_cover_primitive(scene, prim, boxes + start[prim], uses[prim], &covered, at);
+        if (status == BB_OK && !covered)
+            status =
+                bb_fail(BB_FAILED,
+                        "primitive %u is not covered by its %u leaves: what is at (%.9g, %.9g, "
+                        "%.9g) is outside of their boxes",
+                        prim, uses[prim], at[0], at[1], at[2]);
+    }
+    bb_host_free(boxes);
+    bb_host_free(start);
+    return status;
+}
