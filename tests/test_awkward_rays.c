@@ -9,6 +9,7 @@
 
 #include "framework/base/random.h"
 #include "framework/judge/judge.h"
+#include "framework/workload/workload.h"
 #include "tests/trace_fixture.h"
 
 /* Traces by every kernel and has the answers judged: none may be wrong. */

@@ -10,6 +10,7 @@
 #include "framework/base/file.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/oracle.h"
+#include "framework/workload/workload.h"
 #include "tests/hand_scene.h"
 #include "tests/scene_files.h"
 

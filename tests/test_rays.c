@@ -3,6 +3,7 @@
 #include "framework/judge/arbiter.h"
 #include "framework/judge/oracle.h"
 #include "framework/scene/camera.h"
+#include "framework/workload/workload.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>
@@ -80,7 +81,8 @@ static void test_all(void **state)
     scene->closed_from_inside = true;
     bb_oracle *oracle = NULL;
     assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
-    for (const bb_workload *workload = bb_workloads; workload->name != NULL; workload++) {
+    for (const bb_workload *const *w = bb_workloads; *w != NULL; w++) {
+        const bb_workload *workload = *w;
         if (strcmp(workload->name, "edges") == 0)
             continue; /* has a test of its own */
         const bb_view *view = workload->per_view ? &scene->views[0] : NULL;

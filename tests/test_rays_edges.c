@@ -3,7 +3,7 @@
 #include "tests/scene_files.h"
 
 #include "framework/judge/arbiter.h"
-#include "framework/rays/rays.h"
+#include "framework/workload/workload.h"
 
 #include <math.h>
 

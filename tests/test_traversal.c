@@ -9,6 +9,7 @@
 
 #include "framework/base/random.h"
 #include "framework/bench/conformance.h"
+#include "framework/workload/workload.h"
 #include "tests/trace_fixture.h"
 
 #include <math.h>

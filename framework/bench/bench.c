@@ -5,6 +5,7 @@
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
 #include "framework/picture/picture.h"
+#include "framework/workload/workload.h"
 
 #include <math.h>
 #include <stdio.h>

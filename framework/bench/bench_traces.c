@@ -2,6 +2,7 @@
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
+#include "framework/workload/workload.h"
 
 #include <math.h>
 #include <stdio.h>

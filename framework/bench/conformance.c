@@ -1,4 +1,5 @@
 #include "framework/bench/conformance.h"
+#include "framework/workload/workload.h"
 
 #include "traversal/traversal.h"
 

@@ -1,6 +1,8 @@
 /* Parsing of the command line and its help. */
 #include "framework/cli/cli.h"
 
+#include "framework/scene/camera.h"
+
 #include "framework/base/options.h"
 
 #include <errno.h>

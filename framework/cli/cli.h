@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { BB_CLI_OPTIONS_MAX = 24, BB_CLI_VALUES_MAX = 256, BB_PIXELS_MAX = 1 << 27 };
+enum { BB_CLI_OPTIONS_MAX = 24, BB_CLI_VALUES_MAX = 256 };
 
 /* The program's exit statuses. */
 enum {

@@ -7,6 +7,7 @@
 #include "framework/judge/judge.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
+#include "framework/workload/workload.h"
 
 #include <limits.h>
 #include <math.h>

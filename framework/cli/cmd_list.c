@@ -3,8 +3,8 @@
 #include "framework/cli/choice.h"
 #include "framework/embree/embree.h"
 #include "framework/papers/reproduce.h"
-#include "framework/rays/rays.h"
 #include "framework/scene/scene.h"
+#include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
 #include <cjson/cJSON.h>
@@ -99,8 +99,8 @@ static bb_status list_scenes(cJSON *list)
 
 static bb_status list_rays(cJSON *list)
 {
-    for (const bb_workload *w = bb_workloads; w->name != NULL; w++)
-        add(list, w->name, w->summary, NULL, w->options);
+    for (const bb_workload *const *w = bb_workloads; *w != NULL; w++)
+        add(list, (*w)->name, (*w)->summary, NULL, (*w)->options);
     return BB_OK;
 }
 

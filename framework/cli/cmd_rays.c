@@ -4,6 +4,7 @@
 #include "framework/cli/choice.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/oracle.h"
+#include "framework/workload/workload.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,6 +5,7 @@
 #include "framework/judge/judge.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
+#include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
 #include <stdio.h>

@@ -8,6 +8,7 @@
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 #include "framework/exchange/exchange_intake.h"
+#include "framework/workload/workload.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -151,7 +152,7 @@ static bb_status check_workload(const char *path, const bb_scene *scene,
     char what[512];
     snprintf(what, sizeof what, "rays file %s: rays %s", path, workload->name);
     BB_TRY(bb_spec_validate(spec, workload->options, what));
-    bool must_hit = bb_rays_must_hit(scene, spec, workload);
+    bool must_hit = bb_workload_must_hit(workload, scene, spec);
     if (must_hit != (header->must_hit != 0))
         return bb_fail(BB_INVALID,
                        "rays file %s: must_hit is %" PRIu32
@@ -190,7 +191,7 @@ static bb_status describe(const char *path, const bb_scene *scene, const bb_rays
                    : check_workload(path, scene, header, &rays->spec, workload));
     rays->workload = workload;
     rays->query = (bb_query)header->query;
-    rays->must_hit = workload != NULL && bb_rays_must_hit(scene, &rays->spec, workload);
+    rays->must_hit = workload != NULL && bb_workload_must_hit(workload, scene, &rays->spec);
     rays->width = header->width;
     rays->height = header->height;
     rays->seed = header->seed;

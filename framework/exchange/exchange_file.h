@@ -3,6 +3,7 @@
 #define BB_EXCHANGE_FILE_H
 
 #include "framework/exchange/exchange.h"
+#include "framework/judge/oracle.h"
 #include "framework/rays/rays.h"
 #include "framework/scene/scene.h"
 
@@ -20,7 +21,7 @@ bb_status bb_exchange_read_rays(const char *path, const bb_scene *scene, bool by
 
 /* Makes the rays of a workload again, from the scene and from what their file says they were made
  * by. BB_INVALID unless they are the same. `path` is that of the file, for the message. */
-bb_status bb_exchange_verify_rays(const char *path, const bb_scene *scene, struct bb_oracle *oracle,
+bb_status bb_exchange_verify_rays(const char *path, const bb_scene *scene, bb_oracle *oracle,
                                   const bb_rays *rays);
 
 /* What a tracer answered. */

@@ -1,6 +1,7 @@
 /* Whether the rays of a file are those of the workload that it names: they are made again. */
-#include "framework/cli/cli.h"
 #include "framework/exchange/exchange_file.h"
+#include "framework/scene/camera.h"
+#include "framework/workload/workload.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -26,7 +27,7 @@ static bb_status compare(const char *path, const bb_rays *rays, const bb_rays *a
                    path, rays->count, rays->hash, rays->name, again->count, again->hash);
 }
 
-bb_status bb_exchange_verify_rays(const char *path, const bb_scene *scene, struct bb_oracle *oracle,
+bb_status bb_exchange_verify_rays(const char *path, const bb_scene *scene, bb_oracle *oracle,
                                   const bb_rays *rays)
 {
     bb_rays_request request = {.spec = &rays->spec,

@@ -1,6 +1,7 @@
 #include "framework/picture/picture.h"
 
 #include "framework/picture/image.h"
+#include "framework/workload/workload.h"
 
 #include <ctype.h>
 #include <math.h>

@@ -4,6 +4,8 @@
 
 #include "framework/scene/scene.h"
 
+enum { BB_PIXELS_MAX = 1 << 27 }; /* of a picture */
+
 /* A view made ready: pixel (x, y) looks along `corner` + x * `right` + y * `down` (pinhole), or
  * starts there (parallel). */
 typedef struct bb_camera {

@@ -96,6 +96,16 @@ typedef struct bb_generator {
 
 extern const bb_generator *const bb_generators[]; /* generated table; ends with NULL */
 
+/* A format of scene files: scenes/format_NAME.c, which CMake finds. */
+typedef struct bb_scene_format {
+    const char *name;           /* as records name it */
+    const char *const *endings; /* of files, in small letters with the dot; ends with NULL */
+    /* Reads the file's primitives into the scene; bb_scene_finish() comes after. BB_INVALID for a bad file. */
+    bb_status (*load)(const char *path, bb_scene *scene);
+} bb_scene_format;
+
+extern const bb_scene_format *const bb_scene_formats[]; /* generated table; ends with NULL */
+
 /* Loads what `text` names: an existing file (.gltf, .glb), a shipped scene (coffee, scorpion, ...: see
  * bb_shipped_scenes), or a generator with parameters. Finishes it and takes its views: from
  * `NAME.views` beside the file, from the generator, or derived from the profile. BB_INVALID with one

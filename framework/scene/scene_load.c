@@ -1,7 +1,6 @@
 /* From a specification to a finished scene: a file, a shipped scene, or a generator. */
 #include "framework/base/clock.h"
 #include "framework/scene/scene.h"
-#include "scenes/gltf.h"
 
 #include <dlfcn.h>
 #include <limits.h>
@@ -56,22 +55,35 @@ static bool has_ending(const char *path, const char *ending)
     return length > size && strcasecmp(path + length - size, ending) == 0;
 }
 
+/* By its ending; NULL: none is read. */
+static const bb_scene_format *find_format(const char *path)
+{
+    for (size_t i = 0; bb_scene_formats[i] != NULL; i++)
+        for (const char *const *ending = bb_scene_formats[i]->endings; *ending != NULL; ending++)
+            if (has_ending(path, *ending))
+                return bb_scene_formats[i];
+    return NULL;
+}
+
+/* The endings that are read, as ".a, .b". */
+static const char *list_endings(char *text, size_t capacity)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t i = 0; bb_scene_formats[i] != NULL; i++)
+        for (const char *const *e = bb_scene_formats[i]->endings; *e != NULL && used < capacity;
+             e++)
+            used +=
+                (size_t)snprintf(text + used, capacity - used, "%s%s", used > 0 ? ", " : "", *e);
+    return text;
+}
+
 static bool looks_like_file(const char *text)
 {
-    return strchr(text, '/') != NULL || has_ending(text, ".glb") || has_ending(text, ".gltf");
+    return strchr(text, '/') != NULL || find_format(text) != NULL;
 }
 
 /* ---- files ---- */
-
-static bb_status reserve_triangles(void *user, uint64_t vertex_count, uint64_t triangle_count,
-                                   float **vertices, uint32_t **indices)
-{
-    bb_scene *scene = user;
-    BB_TRY(bb_scene_reserve(scene, vertex_count, triangle_count, 0));
-    *vertices = scene->vertices;
-    *indices = scene->indices;
-    return BB_OK;
-}
 
 /* NAME.views beside NAME.glb, if there is one. */
 static bb_status read_views_beside(const char *path, bb_scene *scene)
@@ -90,12 +102,14 @@ static bb_status load_file(const char *path, bb_scene *scene)
 {
     if (!exists(path))
         return bb_fail(BB_INVALID, "%s: there is no such file: check the path", path);
-    if (!has_ending(path, ".gltf") && !has_ending(path, ".glb"))
+    const bb_scene_format *format = find_format(path);
+    char endings[128];
+    if (format == NULL)
         return bb_fail(BB_INVALID,
-                       "%s: is no scene file that can be read: its ending must be .gltf or .glb",
-                       path);
-    BB_TRY(bb_gltf_load(path, reserve_triangles, scene, &scene->ignored));
-    snprintf(scene->source, sizeof scene->source, "glTF");
+                       "%s: is no scene file that can be read: its ending must be one of %s", path,
+                       list_endings(endings, sizeof endings));
+    BB_TRY(format->load(path, scene));
+    snprintf(scene->source, sizeof scene->source, "%s", format->name);
     return read_views_beside(path, scene);
 }
 
@@ -130,16 +144,15 @@ static const bb_generator *find_generator(const char *name)
 
 static bb_status unknown(const char *text)
 {
-    char names[512] = "";
+    char names[512] = "", endings[128];
     size_t used = 0;
     for (size_t i = 0; bb_shipped_scenes[i] != NULL && used < sizeof names; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s, ", bb_shipped_scenes[i]);
     for (size_t i = 0; bb_generators[i] != NULL && used < sizeof names; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", bb_generators[i]->name,
                                  bb_generators[i + 1] != NULL ? ", " : "");
-    return bb_fail(BB_INVALID,
-                   "'%s' is no file and no scene: take a .gltf or .glb file, or one of %s", text,
-                   names);
+    return bb_fail(BB_INVALID, "'%s' is no file and no scene: take a file (%s), or one of %s", text,
+                   list_endings(endings, sizeof endings), names);
 }
 
 static bb_status load_named(const char *text, bb_scene *scene)

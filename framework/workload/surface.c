@@ -1,23 +1,20 @@
-/* Rays that start on surfaces: ambient occlusion, diffuse and shadow.
+/* Rays that start on surfaces.
  *
  *   for each view: trace its primary rays with the oracle, keep the hits
  *   share the hits that fit among the views, equally
- *   for each view: take its share by selection sampling (Knuth, The Art of Computer
- * Programming 3.4.2, algorithm S), which keeps the order of the pixels for each hit: move off the
- * surface, make its rays one after the other
+ *   for each view: take its share by selection sampling (Knuth, The Art of Computer Programming
+ *                  3.4.2, algorithm S), which keeps the order of the pixels
+ *   for each hit:  move off the surface, make its rays one after the other
  *
  * The point of a hit is computed anew in doubles from the exact t, so that it lies on the surface
  * also where Embree's t is rough. It is moved along the geometric normal that faces the incoming
  * ray, by the larger of `offset` scene diagonals and 2^-20 of the point's largest coordinate: nine
  * times what rounding to float can move it back.
- *
- * Cosine-weighted directions by Malley's method: a uniform point of the unit disc, lifted to the
- * hemisphere.
  */
-#include "framework/rays/rays_private.h"
+#include "framework/workload/surface.h"
 
+#include "framework/base/memory.h"
 #include "framework/judge/arbiter.h"
-#include "framework/judge/oracle.h"
 #include "framework/scene/camera.h"
 
 #include <math.h>
@@ -29,12 +26,6 @@ typedef struct first_hit {
     uint32_t pixel;
     bb_hit hit;
 } first_hit;
-
-/* Where secondary rays start. */
-typedef struct surface_point {
-    double o[3]; /* moved off the surface, rounded to float */
-    double normal[3];
-} surface_point;
 
 typedef struct sampled_view {
     bb_camera camera;
@@ -68,7 +59,7 @@ static void triangle_normal(const bb_scene *scene, uint32_t triangle, double nor
 
 /* False where the surface has no normal, or no exact hit where Embree has one. */
 static bool find_point(const sampler *sampler, const bb_ray *ray, const bb_hit *hit,
-                       surface_point *point)
+                       bb_surface_point *point)
 {
     const bb_scene *scene = sampler->job->scene;
     double t, length = 0.0, facing = 0.0, largest = 0.0, on[3];
@@ -194,12 +185,8 @@ static void end_sampling(sampler *sampler)
     bb_host_free(sampler->hits);
 }
 
-/* Calls make() for every sampled hit, with room for its rays and random numbers of its own. The few
- * hits without a point on the surface are left out. */
-static bb_status for_each_sample(sampler *sampler,
-                                 bb_status (*make)(void *context, const surface_point *point,
-                                                   bb_random *random, bb_ray *rays),
-                                 void *context)
+/* The few hits without a point on the surface are left out. */
+static bb_status for_each_sample(sampler *sampler, bb_surface_maker *make, void *context)
 {
     bb_rays_job *job = sampler->job;
     bb_random select = bb_random_make(job->request->seed, 0x73656c65);
@@ -212,7 +199,7 @@ static bb_status for_each_sample(sampler *sampler,
                 continue;
             wanted--;
             bb_ray ray;
-            surface_point point;
+            bb_surface_point point;
             pixel_ray(sampler, view, view->hits[i].pixel, &ray);
             if (!find_point(sampler, &ray, &view->hits[i].hit, &point))
                 continue;
@@ -228,155 +215,12 @@ static bb_status for_each_sample(sampler *sampler,
     return BB_OK;
 }
 
-static void set_origin(const surface_point *point, bb_ray *ray)
+bb_status bb_surface_rays(bb_rays_job *job, uint32_t per_hit, bb_surface_maker *make, void *context)
 {
-    for (int k = 0; k < 3; k++)
-        ray->o[k] = (float)point->o[k];
-}
-
-/* ---- ambient occlusion and diffuse ---- */
-
-typedef struct hemisphere {
-    uint32_t per_hit;
-    float tmin, tmax;
-} hemisphere;
-
-static bool cosine_direction(const double normal[3], bb_random *random, bb_ray *ray)
-{
-    double x, y, square;
-    do {
-        x = bb_random_range(random, -1.0, 1.0);
-        y = bb_random_range(random, -1.0, 1.0);
-        square = x * x + y * y;
-    } while (square >= 1.0);
-    double z = sqrt(1.0 - square);
-    /* u = normal cross (the axis in which it is smallest), w = normal cross u. */
-    int axis = 0;
-    for (int k = 1; k < 3; k++)
-        if (fabs(normal[k]) < fabs(normal[axis]))
-            axis = k;
-    int j = (axis + 1) % 3, k = (axis + 2) % 3;
-    double flat = hypot(normal[j], normal[k]), u[3], d[3];
-    u[axis] = 0.0;
-    u[j] = normal[k] / flat;
-    u[k] = -normal[j] / flat;
-    for (int i = 0; i < 3; i++) {
-        int a = (i + 1) % 3, b = (i + 2) % 3;
-        double w = normal[a] * u[b] - normal[b] * u[a];
-        d[i] = x * u[i] + y * w + z * normal[i];
-    }
-    return bb_ray_set_direction(ray, d);
-}
-
-static bb_status make_hemisphere(void *context, const surface_point *point, bb_random *random,
-                                 bb_ray *rays)
-{
-    const hemisphere *over = context;
-    for (uint32_t i = 0; i < over->per_hit; i++) {
-        set_origin(point, &rays[i]);
-        rays[i].tmin = over->tmin;
-        rays[i].tmax = over->tmax;
-        while (!cosine_direction(point->normal, random, &rays[i]))
-            ;
-    }
-    return BB_OK;
-}
-
-static bb_status make_hemispheres(bb_rays_job *job, float tmax)
-{
-    uint64_t per_hit;
-    BB_TRY(bb_spec_u64(job->request->spec, job->options, "per_hit", 1, 1u << 20, &per_hit));
     sampler sampler;
-    hemisphere over = {(uint32_t)per_hit, job->tmin, tmax};
-    bb_status status = begin_sampling(job, (uint32_t)per_hit, &sampler);
+    bb_status status = begin_sampling(job, per_hit, &sampler);
     if (status == BB_OK)
-        status = for_each_sample(&sampler, make_hemisphere, &over);
-    end_sampling(&sampler);
-    return status;
-}
-
-bb_status bb_rays_ao(bb_rays_job *job)
-{
-    double length;
-    BB_TRY(bb_spec_double(job->request->spec, job->options, "length", 1e-12, 1e12, &length));
-    return make_hemispheres(job, (float)(length * job->diagonal));
-}
-
-bb_status bb_rays_diffuse(bb_rays_job *job)
-{
-    return make_hemispheres(job, INFINITY);
-}
-
-/* ---- shadow ---- */
-
-/* A square, perpendicular to the axis that points up in the first view. */
-typedef struct light {
-    int axis;
-    double centre[3];
-    double half; /* of its side */
-    float tmin;
-} light;
-
-static bb_status place_light(const bb_rays_job *job, light *light)
-{
-    double size, drop, side = INFINITY, widest = 0.0;
-    BB_TRY(bb_spec_double(job->request->spec, job->options, "size", 0.0, 100.0, &size));
-    BB_TRY(bb_spec_double(job->request->spec, job->options, "drop", 0.0, 1.0, &drop));
-    const bb_view *view = job->request->view != NULL ? job->request->view : &job->scene->views[0];
-    const bb_box *box = &job->scene->bounds;
-    light->axis = 0;
-    for (int k = 1; k < 3; k++)
-        if (fabs(view->up[k]) > fabs(view->up[light->axis]))
-            light->axis = k;
-    for (int k = 0; k < 3; k++) {
-        double extent = (double)box->hi[k] - (double)box->lo[k];
-        light->centre[k] = 0.5 * box->lo[k] + 0.5 * box->hi[k];
-        if (k == light->axis)
-            light->centre[k] =
-                view->up[k] < 0.0 ? box->lo[k] + drop * extent : box->hi[k] - drop * extent;
-        else {
-            side = fmin(side, extent);
-            widest = fmax(widest, extent);
-        }
-    }
-    light->half = 0.5 * size * (side > 0.0 ? side : widest);
-    light->tmin = job->tmin;
-    return BB_OK;
-}
-
-/* From the surface (t = 0) to the light (t = 1). */
-static bb_status make_shadow(void *context, const surface_point *point, bb_random *random,
-                             bb_ray *ray)
-{
-    const light *light = context;
-    set_origin(point, ray);
-    ray->tmin = light->tmin;
-    ray->tmax = 1.0f;
-    for (int tries = 0; tries < 1000; tries++) {
-        double d[3];
-        for (int k = 0; k < 3; k++) {
-            double at = light->centre[k];
-            if (k != light->axis)
-                at += light->half * bb_random_range(random, -1.0, 1.0);
-            d[k] = at - point->o[k];
-        }
-        if (bb_ray_set_direction(ray, d))
-            return BB_OK;
-    }
-    return bb_fail(BB_UNSUPPORTED, "rays shadow: a surface lies in the light, which is a point: "
-                                   "give drop or size");
-}
-
-bb_status bb_rays_shadow(bb_rays_job *job)
-{
-    light light;
-    if (job->request->view == NULL && job->scene->view_count == 0)
-        return bb_fail(BB_UNSUPPORTED, "rays shadow: scene '%s' has no view", job->scene->name);
-    BB_TRY(place_light(job, &light));
-    sampler sampler;
-    bb_status status = begin_sampling(job, 1, &sampler);
-    if (status == BB_OK)
-        status = for_each_sample(&sampler, make_shadow, &light);
+        status = for_each_sample(&sampler, make, context);
     end_sampling(&sampler);
     return status;
 }

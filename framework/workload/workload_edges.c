@@ -16,12 +16,24 @@
  * coordinates of the triangle's corners v and the origin o: the size of the errors of tests in
  * floats. The direction is the difference in doubles, rounded to float once, so t is about 1 at
  * the target. */
-#include "framework/rays/rays_private.h"
+#include "framework/base/memory.h"
+#include "framework/base/random.h"
+#include "framework/workload/workload.h"
 
 #include <float.h>
 #include <math.h>
 
 enum { TRIES = 1000 };
+
+static const bb_option options_table[] = {
+    {"count", NULL, NULL, "number of rays, also beyond what the run allows (which is the default)"},
+    {"from", NULL, "inside|eyes|around",
+     "origins: inside a closed mesh, where each ray must hit; near the eyes of the views; in the "
+     "scene's box and around it (inside where the mesh is known to be closed, else eyes)"},
+    {"jitter", "0", NULL,
+     "the aim is off by up to this many 2^-24 of the triangle's extent from the origin, 0 to 64"},
+    BB_END_OPTION,
+};
 
 /* What is aimed at. */
 typedef enum target {
@@ -272,7 +284,7 @@ static from choose_from(const bb_scene *scene, const bb_spec *spec)
                                                     : FROM_AROUND;
 }
 
-bool bb_rays_edges_must_hit(const bb_scene *scene, const bb_spec *spec)
+static bool must_hit(const bb_scene *scene, const bb_spec *spec)
 {
     return choose_from(scene, spec) == FROM_INSIDE;
 }
@@ -300,7 +312,7 @@ static bb_status prepare(aimer *aimer)
     return BB_OK;
 }
 
-bb_status bb_rays_edges(bb_rays_job *job)
+static bb_status make_edges(bb_rays_job *job)
 {
     const bb_spec *spec = job->request->spec;
     uint64_t count = job->request->max_rays;
@@ -317,3 +329,13 @@ bb_status bb_rays_edges(bb_rays_job *job)
     bb_host_free(aimer.lengths);
     return status;
 }
+
+extern const bb_workload bb_workload_edges;
+const bb_workload bb_workload_edges = {
+    .name = "edges",
+    .summary = "at edges and vertices; from inside a closed mesh each must hit; closest hit",
+    .query = BB_CLOSEST_HIT,
+    .options = options_table,
+    .make = make_edges,
+    .must_hit = must_hit,
+};

@@ -1,0 +1,122 @@
+/* Buffers of a device, booked on accounts; and its queue. */
+#include "framework/device/cl_error.h"
+
+#include <stdlib.h>
+#include <sys/mman.h>
+
+bb_status bb_finish(bb_device *device)
+{
+    BB_CL_TRY(clFinish(device->queue), "waiting for %s", device->name);
+    return BB_OK;
+}
+
+/* Large buffers of devices that share memory with the host are put on huge pages: traversal jumps through them, and a
+ * build touches them whole. */
+static const size_t huge_page = (size_t)2 << 20;
+
+static void CL_CALLBACK free_host_pages(cl_mem mem, void *pages)
+{
+    (void)mem;
+    free(pages);
+}
+
+static cl_mem create_buffer(bb_device *device, size_t bytes, cl_int *error)
+{
+    if (!device->is_cpu || bytes < 2 * huge_page)
+        return clCreateBuffer(device->context, CL_MEM_READ_WRITE, bytes, NULL, error);
+    size_t whole = (bytes + huge_page - 1) / huge_page * huge_page;
+    void *pages = aligned_alloc(huge_page, whole);
+    if (pages == NULL) {
+        *error = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+        return NULL;
+    }
+    madvise(pages, whole, MADV_HUGEPAGE); /* a hint: its failure changes nothing but speed */
+    cl_mem mem = clCreateBuffer(device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes,
+                                pages, error);
+    if (*error != CL_SUCCESS)
+        free(pages);
+    else
+        clSetMemObjectDestructorCallback(mem, free_host_pages, pages);
+    return mem;
+}
+
+bb_status bb_buffer_reserve(bb_device *device, bb_account *account, size_t bytes, const char *what,
+                            bb_buffer *buffer)
+{
+    if (buffer->mem != NULL && buffer->bytes >= bytes && buffer->device == device)
+        return BB_OK;
+    bb_buffer_release(buffer);
+    if (bytes == 0)
+        bytes = 4;
+    if (bytes > device->largest_allocation)
+        return bb_fail(BB_REFUSED,
+                       "%s needs a buffer of %zu bytes, the largest that %s allows is %llu", what,
+                       bytes, device->name, (unsigned long long)device->largest_allocation);
+    if (bytes > device->global_bytes - device->bytes)
+        return bb_fail(BB_REFUSED, "%s needs %zu bytes, %llu of the %llu of %s are in use", what,
+                       bytes, (unsigned long long)device->bytes,
+                       (unsigned long long)device->global_bytes, device->name);
+    cl_int error;
+    cl_mem mem = create_buffer(device, bytes, &error);
+    if (error != CL_SUCCESS)
+        return bb_fail(BB_REFUSED, "%s needs %zu bytes, which %s refused: %s", what, bytes,
+                       device->name, bb_cl_error(error));
+    *buffer = (bb_buffer){mem, bytes, device, account};
+    device->bytes += bytes;
+    bb_account_add(account, bytes);
+    return BB_OK;
+}
+
+void bb_buffer_release(bb_buffer *buffer)
+{
+    if (buffer->mem != NULL) {
+        clReleaseMemObject(buffer->mem);
+        buffer->device->bytes -= buffer->bytes;
+        bb_account_subtract(buffer->account, buffer->bytes);
+    }
+    *buffer = (bb_buffer){0};
+}
+
+bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const void *source)
+{
+    if (bytes > 0)
+        BB_CL_TRY(clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+                                       source, 0, NULL, NULL),
+                  "writing %zu bytes to the device", bytes);
+    return BB_OK;
+}
+
+bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, void *target)
+{
+    if (bytes > 0)
+        BB_CL_TRY(clEnqueueReadBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+                                      target, 0, NULL, NULL),
+                  "reading %zu bytes from the device", bytes);
+    return BB_OK;
+}
+
+bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern)
+{
+    if (bytes > 0)
+        BB_CL_TRY(clEnqueueFillBuffer(buffer->device->queue, buffer->mem, &pattern, sizeof pattern,
+                                      0, bytes, 0, NULL, NULL),
+                  "filling %zu bytes on the device", bytes);
+    return BB_OK;
+}
+
+bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer)
+{
+    cl_int error;
+    *pointer = clEnqueueMapBuffer(buffer->device->queue, buffer->mem, CL_TRUE,
+                                  write ? CL_MAP_READ | CL_MAP_WRITE : CL_MAP_READ, 0,
+                                  buffer->bytes, 0, NULL, NULL, &error);
+    BB_CL_TRY(error, "mapping %zu bytes of the device", buffer->bytes);
+    return BB_OK;
+}
+
+bb_status bb_buffer_unmap(const bb_buffer *buffer, void *pointer)
+{
+    BB_CL_TRY(clEnqueueUnmapMemObject(buffer->device->queue, buffer->mem, pointer, 0, NULL, NULL),
+              "unmapping %zu bytes of the device", buffer->bytes);
+    return bb_finish(buffer->device);
+}

@@ -1,0 +1,10 @@
+/* Cosine-weighted rays over the hemisphere at each point of the visible surfaces. */
+#ifndef BB_HEMISPHERE_H
+#define BB_HEMISPHERE_H
+
+#include "framework/workload/job.h"
+
+/* As many per point as the option per_hit says, up to tmax. */
+bb_status bb_hemisphere_rays(bb_rays_job *job, float tmax);
+
+#endif

@@ -1,0 +1,80 @@
+/* From a specification to a ray set. Rays are made in doubles and rounded to float once. They depend on scene,
+ * view, picture size, options and seed only, secondary ones also on Embree's primary hits. */
+#include "framework/workload/workload.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const bb_workload *bb_workload_find(const char *name)
+{
+    for (uint32_t i = 0; bb_workloads[i] != NULL; i++)
+        if (strcmp(bb_workloads[i]->name, name) == 0)
+            return bb_workloads[i];
+    return NULL;
+}
+
+bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, const bb_spec *spec)
+{
+    return workload->must_hit != NULL && workload->must_hit(scene, spec);
+}
+
+static bb_status begin_job(const bb_scene *scene, const bb_rays_request *request, bb_rays_job *job)
+{
+    const bb_spec *spec = request->spec;
+    const bb_workload *workload = bb_workload_find(spec->name);
+    if (workload == NULL)
+        return bb_fail(BB_INVALID, "no rays '%s': `bvhbench list rays` shows what there is",
+                       spec->name);
+    char what[64];
+    snprintf(what, sizeof what, "rays %s", workload->name);
+    BB_TRY(bb_spec_validate(spec, workload->options, what));
+    if (strlen(spec->text) >= sizeof job->rays->name)
+        return bb_fail(BB_INVALID, "rays '%s': longer than %zu characters", spec->text,
+                       sizeof job->rays->name - 1);
+    if (request->max_rays == 0)
+        return bb_fail(BB_INVALID, "rays '%s': allow at least one", spec->text);
+    double tmin = 0.0, diagonal = 0.0;
+    if (bb_spec_value(spec, workload->options, "tmin") != NULL)
+        BB_TRY(bb_spec_double(spec, workload->options, "tmin", 0.0, 1e30, &tmin));
+    for (int k = 0; k < 3; k++)
+        diagonal = hypot(diagonal, (double)scene->bounds.hi[k] - (double)scene->bounds.lo[k]);
+    job->options = workload->options;
+    job->diagonal = diagonal;
+    job->tmin = (float)tmin;
+    job->rays->workload = workload;
+    job->rays->query = workload->query;
+    job->rays->must_hit = bb_workload_must_hit(workload, scene, spec);
+    job->rays->seed = request->seed;
+    job->rays->primary_width = request->width;
+    job->rays->primary_height = request->height;
+    job->rays->max_rays = request->max_rays;
+    snprintf(job->rays->name, sizeof job->rays->name, "%s", spec->text);
+    BB_TRY(bb_spec_parse(spec->text, &job->rays->spec));
+    if (request->view != NULL)
+        snprintf(job->rays->view, sizeof job->rays->view, "%s", request->view->name);
+    return BB_OK;
+}
+
+bb_status bb_rays_make(const bb_scene *scene, bb_oracle *oracle, const bb_rays_request *request,
+                       bb_rays **out)
+{
+    *out = NULL;
+    bb_rays *rays = calloc(1, sizeof *rays);
+    if (rays == NULL)
+        return bb_fail(BB_REFUSED, "the host refused the memory of a ray set");
+    bb_rays_job job = {.scene = scene, .oracle = oracle, .request = request, .rays = rays};
+    bb_status status = begin_job(scene, request, &job);
+    if (status == BB_OK)
+        status = rays->workload->make(&job);
+    if (status == BB_OK)
+        status = bb_rays_check(scene, rays);
+    if (status != BB_OK) {
+        bb_rays_free(rays);
+        return status;
+    }
+    rays->hash = bb_rays_hash(rays);
+    *out = rays;
+    return BB_OK;
+}

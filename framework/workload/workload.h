@@ -1,0 +1,31 @@
+/* Workloads: the ray sets that can be asked for. Each is one file, workload_NAME.c, which CMake finds: its options, and how its
+ * rays are made. */
+#ifndef BB_WORKLOAD_H
+#define BB_WORKLOAD_H
+
+#include "framework/workload/job.h"
+
+typedef struct bb_workload {
+    const char *name;
+    const char *summary;
+    bb_query query;
+    bool per_view;            /* once per view; else once per scene */
+    const bb_option *options; /* length, count, offset, tmin ... with their defaults */
+    /* Fills job->rays (framework/workload/job.h). BB_UNSUPPORTED if the scene has no such rays. */
+    bb_status (*make)(bb_rays_job *job);
+    /* With these parameters in this scene, must each ray hit something? NULL: none must. */
+    bool (*must_hit)(const bb_scene *scene, const bb_spec *spec);
+} bb_workload;
+
+extern const bb_workload *const bb_workloads[]; /* generated table; ends with NULL */
+const bb_workload *bb_workload_find(const char *name);
+
+/* Whether each of these rays must hit something: they are aimed at a closed mesh from inside. */
+bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, const bb_spec *spec);
+
+/* Makes the rays of `request`. Secondary rays start at primary hits of the oracle, so that they do not depend on any
+ * builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges` without triangles). Owned by the caller. */
+bb_status bb_rays_make(const bb_scene *scene, bb_oracle *oracle, const bb_rays_request *request,
+                       bb_rays **rays);
+
+#endif

@@ -1,0 +1,26 @@
+/* Diffuse rays: a bounce without end. */
+#include "framework/workload/hemisphere.h"
+#include "framework/workload/workload.h"
+
+#include <math.h>
+
+static const bb_option options_table[] = {
+    {"per_hit", "32", NULL, "rays per hit"},
+    BB_OFFSET_OPTION,
+    BB_TMIN_OPTION,
+    BB_END_OPTION,
+};
+
+static bb_status make_diffuse(bb_rays_job *job)
+{
+    return bb_hemisphere_rays(job, INFINITY);
+}
+
+extern const bb_workload bb_workload_diffuse;
+const bb_workload bb_workload_diffuse = {
+    .name = "diffuse",
+    .summary = "unbounded cosine-weighted rays from primary hits, closest hit",
+    .query = BB_CLOSEST_HIT,
+    .options = options_table,
+    .make = make_diffuse,
+};

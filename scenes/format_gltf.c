@@ -1,0 +1,23 @@
+/* glTF 2.0: what is read is in scenes/README.md, the reading in gltf*.cpp. */
+#include "framework/scene/scene.h"
+#include "scenes/gltf.h"
+
+static bb_status reserve(void *user, uint64_t vertex_count, uint64_t triangle_count,
+                         float **vertices, uint32_t **indices)
+{
+    bb_scene *scene = user;
+    BB_TRY(bb_scene_reserve(scene, vertex_count, triangle_count, 0));
+    *vertices = scene->vertices;
+    *indices = scene->indices;
+    return BB_OK;
+}
+
+static bb_status load(const char *path, bb_scene *scene)
+{
+    return bb_gltf_load(path, reserve, scene, &scene->ignored);
+}
+
+static const char *const endings[] = {".gltf", ".glb", NULL};
+
+extern const bb_scene_format bb_scene_format_gltf;
+const bb_scene_format bb_scene_format_gltf = {.name = "glTF", .endings = endings, .load = load};
