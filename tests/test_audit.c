@@ -6,6 +6,7 @@
 #include "framework/bench/audit.h"
 #include "framework/embree/embree.h"
 #include "tests/trace_fixture.h"
+#include "traversal/pass.h"
 
 #include <cjson/cJSON.h>
 
@@ -176,16 +177,15 @@ static bb_timing time_trace(bed *b, const bb_buffer *rays, bb_buffer *hits, bool
         .kernel = bb_kernel_find("stack"),
         .spec = &b->kernel,
         .intersector = bb_intersector_find("exact"),
-        .kinds = b->scene->kinds,
-        .stack_need = b->layout.stack_need,
     };
     bb_tracer *tracer;
     bb_stopwatch watch;
     bb_timing timing;
-    check(bb_tracer_get(device, &request, &tracer), "tracer");
-    check(bb_tracer_launch(tracer, &b->layout, rays, RAYS, hits, NULL), "warm up");
+    check(bb_tracer_get(device, &request, &b->layout, &tracer), "tracer");
+    const bb_pass pass = {tracer, &b->layout, rays, hits, NULL};
+    check(bb_pass_launch(&pass, RAYS), "warm up");
     check(bb_stopwatch_start(device, &watch), "start");
-    check(bb_tracer_launch(tracer, &b->layout, rays, RAYS, hits, NULL), "trace");
+    check(bb_pass_launch(&pass, RAYS), "trace");
     double early = bb_wall_ms() - watch.wall;
     check(bb_stopwatch_stop(&watch, &timing), "stop");
     timing.ms = too_early ? early : timing.ms;

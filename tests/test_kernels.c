@@ -10,8 +10,8 @@
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "traversal/collapse.h"
+#include "traversal/pass.h"
 #include "traversal/reach.h"
-#include "traversal/traversal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -155,21 +155,16 @@ static void trace_with(const char *parameters, const bb_scene *scene, const bb_l
         .spec = &spec,
         .intersector = intersector,
         .query = query,
-        .kinds = scene->kinds,
-        .stack_need = layout->stack_need,
-        .levels = layout->levels,
         .counting = counting,
     };
-    check(bb_tracer_get(device, &request, &tracer), kernel->name);
+    check(bb_tracer_get(device, &request, layout, &tracer), kernel->name);
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *rays, "rays", &d_rays), "rays");
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *hits, "hits", &d_hits), "hits");
     check(bb_buffer_reserve(device, NULL, sizeof counts, "counts", &d_counts), "counts");
     check(bb_buffer_write(&d_rays, 0, RAYS * sizeof *rays, rays), "rays");
-    check(bb_buffer_fill(&d_hits, RAYS * sizeof *hits, BB_POISON), "hits");
-    check(bb_tracer_launch(tracer, layout, &d_rays, RAYS, &d_hits, &d_counts), "trace");
-    check(bb_buffer_read(&d_hits, 0, RAYS * sizeof *hits, hits), "hits");
+    const bb_pass pass = {tracer, layout, &d_rays, &d_hits, &d_counts};
+    check(bb_pass_run(&pass, RAYS, hits, counting ? counts : NULL), "trace");
     if (counting) {
-        check(bb_buffer_read(&d_counts, 0, sizeof counts, counts), "counts");
         for (uint32_t i = 0; i < RAYS; i++)
             assert_int_equal(counts[i].overflow, 0);
     }

@@ -3,7 +3,7 @@
 #define BB_TRACE_FIXTURE_H
 
 #include "framework/builder/instance.h"
-#include "traversal/traversal.h"
+#include "traversal/pass.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -73,23 +73,17 @@ static inline void trace(const bed *b, const char *intersector, const bb_ray *ra
         .spec = &b->kernel,
         .intersector = bb_intersector_find(intersector),
         .query = query,
-        .kinds = b->scene->kinds,
-        .stack_need = b->layout.stack_need,
-        .levels = b->layout.levels,
         .counting = counts != NULL,
     };
     bb_tracer *tracer;
     bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
-    check(bb_tracer_get(device, &request, &tracer), "tracer");
+    check(bb_tracer_get(device, &request, &b->layout, &tracer), "tracer");
     check(bb_buffer_reserve(device, NULL, count * sizeof *rays, "rays", &d_rays), "rays");
     check(bb_buffer_reserve(device, NULL, count * sizeof *hits, "hits", &d_hits), "hits");
     check(bb_buffer_reserve(device, NULL, count * sizeof *counts, "counts", &d_counts), "counts");
     check(bb_buffer_write(&d_rays, 0, count * sizeof *rays, rays), "rays");
-    check(bb_buffer_fill(&d_hits, count * sizeof *hits, BB_POISON), "hits");
-    check(bb_tracer_launch(tracer, &b->layout, &d_rays, count, &d_hits, &d_counts), "trace");
-    check(bb_buffer_read(&d_hits, 0, count * sizeof *hits, hits), "hits");
-    if (counts != NULL)
-        check(bb_buffer_read(&d_counts, 0, count * sizeof *counts, counts), "counts");
+    const bb_pass pass = {tracer, &b->layout, &d_rays, &d_hits, &d_counts};
+    check(bb_pass_run(&pass, count, hits, counts), "trace");
     bb_buffer_release(&d_rays);
     bb_buffer_release(&d_hits);
     bb_buffer_release(&d_counts);

@@ -73,6 +73,7 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
         BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
     data->bytes = 0;
     data->triangle_count = scene->triangle_count;
+    data->kinds = scene->kinds;
     data->form = form;
     data->scale = scene->scale;
     bb_tree *traced;

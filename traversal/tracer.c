@@ -103,7 +103,8 @@ static void append_options(const bb_kernel *kernel, const bb_spec *spec, char *t
     }
 }
 
-bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_tracer **out)
+bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
+                        const bb_layout_data *layout, bb_tracer **out)
 {
     if ((request->kernel->queries & 1u << request->query) == 0)
         return bb_fail(BB_UNSUPPORTED, "kernel %s does not answer %s-hit queries",
@@ -111,13 +112,13 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     uint64_t group;
     BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
                        &group));
-    if (request->kernel->trail_max > 0 && request->levels > request->kernel->trail_max)
+    if (request->kernel->trail_max > 0 && layout->levels > request->kernel->trail_max)
         return bb_fail(
             BB_UNSUPPORTED,
             "the trail of kernel %s is at most %u levels long and the tree has up to %u; a kernel "
             "without a trail may take it",
-            request->kernel->name, request->kernel->trail_max, request->levels);
-    uint32_t stack_size = request->kernel->stackless ? 0 : round_stack(request->stack_need);
+            request->kernel->name, request->kernel->trail_max, layout->levels);
+    uint32_t stack_size = request->kernel->stackless ? 0 : round_stack(layout->stack_need);
     char intersector[192], defines[768], key[1024];
     bb_intersector_defines(request->intersector, intersector, sizeof intersector);
     /* so that all kernels get the same bits from the same steps */
@@ -126,12 +127,12 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_
     bool persistent = bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
     snprintf(defines, sizeof defines,
              "%s %s -DBB_KINDS=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,
-             request->kernel->defines != NULL ? request->kernel->defines : "", request->kinds,
+             request->kernel->defines != NULL ? request->kernel->defines : "", layout->kinds,
              request->query == BB_ANY_HIT, request->counting, persistent);
     if (stack_size > 0)
         append_number("BB_STACK_SIZE", stack_size, defines, sizeof defines);
     if (request->kernel->trail_max > 0)
-        append_number("BB_LEVELS", round_levels(request->levels), defines, sizeof defines);
+        append_number("BB_LEVELS", round_levels(layout->levels), defines, sizeof defines);
     append_options(request->kernel, request->spec, defines, sizeof defines);
     snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)

@@ -33,6 +33,7 @@ typedef struct bb_layout_data {
     bb_buffer buffers[BB_LAYOUT_BUFFERS_MAX]; /* the kernel's first arguments, in this order */
     bb_u32 root;                              /* link to start from, as the kernel reads links */
     bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
+    uint32_t kinds;                           /* of the scene's primitives */
     bb_u32 form;                              /* of the triangles' records: BB_RECORD_... */
     float scale;                              /* the scene's */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
@@ -135,7 +136,7 @@ extern const bb_option bb_kernel_common_options[];
 /* Checks the parameters of a kernel's specification: its own options and the common ones. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
 
-/* A kernel compiled for one scene's kinds, intersector, query and stack size. */
+/* A kernel compiled for an intersector, a query, and what a layout needs. */
 typedef struct bb_tracer bb_tracer;
 
 typedef struct bb_tracer_request {
@@ -143,14 +144,14 @@ typedef struct bb_tracer_request {
     const bb_spec *spec;
     const bb_intersector *intersector;
     bb_query query;
-    uint32_t kinds;      /* of the scene */
-    uint32_t stack_need; /* from the layout; rounded up to 16, 32, 64 ... */
-    uint32_t levels;     /* from the layout; rounded up to 64, 128, 256 ... */
-    bool counting;       /* the variant that counts tests, overflow included */
+    bool counting; /* the variant that counts tests, overflow included */
 } bb_tracer_request;
 
-/* From a cache of the device's: the same request compiles once. Owned by the cache. */
-bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request, bb_tracer **tracer);
+/* For layouts that need no more than this one: primitive kinds, stack entries (rounded up to 16, 32, 64 ...), levels of
+ * a trail (64, 128, 256 ...). From a cache of the device's: the same request compiles once. Owned by the cache.
+ * BB_UNSUPPORTED if the kernel does not answer the query, or its trail is too short for the tree. */
+bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
+                        const bb_layout_data *layout, bb_tracer **tracer);
 void bb_tracers_clear(bb_device *device);
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t bb_tracer_stack_size(const bb_tracer *tracer); /* 0: it needs none of the tree's size */

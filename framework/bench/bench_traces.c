@@ -3,6 +3,7 @@
 
 #include "framework/base/clock.h"
 #include "framework/workload/workload.h"
+#include "traversal/pass.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -39,10 +40,13 @@ typedef struct trace_set {
 
 /* ---- one measurement ---- */
 
-static bb_status poison(trace_set *set, uint32_t count)
+/* Through the bench's buffers. */
+static bb_pass pass_of(const trace_set *set, const cell *c)
 {
-    BB_TRY(bb_buffer_fill(&set->bench->hits, count * sizeof(bb_hit), BB_POISON));
-    return bb_finish(set->bench->device);
+    return (bb_pass){.tracer = c->tracer,
+                     .layout = &c->entrant->layouts[c->layout],
+                     .rays = &set->bench->rays,
+                     .hits = &set->bench->hits};
 }
 
 /* Rays [from, from + count) to the device, unless they are all there. */
@@ -54,15 +58,14 @@ static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
 }
 
 /* Adds to *timed how many rays were launched while the clock ran. */
-static bb_status trace_batch(trace_set *set, cell *c, uint32_t count, bb_timing *timing,
+static bb_status trace_batch(trace_set *set, const bb_pass *pass, uint32_t count, bb_timing *timing,
                              uint64_t *timed)
 {
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(set->bench->device, &watch));
-    uint64_t before = bb_tracer_launched(c->tracer);
-    bb_status status = bb_tracer_launch(c->tracer, &c->entrant->layouts[c->layout],
-                                        &set->bench->rays, count, &set->bench->hits, NULL);
-    *timed += bb_tracer_launched(c->tracer) - before;
+    uint64_t before = bb_tracer_launched(pass->tracer);
+    bb_status status = bb_pass_launch(pass, count);
+    *timed += bb_tracer_launched(pass->tracer) - before;
     bb_status stopped = bb_stopwatch_stop(&watch, timing);
     return status != BB_OK ? status : stopped;
 }
@@ -106,14 +109,15 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
         BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);
     uint32_t batch = set->bench->batch;
+    const bb_pass pass = pass_of(set, c);
     uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
     for (uint32_t from = 0; from < c->count; from += batch) {
         uint32_t count = c->count - from < batch ? c->count - from : batch;
         BB_TRY(load_batch(set, from, count));
-        BB_TRY(poison(set, count));
+        BB_TRY(bb_pass_poison(&pass, count));
         bb_timing part;
         BB_TRY(reference ? trace_reference(set, c, from, count, &part)
-                         : trace_batch(set, c, count, &part, &timed));
+                         : trace_batch(set, &pass, count, &part, &timed));
         timing->ms += part.ms;
         timing->cpu_ms += part.cpu_ms;
         timing->event_ms += part.event_ms;
@@ -141,9 +145,6 @@ static bb_tracer_request tracer_request(const trace_set *set, const cell *c)
         .spec = &choice->spec,
         .intersector = c->intersector,
         .query = set->rays->query,
-        .kinds = set->bench->scene->kinds,
-        .stack_need = c->entrant->layouts[c->layout].stack_need,
-        .levels = c->entrant->layouts[c->layout].levels,
     };
 }
 
@@ -156,14 +157,15 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     const bb_layout_data *layout = &c->entrant->layouts[c->layout];
     bb_tracer_request request = tracer_request(set, c);
     bb_step step = bb_bench_begin(bench);
-    BB_TRY(bb_tracer_get(bench->device, &request, &c->tracer));
+    BB_TRY(bb_tracer_get(bench->device, &request, layout, &c->tracer));
     c->record.group_size = bb_tracer_group_size(c->tracer);
     c->record.stack_size = bb_tracer_stack_size(c->tracer);
     snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
     c->record.native = layout->keeps_shape;
     /* compile for the group size before the clock runs */
     uint32_t few = c->count < c->record.group_size ? c->count : c->record.group_size;
-    BB_TRY(bb_tracer_launch(c->tracer, layout, &bench->rays, few, &bench->hits, NULL));
+    const bb_pass pass = pass_of(set, c);
+    BB_TRY(bb_pass_launch(&pass, few));
     BB_TRY(bb_finish(bench->device));
     return bb_bench_end(bench, step, "compile kernels", BB_OK);
 }
@@ -229,8 +231,11 @@ static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32
 {
     bb_bench *bench = set->bench;
     BB_TRY(load_sample(set, c->count, count));
-    BB_TRY(bb_tracer_launch(tracer, &c->entrant->layouts[c->layout], &bench->sample, count,
-                            &bench->hits, &bench->counts));
+    bb_pass pass = pass_of(set, c);
+    pass.tracer = tracer;
+    pass.rays = &bench->sample;
+    pass.counts = &bench->counts;
+    BB_TRY(bb_pass_launch(&pass, count));
     return bb_buffer_read(&bench->counts, 0, count * sizeof *counts, counts);
 }
 
@@ -244,7 +249,7 @@ static bb_status count_tests(trace_set *set, cell *c)
     bb_tracer_request request = tracer_request(set, c);
     request.counting = true;
     bb_tracer *tracer;
-    BB_TRY(bb_tracer_get(bench->device, &request, &tracer));
+    BB_TRY(bb_tracer_get(bench->device, &request, &c->entrant->layouts[c->layout], &tracer));
     /* brute force tests all primitives with each ray: a few rays tell */
     uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : BB_COUNTED_RAYS;
     uint32_t count = c->count < most ? c->count : most;

@@ -1,7 +1,7 @@
 #include "framework/bench/conformance.h"
 #include "framework/workload/workload.h"
 
-#include "traversal/traversal.h"
+#include "traversal/pass.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,16 +62,12 @@ static bb_status trace(bb_conformance *c, const ray_set *set, const bb_kernel *k
         .spec = &spec,
         .intersector = &bb_intersectors[0],
         .query = set->rays->query,
-        .kinds = c->scene->kinds,
-        .stack_need = layout->stack_need,
-        .levels = layout->levels,
     };
     bb_tracer *tracer;
-    BB_TRY(bb_tracer_get(c->device, &request, &tracer));
+    BB_TRY(bb_tracer_get(c->device, &request, layout, &tracer));
     *overflows = !kernel->stackless && layout->stack_need > bb_tracer_stack_size(tracer);
-    BB_TRY(bb_buffer_fill(&c->hits, count * sizeof(bb_hit), BB_POISON));
-    BB_TRY(bb_tracer_launch(tracer, layout, &set->rays->on_device, count, &c->hits, NULL));
-    return bb_buffer_read(&c->hits, 0, count * sizeof(bb_hit), c->host_hits);
+    const bb_pass pass = {tracer, layout, &set->rays->on_device, &c->hits, NULL};
+    return bb_pass_run(&pass, count, c->host_hits, NULL);
 }
 
 /* A kernel whose stack overflowed left the answer unwritten: it refuses the tree, loudly. */

@@ -6,7 +6,7 @@
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
 #include "framework/workload/workload.h"
-#include "traversal/traversal.h"
+#include "traversal/pass.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -105,22 +105,16 @@ static bb_status trace(rendering *r)
         .spec = &r->kernel_spec,
         .intersector = &r->intersector,
         .query = BB_CLOSEST_HIT,
-        .kinds = r->scene->kinds,
-        .stack_need = r->layout.stack_need,
-        .levels = r->layout.levels,
         .counting = true,
     };
-    BB_TRY(bb_tracer_get(r->device, &request, &tracer));
+    BB_TRY(bb_tracer_get(r->device, &request, &r->layout, &tracer));
     BB_TRY(bb_buffer_reserve(r->device, &r->account, count * sizeof(bb_hit), "hits", &r->d_hits));
     BB_TRY(bb_buffer_reserve(r->device, &r->account, count * sizeof(bb_count), "counts",
                              &r->d_counts));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_hit), "hits", &r->hits));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_count), "counts", &r->counts));
-    BB_TRY(bb_buffer_fill(&r->d_hits, count * sizeof(bb_hit), BB_POISON));
-    BB_TRY(
-        bb_tracer_launch(tracer, &r->layout, &r->rays->on_device, count, &r->d_hits, &r->d_counts));
-    BB_TRY(bb_buffer_read(&r->d_hits, 0, count * sizeof(bb_hit), r->hits));
-    return bb_buffer_read(&r->d_counts, 0, count * sizeof(bb_count), r->counts);
+    const bb_pass pass = {tracer, &r->layout, &r->rays->on_device, &r->d_hits, &r->d_counts};
+    return bb_pass_run(&pass, count, r->hits, r->counts);
 }
 
 static bb_status shade_heat(rendering *r)
