@@ -139,7 +139,7 @@ static bool brute_force(const bb_scene *scene, const bb_ray *ray, double *t, uin
 }
 
 /* `parameters` of the kernel, such as ":group=8", or "". */
-static void trace_with(const char *parameters, const bb_scene *scene, const bb_layout_data *layout,
+static void trace_with(const char *parameters, const bb_layout_data *layout,
                        const bb_kernel *kernel, const bb_intersector *intersector, bb_query query,
                        bool counting, const bb_ray *rays, bb_hit *hits)
 {
@@ -173,11 +173,11 @@ static void trace_with(const char *parameters, const bb_scene *scene, const bb_l
     bb_buffer_release(&d_counts);
 }
 
-static void trace(const bb_scene *scene, const bb_layout_data *layout, const bb_kernel *kernel,
+static void trace(const bb_layout_data *layout, const bb_kernel *kernel,
                   const bb_intersector *intersector, bb_query query, bool counting,
                   const bb_ray *rays, bb_hit *hits)
 {
-    trace_with("", scene, layout, kernel, intersector, query, counting, rays, hits);
+    trace_with("", layout, kernel, intersector, query, counting, rays, hits);
 }
 
 static void aim_rays(const bb_scene *scene, bb_ray *rays)
@@ -199,9 +199,9 @@ static void compare(const bb_scene *scene, const bb_layout_data *layout, const b
     static bb_ray rays[RAYS];
     static bb_hit closest[RAYS], counted[RAYS], any[RAYS];
     aim_rays(scene, rays);
-    trace(scene, layout, kernel, intersector, BB_CLOSEST_HIT, false, rays, closest);
-    trace(scene, layout, kernel, intersector, BB_CLOSEST_HIT, true, rays, counted);
-    trace(scene, layout, kernel, intersector, BB_ANY_HIT, false, rays, any);
+    trace(layout, kernel, intersector, BB_CLOSEST_HIT, false, rays, closest);
+    trace(layout, kernel, intersector, BB_CLOSEST_HIT, true, rays, counted);
+    trace(layout, kernel, intersector, BB_ANY_HIT, false, rays, any);
     assert_memory_equal(closest, counted, sizeof closest);
     uint32_t hits = 0, decided = 0;
     for (uint32_t i = 0; i < RAYS; i++) {
@@ -314,9 +314,9 @@ static void answers_depend_on_neither_groups_nor_order(void **state)
         check(bb_layout_maker_create(bb_layout_find((*kernel)->layout), device, &maker), "layout");
         check(bb_layout_maker_make(&maker, &scene, &instance.tree, 1, BB_RECORD_VERTICES, &data),
               "layout");
-        trace(&scene, &data, *kernel, exact, BB_CLOSEST_HIT, false, rays, hits);
+        trace(&data, *kernel, exact, BB_CLOSEST_HIT, false, rays, hits);
         for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
-            trace_with(ways[w], &scene, &data, *kernel, exact, BB_CLOSEST_HIT, w % 2 == 1, reversed,
+            trace_with(ways[w], &data, *kernel, exact, BB_CLOSEST_HIT, w % 2 == 1, reversed,
                        others);
             for (uint32_t i = 0; i < RAYS; i++)
                 if (memcmp(&hits[i], &others[RAYS - 1 - i], sizeof hits[i]) != 0)

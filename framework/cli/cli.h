@@ -63,8 +63,7 @@ char *bb_cli_command_line(const bb_cli *cli);
 /* Parses and runs; returns the exit status. `commands` ends with NULL. */
 int bb_cli_main(int argc, char **argv, const bb_command *const *commands);
 
-/* The commands, each in framework/cmd_NAME.c. */
-extern const bb_command bb_command_list, bb_command_run, bb_command_check, bb_command_render,
-    bb_command_report, bb_command_rays, bb_command_judge, bb_command_reproduce;
+/* One per cmd_NAME.c. */
+extern const bb_command *const bb_commands[]; /* generated; ends with NULL */
 
 #endif

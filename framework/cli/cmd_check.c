@@ -131,6 +131,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+extern const bb_command bb_command_check;
 const bb_command bb_command_check = {
     .name = "check",
     .summary = "conformance of builders: valid trees, the same tree twice, right answers",

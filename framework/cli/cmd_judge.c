@@ -319,6 +319,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+extern const bb_command bb_command_judge;
 const bb_command bb_command_judge = {
     .name = "judge",
     .summary = "class the hits that a tracer from outside made for the rays of `rays`",

@@ -195,6 +195,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+extern const bb_command bb_command_list;
 const bb_command bb_command_list = {
     .name = "list",
     .summary = "builders, kernels, layouts, intersectors, scenes, rays, papers, devices",

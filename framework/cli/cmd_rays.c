@@ -96,6 +96,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+extern const bb_command bb_command_rays;
 const bb_command bb_command_rays = {
     .name = "rays",
     .summary = "write a scene and a ray set to a file, for tracers that are no plug-ins",

@@ -220,6 +220,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+extern const bb_command bb_command_render;
 const bb_command bb_command_render = {
     .name = "render",
     .summary = "a picture of one view: depth, normals, tests per ray, or where rays are wrong",

@@ -119,6 +119,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+extern const bb_command bb_command_report;
 const bb_command bb_command_report = {
     .name = "report",
     .summary = "makes the HTML report of one or several result files, and its charts as pictures",

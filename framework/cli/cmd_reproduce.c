@@ -87,6 +87,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+extern const bb_command bb_command_reproduce;
 const bb_command bb_command_reproduce = {
     .name = "reproduce",
     .summary = "a paper's experiments, its tables and claims beside ours",

@@ -165,6 +165,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+extern const bb_command bb_command_run;
 const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
