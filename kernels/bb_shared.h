@@ -166,18 +166,23 @@ typedef struct bb_count {
 } bb_count;
 
 #ifndef __OPENCL_VERSION__
-_Static_assert(sizeof(bb_box) == 32, "bb_box");
-_Static_assert(sizeof(bb_node) == 32, "bb_node");
-_Static_assert(sizeof(bb_tree_info) == 24, "bb_tree_info");
-_Static_assert(sizeof(bb_subtree) == 24, "bb_subtree");
-_Static_assert(sizeof(bb_ray) == 32, "bb_ray");
-_Static_assert(sizeof(bb_hit) == 8, "bb_hit");
-_Static_assert(sizeof(bb_pair) == 64, "bb_pair");
-_Static_assert(sizeof(bb_wide4) == 128, "bb_wide4");
-_Static_assert(sizeof(bb_wide8) == 256, "bb_wide8");
-_Static_assert(sizeof(bb_quant8) == 128, "bb_quant8");
-_Static_assert(sizeof(bb_wide_plan) == 32, "bb_wide_plan");
-_Static_assert(sizeof(bb_count) == 12, "bb_count");
+#ifdef __cplusplus
+#define BB_STATIC_ASSERT static_assert
+#else
+#define BB_STATIC_ASSERT _Static_assert
+#endif
+BB_STATIC_ASSERT(sizeof(bb_box) == 32, "bb_box");
+BB_STATIC_ASSERT(sizeof(bb_node) == 32, "bb_node");
+BB_STATIC_ASSERT(sizeof(bb_tree_info) == 24, "bb_tree_info");
+BB_STATIC_ASSERT(sizeof(bb_subtree) == 24, "bb_subtree");
+BB_STATIC_ASSERT(sizeof(bb_ray) == 32, "bb_ray");
+BB_STATIC_ASSERT(sizeof(bb_hit) == 8, "bb_hit");
+BB_STATIC_ASSERT(sizeof(bb_pair) == 64, "bb_pair");
+BB_STATIC_ASSERT(sizeof(bb_wide4) == 128, "bb_wide4");
+BB_STATIC_ASSERT(sizeof(bb_wide8) == 256, "bb_wide8");
+BB_STATIC_ASSERT(sizeof(bb_quant8) == 128, "bb_quant8");
+BB_STATIC_ASSERT(sizeof(bb_wide_plan) == 32, "bb_wide_plan");
+BB_STATIC_ASSERT(sizeof(bb_count) == 12, "bb_count");
 #endif
 
 #endif

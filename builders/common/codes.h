@@ -14,6 +14,10 @@
 
 #include <stdbool.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* name, function that deals out the bits, bits, axes, size bit every, size bits at most, sizes, summary */
 #define BB_CODE_TABLE(ROW)                                                                         \
     ROW("mc32", interleaved, 30, XYZ, 0, 0, LINEAR, "Morton code of 10 bits per axis")             \
@@ -113,5 +117,9 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
 
 /* Of the last bb_codes_make(). */
 const bb_code_layout *bb_codes_layout(const bb_codes *codes);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

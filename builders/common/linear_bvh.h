@@ -9,6 +9,10 @@
 
 #include "builders/common/codes.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* An option for the builder's table. */
 #define BB_LINK_OPTION                                                                             \
     {                                                                                              \
@@ -22,5 +26,9 @@ bb_status bb_linear_build(void *self, const bb_scene *scene, const bb_tree *inpu
                           bb_phases *phases);
 bb_status bb_linear_describe(void *self, const bb_scene *scene, char *text, size_t capacity);
 void bb_linear_destroy(void *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,6 +13,10 @@
 #include "framework/device/device.h"
 #include "framework/tree/tree.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct bb_radix_tree bb_radix_tree;
 
 typedef enum bb_linking {
@@ -46,5 +50,9 @@ bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *t
 bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_radix_runs *runs,
                              const bb_buffer *values, const bb_buffer *boxes, uint32_t count,
                              bb_tree *tree);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

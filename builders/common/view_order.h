@@ -9,6 +9,10 @@
 
 #include "framework/scene/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The value of a builder's option `view` for bb_option.help. */
 #define BB_VIEW_ORDER_HELP                                                                         \
     "order nodes along a view: none, its name or number, or a direction X/Y/Z"
@@ -28,5 +32,9 @@ typedef struct bb_axis_order {
 /* The order for a direction: axes by falling |direction|, equal ones x before y before z, so that (0, 0, 0) gives the plain
  * Morton code. */
 bb_axis_order bb_axis_order_of(const double direction[3]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

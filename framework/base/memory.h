@@ -12,6 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct bb_account {
     uint64_t bytes; /* in use now, host and device together */
     uint64_t peak;  /* the most there has been since bb_account_mark() */
@@ -32,5 +36,9 @@ void bb_host_free(void *pointer); /* NULL is allowed; leaves the account */
 /* The most bytes that a scene, or the files that it is read from, may take on the host: three
  * quarters of its memory. UINT64_MAX if that is not known. */
 uint64_t bb_host_limit(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

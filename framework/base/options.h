@@ -8,6 +8,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* A declared option. An array of them ends with {.name = NULL}. */
 typedef struct bb_option {
     const char *name;
@@ -50,5 +54,9 @@ bool bb_spec_is(const bb_spec *spec, const bb_option *options, const char *key, 
  * `key=value` with no `:` before the `=`. A text that names an existing file is one item.
  * Appends to items[*count]; items are malloc'ed strings, the caller frees them. */
 bb_status bb_spec_list(const char *text, char **items, size_t capacity, size_t *count);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

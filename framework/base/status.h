@@ -6,6 +6,10 @@
 #ifndef BB_STATUS_H
 #define BB_STATUS_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum bb_status {
     BB_OK = 0,
     BB_INVALID,     /* bad option, bad file, bad data: the caller's input */
@@ -32,5 +36,9 @@ const char *bb_status_word(bb_status status);
         if (bb_try_status_ != BB_OK)                                                               \
             return bb_try_status_;                                                                 \
     } while (0)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

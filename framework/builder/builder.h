@@ -13,6 +13,10 @@
 #include "framework/scene/scene.h"
 #include "framework/tree/tree.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Raised whenever this header or the structs it takes in change their layout or meaning. */
 enum { BB_ABI_VERSION = 3 };
 
@@ -143,5 +147,9 @@ bb_status bb_plugin_load(const char *path);
 
 /* Checks a builder's struct: names, required hooks, options. */
 bb_status bb_builder_validate(const bb_builder *builder);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -14,6 +14,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Which form of the parallel primitives and other form-dependent kernels to use. */
 typedef enum bb_form {
     BB_FORM_AUTO, /* by device type */
@@ -160,5 +164,9 @@ bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, siz
 /* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read device->event_ms. */
 void bb_device_clear_events(bb_device *device);
 bb_status bb_device_collect_events(bb_device *device);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

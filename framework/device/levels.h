@@ -6,6 +6,10 @@
 
 #include "framework/device/device.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct bb_levels {
     bb_buffer lists[2]; /* u32: level n is in lists[n % 2] */
     bb_buffer counts;   /* u32 per level; level 0 has none: the leaves put level 1 on its list */
@@ -28,5 +32,9 @@ uint32_t bb_levels_items(const bb_levels *levels);
 bb_status bb_levels_run(bb_levels *levels,
                         bb_status (*launch)(void *context, const bb_levels *levels, uint32_t n),
                         void *context);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

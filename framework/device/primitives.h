@@ -10,6 +10,10 @@
 
 #include "framework/device/device.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct bb_primitives bb_primitives;
 
 /* Compiles the kernels of the device's form. The object keeps its scratch between calls; the
@@ -40,5 +44,9 @@ bb_status bb_sort_u64(bb_primitives *primitives, bb_buffer *keys, bb_buffer *val
 /* Reserves the scratch that sorts of up to `count` pairs need, so that the timed build does not.
  * Keys of 4 or 8 bytes. */
 bb_status bb_primitives_reserve(bb_primitives *primitives, uint32_t count, uint32_t key_bytes);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

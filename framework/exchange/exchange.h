@@ -98,7 +98,7 @@ typedef struct bb_hits_header {
     char tracer[72];   /* its name, for the report; may be "" */
 } bb_hits_header;
 
-_Static_assert(sizeof(bb_rays_header) == 1024, "bb_rays_header");
-_Static_assert(sizeof(bb_hits_header) == 128, "bb_hits_header");
+BB_STATIC_ASSERT(sizeof(bb_rays_header) == 1024, "bb_rays_header");
+BB_STATIC_ASSERT(sizeof(bb_hits_header) == 128, "bb_hits_header");
 
 #endif

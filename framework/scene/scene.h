@@ -14,6 +14,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Kinds of primitives, as bits. */
 enum {
     BB_TRIANGLES = 1u << 0,
@@ -161,5 +165,9 @@ static inline const float *bb_scene_vertex(const bb_scene *scene, uint32_t trian
 {
     return scene->vertices + 3 * (size_t)scene->indices[3 * (size_t)triangle + corner];
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -11,6 +11,10 @@
 #include "framework/scene/scene.h"
 #include "kernels/bb_shared.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum bb_place { BB_ON_HOST, BB_ON_DEVICE } bb_place;
 
 enum { BB_TREE_ARRAYS_MAX = 4 };
@@ -118,5 +122,9 @@ double bb_tree_sah(const bb_tree *tree);
  * many. */
 bb_status bb_tree_epo(const bb_tree *tree, const bb_scene *scene, uint64_t samples, uint64_t seed,
                       double *epo, double *half);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
