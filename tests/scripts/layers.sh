@@ -28,3 +28,7 @@ awk -v layers="$layers" '
 
 # tsort complains of circles
 sed -E 's/\.(c|h|cpp|hpp)( |$)/\2/g; s/_private//g' <<<"$arrows" | awk '$1 != $2' | tsort >/dev/null
+
+for folder in framework/*/; do
+    [ -f "${folder}README.md" ] || { echo "$folder has no README.md that says what may live there"; exit 1; }
+done
