@@ -20,7 +20,7 @@ static void expect_right(const char *scene_name, const char *what, const bb_ray 
     bb_oracle *oracle;
     bb_answers answers;
     bb_accuracy accuracy;
-    bb_rays set = {.name = "awkward", .workload = bb_workload_find("random"), .count = count};
+    bb_rays set = {.name = "awkward", .count = count};
     check(bb_oracle_create(scene, device->compute_units, &oracle), "oracle");
     check(bb_host_alloc(NULL, count * sizeof *rays, "rays", &set.rays), "rays");
     memcpy(set.rays, rays, count * sizeof *rays);

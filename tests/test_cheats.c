@@ -46,7 +46,8 @@ static void exact_answers_are_right(void **state)
         {"tiny.gltf", "primary random"},
     };
     uint32_t sets = 0, rays = 0;
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    size_t step = getenv("BVHBENCH_TEST_SMALL") != NULL ? 3 : 1;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i += step) {
         char workloads[128];
         outcome total = {0};
         snprintf(workloads, sizeof workloads, "%s", cases[i].workloads);
@@ -76,10 +77,10 @@ static void exact_answers_are_right(void **state)
 
 /* ---- cheats ---- */
 
-/* More than 1 in 20 of the plainly wrong; of a few, one. */
+/* More than one, and more than 1 in 20, of the plainly wrong. */
 static bool is_overlooked(const outcome *o, uint32_t found)
 {
-    return found + (o->plain >= 20) < 0.95 * o->plain;
+    return found + 1 < 0.95 * o->plain;
 }
 
 /* Nearly all that is plainly wrong is found, most of it in the right class, and nothing else. */
@@ -107,7 +108,8 @@ static void check(const attack *a)
 
 static void check_all(const attack *attacks, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
+    size_t step = getenv("BVHBENCH_TEST_SMALL") != NULL ? 3 : 1; /* under sanitizers */
+    for (size_t i = 0; i < count; i += step)
         check(&attacks[i]);
     assert_int_equal(failures, 0);
 }

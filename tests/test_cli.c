@@ -380,7 +380,7 @@ static void an_interrupted_run_leaves_no_half_written_file(void **state)
     if (child == 0) {
         if (chdir(folder) != 0 || freopen("/dev/null", "w", stderr) == NULL)
             _exit(99);
-        execl(BB_TEST_PROGRAM, BB_TEST_PROGRAM, "run", "--scene", "interior:n=50000", "--builder",
+        execl(BB_TEST_BINARY, BB_TEST_BINARY, "run", "--scene", "interior:n=50000", "--builder",
               "lbvh", "--repeats", "50", "--out", "killed", (char *)NULL);
         _exit(99);
     }

@@ -211,7 +211,8 @@ static void compare(bb_device *device, const char *text, const bb_box *boxes, ui
     uint64_t *keys = calloc(count, sizeof *keys);
     uint32_t *values = calloc(count, sizeof *values);
     assert_int_equal(bb_primitives_create(device, &account, &primitives), BB_OK);
-    assert_int_equal(bb_codes_create(&context, &codes), BB_OK);
+    if (bb_codes_create(&context, &codes) != BB_OK)
+        fail_msg("%s: %s", text, bb_message());
     assert_int_equal(
         bb_buffer_reserve(device, NULL, count * sizeof *boxes, "boxes", &scene.on_device.boxes),
         BB_OK);

@@ -135,7 +135,7 @@ static void rays_come_back(void **state)
     assert_int_equal(read_rays(rays_bytes, rays_size, &got), BB_OK);
     assert_string_equal(got->name, rays->name);
     assert_string_equal(got->view, rays->view);
-    assert_ptr_equal(got->workload, rays->workload);
+    assert_ptr_equal(got->options, rays->options);
     assert_string_equal(got->spec.text, rays->spec.text);
     assert_int_equal(got->query, rays->query);
     assert_int_equal(got->count, rays->count);
@@ -453,7 +453,7 @@ static void rays_made_by_hand_have_a_name_of_their_own(void **state)
     refuses_rays(bytes, rays_size, "no rays 'mine' for this query");
     if (bb_exchange_read_rays(rays_path, scene, true, &got) != BB_OK)
         fail_msg("%s", bb_message());
-    assert_null(got->workload);
+    assert_null(got->options);
     assert_string_equal(got->name, "mine:by=me");
     assert_int_equal(got->query, BB_CLOSEST_HIT);
     assert_false(got->must_hit);

@@ -500,7 +500,7 @@ static void test_bad_files(void **state)
     }
     expect_failure(path_of("none.glb"), BB_INVALID, "no such file");
     write_text(path_of("thing.obj"), "v 0 0 0");
-    expect_failure(path_of("thing.obj"), BB_INVALID, ".gltf or .glb");
+    expect_failure(path_of("thing.obj"), BB_INVALID, ".gltf, .glb");
     mkdir(path_of("folder.glb"), 0777);
     expect_failure(path_of("folder.glb"), BB_INVALID, "regular file");
 }

@@ -200,9 +200,12 @@ static void compare(const bb_scene *scene, const bb_layout_data *layout, const b
     static bb_hit closest[RAYS], counted[RAYS], any[RAYS];
     aim_rays(scene, rays);
     trace(layout, kernel, intersector, BB_CLOSEST_HIT, false, rays, closest);
-    trace(layout, kernel, intersector, BB_CLOSEST_HIT, true, rays, counted);
+    bool exact = intersector == &bb_intersectors[0];
+    if (exact) /* a variant to compile for each of the others */
+        trace(layout, kernel, intersector, BB_CLOSEST_HIT, true, rays, counted);
     trace(layout, kernel, intersector, BB_ANY_HIT, false, rays, any);
-    assert_memory_equal(closest, counted, sizeof closest);
+    if (exact)
+        assert_memory_equal(closest, counted, sizeof closest);
     uint32_t hits = 0, decided = 0;
     for (uint32_t i = 0; i < RAYS; i++) {
         double t;

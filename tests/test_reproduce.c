@@ -62,8 +62,8 @@ static void means_leave_out_what_is_missing(void **state)
     assert_true(bb_mean(values, 3) == 2);
     assert_true(isnan(bb_mean(values + 1, 1)));
     bb_findings f = {.scenes = scenes, .scene_count = 2};
-    bb_series s = {.f = &f, .values = {NAN, 0.5}};
-    assert_true(bb_series_mean(&s) == 0.5 && bb_series_least(&s) == 0.5);
+    bb_figures s = {.f = &f, .values = {NAN, 0.5}};
+    assert_true(bb_figures_mean(&s) == 0.5 && bb_figures_least(&s) == 0.5);
     bb_words words = {0};
     bb_say_range(&words, "cost", &s);
     assert_string_equal(words.text, "cost 0.5 on average, 0.5 (cubic) to 0.5 (cubic)");

@@ -306,7 +306,7 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
     r->query = rays->query;
     r->rays_hash = rays->hash;
     r->rays_spec = &rays->spec;
-    r->rays_options = rays->workload->options;
+    r->rays_options = rays->options;
     r->status = entrant->record.status;
     snprintf(r->reason, sizeof r->reason, "%s", entrant->record.reason);
     r->counts_for_exit = !entrant->reference && bb_intersector_is_exact(intersector);

@@ -116,12 +116,13 @@ void bb_plot_legend_spread(const bb_plot *p, uint32_t marks);
 /* What the shapes mean: each intersector. */
 void bb_plot_legend_shapes(const bb_plot *p);
 
-/* ---- the pictures, of p->set; none where there is nothing to draw ---- */
+/* ---- the pictures ---- */
 
-void bb_draw_accuracy(bb_plot *p); /* kernels: speed against wrong answers */
-void bb_draw_builders(bb_plot *p); /* time for all rays against wrong answers */
-void bb_draw_time(bb_plot *p);     /* time to n rays */
-void bb_draw_sah(bb_plot *p);
-void bb_draw_epo(bb_plot *p);
+/* What a file draw_NAME.c, which CMake finds, draws of p->set: nothing where there is nothing to draw. */
+typedef struct bb_drawing {
+    void (*draw[2])(bb_plot *p); /* NULL for none */
+} bb_drawing;
+
+extern const bb_drawing *const bb_drawings[]; /* generated; ends with NULL */
 
 #endif

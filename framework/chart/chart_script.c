@@ -106,11 +106,10 @@ bb_status bb_charts_script(const bb_charts *charts, FILE *out, uint32_t *picture
             continue;
         plot.set = &charts->sets[i];
         name_pictures(&plot, stems, &stem_count);
-        bb_draw_accuracy(&plot);
-        bb_draw_builders(&plot);
-        bb_draw_time(&plot);
-        bb_draw_sah(&plot);
-        bb_draw_epo(&plot);
+        for (const bb_drawing *const *d = bb_drawings; *d != NULL; d++)
+            for (uint32_t k = 0; k < 2; k++)
+                if ((*d)->draw[k] != NULL)
+                    (*d)->draw[k](&plot);
     }
     *pictures = plot.pictures;
 out:

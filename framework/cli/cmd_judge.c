@@ -235,7 +235,7 @@ static bb_status add_trace(const job *j, const ray_set *set, bb_results *results
     trace->rays_as_given = j->by_hand;
     if (!j->by_hand) {
         trace->rays_spec = &set->rays->spec;
-        trace->rays_options = set->rays->workload->options;
+        trace->rays_options = set->rays->options;
     }
     trace->query = set->rays->query;
     trace->count = set->outside.count;

@@ -189,7 +189,7 @@ static bb_status describe(const char *path, const bb_scene *scene, const bb_rays
     const bb_workload *workload = bb_workload_find(rays->spec.name);
     BB_TRY(by_hand ? check_by_hand(path, header, &rays->spec, workload)
                    : check_workload(path, scene, header, &rays->spec, workload));
-    rays->workload = workload;
+    rays->options = workload != NULL ? workload->options : NULL;
     rays->query = (bb_query)header->query;
     rays->must_hit = workload != NULL && bb_workload_must_hit(workload, scene, &rays->spec);
     rays->width = header->width;

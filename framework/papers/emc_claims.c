@@ -14,9 +14,9 @@ static bool is_flat(const bb_findings *f, const char *scene)
 }
 
 /* The flat scenes' figures, or the others'. */
-static bb_series only(const bb_series *s, bool flat)
+static bb_figures only(const bb_figures *s, bool flat)
 {
-    bb_series part = *s;
+    bb_figures part = *s;
     for (size_t i = 0; i < s->f->scene_count; i++)
         if (is_flat(s->f, s->f->scenes[i]) != flat)
             part.values[i] = NAN;
@@ -48,26 +48,27 @@ static void say_why_worse(const bb_findings *all, bb_words *why)
 
 static void claim_cost(const bb_findings *all, bb_reproduction *r)
 {
-    bb_series sort = costs(all, SORT64, MC64), var = costs(all, VAR64, MC64);
+    bb_figures sort = costs(all, SORT64, MC64), var = costs(all, VAR64, MC64);
     bb_words ours = {0}, why = {0};
     bb_say_range(&ours, "EMC-64-sort", &sort);
     bb_say_range(&ours, "EMC-64-var", &var);
-    bool holds = bb_series_mean(&var) < 1 && bb_series_most(&var) <= 1.005;
+    bool holds = bb_figures_mean(&var) < 1 && bb_figures_most(&var) <= 1.005;
     if (!holds)
         say_why_worse(all, &why);
-    bb_claim(r, bb_verdict_of(holds, bb_series_mean(&var), bb_series_mean(&sort)),
+    bb_claim(r, bb_verdict_of(holds, bb_figures_mean(&var), bb_figures_mean(&sort)),
              "EMC-64-var lowers the cost of LBVH on average, and raises it nowhere (5.2)",
              "0.80 on average, 0.48 to 1.00", &ours, &why);
     ours = why = (bb_words){0};
-    bb_say(&ours, "EMC-64-var %.3f, EMC-64-sort %.3f on average", bb_series_mean(&var),
-           bb_series_mean(&sort));
-    for (size_t s = 0; s < var.f->scene_count && bb_series_mean(&var) >= bb_series_mean(&sort); s++)
+    bb_say(&ours, "EMC-64-var %.3f, EMC-64-sort %.3f on average", bb_figures_mean(&var),
+           bb_figures_mean(&sort));
+    for (size_t s = 0; s < var.f->scene_count && bb_figures_mean(&var) >= bb_figures_mean(&sort);
+         s++)
         bb_say(&why, "%s%s: var %.2f, sort %.2f, order and counts without sizes %.2f",
                s > 0 ? "; " : "", var.f->scenes[s], var.values[s], sort.values[s],
                cost_ratio(all, var.f->scenes[s], ORDER_COUNT, MC64));
     bb_claim(r,
-             bb_verdict_of(bb_series_mean(&var) < bb_series_mean(&sort), bb_series_mean(&var),
-                           bb_series_mean(&sort)),
+             bb_verdict_of(bb_figures_mean(&var) < bb_figures_mean(&sort), bb_figures_mean(&var),
+                           bb_figures_mean(&sort)),
              "The best costs are those of EMC-64-var, before EMC-64-sort (5.2)", "0.80 and 0.88",
              &ours, &why);
 }
@@ -76,11 +77,11 @@ static void claim_cost(const bb_findings *all, bb_reproduction *r)
 static void claim_flat(const bb_findings *all, bb_reproduction *r, const char *builder,
                        const char *claim, const char *paper, double others_within)
 {
-    bb_series s = costs(all, builder, MC64), flat = only(&s, true), others = only(&s, false);
+    bb_figures s = costs(all, builder, MC64), flat = only(&s, true), others = only(&s, false);
     bb_words ours = {0}, why = {0};
-    double gain = 1 - bb_series_mean(&flat), elsewhere = 1 - bb_series_mean(&others);
+    double gain = 1 - bb_figures_mean(&flat), elsewhere = 1 - bb_figures_mean(&others);
     bb_say(&ours, "%.3f on flat scenes (shortest side below 1/4 of the longest), %.3f on others",
-           bb_series_mean(&flat), bb_series_mean(&others));
+           bb_figures_mean(&flat), bb_figures_mean(&others));
     bool holds = gain > 0.03 && elsewhere < others_within && gain > elsewhere;
     for (size_t i = 0; i < s.f->scene_count && !holds; i++)
         bb_say(&why, "%s%s (flatness %.3f) %.3f", i > 0 ? ", " : "per scene: ", s.f->scenes[i],
@@ -93,7 +94,7 @@ static const double same = 0.0005;
 
 static void claim_sizes(const bb_findings *all, bb_reproduction *r)
 {
-    bb_series s = costs(all, SIZES, MC64), order = costs(all, ORDER_COUNT, MC64);
+    bb_figures s = costs(all, SIZES, MC64), order = costs(all, ORDER_COUNT, MC64);
     bb_words ours = {0}, why = {0};
     uint32_t others = 0, dominant = 0;
     bb_say_range(&ours, "size every 4th bit", &s);
@@ -110,7 +111,7 @@ static void claim_sizes(const bb_findings *all, bb_reproduction *r)
         others++;
         dominant += s.values[i] < order.values[i];
     }
-    bb_claim(r, bb_verdict_of(bb_series_most(&s) <= 1 - same, bb_series_most(&s), 0),
+    bb_claim(r, bb_verdict_of(bb_figures_most(&s) <= 1 - same, bb_figures_most(&s), 0),
              "Size bits lower the cost on every scene (5.3)", "0.77 to 0.90", &ours, &why);
     ours = why = (bb_words){0};
     bb_say(&ours, "on %u of %u scenes that are not flat", dominant, others);
@@ -130,7 +131,7 @@ static void claim_sizes(const bb_findings *all, bb_reproduction *r)
 static void claim_majority(const bb_findings *all, bb_reproduction *r, const char *builder,
                            const char *other, const char *claim, const char *paper)
 {
-    bb_series s = costs(all, builder, other);
+    bb_figures s = costs(all, builder, other);
     bb_words ours = {0}, why = {0};
     uint32_t lower = 0, higher = 0;
     for (size_t i = 0; i < s.f->scene_count; i++) {
@@ -148,16 +149,16 @@ static void claim_majority(const bb_findings *all, bb_reproduction *r, const cha
                    bb_found_scene(s.f, s.f->scenes[i], "overlap"));
     if (lower == 0 && higher == 0)
         bb_say(&why, "no scene tells the two apart");
-    bb_claim(r, bb_verdict_of(lower > higher, bb_series_mean(&s), 0), claim, paper, &ours, &why);
+    bb_claim(r, bb_verdict_of(lower > higher, bb_figures_mean(&s), 0), claim, paper, &ours, &why);
 }
 
 /* Of fewer size bits: is it their number that matters, or how often they come? */
 static void claim_fewer(const bb_findings *all, bb_reproduction *r)
 {
-    bb_series s = costs(all, VAR64, VAR64_ALL_SIZES), nine = costs(all, VAR64_NINE, VAR64);
-    bb_series ten = costs(all, VAR64_CELL_TEN, VAR64_CELL_ALL);
+    bb_figures s = costs(all, VAR64, VAR64_ALL_SIZES), nine = costs(all, VAR64_NINE, VAR64);
+    bb_figures ten = costs(all, VAR64_CELL_TEN, VAR64_CELL_ALL);
     bb_words ours = {0}, why = {0};
-    bool holds = bb_series_mean(&s) < 1;
+    bool holds = bb_figures_mean(&s) < 1;
     bb_say_range(&ours, "6 bits every 7th against 16 every 4th", &s);
     if (!holds)
         bb_say(
@@ -165,27 +166,27 @@ static void claim_fewer(const bb_findings *all, bb_reproduction *r)
             "9 bits every 7th instead of 6 change the cost by %+.1f %% on average, 10 bits every "
             "4th instead of 16 by %+.1f %% (there compared with the cell), 16 every 4th instead of "
             "6 every 7th by %+.1f %%",
-            100 * (bb_series_mean(&nine) - 1), 100 * (bb_series_mean(&ten) - 1),
-            100 * (1 / bb_series_mean(&s) - 1));
-    if (!holds && fabs(bb_series_mean(&nine) - 1) < 0.01 && fabs(bb_series_mean(&ten) - 1) < 0.01)
+            100 * (bb_figures_mean(&nine) - 1), 100 * (bb_figures_mean(&ten) - 1),
+            100 * (1 / bb_figures_mean(&s) - 1));
+    if (!holds && fabs(bb_figures_mean(&nine) - 1) < 0.01 && fabs(bb_figures_mean(&ten) - 1) < 0.01)
         bb_say(&why,
                ": it is not their number that matters on these scenes, but how often they come");
-    bb_claim(r, bb_verdict_of(holds, bb_series_mean(&s), 0),
+    bb_claim(r, bb_verdict_of(holds, bb_figures_mean(&s), 0),
              "In 64 bits with the variable order, fewer size bits lower the cost further (5.3)",
              "further, except on sponza, conference and powerplant", &ours, &why);
 }
 
 static void claim_sweep(const bb_findings *all, bb_reproduction *r)
 {
-    bb_series s = costs(all, VAR64, SWEEP), plain = costs(all, MC64, SWEEP);
+    bb_figures s = costs(all, VAR64, SWEEP), plain = costs(all, MC64, SWEEP);
     bb_words ours = {0}, why = {0};
     bb_say_range(&ours, "EMC-64-var", &s);
     bb_say_range(&ours, "MC-64", &plain);
-    if (bb_series_mean(&s) > 1.3)
+    if (bb_figures_mean(&s) > 1.3)
         for (size_t i = 0; i < s.f->scene_count; i++)
             bb_say(&why, "%s%s %.2f (MC-64 %.2f)", i > 0 ? ", " : "per scene: ", s.f->scenes[i],
                    s.values[i], plain.values[i]);
-    bb_claim(r, bb_verdict_of(bb_series_mean(&s) <= 1.3, bb_series_mean(&s), 0),
+    bb_claim(r, bb_verdict_of(bb_figures_mean(&s) <= 1.3, bb_figures_mean(&s), 0),
              "LBVH with EMC-64-var costs just 20 % more than a full sweep by SAH (5.4); held up to "
              "30 %",
              "1.20 on average", &ours, &why);
@@ -214,7 +215,7 @@ static void say_tests(const bb_findings *all, const char *scene, const char *bui
 static void claim_speed(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[TRACED];
-    bb_series s = {.f = f};
+    bb_figures s = {.f = f};
     bb_ratio_mean mean = {0};
     bb_words ours = {0}, why = {0};
     for (size_t i = 0; i < f->scene_count; i++) {
@@ -242,7 +243,7 @@ static void claim_speed(const bb_findings *all, bb_reproduction *r)
 static void claim_speed_follows_cost(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[TRACED];
-    bb_verdict each[BB_SERIES_MAX];
+    bb_verdict each[BB_FIGURES_MAX];
     bb_words ours = {0}, why = {0};
     size_t count = 0, agree = 0;
     for (size_t i = 0; i < f->scene_count; i++) {
@@ -340,7 +341,7 @@ static void claim_short(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[BUILT];
     bb_words ours = {0}, why = {0};
-    bb_series cost = costs(all, VAR32, VAR64), time = {.f = f};
+    bb_figures cost = costs(all, VAR32, VAR64), time = {.f = f};
     bb_ratio_mean mean = {0};
     for (size_t s = 0; s < f->scene_count; s++) {
         time.values[s] = build_ratio(all, f->scenes[s], VAR32, VAR64).value;
@@ -349,7 +350,7 @@ static void claim_short(const bb_findings *all, bb_reproduction *r)
     }
     bb_estimate faster = bb_ratio_mean_estimate(&mean);
     const bb_verdict both[] = {
-        bb_verdict_of(bb_series_mean(&cost) <= 1.05, bb_series_mean(&cost), 0),
+        bb_verdict_of(bb_figures_mean(&cost) <= 1.05, bb_figures_mean(&cost), 0),
         bb_below(faster, 1)};
     bb_verdict verdict = bb_all(both, 2);
     bb_say_range(&ours, "cost against EMC-64-var", &cost);

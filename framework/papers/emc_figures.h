@@ -46,9 +46,9 @@ static inline double cost_ratio(const bb_findings *all, const char *scene, const
 }
 
 /* The same for each scene. */
-static inline bb_series costs(const bb_findings *all, const char *builder, const char *base)
+static inline bb_figures costs(const bb_findings *all, const char *builder, const char *base)
 {
-    bb_series s = {.f = &all[VARIED]};
+    bb_figures s = {.f = &all[VARIED]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = cost_ratio(all, s.f->scenes[i], builder, base);
     return s;

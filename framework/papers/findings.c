@@ -229,12 +229,12 @@ double bb_mean(const double *values, size_t count)
     return known > 0 ? total / (double)known : (double)NAN;
 }
 
-double bb_series_mean(const bb_series *s)
+double bb_figures_mean(const bb_figures *s)
 {
     return bb_mean(s->values, s->f->scene_count);
 }
 
-double bb_series_least(const bb_series *s)
+double bb_figures_least(const bb_figures *s)
 {
     double low = NAN;
     for (size_t i = 0; i < s->f->scene_count; i++)
@@ -242,7 +242,7 @@ double bb_series_least(const bb_series *s)
     return low;
 }
 
-double bb_series_most(const bb_series *s)
+double bb_figures_most(const bb_figures *s)
 {
     double high = NAN;
     for (size_t i = 0; i < s->f->scene_count; i++)
@@ -251,7 +251,7 @@ double bb_series_most(const bb_series *s)
 }
 
 /* The first scene with this figure. */
-static const char *scene_with(const bb_series *s, double value)
+static const char *scene_with(const bb_figures *s, double value)
 {
     for (size_t i = 0; i < s->f->scene_count; i++)
         if (s->values[i] == value)
@@ -259,14 +259,14 @@ static const char *scene_with(const bb_series *s, double value)
     return "none";
 }
 
-void bb_say_range(bb_words *words, const char *what, const bb_series *s)
+void bb_say_range(bb_words *words, const char *what, const bb_figures *s)
 {
-    double low = bb_series_least(s), high = bb_series_most(s);
+    double low = bb_figures_least(s), high = bb_figures_most(s);
     bb_say(words, "%s%s ", words->length > 0 ? "; " : "", what);
     if (isnan(low)) {
         bb_say(words, "not measured");
         return;
     }
-    bb_say(words, "%.3g on average, %.3g (%s) to %.3g (%s)", bb_series_mean(s), low,
+    bb_say(words, "%.3g on average, %.3g (%s) to %.3g (%s)", bb_figures_mean(s), low,
            scene_with(s, low), high, scene_with(s, high));
 }

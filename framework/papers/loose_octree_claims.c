@@ -35,8 +35,8 @@ static double tests_ratio(const bb_findings *f, const char *scene, pair p, const
 
 /* The ratios of all scenes. */
 typedef struct ratios {
-    bb_series medians;
-    bb_estimate each[BB_SERIES_MAX];
+    bb_figures medians;
+    bb_estimate each[BB_FIGURES_MAX];
     bb_estimate mean; /* taken in each round */
 } ratios;
 
@@ -59,7 +59,7 @@ typedef bb_verdict share_fn(const bb_verdict *each, size_t count);
 
 static bb_verdict of_scenes(share_fn *share, const ratios *all, side_fn *side, double bound)
 {
-    bb_verdict each[BB_SERIES_MAX];
+    bb_verdict each[BB_FIGURES_MAX];
     size_t count = all->medians.f->scene_count;
     for (size_t s = 0; s < count; s++)
         each[s] = side(all->each[s], bound);
@@ -101,7 +101,7 @@ static void say_frame(const bb_findings *f, const char *scene, pair p, bb_words 
 static void claim_shortest(const bb_findings *f, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_SERIES_MAX];
+    bb_verdict each[BB_FIGURES_MAX];
     for (size_t s = 0; s < f->scene_count; s++) {
         const char *scene = f->scenes[s], *best = best_lobvh(f, scene);
         pair to_lbvh = {best, STACKLESS, LBVH30, STACK},
@@ -212,7 +212,7 @@ static void claim_memory(const bb_findings *f, bb_reproduction *r, const char *b
 {
     bb_words ours = {0}, why = {0};
     uint32_t smaller = 0, known = 0;
-    bb_series s = {.f = f};
+    bb_figures s = {.f = f};
     for (size_t i = 0; i < f->scene_count; i++) {
         const char *scene = f->scenes[i];
         s.values[i] = bb_found_tree(f, scene, builder, "bytes_tree") /
@@ -228,7 +228,7 @@ static void claim_memory(const bb_findings *f, bb_reproduction *r, const char *b
     }
     bb_say_range(&ours, "bytes of the tree", &s);
     bb_say(&ours, "; less on %u of %u scenes", smaller, known);
-    bb_claim(r, bb_verdict_of(2 * smaller > known, bb_series_mean(&s), 0), claim, paper, &ours,
+    bb_claim(r, bb_verdict_of(2 * smaller > known, bb_figures_mean(&s), 0), claim, paper, &ours,
              &why);
 }
 
@@ -260,7 +260,7 @@ static void claim_lobvh_frame(const bb_findings *f, bb_reproduction *r, bool hai
                               const char *claim, const char *paper)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_SERIES_MAX];
+    bb_verdict each[BB_FIGURES_MAX];
     size_t count = 0;
     for (size_t s = 0; s < f->scene_count; s++) {
         const char *scene = f->scenes[s];

@@ -162,7 +162,7 @@ static void add_averages(const bb_findings *all, bb_reproduction *r, figure what
     for (int i = 0; i < 3; i++)
         bb_cell_number(r, NAN, 0);
     for (int i = 0; i < COMPARED; i++) {
-        double values[BB_SERIES_MAX];
+        double values[BB_FIGURES_MAX];
         for (size_t s = 0; s < f->scene_count; s++)
             values[s] = ratio_of(all, what, f->scenes[s], compared[i].builder);
         bb_cell_number(r, bb_mean(values, f->scene_count), 2);
@@ -211,7 +211,7 @@ static void add_table2(const bb_findings *all, bb_reproduction *r, figure what, 
 static void add_ingredients(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[VARIED];
-    const char *columns[BB_SERIES_MAX + 4] = {"ingredient"};
+    const char *columns[BB_FIGURES_MAX + 4] = {"ingredient"};
     size_t count = 1, best = 0;
     double best_mean = INFINITY;
     for (size_t s = 0; s < f->scene_count && count < 24; s++)
@@ -219,26 +219,26 @@ static void add_ingredients(const bb_findings *all, bb_reproduction *r)
     columns[count++] = "average";
     columns[count++] = "paper";
     for (size_t i = 0; i < INGREDIENT_COUNT; i++) {
-        bb_series s = costs(all, ingredients[i].builder, MC64);
-        if (strcmp(ingredients[i].builder, SWEEP) != 0 && bb_series_mean(&s) < best_mean) {
-            best_mean = bb_series_mean(&s);
+        bb_figures s = costs(all, ingredients[i].builder, MC64);
+        if (strcmp(ingredients[i].builder, SWEEP) != 0 && bb_figures_mean(&s) < best_mean) {
+            best_mean = bb_figures_mean(&s);
             best = i;
         }
     }
     bb_words title = {0};
-    bb_series var = costs(all, VAR64, MC64);
+    bb_figures var = costs(all, VAR64, MC64);
     bb_say(&title,
            "Influence of each ingredient (section 5.3, and beyond): cost as a ratio to MC-64. Best "
            "code on average: %s, %.3f; EMC-64-var: %.3f",
-           ingredients[best].builder, best_mean, bb_series_mean(&var));
+           ingredients[best].builder, best_mean, bb_figures_mean(&var));
     bb_table(r, title.text, columns);
     for (size_t i = 0; i < INGREDIENT_COUNT; i++) {
-        bb_series s = costs(all, ingredients[i].builder, MC64);
+        bb_figures s = costs(all, ingredients[i].builder, MC64);
         bb_row(r);
         bb_cell_text(r, ingredients[i].what);
         for (size_t k = 0; k + 3 < count; k++)
             bb_cell_number(r, s.values[k], 3);
-        bb_cell_number(r, bb_series_mean(&s), 3);
+        bb_cell_number(r, bb_figures_mean(&s), 3);
         bb_cell_text(r, ingredients[i].paper);
     }
 }

@@ -122,7 +122,7 @@ static void add_averages(const bb_findings *all, bb_reproduction *r)
              "Build + trace of a frame in the paper's configuration (binary trees with the stack "
              "kernel, LOBVH with the stackless one), ratios to LBVH",
              columns);
-    double ratios[3][BB_SERIES_MAX];
+    double ratios[3][BB_FIGURES_MAX];
     for (int e = OF_SPHERES; e <= OF_TRIANGLES; e++) {
         const bb_findings *f = &all[e];
         for (size_t s = 0; s < f->scene_count; s++) {

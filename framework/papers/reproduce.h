@@ -134,16 +134,16 @@ const char *bb_found_view(const bb_findings *f, const char *scene, int number);
 double bb_mean(const double *values, size_t count);
 
 /* One figure per scene of an experiment. */
-enum { BB_SERIES_MAX = 128 };
-typedef struct bb_series {
+enum { BB_FIGURES_MAX = 128 };
+typedef struct bb_figures {
     const bb_findings *f;
-    double values[BB_SERIES_MAX];
-} bb_series;
+    double values[BB_FIGURES_MAX];
+} bb_figures;
 
 /* Over those that are no NAN; NAN if none is. */
-double bb_series_mean(const bb_series *s);
-double bb_series_least(const bb_series *s);
-double bb_series_most(const bb_series *s);
+double bb_figures_mean(const bb_figures *s);
+double bb_figures_least(const bb_figures *s);
+double bb_figures_most(const bb_figures *s);
 
 /* ---- for papers: tables and claims ---- */
 
@@ -184,7 +184,7 @@ typedef struct bb_words {
 __attribute__((format(printf, 2, 3))) void bb_say(bb_words *words, const char *format, ...);
 
 /* "WHAT 0.83 on average, 0.56 (city) to 1.02 (scorpion)", after "; " if there is something before it. */
-void bb_say_range(bb_words *words, const char *what, const bb_series *s);
+void bb_say_range(bb_words *words, const char *what, const bb_figures *s);
 
 /* "1.20 [95 %: 1.10 to 1.30]", with the range, or without brackets, where there is no interval. */
 void bb_say_estimate(bb_words *words, bb_estimate e);

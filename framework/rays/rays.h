@@ -14,13 +14,12 @@ typedef enum bb_query {
 
 const char *bb_query_name(bb_query query); /* "closest" or "any" */
 
-struct bb_workload;
-
 typedef struct bb_rays {
-    char name[128];                     /* the specification as given */
-    char view[48];                      /* name of the view; "" if the set is per scene */
-    const struct bb_workload *workload; /* NULL: made by hand, read from a file */
-    bb_spec spec;                       /* the specification, parsed */
+    char name[128]; /* the specification as given */
+    char view[48];  /* name of the view; "" if the set is per scene */
+    const bb_option
+        *options; /* that the specification may have; NULL: made by hand, read from a file */
+    bb_spec spec; /* the specification, parsed */
     bb_query query;
     uint32_t count;
     bb_ray *rays;   /* from bb_host_alloc */

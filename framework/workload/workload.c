@@ -20,13 +20,10 @@ bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, co
     return workload->must_hit != NULL && workload->must_hit(scene, spec);
 }
 
-static bb_status begin_job(const bb_scene *scene, const bb_rays_request *request, bb_rays_job *job)
+static bb_status begin_job(const bb_workload *workload, const bb_scene *scene,
+                           const bb_rays_request *request, bb_rays_job *job)
 {
     const bb_spec *spec = request->spec;
-    const bb_workload *workload = bb_workload_find(spec->name);
-    if (workload == NULL)
-        return bb_fail(BB_INVALID, "no rays '%s': `bvhbench list rays` shows what there is",
-                       spec->name);
     char what[64];
     snprintf(what, sizeof what, "rays %s", workload->name);
     BB_TRY(bb_spec_validate(spec, workload->options, what));
@@ -43,7 +40,7 @@ static bb_status begin_job(const bb_scene *scene, const bb_rays_request *request
     job->options = workload->options;
     job->diagonal = diagonal;
     job->tmin = (float)tmin;
-    job->rays->workload = workload;
+    job->rays->options = workload->options;
     job->rays->query = workload->query;
     job->rays->must_hit = bb_workload_must_hit(workload, scene, spec);
     job->rays->seed = request->seed;
@@ -61,13 +58,17 @@ bb_status bb_rays_make(const bb_scene *scene, bb_oracle *oracle, const bb_rays_r
                        bb_rays **out)
 {
     *out = NULL;
+    const bb_workload *workload = bb_workload_find(request->spec->name);
+    if (workload == NULL)
+        return bb_fail(BB_INVALID, "no rays '%s': `bvhbench list rays` shows what there is",
+                       request->spec->name);
     bb_rays *rays = calloc(1, sizeof *rays);
     if (rays == NULL)
         return bb_fail(BB_REFUSED, "the host refused the memory of a ray set");
     bb_rays_job job = {.scene = scene, .oracle = oracle, .request = request, .rays = rays};
-    bb_status status = begin_job(scene, request, &job);
+    bb_status status = begin_job(workload, scene, request, &job);
     if (status == BB_OK)
-        status = rays->workload->make(&job);
+        status = workload->make(&job);
     if (status == BB_OK)
         status = bb_rays_check(scene, rays);
     if (status != BB_OK) {

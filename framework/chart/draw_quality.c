@@ -59,7 +59,7 @@ static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_cha
     bb_plot_end(p, f);
 }
 
-void bb_draw_sah(bb_plot *p)
+static void draw_sah(bb_plot *p)
 {
     bb_frame f = {.kind = "sah",
                   .title = "speed against SAH",
@@ -68,7 +68,7 @@ void bb_draw_sah(bb_plot *p)
     draw_quality(p, &f, sah_of);
 }
 
-void bb_draw_epo(bb_plot *p)
+static void draw_epo(bb_plot *p)
 {
     bb_frame f = {.kind = "epo",
                   .title = "speed against EPO",
@@ -76,3 +76,6 @@ void bb_draw_epo(bb_plot *p)
                   .x_title = "end-point overlap"};
     draw_quality(p, &f, epo_of);
 }
+
+extern const bb_drawing bb_drawing_quality;
+const bb_drawing bb_drawing_quality = {{draw_sah, draw_epo}};

@@ -116,7 +116,7 @@ static void plot_curve(const bb_plot *p, const bb_chart_cell *builder, uint32_t 
     fputc('\'', p->out);
 }
 
-void bb_draw_time(bb_plot *p)
+static void draw_time(bb_plot *p)
 {
     bb_frame f = {.kind = "time",
                   .title = "time to n rays",
@@ -149,3 +149,6 @@ void bb_draw_time(bb_plot *p)
             p->out);
     bb_plot_end(p, &f);
 }
+
+extern const bb_drawing bb_drawing_time;
+const bb_drawing bb_drawing_time = {{draw_time}};

@@ -127,7 +127,7 @@ static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_axis 
     bb_axis_round(x);
 }
 
-void bb_draw_accuracy(bb_plot *p)
+static void draw_accuracy(bb_plot *p)
 {
     bb_frame f = {.kind = "accuracy",
                   .title = "speed against wrong answers",
@@ -157,7 +157,7 @@ void bb_draw_accuracy(bb_plot *p)
     bb_plot_end(p, &f);
 }
 
-void bb_draw_builders(bb_plot *p)
+static void draw_builders(bb_plot *p)
 {
     bb_frame f = {.kind = "builders",
                   .title = "time against wrong answers",
@@ -185,3 +185,6 @@ void bb_draw_builders(bb_plot *p)
     bb_plot_legend_series(p, &p->references, count, false);
     bb_plot_end(p, &f);
 }
+
+extern const bb_drawing bb_drawing_wrong;
+const bb_drawing bb_drawing_wrong = {{draw_accuracy, draw_builders}};
