@@ -307,9 +307,16 @@ static void wrong_answers_give_exit_status_1(void **state)
     assert_non_null(strstr(o->out, "WRONG"));
     assert_int_equal(run("check --scene cube --builder lbvh --kernels-from kernels")->exit_status,
                      1);
-    refuses("mkdir -p empty;", "check --scene cube --kernels-from empty", "no .cl or .clh file");
+    refuses("mkdir -p empty;", "check --scene cube --kernels-from empty",
+            "no .cl, .clh or .h file");
     refuses("mkdir -p typo; touch typo/stak.cl;", "check --scene cube --kernels-from typo",
             "nothing reads stak.cl");
+    refuses("mkdir -p typo2; touch typo2/stack.clh;", "check --scene cube --kernels-from typo2",
+            "nothing reads stack.clh");
+    o = run_with("mkdir -p header; cp " BB_TEST_SOURCE_DIR "/kernels/bb_device.h header;",
+                 "check --scene cube --builder lbvh --kernels-from header");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
     o = run("check --scene cube --builder lbvh");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);

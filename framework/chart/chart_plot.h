@@ -118,9 +118,11 @@ void bb_plot_legend_shapes(const bb_plot *p);
 
 /* ---- the pictures ---- */
 
+enum { BB_DRAWINGS_MAX = 2 }; /* of a file */
+
 /* What a file draw_NAME.c, which CMake finds, draws of p->set: nothing where there is nothing to draw. */
 typedef struct bb_drawing {
-    void (*draw[2])(bb_plot *p); /* NULL for none */
+    void (*draw[BB_DRAWINGS_MAX])(bb_plot *p); /* NULL for none */
 } bb_drawing;
 
 extern const bb_drawing *const bb_drawings[]; /* generated; ends with NULL */

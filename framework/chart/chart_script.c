@@ -107,7 +107,7 @@ bb_status bb_charts_script(const bb_charts *charts, FILE *out, uint32_t *picture
         plot.set = &charts->sets[i];
         name_pictures(&plot, stems, &stem_count);
         for (const bb_drawing *const *d = bb_drawings; *d != NULL; d++)
-            for (uint32_t k = 0; k < 2; k++)
+            for (uint32_t k = 0; k < BB_DRAWINGS_MAX; k++)
                 if ((*d)->draw[k] != NULL)
                     (*d)->draw[k](&plot);
     }

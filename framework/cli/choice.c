@@ -105,12 +105,12 @@ static bb_status parse_handover(const bb_cli *cli, bb_handover *handover)
  * a builder's own. */
 static bool is_source(const char *name)
 {
-    char builder[64];
     const char *end = strrchr(name, '.');
+    char builder[64];
     if (bb_source_find(name) != NULL)
         return true;
     snprintf(builder, sizeof builder, "%.*s", (int)(end - name), name);
-    return bb_builder_find(builder) != NULL;
+    return strcmp(end, ".cl") == 0 && bb_builder_find(builder) != NULL;
 }
 
 /* A misspelt name would leave the embedded text in place, and what was to be tried untried. */
@@ -124,7 +124,8 @@ static bb_status check_folder(const char *path)
     for (const struct dirent *e = readdir(folder); e != NULL && status == BB_OK;
          e = readdir(folder)) {
         const char *end = strrchr(e->d_name, '.');
-        if (end == NULL || (strcmp(end, ".cl") != 0 && strcmp(end, ".clh") != 0))
+        if (end == NULL ||
+            (strcmp(end, ".cl") != 0 && strcmp(end, ".clh") != 0 && strcmp(end, ".h") != 0))
             continue;
         found++;
         if (!is_source(e->d_name))
@@ -135,7 +136,7 @@ static bb_status check_folder(const char *path)
     }
     closedir(folder);
     if (status == BB_OK && found == 0)
-        return bb_fail(BB_INVALID, "--kernels-from %s: there is no .cl or .clh file", path);
+        return bb_fail(BB_INVALID, "--kernels-from %s: there is no .cl, .clh or .h file", path);
     return status;
 }
 

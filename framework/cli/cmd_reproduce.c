@@ -48,43 +48,33 @@ static bb_status fill_request(const bb_cli *cli, bb_reproduce_request *request)
     return BB_OK;
 }
 
+static bb_status reproduce(void *user, bb_device *device, bb_results *results,
+                           bb_bench_outcome *outcome)
+{
+    bb_reproduce_request *request = user;
+    request->device = device;
+    return bb_reproduce(request, results, outcome);
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
-    const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
     bb_reproduce_request request = {0};
-    bb_bench_outcome outcome = {0};
-    bb_results *results = NULL;
-    char *command = bb_cli_command_line(cli);
     bool charts = false;
-    bb_status status = bb_charts_wanted(cli, &charts);
-    if (status == BB_OK)
-        status = bb_load_plugins(cli);
-    if (status == BB_OK)
-        status = fill_request(cli, &request);
-    if (status == BB_OK)
-        status = bb_reproduce_check(&request);
-    if (status == BB_OK)
-        status = bb_make_folder(folder);
-    if (status == BB_OK)
-        status = bb_open_device(cli, &request.device);
-    if (status == BB_OK)
-        status = bb_results_create(&(bb_context){request.device, request.seed, command}, &results);
-    if (status == BB_OK)
-        status = bb_reproduce(&request, results, &outcome);
-    if (status == BB_OK)
-        status =
-            bb_output_write(results, &(bb_output_request){folder, &outcome, charts, request.quiet,
-                                                          bb_reproduction_print});
-    else if (results != NULL)
-        status = bb_output_keep(results, folder, status);
-    if (status == BB_OK && !charts)
-        bb_charts_note(cli);
-    if (status == BB_OK && bb_output_blame(&outcome))
-        *exit_status = BB_EXIT_WRONG;
-    bb_results_destroy(results);
-    bb_device_close(request.device);
-    free(command);
-    return status;
+    BB_TRY(bb_charts_wanted(cli, &charts));
+    BB_TRY(bb_load_plugins(cli));
+    BB_TRY(fill_request(cli, &request));
+    BB_TRY(bb_reproduce_check(&request));
+    const bb_comparison comparison = {
+        .cli = cli,
+        .folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out",
+        .seed = request.seed,
+        .charts = charts,
+        .quiet = request.quiet,
+        .compare = reproduce,
+        .request = &request,
+        .print = bb_reproduction_print,
+    };
+    return bb_output_compare(&comparison, exit_status);
 }
 
 extern const bb_command bb_command_reproduce;

@@ -97,71 +97,71 @@ static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
     return BB_OK;
 }
 
+/* What is compared: lists of the command line, or of what there is. */
+typedef struct lists {
+    bb_names scenes, builders, kernels, workloads, intersectors;
+} lists;
+
+static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
+{
+    uint32_t kernels_given;
+    bb_cli_values(cli, "kernel", &kernels_given);
+    BB_TRY(bb_load_plugins(cli));
+    BB_TRY(choose_scenes(cli, &l->scenes));
+    BB_TRY(choose_builders(cli, &l->builders));
+    BB_TRY(bb_choose_kernels(cli, &l->kernels));
+    BB_TRY(bb_choose(cli, "rays", "primary,ao,diffuse,shadow,random", &l->workloads));
+    BB_TRY(bb_choose(cli, "intersector", "exact", &l->intersectors));
+    BB_TRY(fill_request(cli, request));
+    request->scenes = l->scenes.items;
+    request->scene_count = (uint32_t)l->scenes.count;
+    request->builders = l->builders.items;
+    request->builder_count = (uint32_t)l->builders.count;
+    request->kernels = l->kernels.items;
+    request->kernel_count = (uint32_t)l->kernels.count;
+    request->native = kernels_given == 0;
+    request->workloads = l->workloads.items;
+    request->workload_count = (uint32_t)l->workloads.count;
+    request->intersectors = l->intersectors.items;
+    request->intersector_count = (uint32_t)l->intersectors.count;
+    return bb_bench_check(request);
+}
+
+static bb_status compare(void *user, bb_device *device, bb_results *results,
+                         bb_bench_outcome *outcome)
+{
+    bb_bench_request *request = user;
+    request->device = device;
+    return bb_bench_run(request, results, outcome);
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
-    bb_names scenes = {0}, builders = {0}, kernels = {0}, workloads = {0}, intersectors = {0};
-    bb_bench_request request = {0};
-    bb_bench_outcome outcome = {0};
-    bb_results *results = NULL;
-    char *command = bb_cli_command_line(cli);
-    uint32_t kernels_given;
+    lists chosen = {0};
+    bb_bench_request request = {.picture_folder =
+                                    bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL};
     bool charts = false;
-    bb_cli_values(cli, "kernel", &kernels_given);
-    bb_status status = bb_charts_wanted(cli, &charts);
-    if (status == BB_OK)
-        status = bb_load_plugins(cli);
-    if (status == BB_OK)
-        status = choose_scenes(cli, &scenes);
-    if (status == BB_OK)
-        status = choose_builders(cli, &builders);
-    if (status == BB_OK)
-        status = bb_choose_kernels(cli, &kernels);
-    if (status == BB_OK)
-        status = bb_choose(cli, "rays", "primary,ao,diffuse,shadow,random", &workloads);
-    if (status == BB_OK)
-        status = bb_choose(cli, "intersector", "exact", &intersectors);
-    if (status == BB_OK)
-        status = fill_request(cli, &request);
-    request.scenes = scenes.items;
-    request.scene_count = (uint32_t)scenes.count;
-    request.builders = builders.items;
-    request.builder_count = (uint32_t)builders.count;
-    request.kernels = kernels.items;
-    request.kernel_count = (uint32_t)kernels.count;
-    request.native = kernels_given == 0;
-    request.workloads = workloads.items;
-    request.workload_count = (uint32_t)workloads.count;
-    request.intersectors = intersectors.items;
-    request.intersector_count = (uint32_t)intersectors.count;
-    request.picture_folder = bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL;
-    if (status == BB_OK)
-        status = bb_bench_check(&request);
-    if (status == BB_OK)
-        status = bb_make_folder(folder);
-    if (status == BB_OK)
-        status = bb_open_device(cli, &request.device);
-    if (status == BB_OK)
-        status = bb_results_create(&(bb_context){request.device, request.seed, command}, &results);
-    if (status == BB_OK)
-        status = bb_bench_run(&request, results, &outcome);
-    if (status == BB_OK)
-        status = bb_output_write(results, &(bb_output_request){folder, &outcome, charts,
-                                                               request.quiet, bb_report_table});
-    else if (results != NULL)
-        status = bb_output_keep(results, folder, status);
-    if (status == BB_OK && !charts)
-        bb_charts_note(cli);
-    if (status == BB_OK && bb_output_blame(&outcome))
-        *exit_status = BB_EXIT_WRONG;
-    bb_results_destroy(results);
-    bb_device_close(request.device);
-    bb_names_free(&scenes);
-    bb_names_free(&builders);
-    bb_names_free(&kernels);
-    bb_names_free(&workloads);
-    bb_names_free(&intersectors);
-    free(command);
+    BB_TRY(bb_charts_wanted(cli, &charts));
+    bb_status status = choose(cli, &chosen, &request);
+    if (status == BB_OK) {
+        const bb_comparison comparison = {
+            .cli = cli,
+            .folder = folder,
+            .seed = request.seed,
+            .charts = charts,
+            .quiet = request.quiet,
+            .compare = compare,
+            .request = &request,
+            .print = bb_report_table,
+        };
+        status = bb_output_compare(&comparison, exit_status);
+    }
+    bb_names_free(&chosen.scenes);
+    bb_names_free(&chosen.builders);
+    bb_names_free(&chosen.kernels);
+    bb_names_free(&chosen.workloads);
+    bb_names_free(&chosen.intersectors);
     return status;
 }
 

@@ -1,28 +1,28 @@
-/* The folder that a comparison writes: results.json, report.html and pictures. */
+/* A comparison from an open device to the folder that it leaves: results.json, report.html and pictures. */
 #ifndef BB_OUTPUT_H
 #define BB_OUTPUT_H
 
 #include "framework/bench/bench.h"
+#include "framework/cli/cli.h"
 
 #include <stdio.h>
 
-typedef struct bb_output_request {
+typedef struct bb_comparison {
+    const bb_cli *cli;
     const char *folder;
-    bb_bench_outcome *outcome; /* whose audit is finished, and written */
-    bool charts;               /* as pictures too */
-    bool quiet;                /* does not say on standard error what was written */
+    uint64_t seed;
+    bool charts; /* as pictures too */
+    bool quiet;  /* does not say on standard error what was written */
+    /* Does the work of `request` on the device. */
+    bb_status (*compare)(void *request, bb_device *device, bb_results *results,
+                         bb_bench_outcome *outcome);
+    void *request;
     bb_status (*print)(bb_results *results, FILE *out); /* the text on standard output */
-} bb_output_request;
+} bb_comparison;
 
-/* Writes results.json and report.html, draws the charts, prints. The time that page and charts took becomes a step of the results.
- * A chart that can't be drawn is said when all else is done. */
-bb_status bb_output_write(bb_results *results, const bb_output_request *request);
-
-/* Says on standard error what is wrong with a comparison that was done, a line each; true if anything is. */
-bool bb_output_blame(const bb_bench_outcome *outcome);
-
-/* After a comparison that could not be finished: keeps what was measured, if anything was. Returns `status` with its message, which
- * then says where that lies. */
-bb_status bb_output_keep(bb_results *results, const char *folder, bb_status status);
+/* Makes the folder, opens the device, compares, writes results.json and report.html, draws the charts, prints, and says on standard
+ * error what is wrong: then *exit_status is BB_EXIT_WRONG. Of a comparison that could not be finished, what was measured is kept, and
+ * the message says where. A chart that can't be drawn is said when all else is done. */
+bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status);
 
 #endif
