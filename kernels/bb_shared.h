@@ -31,6 +31,25 @@ typedef uint8_t bb_u8;
  * as poison after a launch was never written. */
 #define BB_POISON 0xDEADBEEFu
 
+/* Kinds of primitives, in the order in which a scene numbers them, with the 32-bit words of one: of its
+ * data in the scene, and of what a layout keeps of it (triangles: their vertices). A kind is a row here,
+ * framework/scene/prim_NAME.c and, named in prims.clh, kernels/prim_NAME.clh. */
+#define BB_PRIM_KINDS(X)                                                                           \
+    X(TRIANGLE, triangle, 3, 9)                                                                    \
+    X(SPHERE, sphere, 4, 4)
+
+enum {
+#define BB_KIND_NUMBER(NAME, name, words, kept) BB_##NAME,
+    BB_PRIM_KINDS(BB_KIND_NUMBER) BB_KIND_COUNT
+#undef BB_KIND_NUMBER
+};
+
+/* Primitives are numbered through: those of kind k end before end[k] and begin where the kind before
+ * ends. */
+typedef struct bb_prim_ends {
+    bb_u32 end[BB_KIND_COUNT];
+} bb_prim_ends;
+
 /* Axis-aligned box of a primitive; an input of the builders. Finite, lo <= hi. 32 bytes. */
 typedef struct bb_box {
     float lo[3];
@@ -104,22 +123,34 @@ typedef struct bb_pair {
 #define BB_RECORD_AFFINE 1u
 #define BB_RECORD_FORMS 2
 
-/* Primitive record of the layouts, in words: three vertices, or a map's rows, or centre and radius; then, at BB_RECORD_ID or its like, the
- * primitive with BB_LAST_BIT on the last of a leaf. Scenes of spheres alone take the short one. */
-#define BB_RECORD_WORDS 12
-#define BB_RECORD_ID 9
-#define BB_AFFINE_RECORD_WORDS 16
-#define BB_AFFINE_RECORD_ID 12
-#define BB_SPHERE_RECORD_WORDS 8
-#define BB_SPHERE_RECORD_ID 4
+/* Words that a primitive record has for its primitive, as many as the largest of these kinds (bits) needs.
+ * Then comes its number, with BB_LAST_BIT on the last of a leaf. */
+static inline bb_u32 bb_record_payload(bb_u32 kinds, bb_u32 form)
+{
+    bb_u32 most = 0;
+#define BB_MOST_WORDS(NAME, name, words, kept)                                                     \
+    if ((kinds & 1u << BB_##NAME) != 0 && most < (kept))                                           \
+        most = (kept);
+    BB_PRIM_KINDS(BB_MOST_WORDS)
+#undef BB_MOST_WORDS
+    return form == BB_RECORD_AFFINE && (kinds & 1u << BB_TRIANGLE) != 0 ? 12 : most;
+}
+
+/* Words of a record: whole vectors of four. */
+static inline bb_u32 bb_record_words(bb_u32 kinds, bb_u32 form)
+{
+    return bb_record_payload(kinds, form) / 4 * 4 + 4;
+}
 
 /* Block of the wide layouts: BB_BLOCK_LANES primitives of one kind, each word of the record above for all of them side by side,
  * then their numbers. Lanes without a primitive come last; they have the number BB_NONE and nothing can hit them. BB_LAST_BIT on the first
  * number closes the leaf. */
 #define BB_BLOCK_LANES 4
-#define BB_BLOCK_WORDS 40
-#define BB_AFFINE_BLOCK_WORDS 52
-#define BB_SPHERE_BLOCK_WORDS 20
+
+static inline bb_u32 bb_block_words(bb_u32 kinds, bb_u32 form)
+{
+    return (bb_record_payload(kinds, form) + 1) * BB_BLOCK_LANES;
+}
 
 /* Nodes of the wide layouts: the boxes of up to 4 or 8 children side by side. Axis a: planes[2aW ..] lo and planes[(2a + 1)W ..]
  * hi, of child 0 to W - 1. A link is a node or BB_LEAF_BIT | first block. A place without a child has an empty box and, since a ray
@@ -172,6 +203,7 @@ typedef struct bb_count {
 #define BB_STATIC_ASSERT _Static_assert
 #endif
 BB_STATIC_ASSERT(sizeof(bb_box) == 32, "bb_box");
+BB_STATIC_ASSERT(sizeof(bb_prim_ends) == 4 * BB_KIND_COUNT, "bb_prim_ends");
 BB_STATIC_ASSERT(sizeof(bb_node) == 32, "bb_node");
 BB_STATIC_ASSERT(sizeof(bb_tree_info) == 24, "bb_tree_info");
 BB_STATIC_ASSERT(sizeof(bb_subtree) == 24, "bb_subtree");

@@ -17,7 +17,7 @@
 #include "bb_device.h"
 
 #include "handover.clh"
-#include "record.clh"
+#include "prims.clh"
 #include "wide.clh"
 
 typedef struct bb_opened {
@@ -323,21 +323,18 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_
 
 /* ---- primitives ---- */
 
-/* Triangles and spheres of the leaf that starts at reference i. */
-uint2 leaf_kinds(global const uint *refs, uint i, uint triangle_count)
+/* Primitives of each kind in the leaf that starts at reference i. */
+void leaf_kinds(global const uint *refs, uint i, const bb_prim_ends *ends, uint counts[BB_KIND_COUNT])
 {
-    uint2 kinds = (uint2)(0u, 0u);
+    for (uint kind = 0; kind < BB_KIND_COUNT; kind++)
+        counts[kind] = 0;
     for (bool last = false; !last; i++) {
         last = (refs[i] & BB_LAST_BIT) != 0;
-        if ((refs[i] & BB_INDEX_MASK) < triangle_count)
-            kinds.x++;
-        else
-            kinds.y++;
+        counts[bb_prim_kind(refs[i] & BB_INDEX_MASK, ends)]++;
     }
-    return kinds;
 }
 
-kernel void wide_count(global const uint *refs, uint count, uint triangle_count, global uint *blocks)
+kernel void wide_count(global const uint *refs, uint count, bb_prim_ends ends, global uint *blocks)
 {
     uint i = get_global_id(0);
     if (i > count)
@@ -345,47 +342,52 @@ kernel void wide_count(global const uint *refs, uint count, uint triangle_count,
     blocks[i] = 0;
     if (i == count || (i > 0u && (refs[i - 1u] & BB_LAST_BIT) == 0))
         return;
-    uint2 kinds = (leaf_kinds(refs, i, triangle_count) + BB_BLOCK_LANES - 1u) / BB_BLOCK_LANES;
-    blocks[i] = kinds.x + kinds.y;
+    uint counts[BB_KIND_COUNT], total = 0;
+    leaf_kinds(refs, i, &ends, counts);
+    for (uint kind = 0; kind < BB_KIND_COUNT; kind++)
+        total += (counts[kind] + BB_BLOCK_LANES - 1u) / BB_BLOCK_LANES;
+    blocks[i] = total;
 }
 
-/* A block that nothing can hit: triangles that are points, or NaN, which fits spheres too, but costs time in the triangle test. */
-void block_empty(global uint *block, uint words, uint id_word, bool points)
+/* A block that nothing can hit. */
+void block_empty(global uint *block, uint words, uint id_word, uint kind)
 {
+    uint empty = as_uint(NAN);
+#define BB_EMPTY(NAME, name, words, kept) empty = kind == BB_##NAME ? BB_##NAME##_EMPTY : empty;
+    BB_PRIM_KINDS(BB_EMPTY)
+#undef BB_EMPTY
     for (uint w = 0; w < words; w++)
-        block[w] = points ? 0u : as_uint(NAN);
+        block[w] = empty;
     for (uint lane = 0; lane < BB_BLOCK_LANES; lane++)
         block[id_word + lane] = BB_NONE;
 }
 
 kernel void wide_blocks(global const uint *refs, uint count, global const float *vertices,
-                        global const uint *indices, global const float *spheres,
-                        uint triangle_count, float scale, uint form, uint words,
-                        global const uint *first,
-                        global uint *blocks)
+                        global const uint *data, bb_prim_ends ends, float scale, uint form,
+                        uint words, global const uint *first, global uint *blocks)
 {
     uint i = get_global_id(0);
     uint id_word = words - BB_BLOCK_LANES;
-    if (i == count)
-        block_empty(blocks + (ulong)first[i] * words, words, id_word, false);
+    if (i == count) /* what the links of places without a child lead to, whatever the scene's kinds */
+        block_empty(blocks + (ulong)first[i] * words, words, id_word, BB_KIND_COUNT);
     if (i >= count || (i > 0u && (refs[i - 1u] & BB_LAST_BIT) == 0))
         return;
-    uint triangles = leaf_kinds(refs, i, triangle_count).x;
-    uint sphere_block = first[i] + (triangles + BB_BLOCK_LANES - 1u) / BB_BLOCK_LANES;
-    for (uint b = first[i]; b < first[i + 1u]; b++)
-        block_empty(blocks + (ulong)b * words, words, id_word, b < sphere_block);
-
-    uint next[2] = {first[i] * BB_BLOCK_LANES, sphere_block * BB_BLOCK_LANES}; /* lanes */
+    uint next[BB_KIND_COUNT]; /* counts, then lanes */
+    uint block = first[i], end = first[i + 1u];
+    leaf_kinds(refs, i, &ends, next);
+    for (uint kind = 0; kind < BB_KIND_COUNT; kind++) {
+        uint last_block = block + (next[kind] + BB_BLOCK_LANES - 1u) / BB_BLOCK_LANES;
+        next[kind] = block * BB_BLOCK_LANES;
+        for (; block < last_block; block++)
+            block_empty(blocks + (ulong)block * words, words, id_word, kind);
+    }
     for (bool last = false; !last; i++) {
         last = (refs[i] & BB_LAST_BIT) != 0;
         uint prim = refs[i] & BB_INDEX_MASK;
-        bool sphere = prim >= triangle_count;
-        uint place = next[sphere ? 1 : 0]++;
+        uint place = next[bb_prim_kind(prim, &ends)]++;
         global uint *lane = blocks + (ulong)(place / BB_BLOCK_LANES) * words + place % BB_BLOCK_LANES;
-        bb_write_primitive(lane, BB_BLOCK_LANES, form, prim, vertices, indices, spheres,
-                           triangle_count, scale);
+        bb_prim_write(lane, BB_BLOCK_LANES, form, prim, data, vertices, &ends, scale);
         lane[id_word] = prim;
     }
-    uint last_block = (next[1] > sphere_block * BB_BLOCK_LANES ? next[1] : next[0]) - 1u;
-    blocks[(ulong)(last_block / BB_BLOCK_LANES) * words + id_word] |= BB_LAST_BIT;
+    blocks[(ulong)(end - 1u) * words + id_word] |= BB_LAST_BIT;
 }

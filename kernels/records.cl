@@ -1,19 +1,18 @@
 /* Primitive records, for the layouts: what a kernel needs of a leaf's primitives lies in one place, in the order of the leaves.
  *
- *   record[i] = vertices or affine map, or centre and radius, of primitive refs[i], in the layout's
- *               units; then refs[i] itself, with its last-bit
+ *   record[i] = what its kind keeps of primitive refs[i] (prims.clh), in the layout's units; then
+ *               refs[i] itself, with its last-bit
  *
  * Pro: one stream of memory per leaf, no indirection. Con: a primitive that several leaves reference is stored that often.
  * Limits: 2^31 - 1 records.
  */
 #include "bb_device.h"
 
-#include "record.clh"
+#include "prims.clh"
 
 kernel void make_records(global const uint *refs, uint count, global const float *vertices,
-                         global const uint *indices, global const float *spheres,
-                         uint triangle_count, float scale, uint form, uint words, uint id_word,
-                         global uint *records)
+                         global const uint *data, bb_prim_ends ends, float scale, uint form,
+                         uint words, uint id_word, global uint *records)
 {
     uint i = get_global_id(0);
     if (i >= count)
@@ -22,6 +21,6 @@ kernel void make_records(global const uint *refs, uint count, global const float
     global uint *record = records + (ulong)i * words;
     for (uint w = 0; w < words; w++)
         record[w] = 0;
-    bb_write_primitive(record, 1, form, prim, vertices, indices, spheres, triangle_count, scale);
+    bb_prim_write(record, 1, form, prim, data, vertices, &ends, scale);
     record[id_word] = refs[i];
 }

@@ -59,7 +59,7 @@ uint short_children(const bb_search *search, const bb_slab *slab, global const b
 void trace_ray(uint id, global const bb_wide *nodes,
                global const float *records, /* of primitives, or blocks of them */
                uint root,                   /* link */
-               uint triangle_count, float scale, global const bb_ray *rays,
+               const bb_prim_ends *ends, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
     bb_ray_setup setup;
@@ -101,7 +101,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
             link = met[at];
             level++;
         }
-        if (bb_search_leaf(&search, &setup, &slab, records, link, triangle_count))
+        if (bb_search_leaf(&search, &setup, &slab, records, link, ends))
             goto done;
     next:
         for (;;) {

@@ -21,7 +21,7 @@
 void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
                global const float *records,        /* primitive records */
                uint root,                          /* link */
-               uint triangle_count, float scale, global const bb_ray *rays,
+               const bb_prim_ends *ends, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
     bb_ray_setup setup;
@@ -59,7 +59,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
                 goto pop;
             }
         }
-        if (bb_search_leaf(&search, &setup, &slab, records, link, triangle_count))
+        if (bb_search_leaf(&search, &setup, &slab, records, link, ends))
             goto done;
     pop:
         do {

@@ -64,7 +64,7 @@ uint places_of(uint met, uint octant)
 
 void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks, /* of primitives */
                uint root,                                                        /* link */
-               uint triangle_count, float scale, global const bb_ray *rays,
+               const bb_prim_ends *ends, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
     bb_ray_setup setup;
@@ -143,7 +143,7 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
             } while (met != 0u);
 #endif
         }
-        if (bb_search_leaf(&search, &setup, &slab, blocks, link, triangle_count))
+        if (bb_search_leaf(&search, &setup, &slab, blocks, link, ends))
             goto done;
     pop:
         do {

@@ -19,7 +19,7 @@
 void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
                global const float *records,        /* primitive records */
                uint root,                          /* node */
-               uint triangle_count, float scale, global const bb_ray *rays,
+               const bb_prim_ends *ends, float scale, global const bb_ray *rays,
                global bb_hit *hits BB_COUNTS_ARGUMENT)
 {
     bb_ray_setup setup;
@@ -38,7 +38,7 @@ void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
         } else if ((first & BB_LEAF_BIT) == 0) {
             link = first;
         } else {
-            if (bb_search_leaf(&search, &setup, &slab, records, first, triangle_count))
+            if (bb_search_leaf(&search, &setup, &slab, records, first, ends))
                 break;
             link = skip;
         }

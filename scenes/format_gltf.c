@@ -6,9 +6,9 @@ static bb_status reserve(void *user, uint64_t vertex_count, uint64_t triangle_co
                          float **vertices, uint32_t **indices)
 {
     bb_scene *scene = user;
-    BB_TRY(bb_scene_reserve(scene, vertex_count, triangle_count, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, vertex_count, triangle_count));
     *vertices = scene->vertices;
-    *indices = scene->indices;
+    *indices = bb_scene_indices(scene);
     return BB_OK;
 }
 

@@ -101,14 +101,14 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_spec_u64(spec, options, "n", 1, INT32_MAX, &n));
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
     BB_TRY(bb_spec_double(spec, options, "far", 1, 1e30, &m.far));
-    BB_TRY(bb_scene_reserve(scene, 3 * n, n, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, 3 * n, n));
     m.n = (uint32_t)n;
     m.random = bb_random_make(seed, 1);
     m.size = 0.5 / bb_cube_root((double)n);
     for (uint32_t i = 0; i < m.n; i++) {
         put(&m, kind, i, scene->vertices, scene->vertices + 9 * (size_t)i);
         for (uint32_t k = 0; k < 3; k++)
-            scene->indices[3 * (size_t)i + k] = 3 * i + k;
+            bb_scene_indices(scene)[3 * (size_t)i + k] = 3 * i + k;
     }
     return BB_OK;
 }

@@ -80,7 +80,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     double farthest = 0.5 * (blinds.length + height) + depth;
     BB_TRY(bb_placement_check(&placement, spec, farthest, blinds.width * (1 - blinds.open)));
     uint64_t slats = blinds.layers * blinds.n;
-    BB_TRY(bb_scene_reserve(scene, 4 * slats, 2 * slats, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, 4 * slats, 2 * slats));
     bb_shape_cursor cursor = bb_shape_start(scene, &placement);
     for (uint64_t layer = 0; layer < blinds.layers; layer++)
         for (uint64_t i = 0; i < blinds.n; i++)

@@ -55,7 +55,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     double height = (double)wall.n * wall.width;
     double farthest = 0.5 * (wall.length + height) + wall.distance;
     BB_TRY(bb_placement_check(&placement, spec, farthest, wall.width));
-    BB_TRY(bb_scene_reserve(scene, 2 * (wall.n + 1), 2 * wall.n, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, 2 * (wall.n + 1), 2 * wall.n));
     bb_shape_cursor cursor = bb_shape_start(scene, &placement);
     put_boards(&wall, &cursor);
     const double along[3] = {wall.distance, 0, 4 * wall.distance};

@@ -283,7 +283,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
         count_city(&c, flatness, blocks);
         blocks *= sqrt((double)n / c.mesh.triangle_count);
     }
-    BB_TRY(bb_scene_reserve(scene, c.mesh.vertex_count, c.mesh.triangle_count, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, c.mesh.vertex_count, c.mesh.triangle_count));
     c.mesh = bb_shape_start(scene, NULL);
     put_city(&c);
     put_views(&c, scene);

@@ -72,7 +72,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     double farthest = tube.length / 2 + tube.width;
     BB_TRY(bb_placement_check(&placement, spec, farthest, tube.width / (double)strips));
     tube.strips = (uint32_t)strips;
-    BB_TRY(bb_scene_reserve(scene, 8 * strips + 2, 16 * strips, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, 8 * strips + 2, 16 * strips));
     bb_shape_cursor cursor = bb_shape_start(scene, &placement);
     put_tube(&tube, &cursor);
     bool at_end = bb_spec_is(spec, options, "inside", "end");

@@ -8,7 +8,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     static const double lo[3] = {-0.5, -0.5, -0.5}, hi[3] = {0.5, 0.5, 0.5};
     (void)spec;
     (void)options;
-    BB_TRY(bb_scene_reserve(scene, BB_SHAPE_BOX_VERTICES, BB_SHAPE_BOX_TRIANGLES, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, BB_SHAPE_BOX_VERTICES, BB_SHAPE_BOX_TRIANGLES));
     bb_shape_cursor cursor = bb_shape_start(scene, NULL);
     bb_shape_box(&cursor, lo, hi);
     scene->closed_from_inside = true; /* inside_point is the origin */

@@ -50,7 +50,8 @@ static void put_things(uint64_t balls, uint64_t stones, uint64_t seed,
             bb_shape_sphere(cursor, centre, radius, STONE_CUTS);
             continue;
         }
-        float *to = scene->spheres + 4 * (scene->sphere_count - balls--);
+        float *to =
+            bb_scene_floats(scene, BB_SPHERE) + 4 * (scene->prims[BB_SPHERE].count - balls--);
         bb_placement_point(placement, centre, placed);
         for (int k = 0; k < 3; k++)
             to[k] = (float)placed[k];
@@ -73,9 +74,11 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
     /* Otherwise the rounded corners of a turned ground would lift it above the things on it. */
     BB_TRY(bb_placement_check(&placement, spec, sqrt(2.0) * reach, ball_radius));
+    const bb_prim_counts counts = {
+        .of = {[BB_TRIANGLE] = 2 * cuts * cuts + stones * bb_shape_sphere_triangles(STONE_CUTS),
+               [BB_SPHERE] = balls}};
     BB_TRY(bb_scene_reserve(
-        scene, (cuts + 1) * (cuts + 1) + stones * bb_shape_sphere_vertices(STONE_CUTS),
-        2 * cuts * cuts + stones * bb_shape_sphere_triangles(STONE_CUTS), balls));
+        scene, (cuts + 1) * (cuts + 1) + stones * bb_shape_sphere_vertices(STONE_CUTS), &counts));
     bb_shape_cursor cursor = bb_shape_start(scene, &placement);
     put_ground(reach, (uint32_t)cuts, &cursor);
     put_things(balls, stones, seed, &placement, &cursor, scene);

@@ -54,14 +54,14 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_spec_u64(spec, options, "n", 1, INT32_MAX, &n));
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
     uint64_t hairs = (n + HAIR_TRIANGLES - 1) / HAIR_TRIANGLES;
-    BB_TRY(bb_scene_reserve(scene, hairs * HAIR_VERTICES, n, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, hairs * HAIR_VERTICES, n));
     bb_random random = bb_random_make(seed, 2);
     for (uint64_t hair = 0; hair < hairs; hair++)
         put_hair(&random, scene->vertices + hair * HAIR_VERTICES * 3);
     for (uint64_t i = 0; i < n; i++) { /* the last hair is cut short */
         uint32_t base = (uint32_t)(i / HAIR_TRIANGLES * HAIR_VERTICES + i % HAIR_TRIANGLES);
         const uint32_t corners[2][3] = {{base, base + 1, base + 2}, {base + 1, base, base + 2}};
-        memcpy(scene->indices + 3 * i, corners[i % 2], sizeof corners[0]);
+        memcpy(bb_scene_indices(scene) + 3 * i, corners[i % 2], sizeof corners[0]);
     }
     return BB_OK;
 }

@@ -93,9 +93,9 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     uint64_t cuts =
         (uint64_t)floor(sqrt((double)(n - boxes * BB_SHAPE_BOX_TRIANGLES) / (8.0 * BALLS)) + 0.5);
     cuts = cuts < 1 ? 1 : cuts;
-    BB_TRY(bb_scene_reserve(
+    BB_TRY(bb_scene_reserve_mesh(
         scene, boxes * BB_SHAPE_BOX_VERTICES + BALLS * bb_shape_sphere_vertices(cuts),
-        boxes * BB_SHAPE_BOX_TRIANGLES + BALLS * bb_shape_sphere_triangles(cuts), 0));
+        boxes * BB_SHAPE_BOX_TRIANGLES + BALLS * bb_shape_sphere_triangles(cuts)));
     bb_shape_cursor cursor = bb_shape_start(scene, NULL);
     bb_shape_box(&cursor, room_lo, room_hi);
     for (int i = 0; i < FURNITURE; i++)

@@ -37,7 +37,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     uint64_t rungs;
     BB_TRY(bb_placement_read(spec, options, &placement));
     BB_TRY(bb_spec_u64(spec, options, "rungs", 2, RUNGS_MAX, &rungs));
-    BB_TRY(bb_scene_reserve(scene, 3 * rungs, rungs, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, 3 * rungs, rungs));
     bb_shape_cursor cursor = bb_shape_start(scene, &placement);
     double distance = 1;
     for (uint64_t rung = 0; rung < rungs; rung++) {

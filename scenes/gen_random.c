@@ -44,12 +44,12 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_spec_u64(spec, options, "n", 1, INT32_MAX, &n));
     BB_TRY(bb_spec_double(spec, options, "ratio", 1, 1e6, &ratio));
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
-    BB_TRY(bb_scene_reserve(scene, 3 * n, n, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, 3 * n, n));
     bb_random random = bb_random_make(seed, 1);
     /* The middle size is the mean distance of the centres; the largest is at most half the scene.
      */
     double longest = fmin(0.5, sqrt(ratio) / bb_cube_root((double)n));
-    for (uint32_t i = 0; i < scene->triangle_count; i++) {
+    for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i++) {
         uint32_t bits = (uint32_t)(bb_random_u64(&random) >> (64 - BB_POWER_BITS));
         if (i < 2)
             bits =
@@ -57,7 +57,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
         put_triangle(&random, longest / ratio * bb_power(ratio, bits),
                      scene->vertices + 9 * (size_t)i);
         for (uint32_t k = 0; k < 3; k++)
-            scene->indices[3 * (size_t)i + k] = 3 * i + k;
+            bb_scene_indices(scene)[3 * (size_t)i + k] = 3 * i + k;
     }
     return BB_OK;
 }

@@ -61,8 +61,8 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
         return bb_fail(BB_INVALID, "%s: from=%d is above to=%d: exchange them", spec->text, from,
                        to);
     uint64_t shells = (uint64_t)(to - from) + 1;
-    BB_TRY(bb_scene_reserve(scene, shells * bb_shape_sphere_vertices(n),
-                            shells * bb_shape_sphere_triangles(n), 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, shells * bb_shape_sphere_vertices(n),
+                                 shells * bb_shape_sphere_triangles(n)));
     bb_shape_cursor cursor = bb_shape_start(scene, &placement);
     for (int decade = from; decade <= to; decade++)
         bb_shape_sphere(&cursor, centre, power_of_ten(decade), (uint32_t)n);

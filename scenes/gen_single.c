@@ -9,9 +9,9 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     static const uint32_t indices[3] = {0, 1, 2};
     (void)spec;
     (void)options;
-    BB_TRY(bb_scene_reserve(scene, 3, 1, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, 3, 1));
     memcpy(scene->vertices, vertices, sizeof vertices);
-    memcpy(scene->indices, indices, sizeof indices);
+    memcpy(bb_scene_indices(scene), indices, sizeof indices);
     return BB_OK;
 }
 

@@ -65,7 +65,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     uint64_t aspect;
     BB_TRY(bb_placement_read(spec, options, &placement));
     BB_TRY(bb_spec_u64(spec, options, "aspect", 1, 1000000, &aspect));
-    BB_TRY(bb_scene_reserve(scene, 6 * aspect + 2, 12 * aspect, 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, 6 * aspect + 2, 12 * aspect));
     bb_shape_cursor cursor = bb_shape_start(scene, &placement);
     put_slivers((uint32_t)aspect, &cursor);
     put_view(&placement, scene, "pole", centre, pole);

@@ -32,7 +32,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
                        "%s: a radius of %g at a distance of %g is less than 16 steps of a float: "
                        "take a larger radius",
                        spec->text, radius, farthest);
-    BB_TRY(bb_scene_reserve(scene, bb_shape_sphere_vertices(n), bb_shape_sphere_triangles(n), 0));
+    BB_TRY(bb_scene_reserve_mesh(scene, bb_shape_sphere_vertices(n), bb_shape_sphere_triangles(n)));
     bb_shape_cursor cursor = bb_shape_start(scene, NULL);
     bb_shape_sphere(&cursor, centre, radius, (uint32_t)n);
     scene->closed_from_inside = true;

@@ -135,11 +135,12 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     uint64_t n, seed;
     BB_TRY(bb_spec_u64(spec, options, "n", 1, INT32_MAX, &n));
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
-    BB_TRY(bb_scene_reserve(scene, 0, 0, n));
+    BB_TRY(bb_scene_reserve(scene, 0, &(bb_prim_counts){.of = {[BB_SPHERE] = n}}));
+    float *spheres = bb_scene_floats(scene, BB_SPHERE);
     if (bb_spec_is(spec, options, "state", "settled"))
-        fill_settled(seed, n, find_base(seed, n), scene->spheres);
+        fill_settled(seed, n, find_base(seed, n), spheres);
     else
-        fill_initial(seed, (uint32_t)n, scene->spheres);
+        fill_initial(seed, (uint32_t)n, spheres);
     return BB_OK;
 }
 

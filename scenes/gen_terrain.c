@@ -48,7 +48,7 @@ static double height(uint64_t seed, double x, double z)
 static void put_quad(bb_scene *scene, uint32_t cells, uint32_t i, uint32_t j)
 {
     uint32_t corner = j * (cells + 1) + i;
-    uint32_t *to = scene->indices + 6 * ((size_t)j * cells + i);
+    uint32_t *to = bb_scene_indices(scene) + 6 * ((size_t)j * cells + i);
     to[0] = to[3] = corner;
     to[1] = corner + cells + 1;
     to[2] = to[4] = corner + cells + 2;
@@ -66,8 +66,8 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_spec_u64(spec, options, "n", 2, INT32_MAX, &n));
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
     uint32_t cells = (uint32_t)floor(sqrt((double)n / 2) + 0.5);
-    BB_TRY(bb_scene_reserve(scene, (uint64_t)(cells + 1) * (cells + 1), 2 * (uint64_t)cells * cells,
-                            0));
+    BB_TRY(bb_scene_reserve_mesh(scene, (uint64_t)(cells + 1) * (cells + 1),
+                                 2 * (uint64_t)cells * cells));
     float *to = scene->vertices;
     for (uint32_t j = 0; j <= cells; j++)
         for (uint32_t i = 0; i <= cells; i++, to += 3) {

@@ -13,7 +13,7 @@
 bb_shape_cursor bb_shape_start(bb_scene *scene, const bb_placement *placement)
 {
     return (bb_shape_cursor){
-        .vertices = scene->vertices, .indices = scene->indices, .placement = placement};
+        .vertices = scene->vertices, .indices = bb_scene_indices(scene), .placement = placement};
 }
 
 uint32_t bb_shape_vertex(bb_shape_cursor *cursor, const double p[3])

@@ -14,21 +14,24 @@ static bb_scene *hand_scene(uint32_t triangles, uint32_t spheres)
 {
     bb_scene *scene = calloc(1, sizeof *scene);
     snprintf(scene->name, sizeof scene->name, "hand-made");
-    scene->triangle_count = triangles;
-    scene->sphere_count = spheres;
+    scene->prims[BB_TRIANGLE].count = triangles;
+    scene->prims[BB_SPHERE].count = spheres;
+    scene->prims[BB_SPHERE].first = triangles;
     scene->prim_count = triangles + spheres;
     scene->vertex_count = 3 * triangles;
     scene->scale = 1.0f;
     scene->kinds =
         (triangles > 0 ? (uint32_t)BB_TRIANGLES : 0) | (spheres > 0 ? (uint32_t)BB_SPHERES : 0);
     bb_status status = bb_host_alloc(NULL, 9 * triangles * sizeof(float), "test", &scene->vertices);
-    status |= bb_host_alloc(NULL, 3 * triangles * sizeof(uint32_t), "test", &scene->indices);
-    status |= bb_host_alloc(NULL, 4 * spheres * sizeof(float), "test", &scene->spheres);
+    status |= bb_host_alloc(NULL, 3 * triangles * sizeof(uint32_t), "test",
+                            &scene->prims[BB_TRIANGLE].data);
+    status |=
+        bb_host_alloc(NULL, 4 * spheres * sizeof(float), "test", &scene->prims[BB_SPHERE].data);
     status |= bb_host_alloc(NULL, scene->prim_count * sizeof(bb_box), "test", &scene->boxes);
     if (status != BB_OK)
         abort();
     for (uint32_t i = 0; i < 3 * triangles; i++)
-        scene->indices[i] = i;
+        bb_scene_indices(scene)[i] = i;
     return scene;
 }
 
@@ -47,12 +50,13 @@ static inline void hand_finish(bb_scene *scene)
     for (uint32_t i = 0; i < scene->prim_count; i++) {
         bb_box *box = &scene->boxes[i];
         *box = empty;
-        if (i < scene->triangle_count) {
+        if (i < scene->prims[BB_TRIANGLE].count) {
             for (uint32_t corner = 0; corner < 3; corner++)
                 hand_grow(box, bb_scene_vertex(scene, i, corner),
                           bb_scene_vertex(scene, i, corner));
         } else {
-            const float *s = scene->spheres + 4 * (size_t)(i - scene->triangle_count);
+            const float *s = bb_scene_floats(scene, BB_SPHERE) +
+                             4 * (size_t)(i - scene->prims[BB_TRIANGLE].count);
             for (int k = 0; k < 3; k++) {
                 box->lo[k] = nextafterf(s[k] - s[3], -INFINITY);
                 box->hi[k] = nextafterf(s[k] + s[3], INFINITY);
@@ -65,8 +69,8 @@ static inline void hand_finish(bb_scene *scene)
 static inline void hand_free(bb_scene *scene)
 {
     bb_host_free(scene->vertices);
-    bb_host_free(scene->indices);
-    bb_host_free(scene->spheres);
+    bb_host_free(bb_scene_indices(scene));
+    bb_host_free(bb_scene_floats(scene, BB_SPHERE));
     bb_host_free(scene->boxes);
     free(scene);
 }
@@ -89,7 +93,7 @@ static inline void hand_cube(bb_scene *scene, uint32_t first, float size, const 
 /* Random triangles and spheres in [-1, 1]^3 of sizes from 0.001 to 0.5. */
 static inline void hand_random(bb_scene *scene, bb_random *random)
 {
-    for (uint32_t i = 0; i < scene->triangle_count; i++) {
+    for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i++) {
         double centre[3], size = 0.5 * pow(0.002, bb_random_unit(random));
         for (int k = 0; k < 3; k++)
             centre[k] = bb_random_range(random, -1, 1);
@@ -97,10 +101,11 @@ static inline void hand_random(bb_scene *scene, bb_random *random)
             scene->vertices[9 * i + c] =
                 (float)(centre[c % 3] + size * bb_random_range(random, -1, 1));
     }
-    for (uint32_t i = 0; i < scene->sphere_count; i++) {
+    for (uint32_t i = 0; i < scene->prims[BB_SPHERE].count; i++) {
         for (int k = 0; k < 3; k++)
-            scene->spheres[4 * i + k] = (float)bb_random_range(random, -1, 1);
-        scene->spheres[4 * i + 3] = (float)(0.3 * pow(0.002, bb_random_unit(random)));
+            bb_scene_floats(scene, BB_SPHERE)[4 * i + k] = (float)bb_random_range(random, -1, 1);
+        bb_scene_floats(scene, BB_SPHERE)[4 * i + 3] =
+            (float)(0.3 * pow(0.002, bb_random_unit(random)));
     }
 }
 

@@ -31,7 +31,8 @@ static inline bb_results *new_results(void)
     bb_results *results = NULL;
     assert_int_equal(bb_results_create(&(bb_context){NULL, 1, "test"}, &results), BB_OK);
     for (int i = 0; i < 2; i++) {
-        bb_scene scene = {.prim_count = 1000, .triangle_count = 1000, .kinds = BB_TRIANGLES};
+        bb_scene scene = {
+            .prim_count = 1000, .prims = {[BB_TRIANGLE] = {.count = 1000}}, .kinds = BB_TRIANGLES};
         snprintf(scene.name, sizeof scene.name, "%s", scenes[i]);
         scene.profile.flatness = i == 0 ? 0.01 : 0.9;
         scene.view_count = 3;

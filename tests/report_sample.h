@@ -100,8 +100,8 @@ static inline void sample_add_scene(bb_results *results, const sample_scene *fro
     snprintf(scene->source, sizeof scene->source, "generator");
     scene->kinds = index == 2 ? BB_SPHERES : BB_TRIANGLES;
     scene->prim_count = (uint32_t)from->prims;
-    scene->triangle_count = index == 2 ? 0 : scene->prim_count;
-    scene->sphere_count = index == 2 ? scene->prim_count : 0;
+    scene->prims[BB_TRIANGLE].count = index == 2 ? 0 : scene->prim_count;
+    scene->prims[BB_SPHERE].count = index == 2 ? scene->prim_count : 0;
     for (int k = 0; k < 3; k++) {
         scene->bounds.lo[k] = -1.1f * (float)(k + 1);
         scene->bounds.hi[k] = 2.3f;

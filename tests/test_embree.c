@@ -44,7 +44,7 @@ static void test_trace_by_hand(void **state)
     const float v[2][9] = {{-9, -9, 5, 9, -9, 5, 0, 9, 5}, {-9, -9, -5, 9, -9, -5, 0, 9, -5}};
     const float s[2][4] = {{0, 0, 0, 1}, {3, 0, 0, 0.5f}};
     memcpy(scene->vertices, v, sizeof v);
-    memcpy(scene->spheres, s, sizeof s);
+    memcpy(bb_scene_floats(scene, BB_SPHERE), s, sizeof s);
     hand_finish(scene);
     const struct {
         bb_ray ray;
@@ -259,7 +259,8 @@ static void test_small_scenes(void **state)
         hand_free(scene);
         scene = hand_scene(0, count);
         for (uint32_t i = 0; i < count; i++)
-            memcpy(scene->spheres + 4 * i, ((float[4]){0, 0, 0, 1}), 4 * sizeof(float));
+            memcpy(bb_scene_floats(scene, BB_SPHERE) + 4 * i, ((float[4]){0, 0, 0, 1}),
+                   4 * sizeof(float));
         hand_finish(scene);
         check_scene(scene, false);
         hand_free(scene);
@@ -273,9 +274,9 @@ static void test_depth(void **state)
     (void)state;
     enum { CHAIN = 30, EQUAL = 4096 };
     bb_scene *scene = hand_scene(0, CHAIN + EQUAL);
-    memset(scene->spheres, 0, 4 * sizeof(float) * (CHAIN + EQUAL));
+    memset(bb_scene_floats(scene, BB_SPHERE), 0, 4 * sizeof(float) * (CHAIN + EQUAL));
     for (int i = 0; i < CHAIN; i++)
-        scene->spheres[4 * i + i % 3] = ldexpf(1, 10 - i / 3);
+        bb_scene_floats(scene, BB_SPHERE)[4 * i + i % 3] = ldexpf(1, 10 - i / 3);
     hand_finish(scene);
     built b;
     bb_phases phases;

@@ -180,9 +180,9 @@ static void the_file_is_what_the_header_says(void **state)
     part += RAYS * sizeof(bb_ray);
     assert_memory_equal(part, scene->vertices, scene->vertex_count * 12);
     part += scene->vertex_count * 12;
-    assert_memory_equal(part, scene->indices, 2 * 12);
+    assert_memory_equal(part, bb_scene_indices(scene), 2 * 12);
     part += 2 * 12;
-    assert_memory_equal(part, scene->spheres, 2 * 16);
+    assert_memory_equal(part, bb_scene_floats(scene, BB_SPHERE), 2 * 16);
     part += 2 * 16;
     assert_int_equal(part - rays_bytes, rays_size);
     /* the scene's hash: three counts, then the three arrays */
@@ -322,7 +322,10 @@ static void forged_rays_are_refused(void **state)
         {0, "\x89PNG\r\n\x1a\n", 8, "BVHBRAYS"},
         {IN_RAYS(version), U32(0), "version 0"},
         {IN_RAYS(version), U32(1), "version 1, this program reads 2: make rays and hits anew"},
-        {IN_RAYS(version), U32(3), "version 3"},
+        {IN_RAYS(version), U32(3), "version 3, so more_counts must have one that is not 0"},
+        {IN_RAYS(version), U32(4), "version 4"},
+        {IN_RAYS(more_counts), U64(UINT64_C(1) << 31), "more_counts is 2147483648"},
+        {IN_RAYS(more_counts) + 40, U64(1), "more_counts[5] is 1, a kind of primitive"},
         {IN_RAYS(byte_order), U32(0x04030201), "little-endian"},
         {IN_RAYS(header_bytes), U32(1028), "1028"},
         {IN_RAYS(query), U32(2), "query"},
@@ -351,7 +354,7 @@ static void forged_rays_are_refused(void **state)
         {IN_RAYS(scene), "two\nlines", 10, "scene is no text"},
         {IN_RAYS(scene) + 255, "x", 1, "scene is no text"},
         {IN_RAYS(view), "\x1b[2J", 5, "view is no text"},
-        {IN_RAYS(generator) + 471, "x", 1, "generator is no text"},
+        {IN_RAYS(generator) + 423, "x", 1, "generator is no text"},
         {IN_RAYS(rays), "gamma", 6, "no rays 'gamma'"},
         {IN_RAYS(rays), "mine\0", 6, "made by hand need --verify no"},
         {IN_RAYS(rays), "random:speed=3", 15, "'speed'"},

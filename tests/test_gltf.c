@@ -67,8 +67,8 @@ static const char *write_case(const char *name, const char *accessors, const cha
 
 static void expect_indices(const bb_scene *scene, const uint32_t *expected, uint32_t triangles)
 {
-    assert_int_equal(scene->triangle_count, triangles);
-    assert_memory_equal(scene->indices, expected, 12 * triangles);
+    assert_int_equal(scene->prims[BB_TRIANGLE].count, triangles);
+    assert_memory_equal(bb_scene_indices(scene), expected, 12 * triangles);
 }
 
 /* A -0 comes in as +0: they are equal, but not the same bits. */
@@ -214,11 +214,11 @@ static void test_scenes(void **state)
     char more[512];
     snprintf(more, sizeof more, "%s,\"scenes\":[{\"nodes\":[1]},{\"nodes\":[0,1]},{}]", nodes);
     bb_scene *scene = load_scene(write_case("scenes.gltf", POSITIONS, PLAIN, more));
-    assert_int_equal(scene->triangle_count, 4);
+    assert_int_equal(scene->prims[BB_TRIANGLE].count, 4);
     assert_true(scene->vertices[2] == 3);
     bb_scene_free(scene);
     scene = load_scene(write_case("roots.gltf", POSITIONS, PLAIN, nodes));
-    assert_int_equal(scene->triangle_count, 6);
+    assert_int_equal(scene->prims[BB_TRIANGLE].count, 6);
     bb_scene_free(scene);
 }
 
@@ -232,7 +232,7 @@ static void test_sharing_and_ignored(void **state)
                               PLAIN "," PLAIN ",{\"attributes\":{\"POSITION\":0},\"mode\":0},"
                                     "{\"attributes\":{},\"mode\":4}",
                               NODES));
-    assert_int_equal(scene->triangle_count, 4);
+    assert_int_equal(scene->prims[BB_TRIANGLE].count, 4);
     assert_int_equal(scene->vertex_count, 6);
     assert_int_equal(scene->ignored, 2);
     assert_int_equal(scene->profile.duplicate_boxes, 2);
@@ -249,7 +249,7 @@ static void test_images_are_left_alone(void **state)
               "\"source\":7}],"
               "\"extensionsRequired\":[\"KHR_texture_basisu\",\"KHR_materials_unlit\"],"
               "\"materials\":\"none\",\"extras\":[[[[1]]]]"));
-    assert_int_equal(scene->triangle_count, 2);
+    assert_int_equal(scene->prims[BB_TRIANGLE].count, 2);
     bb_scene_free(scene);
 }
 
@@ -527,7 +527,7 @@ static void test_deep(void **state)
             text);
     write_text(path_of("chain.gltf"), file);
     bb_scene *scene = load_scene(path_of("chain.gltf"));
-    assert_int_equal(scene->triangle_count, 1);
+    assert_int_equal(scene->prims[BB_TRIANGLE].count, 1);
     bb_scene_free(scene);
     free(text);
     free(file);

@@ -28,7 +28,7 @@ typedef struct tally {
 
 static tally count_edges(const bb_scene *scene)
 {
-    size_t count = 3 * (size_t)scene->triangle_count;
+    size_t count = 3 * (size_t)scene->prims[BB_TRIANGLE].count;
     edge *edges = malloc(count * sizeof *edges);
     assert_non_null(edges);
     for (size_t i = 0; i < count; i++) {
@@ -97,10 +97,10 @@ static bool hits_sphere(const float sphere[4], const double o[3], const double d
 static uint32_t count_hits(const bb_scene *scene, const double o[3], const double d[3])
 {
     uint32_t hits = 0;
-    for (uint32_t i = 0; i < scene->triangle_count; i++)
+    for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i++)
         hits += hits_triangle(scene, i, o, d);
-    for (uint32_t i = 0; i < scene->sphere_count; i++)
-        hits += hits_sphere(scene->spheres + 4 * (size_t)i, o, d);
+    for (uint32_t i = 0; i < scene->prims[BB_SPHERE].count; i++)
+        hits += hits_sphere(bb_scene_floats(scene, BB_SPHERE) + 4 * (size_t)i, o, d);
     return hits;
 }
 
@@ -194,12 +194,13 @@ static void test_watertight_everywhere(void **state)
             const hunted *want = &hunting[i];
             bb_scene *scene = load_scene(with(want->spec, places[k]));
             tally edges = count_edges(scene);
-            if (scene->triangle_count != want->triangles || scene->sphere_count != want->spheres ||
-                edges.one != want->open || edges.two != want->shared || edges.more != 0)
+            if (scene->prims[BB_TRIANGLE].count != want->triangles ||
+                scene->prims[BB_SPHERE].count != want->spheres || edges.one != want->open ||
+                edges.two != want->shared || edges.more != 0)
                 fail_msg(
                     "%s: %u triangles, %u spheres, edges %u of one side, %u of two, %u of more",
-                    scene->name, scene->triangle_count, scene->sphere_count, edges.one, edges.two,
-                    edges.more);
+                    scene->name, scene->prims[BB_TRIANGLE].count, scene->prims[BB_SPHERE].count,
+                    edges.one, edges.two, edges.more);
             assert_int_equal(scene->closed_from_inside, want->open == 0);
             assert_int_equal(scene->profile.zero_area, 0);
             if (scene->closed_from_inside)
@@ -244,7 +245,8 @@ static void test_powers_of_two_scale_exactly(void **state)
                 with(hunting[i].spec, turned ? "scale=0.0009765625,turn=9" : "scale=1048576"));
             float factor = turned ? 0x1p-10f : 0x1p20f;
             expect_scaled(base->vertices, scaled->vertices, 3 * (size_t)base->vertex_count, factor);
-            expect_scaled(base->spheres, scaled->spheres, 4 * (size_t)base->sphere_count, factor);
+            expect_scaled(bb_scene_floats(base, BB_SPHERE), bb_scene_floats(scaled, BB_SPHERE),
+                          4 * (size_t)base->prims[BB_SPHERE].count, factor);
             for (int k = 0; k < 3; k++) {
                 assert_true(base->inside_point[k] * (double)factor == scaled->inside_point[k]);
                 for (uint32_t v = 0; v < base->view_count; v++) {
@@ -282,7 +284,7 @@ static void test_turns_are_rotations(void **state)
                 assert_true(fabs(distance(a + 3 * p, a + 3 * q) - distance(b + 3 * p, b + 3 * q)) <
                             1e-6);
         double volume = 0;
-        for (uint32_t t = 0; t < turned[i]->triangle_count; t++) {
+        for (uint32_t t = 0; t < turned[i]->prims[BB_TRIANGLE].count; t++) {
             double corner[3][3];
             for (uint32_t k = 0; k < 3; k++)
                 subtract(bb_scene_vertex(turned[i], t, k), turned[i]->inside_point, corner[k]);
@@ -305,7 +307,7 @@ static void test_slivers_are_slivers(void **state)
 {
     (void)state;
     bb_scene *scene = load_scene("slivers:aspect=200");
-    for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    for (uint32_t t = 0; t < scene->prims[BB_TRIANGLE].count; t++) {
         const float *a = bb_scene_vertex(scene, t, 0), *b = bb_scene_vertex(scene, t, 1),
                     *c = bb_scene_vertex(scene, t, 2);
         double sides[3] = {distance(a, b), distance(b, c), distance(c, a)};
@@ -361,12 +363,12 @@ static void test_ground(void **state)
     bb_scene *scene = load_scene("ground:balls=30,stones=30");
     assert_true(scene->bounds.lo[0] == -1e6f && scene->bounds.hi[2] == 1e6f);
     assert_true(scene->bounds.lo[1] == 0 && scene->bounds.hi[1] < 0.81f);
-    for (uint32_t i = 0; i < scene->sphere_count; i++) {
-        const float *sphere = scene->spheres + 4 * (size_t)i;
+    for (uint32_t i = 0; i < scene->prims[BB_SPHERE].count; i++) {
+        const float *sphere = bb_scene_floats(scene, BB_SPHERE) + 4 * (size_t)i;
         assert_true(sphere[3] == 0.4f && sphere[1] == 0.4f);
         assert_true(fabsf(sphere[0]) < 4 && fabsf(sphere[2]) < 4);
         for (uint32_t k = 0; k < i; k++)
-            assert_true(distance(sphere, scene->spheres + 4 * (size_t)k) > 0.79);
+            assert_true(distance(sphere, bb_scene_floats(scene, BB_SPHERE) + 4 * (size_t)k) > 0.79);
     }
     bb_scene *other = load_scene("ground:balls=30,stones=30,seed=2");
     assert_true(scene->hash != other->hash);
@@ -394,7 +396,7 @@ static void test_zeros_of_both_signs(void **state)
     (void)state;
     enum { TRIANGLES = 1000 };
     bb_scene *scene = generate("awkward:kind=zeros,n=1000");
-    assert_int_equal(scene->triangle_count, TRIANGLES);
+    assert_int_equal(scene->prims[BB_TRIANGLE].count, TRIANGLES);
     for (uint32_t axis = 0; axis < 3; axis++) {
         uint32_t both = 0, ends = 0, above = 0, below = 0;
         for (uint32_t t = 0; t < TRIANGLES; t++) {

@@ -9,7 +9,7 @@
 
 #include "framework/base/random.h"
 #include "framework/device/device.h"
-#include "framework/judge/exact.h"
+#include "framework/exact/exact.h"
 #include "traversal/traversal.h"
 
 #include <math.h>
@@ -33,14 +33,14 @@ static const bb_source triangles_source = {
     "test_triangles.cl",
     "#include \"bb_device.h\"\n"
     "#include \"intersect.clh\"\n"
-    "#include \"record.clh\"\n"
+    "#include \"prims.clh\"\n"
     "kernel void write(global const float *vertices, global const uint *indices, uint count,\n"
     "                  global uint *records)\n"
     "{\n"
     "    uint i = get_global_id(0);\n"
     "    if (i < count)\n"
-    "        bb_write_primitive(records + i / BB_LANES * BB_WORDS + i % BB_LANES, BB_LANES,\n"
-    "                           BB_RECORD_FORM, i, vertices, indices, vertices, count, 1.0f);\n"
+    "        bb_triangle_write(records + i / BB_LANES * BB_WORDS + i % BB_LANES, BB_LANES,\n"
+    "                          BB_RECORD_FORM, indices + 3 * i, vertices, 1.0f);\n"
     "}\n"
     "kernel void test(global const float *records, global const bb_ray *rays, uint count,\n"
     "                 global float *t)\n"
@@ -80,7 +80,8 @@ static void test_triangles(const bb_intersector *intersector, uint32_t lanes, co
     upload(&d_vertices, vertices, 9 * (size_t)triangles * sizeof(float));
     upload(&d_indices, order, 3 * (size_t)triangles * sizeof *order);
     upload(&d_rays, rays, count * sizeof *rays);
-    upload(&d_records, NULL, (size_t)triangles * BB_AFFINE_RECORD_WORDS * sizeof(float));
+    upload(&d_records, NULL,
+           (size_t)triangles * bb_record_words(BB_TRIANGLES, BB_RECORD_AFFINE) * sizeof(float));
     upload(&d_t, NULL, triangles * sizeof(float));
     char defines[160], lane_define[32];
     bb_intersector_defines(intersector, defines, sizeof defines);
@@ -347,14 +348,15 @@ static void affine_maps_take_vertices_to_the_unit_triangle(void **state)
 {
     (void)state;
     static const char *const text =
-        "#include \"bb_device.h\"\n#include \"record.clh\"\n"
+        "#include \"bb_device.h\"\n#include \"prims.clh\"\n"
         "kernel void write(global const float *vertices, global const uint *indices, uint count,\n"
         "                  global uint *records)\n"
         "{\n"
         "    uint i = get_global_id(0);\n"
         "    if (i < count)\n"
-        "        bb_write_primitive(records + 12 * i, 1, BB_RECORD_AFFINE, i, vertices, indices,\n"
-        "                           vertices, count, 1.0f);\n"
+        "        bb_triangle_write(records + 12 * i, 1, BB_RECORD_AFFINE, indices + 3 * i, "
+        "vertices,\n"
+        "                          1.0f);\n"
         "}\n";
     const bb_source source = {"test_affine.cl", text};
     enum { COUNT = 20000 };

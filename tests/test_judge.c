@@ -117,7 +117,7 @@ static void a_huge_neighbour_opens_no_way(void **state)
         if (arrangement > 2) { /* first instead of last */
             order[1] = near[0], order[0] = order[2], order[2] = near[1];
         }
-        for (uint32_t i = 0; i < scene->triangle_count; i++)
+        for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i++)
             memcpy(scene->vertices + 9 * i, order[i], sizeof near[0]);
         hand_finish(scene);
         bb_ray rays[COUNT];
@@ -240,7 +240,7 @@ static void a_large_margin_hides_nothing_before_it(void **state)
     bb_scene *scene = hand_scene(1, 1);
     const float ground[9] = {-1e6f, -1e6f, 0, 1e6f, -1e6f, 0, 0, 1e6f, 0};
     memcpy(scene->vertices, ground, sizeof ground);
-    memcpy(scene->spheres, ((float[4]){0, 0, 0.4f, 0.4f}), 4 * sizeof(float));
+    memcpy(bb_scene_floats(scene, BB_SPHERE), ((float[4]){0, 0, 0.4f, 0.4f}), 4 * sizeof(float));
     hand_finish(scene);
     static const struct {
         bb_hit hit;
@@ -288,7 +288,7 @@ static void a_grazed_plane_is_no_witness_against_itself(void **state)
                 plane[9] = {-0.5f, 1, -498, 0.5f, 1, 502, 0, -1, 2};
     memcpy(scene->vertices, near, sizeof near);
     memcpy(scene->vertices + 9, plane, sizeof plane);
-    memcpy(scene->spheres, ((float[4]){5, 0, 3, 1}), 4 * sizeof(float));
+    memcpy(bb_scene_floats(scene, BB_SPHERE), ((float[4]){5, 0, 3, 1}), 4 * sizeof(float));
     hand_finish(scene);
     const bb_ray along_edge = {{0, 0, 0}, 0, {0, 0, 1}, INFINITY},
                  inside = {{0.25f, 0, 0}, 0, {0, 0, 1}, INFINITY},
@@ -459,11 +459,11 @@ static void the_way_is_what_all_primitives_say(void **state)
             hand_scene(1 + bb_random_below(&random, 200), bb_random_below(&random, 40));
         float scale = ldexpf(1, (int)bb_random_below(&random, 160) - 80);
         hand_random(scene, &random);
-        for (uint32_t i = 0; i < 9 * scene->triangle_count; i++)
+        for (uint32_t i = 0; i < 9 * scene->prims[BB_TRIANGLE].count; i++)
             scene->vertices[i] =
                 scale * (run % 3 == 0 ? roundf(scene->vertices[i] * 4) / 4 : scene->vertices[i]);
-        for (uint32_t i = 0; i < 4 * scene->sphere_count; i++)
-            scene->spheres[i] *= scale;
+        for (uint32_t i = 0; i < 4 * scene->prims[BB_SPHERE].count; i++)
+            bb_scene_floats(scene, BB_SPHERE)[i] *= scale;
         hand_finish(scene);
         bb_box_tree *tree;
         bb_way *way;

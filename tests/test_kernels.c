@@ -34,26 +34,31 @@ static void make_scene(bb_scene *scene, uint32_t triangles, uint32_t spheres)
     bb_random random = bb_random_make(7, triangles + 100 * spheres);
     memset(scene, 0, sizeof *scene);
     strcpy(scene->name, "grid");
-    scene->triangle_count = triangles;
-    scene->sphere_count = spheres;
+    scene->prims[BB_TRIANGLE].count = triangles;
+    scene->prims[BB_SPHERE].count = spheres;
+    scene->prims[BB_SPHERE].first = triangles;
     scene->vertex_count = 3 * triangles;
     scene->kinds = (triangles > 0 ? BB_TRIANGLES : 0) | (spheres > 0 ? BB_SPHERES : 0);
     if (triangles > 0) {
         check(bb_host_alloc(NULL, 9 * triangles * sizeof(float), "v", &scene->vertices), "v");
-        check(bb_host_alloc(NULL, 3 * triangles * sizeof(uint32_t), "i", &scene->indices), "i");
+        check(bb_host_alloc(NULL, 3 * triangles * sizeof(uint32_t), "i",
+                            &scene->prims[BB_TRIANGLE].data),
+              "i");
     }
     if (spheres > 0)
-        check(bb_host_alloc(NULL, 4 * spheres * sizeof(float), "s", &scene->spheres), "s");
+        check(bb_host_alloc(NULL, 4 * spheres * sizeof(float), "s", &scene->prims[BB_SPHERE].data),
+              "s");
     for (uint32_t p = 0; p < triangles + spheres; p++) {
         const float cell[3] = {(float)(p % 4), (float)(p / 4 % 4), (float)(p / 16)};
         for (uint32_t corner = 0; p < triangles && corner < 3; corner++) {
-            scene->indices[3 * p + corner] = 3 * p + corner;
+            bb_scene_indices(scene)[3 * p + corner] = 3 * p + corner;
             for (uint32_t k = 0; k < 3; k++)
                 scene->vertices[9 * p + 3 * corner + k] =
                     cell[k] + 0.8f * (float)bb_random_unit(&random);
         }
         for (uint32_t k = 0; p >= triangles && k < 4; k++)
-            scene->spheres[4 * (p - triangles) + k] = k < 3 ? cell[k] + 0.5f : 0.4f;
+            bb_scene_floats(scene, BB_SPHERE)[4 * (p - triangles) + k] =
+                k < 3 ? cell[k] + 0.5f : 0.4f;
     }
     check(bb_scene_finish(scene), "scene");
     check(bb_scene_upload(scene, device), "upload");
@@ -62,13 +67,12 @@ static void make_scene(bb_scene *scene, uint32_t triangles, uint32_t spheres)
 static void release_scene(bb_scene *scene)
 {
     bb_host_free(scene->vertices);
-    bb_host_free(scene->indices);
-    bb_host_free(scene->spheres);
+    bb_host_free(bb_scene_indices(scene));
+    bb_host_free(bb_scene_floats(scene, BB_SPHERE));
     bb_host_free(scene->boxes);
     bb_buffer_release(&scene->on_device.boxes);
     bb_buffer_release(&scene->on_device.vertices);
-    bb_buffer_release(&scene->on_device.indices);
-    bb_buffer_release(&scene->on_device.spheres);
+    bb_buffer_release(&scene->on_device.prims);
 }
 
 static double dot(const double a[3], const double b[3])
@@ -125,9 +129,11 @@ static bool brute_force(const bb_scene *scene, const bb_ray *ray, double *t, uin
     *t = INFINITY;
     *prim = BB_NONE;
     for (uint32_t p = 0; p < scene->prim_count; p++) {
-        double found = p < scene->triangle_count
+        double found = p < scene->prims[BB_TRIANGLE].count
                            ? hit_triangle(scene->vertices + 9 * p, ray)
-                           : hit_sphere(scene->spheres + 4 * (p - scene->triangle_count), ray);
+                           : hit_sphere(bb_scene_floats(scene, BB_SPHERE) +
+                                            4 * (p - scene->prims[BB_TRIANGLE].count),
+                                        ray);
         if (isnan(found))
             return false;
         if (found < *t) {

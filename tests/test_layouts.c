@@ -38,7 +38,7 @@ static void free_triangles(bb_scene *scene)
 {
     bb_buffer_release(&scene->on_device.boxes);
     bb_buffer_release(&scene->on_device.vertices);
-    bb_buffer_release(&scene->on_device.indices);
+    bb_buffer_release(&scene->on_device.prims);
     free_scene(scene);
 }
 
@@ -106,13 +106,12 @@ static void walk(const bb_tree *tree, uint32_t n, const bb_node *out, uint32_t *
 
 static void compare_records(const bb_scene *scene, const bb_tree *tree, const bb_buffer *buffer)
 {
-    uint32_t count = tree->info.ref_count;
-    uint32_t *words = malloc((size_t)count * BB_RECORD_WORDS * sizeof *words);
-    check(bb_buffer_read(buffer, 0, (size_t)count * BB_RECORD_WORDS * sizeof *words, words),
-          "read");
+    uint32_t count = tree->info.ref_count, size = bb_record_words(BB_TRIANGLES, BB_RECORD_VERTICES);
+    uint32_t *words = malloc((size_t)count * size * sizeof *words);
+    check(bb_buffer_read(buffer, 0, (size_t)count * size * sizeof *words, words), "read");
     for (uint32_t i = 0; i < count; i++) {
-        const uint32_t *record = words + (size_t)i * BB_RECORD_WORDS;
-        assert_int_equal(record[BB_RECORD_ID], tree->refs[i]);
+        const uint32_t *record = words + (size_t)i * size;
+        assert_int_equal(record[9], tree->refs[i]);
         assert_memory_equal(record, scene->vertices + 9 * (size_t)(tree->refs[i] & BB_INDEX_MASK),
                             9 * sizeof(float));
     }
@@ -279,21 +278,20 @@ static void compare_forms(const bb_layout *layout, const bb_scene *scene, bb_tre
     uint32_t lanes = layout->block;
     made vertices = make_form(layout, scene, tree, BB_RECORD_VERTICES);
     made maps = make_form(layout, scene, tree, BB_RECORD_AFFINE);
-    uint32_t words[2] = {lanes == 1 ? BB_RECORD_WORDS : BB_BLOCK_WORDS,
-                         lanes == 1 ? BB_AFFINE_RECORD_WORDS : BB_AFFINE_BLOCK_WORDS};
+    uint32_t words[2] = {lanes == 1 ? 12 : 40, lanes == 1 ? 16 : 52};
     size_t count = vertices.words / words[0];
     assert_int_equal(count, maps.words / words[1]);
     uint32_t triangles = 0;
     for (size_t r = 0; r < count; r++)
         for (uint32_t lane = 0; lane < lanes; lane++) {
-            float ids[2] = {word(vertices.records, r, words[0], lanes, lane, BB_RECORD_ID),
-                            word(maps.records, r, words[1], lanes, lane, BB_AFFINE_RECORD_ID)};
+            float ids[2] = {word(vertices.records, r, words[0], lanes, lane, 9),
+                            word(maps.records, r, words[1], lanes, lane, 12)};
             assert_memory_equal(&ids[0], &ids[1], sizeof ids[0]);
             uint32_t prim;
             memcpy(&prim, &ids[0], sizeof prim);
             if (prim == BB_NONE)
                 continue;
-            bool triangle = (prim & BB_INDEX_MASK) < scene->triangle_count;
+            bool triangle = (prim & BB_INDEX_MASK) < scene->prims[BB_TRIANGLE].count;
             triangles += triangle;
             float map[12], corner[3];
             for (uint32_t w = 0; w < 12; w++)
@@ -306,7 +304,7 @@ static void compare_forms(const bb_layout *layout, const bb_scene *scene, bb_tre
             for (uint32_t k = 0; k < 4 && !triangle; k++)
                 assert_true(map[k] == word(vertices.records, r, words[0], lanes, lane, k));
         }
-    assert_int_equal(triangles, scene->triangle_count);
+    assert_int_equal(triangles, scene->prims[BB_TRIANGLE].count);
     char name[64];
     snprintf(name, sizeof name, "%s:leaf=4,triangles=affine", layout->name);
     assert_string_equal(maps.name, name);
@@ -333,7 +331,6 @@ static void every_layout_has_maps_for_vertices(void **state)
     for (const bb_layout *const *layout = bb_layouts; *layout != NULL; layout++)
         compare_forms(*layout, scene, &tree);
     bb_tree_release(&tree);
-    bb_buffer_release(&scene->on_device.spheres);
     free_triangles(scene);
 }
 

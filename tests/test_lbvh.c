@@ -130,7 +130,7 @@ static void compare(bb_device *device, const char *builder, const bb_box *boxes,
     bb_scene scene = {.name = "test",
                       .kinds = BB_TRIANGLES,
                       .prim_count = count,
-                      .triangle_count = count,
+                      .prims = {[BB_TRIANGLE] = {.count = count}},
                       .boxes = (bb_box *)boxes};
     scene.on_device.device = device;
     bb_instance instance;

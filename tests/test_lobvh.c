@@ -270,7 +270,7 @@ static bb_scene scene_of(const bb_box *boxes, uint32_t count)
     return (bb_scene){.name = "test",
                       .kinds = BB_TRIANGLES,
                       .prim_count = count,
-                      .triangle_count = count,
+                      .prims = {[BB_TRIANGLE] = {.count = count}},
                       .boxes = (bb_box *)boxes};
 }
 

@@ -84,15 +84,16 @@ static bb_scene *make_layers(uint32_t count)
 {
     bb_scene *scene = load("single");
     check(bb_host_alloc(NULL, 9 * count * sizeof(float), "v", &scene->vertices), "v");
-    check(bb_host_alloc(NULL, 3 * count * sizeof(uint32_t), "i", &scene->indices), "i");
+    check(bb_host_alloc(NULL, 3 * count * sizeof(uint32_t), "i", &scene->prims[BB_TRIANGLE].data),
+          "i");
     for (uint32_t i = 0; i < count; i++) {
         const float z = 1.0f + (float)i;
         const float v[9] = {-1, -1, z, 3, -1, z, -1, 3, z};
         memcpy(scene->vertices + 9 * i, v, sizeof v);
         for (uint32_t k = 0; k < 3; k++)
-            scene->indices[3 * i + k] = 3 * i + k;
+            bb_scene_indices(scene)[3 * i + k] = 3 * i + k;
     }
-    scene->triangle_count = scene->prim_count = count;
+    scene->prims[BB_TRIANGLE].count = scene->prim_count = count;
     scene->vertex_count = 3 * count;
     check(bb_scene_finish(scene), "finish");
     check(bb_scene_upload(scene, device), "upload");

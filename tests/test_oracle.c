@@ -1,8 +1,8 @@
 /* Oracle and arbiter: answers made by hand must be classed as what they are; the cheap rule must
  * give the classes of full arbitration; the arbiter must agree with its definition spelled out over
  * all primitives. A few seconds. */
+#include "framework/exact/exact.h"
 #include "framework/judge/arbiter.h"
-#include "framework/judge/exact.h"
 #include "framework/judge/judge.h"
 #include "hand_scene.h"
 
@@ -58,7 +58,7 @@ static bb_scene *make_scene(void)
         {20, -1, 0, 20, 1, 0, 20, 1, 1e-9f},
     };
     memcpy(scene->vertices, v, sizeof v);
-    memcpy(scene->spheres, ((float[4]){10, 0, 0, 1}), 4 * sizeof(float));
+    memcpy(bb_scene_floats(scene, BB_SPHERE), ((float[4]){10, 0, 0, 1}), 4 * sizeof(float));
     hand_finish(scene);
     return scene;
 }
@@ -215,7 +215,7 @@ static void random_ray(const bb_scene *scene, bb_random *random, bb_ray *ray)
 {
     double target[3];
     uint32_t aim = bb_random_below(random, 3);
-    uint32_t triangle = bb_random_below(random, scene->triangle_count);
+    uint32_t triangle = bb_random_below(random, scene->prims[BB_TRIANGLE].count);
     const float *a = bb_scene_vertex(scene, triangle, 0), *b = bb_scene_vertex(scene, triangle, 1);
     double s = bb_random_below(random, 4) == 0 ? 0 : bb_random_unit(random);
     for (int k = 0; k < 3; k++) {
@@ -245,11 +245,13 @@ static bb_hit damage(const bb_scene *scene, const bb_ray *ray, bb_random *random
             hit.t *= 1 + (float)bb_random_range(random, -4e-6, 4e-6);
         return hit;
     case 4: /* the other side of a sphere */
-        if (hit.prim != BB_NONE && hit.prim >= scene->triangle_count) {
+        if (hit.prim != BB_NONE && hit.prim >= scene->prims[BB_TRIANGLE].count) {
             const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
             double t[2];
             if (bb_exact_sphere_t(o, ray->d,
-                                  scene->spheres + 4 * (hit.prim - scene->triangle_count), t))
+                                  bb_scene_floats(scene, BB_SPHERE) +
+                                      4 * (hit.prim - scene->prims[BB_TRIANGLE].count),
+                                  t))
                 hit.t = fabs(t[0] - hit.t) < fabs(t[1] - hit.t) ? (float)t[1] : (float)t[0];
         }
         return hit;
@@ -318,9 +320,13 @@ static void test_cheap_rule(void **state)
 static int hits_of(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
                    double t[2])
 {
-    if (prim >= scene->triangle_count)
-        return bb_exact_sphere_t(o, d, scene->spheres + 4 * (prim - scene->triangle_count), t) ? 2
-                                                                                               : 0;
+    if (prim >= scene->prims[BB_TRIANGLE].count)
+        return bb_exact_sphere_t(o, d,
+                                 bb_scene_floats(scene, BB_SPHERE) +
+                                     4 * (prim - scene->prims[BB_TRIANGLE].count),
+                                 t)
+                   ? 2
+                   : 0;
     const float *a = bb_scene_vertex(scene, prim, 0), *b = bb_scene_vertex(scene, prim, 1),
                 *c = bb_scene_vertex(scene, prim, 2);
     return bb_exact_meets_triangle(o, d, a, b, c) && bb_exact_plane_t(o, d, a, b, c, t) ? 1 : 0;

@@ -29,10 +29,10 @@ static bb_scene *make_room(const float offset[3])
     bb_random random = bb_random_make(seed, 1);
     bb_scene *scene = hand_scene(40, 10);
     hand_random(scene, &random);
-    for (uint32_t i = 0; i < 9 * scene->triangle_count; i++)
+    for (uint32_t i = 0; i < 9 * scene->prims[BB_TRIANGLE].count; i++)
         scene->vertices[i] += offset[i % 3];
-    for (uint32_t i = 0; i < 4 * scene->sphere_count; i++)
-        scene->spheres[i] += i % 4 < 3 ? offset[i % 4] : 0;
+    for (uint32_t i = 0; i < 4 * scene->prims[BB_SPHERE].count; i++)
+        bb_scene_floats(scene, BB_SPHERE)[i] += i % 4 < 3 ? offset[i % 4] : 0;
     hand_cube(scene, 0, 2, offset);
     hand_finish(scene);
     scene->view_count = 2;
@@ -345,7 +345,7 @@ static void test_bad_input(void **state)
 
     /* A scene that is a point. */
     scene = hand_scene(0, 1);
-    memset(scene->spheres, 0, 4 * sizeof(float));
+    memset(bb_scene_floats(scene, BB_SPHERE), 0, 4 * sizeof(float));
     hand_finish(scene);
     memset(&scene->bounds, 0, sizeof scene->bounds);
     expect(BB_UNSUPPORTED, scene, NULL, "random", NULL);

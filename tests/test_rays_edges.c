@@ -100,7 +100,7 @@ static void check_jitter(const char *name, const char *options, double jitter)
     for (uint32_t i = 0; i < COUNT; i++) {
         double at[3], steps = INFINITY;
         target_of(rays, i, at);
-        for (uint32_t t = 0; t < scene->triangle_count; t++)
+        for (uint32_t t = 0; t < scene->prims[BB_TRIANGLE].count; t++)
             steps = fmin(steps, steps_off(scene, t, &rays->rays[i], at));
         if (steps > jitter + 2) /* rounding the direction adds up to sqrt(3) */
             fail_msg("%s, %s, seed %llu: ray %u is off by %g", name, text, (unsigned long long)seed,
@@ -144,7 +144,7 @@ static void test_inside_must_hit(void **state)
             for (uint32_t r = 0; r < COUNT; r++) {
                 double at;
                 bool hit = false;
-                for (uint32_t t = 0; t < scene->triangle_count && !hit; t++)
+                for (uint32_t t = 0; t < scene->prims[BB_TRIANGLE].count && !hit; t++)
                     hit = bb_exact_first(scene, &rays->rays[r], t, &at);
                 if (!hit)
                     fail_msg("%s, %s, seed %llu: ray %u misses", scenes[i], rays_of[k],

@@ -80,7 +80,7 @@ static void test_sphere_mesh(void **state)
         assert_true(scene->closed_from_inside);
         double radius = i < 4 ? 1 : 1000;
         double volume = 0;
-        for (uint32_t t = 0; t < scene->triangle_count; t++) {
+        for (uint32_t t = 0; t < scene->prims[BB_TRIANGLE].count; t++) {
             double p[3][3];
             for (uint32_t k = 0; k < 3; k++) {
                 double square = 0;
@@ -123,7 +123,7 @@ static void test_size_ratio(void **state)
         snprintf(spec, sizeof spec, "random:n=2000,ratio=%g,seed=3", ratios[i]);
         bb_scene *scene = load_scene(spec);
         double least = INFINITY, most = 0;
-        for (uint32_t t = 0; t < scene->triangle_count; t++) {
+        for (uint32_t t = 0; t < scene->prims[BB_TRIANGLE].count; t++) {
             double a = edge(scene, t, 0, 1), b = edge(scene, t, 1, 2), c = edge(scene, t, 2, 0);
             assert_true(fabs(a / b - 1) < 2e-3 && fabs(a / c - 1) < 2e-3);
             least = fmin(least, a);
@@ -150,7 +150,7 @@ static void test_mixtures(void **state)
         char spec[64];
         snprintf(spec, sizeof spec, "spheres:state=settled,n=%d", n);
         bb_scene *scene = load_scene(spec);
-        assert_int_equal(scene->sphere_count, n);
+        assert_int_equal(scene->prims[BB_SPHERE].count, n);
         bb_scene_free(scene);
     }
 }
@@ -173,14 +173,15 @@ static bb_scene *make_scene(const float *triangles, uint32_t triangle_count, con
     bb_scene *scene = calloc(1, sizeof *scene);
     assert_non_null(scene);
     strcpy(scene->name, "by-hand");
-    assert_int_equal(bb_scene_reserve(scene, 3 * triangle_count, triangle_count, sphere_count),
-                     BB_OK);
+    const bb_prim_counts counts = {
+        .of = {[BB_TRIANGLE] = triangle_count, [BB_SPHERE] = sphere_count}};
+    assert_int_equal(bb_scene_reserve(scene, 3 * triangle_count, &counts), BB_OK);
     if (triangle_count > 0)
         memcpy(scene->vertices, triangles, 36 * triangle_count);
     for (uint32_t i = 0; i < 3 * triangle_count; i++)
-        scene->indices[i] = i;
+        bb_scene_indices(scene)[i] = i;
     if (sphere_count > 0)
-        memcpy(scene->spheres, spheres, 16 * sphere_count);
+        memcpy(bb_scene_floats(scene, BB_SPHERE), spheres, 16 * sphere_count);
     return scene;
 }
 
@@ -217,7 +218,7 @@ static void test_finish(void **state)
     static const float lo[3] = {-3, -7, 2}, hi[3] = {6, 4, 8};
     assert_memory_equal(scene->boxes[0].lo, lo, sizeof lo);
     assert_memory_equal(scene->bounds.hi, hi, sizeof hi);
-    scene->indices[2] = 3;
+    bb_scene_indices(scene)[2] = 3;
     expect_finish_failure(scene, "index 3 is beyond");
 
     for (int i = 0; i < 9; i++) {
@@ -276,10 +277,14 @@ static void test_reserve_refuses(void **state)
 {
     (void)state;
     bb_scene scene = {.name = "huge"};
-    assert_int_equal(bb_scene_reserve(&scene, 3, UINT64_C(1) << 31, 0), BB_REFUSED);
-    assert_int_equal(bb_scene_reserve(&scene, 3, UINT64_MAX, UINT64_MAX), BB_REFUSED);
-    assert_int_equal(bb_scene_reserve(&scene, UINT64_C(1) << 32, 1, 0), BB_REFUSED);
-    assert_int_equal(bb_scene_reserve(&scene, 0, 0, INT32_MAX), BB_REFUSED);
+    const bb_prim_counts all = {.of = {UINT64_MAX, UINT64_MAX}};
+    const bb_prim_counts sum = {.of = {1u << 30, 1u << 30}};
+    const bb_prim_counts spheres = {.of = {[BB_SPHERE] = INT32_MAX}};
+    assert_int_equal(bb_scene_reserve_mesh(&scene, 3, UINT64_C(1) << 31), BB_REFUSED);
+    assert_int_equal(bb_scene_reserve(&scene, 3, &all), BB_REFUSED);
+    assert_int_equal(bb_scene_reserve(&scene, 3, &sum), BB_REFUSED);
+    assert_int_equal(bb_scene_reserve_mesh(&scene, UINT64_C(1) << 32, 1), BB_REFUSED);
+    assert_int_equal(bb_scene_reserve(&scene, 0, &spheres), BB_REFUSED);
     assert_non_null(strstr(bb_message(), "bytes"));
 }
 
@@ -307,7 +312,7 @@ static void test_profile_open_and_flat(void **state)
 {
     (void)state;
     bb_scene *scene = load_scene("cube");
-    scene->triangle_count = 11;
+    scene->prims[BB_TRIANGLE].count = 11;
     assert_int_equal(bb_scene_finish(scene), BB_OK);
     assert_int_equal(bb_scene_profile(scene), BB_OK);
     assert_int_equal(scene->profile.closed, 0);
@@ -510,7 +515,7 @@ static void test_views_inside_or_outside(void **state)
 {
     (void)state;
     bb_scene *scene = load_scene("interior:n=20000");
-    scene->triangle_count--; /* the last one: now the mesh is open */
+    scene->prims[BB_TRIANGLE].count--; /* the last one: now the mesh is open */
     assert_int_equal(bb_scene_finish(scene), BB_OK);
     assert_int_equal(bb_scene_profile(scene), BB_OK);
     scene->view_count = 0;
@@ -537,7 +542,7 @@ static void test_shipped(void **state)
     } shipped[] = {{"coffee", 235265, 224}, {"mountain", 50562, 0}, {"scorpion", 99990, 0}};
     for (int i = 0; i < 3; i++) {
         bb_scene *scene = load_scene(shipped[i].name);
-        assert_int_equal(scene->triangle_count, shipped[i].triangles);
+        assert_int_equal(scene->prims[BB_TRIANGLE].count, shipped[i].triangles);
         assert_int_equal(scene->profile.zero_area, shipped[i].zero_area);
         assert_true(scene->view_count >= 3);
         assert_string_equal(scene->name, shipped[i].name);

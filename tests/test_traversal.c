@@ -140,15 +140,16 @@ static void an_overflow_is_never_silent(void **state)
     enum { LAYERS = 21 };
     bb_scene *scene = load("single");
     check(bb_host_alloc(NULL, 9 * LAYERS * sizeof(float), "v", &scene->vertices), "v");
-    check(bb_host_alloc(NULL, 3 * LAYERS * sizeof(uint32_t), "i", &scene->indices), "i");
+    check(bb_host_alloc(NULL, 3 * LAYERS * sizeof(uint32_t), "i", &scene->prims[BB_TRIANGLE].data),
+          "i");
     for (uint32_t i = 0; i < LAYERS; i++) {
         const float z = ldexpf(1.0f, -(int)i);
         const float v[9] = {-1, -1, z, 3, -1, z, -1, 3, z};
         memcpy(scene->vertices + 9 * i, v, sizeof v);
         for (uint32_t k = 0; k < 3; k++)
-            scene->indices[3 * i + k] = 3 * i + k;
+            bb_scene_indices(scene)[3 * i + k] = 3 * i + k;
     }
-    scene->triangle_count = scene->prim_count = LAYERS;
+    scene->prims[BB_TRIANGLE].count = scene->prim_count = LAYERS;
     scene->vertex_count = 3 * LAYERS;
     check(bb_scene_finish(scene), "finish");
     bed b;
@@ -175,10 +176,10 @@ static void zero_area_triangles_are_harmless(void **state)
     (void)state;
     bb_scene *scene = load("interior:n=3000");
     uint32_t shrunk = 0;
-    for (uint32_t i = 0; i < scene->triangle_count; i += 3, shrunk++) {
-        scene->indices[3 * i + 1] = scene->indices[3 * i];
+    for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i += 3, shrunk++) {
+        bb_scene_indices(scene)[3 * i + 1] = bb_scene_indices(scene)[3 * i];
         if (i % 2 == 0)
-            scene->indices[3 * i + 2] = scene->indices[3 * i];
+            bb_scene_indices(scene)[3 * i + 2] = bb_scene_indices(scene)[3 * i];
     }
     check(bb_scene_finish(scene), "finish");
     check(bb_scene_profile(scene), "profile");
@@ -300,7 +301,7 @@ static void permuting_primitives_changes_no_distance(void **state)
     make_rays(scene, rays);
     trace_scene(scene, rays, hits, "lbvh");
     scene = load("interior:n=3000");
-    uint32_t count = scene->triangle_count;
+    uint32_t count = scene->prims[BB_TRIANGLE].count;
     uint32_t *order = calloc(count, sizeof *order), *indices = calloc(count, 3 * sizeof *indices);
     bb_random random = bb_random_make(seed, 3);
     for (uint32_t i = 0; i < count; i++) {
@@ -309,8 +310,8 @@ static void permuting_primitives_changes_no_distance(void **state)
         order[k] = i;
     }
     for (uint32_t i = 0; i < count; i++)
-        memcpy(indices + 3 * i, scene->indices + 3 * order[i], 3 * sizeof *indices);
-    memcpy(scene->indices, indices, 3 * count * sizeof *indices);
+        memcpy(indices + 3 * i, bb_scene_indices(scene) + 3 * order[i], 3 * sizeof *indices);
+    memcpy(bb_scene_indices(scene), indices, 3 * count * sizeof *indices);
     check(bb_scene_finish(scene), "finish");
     trace_scene(scene, rays, others, "lbvh");
     for (uint32_t i = 0; i < RAYS; i++) {

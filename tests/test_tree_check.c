@@ -294,9 +294,9 @@ static void test_fuzzed_trees_do_no_harm(void **state)
         make_random_tree(scene, 2 + bb_random_below(&random, 7), 3, &random, &tree);
         tree.duplicated = bb_random_below(&random, 2);
         tree.disjoint = bb_random_below(&random, 2);
-        scene->triangle_count = 0; /* as spheres, which fuzzed coverage can look at */
-        scene->sphere_count = scene->prim_count;
-        scene->spheres = calloc(4 * (size_t)scene->prim_count, sizeof(float));
+        scene->prims[BB_TRIANGLE].count = 0; /* as spheres, which fuzzed coverage can look at */
+        scene->prims[BB_SPHERE].count = scene->prim_count;
+        scene->prims[BB_SPHERE].data = calloc(4 * (size_t)scene->prim_count, sizeof(float));
         for (uint32_t flips = 1 + bb_random_below(&random, 4); flips > 0; flips--) {
             uint32_t bit = 1u << bb_random_below(&random, bb_random_below(&random, 2) ? 7 : 32);
             uint32_t words = tree.info.node_count * 8, refs = tree.info.ref_count;
@@ -413,8 +413,8 @@ static void test_cover(void **state)
             double p[3], u = bb_random_unit(&random), v = bb_random_unit(&random), d[3];
             bb_random_direction(&random, d);
             for (int axis = 0; axis < 3; axis++) {
-                const float *t = scene->vertices, *s = scene->spheres;
-                p[axis] = scene->sphere_count > 0 ? s[axis] + s[3] * d[axis]
+                const float *t = scene->vertices, *s = bb_scene_floats(scene, BB_SPHERE);
+                p[axis] = scene->prims[BB_SPHERE].count > 0 ? s[axis] + s[3] * d[axis]
                           : u + v > 1 ? t[axis] + (1 - u) * ((double)t[axis + 3] - t[axis]) +
                                             (1 - v) * ((double)t[axis + 6] - t[axis])
                                       : t[axis] + u * ((double)t[axis + 3] - t[axis]) +

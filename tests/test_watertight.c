@@ -23,7 +23,6 @@ static const char *const prologue[] = {
 static const char program_text[] =
     "#include \"bb_device.h\"\n"
     "#include \"intersect.clh\"\n"
-    "#include \"record.clh\"\n"
     "kernel void test(global const float *vertices, global const uint *indices,\n"
     "                 global const bb_ray *rays, uint count, float scale, global uint *records,\n"
     "                 global float *found)\n"
@@ -32,8 +31,7 @@ static const char program_text[] =
     "    if (i >= count)\n"
     "        return;\n"
     "    global uint *record = records + i * BB_WORDS;\n"
-    "    bb_write_primitive(record, 1, BB_RECORD_VERTICES, i, vertices, indices, vertices, count,\n"
-    "                       scale);\n"
+    "    bb_triangle_write(record, 1, BB_RECORD_VERTICES, indices + 3 * i, vertices, scale);\n"
     "    float node[8];\n"
     "    for (uint k = 0; k < 3; k++) {\n"
     "        float a = vertices[9 * i + k], b = vertices[9 * i + 3 + k],\n"
@@ -86,7 +84,8 @@ static verdict run(const batch *b, float scale, bool rough, const char *defines)
     upload(&vertices, b->vertices, 9 * (size_t)b->count * sizeof(float));
     upload(&indices, order, 3 * (size_t)b->count * sizeof *order);
     upload(&rays, b->rays, b->count * sizeof *b->rays);
-    upload(&records, NULL, (size_t)b->count * BB_RECORD_WORDS * sizeof(float));
+    upload(&records, NULL,
+           (size_t)b->count * bb_record_words(BB_TRIANGLES, BB_RECORD_VERTICES) * sizeof(float));
     upload(&d_found, NULL, 10 * (size_t)b->count * sizeof *found);
     cl_program program;
     cl_kernel kernel;
@@ -256,11 +255,11 @@ static bb_scene *make_wall(float reach)
     const float v[18] = {1, 0.5f, -reach, 1, 0.5f, reach,  1, -reach, 0,
                          1, 0.5f, reach,  1, 0.5f, -reach, 1, reach,  0};
     check(bb_host_alloc(NULL, sizeof v, "v", &scene->vertices), "v");
-    check(bb_host_alloc(NULL, 6 * sizeof(uint32_t), "i", &scene->indices), "i");
+    check(bb_host_alloc(NULL, 6 * sizeof(uint32_t), "i", &scene->prims[BB_TRIANGLE].data), "i");
     memcpy(scene->vertices, v, sizeof v);
     for (uint32_t i = 0; i < 6; i++)
-        scene->indices[i] = i;
-    scene->triangle_count = scene->prim_count = 2;
+        bb_scene_indices(scene)[i] = i;
+    scene->prims[BB_TRIANGLE].count = scene->prim_count = 2;
     scene->vertex_count = 6;
     check(bb_scene_finish(scene), "finish");
     return scene;
@@ -350,7 +349,7 @@ static void spheres_small_beside_their_place_are_hit(void **state)
         bed b;
         bb_scene *scene = load("spheres:n=10");
         const float place[4] = {-12.8f, 0.3f, -12.8f, radii[r]};
-        memcpy(scene->spheres, place, sizeof place);
+        memcpy(bb_scene_floats(scene, BB_SPHERE), place, sizeof place);
         check(bb_scene_finish(scene), "finish");
         open_bed(&b, scene, "lbvh", "stack", 1);
         for (uint32_t i = 0; i < AIMED; i++) {

@@ -190,12 +190,13 @@ static bool read_leaf(wide *w, uint32_t block, bb_box *box)
             }
             uint32_t prim = lane == 0 ? prims[0] & BB_INDEX_MASK : prims[lane];
             assert_true(prim < w->scene->prim_count);
-            assert_int_equal(prim < w->scene->triangle_count,
-                             (prims[0] & BB_INDEX_MASK) < w->scene->triangle_count);
-            bool triangle = prim < w->scene->triangle_count;
-            const float *from =
-                triangle ? w->scene->vertices + 9 * (size_t)prim
-                         : w->scene->spheres + 4 * (size_t)(prim - w->scene->triangle_count);
+            assert_int_equal(prim < w->scene->prims[BB_TRIANGLE].count,
+                             (prims[0] & BB_INDEX_MASK) < w->scene->prims[BB_TRIANGLE].count);
+            bool triangle = prim < w->scene->prims[BB_TRIANGLE].count;
+            const float *from = triangle
+                                    ? w->scene->vertices + 9 * (size_t)prim
+                                    : bb_scene_floats(w->scene, BB_SPHERE) +
+                                          4 * (size_t)(prim - w->scene->prims[BB_TRIANGLE].count);
             for (uint32_t k = 0; k < (triangle ? 9u : 4u); k++)
                 assert_memory_equal(&words[k * BB_BLOCK_LANES + lane], &from[k], sizeof *from);
             w->seen[prim]++;
@@ -261,7 +262,7 @@ static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, u
         .quantised = strcmp(name, "quant8") == 0,
         .nodes = download(&data.buffers[0]),
         .blocks = download(&data.buffers[1]),
-        .words = scene->kinds == BB_SPHERES ? BB_SPHERE_BLOCK_WORDS : BB_BLOCK_WORDS,
+        .words = bb_block_words(scene->kinds, BB_RECORD_VERTICES),
         .seen = calloc(scene->prim_count, sizeof *w.seen),
     };
     bb_box box = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
@@ -328,8 +329,7 @@ static void wide_layouts_hold_the_tree(void **state)
         bb_scene_device *geometry = &scene->on_device;
         bb_buffer_release(&geometry->boxes);
         bb_buffer_release(&geometry->vertices);
-        bb_buffer_release(&geometry->indices);
-        bb_buffer_release(&geometry->spheres);
+        bb_buffer_release(&geometry->prims);
         free_scene(scene);
     }
 }

@@ -33,7 +33,7 @@ static inline bb_scene *make_box_scene(uint32_t count)
     bb_scene *scene = calloc(1, sizeof *scene);
     assert_non_null(scene);
     scene->kinds = BB_TRIANGLES;
-    scene->prim_count = scene->triangle_count = count;
+    scene->prim_count = scene->prims[BB_TRIANGLE].count = count;
     scene->scale = 1.0f;
     scene->boxes = calloc(count, sizeof *scene->boxes);
     assert_non_null(scene->boxes);
@@ -44,8 +44,8 @@ static inline void free_scene(bb_scene *scene)
 {
     free(scene->boxes);
     free(scene->vertices);
-    free(scene->indices);
-    free(scene->spheres);
+    free(bb_scene_indices(scene));
+    free(bb_scene_floats(scene, BB_SPHERE));
     free(scene);
 }
 
@@ -55,18 +55,20 @@ static inline bb_scene *make_scene(const float *triangles, uint32_t triangle_cou
 {
     bb_scene *scene = make_box_scene(triangle_count + sphere_count);
     scene->kinds = (triangle_count > 0 ? BB_TRIANGLES : 0u) | (sphere_count > 0 ? BB_SPHERES : 0u);
-    scene->triangle_count = triangle_count;
-    scene->sphere_count = sphere_count;
+    scene->prims[BB_TRIANGLE].count = triangle_count;
+    scene->prims[BB_SPHERE].count = sphere_count;
+    scene->prims[BB_SPHERE].first = triangle_count;
     scene->vertex_count = 3 * triangle_count;
     scene->vertices = calloc(9 * (size_t)triangle_count + 1, sizeof(float));
-    scene->indices = calloc(3 * (size_t)triangle_count + 1, sizeof(uint32_t));
-    scene->spheres = calloc(4 * (size_t)sphere_count + 1, sizeof(float));
+    scene->prims[BB_TRIANGLE].data = calloc(3 * (size_t)triangle_count + 1, sizeof(uint32_t));
+    scene->prims[BB_SPHERE].data = calloc(4 * (size_t)sphere_count + 1, sizeof(float));
     for (uint32_t i = 0; i < 3 * triangle_count; i++)
-        scene->indices[i] = i;
+        bb_scene_indices(scene)[i] = i;
     if (triangle_count > 0)
         memcpy(scene->vertices, triangles, 9 * (size_t)triangle_count * sizeof(float));
     if (sphere_count > 0)
-        memcpy(scene->spheres, spheres, 4 * (size_t)sphere_count * sizeof(float));
+        memcpy(bb_scene_floats(scene, BB_SPHERE), spheres,
+               4 * (size_t)sphere_count * sizeof(float));
     for (uint32_t i = 0; i < triangle_count; i++)
         for (uint32_t axis = 0; axis < 3; axis++) {
             const float *v = scene->vertices + 9 * (size_t)i + axis;
@@ -75,7 +77,7 @@ static inline bb_scene *make_scene(const float *triangles, uint32_t triangle_cou
         }
     for (uint32_t i = 0; i < sphere_count; i++)
         for (uint32_t axis = 0; axis < 3; axis++) {
-            const float *s = scene->spheres + 4 * (size_t)i;
+            const float *s = bb_scene_floats(scene, BB_SPHERE) + 4 * (size_t)i;
             bb_box *box = &scene->boxes[triangle_count + i];
             box->lo[axis] = nextafterf(s[axis] - s[3], -INFINITY);
             box->hi[axis] = nextafterf(s[axis] + s[3], INFINITY);

@@ -72,7 +72,7 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
     if (tree->duplicated && maker->reach == NULL)
         BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
     data->bytes = 0;
-    data->triangle_count = scene->triangle_count;
+    data->ends = bb_scene_ends(scene);
     data->kinds = scene->kinds;
     data->form = form;
     data->scale = scene->scale;
@@ -91,7 +91,8 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
         }
         data->keeps_shape = false;
     }
-    name(maker->layout, leaf, scene->triangle_count > 0 ? data->form : BB_RECORD_VERTICES, data);
+    name(maker->layout, leaf, scene->prims[BB_TRIANGLE].count > 0 ? data->form : BB_RECORD_VERTICES,
+         data);
     return BB_OK;
 }
 

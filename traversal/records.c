@@ -10,7 +10,6 @@ struct bb_records {
     bb_account *account;
     cl_program program;
     cl_kernel kernel;
-    bb_buffer none; /* stands for the arrays that a scene lacks */
 };
 
 bb_status bb_records_create(bb_device *device, bb_account *account, bb_records **out)
@@ -24,8 +23,6 @@ bb_status bb_records_create(bb_device *device, bb_account *account, bb_records *
         bb_program_build(device, bb_source_find("records.cl"), "", &records->program);
     if (status == BB_OK)
         status = bb_kernel_get(records->program, "make_records", &records->kernel);
-    if (status == BB_OK)
-        status = bb_buffer_reserve(device, account, 16, "records: empty array", &records->none);
     if (status != BB_OK) {
         bb_records_destroy(records);
         return status;
@@ -38,7 +35,6 @@ void bb_records_destroy(bb_records *records)
 {
     if (records == NULL)
         return;
-    bb_buffer_release(&records->none);
     bb_kernel_release(records->kernel);
     bb_program_release(records->program);
     free(records);
@@ -50,22 +46,15 @@ bb_status bb_records_make(bb_records *records, const bb_layout_source *source, u
     const bb_scene *scene = source->scene;
     const bb_tree *tree = source->tree;
     const bb_scene_device *geometry = &scene->on_device;
-    bool affine = form == BB_RECORD_AFFINE;
-    uint32_t words = affine ? BB_AFFINE_RECORD_WORDS : BB_RECORD_WORDS;
-    uint32_t id_word = affine ? BB_AFFINE_RECORD_ID : BB_RECORD_ID;
-    if (scene->kinds == BB_SPHERES) {
-        words = BB_SPHERE_RECORD_WORDS;
-        id_word = BB_SPHERE_RECORD_ID;
-    }
+    const bb_prim_ends ends = bb_scene_ends(scene);
+    uint32_t words = bb_record_words(scene->kinds, form);
+    uint32_t id_word = bb_record_payload(scene->kinds, form);
     uint32_t count = tree->info.ref_count;
     size_t size = (size_t)count * words * sizeof(uint32_t);
     BB_TRY(bb_buffer_reserve(records->device, records->account, size, "primitive records", out));
     *bytes += size;
-    bool triangles = scene->triangle_count > 0, spheres = scene->sphere_count > 0;
     return bb_launch(records->device, records->kernel, count, GROUP_SIZE, BB_MEM(tree->d_refs),
-                     BB_VALUE(count), BB_MEM(*(triangles ? &geometry->vertices : &records->none)),
-                     BB_MEM(*(triangles ? &geometry->indices : &records->none)),
-                     BB_MEM(*(spheres ? &geometry->spheres : &records->none)),
-                     BB_VALUE(scene->triangle_count), BB_VALUE(scene->scale), BB_VALUE(form),
-                     BB_VALUE(words), BB_VALUE(id_word), BB_MEM(*out));
+                     BB_VALUE(count), BB_MEM(geometry->vertices), BB_MEM(geometry->prims),
+                     BB_VALUE(ends), BB_VALUE(scene->scale), BB_VALUE(form), BB_VALUE(words),
+                     BB_VALUE(id_word), BB_MEM(*out));
 }

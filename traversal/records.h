@@ -1,5 +1,5 @@
 /* Primitive records: what most layouts hand their kernels of the primitives, expanded in the order of the leaves
- * (BB_RECORD_WORDS in kernels/bb_shared.h; device code in kernels/records.cl). */
+ * (bb_record_words() in kernels/bb_shared.h; device code in kernels/records.cl). */
 #ifndef BB_RECORDS_H
 #define BB_RECORDS_H
 

@@ -208,7 +208,7 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
     for (uint32_t i = 0; i < layout->buffer_count; i++)
         args[n++] = BB_MEM(layout->buffers[i]);
     args[n++] = BB_VALUE(layout->root);
-    args[n++] = BB_VALUE(layout->triangle_count);
+    args[n++] = BB_VALUE(layout->ends);
     args[n++] = BB_VALUE(layout->scale);
     args[n++] = BB_MEM(*rays);
     args[n++] = BB_VALUE(count);

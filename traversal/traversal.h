@@ -32,7 +32,7 @@ typedef struct bb_layout_data {
     uint32_t buffer_count;
     bb_buffer buffers[BB_LAYOUT_BUFFERS_MAX]; /* the kernel's first arguments, in this order */
     bb_u32 root;                              /* link to start from, as the kernel reads links */
-    bb_u32 triangle_count;                    /* of the scene: primitives below it are triangles */
+    bb_prim_ends ends;                        /* of the scene's kinds */
     uint32_t kinds;                           /* of the scene's primitives */
     bb_u32 form;                              /* of the triangles' records: BB_RECORD_... */
     float scale;                              /* the scene's */

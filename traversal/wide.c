@@ -33,7 +33,6 @@ typedef struct wide_layout {
     bb_buffer state;            /* the largest stack need; then nodes per level */
     bb_buffer index;            /* u32 per pair, and the total: its wide node */
     bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
-    bb_buffer none;             /* stands for the arrays that a scene lacks */
 } wide_layout;
 
 void bb_wide_destroy(void *opaque)
@@ -41,9 +40,9 @@ void bb_wide_destroy(void *opaque)
     wide_layout *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer *const buffers[] = {&self->pair_nodes, &self->parents,   &self->missing, &self->plans,
-                                  &self->levels[0],  &self->levels[1], &self->state,   &self->index,
-                                  &self->first,      &self->none};
+    bb_buffer *const buffers[] = {&self->pair_nodes, &self->parents,   &self->missing,
+                                  &self->plans,      &self->levels[0], &self->levels[1],
+                                  &self->state,      &self->index,     &self->first};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
     bb_pairs_destroy(&self->pairs);
@@ -88,7 +87,7 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
     BB_TRY(bb_kernel_get(self->program, "wide_nodes", &self->nodes));
     BB_TRY(bb_kernel_get(self->program, "wide_count", &self->count));
     BB_TRY(bb_kernel_get(self->program, "wide_blocks", &self->blocks));
-    return bb_buffer_reserve(device, account, 16, "wide: empty array", &self->none);
+    return BB_OK;
 }
 
 static bb_status reserve(wide_layout *self, size_t bytes, const char *what, bb_buffer *buffer)
@@ -183,26 +182,22 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
     const bb_scene *scene = source->scene;
     const bb_tree *tree = source->tree;
     const bb_scene_device *geometry = &scene->on_device;
-    uint32_t count = tree->info.ref_count, triangle_count = scene->triangle_count, total;
-    uint32_t words = scene->kinds == BB_SPHERES       ? BB_SPHERE_BLOCK_WORDS
-                     : data->form == BB_RECORD_AFFINE ? BB_AFFINE_BLOCK_WORDS
-                                                      : BB_BLOCK_WORDS;
+    const bb_prim_ends ends = bb_scene_ends(scene);
+    uint32_t count = tree->info.ref_count, total;
+    uint32_t words = bb_block_words(scene->kinds, data->form);
     size_t scan = (size_t)count + 1;
     BB_TRY(reserve(self, scan * sizeof(uint32_t), "wide: blocks of leaves", &self->first));
     BB_TRY(bb_launch(self->device, self->count, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
-                     BB_VALUE(count), BB_VALUE(triangle_count), BB_MEM(self->first)));
+                     BB_VALUE(count), BB_VALUE(ends), BB_MEM(self->first)));
     BB_TRY(bb_scan_u32(self->pairs.primitives, &self->first, &self->first, count + 1, NULL));
     BB_TRY(read_total(&self->first, count, &total));
     size_t bytes = ((size_t)total + 1) * words * sizeof(uint32_t);
     BB_TRY(reserve(self, bytes, "wide: blocks of primitives", &data->buffers[1]));
     data->bytes += bytes;
-    bool triangles = triangle_count > 0, spheres = scene->sphere_count > 0;
     return bb_launch(self->device, self->blocks, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
-                     BB_VALUE(count), BB_MEM(*(triangles ? &geometry->vertices : &self->none)),
-                     BB_MEM(*(triangles ? &geometry->indices : &self->none)),
-                     BB_MEM(*(spheres ? &geometry->spheres : &self->none)),
-                     BB_VALUE(triangle_count), BB_VALUE(data->scale), BB_VALUE(data->form),
-                     BB_VALUE(words), BB_MEM(self->first), BB_MEM(data->buffers[1]));
+                     BB_VALUE(count), BB_MEM(geometry->vertices), BB_MEM(geometry->prims),
+                     BB_VALUE(ends), BB_VALUE(data->scale), BB_VALUE(data->form), BB_VALUE(words),
+                     BB_MEM(self->first), BB_MEM(data->buffers[1]));
 }
 
 /* From pairs to nodes: data->buffers[0], root and stack need. Needs self->first. */

@@ -190,12 +190,12 @@ static void clip(struct RTCBounds *side, const struct RTCBuildPrimitive *prim, u
     side->upper_z = hi[2];
 }
 
-/* Triangles are clipped; spheres give their box's halves. */
+/* Triangles are clipped; other kinds give their box's halves. */
 static void split_primitive(const struct RTCBuildPrimitive *prim, unsigned int axis, float plane,
                             struct RTCBounds *left, struct RTCBounds *right, void *user)
 {
     const bb_scene *scene = ((const embree *)user)->scene;
-    if (prim->primID < scene->triangle_count) {
+    if (prim->primID < scene->prims[BB_TRIANGLE].count) {
         whole(left, INFINITY, -INFINITY);
         whole(right, INFINITY, -INFINITY);
         split_triangle(scene, prim->primID, axis, plane, left, right);
@@ -462,7 +462,7 @@ const bb_builder bb_builder_embree = {
     .summary = "Embree's builders by rtcBuildBVH: Morton, binned SAH, SAH with spatial splits",
     .paper =
         "Wald et al., Embree: A Kernel Framework for Efficient CPU Ray Tracing, 2014, section 5",
-    .kinds = BB_TRIANGLES | BB_SPHERES,
+    .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY,
     .place = BB_ON_HOST,
     .deterministic = true,

@@ -143,8 +143,7 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
         buffers[count++] = &there->boxes;
     if ((builder->inputs & BB_INPUT_GEOMETRY) != 0) {
         buffers[count++] = &there->vertices;
-        buffers[count++] = &there->indices;
-        buffers[count++] = &there->spheres;
+        buffers[count++] = &there->prims;
     }
     size_t most = 0;
     for (uint32_t i = 0; i < count; i++)

@@ -1,4 +1,5 @@
 #include "framework/bench/conformance.h"
+#include "framework/scene/prim.h"
 #include "framework/workload/workload.h"
 
 #include "traversal/pass.h"
@@ -231,16 +232,18 @@ static bb_status reverse(const bb_scene *scene, bb_scene **out)
         return bb_fail(BB_FAILED, "out of memory");
     *out = reversed;
     snprintf(reversed->name, sizeof reversed->name, "%s", scene->name);
-    BB_TRY(bb_scene_reserve(reversed, scene->vertex_count, scene->triangle_count,
-                            scene->sphere_count));
+    bb_prim_counts counts;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        counts.of[kind] = scene->prims[kind].count;
+    BB_TRY(bb_scene_reserve(reversed, scene->vertex_count, &counts));
     memcpy(reversed->vertices, scene->vertices, 3 * sizeof(float) * (size_t)scene->vertex_count);
-    for (uint32_t i = 0; i < scene->triangle_count; i++)
-        memcpy(reversed->indices + 3 * (size_t)i,
-               scene->indices + 3 * (size_t)opposite(i, scene->triangle_count),
-               3 * sizeof(uint32_t));
-    for (uint32_t i = 0; i < scene->sphere_count; i++)
-        memcpy(reversed->spheres + 4 * (size_t)i,
-               scene->spheres + 4 * (size_t)opposite(i, scene->sphere_count), 4 * sizeof(float));
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        const bb_prims *prims = &scene->prims[kind];
+        size_t bytes = bb_prim_bytes(kind);
+        for (uint32_t i = 0; i < prims->count; i++)
+            memcpy((char *)reversed->prims[kind].data + i * bytes,
+                   (const char *)prims->data + opposite(i, prims->count) * bytes, bytes);
+    }
     reversed->profile = scene->profile;
     reversed->view_count = scene->view_count;
     memcpy(reversed->views, scene->views, sizeof reversed->views);

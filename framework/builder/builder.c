@@ -135,7 +135,6 @@ bb_status bb_builder_validate(const bb_builder *builder)
                        "builder with the bad name '%.40s': a letter, then a-z, 0-9 and '-', and "
                        "neither \"all\" nor \"" BB_REFERENCE_NAME "\"",
                        builder->name == NULL ? "" : builder->name);
-    const uint32_t kinds = BB_TRIANGLES | BB_SPHERES;
     const uint32_t inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY | BB_INPUT_TREE | BB_INPUT_PROFILE;
     const struct {
         bool good;
@@ -143,7 +142,8 @@ bb_status bb_builder_validate(const bb_builder *builder)
     } rules[] = {
         {is_line(builder->summary), "summary is missing or has more than one line"},
         {is_line(builder->paper), "paper is missing (\"none\" for none)"},
-        {builder->kinds != 0 && !(builder->kinds & ~kinds), "kinds is 0 or has unknown bits"},
+        {builder->kinds != 0 && !(builder->kinds & ~(uint32_t)BB_ALL_KINDS),
+         "kinds is 0 or has unknown bits"},
         {builder->inputs != 0 && !(builder->inputs & ~inputs), "inputs is 0 or has unknown bits"},
         {builder->place == BB_ON_HOST || builder->place == BB_ON_DEVICE, "place is no bb_place"},
         {builder->create != NULL, "create() is missing"},

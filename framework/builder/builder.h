@@ -25,7 +25,7 @@ enum { BB_ABI_VERSION = 3 };
  * the builder has an option `view` and it is given. Kinds, counts and names are always there. */
 enum {
     BB_INPUT_BOXES = 1u << 0,    /* on_device.boxes; for builders on the host also boxes */
-    BB_INPUT_GEOMETRY = 1u << 1, /* vertices, indices, spheres: likewise */
+    BB_INPUT_GEOMETRY = 1u << 1, /* vertices and the data of prims: likewise */
     BB_INPUT_TREE = 1u << 2,     /* an optimiser: takes another builder's tree */
     BB_INPUT_PROFILE = 1u << 3, /* bounds and profile: measured by the harness, outside the clock */
 };
@@ -81,9 +81,9 @@ struct bb_builder {
     const char *name;     /* lower case, digits, '-'; the folder's name. Required. */
     const char *summary;  /* one line for `list`. Required. */
     const char *paper;    /* what it implements, with section. Required ("none" for none). */
-    uint32_t kinds;       /* primitive kinds it takes: BB_TRIANGLES | ... Required. */
-    uint32_t inputs;      /* BB_INPUT_...; Required. */
-    bb_place place;       /* where its tree is made. Required. */
+    uint32_t kinds;  /* primitive kinds it takes: BB_TRIANGLES | ..., or BB_ALL_KINDS. Required. */
+    uint32_t inputs; /* BB_INPUT_...; Required. */
+    bb_place place;  /* where its tree is made. Required. */
     bool
         deterministic; /* same input, same tree, bit for bit. Required to be true; false is an exception that the
                              summary explains and `check` reports. */

@@ -1,6 +1,7 @@
 #include "framework/builder/instance.h"
 
 #include "framework/base/clock.h"
+#include "framework/scene/prim.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -74,10 +75,12 @@ static bb_scene declared_part(const bb_instance *instance, const bb_scene *scene
     bool on_host = instance->builder->place == BB_ON_HOST;
     bb_scene part = {.kinds = scene->kinds,
                      .prim_count = scene->prim_count,
-                     .triangle_count = scene->triangle_count,
-                     .sphere_count = scene->sphere_count,
                      .vertex_count = scene->vertex_count,
                      .on_device.device = scene->on_device.device};
+    memcpy(part.prims, scene->prims, sizeof part.prims);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if ((inputs & BB_INPUT_GEOMETRY) == 0 || !on_host)
+            part.prims[kind].data = NULL;
     memcpy(part.name, scene->name, sizeof part.name);
     memcpy(part.source, scene->source, sizeof part.source);
     if ((inputs & BB_INPUT_BOXES) != 0) {
@@ -86,11 +89,8 @@ static bb_scene declared_part(const bb_instance *instance, const bb_scene *scene
     }
     if ((inputs & BB_INPUT_GEOMETRY) != 0) {
         part.vertices = on_host ? scene->vertices : NULL;
-        part.indices = on_host ? scene->indices : NULL;
-        part.spheres = on_host ? scene->spheres : NULL;
         part.on_device.vertices = scene->on_device.vertices;
-        part.on_device.indices = scene->on_device.indices;
-        part.on_device.spheres = scene->on_device.spheres;
+        part.on_device.prims = scene->on_device.prims;
     }
     if ((inputs & BB_INPUT_PROFILE) != 0) {
         part.bounds = scene->bounds;
@@ -132,14 +132,13 @@ static bb_status warm_up(const bb_scene *part)
     const bb_scene_device *there = &part->on_device;
     read_memory(part->boxes, part->prim_count * sizeof *part->boxes);
     read_memory(part->vertices, part->vertex_count * 3 * sizeof *part->vertices);
-    read_memory(part->indices, part->triangle_count * 3 * sizeof *part->indices);
-    read_memory(part->spheres, part->sphere_count * 4 * sizeof *part->spheres);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        read_memory(part->prims[kind].data, part->prims[kind].count * bb_prim_bytes(kind));
     if (there->device == NULL || !there->device->is_cpu)
         return BB_OK;
     BB_TRY(read_buffer(&there->boxes));
     BB_TRY(read_buffer(&there->vertices));
-    BB_TRY(read_buffer(&there->indices));
-    return read_buffer(&there->spheres);
+    return read_buffer(&there->prims);
 }
 
 /* Untimed, and recorded. */

@@ -4,6 +4,7 @@
 #include "framework/cli/choice.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/oracle.h"
+#include "framework/scene/prim.h"
 #include "framework/workload/workload.h"
 
 #include <stdio.h>
@@ -73,10 +74,13 @@ static bb_status write_rays(const bb_cli *cli, const job *j)
     free(command);
     const char *out = bb_cli_value(cli, "out");
     BB_TRY(bb_exchange_write_rays(out, j->scene, j->rays, generator));
-    printf("%s: %u rays, %s%s%s, %s hit; %u triangles, %u spheres; rays %016llx, scene %016llx\n",
-           out, j->rays->count, j->rays->name, j->rays->view[0] != '\0' ? " from " : "",
-           j->rays->view, bb_query_name(j->rays->query), j->scene->triangle_count,
-           j->scene->sphere_count, (unsigned long long)j->rays->hash,
+    printf("%s: %u rays, %s%s%s, %s hit;", out, j->rays->count, j->rays->name,
+           j->rays->view[0] != '\0' ? " from " : "", j->rays->view, bb_query_name(j->rays->query));
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (kind <= BB_SPHERE || j->scene->prims[kind].count > 0)
+            printf("%s %u %s", kind > 0 ? "," : "", j->scene->prims[kind].count,
+                   bb_prim_kinds[kind]->plural);
+    printf("; rays %016llx, scene %016llx\n", (unsigned long long)j->rays->hash,
            (unsigned long long)j->scene->hash);
     return BB_OK;
 }

@@ -2,13 +2,15 @@
  * with rtcIntersect1 / rtcOccluded1.
  *
  * Spheres are RTC_GEOMETRY_TYPE_SPHERE_POINT: the nearest root in the interval counts, so a ray
- * from inside hits the far side. Embree counts hits in the closed interval [tmin, tmax], bb_ray's
+ * from inside hits the far side. Kinds that Embree does not know are its user geometry, met in exact
+ * arithmetic. Embree counts hits in the closed interval [tmin, tmax], bb_ray's
  * is open; the difference is one value of t, within the margin of the arbiter.
  */
 #include "framework/embree/embree.h"
 
 #include "framework/base/clock.h"
 #include "framework/base/threads.h"
+#include "framework/scene/prim.h"
 
 #include "framework/embree/embree_api.h"
 #include <math.h>
@@ -22,13 +24,20 @@
 
 enum { CHUNK = 2048 }; /* rays that a thread takes at once */
 
+/* What Embree's calls back into a kind that it does not know get. */
+typedef struct user_kind {
+    const bb_scene *scene;
+    uint32_t kind;
+} user_kind;
+
 struct bb_embree {
     const bb_scene *of;
     RTCDevice device;
     RTCScene scene;
     bb_pool *pool;
-    uint32_t first_prim[2]; /* of geometry 0 and 1, in the scene's numbering */
+    uint32_t first_prim[BB_KIND_COUNT]; /* of each geometry, in the scene's numbering */
     uint32_t geometries;
+    user_kind users[BB_KIND_COUNT];
     atomic_llong bytes;
     _Atomic int error; /* the first that Embree reported since the last check */
     char text[200];
@@ -102,25 +111,96 @@ static void attach(bb_embree *embree, RTCGeometry geometry, unsigned int id, uin
 }
 
 /* Vertices are copied, since Embree reads 16 bytes at the last one; the other arrays are shared. */
+static RTCGeometry triangles_of(bb_embree *embree, const bb_scene *scene)
+{
+    RTCGeometry triangles = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float *vertices =
+        rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                3 * sizeof(float), scene->vertex_count);
+    if (vertices != NULL)
+        memcpy(vertices, scene->vertices, 3 * sizeof(float) * (size_t)scene->vertex_count);
+    rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               bb_scene_indices(scene), 0, 3 * sizeof(uint32_t),
+                               scene->prims[BB_TRIANGLE].count);
+    return triangles;
+}
+
+static RTCGeometry spheres_of(bb_embree *embree, const bb_scene *scene)
+{
+    RTCGeometry spheres = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    rtcSetSharedGeometryBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                               scene->prims[BB_SPHERE].data, 0, 4 * sizeof(float),
+                               scene->prims[BB_SPHERE].count);
+    return spheres;
+}
+
+/* ---- kinds that Embree does not know ---- */
+
+static void user_bounds(const struct RTCBoundsFunctionArguments *arguments)
+{
+    const user_kind *user = arguments->geometryUserPtr;
+    const bb_scene *scene = user->scene;
+    const bb_box *box = &scene->boxes[scene->prims[user->kind].first + arguments->primID];
+    *arguments->bounds_o = (struct RTCBounds){box->lo[0], box->lo[1], box->lo[2], 0,
+                                              box->hi[0], box->hi[1], box->hi[2], 0};
+}
+
+/* The first t in the ray's interval at which it meets the primitive; INFINITY for none. */
+static float user_t(const user_kind *user, const struct RTCRay *ray, uint32_t prim)
+{
+    const double o[3] = {ray->org_x, ray->org_y, ray->org_z};
+    const float d[3] = {ray->dir_x, ray->dir_y, ray->dir_z};
+    double t[2];
+    int count = bb_prim_kinds[user->kind]->hits(user->scene, prim, o, d, t);
+    for (int root = 0; root < count; root++)
+        if (t[root] > ray->tnear && t[root] < ray->tfar)
+            return (float)t[root];
+    return INFINITY;
+}
+
+/* Only ever called for one ray: by rtcIntersect1() and rtcOccluded1(). */
+static void user_intersect(const struct RTCIntersectFunctionNArguments *arguments)
+{
+    struct RTCRayHit *hit = (struct RTCRayHit *)arguments->rayhit;
+    float t = user_t(arguments->geometryUserPtr, &hit->ray, arguments->primID);
+    if (arguments->valid[0] == 0 || !(t < hit->ray.tfar))
+        return;
+    hit->ray.tfar = t;
+    hit->hit.primID = arguments->primID;
+    hit->hit.geomID = arguments->geomID;
+    hit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+}
+
+static void user_occluded(const struct RTCOccludedFunctionNArguments *arguments)
+{
+    struct RTCRay *ray = (struct RTCRay *)arguments->ray;
+    if (arguments->valid[0] != 0 &&
+        user_t(arguments->geometryUserPtr, ray, arguments->primID) < ray->tfar)
+        ray->tfar = -INFINITY;
+}
+
+static RTCGeometry user_of(bb_embree *embree, const bb_scene *scene, uint32_t kind)
+{
+    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_USER);
+    embree->users[kind] = (user_kind){scene, kind};
+    rtcSetGeometryUserPrimitiveCount(geometry, scene->prims[kind].count);
+    rtcSetGeometryUserData(geometry, &embree->users[kind]);
+    rtcSetGeometryBoundsFunction(geometry, user_bounds, NULL);
+    rtcSetGeometryIntersectFunction(geometry, user_intersect);
+    rtcSetGeometryOccludedFunction(geometry, user_occluded);
+    return geometry;
+}
+
 static void add_geometry(bb_embree *embree, const bb_scene *scene, enum RTCBuildQuality quality)
 {
     unsigned int id = 0;
-    if (scene->triangle_count > 0) {
-        RTCGeometry triangles = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        float *vertices =
-            rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                    3 * sizeof(float), scene->vertex_count);
-        if (vertices != NULL)
-            memcpy(vertices, scene->vertices, 3 * sizeof(float) * (size_t)scene->vertex_count);
-        rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   scene->indices, 0, 3 * sizeof(uint32_t), scene->triangle_count);
-        attach(embree, triangles, id++, 0, quality);
-    }
-    if (scene->sphere_count > 0) {
-        RTCGeometry spheres = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-        rtcSetSharedGeometryBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                   scene->spheres, 0, 4 * sizeof(float), scene->sphere_count);
-        attach(embree, spheres, id++, scene->triangle_count, quality);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        if (scene->prims[kind].count == 0)
+            continue;
+        RTCGeometry geometry = kind == BB_TRIANGLE ? triangles_of(embree, scene)
+                               : kind == BB_SPHERE ? spheres_of(embree, scene)
+                                                   : user_of(embree, scene, kind);
+        attach(embree, geometry, id++, scene->prims[kind].first, quality);
     }
 }
 

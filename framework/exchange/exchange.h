@@ -13,7 +13,8 @@
  *   hits file   bb_hits_header
  *               bb_hit   hits[hit_count]              t, primitive: 8 bytes each, hits[i] of rays[i]
  *
- * Primitives are numbered through: the triangles first, then the spheres. t is in units of |d|, which
+ * Primitives are numbered through: the triangles first, then the spheres. A scene of other kinds than triangles and spheres makes files of version 3, all others of
+ * version 2. t is in units of |d|, which
  * need not be 1. Hits count in the open interval tmin < t < tmax; tmax may be +inf. Triangles have
  * two sides; a ray that starts in a sphere hits its far side. Nothing has a default: a tracer that
  * cannot do what a header asks for (another version, another interval) must say so and stop.
@@ -47,7 +48,9 @@
 #define BB_HITS_MAGIC "BVHBHITS"
 
 enum {
-    BB_EXCHANGE_VERSION = 2,        /* of both files */
+    BB_EXCHANGE_VERSION = 2,
+    BB_EXCHANGE_VERSION_MORE = 3, /* of rays files with other kinds than triangles and spheres */
+    BB_EXCHANGE_MORE_KINDS = 6,
     BB_EXCHANGE_ORDER = 0x01020304, /* what a reader of the wrong byte order sees as 0x04030201 */
     BB_EXCHANGE_CLOSEST = 0,
     BB_EXCHANGE_ANY = 1,
@@ -67,8 +70,10 @@ typedef struct bb_rays_header {
     uint64_t vertex_count;
     uint64_t triangle_count;
     uint64_t sphere_count;
-    uint64_t scene_hash; /* of the last three counts as uint32_t, vertices, indices, spheres */
-    uint64_t rays_hash;  /* of the rays */
+    uint64_t
+        scene_hash;     /* of the last three counts as uint32_t, those of more_counts that are not 0
+                          * likewise, vertices, indices, spheres, further kinds */
+    uint64_t rays_hash; /* of the rays */
     uint64_t checksum;
     uint64_t
         seed; /* the rays were made by: scene, workload, view, this and the last three numbers */
@@ -81,7 +86,8 @@ typedef struct bb_rays_header {
     char scene[256];     /* as given to `bvhbench rays` */
     char rays[128];      /* the workload, with its parameters */
     char view[48];       /* "": made over all views, or without one */
-    char generator[472]; /* version and command line of the program that wrote the file */
+    char generator[424]; /* version and command line of the program that wrote the file */
+    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* of kinds to come; 0 */
 } bb_rays_header;
 
 /* 128 bytes. */

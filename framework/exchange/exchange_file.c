@@ -8,6 +8,7 @@
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 #include "framework/exchange/exchange_intake.h"
+#include "framework/scene/prim.h"
 #include "framework/workload/workload.h"
 
 #include <inttypes.h>
@@ -28,11 +29,16 @@ static const char rays_file[] = "rays file", hits_file[] = "hits file";
 
 /* ---- writing ---- */
 
+/* Kinds that came after the two whose counts have names of their own. */
+enum { MORE = BB_SPHERE + 1, MORE_COUNT = BB_KIND_COUNT - MORE };
+BB_STATIC_ASSERT((int)MORE_COUNT <= (int)BB_EXCHANGE_MORE_KINDS, "room for all kinds");
+
 static void fill_header(const bb_scene *scene, const bb_rays *rays, const char *generator,
                         bb_rays_header *header)
 {
+    bool plain = (scene->kinds & ~(uint32_t)(BB_TRIANGLES | BB_SPHERES)) == 0;
     *header = (bb_rays_header){
-        .version = BB_EXCHANGE_VERSION,
+        .version = plain ? BB_EXCHANGE_VERSION : BB_EXCHANGE_VERSION_MORE,
         .byte_order = BB_EXCHANGE_ORDER,
         .header_bytes = sizeof *header,
         .query = rays->query,
@@ -40,8 +46,8 @@ static void fill_header(const bb_scene *scene, const bb_rays *rays, const char *
         .must_hit = rays->must_hit,
         .ray_count = rays->count,
         .vertex_count = scene->vertex_count,
-        .triangle_count = scene->triangle_count,
-        .sphere_count = scene->sphere_count,
+        .triangle_count = scene->prims[BB_TRIANGLE].count,
+        .sphere_count = scene->prims[BB_SPHERE].count,
         .scene_hash = scene->hash,
         .rays_hash = rays->hash,
         .seed = rays->seed,
@@ -51,6 +57,8 @@ static void fill_header(const bb_scene *scene, const bb_rays *rays, const char *
         .primary_height = rays->primary_height,
         .max_rays = rays->max_rays,
     };
+    for (int more = 0; more < MORE_COUNT; more++)
+        header->more_counts[more] = scene->prims[MORE + more].count;
     memcpy(header->magic, BB_RAYS_MAGIC, sizeof header->magic);
     memcpy(header->scene, scene->name, strnlen(scene->name, sizeof header->scene - 1));
     memcpy(header->rays, rays->name, strnlen(rays->name, sizeof header->rays - 1));
@@ -63,14 +71,15 @@ bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const 
 {
     bb_rays_header header;
     fill_header(scene, rays, generator, &header);
-    const bb_part parts[] = {
+    enum { PARTS = 3 + BB_KIND_COUNT };
+    bb_part parts[PARTS] = {
         {&header, sizeof header},
         {rays->rays, rays->count * sizeof(bb_ray)},
         {scene->vertices, (size_t)scene->vertex_count * 3 * sizeof(float)},
-        {scene->indices, (size_t)scene->triangle_count * 3 * sizeof(uint32_t)},
-        {scene->spheres, (size_t)scene->sphere_count * 4 * sizeof(float)},
     };
-    enum { PARTS = sizeof parts / sizeof parts[0] };
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        parts[3 + kind] =
+            (bb_part){scene->prims[kind].data, scene->prims[kind].count * bb_prim_bytes(kind)};
     XXH3_state_t *sum = XXH3_createState();
     if (sum == NULL)
         return bb_fail(BB_REFUSED, "%s %s: no memory for a checksum", rays_file, path);
@@ -84,6 +93,28 @@ bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const 
 }
 
 /* ---- reading rays ---- */
+
+/* Adds the bytes of the kinds that only version 3 has. */
+static bb_status check_more_counts(const bb_intake *in, const bb_rays_header *header,
+                                   uint64_t *bytes)
+{
+    bool more = false;
+    for (int k = 0; k < BB_EXCHANGE_MORE_KINDS; k++) {
+        BB_TRY(bb_intake_check_count(in, "more_counts", header->more_counts[k]));
+        if (header->more_counts[k] > 0 && k >= MORE_COUNT)
+            return bb_fail(BB_INVALID,
+                           "rays file %s: more_counts[%d] is %" PRIu64
+                           ", a kind of primitive that this program does not know",
+                           in->input.path, k, header->more_counts[k]);
+        more = more || header->more_counts[k] > 0;
+        if (k < MORE_COUNT)
+            *bytes += header->more_counts[k] * bb_prim_bytes((uint32_t)(MORE + k));
+    }
+    if (more != (header->version == BB_EXCHANGE_VERSION_MORE))
+        return bb_fail(BB_INVALID, "rays file %s: of version %" PRIu32 ", so more_counts must %s",
+                       in->input.path, header->version, more ? "be 0" : "have one that is not 0");
+    return BB_OK;
+}
 
 static bb_status check_rays_header(const bb_intake *in, const bb_rays_header *header)
 {
@@ -120,17 +151,27 @@ static bb_status check_rays_header(const bb_intake *in, const bb_rays_header *he
     BB_TRY(bb_intake_check_text(in, "view", header->view, sizeof header->view));
     BB_TRY(bb_intake_check_text(in, "generator", header->generator, sizeof header->generator));
     /* below 2^31 rays, primitives and so on: no sum of them overflows */
-    return bb_intake_check_size(in, sizeof *header + header->ray_count * sizeof(bb_ray) +
-                                        header->vertex_count * 3 * sizeof(float) +
-                                        header->triangle_count * 3 * sizeof(uint32_t) +
-                                        header->sphere_count * 4 * sizeof(float));
+    uint64_t bytes = sizeof *header + header->ray_count * sizeof(bb_ray) +
+                     header->vertex_count * 3 * sizeof(float) +
+                     header->triangle_count * 3 * sizeof(uint32_t) +
+                     header->sphere_count * 4 * sizeof(float);
+    BB_TRY(check_more_counts(in, header, &bytes));
+    return bb_intake_check_size(in, bytes);
+}
+
+static bool same_more_counts(const bb_rays_header *header, const bb_scene *scene)
+{
+    bool same = true;
+    for (int k = 0; k < MORE_COUNT; k++)
+        same = same && header->more_counts[k] == scene->prims[MORE + k].count;
+    return same;
 }
 
 static bb_status check_scene(const char *path, const bb_rays_header *header, const bb_scene *scene)
 {
     if (header->scene_hash == scene->hash && header->vertex_count == scene->vertex_count &&
-        header->triangle_count == scene->triangle_count &&
-        header->sphere_count == scene->sphere_count)
+        header->triangle_count == scene->prims[BB_TRIANGLE].count &&
+        header->sphere_count == scene->prims[BB_SPHERE].count && same_more_counts(header, scene))
         return BB_OK;
     return bb_fail(BB_INVALID,
                    "rays file %s is of another scene: of %.80s with hash %016" PRIx64
@@ -231,8 +272,9 @@ static bb_status read_rays(bb_intake *in, const bb_scene *scene, bool by_hand, b
     rays->count = (uint32_t)header.ray_count;
     BB_TRY(bb_intake_read(in, rays->rays, bytes));
     BB_TRY(compare(in, scene->vertices, (size_t)scene->vertex_count * 3 * sizeof(float)));
-    BB_TRY(compare(in, scene->indices, (size_t)scene->triangle_count * 3 * sizeof(uint32_t)));
-    BB_TRY(compare(in, scene->spheres, (size_t)scene->sphere_count * 4 * sizeof(float)));
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        BB_TRY(
+            compare(in, scene->prims[kind].data, scene->prims[kind].count * bb_prim_bytes(kind)));
     BB_TRY(bb_intake_check_sum(in, header.checksum));
     rays->hash = bb_rays_hash(rays);
     if (rays->hash != header.rays_hash)

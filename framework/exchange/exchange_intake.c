@@ -60,7 +60,8 @@ bb_status bb_intake_header(bb_intake *in, const char *magic, void *header, size_
         return bb_fail(BB_INVALID,
                        "%s %s has byte order %08" PRIx32 ", not %08x: write it little-endian", what,
                        path, p.byte_order, (unsigned)BB_EXCHANGE_ORDER);
-    if (p.version != BB_EXCHANGE_VERSION)
+    bool is_rays = memcmp(magic, BB_RAYS_MAGIC, sizeof p.magic) == 0;
+    if (p.version != BB_EXCHANGE_VERSION && !(is_rays && p.version == BB_EXCHANGE_VERSION_MORE))
         return bb_fail(BB_INVALID,
                        "%s %s is of version %" PRIu32 ", this program reads %d: make rays and hits "
                        "anew, the rays by `bvhbench rays`",

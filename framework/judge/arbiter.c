@@ -1,8 +1,9 @@
 /* Classes of answers: the definitions are in arbiter.h. */
 #include "framework/judge/arbiter.h"
 
-#include "framework/judge/exact.h"
-#include "framework/judge/passing.h"
+#include "framework/exact/passing.h"
+#include "framework/judge/open_way.h"
+#include "framework/scene/prim.h"
 
 #include <float.h>
 #include <math.h>
@@ -75,31 +76,11 @@ static void moved_origin(const trial *trial, int copy, double eps, double o[3])
 
 /* ---- primitives ---- */
 
-static bool is_triangle(const bb_scene *scene, uint32_t prim)
-{
-    return prim < scene->triangle_count;
-}
-
-static const float *sphere_of(const bb_scene *scene, uint32_t prim)
-{
-    return scene->spheres + 4 * (size_t)(prim - scene->triangle_count);
-}
-
 static double margin(const bb_scene *scene, const double o[3], uint32_t prim)
 {
-    double largest = 0.0;
-    if (is_triangle(scene, prim)) {
-        for (uint32_t corner = 0; corner < 3; corner++) {
-            const float *v = bb_scene_vertex(scene, prim, corner);
-            for (int k = 0; k < 3; k++)
-                largest = fmax(largest, fabs((double)v[k] - o[k]));
-        }
-    } else {
-        const float *s = sphere_of(scene, prim);
-        for (int k = 0; k < 3; k++)
-            largest = fmax(largest, fabs((double)s[k] - o[k]) + (double)s[3]);
-    }
-    return 16.0 * 0x1p-24 * largest;
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, prim, &i);
+    return 16.0 * 0x1p-24 * kind->reach(scene, i, o);
 }
 
 double bb_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
@@ -115,33 +96,32 @@ double bb_t_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim)
 
 float bb_smallest_height(const bb_scene *scene, uint32_t prim)
 {
-    if (!is_triangle(scene, prim))
-        return 2.0f * sphere_of(scene, prim)[3];
-    const float *v[3] = {bb_scene_vertex(scene, prim, 0), bb_scene_vertex(scene, prim, 1),
-                         bb_scene_vertex(scene, prim, 2)};
-    double longest = 0.0, area = 0.0;
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        double side = 0.0;
-        for (int axis = 0; axis < 3; axis++)
-            side = hypot(side, (double)v[j][axis] - v[i][axis]);
-        longest = fmax(longest, side);
-        area = hypot(area, ((double)v[1][j] - v[0][j]) * ((double)v[2][k] - v[0][k]) -
-                               ((double)v[1][k] - v[0][k]) * ((double)v[2][j] - v[0][j]));
-    }
-    return area > 0.0 ? (float)(area / longest) : 0.0f;
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, prim, &i);
+    return kind->height(scene, i);
 }
 
 int bb_exact_hits(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
                   double t[2])
 {
-    if (!is_triangle(scene, prim)) {
-        const float *s = sphere_of(scene, prim);
-        return bb_exact_meets_sphere(o, d, s) && bb_exact_sphere_t(o, d, s, t) ? 2 : 0;
-    }
-    const float *a = bb_scene_vertex(scene, prim, 0), *b = bb_scene_vertex(scene, prim, 1),
-                *c = bb_scene_vertex(scene, prim, 2);
-    return bb_exact_meets_triangle(o, d, a, b, c) && bb_exact_plane_t(o, d, a, b, c, &t[0]) ? 1 : 0;
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, prim, &i);
+    return kind->hits(scene, i, o, d, t);
+}
+
+static int extended_hits(const bb_scene *scene, const double o[3], const float d[3], uint32_t prim,
+                         double t[2])
+{
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, prim, &i);
+    return kind->extended(scene, i, o, d, t);
+}
+
+static bb_passing pass(const trial *trial, uint32_t prim, double from, double to)
+{
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(trial->scene, prim, &i);
+    return kind->pass(trial->scene, i, &trial->frame, from, to);
 }
 
 bool bb_exact_first(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double *t)
@@ -162,14 +142,11 @@ bool bb_exact_first(const bb_scene *scene, const bb_ray *ray, uint32_t prim, dou
 bool bb_exact_t(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double near, double *t)
 {
     const double o[3] = {ray->o[0], ray->o[1], ray->o[2]};
-    if (is_triangle(scene, prim))
-        return bb_exact_plane_t(o, ray->d, bb_scene_vertex(scene, prim, 0),
-                                bb_scene_vertex(scene, prim, 1), bb_scene_vertex(scene, prim, 2),
-                                t);
-    double both[2];
-    if (!bb_exact_sphere_t(o, ray->d, sphere_of(scene, prim), both))
+    double roots[2];
+    int count = extended_hits(scene, o, ray->d, prim, roots);
+    if (count == 0)
         return false;
-    *t = fabs(both[0] - near) <= fabs(both[1] - near) ? both[0] : both[1];
+    *t = count == 1 || fabs(roots[0] - near) <= fabs(roots[1] - near) ? roots[0] : roots[1];
     return true;
 }
 
@@ -187,23 +164,22 @@ static void widen(spread *s, int root, double t)
     s->high[root] = fmax(s->high[root], t);
 }
 
-/* t of the copies that pass the primitive by. */
+/* t of the copies that pass the primitive by: that of its plane, within the primitive's own extent; of one
+ * that is not flat, all of that extent. */
 static void widen_by_passing(const trial *trial, uint32_t prim, double eps, spread *s)
 {
-    bb_passing p = bb_pass(&trial->frame, trial->scene, prim, -INFINITY, INFINITY);
-    if (!is_triangle(trial->scene, prim)) {
-        widen(s, 0, p.t_low);
-        widen(s, 1, p.t_low);
-        return;
-    }
+    bb_passing p = pass(trial, prim, -INFINITY, INFINITY);
     for (int copy = 0; copy < NINE; copy++) {
-        double o[3], t;
+        double o[3], t[2];
         moved_origin(trial, copy, eps, o);
-        bool crosses = bb_exact_plane_t(o, trial->ray->d, bb_scene_vertex(trial->scene, prim, 0),
-                                        bb_scene_vertex(trial->scene, prim, 1),
-                                        bb_scene_vertex(trial->scene, prim, 2), &t);
-        widen(s, 0, crosses ? fmin(fmax(t, p.t_low), p.t_high) : p.t_low);
-        widen(s, 0, crosses ? fmin(fmax(t, p.t_low), p.t_high) : p.t_high);
+        if (extended_hits(trial->scene, o, trial->ray->d, prim, t) == 1) {
+            widen(s, 0, fmin(fmax(t[0], p.t_low), p.t_high));
+            continue;
+        }
+        for (int root = 0; root < 2; root++) {
+            widen(s, root, p.t_low);
+            widen(s, root, p.t_high);
+        }
     }
 }
 
@@ -227,7 +203,7 @@ static spread spread_over(const trial *trial, uint32_t prim, double eps)
     if (s.hits == NINE)
         return s;
     if (s.hits == 0) {
-        bb_passing p = bb_pass(&trial->frame, trial->scene, prim, tmin, tmax);
+        bb_passing p = pass(trial, prim, tmin, tmax);
         s.near_miss = p.distance <= eps;
     }
     if (s.hits > 0 || s.near_miss)
@@ -317,14 +293,18 @@ static bool add_outline(void *context, uint32_t prim)
     double unit = g->scaled_alike ? g->common : eps;
     double from = trial->ray->tmin + end, to = fmin(trial->ray->tmax, g->search->limit) - end;
     if (prim == g->search->prim || eps > g->search->most ||
-        bb_pass(&trial->frame, trial->scene, prim, from, to).distance > unit)
+        pass(trial, prim, from, to).distance > unit)
         return false;
-    bb_outline *outline = &g->outlines[g->count];
-    bb_see_outline(&trial->frame, trial->scene, prim, from, to, outline);
-    for (uint32_t i = 0; i < outline->count; i++)
-        for (int k = 0; k < 2; k++)
-            outline->corners[i][k] /= unit;
-    g->count += outline->count > 0;
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(trial->scene, prim, &i);
+    bb_outline parts[BB_OUTLINES_MAX];
+    uint32_t count = kind->outlines(trial->scene, i, &trial->frame, from, to, parts);
+    for (uint32_t part = 0; part < count && g->count < NEAR_MAX; part++) {
+        for (uint32_t c = 0; c < parts[part].count; c++)
+            for (int k = 0; k < 2; k++)
+                parts[part].corners[c][k] /= unit;
+        g->outlines[g->count++] = parts[part];
+    }
     return g->count == NEAR_MAX;
 }
 

@@ -4,15 +4,10 @@
 #ifndef BB_OPEN_WAY_H
 #define BB_OPEN_WAY_H
 
+#include "framework/exact/passing.h"
+
 #include <stdbool.h>
 #include <stdint.h>
-
-enum { BB_OUTLINE_CORNERS = 5 }; /* of a triangle of which two ends are cut off */
-
-typedef struct bb_outline {
-    double corners[BB_OUTLINE_CORNERS][2];
-    uint32_t count;
-} bb_outline;
 
 /* Whether is_open() says so of some point of the unit disc. It is asked about points close to each place in
  * which sides of the outlines meet or cross, one in each of the angles between them, and on both sides

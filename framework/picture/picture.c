@@ -1,6 +1,7 @@
 #include "framework/picture/picture.h"
 
 #include "framework/picture/image.h"
+#include "framework/scene/prim.h"
 #include "framework/workload/workload.h"
 
 #include <ctype.h>
@@ -11,22 +12,12 @@
 
 static void surface_normal(const bb_scene *scene, const bb_ray *ray, const bb_hit *hit, double n[3])
 {
-    if (hit->prim < scene->triangle_count) {
-        const float *a = bb_scene_vertex(scene, hit->prim, 0);
-        const float *b = bb_scene_vertex(scene, hit->prim, 1);
-        const float *c = bb_scene_vertex(scene, hit->prim, 2);
-        double u[3], v[3];
-        for (int k = 0; k < 3; k++) {
-            u[k] = (double)b[k] - a[k];
-            v[k] = (double)c[k] - a[k];
-        }
-        for (int k = 0; k < 3; k++)
-            n[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-    } else {
-        const float *s = scene->spheres + 4 * (size_t)(hit->prim - scene->triangle_count);
-        for (int k = 0; k < 3; k++)
-            n[k] = ray->o[k] + (double)hit->t * ray->d[k] - s[k];
-    }
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, hit->prim, &i);
+    double on[3];
+    for (int k = 0; k < 3; k++)
+        on[k] = ray->o[k] + (double)hit->t * ray->d[k];
+    kind->normal(scene, i, on, n);
     double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     for (int k = 0; k < 3; k++)
         n[k] = length > 0 ? n[k] / length : 0;

@@ -8,6 +8,7 @@
 #include "framework/base/clock.h"
 #include "framework/embree/embree.h"
 #include "framework/record/record_private.h"
+#include "framework/scene/prim.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -357,16 +358,21 @@ static bool put_views(cJSON *object, const bb_scene *scene)
     return false;
 }
 
-static const char *kind_names(uint32_t kinds)
+/* "triangles": 12, "spheres": 0; of further kinds those that the scene has. */
+static bool put_prims(cJSON *entry, const bb_scene *scene)
 {
-    bool triangles = (kinds & BB_TRIANGLES) != 0, spheres = (kinds & BB_SPHERES) != 0;
-    return triangles && spheres ? "triangles+spheres" : spheres ? "spheres" : "triangles";
+    bool ok = true;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (kind <= BB_SPHERE || scene->prims[kind].count > 0)
+            ok = ok && put_number(entry, bb_prim_kinds[kind]->plural, scene->prims[kind].count);
+    return ok;
 }
 
 bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene,
                                const bb_samples *boxes_ms)
 {
-    char hash[17];
+    char hash[17], kinds[64];
+    bb_prim_kind_names(scene->kinds, kinds, sizeof kinds);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)scene->hash);
     const cJSON *known = bb_results_scene(results, scene->name);
     if (known != NULL) {
@@ -379,11 +385,8 @@ bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene,
     const bb_samples none = {0};
     cJSON *entry = cJSON_CreateObject();
     bool ok = entry != NULL && put_text(entry, "name", scene->name) &&
-              put_text(entry, "kind", kind_names(scene->kinds)) &&
-              put_text(entry, "source", scene->source) &&
-              put_number(entry, "prims", scene->prim_count) &&
-              put_number(entry, "triangles", scene->triangle_count) &&
-              put_number(entry, "spheres", scene->sphere_count) &&
+              put_text(entry, "kind", kinds) && put_text(entry, "source", scene->source) &&
+              put_number(entry, "prims", scene->prim_count) && put_prims(entry, scene) &&
               put_number(entry, "ignored", scene->ignored) && put_bounds(entry, &scene->bounds) &&
               put_hash(entry, "hash", scene->hash) && put_profile(entry, &scene->profile) &&
               put_number(entry, "scale", scene->scale) &&

@@ -1,7 +1,8 @@
 /* A scene's memory, its checks, its boxes and its hash, and its copy on the device. */
-#include "framework/scene/scene.h"
+#include "framework/scene/prim.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
@@ -12,23 +13,52 @@ enum { PRIM_LIMIT = 0x7FFFFFFF, GROUP_SIZE = 64 };
 
 /* Bytes that a scene of these counts takes on the host, or on the device. At most 2^38 or so: the
  * counts are bounded. */
-static uint64_t scene_bytes(uint64_t vertices, uint64_t triangles, uint64_t spheres)
+static uint64_t scene_bytes(uint64_t vertices, const bb_prim_counts *counts)
 {
-    return vertices * 3 * sizeof(float) + triangles * 3 * sizeof(uint32_t) +
-           spheres * 4 * sizeof(float) + (triangles + spheres) * sizeof(bb_box);
+    uint64_t bytes = vertices * 3 * sizeof(float);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        bytes += counts->of[kind] * (bb_prim_bytes(kind) + sizeof(bb_box));
+    return bytes;
 }
 
-bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, uint64_t triangle_count,
-                           uint64_t sphere_count)
+/* Numbers the primitives through. */
+static void number_kinds(bb_scene *scene)
 {
-    if (triangle_count > PRIM_LIMIT || sphere_count > PRIM_LIMIT - triangle_count ||
-        vertex_count > UINT32_MAX)
-        return bb_fail(BB_REFUSED,
-                       "%s: %llu vertices, %llu triangles and %llu spheres are more than 2^32 - 1 "
-                       "vertices or 2^31 - 1 primitives",
-                       scene->name, (unsigned long long)vertex_count,
-                       (unsigned long long)triangle_count, (unsigned long long)sphere_count);
-    uint64_t bytes = scene_bytes(vertex_count, triangle_count, sphere_count);
+    scene->kinds = scene->prim_count = 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        bb_prims *prims = &scene->prims[kind];
+        prims->first = scene->prim_count;
+        scene->prim_count += prims->count;
+        scene->kinds |= prims->count > 0 ? 1u << kind : 0;
+    }
+}
+
+static bb_status check_counts(const bb_scene *scene, uint64_t vertex_count,
+                              const bb_prim_counts *counts)
+{
+    uint64_t left = PRIM_LIMIT;
+    bool fits = vertex_count <= UINT32_MAX;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        fits = fits && counts->of[kind] <= left;
+        left -= fits ? counts->of[kind] : 0;
+    }
+    if (fits)
+        return BB_OK;
+    char text[160] = "";
+    for (uint32_t kind = 0, used = 0; kind < BB_KIND_COUNT; kind++)
+        if (counts->of[kind] > 0)
+            used += (uint32_t)snprintf(text + used, sizeof text - used, ", %llu %s",
+                                       (unsigned long long)counts->of[kind],
+                                       bb_prim_kinds[kind]->plural);
+    return bb_fail(BB_REFUSED,
+                   "%s: %llu vertices%s are more than 2^32 - 1 vertices or 2^31 - 1 primitives",
+                   scene->name, (unsigned long long)vertex_count, text);
+}
+
+bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, const bb_prim_counts *counts)
+{
+    BB_TRY(check_counts(scene, vertex_count, counts));
+    uint64_t bytes = scene_bytes(vertex_count, counts);
     if (bytes > bb_host_limit())
         return bb_fail(
             BB_REFUSED,
@@ -36,17 +66,28 @@ bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, uint64_t tria
             scene->name, (unsigned long long)bytes, (unsigned long long)bb_host_limit());
     BB_TRY(bb_host_alloc(NULL, (size_t)vertex_count * 3 * sizeof(float), "the scene's vertices",
                          &scene->vertices));
-    BB_TRY(bb_host_alloc(NULL, (size_t)triangle_count * 3 * sizeof(uint32_t), "the scene's indices",
-                         &scene->indices));
-    BB_TRY(bb_host_alloc(NULL, (size_t)sphere_count * 4 * sizeof(float), "the scene's spheres",
-                         &scene->spheres));
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        BB_TRY(bb_host_alloc(NULL, (size_t)counts->of[kind] * bb_prim_bytes(kind),
+                             "the scene's primitives", &scene->prims[kind].data));
     scene->vertex_count = (uint32_t)vertex_count;
-    scene->triangle_count = (uint32_t)triangle_count;
-    scene->sphere_count = (uint32_t)sphere_count;
-    scene->prim_count = (uint32_t)(triangle_count + sphere_count);
-    scene->kinds = (triangle_count > 0 ? (uint32_t)BB_TRIANGLES : 0) |
-                   (sphere_count > 0 ? (uint32_t)BB_SPHERES : 0);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        scene->prims[kind].count = (uint32_t)counts->of[kind];
+    number_kinds(scene);
     return BB_OK;
+}
+
+bb_status bb_scene_reserve_mesh(bb_scene *scene, uint64_t vertex_count, uint64_t triangle_count)
+{
+    return bb_scene_reserve(scene, vertex_count,
+                            &(bb_prim_counts){.of = {[BB_TRIANGLE] = triangle_count}});
+}
+
+bb_prim_ends bb_scene_ends(const bb_scene *scene)
+{
+    bb_prim_ends ends;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        ends.end[kind] = scene->prims[kind].first + scene->prims[kind].count;
+    return ends;
 }
 
 void bb_scene_free(bb_scene *scene)
@@ -55,11 +96,10 @@ void bb_scene_free(bb_scene *scene)
         return;
     bb_buffer_release(&scene->on_device.boxes);
     bb_buffer_release(&scene->on_device.vertices);
-    bb_buffer_release(&scene->on_device.indices);
-    bb_buffer_release(&scene->on_device.spheres);
+    bb_buffer_release(&scene->on_device.prims);
     bb_host_free(scene->vertices);
-    bb_host_free(scene->indices);
-    bb_host_free(scene->spheres);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        bb_host_free(scene->prims[kind].data);
     bb_host_free(scene->boxes);
     free(scene);
 }
@@ -73,59 +113,6 @@ static void drop_negative_zeros(float *values, size_t count)
         values[i] += 0.0f;
 }
 
-static bb_status triangle_box(const bb_scene *scene, uint32_t triangle, bb_box *box)
-{
-    const float *corner[3];
-    for (uint32_t k = 0; k < 3; k++) {
-        uint32_t index = scene->indices[3 * (size_t)triangle + k];
-        if (index >= scene->vertex_count)
-            return bb_fail(BB_INVALID, "%s: triangle %u: index %u is beyond its %u vertices",
-                           scene->name, triangle, index, scene->vertex_count);
-        corner[k] = scene->vertices + 3 * (size_t)index;
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        float a = corner[0][axis], b = corner[1][axis], c = corner[2][axis];
-        float low = a < b ? a : b, high = a < b ? b : a;
-        box->lo[axis] = c < low ? c : low;
-        box->hi[axis] = c > high ? c : high;
-        if (!isfinite(a) || !isfinite(b) || !isfinite(c))
-            return bb_fail(BB_INVALID, "%s: triangle %u has a vertex that is not finite (%g %g %g)",
-                           scene->name, triangle, (double)a, (double)b, (double)c);
-    }
-    return BB_OK;
-}
-
-/* The largest float that is not above a + b. The double sum and its error are exact together
- * (Knuth's two-sum), so the result bounds the true sum, however far apart the two are. */
-static float sum_down(float a, float b)
-{
-    double x = a, y = b;
-    double sum = x + y;
-    double part = sum - x;
-    double error = (x - (sum - part)) + (y - part);
-    float down = (float)sum;
-    if ((double)down > sum || ((double)down == sum && error < 0))
-        down = nextafterf(down, -INFINITY);
-    return down;
-}
-
-static bb_status sphere_box(const bb_scene *scene, uint32_t sphere, bb_box *box)
-{
-    const float *s = scene->spheres + 4 * (size_t)sphere;
-    bool good = isfinite(s[3]) && s[3] >= 0;
-    for (int axis = 0; axis < 3; axis++) {
-        box->lo[axis] = sum_down(s[axis], -s[3]);
-        box->hi[axis] = -sum_down(-s[axis], -s[3]);
-        good = good && isfinite(s[axis]) && isfinite(box->lo[axis]) && isfinite(box->hi[axis]);
-    }
-    if (!good)
-        return bb_fail(BB_INVALID,
-                       "%s: sphere %u (centre %g %g %g, radius %g) must be finite, its radius not "
-                       "negative",
-                       scene->name, sphere, (double)s[0], (double)s[1], (double)s[2], (double)s[3]);
-    return BB_OK;
-}
-
 static void grow(bb_box *bounds, const bb_box *box)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -136,23 +123,28 @@ static void grow(bb_box *bounds, const bb_box *box)
     }
 }
 
+static bb_status make_boxes_of(bb_scene *scene, uint32_t kind)
+{
+    const bb_prims *prims = &scene->prims[kind];
+    for (uint32_t i = 0; i < prims->count; i++) {
+        bb_box *box = &scene->boxes[prims->first + i];
+        box->pad0 = box->pad1 = 0;
+        BB_TRY(bb_prim_kinds[kind]->bounds(scene, i, box));
+        if (prims->first + i == 0)
+            scene->bounds = *box;
+        else
+            grow(&scene->bounds, box);
+    }
+    return BB_OK;
+}
+
 static bb_status make_boxes(bb_scene *scene)
 {
     BB_TRY(bb_host_alloc(NULL, (size_t)scene->prim_count * sizeof(bb_box), "the scene's boxes",
                          &scene->boxes));
     memset(&scene->bounds, 0, sizeof scene->bounds);
-    for (uint32_t prim = 0; prim < scene->prim_count; prim++) {
-        bb_box *box = &scene->boxes[prim];
-        box->pad0 = box->pad1 = 0;
-        if (prim < scene->triangle_count)
-            BB_TRY(triangle_box(scene, prim, box));
-        else
-            BB_TRY(sphere_box(scene, prim - scene->triangle_count, box));
-        if (prim == 0)
-            scene->bounds = *box;
-        else
-            grow(&scene->bounds, box);
-    }
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        BB_TRY(make_boxes_of(scene, kind));
     for (int axis = 0; axis < 3; axis++)
         if (!isfinite(scene->bounds.hi[axis] - scene->bounds.lo[axis]))
             return bb_fail(
@@ -165,21 +157,24 @@ static bb_status make_boxes(bb_scene *scene)
 
 /* ---- finishing ---- */
 
+/* Of the counts and the arrays. Kinds that came after spheres are left out where there are none, so that
+ * a scene keeps its hash as kinds are added. */
 static bb_status hash_geometry(bb_scene *scene)
 {
     XXH3_state_t *state = XXH3_createState();
     if (state == NULL)
         return bb_fail(BB_REFUSED, "%s: no memory for a hash", scene->name);
-    const uint32_t counts[] = {scene->vertex_count, scene->triangle_count, scene->sphere_count};
     XXH3_64bits_reset(state);
-    XXH3_64bits_update(state, counts, sizeof counts);
+    XXH3_64bits_update(state, &scene->vertex_count, sizeof scene->vertex_count);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (kind <= BB_SPHERE || scene->prims[kind].count > 0)
+            XXH3_64bits_update(state, &scene->prims[kind].count, sizeof scene->prims[kind].count);
     if (scene->vertex_count > 0)
         XXH3_64bits_update(state, scene->vertices, (size_t)scene->vertex_count * 3 * sizeof(float));
-    if (scene->triangle_count > 0)
-        XXH3_64bits_update(state, scene->indices,
-                           (size_t)scene->triangle_count * 3 * sizeof(uint32_t));
-    if (scene->sphere_count > 0)
-        XXH3_64bits_update(state, scene->spheres, (size_t)scene->sphere_count * 4 * sizeof(float));
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (scene->prims[kind].count > 0)
+            XXH3_64bits_update(state, scene->prims[kind].data,
+                               scene->prims[kind].count * bb_prim_bytes(kind));
     scene->hash = XXH3_64bits_digest(state);
     XXH3_freeState(state);
     return BB_OK;
@@ -187,17 +182,20 @@ static bb_status hash_geometry(bb_scene *scene)
 
 bb_status bb_scene_finish(bb_scene *scene)
 {
-    uint64_t prims = (uint64_t)scene->triangle_count + scene->sphere_count;
+    uint64_t prims = 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        prims += scene->prims[kind].count;
     if (prims == 0)
         return bb_fail(BB_INVALID, "%s: has no primitive", scene->name);
     if (prims > PRIM_LIMIT)
         return bb_fail(BB_REFUSED, "%s: has %llu primitives, at most 2^31 - 1 can be handled",
                        scene->name, (unsigned long long)prims);
-    scene->prim_count = (uint32_t)prims;
-    scene->kinds = (scene->triangle_count > 0 ? (uint32_t)BB_TRIANGLES : 0) |
-                   (scene->sphere_count > 0 ? (uint32_t)BB_SPHERES : 0);
+    number_kinds(scene);
     drop_negative_zeros(scene->vertices, 3 * (size_t)scene->vertex_count);
-    drop_negative_zeros(scene->spheres, 4 * (size_t)scene->sphere_count);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (!bb_prim_kinds[kind]->is_mesh)
+            drop_negative_zeros(scene->prims[kind].data,
+                                scene->prims[kind].count * bb_prim_bytes(kind) / sizeof(float));
     BB_TRY(make_boxes(scene));
     BB_TRY(bb_scene_choose_scale(scene));
     return hash_geometry(scene);
@@ -237,6 +235,27 @@ static bb_status check_room(const bb_scene *scene, const bb_device *device, cons
     return BB_OK;
 }
 
+static uint64_t prim_bytes(const bb_scene *scene)
+{
+    uint64_t bytes = 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        bytes += (uint64_t)scene->prims[kind].count * bb_prim_bytes(kind);
+    return bytes;
+}
+
+/* The data of all kinds, one after the other. */
+static bb_status write_prims(bb_scene *scene)
+{
+    size_t at = 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        size_t bytes = scene->prims[kind].count * bb_prim_bytes(kind);
+        if (bytes > 0)
+            BB_TRY(bb_buffer_write(&scene->on_device.prims, at, bytes, scene->prims[kind].data));
+        at += bytes;
+    }
+    return BB_OK;
+}
+
 bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
 {
     bb_scene_device *there = &scene->on_device;
@@ -246,10 +265,7 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
         {"the scene's boxes", &there->boxes, NULL, (uint64_t)scene->prim_count * sizeof(bb_box)},
         {"the scene's vertices", &there->vertices, scene->vertices,
          (uint64_t)scene->vertex_count * 3 * sizeof(float)},
-        {"the scene's indices", &there->indices, scene->indices,
-         (uint64_t)scene->triangle_count * 3 * sizeof(uint32_t)},
-        {"the scene's spheres", &there->spheres, scene->spheres,
-         (uint64_t)scene->sphere_count * 4 * sizeof(float)},
+        {"the scene's primitives", &there->prims, NULL, prim_bytes(scene)},
     };
     enum { PARTS = sizeof parts / sizeof parts[0] };
     for (size_t i = 0; i < PARTS; i++)
@@ -257,14 +273,16 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
     there->device = NULL;
     BB_TRY(check_room(scene, device, parts, PARTS));
     for (size_t i = 0; i < PARTS; i++) {
-        /* Kernels take a buffer for each kind, so none of them stays without one. */
+        /* Kernels take a buffer for each part, so none of them stays without one. */
         size_t bytes = parts[i].bytes > 0 ? (size_t)parts[i].bytes : sizeof(bb_box);
         BB_TRY(bb_buffer_reserve(device, &there->account, bytes, parts[i].what, parts[i].buffer));
         if (parts[i].bytes > 0 && parts[i].source != NULL)
             BB_TRY(bb_buffer_write(parts[i].buffer, 0, (size_t)parts[i].bytes, parts[i].source));
     }
     there->device = device;
-    bb_status status = bb_scene_make_boxes(scene);
+    bb_status status = write_prims(scene);
+    if (status == BB_OK)
+        status = bb_scene_make_boxes(scene);
     if (status == BB_OK)
         status = bb_finish(device);
     if (status != BB_OK)
@@ -275,6 +293,7 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
 bb_status bb_scene_make_boxes(bb_scene *scene)
 {
     const bb_scene_device *there = &scene->on_device;
+    const bb_prim_ends ends = bb_scene_ends(scene);
     cl_program program = NULL;
     cl_kernel kernel = NULL;
     bb_status status = bb_program_build(there->device, bb_source_find("boxes.cl"), "", &program);
@@ -282,9 +301,8 @@ bb_status bb_scene_make_boxes(bb_scene *scene)
         status = bb_kernel_get(program, "make_boxes", &kernel);
     if (status == BB_OK)
         status = bb_launch(there->device, kernel, scene->prim_count, GROUP_SIZE,
-                           BB_MEM(there->vertices), BB_MEM(there->indices), BB_MEM(there->spheres),
-                           BB_VALUE(scene->triangle_count), BB_VALUE(scene->prim_count),
-                           BB_MEM(there->boxes));
+                           BB_MEM(there->vertices), BB_MEM(there->prims), BB_VALUE(ends),
+                           BB_VALUE(scene->prim_count), BB_MEM(there->boxes));
     bb_kernel_release(kernel);
     bb_program_release(program);
     return status;

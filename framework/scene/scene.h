@@ -18,10 +18,12 @@
 extern "C" {
 #endif
 
-/* Kinds of primitives, as bits. */
+/* Kinds of primitives as bits: BB_TRIANGLES, BB_SPHERES, ... */
 enum {
-    BB_TRIANGLES = 1u << 0,
-    BB_SPHERES = 1u << 1,
+#define BB_KIND_BIT(NAME, name, words, kept) BB_##NAME##S = 1u << BB_##NAME,
+    BB_PRIM_KINDS(BB_KIND_BIT)
+#undef BB_KIND_BIT
+        BB_ALL_KINDS = (1u << BB_KIND_COUNT) - 1,
 };
 
 /* Projection and place of a camera. */
@@ -57,22 +59,31 @@ typedef struct bb_scene_device {
     bb_account account;
     bb_buffer boxes;    /* bb_box[prim_count] */
     bb_buffer vertices; /* float[3 * vertex_count] */
-    bb_buffer indices;  /* u32[3 * triangle_count] */
-    bb_buffer spheres;  /* float[4 * sphere_count]: centre, radius */
+    bb_buffer prims;    /* the data of all kinds, one after the other */
 } bb_scene_device;
 
+/* The primitives of one kind: numbers first .. first + count - 1 of the scene. */
+typedef struct bb_prims {
+    uint32_t first, count;
+    void *
+        data; /* triangles: u32[3 * count], indices of vertices; spheres: float[4 * count], centre and
+                 * radius >= 0; boxes: float[6 * count], lower and upper corner */
+} bb_prims;
+
+/* How many of each kind. */
+typedef struct bb_prim_counts {
+    uint64_t of[BB_KIND_COUNT];
+} bb_prim_counts;
+
 typedef struct bb_scene {
-    char name[256];      /* the specification: what records and tables show */
-    char source[64];     /* "glTF" or the generator's name */
-    uint32_t kinds;      /* BB_TRIANGLES | BB_SPHERES */
-    uint32_t prim_count; /* triangle_count + sphere_count, 1 .. 2^31 - 1 */
-    uint32_t triangle_count;
-    uint32_t sphere_count;
+    char name[256];                /* the specification: what records and tables show */
+    char source[64];               /* "glTF" or the generator's name */
+    uint32_t kinds;                /* that it has, as bits */
+    uint32_t prim_count;           /* of all kinds, 1 .. 2^31 - 1 */
+    bb_prims prims[BB_KIND_COUNT]; /* by kind: BB_TRIANGLE, ... */
     uint32_t vertex_count;
-    float *vertices;   /* x y z */
-    uint32_t *indices; /* three per triangle, < vertex_count */
-    float *spheres;    /* x y z radius; radius >= 0 */
-    bb_box *boxes;     /* of the primitives, tight: a sphere's is rounded outwards; no -0 */
+    float *vertices; /* x y z */
+    bb_box *boxes;   /* of the primitives, tight: a sphere's is rounded outwards; no -0 */
     bb_box bounds;
     float scale; /* power of two by which layouts multiply lengths: see bb_scene_choose_scale() */
     uint32_t out_of_range; /* primitives too small beside the scene for the kernels' floats */
@@ -93,7 +104,7 @@ typedef struct bb_generator {
     const char *name;
     const char *summary; /* one line */
     const bb_option *options;
-    /* Fills counts, kinds, vertices/indices/spheres (from bb_host_alloc), views if it has fixed ones,
+    /* Fills what bb_scene_reserve() gave it, and views if it has fixed ones,
      * closed_from_inside. Finishing (boxes, bounds, hash, checks) is bb_scene_finish()'s. */
     bb_status (*make)(const bb_spec *spec, const bb_option *options, bb_scene *scene);
 } bb_generator;
@@ -117,11 +128,13 @@ extern const bb_scene_format *const bb_scene_formats[]; /* generated table; ends
 bb_status bb_scene_load(const char *text, bb_scene **scene);
 void bb_scene_free(bb_scene *scene); /* NULL is allowed; releases the device side too */
 
-/* Sets counts and kinds of an empty scene and allocates its vertices, indices and spheres, not cleared; for loaders and
+/* Sets counts and kinds of an empty scene and allocates its vertices and primitives, not cleared; for loaders and
  * generators. BB_REFUSED, with the bytes that the scene needs, if it has more than 2^31 - 1 primitives or 2^32 - 1
  * vertices, or does not fit into the host's memory. */
-bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, uint64_t triangle_count,
-                           uint64_t sphere_count);
+bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, const bb_prim_counts *counts);
+
+/* The same for triangles alone. */
+bb_status bb_scene_reserve_mesh(bb_scene *scene, uint64_t vertex_count, uint64_t triangle_count);
 
 /* Checks a filled scene (finite, indices in range, at least one primitive), makes every -0 a +0,
  * computes boxes, bounds, scale and hash. */
@@ -159,11 +172,25 @@ bb_status bb_scene_make_boxes(bb_scene *scene);
 extern const char *const bb_shipped_scenes[];
 const char *bb_scene_folder(void);
 
+/* Where the kinds' numbers end, as device code wants it. */
+bb_prim_ends bb_scene_ends(const bb_scene *scene);
+
+static inline uint32_t *bb_scene_indices(const bb_scene *scene)
+{
+    return (uint32_t *)scene->prims[BB_TRIANGLE].data;
+}
+
+/* The data of a kind that is made of floats. */
+static inline float *bb_scene_floats(const bb_scene *scene, uint32_t kind)
+{
+    return (float *)scene->prims[kind].data;
+}
+
 /* The three vertices of triangle `triangle`, as pointers into scene->vertices. */
 static inline const float *bb_scene_vertex(const bb_scene *scene, uint32_t triangle,
                                            uint32_t corner)
 {
-    return scene->vertices + 3 * (size_t)scene->indices[3 * (size_t)triangle + corner];
+    return scene->vertices + 3 * (size_t)bb_scene_indices(scene)[3 * (size_t)triangle + corner];
 }
 
 #ifdef __cplusplus

@@ -18,7 +18,7 @@
  */
 #include "framework/base/random.h"
 #include "framework/base/statistics.h"
-#include "framework/scene/scene.h"
+#include "framework/scene/prim.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -79,34 +79,12 @@ static bb_status measure_sizes(bb_scene *scene)
 
 /* ---- zero area ---- */
 
-/* Is a * b equal to c * d? Exact unless a product underflows; the differences that come in are
- * exact doubles unless their operands are 2^29 apart in size. */
-static bool equal_products(double a, double b, double c, double d)
-{
-    double left = a * b, right = c * d;
-    return left == right && fma(a, b, -left) == fma(c, d, -right);
-}
-
-static bool is_flat_triangle(const bb_scene *scene, uint32_t triangle)
-{
-    double e[2][3];
-    const float *origin = bb_scene_vertex(scene, triangle, 0);
-    for (uint32_t k = 0; k < 2; k++)
-        for (int axis = 0; axis < 3; axis++)
-            e[k][axis] =
-                (double)bb_scene_vertex(scene, triangle, k + 1)[axis] - (double)origin[axis];
-    return equal_products(e[0][1], e[1][2], e[0][2], e[1][1]) &&
-           equal_products(e[0][2], e[1][0], e[0][0], e[1][2]) &&
-           equal_products(e[0][0], e[1][1], e[0][1], e[1][0]);
-}
-
 static void count_zero_area(bb_scene *scene)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < scene->triangle_count; i++)
-        count += is_flat_triangle(scene, i);
-    for (uint32_t i = 0; i < scene->sphere_count; i++)
-        count += scene->spheres[4 * (size_t)i + 3] == 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        for (uint32_t i = 0; i < scene->prims[kind].count; i++)
+            count += bb_prim_kinds[kind]->is_flat(scene, i);
     scene->profile.zero_area = count;
 }
 
@@ -344,13 +322,13 @@ static void position(const bb_scene *scene, uint32_t triangle, uint32_t corner, 
  * vertices share. */
 static void measure_closed(bb_scene *scene)
 {
-    if (scene->triangle_count == 0) {
+    if (scene->prims[BB_TRIANGLE].count == 0) {
         scene->profile.closed = -1;
         return;
     }
     XXH128_hash_t sum = {0, 0};
     uint64_t edges = 0;
-    for (uint32_t i = 0; i < scene->triangle_count; i++) {
+    for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i++) {
         float p[3][3];
         for (uint32_t k = 0; k < 3; k++)
             position(scene, i, k, p[k]);

@@ -1,5 +1,5 @@
 /* The units in which layouts and kernels reckon: kernels/ERROR_BUDGET.md, section "Domain". */
-#include "framework/scene/scene.h"
+#include "framework/scene/prim.h"
 
 #include <math.h>
 
@@ -10,35 +10,23 @@ enum {
     LARGEST_MIN = -100, /* below, floats that a device flushes to 0 would show */
 };
 
-static const double least_area = 0x1p-100; /* in the layout's units */
+static const double least_product = 0x1p-100; /* in the layout's units */
 
-/* Twice the area of a triangle, or a sphere's radius squared: 0 where nothing can be hit. */
-static double area_of(const bb_scene *scene, uint32_t prim)
+static double product_of(const bb_scene *scene, uint32_t prim)
 {
-    if (prim >= scene->triangle_count) {
-        double radius = scene->spheres[4 * (size_t)(prim - scene->triangle_count) + 3];
-        return radius * radius;
-    }
-    const float *a = bb_scene_vertex(scene, prim, 0), *b = bb_scene_vertex(scene, prim, 1),
-                *c = bb_scene_vertex(scene, prim, 2);
-    double square = 0.0;
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        double n = ((double)b[j] - a[j]) * ((double)c[k] - a[k]) -
-                   ((double)b[k] - a[k]) * ((double)c[j] - a[j]);
-        square += n * n;
-    }
-    return sqrt(square);
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, prim, &i);
+    return kind->product(scene, i);
 }
 
-/* The smallest area that is not 0; INFINITY if there is none. */
-static double smallest_area(const bb_scene *scene)
+/* The smallest that is not 0; INFINITY if there is none. */
+static double smallest_product(const bb_scene *scene)
 {
     double smallest = INFINITY;
     for (uint32_t prim = 0; prim < scene->prim_count; prim++) {
-        double area = area_of(scene, prim);
-        if (area > 0.0 && area < smallest)
-            smallest = area;
+        double product = product_of(scene, prim);
+        if (product > 0.0 && product < smallest)
+            smallest = product;
     }
     return smallest;
 }
@@ -57,19 +45,19 @@ bb_status bb_scene_choose_scale(bb_scene *scene)
         return bb_fail(BB_INVALID,
                        "%s: its largest coordinate is %g, too small for floats: scale it up",
                        scene->name, largest);
-    double smallest = smallest_area(scene);
+    double smallest = smallest_product(scene);
     int wanted = USUAL - exponent, most = HIGHEST - exponent;
     most = most < SCALE_MAX ? most : SCALE_MAX;
     wanted = wanted < most ? wanted : most;
-    while (wanted < most && smallest * ldexp(1.0, 2 * wanted) < least_area)
+    while (wanted < most && smallest * ldexp(1.0, 2 * wanted) < least_product)
         wanted++;
     scene->scale = (float)ldexp(1.0, wanted);
     double unit = ldexp(1.0, 2 * wanted);
-    if (smallest * unit >= least_area)
+    if (smallest * unit >= least_product)
         return BB_OK;
     for (uint32_t prim = 0; prim < scene->prim_count; prim++) {
-        double area = area_of(scene, prim);
-        scene->out_of_range += area > 0.0 && area * unit < least_area;
+        double product = product_of(scene, prim);
+        scene->out_of_range += product > 0.0 && product * unit < least_product;
     }
     return BB_OK;
 }

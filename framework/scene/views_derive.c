@@ -14,7 +14,7 @@
  * convention, unless the scene is flat: then its shortest axis.
  */
 #include "framework/base/random.h"
-#include "framework/scene/scene.h"
+#include "framework/scene/prim.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -81,46 +81,18 @@ static double normalise(double v[3])
 
 /* ---- the sketch ---- */
 
-static double triangle_normal(const bb_scene *scene, uint32_t triangle, double normal[3])
-{
-    double e[2][3];
-    const float *origin = bb_scene_vertex(scene, triangle, 0);
-    for (uint32_t k = 0; k < 2; k++)
-        for (int axis = 0; axis < 3; axis++)
-            e[k][axis] =
-                (double)bb_scene_vertex(scene, triangle, k + 1)[axis] - (double)origin[axis];
-    cross(e[0], e[1], normal);
-    return 0.5 * normalise(normal);
-}
-
 static double prim_area(const bb_scene *scene, uint32_t prim)
 {
-    double normal[3];
-    if (prim < scene->triangle_count)
-        return triangle_normal(scene, prim, normal);
-    double radius = (double)scene->spheres[4 * (size_t)(prim - scene->triangle_count) + 3];
-    return 12.566370614359172 * radius * radius;
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, prim, &i);
+    return kind->area(scene, i);
 }
 
 static void sample_prim(const bb_scene *scene, uint32_t prim, bb_random *random, disc *out)
 {
-    if (prim >= scene->triangle_count) {
-        const float *s = scene->spheres + 4 * (size_t)(prim - scene->triangle_count);
-        bb_random_direction(random, out->normal);
-        for (int axis = 0; axis < 3; axis++)
-            out->at[axis] = (double)s[axis] + (double)s[3] * out->normal[axis];
-        return;
-    }
-    triangle_normal(scene, prim, out->normal);
-    double u = bb_random_unit(random), v = bb_random_unit(random);
-    if (u + v > 1) {
-        u = 1 - u;
-        v = 1 - v;
-    }
-    for (int axis = 0; axis < 3; axis++)
-        out->at[axis] = (double)bb_scene_vertex(scene, prim, 0)[axis] * (1 - u - v) +
-                        (double)bb_scene_vertex(scene, prim, 1)[axis] * u +
-                        (double)bb_scene_vertex(scene, prim, 2)[axis] * v;
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, prim, &i);
+    kind->sample(scene, i, random, out->at, out->normal);
 }
 
 /* Systematic sampling by area: one walk over the primitives, a disc each time the sum passes a

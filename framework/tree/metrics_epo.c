@@ -4,10 +4,11 @@
  *
  * with S the surface of the scene and C(n) the cost of a node, as in the surface area heuristic.
  * Measured as the mean over points p, uniform on S, of the cost of the nodes that contain p but
- * not, in their subtree, p's primitive. Triangles and spheres.
+ * not, in their subtree, p's primitive.
  */
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
+#include "framework/scene/prim.h"
 #include "framework/tree/tree_walk.h"
 
 #include <math.h>
@@ -28,52 +29,6 @@ typedef struct epo {
     double *square;
     uint64_t samples, seed;
 } epo;
-
-static double triangle_area(const bb_scene *scene, uint32_t triangle)
-{
-    const float *v[3];
-    double a[3], b[3];
-    for (uint32_t corner = 0; corner < 3; corner++)
-        v[corner] = bb_scene_vertex(scene, triangle, corner);
-    for (int axis = 0; axis < 3; axis++) {
-        a[axis] = (double)v[1][axis] - v[0][axis];
-        b[axis] = (double)v[2][axis] - v[0][axis];
-    }
-    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2],
-           z = a[0] * b[1] - a[1] * b[0];
-    return 0.5 * hypot(hypot(x, y), z);
-}
-
-static double prim_area(const bb_scene *scene, uint32_t prim)
-{
-    if (prim < scene->triangle_count)
-        return triangle_area(scene, prim);
-    double radius = scene->spheres[4 * (size_t)(prim - scene->triangle_count) + 3];
-    return 4.0 * acos(-1.0) * radius * radius;
-}
-
-/* Point on primitive `prim` for two uniform numbers. On a plane of constant coordinate it is
- * exactly on it. */
-static void prim_point(const bb_scene *scene, uint32_t prim, double u, double v, double point[3])
-{
-    if (prim < scene->triangle_count) {
-        if (u + v > 1.0) {
-            u = 1.0 - u;
-            v = 1.0 - v;
-        }
-        const float *a = bb_scene_vertex(scene, prim, 0), *b = bb_scene_vertex(scene, prim, 1),
-                    *c = bb_scene_vertex(scene, prim, 2);
-        for (int axis = 0; axis < 3; axis++)
-            point[axis] =
-                a[axis] + (u * ((double)b[axis] - a[axis]) + v * ((double)c[axis] - a[axis]));
-        return;
-    }
-    const float *sphere = scene->spheres + 4 * (size_t)(prim - scene->triangle_count);
-    double z = 1.0 - 2.0 * u, ring = sqrt(fmax(0.0, 1.0 - z * z)), phi = 2.0 * acos(-1.0) * v;
-    const double direction[3] = {ring * cos(phi), ring * sin(phi), z};
-    for (int axis = 0; axis < 3; axis++)
-        point[axis] = sphere[axis] + sphere[3] * direction[axis];
-}
 
 /* First primitive whose prefix sum exceeds `area`. */
 static uint32_t pick(const epo *e, double area)
@@ -131,8 +86,10 @@ static void run_blocks(void *context, size_t begin, size_t end, uint32_t thread)
         for (uint64_t sample = first; sample < last; sample++) {
             bb_random random = bb_random_make(e->seed, sample);
             uint32_t prim = pick(e, bb_random_unit(&random) * total);
-            double u = bb_random_unit(&random), v = bb_random_unit(&random), p[3];
-            prim_point(e->scene, prim, u, v, p);
+            uint32_t i;
+            double p[3], normal[3];
+            const bb_prim_kind *kind = bb_prim_of(e->scene, prim, &i);
+            kind->sample(e->scene, i, &random, p, normal);
             double cost = point_cost(e, prim, p);
             e->sum[block] += cost;
             e->square[block] += cost * cost;
@@ -195,8 +152,11 @@ static bb_status prepare(epo *e, const bb_tree *tree, size_t blocks)
     for (uint32_t i = 0; i < e->tree.info.node_count; i++)
         e->node_cost[i] = bb_node_cost(&e->tree.nodes[i], node_width(&e->tree, i));
     double area = 0.0;
-    for (size_t prim = 0; prim < prims; prim++)
-        e->area[prim] = area += prim_area(e->scene, (uint32_t)prim);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        const bb_prims *those = &e->scene->prims[kind];
+        for (uint32_t i = 0; i < those->count; i++)
+            e->area[those->first + i] = area += bb_prim_kinds[kind]->area(e->scene, i);
+    }
     return BB_OK;
 }
 

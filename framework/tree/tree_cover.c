@@ -7,13 +7,13 @@
  *       else if a box overlaps R: cut R along the box, keep the up to six pieces outside
  *       else: what is left of the primitive in R is covered by nobody
  *
- * A triangle is clipped against R exactly as a polygon (Sutherland and Hodgman 1974); a sphere's
- * surface meets R if the distances from its centre to the nearest and the farthest point of R say
- * so. All in double; the boxes are grown by 2^-40 of the largest coordinate, so that rounding here
+ * What of a primitive is in R its kind knows (shrink() of prim.h). All in double; the boxes are grown by 2^-40 of the largest coordinate, so that rounding here
  * (2^-53) can't open a gap between boxes that abut. A gap in the floats of a leaf is 2^-24 of its
  * coordinate.
  */
 #include "framework/tree/tree_cover.h"
+
+#include "framework/scene/prim.h"
 
 #include <math.h>
 #include <string.h>
@@ -43,81 +43,11 @@ static bb_status push(region_stack *stack, const region *item)
     return BB_OK;
 }
 
-/* ---- what of a primitive is in a region ---- */
-
-enum { POLYGON_MAX = 16 }; /* a triangle cut by six planes has at most nine corners */
-
-/* Keeps the part of the polygon with sign * x[axis] <= sign * plane; returns the number of corners
- * left. */
-static int clip(double (*polygon)[3], int count, int axis, double plane, double sign)
-{
-    double kept[POLYGON_MAX][3];
-    int kept_count = 0;
-    for (int i = 0; i < count; i++) {
-        const double *a = polygon[i], *b = polygon[(i + 1) % count];
-        double da = sign * (plane - a[axis]), db = sign * (plane - b[axis]);
-        if (da >= 0.0)
-            memcpy(kept[kept_count++], a, sizeof kept[0]);
-        if ((da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0)) {
-            double t = da / (da - db);
-            for (int k = 0; k < 3; k++)
-                kept[kept_count][k] = a[k] + t * (b[k] - a[k]);
-            kept[kept_count++][axis] = plane;
-        }
-    }
-    memcpy(polygon, kept, (size_t)kept_count * sizeof kept[0]);
-    return kept_count;
-}
-
-/* Shrinks `r` to the box of the triangle's part in it; false if there is none. */
-static bool shrink_to_triangle(const bb_scene *scene, uint32_t triangle, region *r)
-{
-    double polygon[POLYGON_MAX][3];
-    int count = 3;
-    for (uint32_t corner = 0; corner < 3; corner++)
-        for (int axis = 0; axis < 3; axis++)
-            polygon[corner][axis] = bb_scene_vertex(scene, triangle, corner)[axis];
-    for (int axis = 0; axis < 3 && count > 0; axis++) {
-        count = clip(polygon, count, axis, r->hi[axis], 1.0);
-        if (count > 0)
-            count = clip(polygon, count, axis, r->lo[axis], -1.0);
-    }
-    for (int axis = 0; axis < 3 && count > 0; axis++) {
-        double lo = polygon[0][axis], hi = lo;
-        for (int i = 1; i < count; i++) {
-            lo = fmin(lo, polygon[i][axis]);
-            hi = fmax(hi, polygon[i][axis]);
-        }
-        /* An interpolated corner may have been rounded out of the region; a region that never grows
-         * is what ends the loop. */
-        double low = r->lo[axis], high = r->hi[axis];
-        r->lo[axis] = fmin(fmax(lo, low), high);
-        r->hi[axis] = fmin(fmax(hi, low), high);
-    }
-    return count > 0;
-}
-
-/* Whether the sphere's surface meets `r`, which is left as it is. */
-static bool sphere_meets(const bb_scene *scene, uint32_t sphere, const region *r)
-{
-    const float *s = scene->spheres + 4 * (size_t)sphere;
-    double nearest = 0.0, farthest = 0.0;
-    for (int axis = 0; axis < 3; axis++) {
-        double below = r->lo[axis] - s[axis], above = r->hi[axis] - s[axis];
-        double near = below > 0.0 ? below : above < 0.0 ? above : 0.0;
-        double far = fmax(fabs(below), fabs(above));
-        nearest += near * near;
-        farthest += far * far;
-    }
-    double radius = s[3];
-    return nearest <= radius * radius && radius * radius <= farthest;
-}
-
 static bool shrink(const bb_scene *scene, uint32_t prim, region *r)
 {
-    if (prim < scene->triangle_count)
-        return shrink_to_triangle(scene, prim, r);
-    return sphere_meets(scene, prim - scene->triangle_count, r);
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, prim, &i);
+    return kind->shrink(scene, i, r->lo, r->hi);
 }
 
 /* ---- regions and boxes ---- */

@@ -16,6 +16,7 @@
 #include "framework/base/memory.h"
 #include "framework/judge/arbiter.h"
 #include "framework/scene/camera.h"
+#include "framework/scene/prim.h"
 
 #include <math.h>
 
@@ -46,17 +47,6 @@ typedef struct sampler {
 
 /* ---- points on surfaces ---- */
 
-static void triangle_normal(const bb_scene *scene, uint32_t triangle, double normal[3])
-{
-    const float *a = bb_scene_vertex(scene, triangle, 0), *b = bb_scene_vertex(scene, triangle, 1),
-                *c = bb_scene_vertex(scene, triangle, 2);
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        normal[i] = ((double)b[j] - a[j]) * ((double)c[k] - a[k]) -
-                    ((double)b[k] - a[k]) * ((double)c[j] - a[j]);
-    }
-}
-
 /* False where the surface has no normal, or no exact hit where Embree has one. */
 static bool find_point(const sampler *sampler, const bb_ray *ray, const bb_hit *hit,
                        bb_surface_point *point)
@@ -70,13 +60,9 @@ static bool find_point(const sampler *sampler, const bb_ray *ray, const bb_hit *
         on[k] = (double)ray->o[k] + t * (double)ray->d[k];
         largest = fmax(largest, fabs(on[k]));
     }
-    if (hit->prim < scene->triangle_count) {
-        triangle_normal(scene, hit->prim, point->normal);
-    } else {
-        const float *s = scene->spheres + 4 * (size_t)(hit->prim - scene->triangle_count);
-        for (int k = 0; k < 3; k++)
-            point->normal[k] = on[k] - (double)s[k];
-    }
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(scene, hit->prim, &i);
+    kind->normal(scene, i, on, point->normal);
     for (int k = 0; k < 3; k++) {
         length = hypot(length, point->normal[k]);
         facing += point->normal[k] * (double)ray->d[k];

@@ -83,7 +83,7 @@ static double distance_to_plane(const bb_scene *scene, uint32_t triangle, const 
 static bb_status find_inner_radius(const bb_scene *scene, double *radius)
 {
     double nearest = INFINITY, largest = 0.0;
-    for (uint32_t i = 0; i < scene->triangle_count; i++)
+    for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i++)
         nearest = fmin(nearest, distance_to_plane(scene, i, scene->inside_point));
     for (int k = 0; k < 3; k++)
         largest = fmax(largest, fabs(scene->inside_point[k]));
@@ -157,10 +157,10 @@ static double edge_length(const bb_scene *scene, uint32_t triangle, uint32_t cor
 static bb_status measure_edges(aimer *aimer)
 {
     const bb_scene *scene = aimer->scene;
-    BB_TRY(bb_host_alloc(NULL, scene->triangle_count * sizeof *aimer->lengths,
+    BB_TRY(bb_host_alloc(NULL, scene->prims[BB_TRIANGLE].count * sizeof *aimer->lengths,
                          "the lengths of edges", &aimer->lengths));
     double sum = 0.0;
-    for (uint32_t i = 0; i < scene->triangle_count; i++) {
+    for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i++) {
         for (uint32_t corner = 0; corner < 3; corner++)
             sum += edge_length(scene, i, corner);
         aimer->lengths[i] = sum;
@@ -175,7 +175,7 @@ static bb_status measure_edges(aimer *aimer)
 static void choose_long(aimer *aimer, uint32_t *triangle, uint32_t *corner)
 {
     const bb_scene *scene = aimer->scene;
-    uint32_t low = 0, high = scene->triangle_count - 1;
+    uint32_t low = 0, high = scene->prims[BB_TRIANGLE].count - 1;
     double at = bb_random_unit(&aimer->random) * aimer->lengths[high];
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
@@ -236,7 +236,7 @@ static bool aim(aimer *aimer, target target, bool at_long, bb_ray *ray)
     if (at_long) {
         choose_long(aimer, &triangle, &corner);
     } else {
-        triangle = bb_random_below(&aimer->random, scene->triangle_count);
+        triangle = bb_random_below(&aimer->random, scene->prims[BB_TRIANGLE].count);
         corner = bb_random_below(&aimer->random, 3);
     }
     const float *p = bb_scene_vertex(scene, triangle, corner),
@@ -292,7 +292,7 @@ static bool must_hit(const bb_scene *scene, const bb_spec *spec)
 static bb_status prepare(aimer *aimer)
 {
     const bb_scene *scene = aimer->scene;
-    if (scene->triangle_count == 0)
+    if (scene->prims[BB_TRIANGLE].count == 0)
         return bb_fail(BB_UNSUPPORTED, "rays edges: scene '%s' has no triangles, and so no edges",
                        scene->name);
     if (aimer->from == FROM_INSIDE && !scene->closed_from_inside)

@@ -56,9 +56,10 @@ static bb_status look_around(const rogue *self, const bb_scene *scene)
         return BB_OK;
     if (scene->boxes == NULL || there->boxes.mem == NULL)
         return bb_fail(BB_FAILED, "rogue: the boxes are not there");
-    if (scene->vertices != NULL || scene->indices != NULL || scene->spheres != NULL)
+    if (scene->vertices != NULL || bb_scene_indices(scene) != NULL ||
+        bb_scene_floats(scene, BB_SPHERE) != NULL)
         return bb_fail(BB_FAILED, "rogue: sees geometry on the host");
-    if (there->vertices.mem != NULL || there->indices.mem != NULL || there->spheres.mem != NULL)
+    if (there->vertices.mem != NULL || there->prims.mem != NULL)
         return bb_fail(BB_FAILED, "rogue: sees geometry on the device");
     if (memcmp(&scene->bounds, &no_bounds, sizeof no_bounds) != 0 ||
         memcmp(&scene->profile, &no_profile, sizeof no_profile) != 0)

@@ -1,8 +1,8 @@
-/* Seen along the ray a triangle is flat and the ray is the point (0, 0). What of it lies outside the
+/* Seen along the ray a polygon is flat and the ray is the point (0, 0). What of it lies outside the
  * interval is cut off first (Sutherland and Hodgman 1974): a surface on which a ray starts is near the
  * ray's line, and behind its origin.
  */
-#include "framework/judge/passing.h"
+#include "framework/exact/passing.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -44,18 +44,18 @@ static int cut(corner *corners, int count, double bound, double sign)
     return left;
 }
 
-static void see_triangle(const bb_frame *frame, const bb_scene *scene, uint32_t prim,
-                         corner corners[3])
+static void see_all(const bb_frame *frame, const float *const *from, uint32_t count,
+                    corner corners[BB_OUTLINE_CORNERS + 1])
 {
-    for (uint32_t i = 0; i < 3; i++)
-        corners[i] = see(frame, bb_scene_vertex(scene, prim, i));
+    for (uint32_t i = 0; i < count; i++)
+        corners[i] = see(frame, from[i]);
 }
 
-/* Of a triangle what lies in the interval; how many corners it has. */
-static int cut_ends(corner corners[BB_OUTLINE_CORNERS + 1], double from, double to)
+/* Of a polygon what lies in the interval; how many corners it has. */
+static int cut_ends(corner corners[BB_OUTLINE_CORNERS + 1], uint32_t count, double from, double to)
 {
-    int count = cut(corners, 3, from, 1.0);
-    return count > 0 ? cut(corners, count, to, -1.0) : 0;
+    int left = cut(corners, (int)count, from, 1.0);
+    return left > 0 ? cut(corners, left, to, -1.0) : 0;
 }
 
 static double distance_to_segment(corner p, corner q)
@@ -80,38 +80,36 @@ static double distance_to_polygon(const corner *corners, int count)
     return count > 0 && (left == count || right == count) ? 0.0 : distance;
 }
 
-bb_passing bb_pass(const bb_frame *frame, const bb_scene *scene, uint32_t prim, double from,
-                   double to)
+bb_passing bb_pass_ball(const bb_frame *frame, const float sphere[4], double from, double to)
 {
-    if (prim >= scene->triangle_count) {
-        const float *s = scene->spheres + 4 * (size_t)(prim - scene->triangle_count);
-        corner c = see(frame, s);
-        double nearest = fmin(fmax(c.t, from), to), along = (c.t - nearest) * frame->length;
-        double distance = hypot(hypot(c.x, c.y), along) - (double)s[3];
-        return (bb_passing){fmax(0.0, distance), c.t, c.t};
-    }
-    corner corners[BB_OUTLINE_CORNERS + 1];
-    see_triangle(frame, scene, prim, corners);
+    corner c = see(frame, sphere);
+    double nearest = fmin(fmax(c.t, from), to), along = (c.t - nearest) * frame->length;
+    double distance = hypot(hypot(c.x, c.y), along) - (double)sphere[3];
+    return (bb_passing){fmax(0.0, distance), c.t, c.t};
+}
+
+bb_passing bb_pass_polygon(const bb_frame *frame, const float *const *corners, uint32_t count,
+                           double from, double to)
+{
+    corner seen[BB_OUTLINE_CORNERS + 1];
+    see_all(frame, corners, count, seen);
     bb_passing passing = {INFINITY, INFINITY, -INFINITY};
-    for (int i = 0; i < 3; i++) {
-        passing.t_low = fmin(passing.t_low, corners[i].t);
-        passing.t_high = fmax(passing.t_high, corners[i].t);
+    for (uint32_t i = 0; i < count; i++) {
+        passing.t_low = fmin(passing.t_low, seen[i].t);
+        passing.t_high = fmax(passing.t_high, seen[i].t);
     }
-    passing.distance = distance_to_polygon(corners, cut_ends(corners, from, to));
+    passing.distance = distance_to_polygon(seen, cut_ends(seen, count, from, to));
     return passing;
 }
 
-void bb_see_outline(const bb_frame *frame, const bb_scene *scene, uint32_t prim, double from,
+void bb_see_polygon(const bb_frame *frame, const float *const *corners, uint32_t count, double from,
                     double to, bb_outline *outline)
 {
-    corner corners[BB_OUTLINE_CORNERS + 1];
-    outline->count = 0;
-    if (prim >= scene->triangle_count)
-        return;
-    see_triangle(frame, scene, prim, corners);
-    outline->count = (uint32_t)cut_ends(corners, from, to);
+    corner seen[BB_OUTLINE_CORNERS + 1];
+    see_all(frame, corners, count, seen);
+    outline->count = (uint32_t)cut_ends(seen, count, from, to);
     for (uint32_t i = 0; i < outline->count; i++) {
-        outline->corners[i][0] = corners[i].x;
-        outline->corners[i][1] = corners[i].y;
+        outline->corners[i][0] = seen[i].x;
+        outline->corners[i][1] = seen[i].y;
     }
 }

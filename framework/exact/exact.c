@@ -1,16 +1,13 @@
-/* Exact predicates: a floating-point filter first, then expansions.
- *
- * Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates,
- * Discrete & Computational Geometry 18 (1997): two-sum (section 2.2), grow-expansion with zero
- * elimination (2.4), two-product. An expansion is a sum of doubles that do not overlap, in
- * increasing magnitude; the sign of its last one is the sign of the sum.
+/* Exact predicates: a floating-point filter first, then expansions (expansion.h).
  *
  * Every decision about a triangle is the sign of a determinant z . (x cross y), of degree 3 in the
  * input; about a sphere, of |d|^2 r^2 - |d cross c|^2, of degree 4 (Lagrange's identity makes it
  * the discriminant). The coordinates are floats or doubles of at most 2^140 with no bit below
  * 2^-253, so that no term over- or underflows.
  */
-#include "framework/judge/exact.h"
+#include "framework/exact/exact.h"
+
+#include "framework/exact/expansion.h"
 
 #include <float.h>
 #include <math.h>
@@ -18,57 +15,6 @@
 
 #define HALF_ULP (0.5 * DBL_EPSILON) /* 2^-53, the unit of the error bounds */
 #define PRECISION 0x1p-34            /* relative error allowed to what goes into t */
-
-/* A sum of two doubles that do not overlap: an exact difference. */
-typedef struct two {
-    double hi, lo;
-} two;
-
-enum { TERMS_MAX = 512 }; /* more than any function here adds to one expansion */
-
-typedef struct expansion {
-    int count;
-    double terms[TERMS_MAX];
-} expansion;
-
-/* ---- expansions ---- */
-
-static two two_sum(double a, double b)
-{
-    double sum = a + b;
-    double b_part = sum - a;
-    double a_part = sum - b_part;
-    return (two){sum, (a - a_part) + (b - b_part)};
-}
-
-static two two_product(double a, double b)
-{
-    double product = a * b;
-    return (two){product, fma(a, b, -product)};
-}
-
-static void add(expansion *sum, double value)
-{
-    int count = 0;
-    for (int i = 0; i < sum->count; i++) {
-        two next = two_sum(value, sum->terms[i]);
-        value = next.hi;
-        if (next.lo != 0.0)
-            sum->terms[count++] = next.lo;
-    }
-    if (value != 0.0)
-        sum->terms[count++] = value;
-    sum->count = count;
-}
-
-static void add_product(expansion *sum, double a, double b)
-{
-    two product = two_product(a, b);
-    if (product.lo != 0.0)
-        add(sum, product.lo);
-    if (product.hi != 0.0)
-        add(sum, product.hi);
-}
 
 /* sum += sign * a * b * c. Most differences of floats fit one double: their lower parts are 0. */
 static void add_triple(expansion *sum, double sign, two a, two b, two c)
@@ -87,15 +33,6 @@ static void add_triple(expansion *sum, double sign, two a, two b, two c)
                 add_product(sum, product.hi, sign * cs[k]);
             }
         }
-}
-
-/* The sum to within a few units in the last place, with the exact sign. */
-static double value_of(const expansion *sum)
-{
-    double value = 0.0;
-    for (int i = 0; i < sum->count; i++)
-        value += sum->terms[i];
-    return value;
 }
 
 static double exact_determinant(const two z[3], const two x[3], const two y[3])
