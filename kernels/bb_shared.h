@@ -36,7 +36,8 @@ typedef uint8_t bb_u8;
  * framework/scene/prim_NAME.c and, named in prims.clh, kernels/prim_NAME.clh. */
 #define BB_PRIM_KINDS(X)                                                                           \
     X(TRIANGLE, triangle, 3, 9)                                                                    \
-    X(SPHERE, sphere, 4, 4)
+    X(SPHERE, sphere, 4, 4)                                                                        \
+    X(AABB, aabb, 6, 6)
 
 enum {
 #define BB_KIND_NUMBER(NAME, name, words, kept) BB_##NAME,

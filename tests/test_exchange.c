@@ -324,6 +324,7 @@ static void forged_rays_are_refused(void **state)
         {IN_RAYS(version), U32(1), "version 1, this program reads 2: make rays and hits anew"},
         {IN_RAYS(version), U32(3), "version 3, so more_counts must have one that is not 0"},
         {IN_RAYS(version), U32(4), "version 4"},
+        {IN_RAYS(more_counts), U64(1), "version 2, so more_counts must be 0"},
         {IN_RAYS(more_counts), U64(UINT64_C(1) << 31), "more_counts is 2147483648"},
         {IN_RAYS(more_counts) + 40, U64(1), "more_counts[5] is 1, a kind of primitive"},
         {IN_RAYS(byte_order), U32(0x04030201), "little-endian"},

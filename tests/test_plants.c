@@ -21,6 +21,7 @@ typedef struct plant {
     const char *scene, *kernels;
 } plant;
 
+static const char blocks[] = "blocks:side=6,mixed=yes";
 static const char boards[] = "boards:length=1e5", ground[] = "ground", ladder[] = "ladder";
 
 static const plant plants[] = {
@@ -44,6 +45,12 @@ static const plant plants[] = {
      "max(1u, step_above(node, axis, his[c])) - 1u;", boards, "stack8q"},
     {"a trail is one level off", "trail.clh", "return 64u * w + bit;",
      "return 64u * w + bit + (bit > 2u ? 1u : 0u);", boards, "trail"},
+    {"boxes are left, not entered", "prim_aabb.clh", "entry > tmin ? entry : exit", "exit", blocks,
+     "stack8"},
+    {"boxes have no inside", "prim_aabb.clh", "return entry <= exit ?",
+     "return (entry <= exit) & (entry > tmin) ?", blocks, "stack"},
+    {"a kind's numbers end one early", "prims.clh", "while (kind + 1u < BB_KIND_COUNT && prim >=",
+     "while (kind + 1u < BB_KIND_COUNT && prim + 1u >=", blocks, "stack8"},
 };
 enum { PLANTS = sizeof plants / sizeof plants[0] };
 

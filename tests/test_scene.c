@@ -277,12 +277,14 @@ static void test_reserve_refuses(void **state)
 {
     (void)state;
     bb_scene scene = {.name = "huge"};
-    const bb_prim_counts all = {.of = {UINT64_MAX, UINT64_MAX}};
-    const bb_prim_counts sum = {.of = {1u << 30, 1u << 30}};
+    const bb_prim_counts all = {.of = {UINT64_MAX, UINT64_MAX, UINT64_MAX}};
+    const bb_prim_counts sum = {.of = {1u << 30, 1u << 30, 1}};
     const bb_prim_counts spheres = {.of = {[BB_SPHERE] = INT32_MAX}};
     assert_int_equal(bb_scene_reserve_mesh(&scene, 3, UINT64_C(1) << 31), BB_REFUSED);
     assert_int_equal(bb_scene_reserve(&scene, 3, &all), BB_REFUSED);
     assert_int_equal(bb_scene_reserve(&scene, 3, &sum), BB_REFUSED);
+    assert_non_null(
+        strstr(bb_message(), "3 vertices, 1073741824 triangles, 1073741824 spheres, 1 boxes are"));
     assert_int_equal(bb_scene_reserve_mesh(&scene, UINT64_C(1) << 32, 1), BB_REFUSED);
     assert_int_equal(bb_scene_reserve(&scene, 0, &spheres), BB_REFUSED);
     assert_non_null(strstr(bb_message(), "bytes"));

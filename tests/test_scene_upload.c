@@ -37,8 +37,9 @@ static void expect_bytes(const bb_buffer *buffer, const void *expected, size_t a
 static void test_round_trip(void **state)
 {
     (void)state;
-    static const char *const specs[] = {"random:n=1000", "spheres:n=1000", "ground"};
-    for (int i = 0; i < 3; i++) {
+    static const char *const specs[] = {"random:n=1000", "spheres:n=1000", "ground",
+                                        "blocks:side=5,mixed=yes"};
+    for (int i = 0; i < 4; i++) {
         bb_scene *scene = load_scene(specs[i]);
         uint64_t before = device->bytes;
         assert_int_equal(bb_scene_upload(scene, device), BB_OK);

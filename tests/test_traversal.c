@@ -32,6 +32,7 @@ static void every_builder_with_every_kernel_is_right(void **state)
                                          "hairball:n=1000",
                                          "spheres:n=2000,state=initial",
                                          "spheres:n=2000,state=settled",
+                                         "blocks:side=6,mixed=yes",
                                          "sphere-mesh",
                                          "boards:length=1e5,turn=1",
                                          "blinds:length=1e4,turn=2",

@@ -10,13 +10,15 @@
  *               float    vertices[vertex_count][3]
  *               uint32_t indices[triangle_count][3]   into vertices
  *               float    spheres[sphere_count][4]     centre, radius
+ *               float    boxes[more_counts[0]][6]     lower corner, upper corner; version 3 only
  *   hits file   bb_hits_header
  *               bb_hit   hits[hit_count]              t, primitive: 8 bytes each, hits[i] of rays[i]
  *
- * Primitives are numbered through: the triangles first, then the spheres. A scene of other kinds than triangles and spheres makes files of version 3, all others of
+ * Primitives are numbered through: the triangles first, then the spheres, then the boxes, of which rays meet
+ * the surface. A scene of other kinds than triangles and spheres makes files of version 3, all others of
  * version 2. t is in units of |d|, which
  * need not be 1. Hits count in the open interval tmin < t < tmax; tmax may be +inf. Triangles have
- * two sides; a ray that starts in a sphere hits its far side. Nothing has a default: a tracer that
+ * two sides; a ray that starts in a sphere or a box hits its far side. Nothing has a default: a tracer that
  * cannot do what a header asks for (another version, another interval) must say so and stop.
  *
  *   closest hit   the nearest hit, and which primitive that is
@@ -72,7 +74,7 @@ typedef struct bb_rays_header {
     uint64_t sphere_count;
     uint64_t
         scene_hash;     /* of the last three counts as uint32_t, those of more_counts that are not 0
-                          * likewise, vertices, indices, spheres, further kinds */
+                          * likewise, vertices, indices, spheres, boxes */
     uint64_t rays_hash; /* of the rays */
     uint64_t checksum;
     uint64_t
@@ -87,7 +89,7 @@ typedef struct bb_rays_header {
     char rays[128];      /* the workload, with its parameters */
     char view[48];       /* "": made over all views, or without one */
     char generator[424]; /* version and command line of the program that wrote the file */
-    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* of kinds to come; 0 */
+    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* of boxes; 0 for kinds to come. Version 2: 0 */
 } bb_rays_header;
 
 /* 128 bytes. */
