@@ -60,7 +60,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
                global const float *records, /* of primitives, or blocks of them */
                uint root,                   /* link */
                const bb_prim_ends *ends, float scale, global const bb_ray *rays,
-               global bb_hit *hits BB_COUNTS_ARGUMENT)
+               global bb_result *results BB_COUNTS_ARGUMENT)
 {
     bb_ray_setup setup;
     bb_ray_setup_make(&setup, &rays[id], scale);
@@ -130,7 +130,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
     }
 done:
     if (!overflow)
-        bb_search_write(&search, &setup, &hits[id]);
+        bb_search_write(&search, &setup, &results[id]);
 #if BB_COUNTING
     bb_search_count(&search, overflow, &counts[id]);
 #endif

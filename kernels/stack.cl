@@ -22,7 +22,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
                global const float *records,        /* primitive records */
                uint root,                          /* link */
                const bb_prim_ends *ends, float scale, global const bb_ray *rays,
-               global bb_hit *hits BB_COUNTS_ARGUMENT)
+               global bb_result *results BB_COUNTS_ARGUMENT)
 {
     bb_ray_setup setup;
     bb_ray_setup_make(&setup, &rays[id], scale);
@@ -71,7 +71,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
     }
 done:
     if (!overflow)
-        bb_search_write(&search, &setup, &hits[id]);
+        bb_search_write(&search, &setup, &results[id]);
 #if BB_COUNTING
     bb_search_count(&search, overflow, &counts[id]);
 #endif

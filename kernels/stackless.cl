@@ -20,7 +20,7 @@ void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
                global const float *records,        /* primitive records */
                uint root,                          /* node */
                const bb_prim_ends *ends, float scale, global const bb_ray *rays,
-               global bb_hit *hits BB_COUNTS_ARGUMENT)
+               global bb_result *results BB_COUNTS_ARGUMENT)
 {
     bb_ray_setup setup;
     bb_ray_setup_make(&setup, &rays[id], scale);
@@ -43,7 +43,7 @@ void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
             link = skip;
         }
     }
-    bb_search_write(&search, &setup, &hits[id]);
+    bb_search_write(&search, &setup, &results[id]);
 #if BB_COUNTING
     bb_search_count(&search, false, &counts[id]);
 #endif

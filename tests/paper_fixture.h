@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "framework/base/random.h"
+#include "framework/judge/queries.h"
 #include "framework/papers/reproduce.h"
 #include "framework/record/record_private.h"
 
@@ -75,6 +76,7 @@ static inline void add_trace_by(bb_results *results, uint32_t build, const char 
     const cJSON *entry = bb_results_build(results, build);
     bb_trace_record record;
     bb_trace_record_init(&record);
+    record.query = &bb_query_closest;
     record.build = build;
     snprintf(record.scene, sizeof record.scene, "%s", bb_json_text(entry, "scene"));
     snprintf(record.builder, sizeof record.builder, "%s", bb_json_text(entry, "builder"));

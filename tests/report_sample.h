@@ -6,6 +6,7 @@
 #define BB_TEST_REPORT_SAMPLE_H
 
 #include "framework/base/random.h"
+#include "framework/judge/queries.h"
 #include "framework/picture/image.h"
 #include "framework/record/record.h"
 
@@ -74,14 +75,14 @@ typedef struct sample_rays {
     const char *name, *view;
     uint32_t count;
     double factor;
-    bb_query query;
+    const bb_query *query;
 } sample_rays;
 
 static const sample_rays sample_ray_sets[] = {
-    {"primary", "front", 262144, 1.0, BB_CLOSEST_HIT},
-    {"primary", "corner", 262144, 0.9, BB_CLOSEST_HIT},
-    {"diffuse", "", 1048576, 0.45, BB_CLOSEST_HIT},
-    {"ao", "", 1048576, 1.3, BB_ANY_HIT},
+    {"primary", "front", 262144, 1.0, &bb_query_closest},
+    {"primary", "corner", 262144, 0.9, &bb_query_closest},
+    {"diffuse", "", 1048576, 0.45, &bb_query_closest},
+    {"ao", "", 1048576, 1.3, &bb_query_any},
 };
 
 static inline bb_results *sample_check(bb_results *results, bb_status status)
@@ -216,6 +217,7 @@ static inline void sample_add_trace(bb_results *results, const sample_scene *sce
 {
     bb_trace_record trace;
     bb_trace_record_init(&trace);
+    trace.query = &bb_query_closest;
     bool careless = variant == 2 || (builder->reference && strstr(builder->spec, "fast") != NULL);
     trace.build = id;
     snprintf(trace.scene, sizeof trace.scene, "%s", scene->name);
@@ -248,7 +250,7 @@ static inline void sample_add_trace(bb_results *results, const sample_scene *sce
     sample_fill(&trace.cpu_ms, rays->count / rate / 0.51e3, scene->rounds, random);
     sample_judge(&trace, careless, random);
     trace.wrong = careless; /* above a limit of 0, as expected of these */
-    if (variant == 0 && id == 1 && rays->query == BB_ANY_HIT) {
+    if (variant == 0 && id == 1 && rays->query == &bb_query_any) {
         trace.accuracy.wrong_t = 3;
         trace.accuracy.wrong_ppm = 3e6 / rays->count;
         trace.wrong = true;

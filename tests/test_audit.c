@@ -5,6 +5,7 @@
 #include "framework/base/random.h"
 #include "framework/bench/audit.h"
 #include "framework/embree/embree.h"
+#include "framework/judge/queries.h"
 #include "tests/trace_fixture.h"
 #include "traversal/pass.h"
 
@@ -95,6 +96,7 @@ static bb_results *one_cell(uint32_t count, uint32_t judged)
     check(bb_results_create(&(bb_context){.command = "test"}, &results), "results");
     check(bb_results_add_build(results, &build), "build");
     bb_trace_record_init(&trace);
+    trace.query = &bb_query_closest;
     snprintf(trace.scene, sizeof trace.scene, "a scene");
     trace.count = count;
     bb_samples_add(&trace.ms, 30);
@@ -174,6 +176,7 @@ static void totals_are_sums(void **state)
 static bb_timing time_trace(bed *b, const bb_buffer *rays, bb_buffer *hits, bool too_early)
 {
     bb_tracer_request request = {
+        .query = &bb_query_closest,
         .kernel = bb_kernel_find("stack"),
         .spec = &b->kernel,
         .intersector = bb_intersector_find("exact"),
@@ -182,7 +185,7 @@ static bb_timing time_trace(bed *b, const bb_buffer *rays, bb_buffer *hits, bool
     bb_stopwatch watch;
     bb_timing timing;
     check(bb_tracer_get(device, &request, &b->layout, &tracer), "tracer");
-    const bb_pass pass = {tracer, &b->layout, rays, hits, NULL};
+    const bb_pass pass = {&bb_query_closest, tracer, &b->layout, rays, hits, NULL};
     check(bb_pass_launch(&pass, RAYS), "warm up");
     check(bb_stopwatch_start(device, &watch), "start");
     check(bb_pass_launch(&pass, RAYS), "trace");
@@ -260,7 +263,7 @@ static void a_reference_is_timed_with_its_trace(void **state)
         rays[i] = (bb_ray){.d = {1, (float)i / RAYS, 0.5f}, .tmax = INFINITY};
     check(bb_embree_create(scene, NULL, 2, &embree, NULL), "embree");
     double start = bb_wall_ms();
-    check(bb_embree_trace(embree, rays, RAYS, BB_CLOSEST_HIT, hits), "trace");
+    check(bb_embree_trace(embree, rays, RAYS, &bb_query_closest, hits), "trace");
     double end = bb_wall_ms(), span = bb_embree_span_ms(embree);
     assert_true(span > 0.2 * (end - start));
     bb_audit_timing(&audit, "reference", &(bb_timing){end - start, 0, span}, true);

@@ -9,6 +9,7 @@
 
 #include "framework/base/random.h"
 #include "framework/judge/judge.h"
+#include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
 #include "tests/trace_fixture.h"
 
@@ -20,7 +21,7 @@ static void expect_right(const char *scene_name, const char *what, const bb_ray 
     bb_oracle *oracle;
     bb_answers answers;
     bb_accuracy accuracy;
-    bb_rays set = {.name = "awkward", .count = count};
+    bb_rays set = {.name = "awkward", .query = &bb_query_closest, .count = count};
     check(bb_oracle_create(scene, device->compute_units, &oracle), "oracle");
     check(bb_host_alloc(NULL, count * sizeof *rays, "rays", &set.rays), "rays");
     memcpy(set.rays, rays, count * sizeof *rays);
@@ -30,8 +31,8 @@ static void expect_right(const char *scene_name, const char *what, const bb_ray 
     open_bed(&b, scene, "lbvh", bb_kernels[0]->name, 1);
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
         choose_kernel(&b, (*k)->name, 1);
-        trace(&b, "exact", rays, count, BB_CLOSEST_HIT, hits, NULL);
-        check(bb_judge(oracle, &answers, &(bb_verdict_request){.hits = hits, .count = count},
+        trace(&b, "exact", rays, count, &bb_query_closest, hits, NULL);
+        check(bb_judge(oracle, &answers, &(bb_verdict_request){.results = hits, .count = count},
                        &accuracy),
               "judge");
         if (accuracy.wrong_ppm > 0)
@@ -131,7 +132,7 @@ static void no_rays_and_empty_intervals(void **state)
     open_bed(&b, load("interior:n=2000"), "lbvh", bb_kernels[0]->name, 1);
     for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
         choose_kernel(&b, (*kernel)->name, 1);
-        trace(&b, "exact", rays, ALL, BB_CLOSEST_HIT, hits, NULL);
+        trace(&b, "exact", rays, ALL, &bb_query_closest, hits, NULL);
         for (uint32_t i = 0; i < ALL; i++) {
             bool number = true;
             for (int k = 0; k < 3; k++)

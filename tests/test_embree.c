@@ -3,6 +3,7 @@
 #include "framework/builder/builder.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/oracle.h"
+#include "framework/judge/queries.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>
@@ -19,7 +20,7 @@ static const uint64_t seed = 7;
 /* ---- the tracer ---- */
 
 static void trace(const bb_scene *scene, const char *text, const bb_ray *rays, uint32_t count,
-                  bb_query query, bb_hit *hits)
+                  const bb_query *query, bb_hit *hits)
 {
     bb_embree *embree = NULL;
     bb_spec spec;
@@ -67,12 +68,12 @@ static void test_trace_by_hand(void **state)
     for (int i = 0; i < COUNT; i++)
         rays[i] = cases[i].ray;
     for (size_t m = 0; m < sizeof modes / sizeof modes[0]; m++) {
-        trace(scene, modes[m], rays, COUNT, BB_CLOSEST_HIT, hits);
+        trace(scene, modes[m], rays, COUNT, &bb_query_closest, hits);
         for (int i = 0; i < COUNT; i++)
             if (hits[i].prim != cases[i].hit.prim ||
                 !(hits[i].t == cases[i].hit.t || fabsf(hits[i].t - cases[i].hit.t) < 1e-5f))
                 fail_msg("%s, case %d: %u at %g", modes[m], i, hits[i].prim, (double)hits[i].t);
-        trace(scene, modes[m], rays, COUNT, BB_ANY_HIT, hits);
+        trace(scene, modes[m], rays, COUNT, &bb_query_any, hits);
         for (int i = 0; i < COUNT; i++) {
             bool hit = cases[i].hit.prim != BB_NONE;
             assert_int_equal(hits[i].prim, hit ? BB_UNNAMED : BB_NONE);
@@ -96,7 +97,7 @@ static void test_too_large(void **state)
     assert_int_equal(bb_embree_create(scene, NULL, 1, &embree, NULL), BB_OK);
     for (int query = 0; query < 2; query++) {
         assert_int_equal(
-            bb_embree_trace(embree, rays, 2, query == 0 ? BB_CLOSEST_HIT : BB_ANY_HIT, hits),
+            bb_embree_trace(embree, rays, 2, query == 0 ? &bb_query_closest : &bb_query_any, hits),
             BB_OK);
         assert_true(hits[0].prim == BB_NONE && hits[1].prim == BB_NONE);
     }
@@ -124,7 +125,7 @@ static void test_manners(void **state)
 #if defined(__SSE__)
     unsigned int before = _mm_getcsr();
 #endif
-    assert_int_equal(bb_embree_trace(embree, rays, COUNT, BB_CLOSEST_HIT, hits), BB_OK);
+    assert_int_equal(bb_embree_trace(embree, rays, COUNT, &bb_query_closest, hits), BB_OK);
     volatile float small = 1e-39f;
     assert_true(small * 0.5f > 0);
 #if defined(__SSE__)

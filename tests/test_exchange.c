@@ -10,6 +10,7 @@
 #include "framework/base/file.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/oracle.h"
+#include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
 #include "tests/hand_scene.h"
 #include "tests/scene_files.h"
@@ -459,7 +460,7 @@ static void rays_made_by_hand_have_a_name_of_their_own(void **state)
         fail_msg("%s", bb_message());
     assert_null(got->options);
     assert_string_equal(got->name, "mine:by=me");
-    assert_int_equal(got->query, BB_CLOSEST_HIT);
+    assert_int_equal(got->query, &bb_query_closest);
     assert_false(got->must_hit);
     bb_rays_free(got);
 
@@ -571,8 +572,8 @@ static void odd_answers_are_read(void **state)
     assert_memory_equal(got.hits, odd, sizeof odd);
     bb_outside_hits_release(&got);
 
-    bb_query query = rays->query;
-    rays->query = BB_ANY_HIT;
+    const bb_query *query = rays->query;
+    rays->query = &bb_query_any;
     static const bb_hit unnamed[] = {{0, BB_UNNAMED}, {NAN, BB_UNNAMED}};
     memcpy(bytes + 128, unnamed, sizeof unnamed);
     bb_status status = read_hits(bytes, size, &got);

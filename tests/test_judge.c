@@ -3,6 +3,7 @@
 #include "framework/judge/judge.h"
 #include "framework/judge/open_way.h"
 #include "framework/judge/oracle_private.h"
+#include "framework/judge/queries.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>
@@ -27,8 +28,8 @@ typedef struct court {
 } court;
 
 /* Takes scene and rays; `lies` in place of Embree's answers, unless NULL. */
-static void open_court(court *c, bb_scene *scene, bb_ray *rays, uint32_t count, bb_query query,
-                       const bb_hit *lies)
+static void open_court(court *c, bb_scene *scene, bb_ray *rays, uint32_t count,
+                       const bb_query *query, const bb_hit *lies)
 {
     memset(c, 0, sizeof *c);
     c->scene = scene;
@@ -84,7 +85,7 @@ static void who_agrees_with_a_blind_oracle_is_wrong(void **state)
         hits[i] = miss;
     }
     court c;
-    open_court(&c, scene, rays, COUNT, BB_CLOSEST_HIT, NULL);
+    open_court(&c, scene, rays, COUNT, &bb_query_closest, NULL);
     uint32_t blind = 0;
     for (int i = 0; i < COUNT; i++)
         blind += c.answers.hits[i].prim == BB_NONE;
@@ -128,7 +129,7 @@ static void a_huge_neighbour_opens_no_way(void **state)
             hits[i] = miss;
         }
         court c;
-        open_court(&c, scene, rays, COUNT, BB_CLOSEST_HIT, NULL);
+        open_court(&c, scene, rays, COUNT, &bb_query_closest, NULL);
         bb_accuracy a = judge(&c, hits, false, NULL);
         if (a.missed != COUNT)
             fail_msg("arrangement %d: %llu missed", arrangement, (unsigned long long)a.missed);
@@ -179,7 +180,9 @@ static void no_lie_of_the_oracle_changes_a_class(void **state)
     bb_hit *truth = calloc(COUNT, sizeof *truth), *lies = calloc(COUNT, sizeof *lies),
            *hits = calloc(COUNT, sizeof *hits);
     uint8_t *classes = calloc(COUNT, 1);
-    for (int query = BB_CLOSEST_HIT; query <= BB_ANY_HIT; query++) {
+    static const bb_query *const queries[] = {&bb_query_closest, &bb_query_any};
+    for (int q = 0; q < 2; q++) {
+        const bb_query *query = queries[q];
         bb_scene *scene = hand_scene(200, 40);
         hand_random(scene, &random);
         hand_finish(scene);
@@ -189,26 +192,25 @@ static void no_lie_of_the_oracle_changes_a_class(void **state)
         bb_arbiter arbiter = {0};
         check(bb_oracle_create(scene, 2, &oracle));
         check(bb_arbiter_create(scene, &arbiter));
-        check(bb_oracle_trace(oracle, rays, COUNT, BB_CLOSEST_HIT, truth));
+        check(bb_oracle_trace(oracle, rays, COUNT, &bb_query_closest, truth));
         for (int i = 0; i < COUNT; i++) {
             lies[i] = say(scene, &random, truth[i]);
-            if (query == BB_ANY_HIT && lies[i].prim != BB_NONE)
+            if (query == &bb_query_any && lies[i].prim != BB_NONE)
                 lies[i] = (bb_hit){0, BB_UNNAMED};
             /* half of them agree with it, lie or not */
             hits[i] = bb_random_below(&random, 2) ? lies[i] : say(scene, &random, truth[i]);
         }
         court c;
-        open_court(&c, scene, rays, COUNT, (bb_query)query, lies);
+        open_court(&c, scene, rays, COUNT, query, lies);
         bb_accuracy a = judge(&c, hits, true, classes);
         uint32_t lied = 0, wrong = 0;
         for (int i = 0; i < COUNT; i++) {
-            bb_class full = bb_arbiter_judge(&arbiter, &rays[i], &hits[i], (bb_query)query, false);
-            bb_class oracles =
-                bb_arbiter_judge(&arbiter, &rays[i], &lies[i], (bb_query)query, false);
+            bb_class full = bb_arbiter_judge(&arbiter, &rays[i], &hits[i], query, false);
+            bb_class oracles = bb_arbiter_judge(&arbiter, &rays[i], &lies[i], query, false);
             bb_class given = classes[i] == BB_TIE ? BB_RIGHT : (bb_class)classes[i];
             if (given != full)
-                fail_msg("query %d ray %d: class %d, by the arbiter alone %d (seed %llu)", query, i,
-                         given, full, (unsigned long long)seed);
+                fail_msg("query %s ray %d: class %d, by the arbiter alone %d (seed %llu)",
+                         query->name, i, given, full, (unsigned long long)seed);
             lied += oracles != BB_RIGHT;
             wrong += full != BB_RIGHT;
         }
@@ -266,7 +268,7 @@ static void a_large_margin_hides_nothing_before_it(void **state)
     hits[COUNT] = (bb_hit){5, 0};
     hits[COUNT + 1] = (bb_hit){5.9f, 0};
     court c;
-    open_court(&c, scene, rays, ALL, BB_CLOSEST_HIT, NULL);
+    open_court(&c, scene, rays, ALL, &bb_query_closest, NULL);
     bb_accuracy a = judge(&c, hits, false, classes);
     for (int i = 0; i < COUNT; i++)
         if (classes[i] != cases[i].class)
@@ -299,7 +301,7 @@ static void a_grazed_plane_is_no_witness_against_itself(void **state)
     enum { COUNT = sizeof rays / sizeof rays[0] };
     uint8_t classes[COUNT];
     court c;
-    open_court(&c, scene, rays, COUNT, BB_CLOSEST_HIT, NULL);
+    open_court(&c, scene, rays, COUNT, &bb_query_closest, NULL);
     judge(&c, hits, false, classes);
     for (int i = 0; i < COUNT; i++)
         if (classes[i] != expected[i])
@@ -340,7 +342,7 @@ static void an_open_way_between_the_nine_is_found(void **state)
         const bb_hit nothing = {INFINITY, BB_NONE};
         uint8_t class;
         court c;
-        open_court(&c, scene, &ray, 1, BB_CLOSEST_HIT, NULL);
+        open_court(&c, scene, &ray, 1, &bb_query_closest, NULL);
         bb_accuracy a = judge(&c, &nothing, false, &class);
         assert_int_equal(class, shape > 0 ? BB_RIGHT : BB_MISSED);
         assert_int_equal(a.forgiven, shape > 0);
@@ -383,7 +385,7 @@ static void rays_on_hair_are_limited(void **state)
     bb_ray rays[] = {down(0.5f, 2e-8f, 1), down(0.5f, 2e-8f, 1), down(0.5f, 1, 1)};
     const bb_hit hits[] = {{1, 0}, {4, 1}, {4, 1}};
     court c;
-    open_court(&c, scene, rays, 3, BB_CLOSEST_HIT, (bb_hit[]){{1, 0}, {1, 0}, {4, 1}});
+    open_court(&c, scene, rays, 3, &bb_query_closest, (bb_hit[]){{1, 0}, {1, 0}, {4, 1}});
     bb_accuracy a = judge(&c, hits, false, NULL);
     assert_int_equal(a.margin_limited,
                      2); /* as reported, and as the oracle's that is not reported */
@@ -403,7 +405,7 @@ static void only_who_may_leaves_out_the_name(void **state)
     bb_ray rays[] = {down(0.25f, 0.25f, 1), down(0.9f, 0.9f, 1)};
     const bb_hit hits[] = {{0, BB_UNNAMED}, {0, BB_UNNAMED}};
     court c;
-    open_court(&c, scene, rays, 2, BB_ANY_HIT, NULL);
+    open_court(&c, scene, rays, 2, &bb_query_any, NULL);
     bb_accuracy a = judge(&c, hits, true, NULL);
     assert_int_equal(a.right, 1);
     assert_int_equal(a.false_hits, 1);
@@ -430,7 +432,7 @@ static void what_was_judged_before_gets_the_same_class(void **state)
     for (int i = 0; i < COUNT; i++)
         aim_at_random(scene, &random, &rays[i]);
     court c;
-    open_court(&c, scene, rays, COUNT, BB_CLOSEST_HIT, NULL);
+    open_court(&c, scene, rays, COUNT, &bb_query_closest, NULL);
     for (int i = 0; i < COUNT; i++) {
         first[i] = say(scene, &random, c.answers.hits[i]);
         second[i] = bb_random_below(&random, 2) ? first[i] : say(scene, &random, c.answers.hits[i]);

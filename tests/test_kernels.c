@@ -9,6 +9,7 @@
 
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
+#include "framework/judge/queries.h"
 #include "traversal/collapse.h"
 #include "traversal/pass.h"
 #include "traversal/reach.h"
@@ -146,8 +147,8 @@ static bool brute_force(const bb_scene *scene, const bb_ray *ray, double *t, uin
 
 /* `parameters` of the kernel, such as ":group=8", or "". */
 static void trace_with(const char *parameters, const bb_layout_data *layout,
-                       const bb_kernel *kernel, const bb_intersector *intersector, bb_query query,
-                       bool counting, const bb_ray *rays, bb_hit *hits)
+                       const bb_kernel *kernel, const bb_intersector *intersector,
+                       const bb_query *query, bool counting, const bb_ray *rays, bb_hit *hits)
 {
     bb_spec spec;
     char text[128];
@@ -168,7 +169,7 @@ static void trace_with(const char *parameters, const bb_layout_data *layout,
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *hits, "hits", &d_hits), "hits");
     check(bb_buffer_reserve(device, NULL, sizeof counts, "counts", &d_counts), "counts");
     check(bb_buffer_write(&d_rays, 0, RAYS * sizeof *rays, rays), "rays");
-    const bb_pass pass = {tracer, layout, &d_rays, &d_hits, &d_counts};
+    const bb_pass pass = {query, tracer, layout, &d_rays, &d_hits, &d_counts};
     check(bb_pass_run(&pass, RAYS, hits, counting ? counts : NULL), "trace");
     if (counting) {
         for (uint32_t i = 0; i < RAYS; i++)
@@ -180,7 +181,7 @@ static void trace_with(const char *parameters, const bb_layout_data *layout,
 }
 
 static void trace(const bb_layout_data *layout, const bb_kernel *kernel,
-                  const bb_intersector *intersector, bb_query query, bool counting,
+                  const bb_intersector *intersector, const bb_query *query, bool counting,
                   const bb_ray *rays, bb_hit *hits)
 {
     trace_with("", layout, kernel, intersector, query, counting, rays, hits);
@@ -205,11 +206,11 @@ static void compare(const bb_scene *scene, const bb_layout_data *layout, const b
     static bb_ray rays[RAYS];
     static bb_hit closest[RAYS], counted[RAYS], any[RAYS];
     aim_rays(scene, rays);
-    trace(layout, kernel, intersector, BB_CLOSEST_HIT, false, rays, closest);
+    trace(layout, kernel, intersector, &bb_query_closest, false, rays, closest);
     bool exact = intersector == &bb_intersectors[0];
     if (exact) /* a variant to compile for each of the others */
-        trace(layout, kernel, intersector, BB_CLOSEST_HIT, true, rays, counted);
-    trace(layout, kernel, intersector, BB_ANY_HIT, false, rays, any);
+        trace(layout, kernel, intersector, &bb_query_closest, true, rays, counted);
+    trace(layout, kernel, intersector, &bb_query_any, false, rays, any);
     if (exact)
         assert_memory_equal(closest, counted, sizeof closest);
     uint32_t hits = 0, decided = 0;
@@ -323,9 +324,9 @@ static void answers_depend_on_neither_groups_nor_order(void **state)
         check(bb_layout_maker_create(bb_layout_find((*kernel)->layout), device, &maker), "layout");
         check(bb_layout_maker_make(&maker, &scene, &instance.tree, 1, BB_RECORD_VERTICES, &data),
               "layout");
-        trace(&data, *kernel, exact, BB_CLOSEST_HIT, false, rays, hits);
+        trace(&data, *kernel, exact, &bb_query_closest, false, rays, hits);
         for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
-            trace_with(ways[w], &data, *kernel, exact, BB_CLOSEST_HIT, w % 2 == 1, reversed,
+            trace_with(ways[w], &data, *kernel, exact, &bb_query_closest, w % 2 == 1, reversed,
                        others);
             for (uint32_t i = 0; i < RAYS; i++)
                 if (memcmp(&hits[i], &others[RAYS - 1 - i], sizeof hits[i]) != 0)

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "framework/base/random.h"
+#include "framework/judge/queries.h"
 #include "tests/trace_fixture.h"
 
 enum { RAYS = 10000 };
@@ -32,18 +33,18 @@ static void make_rays(const bb_scene *scene, bb_ray *rays)
 /* ---- the same answers ---- */
 
 static void compare(const bed *b, const char *builder, const bb_hit *hits, const bb_hit *found,
-                    bb_query query)
+                    const bb_query *query)
 {
     for (uint32_t i = 0; i < RAYS; i++) {
         if (memcmp(&hits[i], &found[i], sizeof hits[i]) == 0)
             continue;
         /* any hit will do, if there is one */
         bool both = (hits[i].prim == BB_NONE) == (found[i].prim == BB_NONE);
-        if (query == BB_CLOSEST_HIT || !both)
+        if (query == &bb_query_closest || !both)
             fail_msg(
                 "%s, builder %s, kernel %s, %s hit, ray %u: %u at %a, not %u at %a (seed %llu)",
-                b->scene->name, builder, b->kernel.text, bb_query_name(query), i, found[i].prim,
-                found[i].t, hits[i].prim, hits[i].t, (unsigned long long)seed);
+                b->scene->name, builder, b->kernel.text, query->name, i, found[i].prim, found[i].t,
+                hits[i].prim, hits[i].t, (unsigned long long)seed);
     }
 }
 
@@ -61,7 +62,7 @@ static void all_kernels_answer_as_the_stack_does(void **state)
             bed b;
             open_bed(&b, load(scenes[s]), builder, "stack", leaf);
             make_rays(b.scene, rays);
-            for (bb_query query = BB_CLOSEST_HIT; query <= BB_ANY_HIT; query++) {
+            for (const bb_query *query = &bb_query_closest; query <= &bb_query_any; query++) {
                 choose_kernel(&b, "stack", leaf);
                 trace(&b, "exact", rays, RAYS, query, hits, NULL);
                 for (size_t k = 0; k < OTHERS; k++) {
@@ -142,7 +143,7 @@ static void trees_of_depth_200_are_traced_by_every_kernel(void **state)
     }
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
         choose_kernel(&b, (*k)->name, 1);
-        trace(&b, "exact", rays, 4 * LAYERS, BB_CLOSEST_HIT, hits, NULL);
+        trace(&b, "exact", rays, 4 * LAYERS, &bb_query_closest, hits, NULL);
         for (uint32_t i = 0; i < 4 * LAYERS; i++) {
             /* layer j lies at 1 + j, the ray begins at layer + 1/2 */
             uint32_t up = i / 4 < LAYERS ? i / 4 : BB_NONE, down = i / 4 == 0 ? BB_NONE : i / 4 - 1;
@@ -170,11 +171,11 @@ static void a_trail_that_is_too_short_is_never_silent(void **state)
         bb_hit hit;
         bb_count count;
         choose_kernel(&b, trails[t], 1);
-        trace(&b, "exact", &ray, 1, BB_CLOSEST_HIT, &hit, &count);
+        trace(&b, "exact", &ray, 1, &bb_query_closest, &hit, &count);
         assert_int_equal(hit.prim, 0);
         assert_int_equal(count.overflow, 0);
         b.layout.levels = 64;
-        trace(&b, "exact", &ray, 1, BB_CLOSEST_HIT, &hit, &count);
+        trace(&b, "exact", &ray, 1, &bb_query_closest, &hit, &count);
         assert_int_equal(hit.prim, BB_POISON);
         assert_int_equal(count.overflow, 1);
         bb_tracer *tracer;

@@ -4,6 +4,7 @@
 #include "framework/exact/exact.h"
 #include "framework/judge/arbiter.h"
 #include "framework/judge/judge.h"
+#include "framework/judge/queries.h"
 #include "hand_scene.h"
 
 #include <setjmp.h>
@@ -18,7 +19,7 @@ static bb_status judge_all(bb_oracle *oracle, bb_answers *answers, const bb_hit 
                            uint32_t count, uint8_t *classes, bb_accuracy *accuracy)
 {
     const bb_verdict_request request = {
-        .hits = hits, .count = count, .may_be_unnamed = true, .classes = classes};
+        .results = hits, .count = count, .may_be_unnamed = true, .classes = classes};
     return bb_judge(oracle, answers, &request, accuracy);
 }
 
@@ -36,7 +37,7 @@ static bb_accuracy judge(const bb_scene *scene, bb_rays *rays, const bb_hit *hit
     return accuracy;
 }
 
-static bb_class judge_one(const bb_scene *scene, bb_ray ray, bb_hit hit, bb_query query,
+static bb_class judge_one(const bb_scene *scene, bb_ray ray, bb_hit hit, const bb_query *query,
                           bool must_hit)
 {
     bb_rays rays = {.query = query, .count = 1, .rays = &ray, .must_hit = must_hit};
@@ -124,17 +125,18 @@ static void test_by_hand(void **state)
          BB_WRONG_T},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        bb_class class = judge_one(scene, cases[i].ray, cases[i].hit, BB_CLOSEST_HIT, false);
+        bb_class class = judge_one(scene, cases[i].ray, cases[i].hit, &bb_query_closest, false);
         bool right = class == cases[i].class || (cases[i].class == BB_RIGHT && class == BB_TIE);
         if (!right)
             fail_msg("%s: class %d, expected %d", cases[i].what, class, cases[i].class);
     }
     /* On the shared edge either triangle is right, and one of them is a tie. */
-    bb_class one = judge_one(scene, edge, (bb_hit){2, 0}, BB_CLOSEST_HIT, false);
-    bb_class other = judge_one(scene, edge, (bb_hit){2, 1}, BB_CLOSEST_HIT, false);
+    bb_class one = judge_one(scene, edge, (bb_hit){2, 0}, &bb_query_closest, false);
+    bb_class other = judge_one(scene, edge, (bb_hit){2, 1}, &bb_query_closest, false);
     assert_true((one == BB_RIGHT && other == BB_TIE) || (one == BB_TIE && other == BB_RIGHT));
     /* Without a margin. */
-    assert_int_equal(judge_one(scene, down(0.5f, 0.5f, -9), miss, BB_CLOSEST_HIT, true), BB_MISSED);
+    assert_int_equal(judge_one(scene, down(0.5f, 0.5f, -9), miss, &bb_query_closest, true),
+                     BB_MISSED);
     hand_free(scene);
 }
 
@@ -156,7 +158,7 @@ static void test_any_hit(void **state)
         {beside, {2, 0}, BB_FALSE_HIT}, {down(11, 0, 3), unnamed, BB_RIGHT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        bb_class class = judge_one(scene, cases[i].ray, cases[i].hit, BB_ANY_HIT, false);
+        bb_class class = judge_one(scene, cases[i].ray, cases[i].hit, &bb_query_any, false);
         if (class != cases[i].class)
             fail_msg("any hit, case %zu: class %d, expected %d", i, class, cases[i].class);
     }
@@ -182,7 +184,7 @@ static void test_counts(void **state)
     hits[103].t = 3;
     rays[104] = down(3, 0, 4e6f); /* eps is 4, the triangle's extent 2 */
     hits[104] = (bb_hit){INFINITY, BB_NONE};
-    bb_rays set = {.query = BB_CLOSEST_HIT, .count = COUNT, .rays = rays};
+    bb_rays set = {.query = &bb_query_closest, .count = COUNT, .rays = rays};
     bb_accuracy a = judge(scene, &set, hits, classes);
     assert_int_equal(a.checked, COUNT);
     assert_int_equal(a.right, COUNT - 4);
@@ -274,8 +276,10 @@ static void test_cheap_rule(void **state)
     uint8_t *classes = malloc(COUNT);
     for (int i = 0; i < COUNT; i++)
         random_ray(scene, &random, &rays[i]);
-    for (int query = BB_CLOSEST_HIT; query <= BB_ANY_HIT; query++) {
-        bb_rays set = {.query = (bb_query)query, .count = COUNT, .rays = rays};
+    static const bb_query *const queries[] = {&bb_query_closest, &bb_query_any};
+    for (int q = 0; q < 2; q++) {
+        const bb_query *query = queries[q];
+        bb_rays set = {.query = query, .count = COUNT, .rays = rays};
         bb_oracle *oracle = NULL;
         bb_answers answers;
         bb_arbiter arbiter;
@@ -283,18 +287,18 @@ static void test_cheap_rule(void **state)
         assert_int_equal(bb_oracle_create(scene, threads, &oracle), BB_OK);
         assert_int_equal(bb_arbiter_create(scene, &arbiter), BB_OK);
         /* Any hit: the nearest one is an answer too. */
-        assert_int_equal(bb_oracle_trace(oracle, rays, COUNT, BB_CLOSEST_HIT, hits), BB_OK);
+        assert_int_equal(bb_oracle_trace(oracle, rays, COUNT, &bb_query_closest, hits), BB_OK);
         for (int i = 0; i < COUNT; i++)
             hits[i] = damage(scene, &rays[i], &random, hits[i]);
         assert_int_equal(bb_answers_make(oracle, &set, &answers), BB_OK);
         assert_int_equal(judge_all(oracle, &answers, hits, COUNT, classes, &accuracy), BB_OK);
         uint32_t counts[6] = {0}, arbitrated = 0;
         for (int i = 0; i < COUNT; i++) {
-            bb_class full = bb_arbiter_judge(&arbiter, &rays[i], &hits[i], (bb_query)query, false);
+            bb_class full = bb_arbiter_judge(&arbiter, &rays[i], &hits[i], query, false);
             bb_class given = classes[i] == BB_TIE ? BB_RIGHT : (bb_class)classes[i];
             if (given != full)
-                fail_msg("seed %llu query %d ray %d: class %d, by full arbitration %d",
-                         (unsigned long long)seed, query, i, given, full);
+                fail_msg("seed %llu query %s ray %d: class %d, by full arbitration %d",
+                         (unsigned long long)seed, query->name, i, given, full);
             counts[classes[i]]++;
             arbitrated += full != BB_RIGHT;
         }
@@ -387,8 +391,8 @@ static void test_definition(void **state)
             if (grown != 0 && bb_random_below(&random, 2) == 0)
                 prim = p;
         }
-        bb_class class =
-            bb_arbiter_judge(&arbiter, &ray, &(bb_hit){INFINITY, BB_NONE}, BB_CLOSEST_HIT, false);
+        bb_class class = bb_arbiter_judge(&arbiter, &ray, &(bb_hit){INFINITY, BB_NONE},
+                                          &bb_query_closest, false);
         if ((one && class != BB_MISSED) || (any == 0 && class != BB_RIGHT))
             fail_msg("seed %llu ray %d: a miss is class %d; all %x any %x",
                      (unsigned long long)seed, i, class, all, any);
@@ -396,7 +400,7 @@ static void test_definition(void **state)
         passed += any == 0;
 
         int on = nine(scene, &ray, prim, INFINITY, -1);
-        class = bb_arbiter_judge(&arbiter, &ray, &(bb_hit){1, prim}, BB_ANY_HIT, false);
+        class = bb_arbiter_judge(&arbiter, &ray, &(bb_hit){1, prim}, &bb_query_any, false);
         if (on == 0x1FF && class == BB_FALSE_HIT)
             fail_msg("seed %llu ray %d: a hit is called false", (unsigned long long)seed, i);
         falses += on == 0;
@@ -405,8 +409,8 @@ static void test_definition(void **state)
             bool nearer = false;
             for (uint32_t p = 0; p < scene->prim_count; p++)
                 nearer |= nine(scene, &ray, p, t - 2e-5, 1) == 0x1FF;
-            class =
-                bb_arbiter_judge(&arbiter, &ray, &(bb_hit){(float)t, prim}, BB_CLOSEST_HIT, false);
+            class = bb_arbiter_judge(&arbiter, &ray, &(bb_hit){(float)t, prim}, &bb_query_closest,
+                                     false);
             if (nearer && class != BB_WRONG_T)
                 fail_msg("seed %llu ray %d: something nearer is not seen", (unsigned long long)seed,
                          i);
@@ -430,9 +434,9 @@ static void test_no_gap(void **state)
     assert_int_equal(bb_arbiter_create(scene, &arbiter), BB_OK);
     for (float x = -2e-3f; x < 2e-3f; x += 1e-5f) {
         bb_ray ray = down(x, 0.25f, 2);
-        assert_int_equal(
-            bb_arbiter_judge(&arbiter, &ray, &(bb_hit){INFINITY, BB_NONE}, BB_CLOSEST_HIT, false),
-            BB_MISSED);
+        assert_int_equal(bb_arbiter_judge(&arbiter, &ray, &(bb_hit){INFINITY, BB_NONE},
+                                          &bb_query_closest, false),
+                         BB_MISSED);
     }
     bb_arbiter_destroy(&arbiter);
     hand_free(scene);

@@ -2,6 +2,7 @@
  * they start on. A few seconds. */
 #include "framework/judge/arbiter.h"
 #include "framework/judge/oracle.h"
+#include "framework/judge/queries.h"
 #include "framework/scene/camera.h"
 #include "framework/workload/workload.h"
 #include "hand_scene.h"
@@ -145,7 +146,8 @@ static void test_primary(void **state)
 static double share_before(bb_oracle *oracle, const bb_rays *rays, double limit)
 {
     bb_hit *hits = malloc(rays->count * sizeof *hits);
-    assert_int_equal(bb_oracle_trace(oracle, rays->rays, rays->count, BB_CLOSEST_HIT, hits), BB_OK);
+    assert_int_equal(bb_oracle_trace(oracle, rays->rays, rays->count, &bb_query_closest, hits),
+                     BB_OK);
     uint32_t before = 0;
     for (uint32_t i = 0; i < rays->count; i++)
         before += hits[i].prim != BB_NONE && hits[i].t < limit;

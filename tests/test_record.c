@@ -2,6 +2,7 @@
 #include "tests/record_fixture.h"
 
 #include "framework/base/file.h"
+#include "framework/judge/queries.h"
 #include "framework/report/report.h"
 
 #include <dirent.h>
@@ -310,6 +311,7 @@ static void a_trace_needs_its_build(void **state)
     bb_results *results = sample_results(NULL);
     bb_trace_record trace;
     bb_trace_record_init(&trace);
+    trace.query = &bb_query_closest;
     trace.build = 4711;
     assert_int_equal(bb_results_add_trace(results, &trace), BB_INVALID);
     assert_non_null(strstr(bb_message(), "4711"));

@@ -9,6 +9,7 @@
 
 #include "framework/base/random.h"
 #include "framework/bench/conformance.h"
+#include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
 #include "tests/trace_fixture.h"
 
@@ -91,8 +92,8 @@ static void count_lost(const char *scene_name, const char *kernel, const char *i
     check(bb_answers_make(oracle, rays, &answers), "answers");
     open_bed(&b, scene, "lbvh", kernel, 1);
     bb_hit *hits = malloc(rays->count * sizeof *hits);
-    trace(&b, intersector, rays->rays, rays->count, BB_CLOSEST_HIT, hits, NULL);
-    check(bb_judge(oracle, &answers, &(bb_verdict_request){.hits = hits, .count = rays->count},
+    trace(&b, intersector, rays->rays, rays->count, &bb_query_closest, hits, NULL);
+    check(bb_judge(oracle, &answers, &(bb_verdict_request){.results = hits, .count = rays->count},
                    &accuracy),
           "judge");
     *lost = accuracy.missed;
@@ -159,11 +160,11 @@ static void an_overflow_is_never_silent(void **state)
     bb_ray ray = {.o = {0, 0, -1}, .d = {0, 0, 1}, .tmax = INFINITY};
     bb_hit hit;
     bb_count count;
-    trace(&b, "exact", &ray, 1, BB_CLOSEST_HIT, &hit, &count);
+    trace(&b, "exact", &ray, 1, &bb_query_closest, &hit, &count);
     assert_int_equal(hit.prim, LAYERS - 1);
     assert_int_equal(count.overflow, 0);
     b.layout.stack_need = 16;
-    trace(&b, "exact", &ray, 1, BB_CLOSEST_HIT, &hit, &count);
+    trace(&b, "exact", &ray, 1, &bb_query_closest, &hit, &count);
     assert_int_equal(count.overflow, 1);
     assert_int_equal(hit.prim, BB_POISON);
     close_bed(&b);
@@ -218,7 +219,7 @@ static void trace_scene(bb_scene *scene, const bb_ray *rays, bb_hit *hits, const
 {
     bed b;
     open_bed(&b, scene, builder, "stack", 1);
-    trace(&b, "exact", rays, RAYS, BB_CLOSEST_HIT, hits, NULL);
+    trace(&b, "exact", rays, RAYS, &bb_query_closest, hits, NULL);
     close_bed(&b);
 }
 
@@ -341,7 +342,7 @@ static void the_answer_does_not_depend_on_the_tree(void **state)
         bed other;
         open_bed(&other, load("interior:n=3000"), bb_builder_at(b)->name, "stack",
                  b % 2 == 0 ? 1 : 4);
-        trace(&other, "exact", rays, RAYS, BB_CLOSEST_HIT, others, NULL);
+        trace(&other, "exact", rays, RAYS, &bb_query_closest, others, NULL);
         close_bed(&other);
         for (uint32_t i = 0; i < RAYS; i++)
             if (memcmp(&hits[i], &others[i], sizeof hits[i]) != 0)

@@ -3,6 +3,7 @@
  * off by 2.5 ulp; and the constants of that budget are not much too large. Then whole walls, seen
  * along long triangles, by every kernel. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
+#include "framework/judge/queries.h"
 #include "tests/trace_fixture.h"
 
 /* ---- on the device: triangle i against ray i, and its own box ---- */
@@ -292,10 +293,10 @@ static void compare_with_brute_force(bed *brute, bed *b, const bb_ray *rays, uin
                                      const char *what, bb_hit *hits)
 {
     bb_hit *others = calloc(count, sizeof *others);
-    trace(brute, "exact", rays, count, BB_CLOSEST_HIT, hits, NULL);
+    trace(brute, "exact", rays, count, &bb_query_closest, hits, NULL);
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
         choose_kernel(b, (*k)->name, 1);
-        trace(b, "exact", rays, count, BB_CLOSEST_HIT, others, NULL);
+        trace(b, "exact", rays, count, &bb_query_closest, others, NULL);
         for (uint32_t i = 0; i < count; i++)
             if (memcmp(&hits[i], &others[i], sizeof hits[i]) != 0)
                 fail_msg("%s, kernel %s, ray %u: %u at %a, brute force %u at %a (seed %llu)", what,
@@ -365,7 +366,7 @@ static void spheres_small_beside_their_place_are_hit(void **state)
         }
         for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
             choose_kernel(&b, (*k)->name, 1);
-            trace(&b, "exact", rays, AIMED, BB_CLOSEST_HIT, hits, NULL);
+            trace(&b, "exact", rays, AIMED, &bb_query_closest, hits, NULL);
             for (uint32_t i = 0; i < AIMED; i++)
                 if (hits[i].prim != 0)
                     fail_msg("radius %g, kernel %s, ray %u: %u (seed %llu)", radii[r], (*k)->name,

@@ -66,7 +66,7 @@ static inline void close_bed(bed *b)
 
 /* Traces with the bed's kernel, for what its layout needs; `counts` may be NULL. */
 static inline void trace(const bed *b, const char *intersector, const bb_ray *rays, uint32_t count,
-                         bb_query query, bb_hit *hits, bb_count *counts)
+                         const bb_query *query, bb_hit *hits, bb_count *counts)
 {
     bb_tracer_request request = {
         .kernel = bb_kernel_find(b->kernel.name),
@@ -82,7 +82,7 @@ static inline void trace(const bed *b, const char *intersector, const bb_ray *ra
     check(bb_buffer_reserve(device, NULL, count * sizeof *hits, "hits", &d_hits), "hits");
     check(bb_buffer_reserve(device, NULL, count * sizeof *counts, "counts", &d_counts), "counts");
     check(bb_buffer_write(&d_rays, 0, count * sizeof *rays, rays), "rays");
-    const bb_pass pass = {tracer, &b->layout, &d_rays, &d_hits, &d_counts};
+    const bb_pass pass = {query, tracer, &b->layout, &d_rays, &d_hits, &d_counts};
     check(bb_pass_run(&pass, count, hits, counts), "trace");
     bb_buffer_release(&d_rays);
     bb_buffer_release(&d_hits);

@@ -14,7 +14,7 @@ const bb_kernel bb_kernel_short4 = {
     .layout = "wide4",
     .source = "short.cl",
     .defines = "-DBB_WIDTH=4",
-    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .queries = BB_ALONG_RAYS,
     .ordered = true,
     .compared = NULL, /* where memory for a full stack is no matter, that is faster */
     .stackless = true,

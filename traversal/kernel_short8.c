@@ -14,7 +14,7 @@ const bb_kernel bb_kernel_short8 = {
     .layout = "wide8",
     .source = "short.cl",
     .defines = "-DBB_WIDTH=8",
-    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .queries = BB_ALONG_RAYS,
     .ordered = true,
     .compared = NULL, /* where memory for a full stack is no matter, that is faster */
     .stackless = true,

@@ -7,7 +7,7 @@ const bb_kernel bb_kernel_stack = {
     .paper = "Aila and Laine 2009",
     .layout = "pair",
     .source = "stack.cl",
-    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .queries = BB_ALONG_RAYS,
     .ordered = true,
     .compared = "stack",
 };

@@ -8,6 +8,6 @@ const bb_kernel bb_kernel_stack4 = {
     .layout = "wide4",
     .source = "stack_wide.cl",
     .defines = "-DBB_WIDTH=4",
-    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .queries = BB_ALONG_RAYS,
     .ordered = true,
 };

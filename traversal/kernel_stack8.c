@@ -13,7 +13,7 @@ const bb_kernel bb_kernel_stack8 = {
     .layout = "wide8",
     .source = "stack_wide.cl",
     .defines = "-DBB_WIDTH=8",
-    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .queries = BB_ALONG_RAYS,
     .ordered = true,
     .options = options,
     .compared = "stack8:leaf=8",

@@ -13,7 +13,7 @@ const bb_kernel bb_kernel_stack8q = {
     .layout = "quant8",
     .source = "stack_wide.cl",
     .defines = "-DBB_WIDTH=8 -DBB_QUANTISED=1",
-    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .queries = BB_ALONG_RAYS,
     .ordered = true,
     .options = options,
 };

@@ -7,7 +7,7 @@ const bb_kernel bb_kernel_stackless = {
     .paper = "Smits 1998; Gu, Jendersie, Grosch 2018",
     .layout = "skip",
     .source = "stackless.cl",
-    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .queries = BB_ALONG_RAYS,
     .ordered = false,
     /* closest hits take the stack half the time; but this traces any tree as it was built */
     .compared = NULL,

@@ -8,7 +8,7 @@ const bb_kernel bb_kernel_trail = {
     .layout = "pair",
     .source = "short.cl",
     .defines = "-DBB_ENTRIES=0",
-    .queries = 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT,
+    .queries = BB_ALONG_RAYS,
     .ordered = true,
     .compared = NULL, /* the stack's visits, and those of the restarts */
     .stackless = true,

@@ -1,21 +1,26 @@
 #include "traversal/pass.h"
 
+static size_t bytes_of(const bb_pass *pass, uint32_t count)
+{
+    return count * pass->query->result_bytes;
+}
+
 bb_status bb_pass_poison(const bb_pass *pass, uint32_t count)
 {
-    BB_TRY(bb_buffer_fill(pass->hits, count * sizeof(bb_hit), BB_POISON));
-    return bb_finish(pass->hits->device);
+    BB_TRY(bb_buffer_fill(pass->results, bytes_of(pass, count), BB_POISON));
+    return bb_finish(pass->results->device);
 }
 
 bb_status bb_pass_launch(const bb_pass *pass, uint32_t count)
 {
-    return bb_tracer_launch(pass->tracer, pass->layout, pass->rays, count, pass->hits,
+    return bb_tracer_launch(pass->tracer, pass->layout, pass->rays, count, pass->results,
                             pass->counts);
 }
 
-bb_status bb_pass_run(const bb_pass *pass, uint32_t count, bb_hit *hits, bb_count *counts)
+bb_status bb_pass_run(const bb_pass *pass, uint32_t count, void *results, bb_count *counts)
 {
     BB_TRY(bb_pass_poison(pass, count));
     BB_TRY(bb_pass_launch(pass, count));
-    BB_TRY(bb_buffer_read(pass->hits, 0, count * sizeof *hits, hits));
+    BB_TRY(bb_buffer_read(pass->results, 0, bytes_of(pass, count), results));
     return counts == NULL ? BB_OK : bb_buffer_read(pass->counts, 0, count * sizeof *counts, counts);
 }

@@ -1,6 +1,8 @@
 /* Kernels compiled for what a scene needs, and their launches. */
 #include "traversal/traversal.h"
 
+#include "framework/scene/prim.h"
+
 #include <assert.h>
 #include <ctype.h>
 #include <stdio.h>
@@ -106,9 +108,15 @@ static void append_options(const bb_kernel *kernel, const bb_spec *spec, char *t
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
                         const bb_layout_data *layout, bb_tracer **out)
 {
-    if ((request->kernel->queries & 1u << request->query) == 0)
-        return bb_fail(BB_UNSUPPORTED, "kernel %s does not answer %s-hit queries",
-                       request->kernel->name, bb_query_name(request->query));
+    const bb_query *query = request->query;
+    if ((request->kernel->queries & query->way) == 0)
+        return bb_fail(BB_UNSUPPORTED, "kernel %s does not answer %s queries",
+                       request->kernel->name, query->name);
+    if ((layout->kinds & ~query->kinds) != 0) {
+        char kinds[64];
+        bb_prim_kind_names(query->kinds, kinds, sizeof kinds);
+        return bb_fail(BB_UNSUPPORTED, "%s queries are for %s alone", query->name, kinds);
+    }
     uint64_t group;
     BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
                        &group));
@@ -126,9 +134,9 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
         strcat(intersector, " -cl-fp32-correctly-rounded-divide-sqrt");
     bool persistent = bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
     snprintf(defines, sizeof defines,
-             "%s %s -DBB_KINDS=%u -DBB_ANY_HIT=%d -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,
+             "%s %s -DBB_KINDS=%u -D%s -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,
              request->kernel->defines != NULL ? request->kernel->defines : "", layout->kinds,
-             request->query == BB_ANY_HIT, request->counting, persistent);
+             query->define, request->counting, persistent);
     if (stack_size > 0)
         append_number("BB_STACK_SIZE", stack_size, defines, sizeof defines);
     if (request->kernel->trail_max > 0)
@@ -198,7 +206,7 @@ uint64_t bb_tracer_launched(const bb_tracer *tracer)
 }
 
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
-                           uint32_t count, bb_buffer *hits, bb_buffer *counts)
+                           uint32_t count, bb_buffer *results, bb_buffer *counts)
 {
     assert(layout->form == tracer->form);
     bb_device *device = tracer->device;
@@ -212,7 +220,7 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
     args[n++] = BB_VALUE(layout->scale);
     args[n++] = BB_MEM(*rays);
     args[n++] = BB_VALUE(count);
-    args[n++] = BB_MEM(*hits);
+    args[n++] = BB_MEM(*results);
     if (tracer->counting)
         args[n++] = BB_MEM(*counts);
     if (!tracer->persistent)

@@ -115,7 +115,7 @@ typedef struct bb_kernel {
     const char *layout;  /* the layout that it reads */
     const char *source;  /* its file in kernels/ */
     const char *defines; /* -D that every variant gets; NULL for none */
-    uint32_t queries;    /* 1u << BB_CLOSEST_HIT | 1u << BB_ANY_HIT */
+    uint32_t queries;    /* that it answers: BB_ALONG_RAYS */
     bool ordered;        /* visits children near to far */
     /* What `run` takes of it when no kernel is asked for, as a list: "stack8:leaf=8"; NULL: nothing. */
     const char *compared;
@@ -143,13 +143,13 @@ typedef struct bb_tracer_request {
     const bb_kernel *kernel;
     const bb_spec *spec;
     const bb_intersector *intersector;
-    bb_query query;
+    const bb_query *query;
     bool counting; /* the variant that counts tests, overflow included */
 } bb_tracer_request;
 
 /* For layouts that need no more than this one: primitive kinds, stack entries (rounded up to 16, 32, 64 ...), levels of
  * a trail (64, 128, 256 ...). From a cache of the device's: the same request compiles once. Owned by the cache.
- * BB_UNSUPPORTED if the kernel does not answer the query, or its trail is too short for the tree. */
+ * BB_UNSUPPORTED if the kernel does not answer the query, or not for these primitives, or its trail is too short for the tree. */
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
                         const bb_layout_data *layout, bb_tracer **tracer);
 void bb_tracers_clear(bb_device *device);
@@ -160,6 +160,6 @@ uint64_t bb_tracer_launched(const bb_tracer *tracer);   /* rays, in all its laun
 /* Enqueues the traversal of rays[0..count); does not wait. The layout has the form of records that the intersector reads. `counts`
  * (bb_count[count]) only for counting tracers, else NULL. */
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
-                           uint32_t count, bb_buffer *hits, bb_buffer *counts);
+                           uint32_t count, bb_buffer *results, bb_buffer *counts);
 
 #endif

@@ -352,10 +352,10 @@ static bb_status start_buffers(bb_bench *bench)
     bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;
     BB_TRY(bb_buffer_reserve(bench->device, &bench->account, bench->batch * sizeof(bb_ray), "rays",
                              &bench->rays));
-    /* the counting variant writes hits too */
-    size_t hits = bench->batch > BB_COUNTED_RAYS ? bench->batch : BB_COUNTED_RAYS;
-    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, hits * sizeof(bb_hit), "hits",
-                             &bench->hits));
+    /* the counting variant writes answers too */
+    size_t results = bench->batch > BB_COUNTED_RAYS ? bench->batch : BB_COUNTED_RAYS;
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, results * BB_RESULT_BYTES_MAX,
+                             "answers", &bench->answers));
     BB_TRY(bb_buffer_reserve(bench->device, &bench->account, BB_COUNTED_RAYS * sizeof(bb_ray),
                              "sample of rays", &bench->sample));
     return bb_buffer_reserve(bench->device, &bench->account, BB_COUNTED_RAYS * sizeof(bb_count),
@@ -471,7 +471,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
         status = run_scene(bench, request->scenes[i]);
     bb_progress_end(&progress);
     bb_buffer_release(&bench->rays);
-    bb_buffer_release(&bench->hits);
+    bb_buffer_release(&bench->answers);
     bb_buffer_release(&bench->counts);
     bb_buffer_release(&bench->sample);
     end_layouts(bench);

@@ -77,7 +77,7 @@ typedef struct bb_bench {
     double start;
     double steps_ms; /* booked so far */
     bb_buffer rays;
-    bb_buffer hits;
+    bb_buffer answers; /* whatever the query */
     bb_buffer counts;
     bb_buffer sample;   /* rays for the counting variant */
     bb_account account; /* of the buffers above and of the rays */

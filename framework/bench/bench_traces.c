@@ -30,8 +30,9 @@ typedef struct trace_set {
     bb_bench *bench;
     bb_rays *rays;
     bb_answers answers;
-    bb_hit *hits;    /* of the last trace, on the host */
-    bb_hit *first;   /* of the first full answer by an `exact` cell, which all others must equal */
+    size_t bytes;    /* of one ray's answer */
+    char *results;   /* of the last trace, on the host */
+    char *first;     /* of the first full answer by an `exact` cell, which all others must equal */
     char whose[256]; /* that cell; "": none yet */
     uint32_t *order;
     cell *cells;
@@ -43,10 +44,11 @@ typedef struct trace_set {
 /* Through the bench's buffers. */
 static bb_pass pass_of(const trace_set *set, const cell *c)
 {
-    return (bb_pass){.tracer = c->tracer,
+    return (bb_pass){.query = set->rays->query,
+                     .tracer = c->tracer,
                      .layout = &c->entrant->layouts[c->layout],
                      .rays = &set->bench->rays,
-                     .hits = &set->bench->hits};
+                     .results = &set->bench->answers};
 }
 
 /* Rays [from, from + count) to the device, unless they are all there. */
@@ -75,17 +77,17 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
                                  bb_timing *timing)
 {
     bb_bench *bench = set->bench;
-    void *rays = set->rays->rays + from, *hits = set->hits + from;
+    void *rays = set->rays->rays + from, *hits = set->results + from * set->bytes;
     bool mapped = bench->device->is_cpu;
     if (mapped) {
         BB_TRY(bb_buffer_map(&bench->rays, false, &rays));
-        bb_status status = bb_buffer_map(&bench->hits, true, &hits);
+        bb_status status = bb_buffer_map(&bench->answers, true, &hits);
         if (status != BB_OK) {
             (void)bb_buffer_unmap(&bench->rays, rays);
             return status;
         }
     } else {
-        memset(hits, 0xEE, count * sizeof(bb_hit));
+        memset(hits, 0xEE, count * set->bytes);
     }
     double cpu = bb_cpu_ms(), start = bb_wall_ms();
     bb_status status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
@@ -94,12 +96,12 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     bb_status unmapped[2] = {BB_OK, BB_OK};
     if (mapped) {
         unmapped[0] = bb_buffer_unmap(&bench->rays, rays);
-        unmapped[1] = bb_buffer_unmap(&bench->hits, hits);
+        unmapped[1] = bb_buffer_unmap(&bench->answers, hits);
     }
     return status != BB_OK ? status : unmapped[0] != BB_OK ? unmapped[0] : unmapped[1];
 }
 
-/* Traces the cell's rays once, in batches; set->hits gets the answer. The reference's event time is what
+/* Traces the cell's rays once, in batches; set->results gets the answer. The reference's event time is what
  * its threads saw. */
 static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
 {
@@ -122,7 +124,8 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
         timing->cpu_ms += part.cpu_ms;
         timing->event_ms += part.event_ms;
         if (!reference || set->bench->device->is_cpu)
-            BB_TRY(bb_buffer_read(&set->bench->hits, 0, count * sizeof(bb_hit), set->hits + from));
+            BB_TRY(bb_buffer_read(&set->bench->answers, 0, count * set->bytes,
+                                  set->results + from * set->bytes));
     }
     char what[256];
     snprintf(what, sizeof what, "trace of %.60s, %.40s by %.60s on %.60s", c->record.scene,
@@ -132,7 +135,7 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
         bb_audit_launches(&set->bench->outcome->audit, what, timed,
                           bb_tracer_launched(c->tracer) - before, c->count);
     set->bench->outcome->times.trace_ms += timing->ms;
-    return bb_bench_end(set->bench, step, "poison and copy hits", BB_OK);
+    return bb_bench_end(set->bench, step, "poison and copy answers", BB_OK);
 }
 
 /* ---- preparation and judgement ---- */
@@ -170,16 +173,16 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     return bb_bench_end(bench, step, "compile kernels", BB_OK);
 }
 
-/* Judges set->hits unless the same answer has been judged before. Of two different answers of one cell the worse one counts. */
+/* Judges set->results unless the same answer has been judged before. Of two different answers of one cell the worse one counts. */
 static bb_status judge_cell(trace_set *set, cell *c)
 {
     bb_step step = bb_bench_begin(set->bench);
-    uint64_t hash = XXH3_64bits(set->hits, c->count * sizeof(bb_hit));
+    uint64_t hash = XXH3_64bits(set->results, c->count * set->bytes);
     if (c->judged && hash == c->hits_hash)
         return bb_bench_end(set->bench, step, "judge answers", BB_OK);
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {
-        .hits = set->hits, .count = c->count, .may_be_unnamed = c->entrant->reference};
+        .results = set->results, .count = c->count, .may_be_unnamed = c->entrant->reference};
     BB_TRY(bb_judge(set->bench->oracle, &set->answers, &wanted, &accuracy));
     if (!c->judged || accuracy.wrong_ppm > c->record.accuracy.wrong_ppm)
         c->record.accuracy = accuracy;
@@ -199,16 +202,13 @@ static bb_status compare_cell(trace_set *set, cell *c)
     if (set->whose[0] == '\0') {
         if (c->count < set->rays->count)
             return BB_OK;
-        BB_TRY(bb_host_alloc(NULL, c->count * sizeof *set->first, "hits", &set->first));
-        memcpy(set->first, set->hits, c->count * sizeof *set->first);
+        BB_TRY(bb_host_alloc(NULL, c->count * set->bytes, "answers", &set->first));
+        memcpy(set->first, set->results, c->count * set->bytes);
         snprintf(set->whose, sizeof set->whose, "%.100s on %.100s", r->kernel, r->builder);
     }
     uint32_t unlike = 0;
-    for (uint32_t i = 0; i < c->count; i++) {
-        const bb_hit *a = &set->hits[i], *b = &set->first[i];
-        unlike += r->query == BB_ANY_HIT ? (a->prim == BB_NONE) != (b->prim == BB_NONE)
-                                         : memcmp(a, b, sizeof *a) != 0;
-    }
+    for (uint32_t i = 0; i < c->count; i++)
+        unlike += !r->query->same(set->results + i * set->bytes, set->first + i * set->bytes);
     r->unlike = unlike > r->unlike ? unlike : r->unlike;
     snprintf(r->unlike_whom, sizeof r->unlike_whom, "%s", set->whose);
     return BB_OK;
@@ -343,7 +343,7 @@ static bb_status start_set(trace_set *set)
     set->order = calloc(most, sizeof *set->order);
     if (set->order == NULL)
         return bb_fail(BB_FAILED, "out of memory");
-    BB_TRY(bb_host_alloc(NULL, set->rays->count * sizeof(bb_hit), "hits", &set->hits));
+    BB_TRY(bb_host_alloc(NULL, set->rays->count * set->bytes, "answers", &set->results));
     uint32_t first = set->rays->count < bench->batch ? set->rays->count : bench->batch;
     BB_TRY(bb_buffer_write(&bench->rays, 0, first * sizeof(bb_ray), set->rays->rays));
     bb_step step = bb_bench_begin(bench);
@@ -397,7 +397,7 @@ static bb_status record_cell(trace_set *set, cell *c)
 
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
 {
-    trace_set set = {.bench = bench, .rays = rays};
+    trace_set set = {.bench = bench, .rays = rays, .bytes = rays->query->result_bytes};
     bb_status status = start_set(&set);
     if (status != BB_OK)
         goto out;
@@ -418,7 +418,7 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
         status = record_cell(&set, &set.cells[i]);
 out:
     bb_answers_release(&set.answers);
-    bb_host_free(set.hits);
+    bb_host_free(set.results);
     bb_host_free(set.first);
     free(set.order);
     free(set.cells);

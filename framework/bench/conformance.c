@@ -19,7 +19,7 @@ enum { SETS_MAX = sizeof workloads / sizeof workloads[0] };
 typedef struct ray_set {
     bb_rays *rays;
     bb_answers answers;
-    bb_hit *hits; /* of the first `count` rays */
+    char *results; /* of the first `count` rays */
     uint32_t count;
     char whose[128];
 } ray_set;
@@ -35,8 +35,8 @@ struct bb_conformance {
     ray_set sets[SETS_MAX];
     char left_out[1024];
     bb_account account;
-    bb_buffer hits;
-    bb_hit *host_hits;
+    bb_buffer d_results;
+    char *results; /* of the last trace */
 };
 
 /* Tests that a set may take. Rays of a tree that is one leaf test all primitives; those of a chain may meet all of
@@ -67,8 +67,9 @@ static bb_status trace(bb_conformance *c, const ray_set *set, const bb_kernel *k
     bb_tracer *tracer;
     BB_TRY(bb_tracer_get(c->device, &request, layout, &tracer));
     *overflows = !kernel->stackless && layout->stack_need > bb_tracer_stack_size(tracer);
-    const bb_pass pass = {tracer, layout, &set->rays->on_device, &c->hits, NULL};
-    return bb_pass_run(&pass, count, c->host_hits, NULL);
+    const bb_pass pass = {set->rays->query,      tracer,        layout,
+                          &set->rays->on_device, &c->d_results, NULL};
+    return bb_pass_run(&pass, count, c->results, NULL);
 }
 
 /* A kernel whose stack overflowed left the answer unwritten: it refuses the tree, loudly. */
@@ -76,7 +77,7 @@ static bb_status judge(bb_conformance *c, ray_set *set, const char *kernel, uint
                        bool overflows)
 {
     bb_accuracy accuracy;
-    const bb_verdict_request wanted = {.hits = c->host_hits, .count = count};
+    const bb_verdict_request wanted = {.results = c->results, .count = count};
     BB_TRY(bb_judge(c->oracle, &set->answers, &wanted, &accuracy));
     if (accuracy.wrong_ppm == 0)
         return BB_OK;
@@ -93,30 +94,27 @@ static bb_status judge(bb_conformance *c, ray_set *set, const char *kernel, uint
         accuracy.first_wrong);
 }
 
-/* Is this the same answer? Of any-hit queries only that there is one. */
-static bool is_same(bb_query query, const bb_hit *a, const bb_hit *b)
-{
-    return query == BB_ANY_HIT ? (a->prim == BB_NONE) == (b->prim == BB_NONE)
-                               : memcmp(a, b, sizeof *a) == 0;
-}
-
 static bb_status compare(bb_conformance *c, ray_set *set, const char *builder, const char *kernel,
                          uint32_t count)
 {
+    const bb_query *query = set->rays->query;
+    size_t bytes = query->result_bytes;
     for (uint32_t i = 0; i < count && i < set->count; i++) {
-        const bb_hit *here = &c->host_hits[i], *there = &set->hits[i];
-        if (!is_same(set->rays->query, here, there))
-            return bb_fail(
-                BB_FAILED,
-                "kernel %s, %s rays: ray %u is answered by primitive %u at %a, and by %s "
-                "with primitive %u at %a: a box around a hit was missed",
-                kernel, set->rays->name, i, here->prim, (double)here->t, set->whose, there->prim,
-                (double)there->t);
+        const char *here = c->results + i * bytes, *there = set->results + i * bytes;
+        char texts[2][128];
+        if (query->same(here, there))
+            continue;
+        query->say(here, texts[0], sizeof texts[0]);
+        query->say(there, texts[1], sizeof texts[1]);
+        return bb_fail(BB_FAILED,
+                       "kernel %s, %s rays: ray %u is answered by %s, and by %s with %s: a box "
+                       "around a hit was missed",
+                       kernel, set->rays->name, i, texts[0], set->whose, texts[1]);
     }
     if (count <= set->count || !bb_device_divides_exactly(c->device))
         return BB_OK;
-    memcpy(set->hits + set->count, c->host_hits + set->count,
-           (count - set->count) * sizeof *set->hits);
+    memcpy(set->results + set->count * bytes, c->results + set->count * bytes,
+           (count - set->count) * bytes);
     set->count = count;
     snprintf(set->whose, sizeof set->whose, "%.60s on %.60s", kernel, builder);
     return BB_OK;
@@ -146,7 +144,7 @@ static bb_status check_kernel(bb_conformance *c, bb_tree *tree, const char *buil
     if (status == BB_OK)
         status = bb_layout_maker_make(&maker, c->scene, tree, 1, BB_RECORD_VERTICES, &data);
     for (uint32_t i = 0; i < c->set_count && status == BB_OK; i++)
-        if ((kernel->queries & 1u << c->sets[i].rays->query) != 0) {
+        if ((kernel->queries & c->sets[i].rays->query->way) != 0) {
             status = check_set(c, &c->sets[i], builder, kernel, &data, &tree->info);
             traced++;
         }
@@ -213,7 +211,8 @@ static bb_status add_set(bb_conformance *c, const char *workload)
     BB_TRY(status);
     c->set_count++;
     BB_TRY(bb_rays_upload(set->rays, c->device));
-    BB_TRY(bb_host_alloc(NULL, (size_t)c->side * c->side * sizeof(bb_hit), "hits", &set->hits));
+    BB_TRY(bb_host_alloc(NULL, (size_t)c->side * c->side * set->rays->query->result_bytes,
+                         "answers", &set->results));
     return bb_answers_make(c->oracle, set->rays, &set->answers);
 }
 
@@ -262,9 +261,9 @@ static bb_status prepare(bb_conformance *c)
     if (c->set_count == 0)
         return bb_fail(BB_FAILED, "scene %s: there are no rays to check anything with",
                        scene->name);
-    size_t bytes = (size_t)c->side * c->side * sizeof(bb_hit);
-    BB_TRY(bb_buffer_reserve(c->device, &c->account, bytes, "hits", &c->hits));
-    BB_TRY(bb_host_alloc(NULL, bytes, "hits", &c->host_hits));
+    size_t bytes = (size_t)c->side * c->side * BB_RESULT_BYTES_MAX;
+    BB_TRY(bb_buffer_reserve(c->device, &c->account, bytes, "answers", &c->d_results));
+    BB_TRY(bb_host_alloc(NULL, bytes, "answers", &c->results));
     return BB_OK;
 }
 
@@ -294,10 +293,10 @@ void bb_conformance_destroy(bb_conformance *c)
     for (uint32_t i = 0; i < c->set_count; i++) {
         bb_answers_release(&c->sets[i].answers);
         bb_rays_free(c->sets[i].rays);
-        bb_host_free(c->sets[i].hits);
+        bb_host_free(c->sets[i].results);
     }
-    bb_buffer_release(&c->hits);
-    bb_host_free(c->host_hits);
+    bb_buffer_release(&c->d_results);
+    bb_host_free(c->results);
     bb_oracle_destroy(c->oracle);
     bb_scene_free(c->reversed);
     bb_tracers_clear(c->device);

@@ -139,7 +139,7 @@ static bb_status judge(job *j)
         ray_set *set = &j->sets[i];
         BB_TRY(bb_answers_make(j->oracle, set->rays, &set->answers));
         const bb_verdict_request wanted = {
-            .hits = set->outside.hits, .count = set->outside.count, .may_be_unnamed = true};
+            .results = set->outside.hits, .count = set->outside.count, .may_be_unnamed = true};
         BB_TRY(bb_judge(j->oracle, &set->answers, &wanted, &set->accuracy));
     }
     return BB_OK;
@@ -186,7 +186,7 @@ static void print_classes(const job *j, const ray_set *set)
     char ppm[32], low[32], high[32];
     printf("%s on %s, %s%s%s%s, %s hit: %llu hits for %u rays\n", j->name.text, j->scene->name,
            rays->name, j->by_hand ? " (rays as given)" : "", rays->view[0] != '\0' ? " from " : "",
-           rays->view, bb_query_name(rays->query), (unsigned long long)a->checked, rays->count);
+           rays->view, rays->query->name, (unsigned long long)a->checked, rays->count);
     printf("  right     %10llu   of them %llu ties, %llu by the margin alone\n",
            (unsigned long long)a->right, (unsigned long long)a->ties,
            (unsigned long long)a->forgiven);

@@ -75,7 +75,7 @@ static bb_status write_rays(const bb_cli *cli, const job *j)
     const char *out = bb_cli_value(cli, "out");
     BB_TRY(bb_exchange_write_rays(out, j->scene, j->rays, generator));
     printf("%s: %u rays, %s%s%s, %s hit;", out, j->rays->count, j->rays->name,
-           j->rays->view[0] != '\0' ? " from " : "", j->rays->view, bb_query_name(j->rays->query));
+           j->rays->view[0] != '\0' ? " from " : "", j->rays->view, j->rays->query->name);
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         if (kind <= BB_SPHERE || j->scene->prims[kind].count > 0)
             printf("%s %u %s", kind > 0 ? "," : "", j->scene->prims[kind].count,

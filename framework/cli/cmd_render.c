@@ -3,6 +3,7 @@
 #include "framework/builder/instance.h"
 #include "framework/cli/choice.h"
 #include "framework/judge/judge.h"
+#include "framework/judge/queries.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
 #include "framework/workload/workload.h"
@@ -104,7 +105,7 @@ static bb_status trace(rendering *r)
         .kernel = r->kernel,
         .spec = &r->kernel_spec,
         .intersector = &r->intersector,
-        .query = BB_CLOSEST_HIT,
+        .query = &bb_query_closest,
         .counting = true,
     };
     BB_TRY(bb_tracer_get(r->device, &request, &r->layout, &tracer));
@@ -113,7 +114,8 @@ static bb_status trace(rendering *r)
                              &r->d_counts));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_hit), "hits", &r->hits));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_count), "counts", &r->counts));
-    const bb_pass pass = {tracer, &r->layout, &r->rays->on_device, &r->d_hits, &r->d_counts};
+    const bb_pass pass = {&bb_query_closest,   tracer,     &r->layout,
+                          &r->rays->on_device, &r->d_hits, &r->d_counts};
     return bb_pass_run(&pass, count, r->hits, r->counts);
 }
 
@@ -139,7 +141,7 @@ static bb_status shade_diff(rendering *r)
     if (status == BB_OK)
         status = bb_judge(
             r->oracle, &answers,
-            &(bb_verdict_request){.hits = r->hits, .count = r->rays->count, .classes = classes},
+            &(bb_verdict_request){.results = r->hits, .count = r->rays->count, .classes = classes},
             &a);
     if (status == BB_OK)
         status = bb_picture_diff(r->scene, r->rays, r->hits, classes, &a, &r->canvas);

@@ -388,12 +388,13 @@ static void any_chunk(void *context, size_t begin, size_t end, uint32_t thread)
     trace_chunk(context, begin, end, trace_any);
 }
 
-bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count, bb_query query,
-                          bb_hit *hits)
+bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count,
+                          const bb_query *query, bb_hit *hits)
 {
     trace_job job = {.embree = embree, .rays = rays, .hits = hits};
-    bb_parallel_for(embree->pool, count, CHUNK, query == BB_ANY_HIT ? any_chunk : closest_chunk,
-                    &job);
+    if (!query->is_hit)
+        return bb_fail(BB_UNSUPPORTED, "Embree does not answer %s queries", query->name);
+    bb_parallel_for(embree->pool, count, CHUNK, query->any ? any_chunk : closest_chunk, &job);
     int code = atomic_exchange(&embree->error, RTC_ERROR_NONE);
     if (code != RTC_ERROR_NONE)
         return bb_fail(BB_FAILED, "Embree, tracing %u rays: %s (error %d)", count, embree->text,

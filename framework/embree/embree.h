@@ -37,7 +37,7 @@ double bb_embree_span_ms(const bb_embree *embree);
 /* Traces with rtcIntersect1 / rtcOccluded1 on all threads, which take chunks from one counter. A ray that hits has t and
  * primitive of the scene's numbering. For any-hit queries a hit is (0, BB_UNNAMED): Embree does not say which.
  * A ray with a number beyond 1.8e18 is one that Embree does not take: it misses, and is judged so. */
-bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count, bb_query query,
-                          bb_hit *hits);
+bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count,
+                          const bb_query *query, bb_hit *hits);
 
 #endif

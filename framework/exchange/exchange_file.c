@@ -8,6 +8,7 @@
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 #include "framework/exchange/exchange_intake.h"
+#include "framework/judge/queries.h"
 #include "framework/scene/prim.h"
 #include "framework/workload/workload.h"
 
@@ -19,9 +20,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
-
-_Static_assert((int)BB_CLOSEST_HIT == BB_EXCHANGE_CLOSEST && (int)BB_ANY_HIT == BB_EXCHANGE_ANY,
-               "queries by the same numbers");
 
 enum { PIECE = 1 << 16 };
 
@@ -41,7 +39,7 @@ static void fill_header(const bb_scene *scene, const bb_rays *rays, const char *
         .version = plain ? BB_EXCHANGE_VERSION : BB_EXCHANGE_VERSION_MORE,
         .byte_order = BB_EXCHANGE_ORDER,
         .header_bytes = sizeof *header,
-        .query = rays->query,
+        .query = rays->query->exchange,
         .interval = BB_EXCHANGE_OPEN,
         .must_hit = rays->must_hit,
         .ray_count = rays->count,
@@ -70,6 +68,11 @@ bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const 
                                  const char *generator)
 {
     bb_rays_header header;
+    if (!rays->query->is_hit)
+        return bb_fail(BB_UNSUPPORTED,
+                       "rays '%s': outside tracers answer with hits, and these rays ask for more: "
+                       "take others, or another query of theirs",
+                       rays->name);
     fill_header(scene, rays, generator, &header);
     enum { PARTS = 3 + BB_KIND_COUNT };
     bb_part parts[PARTS] = {
@@ -93,6 +96,15 @@ bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const 
 }
 
 /* ---- reading rays ---- */
+
+/* NULL for a number that stands for none. */
+static const bb_query *query_of(const bb_rays_header *header)
+{
+    for (const bb_query *const *query = bb_queries; *query != NULL; query++)
+        if ((*query)->is_hit && (*query)->exchange == header->query)
+            return *query;
+    return NULL;
+}
 
 /* Adds the bytes of the kinds that only version 3 has. */
 static bb_status check_more_counts(const bb_intake *in, const bb_rays_header *header,
@@ -119,7 +131,7 @@ static bb_status check_more_counts(const bb_intake *in, const bb_rays_header *he
 static bb_status check_rays_header(const bb_intake *in, const bb_rays_header *header)
 {
     const char *path = in->input.path;
-    if (header->query != BB_EXCHANGE_CLOSEST && header->query != BB_EXCHANGE_ANY)
+    if (query_of(header) == NULL)
         return bb_fail(BB_INVALID, "rays file %s: query is %" PRIu32 ", must be %d or %d", path,
                        header->query, BB_EXCHANGE_CLOSEST, BB_EXCHANGE_ANY);
     if (header->interval != BB_EXCHANGE_OPEN)
@@ -184,7 +196,7 @@ static bb_status check_workload(const char *path, const bb_scene *scene,
                                 const bb_rays_header *header, const bb_spec *spec,
                                 const bb_workload *workload)
 {
-    if (workload == NULL || (uint32_t)workload->query != header->query)
+    if (workload == NULL || workload->query != query_of(header))
         return bb_fail(
             BB_INVALID,
             "rays file %s: there are no rays '%s' for this query; rays made by hand need "
@@ -231,7 +243,7 @@ static bb_status describe(const char *path, const bb_scene *scene, const bb_rays
     BB_TRY(by_hand ? check_by_hand(path, header, &rays->spec, workload)
                    : check_workload(path, scene, header, &rays->spec, workload));
     rays->options = workload != NULL ? workload->options : NULL;
-    rays->query = (bb_query)header->query;
+    rays->query = query_of(header);
     rays->must_hit = workload != NULL && bb_workload_must_hit(workload, scene, &rays->spec);
     rays->width = header->width;
     rays->height = header->height;
@@ -333,12 +345,12 @@ static bb_status check_hits_header(const bb_intake *in, const bb_hits_header *he
     return bb_intake_check_size(in, sizeof *header + header->hit_count * sizeof(bb_hit));
 }
 
-static bool is_answer(const bb_scene *scene, bb_query query, const bb_hit *hit)
+static bool is_answer(const bb_scene *scene, const bb_query *query, const bb_hit *hit)
 {
     if (hit->prim == BB_NONE)
         return isinf(hit->t) && hit->t > 0;
     if (hit->prim == BB_UNNAMED)
-        return query == BB_ANY_HIT;
+        return query->any;
     return hit->prim < scene->prim_count && isfinite(hit->t);
 }
 

@@ -450,7 +450,7 @@ static int root_hit(const trial *trial, const bb_hit *hit, double e)
 }
 
 static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const bb_hit *hit,
-                          bb_query query)
+                          const bb_query *query)
 {
     double eps = margin(trial->scene, trial->frame.o, hit->prim), e = eps / trial->frame.length;
     double t = hit->t;
@@ -468,11 +468,11 @@ static bb_class judge_hit(const bb_arbiter *arbiter, const trial *trial, const b
     }
     const search nearer = {
         .trial = trial, .limit = t, .prim = hit->prim, .root = root, .most = INFINITY};
-    return query == BB_CLOSEST_HIT && nine_hit(arbiter, nearer) ? BB_WRONG_T : BB_RIGHT;
+    return !query->any && nine_hit(arbiter, nearer) ? BB_WRONG_T : BB_RIGHT;
 }
 
 bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
-                          bb_query query, bool must_hit)
+                          const bb_query *query, bool must_hit)
 {
     if (hit->prim == BB_NONE && must_hit)
         return BB_MISSED;
@@ -481,22 +481,22 @@ bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb
     const search any = {.trial = &trial, .limit = INFINITY, .prim = BB_NONE, .most = INFINITY};
     if (hit->prim == BB_NONE)
         return nine_hit(arbiter, any) ? BB_MISSED : BB_RIGHT;
-    if (query == BB_ANY_HIT && hit->prim == BB_UNNAMED)
+    if (query->any && hit->prim == BB_UNNAMED)
         return judge_occluded(arbiter, &trial);
     return judge_hit(arbiter, &trial, hit, query);
 }
 
 bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
-                         bb_query query)
+                         const bb_query *query)
 {
     trial trial;
     begin_trial(&trial, arbiter->scene, ray);
     if (hit->prim == BB_NONE)
         return nine_hit_by_the_letter(arbiter, &trial, INFINITY);
-    if (query == BB_CLOSEST_HIT && nine_hit_by_the_letter(arbiter, &trial, hit->t))
+    if (!query->any && nine_hit_by_the_letter(arbiter, &trial, hit->t))
         return true;
     double t[2];
-    if ((query == BB_ANY_HIT && hit->prim == BB_UNNAMED) ||
+    if ((query->any && hit->prim == BB_UNNAMED) ||
         bb_exact_hits(trial.scene, trial.frame.o, trial.ray->d, hit->prim, t) > 0)
         return false;
     return spread_over(&trial, hit->prim, margin(trial.scene, trial.frame.o, hit->prim)).hits == 0;

@@ -56,13 +56,13 @@ void bb_arbiter_destroy(bb_arbiter *arbiter);
 /* BB_RIGHT, BB_MISSED, BB_FALSE_HIT or BB_WRONG_T. The answer must be well formed: a miss (inf,
  * BB_NONE), or a number and a primitive of the scene. May be called from many threads. */
 bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
-                          bb_query query, bool must_hit);
+                          const bb_query *query, bool must_hit);
 
 /* Whether an answer that is right here would be wrong by the letter of the definitions, which know
  * neither a margin at the ends of the ray's interval, nor a needle or an open way between the nine, nor
  * that a primitive is no witness against itself. Such answers are counted apart. */
 bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
-                         bb_query query);
+                         const bb_query *query);
 
 /* eps of this ray and primitive, in scene units; and in units of t. */
 double bb_margin(const bb_scene *scene, const bb_ray *ray, uint32_t prim);

@@ -43,8 +43,8 @@ void bb_oracle_destroy(bb_oracle *oracle)
     free(oracle);
 }
 
-bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count, bb_query query,
-                          bb_hit *hits)
+bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count,
+                          const bb_query *query, bb_hit *hits)
 {
     return bb_embree_trace(oracle->embree, rays, count, query, hits);
 }
@@ -91,11 +91,10 @@ static uint8_t show(const bb_oracle *oracle, const bb_rays *rays, const bb_ray *
     if (hit->prim == BB_NONE && !rays->must_hit &&
         bb_way_ask(oracle->way, ray, ray->tmax, BB_NONE) == BB_WAY_CLEAR)
         return BB_ORACLE_SURE;
-    if (hit->prim == BB_UNNAMED && rays->query == BB_ANY_HIT &&
+    if (hit->prim == BB_UNNAMED && rays->query->any &&
         bb_way_ask(oracle->way, ray, ray->tmax, BB_NONE) == BB_WAY_BLOCKED)
         return BB_ORACLE_SURE;
-    if (hit->prim < oracle->scene->prim_count && rays->query == BB_CLOSEST_HIT &&
-        is_sure(oracle, ray, hit))
+    if (hit->prim < oracle->scene->prim_count && !rays->query->any && is_sure(oracle, ray, hit))
         return BB_ORACLE_SURE;
     bb_class class = bb_arbiter_judge(&oracle->arbiter, ray, hit, rays->query, rays->must_hit);
     return class == BB_RIGHT ? BB_ORACLE_RIGHT : BB_ORACLE_WRONG;

@@ -17,8 +17,8 @@ bb_status bb_oracle_create(const bb_scene *scene, uint32_t threads, bb_oracle **
 void bb_oracle_destroy(bb_oracle *oracle); /* NULL is allowed */
 
 /* Embree's answers for raw rays (used to make secondary rays). */
-bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count, bb_query query,
-                          bb_hit *hits);
+bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count,
+                          const bb_query *query, bb_hit *hits);
 
 /* What is known of one of the oracle's answers. */
 enum {

@@ -1,4 +1,5 @@
 #include "framework/picture/picture.h"
+#include "framework/judge/queries.h"
 
 #include "framework/picture/image.h"
 #include "framework/scene/prim.h"
@@ -109,7 +110,7 @@ bb_status bb_picture_of_view(const bb_scene *scene, bb_oracle *oracle, const bb_
     if (status == BB_OK)
         status = bb_host_alloc(NULL, 3 * (size_t)rays->count * sizeof *rgb, "picture", &rgb);
     if (status == BB_OK)
-        status = bb_oracle_trace(oracle, rays->rays, rays->count, BB_CLOSEST_HIT, hits);
+        status = bb_oracle_trace(oracle, rays->rays, rays->count, &bb_query_closest, hits);
     if (status == BB_OK && snprintf(path, sizeof path, "%s/%s", folder, file) >= (int)sizeof path)
         status = bb_fail(BB_INVALID, "the path of the output folder is too long: %.60s...", folder);
     if (status == BB_OK) {

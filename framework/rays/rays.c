@@ -6,11 +6,6 @@
 #include <stdlib.h>
 #include <xxhash.h>
 
-const char *bb_query_name(bb_query query)
-{
-    return query == BB_ANY_HIT ? "any" : "closest";
-}
-
 bb_status bb_rays_reserve(bb_rays *rays, uint32_t count)
 {
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_ray), "rays", &rays->rays));

@@ -4,15 +4,9 @@
 
 #include "framework/base/options.h"
 #include "framework/device/device.h"
+#include "framework/rays/query.h"
 #include "framework/scene/scene.h"
 #include "kernels/bb_shared.h"
-
-typedef enum bb_query {
-    BB_CLOSEST_HIT,
-    BB_ANY_HIT,
-} bb_query;
-
-const char *bb_query_name(bb_query query); /* "closest" or "any" */
 
 typedef struct bb_rays {
     char name[128]; /* the specification as given */
@@ -20,7 +14,7 @@ typedef struct bb_rays {
     const bb_option
         *options; /* that the specification may have; NULL: made by hand, read from a file */
     bb_spec spec; /* the specification, parsed */
-    bb_query query;
+    const bb_query *query;
     uint32_t count;
     bb_ray *rays;   /* from bb_host_alloc */
     uint64_t hash;  /* XXH3 of the rays */

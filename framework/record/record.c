@@ -579,7 +579,7 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
         put_text(entry, "intersector", trace->intersector) &&
         put_text(entry, "rays", trace->rays) &&
         put_text(entry, "rays_source", trace->rays_as_given ? "as given" : "workload") &&
-        put_text(entry, "query", bb_query_name(trace->query)) &&
+        put_text(entry, "query", trace->query != NULL ? trace->query->name : "") &&
         put_number(entry, "count", trace->count) &&
         put_hash(entry, "rays_hash", trace->rays_hash) &&
         (trace->rays_spec == NULL ||

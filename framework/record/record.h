@@ -61,7 +61,7 @@ typedef struct bb_trace_record {
     bool rays_as_given; /* made by hand, not by a workload: see `bvhbench judge --verify no` */
     const bb_spec *rays_spec; /* with the defaults, all parameters are recorded; may be NULL */
     const bb_option *rays_options;
-    bb_query query;
+    const bb_query *query;
     uint32_t count;
     uint64_t rays_hash;
     bool native; /* the layout keeps the shape of the builder's tree */

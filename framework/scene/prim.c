@@ -25,3 +25,14 @@ void bb_prim_kind_names(uint32_t kinds, char *text, size_t capacity)
             used += (size_t)snprintf(text + used, capacity - used, "%s%s", used > 0 ? "+" : "",
                                      bb_prim_kinds[kind]->plural);
 }
+
+void bb_scene_number_kinds(bb_scene *scene)
+{
+    scene->kinds = scene->prim_count = 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        bb_prims *prims = &scene->prims[kind];
+        prims->first = scene->prim_count;
+        scene->prim_count += prims->count;
+        scene->kinds |= prims->count > 0 ? 1u << kind : 0;
+    }
+}

@@ -63,6 +63,9 @@ static inline const bb_prim_kind *bb_prim_of(const bb_scene *scene, uint32_t pri
     return bb_prim_kinds[kind];
 }
 
+/* Numbers the primitives through, from the counts of their kinds: sets first, prim_count and kinds. */
+void bb_scene_number_kinds(bb_scene *scene);
+
 /* Bytes of the data of one. */
 size_t bb_prim_bytes(uint32_t kind);
 

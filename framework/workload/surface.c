@@ -12,6 +12,7 @@
  * times what rounding to float can move it back.
  */
 #include "framework/workload/surface.h"
+#include "framework/judge/queries.h"
 
 #include "framework/base/memory.h"
 #include "framework/judge/arbiter.h"
@@ -93,7 +94,7 @@ static bb_status collect_batch(sampler *sampler, sampled_view *view, uint32_t be
 {
     for (uint32_t i = begin; i < end; i++)
         pixel_ray(sampler, view, i, &sampler->rays[i - begin]);
-    BB_TRY(bb_oracle_trace(sampler->job->oracle, sampler->rays, end - begin, BB_CLOSEST_HIT,
+    BB_TRY(bb_oracle_trace(sampler->job->oracle, sampler->rays, end - begin, &bb_query_closest,
                            sampler->hits));
     for (uint32_t i = begin; i < end; i++) {
         const bb_hit *hit = &sampler->hits[i - begin];

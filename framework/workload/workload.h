@@ -8,7 +8,7 @@
 typedef struct bb_workload {
     const char *name;
     const char *summary;
-    bb_query query;
+    const bb_query *query;
     bool per_view;            /* once per view; else once per scene */
     const bb_option *options; /* length, count, offset, tmin ... with their defaults */
     /* Fills job->rays (framework/workload/job.h). BB_UNSUPPORTED if the scene has no such rays. */

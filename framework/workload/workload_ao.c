@@ -1,4 +1,5 @@
 /* Ambient occlusion: is anything near? */
+#include "framework/judge/queries.h"
 #include "framework/workload/hemisphere.h"
 #include "framework/workload/workload.h"
 
@@ -21,7 +22,7 @@ extern const bb_workload bb_workload_ao;
 const bb_workload bb_workload_ao = {
     .name = "ao",
     .summary = "ambient occlusion: short cosine-weighted rays from primary hits, any hit",
-    .query = BB_ANY_HIT,
+    .query = &bb_query_any,
     .options = options_table,
     .make = make_ao,
 };

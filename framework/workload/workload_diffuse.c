@@ -1,4 +1,5 @@
 /* Diffuse rays: a bounce without end. */
+#include "framework/judge/queries.h"
 #include "framework/workload/hemisphere.h"
 #include "framework/workload/workload.h"
 
@@ -20,7 +21,7 @@ extern const bb_workload bb_workload_diffuse;
 const bb_workload bb_workload_diffuse = {
     .name = "diffuse",
     .summary = "unbounded cosine-weighted rays from primary hits, closest hit",
-    .query = BB_CLOSEST_HIT,
+    .query = &bb_query_closest,
     .options = options_table,
     .make = make_diffuse,
 };

@@ -18,6 +18,7 @@
  * the target. */
 #include "framework/base/memory.h"
 #include "framework/base/random.h"
+#include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
 
 #include <float.h>
@@ -334,7 +335,7 @@ extern const bb_workload bb_workload_edges;
 const bb_workload bb_workload_edges = {
     .name = "edges",
     .summary = "at edges and vertices; from inside a closed mesh each must hit; closest hit",
-    .query = BB_CLOSEST_HIT,
+    .query = &bb_query_closest,
     .options = options_table,
     .make = make_edges,
     .must_hit = must_hit,

@@ -1,4 +1,5 @@
 /* Primary rays: one per pixel of a view. */
+#include "framework/judge/queries.h"
 #include "framework/scene/camera.h"
 #include "framework/workload/workload.h"
 
@@ -26,7 +27,7 @@ extern const bb_workload bb_workload_primary;
 const bb_workload bb_workload_primary = {
     .name = "primary",
     .summary = "one ray per pixel, closest hit",
-    .query = BB_CLOSEST_HIT,
+    .query = &bb_query_closest,
     .per_view = true,
     .options = options_table,
     .make = make_primary,

@@ -1,6 +1,7 @@
 /* Random rays: from a uniform point of the scene's box through another; or from close to a primitive to close
  * to another, so that a far outlier does not hide the rest. */
 #include "framework/base/random.h"
+#include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
 
 #include <float.h>
@@ -88,7 +89,7 @@ extern const bb_workload bb_workload_random;
 const bb_workload bb_workload_random = {
     .name = "random",
     .summary = "from a uniform point of the scene's box through another, closest hit",
-    .query = BB_CLOSEST_HIT,
+    .query = &bb_query_closest,
     .options = options_table,
     .make = make_random,
 };

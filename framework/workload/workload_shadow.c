@@ -1,4 +1,5 @@
 /* Shadow rays: from what is seen to a point of a square light under the top of the scene's box. */
+#include "framework/judge/queries.h"
 #include "framework/workload/surface.h"
 #include "framework/workload/workload.h"
 
@@ -83,7 +84,7 @@ extern const bb_workload bb_workload_shadow;
 const bb_workload bb_workload_shadow = {
     .name = "shadow",
     .summary = "one ray per primary hit to a point of a square light, any hit",
-    .query = BB_ANY_HIT,
+    .query = &bb_query_any,
     .options = options_table,
     .make = make_shadows,
 };

@@ -1,0 +1,105 @@
+/* What makes a filled scene complete: its checks, its boxes and its hash. */
+#include "framework/scene/prim.h"
+
+#include <math.h>
+#include <string.h>
+#include <xxhash.h>
+
+enum { PRIM_LIMIT = 0x7FFFFFFF };
+
+/* ---- boxes ---- */
+
+/* -0 equals +0, so which of them is the minimum would depend on who comes first. */
+static void drop_negative_zeros(float *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        values[i] += 0.0f;
+}
+
+static void grow(bb_box *bounds, const bb_box *box)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        if (box->lo[axis] < bounds->lo[axis])
+            bounds->lo[axis] = box->lo[axis];
+        if (box->hi[axis] > bounds->hi[axis])
+            bounds->hi[axis] = box->hi[axis];
+    }
+}
+
+static bb_status make_boxes_of(bb_scene *scene, uint32_t kind)
+{
+    const bb_prims *prims = &scene->prims[kind];
+    for (uint32_t i = 0; i < prims->count; i++) {
+        bb_box *box = &scene->boxes[prims->first + i];
+        box->pad0 = box->pad1 = 0;
+        BB_TRY(bb_prim_kinds[kind]->bounds(scene, i, box));
+        if (prims->first + i == 0)
+            scene->bounds = *box;
+        else
+            grow(&scene->bounds, box);
+    }
+    return BB_OK;
+}
+
+static bb_status make_boxes(bb_scene *scene)
+{
+    BB_TRY(bb_host_alloc(NULL, (size_t)scene->prim_count * sizeof(bb_box), "the scene's boxes",
+                         &scene->boxes));
+    memset(&scene->bounds, 0, sizeof scene->bounds);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        BB_TRY(make_boxes_of(scene, kind));
+    for (int axis = 0; axis < 3; axis++)
+        if (!isfinite(scene->bounds.hi[axis] - scene->bounds.lo[axis]))
+            return bb_fail(
+                BB_INVALID,
+                "%s: reaches from %g to %g on axis %c, too far for a float: scale it down",
+                scene->name, (double)scene->bounds.lo[axis], (double)scene->bounds.hi[axis],
+                "xyz"[axis]);
+    return BB_OK;
+}
+
+/* ---- finishing ---- */
+
+/* Of the counts and the arrays. Kinds that came after spheres are left out where there are none, so that
+ * a scene keeps its hash as kinds are added. */
+static bb_status hash_geometry(bb_scene *scene)
+{
+    XXH3_state_t *state = XXH3_createState();
+    if (state == NULL)
+        return bb_fail(BB_REFUSED, "%s: no memory for a hash", scene->name);
+    XXH3_64bits_reset(state);
+    XXH3_64bits_update(state, &scene->vertex_count, sizeof scene->vertex_count);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (kind <= BB_SPHERE || scene->prims[kind].count > 0)
+            XXH3_64bits_update(state, &scene->prims[kind].count, sizeof scene->prims[kind].count);
+    if (scene->vertex_count > 0)
+        XXH3_64bits_update(state, scene->vertices, (size_t)scene->vertex_count * 3 * sizeof(float));
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (scene->prims[kind].count > 0)
+            XXH3_64bits_update(state, scene->prims[kind].data,
+                               scene->prims[kind].count * bb_prim_bytes(kind));
+    scene->hash = XXH3_64bits_digest(state);
+    XXH3_freeState(state);
+    return BB_OK;
+}
+
+bb_status bb_scene_finish(bb_scene *scene)
+{
+    uint64_t prims = 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        prims += scene->prims[kind].count;
+    if (prims == 0)
+        return bb_fail(BB_INVALID, "%s: has no primitive", scene->name);
+    if (prims > PRIM_LIMIT)
+        return bb_fail(BB_REFUSED, "%s: has %llu primitives, at most 2^31 - 1 can be handled",
+                       scene->name, (unsigned long long)prims);
+    bb_scene_number_kinds(scene);
+    drop_negative_zeros(scene->vertices, 3 * (size_t)scene->vertex_count);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (!bb_prim_kinds[kind]->is_mesh)
+            drop_negative_zeros(scene->prims[kind].data,
+                                scene->prims[kind].count * bb_prim_bytes(kind) / sizeof(float));
+    BB_TRY(make_boxes(scene));
+    BB_TRY(bb_scene_choose_scale(scene));
+    return hash_geometry(scene);
+}

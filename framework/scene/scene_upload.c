@@ -1,0 +1,109 @@
+/* A scene's copy on the device. */
+#include "framework/scene/prim.h"
+
+enum { GROUP_SIZE = 64 };
+
+typedef struct part {
+    const char *what;
+    bb_buffer *buffer;
+    const void *source;
+    uint64_t bytes;
+} part;
+
+/* Asks for all of it before any of it, so that a refusal names the whole and leaves nothing behind.
+ */
+static bb_status check_room(const bb_scene *scene, const bb_device *device, const part *parts,
+                            size_t count)
+{
+    uint64_t total = 0;
+    for (size_t i = 0; i < count; i++) {
+        total += parts[i].bytes;
+        if (parts[i].bytes > device->largest_allocation)
+            return bb_fail(BB_REFUSED,
+                           "%s: %s needs %llu bytes, the largest allocation of %s is %llu: take a "
+                           "smaller scene or another device",
+                           scene->name, parts[i].what, (unsigned long long)parts[i].bytes,
+                           device->name, (unsigned long long)device->largest_allocation);
+    }
+    uint64_t left = device->global_bytes > device->bytes ? device->global_bytes - device->bytes : 0;
+    if (total > left)
+        return bb_fail(BB_REFUSED,
+                       "%s: needs %llu bytes, %s has %llu left: take a smaller scene or another "
+                       "device",
+                       scene->name, (unsigned long long)total, device->name,
+                       (unsigned long long)left);
+    return BB_OK;
+}
+
+static uint64_t prim_bytes(const bb_scene *scene)
+{
+    uint64_t bytes = 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        bytes += (uint64_t)scene->prims[kind].count * bb_prim_bytes(kind);
+    return bytes;
+}
+
+/* The data of all kinds, one after the other. */
+static bb_status write_prims(bb_scene *scene)
+{
+    size_t at = 0;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        size_t bytes = scene->prims[kind].count * bb_prim_bytes(kind);
+        if (bytes > 0)
+            BB_TRY(bb_buffer_write(&scene->on_device.prims, at, bytes, scene->prims[kind].data));
+        at += bytes;
+    }
+    return BB_OK;
+}
+
+bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
+{
+    bb_scene_device *there = &scene->on_device;
+    if (there->device == device)
+        return BB_OK;
+    const part parts[] = {
+        {"the scene's boxes", &there->boxes, NULL, (uint64_t)scene->prim_count * sizeof(bb_box)},
+        {"the scene's vertices", &there->vertices, scene->vertices,
+         (uint64_t)scene->vertex_count * 3 * sizeof(float)},
+        {"the scene's primitives", &there->prims, NULL, prim_bytes(scene)},
+    };
+    enum { PARTS = sizeof parts / sizeof parts[0] };
+    for (size_t i = 0; i < PARTS; i++)
+        bb_buffer_release(parts[i].buffer); /* of another device */
+    there->device = NULL;
+    BB_TRY(check_room(scene, device, parts, PARTS));
+    for (size_t i = 0; i < PARTS; i++) {
+        /* Kernels take a buffer for each part, so none of them stays without one. */
+        size_t bytes = parts[i].bytes > 0 ? (size_t)parts[i].bytes : sizeof(bb_box);
+        BB_TRY(bb_buffer_reserve(device, &there->account, bytes, parts[i].what, parts[i].buffer));
+        if (parts[i].bytes > 0 && parts[i].source != NULL)
+            BB_TRY(bb_buffer_write(parts[i].buffer, 0, (size_t)parts[i].bytes, parts[i].source));
+    }
+    there->device = device;
+    bb_status status = write_prims(scene);
+    if (status == BB_OK)
+        status = bb_scene_make_boxes(scene);
+    if (status == BB_OK)
+        status = bb_finish(device);
+    if (status != BB_OK)
+        there->device = NULL;
+    return status;
+}
+
+bb_status bb_scene_make_boxes(bb_scene *scene)
+{
+    const bb_scene_device *there = &scene->on_device;
+    const bb_prim_ends ends = bb_scene_ends(scene);
+    cl_program program = NULL;
+    cl_kernel kernel = NULL;
+    bb_status status = bb_program_build(there->device, bb_source_find("boxes.cl"), "", &program);
+    if (status == BB_OK)
+        status = bb_kernel_get(program, "make_boxes", &kernel);
+    if (status == BB_OK)
+        status = bb_launch(there->device, kernel, scene->prim_count, GROUP_SIZE,
+                           BB_MEM(there->vertices), BB_MEM(there->prims), BB_VALUE(ends),
+                           BB_VALUE(scene->prim_count), BB_MEM(there->boxes));
+    bb_kernel_release(kernel);
+    bb_program_release(program);
+    return status;
+}
