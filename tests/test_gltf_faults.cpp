@@ -152,6 +152,7 @@ void wrong_files_are_taken(void **)
 struct Refused {
     const char *what;
     std::string more;
+    uint32_t triangles = 1;
 };
 
 std::string buffer(const char *members)
@@ -173,8 +174,9 @@ void right_files_are_refused(void **)
          ",\"buffers\":[{\"byteLength\":36,\"uri\":\"a+b.bin\"},{\"byteLength\":4}]"},
         {"indices without a bufferView",
          ",\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
-         "{\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}],\"meshes\":[{\"primitives\":[{"
-         "\"attributes\":{\"POSITION\":0},\"indices\":1}]}]"},
+         "{\"componentType\":5123,\"count\":9,\"type\":\"SCALAR\"}],\"meshes\":[{\"primitives\":[{"
+         "\"attributes\":{\"POSITION\":0},\"indices\":1}]}]",
+         3},
         {"an image without data", ",\"images\":[{}]"},
         {"an image in a view that there is not", ",\"images\":[{\"bufferView\":9}]"},
         {"a camera without a type", ",\"cameras\":[{}]"},
@@ -192,7 +194,9 @@ void right_files_are_refused(void **)
         shown += refused;
         write_text(path_of("refused.gltf"), text.c_str());
         bb_scene *scene = load_scene(path_of("refused.gltf"));
-        assert_int_equal(scene->triangle_count, 1);
+        assert_int_equal(scene->triangle_count, fault.triangles);
+        for (uint32_t i = 3; i < 3 * fault.triangles; i++)
+            assert_int_equal(scene->indices[i], 0);
         bb_scene_free(scene);
     }
     assert_true(shown > 0);

@@ -354,6 +354,18 @@ static uint64_t pixels_apart(const float *a, const float *b)
     return found.pixels;
 }
 
+/* Boxes and primitives per ray, as the program says. */
+static double printed_tests(void)
+{
+    double boxes = 0, prims = 0;
+    FILE *file = fopen(test_path("picture", "log"), "r");
+    assert_non_null(file);
+    assert_int_equal(
+        fscanf(file, "tests per ray: %lf boxes and %lf primitives on average", &boxes, &prims), 2);
+    fclose(file);
+    return boxes + prims;
+}
+
 /* All exact kernels and trees give one depth; a careless one doesn't, and `diff` has the size of
  * it. */
 static void exr_holds_the_numbers(void **state)
@@ -368,8 +380,10 @@ static void exr_holds_the_numbers(void **state)
     float *fast = render_exr("--view depth --intersector fast", "fast.exr", "Z");
     float *normals = render_exr("--view normal", "normal.exr", "RGB");
     float *tests = render_exr("--view heat", "heat.exr", "Y");
+    const double mean = printed_tests();
     float *apart = render_exr("--view diff", "diff.exr", "Y");
     float most = 0;
+    double sum = 0;
     for (size_t i = 0; i < SIDE * SIDE; i++) {
         const float *n = normals + 3 * i;
         bool hit = isfinite(depth[i]);
@@ -377,11 +391,13 @@ static void exr_holds_the_numbers(void **state)
         assert_true(fabsf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - (hit ? 1 : 0)) < 1e-5f);
         assert_true(tests[i] == floorf(tests[i]) && tests[i] >= (hit ? 2 : 0));
         assert_true(apart[i] >= 0);
+        sum += tests[i];
         most = fmaxf(most, apart[i]);
         if (!hit) /* a miss is no number that could be compared */
             depth[i] = other[i] = fast[i] = 0;
     }
     assert_true(most < 1e-4f);
+    assert_true(fabs(sum / (SIDE * SIDE) - mean) < 0.11); /* two roundings to one digit */
     assert_int_equal(pixels_apart(depth, other), 0);
     assert_true(pixels_apart(depth, fast) > 0);
     float *all[] = {depth, other, fast, normals, tests, apart};
