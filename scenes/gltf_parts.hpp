@@ -1,11 +1,14 @@
-/* What the parts of the glTF loader share: gltf_json.cpp checks the file, gltf_buffers.cpp reads
- * it and its buffers, gltf.cpp takes the triangles. */
+/* What the parts of the glTF loader share: gltf_json.cpp gets the model from tinygltf, after
+ * gltf_schema.cpp has checked it; gltf_buffers.cpp reads files; gltf.cpp takes the triangles. */
 #ifndef BB_GLTF_PARTS_HPP
 #define BB_GLTF_PARTS_HPP
 
 extern "C" {
 #include "framework/base/status.h"
 }
+
+#include <nlohmann/json_fwd.hpp>
+#include <tiny_gltf.h>
 
 #include <cstdint>
 #include <memory>
@@ -45,20 +48,19 @@ Buffer read_file(const std::string &path);
 std::vector<Buffer> read_buffers(const std::string &path, uint64_t file_size,
                                  const std::vector<BufferRequest> &requests);
 
-/* A checked file. `json` has only the members that the geometry needs, each of the right type and
- * with references in range, but for the buffers: `buffers` has those. */
+/* A checked file: members are of the right type and references in range. The model holds only
+ * what the triangles need; its buffers are here. */
 struct Document {
-    std::string json;
+    tinygltf::Model model;
     std::vector<Buffer> buffers;
     bool quantised = false; /* KHR_mesh_quantization is used: integer positions are allowed */
 };
 
+/* Fails on what tinygltf would misunderstand. */
+void check_schema(const char *path, const nlohmann::json &root);
+
 /* Reads and checks `path`, .gltf or .glb by content. */
 Document read_document(const std::string &path);
-
-/* The attribute under which `json` carries a primitive's indices: tinygltf refuses indices without
- * a bufferView (sparse ones may have none), but not attributes. */
-constexpr const char *index_attribute = "_INDICES";
 } // namespace bb_gltf
 
 #endif

@@ -6,7 +6,9 @@
 
 #include <cmocka.h>
 
+#include "framework/base/file.h"
 #include "framework/base/memory.h"
+#include "framework/picture/exr.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
 #include "tests/hand_scene.h"
@@ -321,6 +323,113 @@ static void pictures_come_from_the_program(void **state)
     }
 }
 
+/* ---- the numbers behind the pictures ---- */
+
+enum { SIDE = 64 };
+
+/* Rendered by the program and read back; from bb_host_alloc(). */
+static float *render_exr(const char *arguments, const char *name, const char *channels)
+{
+    char command[1024], *data = NULL;
+    const char *path = test_path("picture", name);
+    size_t size;
+    float *values = NULL;
+    uint32_t width, height;
+    snprintf(command, sizeof command,
+             BB_TEST_PROGRAM " render --scene coffee --size %dx%d %s --out %s >%s", SIDE, SIDE,
+             arguments, path, test_path("picture", "log"));
+    assert_int_equal(system(command), 0);
+    assert_int_equal(bb_file_read(path, 1 << 20, "test", &data, &size), BB_OK);
+    if (bb_exr_read(path, data, size, channels, &values, &width, &height) != BB_OK)
+        fail_msg("%s", bb_message());
+    free(data);
+    assert_true(width == SIDE && height == SIDE);
+    return values;
+}
+
+static uint64_t pixels_apart(const float *a, const float *b)
+{
+    bb_exr_difference found;
+    assert_int_equal(bb_exr_differences(a, b, 1, SIDE, SIDE, NULL, &found), BB_OK);
+    return found.pixels;
+}
+
+/* Boxes and primitives per ray, as the program says. */
+static double printed_tests(void)
+{
+    double boxes = 0, prims = 0;
+    FILE *file = fopen(test_path("picture", "log"), "r");
+    assert_non_null(file);
+    assert_int_equal(
+        fscanf(file, "tests per ray: %lf boxes and %lf primitives on average", &boxes, &prims), 2);
+    fclose(file);
+    return boxes + prims;
+}
+
+/* All exact kernels and trees give one depth; a careless one doesn't, and `diff` has the size of
+ * it. */
+static void exr_holds_the_numbers(void **state)
+{
+    (void)state;
+    if (bb_exr_check() != BB_OK) {
+        print_message("skipped: %s\n", bb_message());
+        skip();
+    }
+    float *depth = render_exr("--view depth", "depth.exr", "Z");
+    float *other = render_exr("--view depth --builder lbvh --kernel stackless", "other.exr", "Z");
+    float *fast = render_exr("--view depth --intersector fast", "fast.exr", "Z");
+    float *normals = render_exr("--view normal", "normal.exr", "RGB");
+    float *tests = render_exr("--view heat", "heat.exr", "Y");
+    const double mean = printed_tests();
+    float *apart = render_exr("--view diff", "diff.exr", "Y");
+    float most = 0;
+    double sum = 0;
+    for (size_t i = 0; i < SIDE * SIDE; i++) {
+        const float *n = normals + 3 * i;
+        bool hit = isfinite(depth[i]);
+        assert_true(hit ? depth[i] > 0 : depth[i] == INFINITY);
+        assert_true(fabsf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - (hit ? 1 : 0)) < 1e-5f);
+        assert_true(tests[i] == floorf(tests[i]) && tests[i] >= (hit ? 2 : 0));
+        assert_true(apart[i] >= 0);
+        sum += tests[i];
+        most = fmaxf(most, apart[i]);
+        if (!hit) /* a miss is no number that could be compared */
+            depth[i] = other[i] = fast[i] = 0;
+    }
+    assert_true(most < 1e-4f);
+    assert_true(fabs(sum / (SIDE * SIDE) - mean) < 0.11); /* two roundings to one digit */
+    assert_int_equal(pixels_apart(depth, other), 0);
+    assert_true(pixels_apart(depth, fast) > 0);
+    float *all[] = {depth, other, fast, normals, tests, apart};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        bb_host_free(all[i]);
+}
+
+/* A program without the module beside its library: one line that names the package, before any
+ * work, and PNG as ever. */
+static void without_the_module_exr_is_refused(void **state)
+{
+    (void)state;
+    char command[4096], log[1000] = "";
+    snprintf(command, sizeof command,
+             "cd %s && rm -rf bare && mkdir bare && cp %s bare/ && "
+             "cp -d \"$(dirname %s)\"/libbvhbench.so* bare/",
+             test_path("picture", "."), BB_TEST_BINARY, BB_TEST_BINARY);
+    assert_int_equal(system(command), 0);
+    snprintf(command, sizeof command,
+             "cd %s && LD_LIBRARY_PATH=$PWD/bare bare/bvhbench render --scene coffee --out x.exr "
+             "2>log >/dev/null",
+             test_path("picture", "."));
+    int status = system(command);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 2);
+    FILE *file = fopen(test_path("picture", "log"), "r");
+    assert_non_null(file);
+    assert_non_null(fgets(log, sizeof log, file));
+    assert_non_null(strstr(log, "install libopenimageio-dev"));
+    assert_null(fgets(log, sizeof log, file));
+    fclose(file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -331,6 +440,8 @@ int main(void)
         cmocka_unit_test(legends_are_not_cut),
         cmocka_unit_test(what_lies_outside_of_a_canvas_is_left_out),
         cmocka_unit_test(pictures_come_from_the_program),
+        cmocka_unit_test(exr_holds_the_numbers),
+        cmocka_unit_test(without_the_module_exr_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

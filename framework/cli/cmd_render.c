@@ -4,11 +4,13 @@
 #include "framework/cli/choice.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/queries.h"
+#include "framework/picture/exr.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
 #include "framework/workload/workload.h"
 #include "traversal/pass.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -27,7 +29,7 @@ static const bb_cli_option options[] = {
     {"kernels-from", "DIR", "read device code from here first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
-    {"out", "FILE", "FILE.png or FILE.exr", false},
+    {"out", "FILE", "FILE.png: a picture; FILE.exr: its numbers (float)", false},
     {.name = NULL},
 };
 
@@ -47,6 +49,8 @@ typedef struct rendering {
     bb_hit *hits;
     bb_count *counts;
     bb_canvas canvas;
+    bb_answers answers; /* of view diff */
+    float *values;
 } rendering;
 
 static bb_status choose_builder(const bb_cli *cli, const char **builder)
@@ -132,15 +136,14 @@ static bb_status shade_heat(rendering *r)
 
 static bb_status shade_diff(rendering *r)
 {
-    bb_answers answers = {0};
     bb_accuracy a;
     uint8_t *classes = NULL;
     bb_status status = bb_host_alloc(NULL, r->rays->count, "classes", &classes);
     if (status == BB_OK)
-        status = bb_answers_make(r->oracle, r->rays, &answers);
+        status = bb_answers_make(r->oracle, r->rays, &r->answers);
     if (status == BB_OK)
         status = bb_judge(
-            r->oracle, &answers,
+            r->oracle, &r->answers,
             &(bb_verdict_request){.results = r->hits, .count = r->rays->count, .classes = classes},
             &a);
     if (status == BB_OK)
@@ -150,7 +153,6 @@ static bb_status shade_diff(rendering *r)
                (unsigned long long)a.checked, (unsigned long long)a.missed,
                (unsigned long long)a.false_hits, (unsigned long long)a.wrong_t,
                (unsigned long long)a.ties);
-    bb_answers_release(&answers);
     bb_host_free(classes);
     return status;
 }
@@ -168,6 +170,50 @@ static bb_status shade(rendering *r, const char *view)
     return BB_OK;
 }
 
+/* A miss has depth 0 here, so that it is a number that can be compared. */
+static bb_status write_depth_differences(rendering *r, const char *out)
+{
+    const size_t count = r->rays->count;
+    const uint32_t width = r->rays->width, height = r->rays->height;
+    float *depth = r->values, *expected = depth + count, *differences = expected + count;
+    bb_values_depth(r->rays, r->hits, 0, depth);
+    bb_values_depth(r->rays, r->answers.hits, 0, expected);
+    for (size_t i = 0; i < count; i++)
+        depth[i] = isfinite(depth[i]) ? depth[i] : 0; /* of a kernel that is quite wrong */
+    bb_exr_difference found;
+    BB_TRY(bb_exr_differences(depth, expected, 1, width, height, differences, &found));
+    printf("depth beside the oracle's: %llu pixels differ, by %g on average, by %g at most, at "
+           "%u,%u\n",
+           (unsigned long long)found.pixels, found.mean, found.most, found.x, found.y);
+    return bb_exr_write(out, differences, "Y", width, height);
+}
+
+/* EXR: not the picture, but what it was made of. */
+static bb_status write_values(rendering *r, const char *view, const char *out)
+{
+    const uint32_t width = r->rays->width, height = r->rays->height;
+    BB_TRY(bb_host_alloc(NULL, 3 * (size_t)r->rays->count * sizeof(float), "values", &r->values));
+    if (strcmp(view, "diff") == 0)
+        return write_depth_differences(r, out);
+    if (strcmp(view, "depth") == 0) {
+        bb_values_depth(r->rays, r->hits, INFINITY, r->values);
+        return bb_exr_write(out, r->values, "Z", width, height);
+    }
+    if (strcmp(view, "heat") == 0) {
+        bb_values_tests(r->rays, r->counts, r->values);
+        return bb_exr_write(out, r->values, "Y", width, height);
+    }
+    bb_values_normals(r->scene, r->rays, r->hits, r->values);
+    return bb_exr_write(out, r->values, "RGB", width, height);
+}
+
+static bb_status write_out(rendering *r, const char *view, const char *out)
+{
+    if (bb_image_is_exr(out))
+        return write_values(r, view, out);
+    return bb_image_write(out, r->canvas.rgb, r->canvas.width, r->canvas.height);
+}
+
 static void release(rendering *r)
 {
     bb_layout_data_release(&r->layout);
@@ -177,6 +223,8 @@ static void release(rendering *r)
     bb_buffer_release(&r->d_counts);
     bb_host_free(r->hits);
     bb_host_free(r->counts);
+    bb_host_free(r->values);
+    bb_answers_release(&r->answers);
     bb_canvas_free(&r->canvas);
     bb_rays_free(r->rays);
     bb_oracle_destroy(r->oracle);
@@ -217,7 +265,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = shade(&r, view);
     if (status == BB_OK)
-        status = bb_image_write(out, r.canvas.rgb, r.canvas.width, r.canvas.height);
+        status = write_out(&r, view, out);
     release(&r);
     return status;
 }
@@ -230,7 +278,12 @@ const bb_command bb_command_render = {
         "heat: box and primitive tests of each ray, by the counting variant of the kernel, on a "
         "map\n"
         "that is even in lightness (in OKLab); the colours end where 99.9 % of the rays do.\n"
-        "diff: classes of the answers, judged as in `run`. --intersector fast makes wrong ones.",
+        "diff: classes of the answers, judged as in `run`. --intersector fast makes wrong ones.\n"
+        "EXR holds 32-bit floats, without legends: the distance t in channel Z (infinite for a "
+        "miss),\n"
+        "unit normals in R, G, B, the number of tests in Y, and for diff in Y by how much the "
+        "depth\n"
+        "differs from the oracle's (a miss having depth 0).",
     .options = options,
     .run = run,
 };

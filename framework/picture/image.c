@@ -1,4 +1,4 @@
-/* Pictures: PNG by stb, EXR by a module that is loaded at first use; the colour map.
+/* Pictures: PNG by stb, EXR by exr.c; the colour map.
  *
  * sRGB transfer curve: IEC 61966-2-1. Colour map: a path through OKLab (Björn Ottosson, 2020) in
  * which lightness rises linearly from dark purple by blue and green to yellow, so that equal steps
@@ -7,9 +7,8 @@
 #include "framework/picture/image.h"
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
-#include "framework/picture/exr_module.h"
+#include "framework/picture/exr.h"
 
-#include <dlfcn.h>
 #include <math.h>
 #include <stb/stb_image.h>
 #include <stb/stb_image_write.h>
@@ -17,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { SIDE_MAX = 65536, PICTURE_BYTES_MAX = 1 << 30 };
 
@@ -89,95 +87,17 @@ static bb_status png_decode(const char *path, const char *data, size_t size, flo
     return status;
 }
 
-/* ---- EXR ---- */
-
-typedef struct exr_module {
-    void *library;
-    int (*encode)(const float *, uint32_t, uint32_t, unsigned char **, size_t *, char *, size_t);
-    int (*decode)(const unsigned char *, size_t, float **, uint32_t *, uint32_t *, char *, size_t);
-} exr_module;
-
-/* Beside the library in which this function lives; false if that is unknown. */
-static bool beside_library(char *path, size_t capacity)
-{
-    Dl_info info;
-    bb_status (*self)(const char *, const float *, uint32_t, uint32_t) = bb_image_write;
-    void *address;
-    memcpy(&address, &self, sizeof address);
-    if (dladdr(address, &info) == 0 || info.dli_fname == NULL)
-        return false;
-    char *folder = bb_file_folder(info.dli_fname);
-    if (folder == NULL)
-        return false;
-    int length = snprintf(path, capacity, "%s/bvhbench-exr.so", folder);
-    free(folder);
-    return length > 0 && (size_t)length < capacity;
-}
-
-/* Stays loaded: OpenImageIO does not survive being unloaded. */
-static bb_status exr_load(exr_module *module)
-{
-    const char *installed = BB_LIBDIR[0] == '/' ? BB_LIBDIR "/bvhbench-exr.so"
-                                                : BB_INSTALL_PREFIX "/" BB_LIBDIR
-                                                                    "/bvhbench-exr.so";
-    char beside[4096];
-    const char *path = beside;
-    if (!beside_library(beside, sizeof beside) || access(beside, F_OK) != 0)
-        path = installed;
-    if (access(path, F_OK) != 0)
-        return bb_fail(BB_UNSUPPORTED, "EXR needs bvhbench-exr.so: install libopenimageio-dev and "
-                                       "configure with -DBVHBENCH_EXR=ON, or write .png");
-    module->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (module->library == NULL)
-        return bb_fail(BB_FAILED, "EXR module: %s", dlerror());
-    void *encode = dlsym(module->library, "bb_exr_encode");
-    void *decode = dlsym(module->library, "bb_exr_decode");
-    if (encode == NULL || decode == NULL)
-        return bb_fail(BB_FAILED, "EXR module %s is of another version", path);
-    memcpy(&module->encode, &encode, sizeof encode);
-    memcpy(&module->decode, &decode, sizeof decode);
-    return BB_OK;
-}
-
-static bb_status exr_write(const char *path, const float *rgb, uint32_t width, uint32_t height)
-{
-    exr_module module;
-    BB_TRY(exr_load(&module));
-    char message[400] = "";
-    unsigned char *data = NULL;
-    size_t size = 0;
-    if (module.encode(rgb, width, height, &data, &size, message, sizeof message) != 0)
-        return bb_fail(BB_FAILED, "picture %s: %s", path, message);
-    bb_status status = bb_file_write(path, data, size, "picture");
-    free(data);
-    return status;
-}
-
-static bb_status exr_decode(const char *path, const char *data, size_t size, float **rgb,
-                            uint32_t *width, uint32_t *height)
-{
-    exr_module module;
-    BB_TRY(exr_load(&module));
-    char message[400] = "";
-    float *pixels = NULL;
-    if (module.decode((const unsigned char *)data, size, &pixels, width, height, message,
-                      sizeof message) != 0)
-        return bb_fail(BB_INVALID, "picture %s: %s", path, message);
-    size_t bytes = 3 * (size_t)*width * *height * sizeof(float);
-    bb_status status = bb_host_alloc(NULL, bytes, "picture", rgb);
-    if (status == BB_OK)
-        memcpy(*rgb, pixels, bytes);
-    free(pixels);
-    return status;
-}
-
 /* ---- by ending ---- */
+
+bool bb_image_is_exr(const char *path)
+{
+    return ends_with(path, ".exr");
+}
 
 bb_status bb_image_check(const char *path)
 {
-    exr_module module;
-    if (ends_with(path, ".exr"))
-        BB_TRY(exr_load(&module));
+    if (bb_image_is_exr(path))
+        BB_TRY(bb_exr_check());
     else if (!ends_with(path, ".png"))
         return bb_fail(BB_INVALID, "picture %s: the ending must be .png or .exr", path);
     return bb_file_check(path, "picture");
@@ -191,8 +111,8 @@ bb_status bb_image_write(const char *path, const float *rgb, uint32_t width, uin
                        height);
     if (ends_with(path, ".png"))
         return png_write(path, rgb, width, height);
-    if (ends_with(path, ".exr"))
-        return exr_write(path, rgb, width, height);
+    if (bb_image_is_exr(path))
+        return bb_exr_write(path, rgb, "RGB", width, height);
     return bb_fail(BB_INVALID, "picture %s: the ending must be .png or .exr", path);
 }
 
@@ -201,13 +121,13 @@ bb_status bb_image_read(const char *path, float **rgb, uint32_t *width, uint32_t
     *rgb = NULL;
     *width = *height = 0;
     bool png = ends_with(path, ".png");
-    if (!png && !ends_with(path, ".exr"))
+    if (!png && !bb_image_is_exr(path))
         return bb_fail(BB_INVALID, "picture %s: the ending must be .png or .exr", path);
     char *data = NULL;
     size_t size = 0;
     BB_TRY(bb_file_read(path, PICTURE_BYTES_MAX, "picture", &data, &size));
     bb_status status = png ? png_decode(path, data, size, rgb, width, height)
-                           : exr_decode(path, data, size, rgb, width, height);
+                           : bb_exr_read(path, data, size, "RGB", rgb, width, height);
     free(data);
     return status;
 }

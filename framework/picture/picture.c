@@ -46,6 +46,17 @@ void bb_picture_normals(const bb_scene *scene, const bb_rays *rays, const bb_hit
     }
 }
 
+void bb_values_normals(const bb_scene *scene, const bb_rays *rays, const bb_hit *hits, float *xyz)
+{
+    for (uint32_t i = 0; i < rays->count; i++) {
+        double n[3] = {0, 0, 0};
+        if (hits[i].prim < scene->prim_count)
+            surface_normal(scene, &rays->rays[i], &hits[i], n);
+        for (int k = 0; k < 3; k++)
+            xyz[3 * (size_t)i + (size_t)k] = (float)n[k];
+    }
+}
+
 static int compare_floats(const void *a, const void *b)
 {
     float x = *(const float *)a, y = *(const float *)b;

@@ -16,6 +16,13 @@ void bb_picture_normals(const bb_scene *scene, const bb_rays *rays, const bb_hit
 /* Distance to the eye: near is light, far is dark, by the rank of the distances that there are. */
 bb_status bb_picture_depth(const bb_rays *rays, const bb_hit *hits, float *rgb);
 
+/* The numbers behind the pictures, for bb_exr_write(), one pixel per ray: the geometric unit normal
+ * as the corners' order gives it, 0 for a miss; the distance t, as the hit has it, `miss` for a
+ * miss; box and primitive tests together (exact up to 2^24). */
+void bb_values_normals(const bb_scene *scene, const bb_rays *rays, const bb_hit *hits, float *xyz);
+void bb_values_depth(const bb_rays *rays, const bb_hit *hits, float miss, float *z);
+void bb_values_tests(const bb_rays *rays, const bb_count *counts, float *y);
+
 /* What a picture of tests per ray shows. */
 typedef struct bb_heat {
     double boxes, prims; /* tests per ray, means */

@@ -1,0 +1,48 @@
+/* The accessors of a glTF model: checked, and read element by element. */
+#ifndef BB_GLTF_ACCESSORS_HPP
+#define BB_GLTF_ACCESSORS_HPP
+
+#include "scenes/gltf_parts.hpp"
+
+#include <functional>
+
+namespace bb_gltf
+{
+/* `what` names the accessor in messages. All fail on data that are not there or of a wrong kind. */
+class Accessors
+{
+  public:
+    /* Takes a vertex and its position as it is in the file, before any transform. */
+    using Put = std::function<void(uint64_t vertex, const double position[3])>;
+
+    Accessors(const char *path, const Document &document) : path_(path), document_(document)
+    {
+    }
+
+    void check_positions(int accessor, const std::string &what) const;
+    void check_indices(int accessor, const std::string &what) const;
+    /* Each vertex once, in no order. */
+    void read_positions(int accessor, const std::string &what, const Put &put) const;
+    std::vector<uint32_t> read_indices(int accessor, const std::string &what) const;
+
+  private:
+    /* The elements of an accessor where they lie; data NULL: all zero. */
+    struct Elements {
+        const unsigned char *data;
+        uint64_t count;
+        uint64_t stride;
+        int component; /* TINYGLTF_COMPONENT_TYPE_... */
+    };
+
+    const unsigned char *view_bytes(int view, uint64_t offset, uint64_t count, uint64_t element,
+                                    uint64_t *stride, const std::string &what) const;
+    Elements elements(int accessor, const std::string &what) const;
+    std::vector<uint32_t> sparse_indices(const tinygltf::Accessor &accessor,
+                                         const std::string &what) const;
+
+    const char *path_;
+    const Document &document_;
+};
+} // namespace bb_gltf
+
+#endif
