@@ -59,7 +59,7 @@ static void height_chunk(void *context, size_t begin, size_t end, uint32_t threa
         oracle->heights[prim] = bb_smallest_height(oracle->scene, (uint32_t)prim);
 }
 
-static bb_status prepare(bb_oracle *oracle)
+bb_status bb_oracle_prepare(bb_oracle *oracle)
 {
     const bb_scene *scene = oracle->scene;
     if (oracle->way != NULL)
@@ -119,6 +119,8 @@ static void show_chunk(void *context, size_t begin, size_t end, uint32_t thread)
 bb_status bb_answers_trace(bb_oracle *oracle, const bb_rays *rays, bb_answers *answers)
 {
     *answers = (bb_answers){.rays = rays};
+    if (!rays->query->is_hit)
+        return BB_OK; /* Embree has no such answers, and nothing to be shown right */
     BB_TRY(
         bb_host_alloc(NULL, rays->count * sizeof(bb_hit), "the oracle's answers", &answers->hits));
     return bb_oracle_trace(oracle, rays->rays, rays->count, rays->query, answers->hits);
@@ -126,8 +128,10 @@ bb_status bb_answers_trace(bb_oracle *oracle, const bb_rays *rays, bb_answers *a
 
 bb_status bb_answers_show(bb_oracle *oracle, bb_answers *answers)
 {
+    if (answers->hits == NULL)
+        return BB_OK;
     BB_TRY(bb_host_alloc(NULL, answers->rays->count, "what is known of them", &answers->shown));
-    BB_TRY(prepare(oracle));
+    BB_TRY(bb_oracle_prepare(oracle));
     show_job job = {oracle, answers};
     bb_parallel_for(oracle->pool, answers->rays->count, CHUNK, show_chunk, &job);
     return BB_OK;

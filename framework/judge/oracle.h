@@ -32,7 +32,7 @@ enum {
 
 struct bb_judged; /* answers that were judged before: judge.c */
 
-/* The oracle's answers to one ray set (any hit: without the primitive, see bb_embree_trace()): traced
+/* The oracle's answers to one ray set, none where a query's answers are no hits (any hit: without the primitive, see bb_embree_trace()): traced
  * and arbitrated once, then judged against as often as needed. */
 typedef struct bb_answers {
     const bb_rays *rays;

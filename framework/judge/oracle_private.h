@@ -17,6 +17,9 @@ struct bb_oracle {
     float *heights; /* smallest height of each triangle, diameter of each sphere */
 };
 
+/* Makes the last three; the second call does nothing. */
+bb_status bb_oracle_prepare(bb_oracle *oracle);
+
 /* Frees answers->judged. */
 void bb_judged_release(bb_answers *answers);
 
