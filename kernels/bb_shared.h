@@ -109,6 +109,13 @@ typedef struct bb_hit {
     bb_u32 prim;
 } bb_hit;
 
+/* First and last hit: distances as in bb_hit, and primitives. A miss is t = (+inf, -inf) and prims =
+ * BB_NONE. 16 bytes. */
+typedef struct bb_interval {
+    float t[2];
+    bb_u32 prims[2];
+} bb_interval;
+
 /* Node of the `pair` layout: both children's boxes side by side, each plane of both as a pair, so that the planes of
  * either sign of a direction are two words apart. Axis a: planes[4a] lo and planes[4a + 2] hi, of child 0, then child 1. A
  * link is a pair node or BB_LEAF_BIT | first primitive record. 64 bytes. */
@@ -210,6 +217,7 @@ BB_STATIC_ASSERT(sizeof(bb_tree_info) == 24, "bb_tree_info");
 BB_STATIC_ASSERT(sizeof(bb_subtree) == 24, "bb_subtree");
 BB_STATIC_ASSERT(sizeof(bb_ray) == 32, "bb_ray");
 BB_STATIC_ASSERT(sizeof(bb_hit) == 8, "bb_hit");
+BB_STATIC_ASSERT(sizeof(bb_interval) == 16, "bb_interval");
 BB_STATIC_ASSERT(sizeof(bb_pair) == 64, "bb_pair");
 BB_STATIC_ASSERT(sizeof(bb_wide4) == 128, "bb_wide4");
 BB_STATIC_ASSERT(sizeof(bb_wide8) == 256, "bb_wide8");
