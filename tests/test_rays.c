@@ -354,13 +354,77 @@ static void test_bad_input(void **state)
     hand_free(scene);
 }
 
+/* Crofton: of lines through a ball the share that meets a convex body within is that of their areas; Cauchy:
+ * the mean length inside is 4 volumes over the area. */
+static void test_lines(void **state)
+{
+    (void)state;
+    bb_scene *scene = hand_scene(12, 0);
+    hand_cube(scene, 0, 2, zero);
+    hand_finish(scene);
+    bb_oracle *oracle = NULL;
+    bb_rays *rays = NULL, *again = NULL, *any = NULL;
+    assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
+    assert_int_equal(make(scene, oracle, "lines", NULL, MOST, 3, &rays), BB_OK);
+    assert_int_equal(make(scene, oracle, "lines", NULL, MOST, 3, &again), BB_OK);
+    assert_int_equal(make(scene, oracle, "lines:query=any,count=100", NULL, MOST, 4, &any), BB_OK);
+    assert_string_equal(rays->query->name, "interval");
+    assert_string_equal(any->query->name, "any");
+    assert_true(rays->hash == again->hash && any->count == 100 && rays->count == MOST);
+    double met = 0, length = 0, side = 0;
+    for (int k = 0; k < 3; k++)
+        side = fmax(side, (double)scene->bounds.hi[k] - (double)scene->bounds.lo[k]);
+    for (uint32_t i = 0; i < rays->count; i++) {
+        const bb_ray *ray = &rays->rays[i];
+        double from = ray->tmin, to = ray->tmax;
+        for (int k = 0; k < 3; k++) {
+            double a = ((double)scene->bounds.lo[k] - ray->o[k]) / ray->d[k];
+            double b = ((double)scene->bounds.hi[k] - ray->o[k]) / ray->d[k];
+            from = fmax(from, fmin(a, b));
+            to = fmin(to, fmax(a, b));
+        }
+        met += from < to;
+        length += from < to ? to - from : 0;
+    }
+    double expected = 6 / (acos(-1.0) * 3); /* 6 s^2 / (4 pi (3 / 4) s^2) */
+    double sigma = sqrt(expected * (1 - expected) / rays->count);
+    assert_true(fabs(met / rays->count - expected) < 5 * sigma);
+    assert_true(fabs(length / met - 4 * side / 6) < 5 * side / sqrt(met));
+    bb_rays_free(rays);
+    bb_rays_free(again);
+    bb_rays_free(any);
+    bb_oracle_destroy(oracle);
+    hand_free(scene);
+}
+
+/* The first and last hit are asked of meshes alone. */
+static void test_lines_need_meshes_for_intervals(void **state)
+{
+    (void)state;
+    bb_scene *scene = make_room(zero);
+    bb_oracle *oracle = NULL;
+    bb_rays *rays = NULL;
+    assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
+    assert_int_equal(make(scene, oracle, "lines", NULL, MOST, 3, &rays), BB_UNSUPPORTED);
+    assert_non_null(strstr(bb_message(), "query=closest"));
+    assert_int_equal(make(scene, oracle, "lines:query=closest", NULL, MOST, 3, &rays), BB_OK);
+    bb_rays_free(rays);
+    bb_oracle_destroy(oracle);
+    hand_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all),         cmocka_unit_test(test_primary),
-        cmocka_unit_test(test_hemispheres), cmocka_unit_test(test_sampling),
-        cmocka_unit_test(test_edges),       cmocka_unit_test(test_shadow_and_random),
+        cmocka_unit_test(test_all),
+        cmocka_unit_test(test_primary),
+        cmocka_unit_test(test_hemispheres),
+        cmocka_unit_test(test_sampling),
+        cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_shadow_and_random),
         cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_lines_need_meshes_for_intervals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,8 +11,8 @@
 enum { BUILDS = 3 };
 
 /* Those that a scene does not have are left out. */
-static const char *const workloads[] = {"primary", "ao", "random:near=0.5", "edges:jitter=64",
-                                        "edges:jitter=64,from=around"};
+static const char *const workloads[] = {
+    "primary", "ao", "random:near=0.5", "edges:jitter=64", "edges:jitter=64,from=around", "lines"};
 enum { SETS_MAX = sizeof workloads / sizeof workloads[0] };
 
 /* A ray set, the oracle's answers, and the first full answer by a kernel, which all others must equal. */
