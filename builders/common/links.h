@@ -1,0 +1,28 @@
+/* Links of the common tree from what builders have: a node's first child and its next sibling.
+ *
+ * A child's skip is its next sibling; the last child's is its parent's. So a builder that knows the
+ * siblings writes those as skips, and the last ones' follow from the top down.
+ */
+#ifndef BB_LINKS_H
+#define BB_LINKS_H
+
+#include "framework/device/device.h"
+#include "framework/tree/tree.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Finishes a tree on the host whose nodes have their boxes and, as `first`, their first child or
+ * BB_LEAF_BIT | first reference; as `skip` their next sibling, BB_NONE for the last of a family and
+ * for the root. Sets the last ones' skips, and leaf_count, arity and depth of tree->info; root,
+ * node_count and ref_count are the caller's. `depths` is scratch for a u32 per node. One pass in
+ * preorder, whatever the depth. BB_FAILED if a node is linked to that does not exist, or more than
+ * node_count are met. */
+bb_status bb_links_finish(bb_tree *tree, uint32_t *depths);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
