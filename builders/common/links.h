@@ -16,9 +16,9 @@ extern "C" {
 /* Finishes a tree on the host whose nodes have their boxes and, as `first`, their first child or
  * BB_LEAF_BIT | first reference; as `skip` their next sibling, BB_NONE for the last of a family and
  * for the root. Sets the last ones' skips, and leaf_count, arity and depth of tree->info; root,
- * node_count and ref_count are the caller's. `depths` is scratch for a u32 per node. One pass in
- * preorder, whatever the depth. BB_FAILED if a node is linked to that does not exist, or more than
- * node_count are met. */
+ * node_count and ref_count are the caller's. `depths` is scratch, a u32 per node; NULL leaves the
+ * depth to the caller. One pass in preorder, whatever the depth. BB_FAILED if a node is linked to
+ * that does not exist, or more than node_count are met. */
 bb_status bb_links_finish(bb_tree *tree, uint32_t *depths);
 
 #ifdef __cplusplus

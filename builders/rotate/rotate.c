@@ -2,8 +2,8 @@
  *
  *   for each pass, until one changes nothing:
  *       for each inner node n with children a, b:
- *           of the exchanges of a with a child of b, of b with a child of a, and of a child of a with
- *           one of b: take the one that shrinks the boxes of a and b most, if one does
+ *           of the exchanges of a with a child of b, of b with a child of a, and of a child of
+ *           a with one of b: take the one that shrinks the boxes of a and b most, if one does
  *
  * Kensler 2008 (Tree Rotations for Improving Bounding Volume Hierarchies), hill climbing. A
  * rotation changes no box but those of a and b, which stay inside of n's; so nodes may come in any
