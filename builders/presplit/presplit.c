@@ -2,12 +2,16 @@
  *
  *   a reference to each primitive, with its box
  *   while there is room, and the largest box is larger than `above` of the average ones:
- *       halve it along its longest side, and shrink each half to the primitive's part in it
+ *       halve it along its longest side, and shrink each half to the primitive's part in it,
+ *       if the halves are smaller together by the share that `saves` asks for
  *
  * Ernst, Greiner 2007 (Early Split Clipping for Bounding Volume Hierarchies), whose recursion by a
  * threshold is a heap here, so that the room goes to the largest boxes first, and a budget holds
  * whatever the threshold. Size is the surface area, as theirs. Triangles are clipped; of any other
  * kind the halves of the box hold all there is.
+ *
+ * `saves` is of our own: half of a wall's box is as full as the whole, so halving it makes the tree
+ * larger and no better, while the boxes of a long triangle that lies askew shrink to half.
  *
  * Limits: one thread. A tie goes to the reference of the least number, so the result depends on the
  * scene alone.
@@ -20,8 +24,10 @@
 
 static const bb_option options[] = {
     {"budget", "1.5", NULL, "references at most, in primitives of the scene, 1 to 16"},
-    {"above", "4", NULL,
+    {"above", "0.5", NULL,
      "least area of a box that is halved, in mean areas of the primitives' boxes, 0 to 1e9"},
+    {"saves", "0.3", NULL,
+     "least share of its area that the halves must be smaller by together, -1 to 0.9; -1: any"},
     {.name = NULL},
 };
 
@@ -33,7 +39,7 @@ typedef struct candidate {
 
 typedef struct presplit {
     bb_account *account;
-    double budget, above;
+    double budget, above, saves;
     candidate *heap; /* the largest first */
     uint32_t heap_count;
     size_t heap_capacity;
@@ -57,7 +63,8 @@ static bb_status create(const bb_builder_context *context, void **out)
     *out = self;
     self->account = context->account;
     BB_TRY(bb_spec_double(context->spec, options, "budget", 1, 16, &self->budget));
-    return bb_spec_double(context->spec, options, "above", 0, 1e9, &self->above);
+    BB_TRY(bb_spec_double(context->spec, options, "above", 0, 1e9, &self->above));
+    return bb_spec_double(context->spec, options, "saves", -1, 0.9, &self->saves);
 }
 
 static size_t most_references(const presplit *self, const bb_scene *scene)
@@ -125,18 +132,23 @@ static int longest_axis(const bb_box *box)
     return longest;
 }
 
-/* Halves reference `index` into itself and a new one at the end; false if no float lies between. */
-static bool halve(const bb_scene *scene, bb_references *references, uint32_t index)
+/* Halves reference `index` into itself and a new one at the end; false if that does not save enough, or
+ * no float lies between. */
+static bool halve(const presplit *self, const bb_scene *scene, bb_references *references,
+                  uint32_t index)
 {
-    bb_box *box = &references->boxes[index], *other = &references->boxes[references->count];
+    bb_box *box = &references->boxes[index], halves[2] = {*box, *box};
     int axis = longest_axis(box);
     float middle = 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
     if (!(box->lo[axis] < middle && middle < box->hi[axis]))
         return false;
-    *other = *box;
-    box->hi[axis] = other->lo[axis] = middle;
-    bb_clip_primitive(scene, references->prims[index], box);
-    bb_clip_primitive(scene, references->prims[index], other);
+    halves[0].hi[axis] = halves[1].lo[axis] = middle;
+    bb_clip_primitive(scene, references->prims[index], &halves[0]);
+    bb_clip_primitive(scene, references->prims[index], &halves[1]);
+    if (area_of(&halves[0]) + area_of(&halves[1]) > (1 - self->saves) * area_of(box))
+        return false;
+    *box = halves[0];
+    references->boxes[references->count] = halves[1];
     references->prims[references->count++] = references->prims[index];
     return true;
 }
@@ -165,7 +177,7 @@ static bb_status split(void *opaque, const bb_scene *scene, bb_references *refer
     while (self->heap_count > 0 && references->count < most) {
         uint32_t index = pop(self).index;
         const uint32_t halves[2] = {index, references->count};
-        if (!halve(scene, references, index))
+        if (!halve(self, scene, references, index))
             continue;
         for (int i = 0; i < 2; i++) {
             candidate half = {area_of(&references->boxes[halves[i]]), halves[i]};

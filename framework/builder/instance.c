@@ -428,8 +428,9 @@ bb_status bb_instance_transfer(bb_instance *instance, const bb_scene *scene, dou
     for (uint32_t i = 0; i <= instance->pipeline.count; i++) {
         bool last = i == instance->pipeline.count;
         double more = 0;
-        instance->references.copied = false; /* else it is there already */
-        if (i > 0)
+        if (is_fed_with_references(instance, i)) /* else it is there already */
+            instance->references.copied = false;
+        else if (i > 0)
             bb_tree_changed(instance->stages[i - 1].tree);
         BB_TRY(last ? bb_tree_upload(&instance->tree, instance->device, &more)
                     : hand_over(instance, i, &more));
