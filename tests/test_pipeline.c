@@ -152,12 +152,20 @@ static void stages_are_timed_and_booked_apart(void **state)
     assert_true(b.instance.references.copied && b.instance.stages[1].tree->copied);
     assert_int_equal(bb_instance_inputs(&b.instance), BB_INPUT_BOXES | BB_INPUT_GEOMETRY);
 
-    /* one account: references twice, lbvh's tree twice, the last tree once, and scratch */
-    uint64_t refs = b.instance.references.count, nodes = 2 * refs - 1;
-    uint64_t tree = nodes * sizeof(bb_node) + refs * sizeof(uint32_t);
-    uint64_t least = 2 * refs * (sizeof(bb_box) + sizeof(uint32_t)) + 3 * tree;
+    /* one account holds it all: references and lbvh's tree on both sides, the last tree, scratch */
+    uint64_t refs = b.instance.references.count, booked = b.instance.account.bytes;
+    uint64_t tree = (2 * refs - 1) * sizeof(bb_node) + refs * sizeof(uint32_t);
     assert_true(refs > scene->prim_count);
-    assert_in_range(b.instance.account.peak, least, 3 * least);
+    assert_true(b.instance.account.peak >= booked);
+    bb_tree_release(b.instance.stages[1].tree);
+    assert_int_equal(booked - b.instance.account.bytes, 2 * tree + sizeof(bb_tree_info));
+    booked = b.instance.account.bytes;
+    bb_tree_release(&b.instance.tree); /* its copy is the harness's */
+    assert_int_equal(booked - b.instance.account.bytes, tree);
+    booked = b.instance.account.bytes;
+    bb_references_release(&b.instance.references);
+    assert_true(booked - b.instance.account.bytes >=
+                2 * refs * (sizeof(bb_box) + sizeof(uint32_t)));
     bb_instance_destroy(&b.instance);
     assert_int_equal(b.instance.account.bytes, 0);
 
