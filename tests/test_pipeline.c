@@ -14,7 +14,8 @@ static bb_device *device;
 static int open_device(void **state)
 {
     (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
+    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK &&
+        bb_plugin_load(BB_TEST_PLUGIN_DIR "/relay.so") == BB_OK)
         return 0;
     print_error("%s\n", bb_message());
     return -1;
@@ -193,6 +194,34 @@ static void idle_stages_change_nothing(void **state)
         bb_instance_destroy(&alone.instance);
         bb_instance_destroy(&fed.instance);
     }
+    bb_scene_free(scene);
+}
+
+/* Trees go over to the device and back, whoever made them, with all that they say of themselves. */
+static void trees_are_handed_over_both_ways(void **state)
+{
+    (void)state;
+    static const char *const builders[] = {"sah", "lbvh", "lobvh", "presplit:saves=-1+sah",
+                                           "presplit:saves=-1+lbvh"};
+    bb_scene *scene = load("interior:n=3000");
+    for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++) {
+        char text[64];
+        built alone, relayed;
+        snprintf(text, sizeof text, "%s+relay", builders[i]);
+        build(scene, builders[i], &alone);
+        build(scene, text, &relayed);
+        assert_true(alone.hash == relayed.hash);
+        assert_int_equal(relayed.instance.tree.place, BB_ON_DEVICE);
+        assert_true(relayed.instance.steps[relayed.instance.step_count - 1].phases.used_device);
+        bb_instance_destroy(&alone.instance);
+        bb_instance_destroy(&relayed.instance);
+    }
+    built straight, detour;
+    build(scene, "sah+rotate:passes=2", &straight);
+    build(scene, "sah+relay+rotate:passes=1+rotate:passes=1", &detour);
+    assert_true(straight.sah <= detour.sah * (1 + 1e-12) && detour.sah <= straight.sah * 1.05);
+    bb_instance_destroy(&straight.instance);
+    bb_instance_destroy(&detour.instance);
     bb_scene_free(scene);
 }
 
@@ -442,6 +471,7 @@ int main(void)
         cmocka_unit_test(what_stands_alone_gets_a_builder),
         cmocka_unit_test(stages_are_timed_and_booked_apart),
         cmocka_unit_test(idle_stages_change_nothing),
+        cmocka_unit_test(trees_are_handed_over_both_ways),
         cmocka_unit_test(rotations_never_raise_the_cost),
         cmocka_unit_test(rotations_lower_the_cost),
         cmocka_unit_test(rotate_takes_chains_and_refuses_wide_nodes),
