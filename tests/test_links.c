@@ -1,5 +1,5 @@
-/* builders/common/links: skips, depth and counts from siblings alone, on the host and on the device, are
- * those of the tree that they were taken from. */
+/* builders/common/links: skips, depth and counts from siblings alone, on the host and on the
+ * device, are those of the tree that they were taken from. */
 #include "builders/common/links.h"
 #include "tests/tree_fixture.h"
 

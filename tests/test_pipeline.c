@@ -1,5 +1,5 @@
-/* Builders in stages: how a specification is read, what is refused, and that stages are handed what they
- * take, timed and booked apart; what rotate and presplit promise; side arrays of trees. */
+/* Builders in stages: how a specification is read, what is refused, and that stages are handed what
+ * they take, timed and booked apart; what rotate and presplit promise; side arrays of trees. */
 #include "builders/presplit/clip.h"
 #include "framework/builder/instance.h"
 #include "framework/tree/tree_cover.h"
@@ -266,7 +266,8 @@ static void rotations_never_raise_the_cost(void **state)
     }
 }
 
-/* It does something: a tree that is bad on purpose becomes better, and another seed's another one. */
+/* It does something: a tree that is bad on purpose becomes better, and another seed's another
+ * one. */
 static void rotations_lower_the_cost(void **state)
 {
     (void)state;
@@ -366,7 +367,8 @@ static void splits_are_covered_and_within_the_budget(void **state)
     }
 }
 
-/* Triangles cut in two again and again, also far from the origin and thin beside it: the parts cover. */
+/* Triangles cut in two again and again, also far from the origin and thin beside it: the parts
+ * cover. */
 static void clips_lose_nothing(void **state)
 {
     (void)state;

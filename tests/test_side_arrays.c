@@ -1,5 +1,5 @@
-/* Side arrays of trees: reserved and booked by a builder, copied with the tree, renumbered and hashed with
- * it, gone when it is reserved again; and asked for by a layout. */
+/* Side arrays of trees: reserved and booked by a builder, copied with the tree, renumbered and
+ * hashed with it, gone when it is reserved again; and asked for by a layout. */
 #include "tests/tree_fixture.h"
 #include "traversal/traversal.h"
 

@@ -5,9 +5,9 @@
  *       distance(n) += distance(up(n)); up(n) = up(up(n)); heir(n) = heir(heir(n))
  *   skip(n) = skip(heir(n)): that of the nearest node, from n up, that has a sibling    (links_write)
  *
- * Pointer jumping: Wyllie 1979, "The Complexity of Parallel Computations". Log2 of the depth rounds,
- * each over all nodes; no order between work-groups is asked for inside of a round. Limits: 32 bytes
- * per node, and a round for what turns out to be done.
+ * Pointer jumping: Wyllie 1979, "The Complexity of Parallel Computations". Log2 of the depth
+ * rounds, each over all nodes; no order between work-groups is asked for inside of a round. Limits:
+ * 32 bytes per node, and a round for what turns out to be done.
  */
 #include "bb_device.h"
 

@@ -33,9 +33,9 @@ void bb_links_destroy(bb_links *links); /* NULL is allowed */
 bb_status bb_links_reserve(bb_links *links, size_t nodes);
 
 /* Finishes a tree on the device, whose d_nodes are as bb_links_finish() takes them: sets the last
- * children's skips, and fills d_info from `known` (root, node_count, ref_count) and what it finds. Waits
- * for the device a few times, the more the deeper the tree. All nodes hang from the root, or the result
- * is no tree, which `bvhbench check` says. */
+ * children's skips, and fills d_info from `known` (root, node_count, ref_count) and what it finds.
+ * Waits for the device a few times, the more the deeper the tree. All nodes hang from the root, or
+ * the result is no tree, which `bvhbench check` says. */
 bb_status bb_links_finish_device(bb_links *links, const bb_tree_info *known, bb_tree *tree);
 
 #ifdef __cplusplus

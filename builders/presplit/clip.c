@@ -4,11 +4,12 @@
  *   (Sutherland, Hodgman 1974), each moved out by a margin; the box of its corners, grown by the margin, rounded
  *   outwards to floats; never beyond the box itself
  *
- * Why nothing is lost: with M the largest coordinate, a computed corner on a plane is within
- * 8 * 2^-53 M of where the edge meets that plane, since distances to the plane are rounded once each, and which side a corner is on is exact. So after k planes each point that is inside of all
- * of them by more than 8k * 2^-53 M is that near to the computed polygon. A point in the box is
- * inside of the moved planes by the margin, 2^-44 M, which is above 48 * 2^-53 M; and so it is in
- * the result.
+ * Why nothing is lost: with M the largest coordinate, a computed corner on a plane is within 8 *
+ * 2^-53 M of where the edge meets that plane, since distances to the plane are rounded once each,
+ * and which side a corner is on is exact. So after k planes each point that is inside of all of
+ * them by more than 8k * 2^-53 M is that near to the computed polygon. A point in the box is inside
+ * of the moved planes by the margin, 2^-44 M, which is above 48 * 2^-53 M; and so it is in the
+ * result.
  */
 #include "clip.h"
 

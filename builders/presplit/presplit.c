@@ -132,8 +132,8 @@ static int longest_axis(const bb_box *box)
     return longest;
 }
 
-/* Halves reference `index` into itself and a new one at the end; false if that does not save enough, or
- * no float lies between. */
+/* Halves reference `index` into itself and a new one at the end; false if that does not save
+ * enough, or no float lies between. */
 static bool halve(const presplit *self, const bb_scene *scene, bb_references *references,
                   uint32_t index)
 {

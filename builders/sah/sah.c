@@ -108,8 +108,8 @@ static bb_status push(sah *self, range item)
     return BB_OK;
 }
 
-/* Makes the node of a range and links it to its left sibling; returns its number. A left child is its
- * parent's next node. */
+/* Makes the node of a range and links it to its left sibling; returns its number. A left child is
+ * its parent's next node. */
 static uint32_t make_node(const bb_sah_state *state, const range *item, bb_tree *tree)
 {
     uint32_t index = tree->info.node_count++;

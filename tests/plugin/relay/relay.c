@@ -1,5 +1,5 @@
-/* relay: an optimiser on the device that leaves the tree as it is. For the tests of what stages hand
- * over to each other.
+/* relay: an optimiser on the device that leaves the tree as it is. For the tests of what stages
+ * hand over to each other.
  */
 #include "framework/builder/builder.h"
 
