@@ -432,7 +432,8 @@ static void a_pipeline_is_recorded_by_stages(void **state)
     cJSON_Delete(json);
 }
 
-/* `check` of an optimiser alone says what it was put beside; one that takes no scene has not passed. */
+/* `check` of an optimiser alone says what it was put beside; one that takes no scene has not
+ * passed. */
 static void check_of_stages_is_not_empty(void **state)
 {
     (void)state;

@@ -52,8 +52,8 @@ typedef struct bb_layout {
     const char *summary;
     uint32_t width; /* children of its nodes at most; 2 where there is no limit. Required */
     uint32_t block; /* primitives that its kernels test at once. Required */
-    /* A side array of the tree that make() reads (bb_tree_reserve_array()): trees without one of this
-     * name and form are refused. Optional: none. */
+    /* A side array of the tree that make() reads (bb_tree_reserve_array()): trees without one of
+     * this name and form are refused. Optional: none. */
     struct {
         const char *name;
         bool per_reference;

@@ -1,9 +1,10 @@
 /* Skips and depths from siblings, for trees of any shape.
  *
- *   state(n) = { up: parent, distance to it, heir: n if it has a sibling after it, else its parent }
- *   repeat until nothing changes, from one list of states to the other:                 (links_jump)
+ *   state(n) = { up: parent, distance to it,
+ *                heir: n if it has a sibling after it, else its parent }
+ *   repeat until nothing changes, from one list of states to the other:             (links_jump)
  *       distance(n) += distance(up(n)); up(n) = up(up(n)); heir(n) = heir(heir(n))
- *   skip(n) = skip(heir(n)): that of the nearest node, from n up, that has a sibling    (links_write)
+ *   skip(n) = skip(heir(n)): that of the nearest node, from n up, that has a sibling  (links_write)
  *
  * Pointer jumping: Wyllie 1979, "The Complexity of Parallel Computations". Log2 of the depth
  * rounds, each over all nodes; no order between work-groups is asked for inside of a round. Limits:

@@ -1,8 +1,8 @@
 /* A triangle clipped against a box, conservatively.
  *
  *   the polygon of the triangle, in double, against the six planes, one after the other
- *   (Sutherland, Hodgman 1974), each moved out by a margin; the box of its corners, grown by the margin, rounded
- *   outwards to floats; never beyond the box itself
+ *   (Sutherland, Hodgman 1974), each moved out by a margin; the box of its corners, grown by the
+ *   margin, rounded outwards to floats; never beyond the box itself
  *
  * Why nothing is lost: with M the largest coordinate, a computed corner on a plane is within 8 *
  * 2^-53 M of where the edge meets that plane, since distances to the plane are rounded once each,

@@ -407,8 +407,8 @@ static double measured(bb_status status, double value)
     return status == BB_OK ? value : (double)NAN;
 }
 
-/* All parameters: as given, else the declared default; those without either are null. `stage` stands
- * before their names. */
+/* All parameters: as given, else the declared default; those without either are null. `stage`
+ * stands before their names. */
 static bool add_params(cJSON *params, const char *stage, const bb_spec *spec,
                        const bb_option *options)
 {
