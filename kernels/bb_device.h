@@ -17,6 +17,12 @@
 #define BB_MIN(a, b) ((a) < (b) ? (a) : (b))
 #define BB_MAX(a, b) ((a) > (b) ? (a) : (b))
 
+/* Half the surface area of a box of these sides. */
+float bb_half_area(float x, float y, float z)
+{
+    return x * y + y * z + z * x;
+}
+
 /* OpenCL allows a quotient to be off by 2.5 ulp. What the `exact` intersector divides goes through
  * here, so that a test can be as far off on a device that is not. */
 #ifndef BB_DIVIDE

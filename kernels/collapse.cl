@@ -34,9 +34,8 @@ kernel void collapse_parents(global const bb_node *nodes, uint count, uint root,
  * floats. */
 float half_area(global const bb_node *node, float scale)
 {
-    float x = (node->hi[0] - node->lo[0]) * scale, y = (node->hi[1] - node->lo[1]) * scale,
-          z = (node->hi[2] - node->lo[2]) * scale;
-    return x * y + y * z + z * x;
+    return bb_half_area((node->hi[0] - node->lo[0]) * scale, (node->hi[1] - node->lo[1]) * scale,
+                        (node->hi[2] - node->lo[2]) * scale);
 }
 
 /* Ct per pair of children, Ci per block of up to `block` references. */

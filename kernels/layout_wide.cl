@@ -73,7 +73,7 @@ void plan_pair(global const bb_pair *pairs, uint p, volatile global bb_wide_plan
         float lo = BB_MIN(planes[0], planes[1]), hi = BB_MAX(planes[2], planes[3]);
         size[axis] = BB_MIN(hi - lo, FLT_MAX); /* infinity times 0 would have no order */
     }
-    float area = size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+    float area = bb_half_area(size[0], size[1], size[2]);
     uint left = pairs[p].links[0], right = pairs[p].links[1], splits = 0;
     float best[BB_WIDTH + 1];
     for (uint places = 2; places <= BB_WIDTH; places++) {

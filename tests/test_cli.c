@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <cjson/cJSON.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -379,6 +380,76 @@ static void work_outside_the_clock_is_recorded(void **state)
     cJSON_Delete(json);
 }
 
+static double sum_of(const cJSON *figures)
+{
+    double sum = 0;
+    const cJSON *figure;
+    cJSON_ArrayForEach(figure, figures) sum += cJSON_GetNumberValue(figure);
+    return sum;
+}
+
+/* Stages are recorded each by itself, with the parameters of all, and add up. */
+static void a_pipeline_is_recorded_by_stages(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run("run --scene interior:n=2000 --builder "
+            "presplit:saves=-1,above=1e+0+lbvh+rotate:passes=2+rotate --rays primary "
+            "--kernel stack --size 16x16 --repeats 1 --no-pictures --out stages");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = read_results("stages/results.json");
+    const cJSON *build = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "builds"), 0);
+    const cJSON *params = cJSON_GetObjectItem(build, "params");
+    const cJSON *phases = cJSON_GetObjectItem(build, "phases_ms");
+    const cJSON *stages = cJSON_GetObjectItem(build, "stages_ms");
+    static const char *const steps[] = {"presplit", "lbvh", "map", "rotate", "rotate#2"};
+    static const struct {
+        const char *name, *value;
+    } expected[] = {{"presplit: above", "1e+0"},
+                    {"presplit: budget", "1.5"},
+                    {"lbvh: code", "mc32"},
+                    {"rotate: passes", "2"},
+                    {"rotate#2: passes", "3"}};
+    for (size_t i = 0; i < 5; i++) {
+        const char *value =
+            cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(params, expected[i].name));
+        if (value == NULL || strcmp(value, expected[i].value) != 0)
+            fail_msg("%s is %s", expected[i].name, value != NULL ? value : "not there");
+        if (cJSON_GetObjectItemCaseSensitive(stages, steps[i]) == NULL)
+            fail_msg("there is no time of %s", steps[i]);
+    }
+    assert_int_equal(cJSON_GetArraySize(stages), 5);
+    assert_non_null(cJSON_GetObjectItemCaseSensitive(phases, "lbvh: sort"));
+    assert_non_null(cJSON_GetObjectItemCaseSensitive(phases, "rotate#2: rotate"));
+    /* one round counts: its figures add up */
+    double whole = cJSON_GetNumberValue(cJSON_GetObjectItem(build, "build_ms_median"));
+    double sum = sum_of(stages);
+    assert_true(fabs(whole - sum) <= 1e-9 * whole);
+    assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(build, "transfer_ms")) > 0);
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(build, "inputs")),
+                        "boxes geometry");
+    cJSON_Delete(json);
+}
+
+/* `check` of an optimiser alone says what it was put beside; one that takes no scene has not
+ * passed. */
+static void check_of_stages_is_not_empty(void **state)
+{
+    (void)state;
+    const outcome *o = run("check --scene cube --builder rotate:passes=1,presplit");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->out, "+rotate:passes=1"));
+    assert_non_null(strstr(o->out, "presplit+"));
+    assert_non_null(strstr(o->out, "(beside a default builder)"));
+    o = run("check --scene interior:n=1000 --builder null,lobvh+rotate");
+    assert_int_equal(o->exit_status, 1);
+    assert_non_null(strstr(o->out, "lobvh+rotate                       takes none of the scenes"));
+    o = run("run --scene cube --builder rotate --out nothing");
+    assert_int_equal(o->exit_status, 2);
+    assert_non_null(strstr(o->err, "write BUILDER+rotate"));
+}
+
 static void an_interrupted_run_leaves_no_half_written_file(void **state)
 {
     (void)state;
@@ -539,6 +610,8 @@ int main(void)
         cmocka_unit_test(unlike_answers_give_exit_status_1),
         cmocka_unit_test(without_a_judgement_exit_status_is_1),
         cmocka_unit_test(work_outside_the_clock_is_recorded),
+        cmocka_unit_test(a_pipeline_is_recorded_by_stages),
+        cmocka_unit_test(check_of_stages_is_not_empty),
         cmocka_unit_test(an_interrupted_run_leaves_no_half_written_file),
         cmocka_unit_test(rounds_decide_what_is_said_of_medians),
         cmocka_unit_test(what_does_not_fit_together_is_built_again),

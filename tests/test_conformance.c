@@ -55,6 +55,8 @@ static void rule_breakers_are_found(void **state)
     ASSERT_OK(check("sphere-mesh:n=30", "rogue", note));
     expect_failure("sphere-mesh:n=30", "rogue:kind=stale", "built with the primitives in reverse");
     expect_failure("sphere-mesh:n=30", "rogue:kind=moving", "the same input gave another tree");
+    expect_failure("sphere-mesh:n=30", "rogue:kind=marked", "the same input gave another tree");
+    expect_failure("sphere-mesh:n=30", "rogue:kind=moving+rotate", "gave another tree");
 }
 
 /* On the device there is no clock of the phase's own that could be taken off. */
@@ -66,6 +68,18 @@ static void work_on_the_device_is_never_outside(void **state)
     ASSERT_OK(bb_phase_outside(&on_host, "conversion"));
     ASSERT_OK(bb_phase(&on_host, NULL));
     assert_true(on_host.outside_ms > 0);
+}
+
+/* Of a pipeline as of a builder; what fits no stage of it is nothing that was checked. */
+static void pipelines_are_checked(void **state)
+{
+    (void)state;
+    char note[512] = "";
+    ASSERT_OK(check("sphere-mesh:n=30", "presplit:saves=-1+rogue+rotate", note));
+    assert_non_null(strstr(note, "; presplit: "));
+    assert_int_equal(check("sphere-mesh:n=300", "lobvh+rotate", note), BB_UNSUPPORTED);
+    assert_int_equal(check("spheres:n=30", "rogue+rotate", note), BB_UNSUPPORTED);
+    assert_non_null(strstr(bb_message(), "builder rogue does not take the primitives"));
 }
 
 /* Nothing but what a builder declares is there; views are, if it asks for one by name. */
@@ -114,6 +128,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rule_breakers_are_found),
         cmocka_unit_test(work_on_the_device_is_never_outside),
+        cmocka_unit_test(pipelines_are_checked),
         cmocka_unit_test(undeclared_input_is_withheld),
         cmocka_unit_test(refusing_kernels_are_named),
         cmocka_unit_test(missing_rays_are_named),

@@ -1,5 +1,7 @@
 /* The layout and traversal kernels on scenes of a few primitives, against brute force in double precision on the host. Small enough for
  * oclgrind, under which this program runs as well. */
+#include "tests/registry.h"
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -259,12 +261,12 @@ static void kernels_agree_with_brute_force(void **state)
         bb_scene scene;
         make_scene(&scene, counts[c][0], counts[c][1]);
         for (uint32_t b = 0; b < bb_builder_count(); b++) {
-            if (small && bb_builder_at(b)->place == BB_ON_DEVICE)
+            const char *builder = whole_builder(bb_builder_at(b));
+            if (small && !is_on_host(builder))
                 continue; /* here the layouts and traversals are looked at, not the builders */
             bb_instance instance;
-            check(bb_instance_create(device, bb_builder_at(b)->name, &scene, 1, &instance),
-                  "create");
-            check(bb_instance_build(&instance, &scene, false, NULL, NULL), "build");
+            check(bb_instance_create(device, builder, &scene, 1, &instance), "create");
+            check(bb_instance_build(&instance, &scene, false, NULL), "build");
             check(bb_tree_upload(&instance.tree, device, NULL), "upload");
             for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
                 for (uint32_t leaf = 1; leaf <= 4; leaf += 3)
@@ -286,7 +288,7 @@ static void every_kernel_takes_every_intersector(void **state)
         bb_instance instance;
         make_scene(&scene, counts[c][0], counts[c][1]);
         check(bb_instance_create(device, "sah", &scene, 1, &instance), "create");
-        check(bb_instance_build(&instance, &scene, false, NULL, NULL), "build");
+        check(bb_instance_build(&instance, &scene, false, NULL), "build");
         check(bb_tree_upload(&instance.tree, device, NULL), "upload");
         for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++) {
             bool affine = bb_intersector_form(i) == BB_RECORD_AFFINE;
@@ -312,7 +314,7 @@ static void answers_depend_on_neither_groups_nor_order(void **state)
     bb_instance instance;
     make_scene(&scene, TRIANGLES, SPHERES);
     check(bb_instance_create(device, "sah", &scene, 1, &instance), "create");
-    check(bb_instance_build(&instance, &scene, false, NULL, NULL), "build");
+    check(bb_instance_build(&instance, &scene, false, NULL), "build");
     check(bb_tree_upload(&instance.tree, device, NULL), "upload");
     aim_rays(&scene, rays);
     for (uint32_t i = 0; i < RAYS; i++)

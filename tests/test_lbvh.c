@@ -143,7 +143,7 @@ static void compare(bb_device *device, const char *builder, const bb_box *boxes,
     if (status == BB_OK)
         status = bb_instance_create(device, builder, &scene, 1, &instance);
     for (int i = 0; i < 2 && status == BB_OK; i++)
-        status = bb_instance_build(&instance, &scene, false, NULL, NULL);
+        status = bb_instance_build(&instance, &scene, false, NULL);
     if (status == BB_OK)
         status = bb_tree_download(&instance.tree, NULL);
     if (status == BB_OK)

@@ -206,7 +206,7 @@ static void compare(bb_device *device, const way *given, const bb_box *boxes, ui
     if (status == BB_OK)
         status = bb_instance_create(device, builder, &scene, 1, &instance);
     for (int i = 0; i < 2 && status == BB_OK; i++)
-        status = bb_instance_build(&instance, &scene, false, NULL, NULL);
+        status = bb_instance_build(&instance, &scene, false, NULL);
     if (status == BB_OK)
         status = bb_tree_download(&instance.tree, NULL);
     if (status == BB_OK)

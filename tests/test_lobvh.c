@@ -310,7 +310,7 @@ static void compare(bb_device *device, const char *builder, const bb_box *boxes,
     if (status == BB_OK)
         status = bb_instance_create(device, builder, &scene, 1, &instance);
     for (int i = 0; i < 2 && status == BB_OK; i++)
-        status = bb_instance_build(&instance, &scene, false, NULL, NULL);
+        status = bb_instance_build(&instance, &scene, false, NULL);
     if (status == BB_OK)
         status = bb_tree_download(&instance.tree, NULL);
     if (status == BB_OK)
@@ -603,7 +603,7 @@ static void what_does_not_fit_is_refused_beforehand(void **state)
         else
             device->largest_allocation = 100000000;
         const uint64_t before = device->bytes;
-        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL, NULL), BB_REFUSED);
+        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL), BB_REFUSED);
         assert_true(device->bytes == before);
         for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
             if (strstr(bb_message(), words[i]) == NULL)
@@ -631,7 +631,7 @@ static void the_level_is_chosen_and_said(void **state)
         const char *builder = n == 1 ? "lobvh:view=0/0/-1" : "lobvh";
         scene.profile.octree_depth = n == 2 ? 2 : 0;
         assert_int_equal(bb_instance_create(device, builder, &scene, 1, &instance), BB_OK);
-        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL, NULL), BB_OK);
+        assert_int_equal(bb_instance_build(&instance, &scene, false, NULL), BB_OK);
         assert_int_equal(bb_instance_describe(&instance, &scene, text, sizeof text), BB_OK);
         assert_int_equal(sscanf(text, "octree of %u levels (auto)", &chosen[n]), 1);
         assert_int_equal(n == 1, strstr(text, "ordered along -z+x+y") != NULL);
@@ -659,7 +659,7 @@ static void bad_options_are_refused(void **state)
         bb_instance instance = {0};
         bb_status status = bb_instance_create(devices[0], bad[i], &scene, 1, &instance);
         if (status == BB_OK)
-            status = bb_instance_build(&instance, &scene, false, NULL, NULL);
+            status = bb_instance_build(&instance, &scene, false, NULL);
         if (status != BB_INVALID)
             fail_msg("%s: status %d", bad[i], (int)status);
         bb_instance_destroy(&instance);

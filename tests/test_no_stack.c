@@ -9,6 +9,7 @@
 
 #include "framework/base/random.h"
 #include "framework/judge/queries.h"
+#include "tests/registry.h"
 #include "tests/trace_fixture.h"
 
 enum { RAYS = 10000 };
@@ -57,7 +58,7 @@ static void all_kernels_answer_as_the_stack_does(void **state)
     bb_hit *hits = calloc(RAYS, sizeof *hits), *found = calloc(RAYS, sizeof *found);
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
         for (uint32_t i = 0; i < bb_builder_count(); i++) {
-            const char *builder = bb_builder_at(i)->name;
+            const char *builder = whole_builder(bb_builder_at(i));
             uint32_t leaf = i % 2 == 0 ? 1 : 4;
             bed b;
             open_bed(&b, load(scenes[s]), builder, "stack", leaf);

@@ -365,7 +365,7 @@ static void test_lines(void **state)
     bb_oracle *oracle = NULL;
     bb_rays *rays = NULL, *again = NULL, *any = NULL;
     assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
-    assert_int_equal(make(scene, oracle, "lines", NULL, MOST, 3, &rays), BB_OK);
+    assert_int_equal(make(scene, oracle, "lines:query=interval", NULL, MOST, 3, &rays), BB_OK);
     assert_int_equal(make(scene, oracle, "lines", NULL, MOST, 3, &again), BB_OK);
     assert_int_equal(make(scene, oracle, "lines:query=any,count=100", NULL, MOST, 4, &any), BB_OK);
     assert_string_equal(rays->query->name, "interval");
@@ -405,9 +405,10 @@ static void test_lines_need_meshes_for_intervals(void **state)
     bb_oracle *oracle = NULL;
     bb_rays *rays = NULL;
     assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
-    assert_int_equal(make(scene, oracle, "lines", NULL, MOST, 3, &rays), BB_UNSUPPORTED);
+    assert_int_equal(make(scene, oracle, "lines:query=interval", NULL, MOST, 3, &rays),
+                     BB_UNSUPPORTED);
     assert_non_null(strstr(bb_message(), "query=closest"));
-    assert_int_equal(make(scene, oracle, "lines:query=closest", NULL, MOST, 3, &rays), BB_OK);
+    assert_int_equal(make(scene, oracle, "lines", NULL, MOST, 3, &rays), BB_OK);
     bb_rays_free(rays);
     bb_oracle_destroy(oracle);
     hand_free(scene);

@@ -11,6 +11,7 @@
 #include "framework/bench/conformance.h"
 #include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
+#include "tests/registry.h"
 #include "tests/trace_fixture.h"
 
 #include <math.h>
@@ -53,7 +54,7 @@ static void every_builder_with_every_kernel_is_right(void **state)
             const bb_builder *builder = bb_builder_at(b);
             const char *all = builder->compared != NULL && builder->compared[0] != '\0'
                                   ? builder->compared
-                                  : builder->name;
+                                  : whole_builder(builder);
             char *variants[16], note[256];
             size_t count = 0;
             check(bb_spec_list(all, variants, 16, &count), all);
@@ -190,9 +191,10 @@ static void zero_area_triangles_are_harmless(void **state)
     check(bb_conformance_create(device, scene, SIDE, seed, &conformance), "conformance");
     check(bb_conformance_brute_force(conformance), "brute force");
     char note[256];
-    for (uint32_t b = 0; b < bb_builder_count(); b++)
-        check(bb_conformance_check(conformance, bb_builder_at(b)->name, note, sizeof note),
-              bb_builder_at(b)->name);
+    for (uint32_t b = 0; b < bb_builder_count(); b++) {
+        const char *builder = whole_builder(bb_builder_at(b));
+        check(bb_conformance_check(conformance, builder, note, sizeof note), builder);
+    }
     bb_conformance_destroy(conformance);
     bb_scene_free(scene);
 }
@@ -340,15 +342,15 @@ static void the_answer_does_not_depend_on_the_tree(void **state)
     trace_scene(scene, rays, hits, "lbvh");
     for (uint32_t b = 0; b < bb_builder_count(); b++) {
         bed other;
-        open_bed(&other, load("interior:n=3000"), bb_builder_at(b)->name, "stack",
-                 b % 2 == 0 ? 1 : 4);
+        const char *builder = whole_builder(bb_builder_at(b));
+        open_bed(&other, load("interior:n=3000"), builder, "stack", b % 2 == 0 ? 1 : 4);
         trace(&other, "exact", rays, RAYS, &bb_query_closest, others, NULL);
         close_bed(&other);
         for (uint32_t i = 0; i < RAYS; i++)
             if (memcmp(&hits[i], &others[i], sizeof hits[i]) != 0)
-                fail_msg("builder %s, ray %u: %u at %a, not %u at %a (seed %llu)",
-                         bb_builder_at(b)->name, i, others[i].prim, others[i].t, hits[i].prim,
-                         hits[i].t, (unsigned long long)seed);
+                fail_msg("builder %s, ray %u: %u at %a, not %u at %a (seed %llu)", builder, i,
+                         others[i].prim, others[i].t, hits[i].prim, hits[i].t,
+                         (unsigned long long)seed);
     }
     free(rays);
     free(hits);

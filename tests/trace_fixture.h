@@ -51,7 +51,7 @@ static inline void open_bed(bed *b, bb_scene *scene, const char *builder, const 
     b->scene = scene;
     check(bb_scene_upload(scene, device), "upload");
     check(bb_instance_create(device, builder, scene, seed, &b->instance), builder);
-    check(bb_instance_build(&b->instance, scene, false, NULL, NULL), builder);
+    check(bb_instance_build(&b->instance, scene, false, NULL), builder);
     check(bb_tree_upload(&b->instance.tree, device, NULL), builder);
     choose_kernel(b, kernel, leaf);
 }

@@ -48,6 +48,29 @@ static void name(const bb_layout *layout, uint32_t leaf, uint32_t form, bb_layou
         snprintf(data->name + length, capacity - (size_t)length, "%striangles=affine", separator);
 }
 
+/* The side array that the layout asks for; NULL if it asks for none. */
+static bb_status find_array(const bb_layout *layout, const bb_tree *tree, const bb_buffer **array)
+{
+    const char *name = layout->array.name;
+    *array = NULL;
+    if (name == NULL)
+        return BB_OK;
+    const bb_tree_array *found = bb_tree_find_array(tree, name);
+    if (found == NULL)
+        return bb_fail(BB_UNSUPPORTED,
+                       "layout %s reads the side array '%s', which this tree does not have",
+                       layout->name, name);
+    if (found->per_reference != layout->array.per_reference ||
+        found->stride != layout->array.stride)
+        return bb_fail(BB_UNSUPPORTED,
+                       "layout %s reads '%s' as %u bytes per %s, this tree has %u bytes per %s",
+                       layout->name, name, layout->array.stride,
+                       layout->array.per_reference ? "reference" : "node", found->stride,
+                       found->per_reference ? "reference" : "node");
+    *array = &found->buffer;
+    return BB_OK;
+}
+
 /* What is timed. *traced is the tree whose leaves the layout has: collapsed, or `tree` itself. */
 static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
                       bb_layout_data *data, bb_tree **traced)
@@ -55,10 +78,16 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
     const bb_layout *layout = maker->layout;
     bb_layout_source source = {.scene = scene};
     *traced = tree;
+    if (leaf > 1 && layout->array.name != NULL)
+        return bb_fail(BB_UNSUPPORTED,
+                       "layout %s reads the side array '%s', which leaf collapse leaves behind: "
+                       "take leaf=1",
+                       layout->name, layout->array.name);
     if (leaf > 1)
         BB_TRY(bb_collapse_make(maker->collapse, tree, scene->scale, leaf, layout->width,
                                 layout->block, traced));
     source.tree = *traced;
+    BB_TRY(find_array(layout, *traced, &source.array));
     if (tree->duplicated)
         BB_TRY(bb_reach_make(maker->reach, scene, *traced, &source.reach));
     return layout->make(maker->self, &source, data);

@@ -24,6 +24,7 @@ typedef struct bb_layout_source {
     const bb_buffer
         *reach; /* float per node: the longest side of the primitives below it; NULL: the
                                node's box holds them whole, and has their longest side */
+    const bb_buffer *array; /* the side array that the layout asks for; NULL if it asks for none */
 } bb_layout_source;
 
 /* A tree in the form that a kernel reads, on the device. Lengths are in units of their own: those of
@@ -51,6 +52,13 @@ typedef struct bb_layout {
     const char *summary;
     uint32_t width; /* children of its nodes at most; 2 where there is no limit. Required */
     uint32_t block; /* primitives that its kernels test at once. Required */
+    /* A side array of the tree that make() reads (bb_tree_reserve_array()): trees without one of
+     * this name and form are refused. Optional: none. */
+    struct {
+        const char *name;
+        bool per_reference;
+        uint32_t stride;
+    } array;
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
     /* Makes the layout of `source` with triangles in the form data->form and lengths times
      * data->scale: buffers, root, stack_need, levels, keeps_shape; adds to data->bytes. May enqueue

@@ -65,11 +65,8 @@ bb_status bb_linear_build(void *opaque, const bb_scene *scene, const bb_tree *in
     uint32_t count = scene->prim_count;
     BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
     BB_TRY(bb_phase(phases, "sort"));
-    uint32_t bits = bb_codes_layout(self->codes)->bits;
-    if (bits > 0 && bb_codes_key_bytes(self->codes) == 8)
-        BB_TRY(bb_sort_u64(self->primitives, &self->keys, &self->values, count, bits));
-    else if (bits > 0)
-        BB_TRY(bb_sort_u32(self->primitives, &self->keys, &self->values, count, bits));
+    BB_TRY(bb_sort_keys(self->primitives, bb_codes_key_bytes(self->codes), &self->keys,
+                        &self->values, count, bb_codes_layout(self->codes)->bits));
     BB_TRY(bb_phase(phases, "link"));
     BB_TRY(bb_radix_tree_link(self->radix, &self->keys, NULL, &self->values,
                               &scene->on_device.boxes, count, tree));

@@ -10,6 +10,7 @@
  * raised: at the default of 32 the Morton builder gives no tree on large scenes, and says so only
  * in the device's error.
  */
+#include "builders/common/links.h"
 #include "framework/builder/builder.h"
 
 #include "framework/embree/embree_api.h"
@@ -211,7 +212,7 @@ static void split_primitive(const struct RTCBuildPrimitive *prim, unsigned int a
 
 typedef struct converter {
     bb_tree *tree;
-    uint32_t nodes, refs, leaves, depth;
+    uint32_t nodes, refs, depth;
 } converter;
 
 static void add_box(bb_node *node, const float lo[3], const float hi[3])
@@ -243,39 +244,31 @@ static void convert_leaf(converter *to, const node *leaf, bb_node *out)
     }
     refs[to->refs - 1] |= BB_LAST_BIT;
     out->first = BB_LEAF_BIT | first;
-    to->leaves++;
 }
 
-/* Preorder: the subtree is nodes [index, index + size), so its skip is where it ends. Recursion is
- * as deep as the tree, which the depth option bounds. */
+/* Preorder, each child linked to its sibling. Recursion is as deep as the tree, which the depth
+ * option bounds. */
 static void convert(converter *to, const node *from, uint32_t depth)
 {
-    uint32_t index = to->nodes++;
-    bb_node *out = &to->tree->nodes[index];
+    bb_node *nodes = to->tree->nodes, *out = &nodes[to->nodes++];
     for (int k = 0; k < 3; k++) {
         out->lo[k] = INFINITY;
         out->hi[k] = -INFINITY;
     }
+    out->skip = BB_NONE;
     to->depth = depth > to->depth ? depth : to->depth;
     if (from->count > 0) {
         convert_leaf(to, from, out);
-    } else {
-        out->first = index + 1;
-        for (int i = 0; i < 2; i++) {
-            const bb_node *child = &to->tree->nodes[to->nodes];
-            convert(to, from->of.children[i], depth + 1);
-            add_box(out, child->lo, child->hi);
-        }
+        return;
     }
-    out->skip = to->nodes;
-}
-
-/* Nothing comes after the nodes at the end. */
-static void end_skips(const converter *to)
-{
-    for (uint32_t i = 0; i < to->nodes; i++)
-        if (to->tree->nodes[i].skip == to->nodes)
-            to->tree->nodes[i].skip = BB_NONE;
+    out->first = to->nodes;
+    for (int i = 0; i < 2; i++) {
+        bb_node *child = &nodes[to->nodes];
+        if (i > 0)
+            nodes[out->first].skip = to->nodes;
+        convert(to, from->of.children[i], depth + 1);
+        add_box(out, child->lo, child->hi);
+    }
 }
 
 /* ---- hooks ---- */
@@ -444,13 +437,8 @@ static bb_status build(void *pointer, const bb_scene *scene, const bb_tree *inpu
     BB_TRY(bb_phase_outside(phases, "convert"));
     converter to = {.tree = tree};
     convert(&to, root, 0);
-    end_skips(&to);
-    tree->info = (bb_tree_info){.root = 0,
-                                .node_count = to.nodes,
-                                .leaf_count = to.leaves,
-                                .ref_count = to.refs,
-                                .arity = to.nodes > 1 ? 2 : 0,
-                                .depth = to.depth};
+    tree->info = (bb_tree_info){.node_count = to.nodes, .ref_count = to.refs, .depth = to.depth};
+    BB_TRY(bb_links_finish(tree, NULL));
     tree->duplicated = self->quality == RTC_BUILD_QUALITY_HIGH;
     tree->disjoint = false;
     return bb_phase(phases, NULL);

@@ -245,11 +245,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     BB_TRY(bb_phase(phases, "levels"));
     BB_TRY(place_primitives(self, scene));
     BB_TRY(bb_phase(phases, "sort"));
-    uint32_t bits = bb_codes_bits(self->codes) + 1;
-    if (bb_codes_key_bytes(self->codes) == 8)
-        BB_TRY(bb_sort_u64(self->primitives, &self->keys, &self->values, count, bits));
-    else
-        BB_TRY(bb_sort_u32(self->primitives, &self->keys, &self->values, count, bits));
+    BB_TRY(bb_sort_keys(self->primitives, bb_codes_key_bytes(self->codes), &self->keys,
+                        &self->values, count, bb_codes_bits(self->codes) + 1));
     BB_TRY(bb_phase(phases, "merge"));
     BB_TRY(merge_equal(self, count));
     BB_TRY(bb_phase(phases, "link"));

@@ -8,6 +8,7 @@
  * A range whose centroids are all equal is halved by index, so that its depth stays logarithmic.
  * Nothing recurses.
  */
+#include "builders/common/links.h"
 #include "framework/builder/builder.h"
 #include "sah_split.h"
 
@@ -107,19 +108,8 @@ static bb_status push(sah *self, range item)
     return BB_OK;
 }
 
-/* Makes `skip` the skip of node `index` and of the last children below it. */
-static void set_skip(bb_tree *tree, uint32_t index, uint32_t skip)
-{
-    bb_node *node = &tree->nodes[index];
-    while (!bb_node_is_leaf(node)) {
-        node->skip = skip;
-        node = &tree->nodes[tree->nodes[node->first].skip];
-    }
-    node->skip = skip;
-}
-
-/* Makes the node of a range and links it to what came before; returns its number. A left child is
- * its parent's next node; the right child closes the left one's subtree, by now complete. */
+/* Makes the node of a range and links it to its left sibling; returns its number. A left child is
+ * its parent's next node. */
 static uint32_t make_node(const bb_sah_state *state, const range *item, bb_tree *tree)
 {
     uint32_t index = tree->info.node_count++;
@@ -132,8 +122,9 @@ static uint32_t make_node(const bb_sah_state *state, const range *item, bb_tree 
         const bb_box *box = &state->boxes[state->order[0][i]];
         bb_sah_grow(node->lo, node->hi, box->lo, box->hi);
     }
+    node->skip = BB_NONE;
     if (item->left_sibling != BB_NONE)
-        set_skip(tree, item->left_sibling, index);
+        tree->nodes[item->left_sibling].skip = index;
     return index;
 }
 
@@ -144,7 +135,6 @@ static void make_leaf(const bb_sah_state *state, const range *item, uint32_t ind
     memcpy(tree->refs + item->begin, state->order[0] + item->begin,
            (item->end - item->begin) * sizeof *tree->refs);
     tree->refs[item->end - 1] |= BB_LAST_BIT;
-    info->leaf_count++;
     info->ref_count += item->end - item->begin;
     info->depth = item->depth > info->depth ? item->depth : info->depth;
 }
@@ -189,12 +179,10 @@ static bb_status build_nodes(sah *self, bb_tree *tree)
             continue;
         }
         tree->nodes[index].first = index + 1;
-        tree->info.arity = 2;
         BB_TRY(push(self, (range){middle, item.end, index + 1, item.depth + 1}));
         BB_TRY(push(self, (range){item.begin, middle, BB_NONE, item.depth + 1}));
     }
-    set_skip(tree, 0, BB_NONE);
-    return BB_OK;
+    return bb_links_finish(tree, NULL);
 }
 
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,

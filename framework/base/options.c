@@ -51,6 +51,41 @@ bb_status bb_spec_parse(const char *text, bb_spec *spec)
     return BB_OK;
 }
 
+/* Copies the stage that begins at `text`, without its backslashes; returns where it ends. */
+static const char *copy_stage(const char *text, char *stage)
+{
+    for (; *text != '\0'; text++) {
+        bool escaped = text[0] == '\\' && text[1] == '+';
+        if (*text == '+' && (text[1] < '0' || text[1] > '9'))
+            break;
+        text += escaped;
+        *stage++ = *text;
+    }
+    *stage = '\0';
+    return text;
+}
+
+bb_status bb_spec_stages(const char *text, bb_spec *stages, uint32_t capacity, uint32_t *count)
+{
+    char stage[sizeof stages->text];
+    *count = 0;
+    if (strlen(text) >= sizeof stage)
+        return bb_fail(BB_INVALID, "'%.40s...' is longer than %zu characters", text,
+                       sizeof stage - 1);
+    for (const char *start = text;; start++) {
+        start = copy_stage(start, stage);
+        if (stage[0] == '\0' && (*count > 0 || *start == '+'))
+            return bb_fail(BB_INVALID,
+                           "stage %u of '%s' is empty: write A+B; a plus in a value is \\+",
+                           *count + 1, text);
+        if (*count == capacity)
+            return bb_fail(BB_INVALID, "'%s' has more than %u stages", text, capacity);
+        BB_TRY(bb_spec_parse(stage, &stages[(*count)++]));
+        if (*start == '\0')
+            return BB_OK;
+    }
+}
+
 static const bb_option *find_option(const bb_option *options, const char *key)
 {
     for (const bb_option *option = options; option != NULL && option->name != NULL; option++)
@@ -146,7 +181,8 @@ bool bb_spec_is(const bb_spec *spec, const bb_option *options, const char *key, 
     return value != NULL && strcmp(value, word) == 0;
 }
 
-/* Does the item that starts at `text` continue the one before: `key=value` with no ':' before '='? */
+/* Does the item that starts at `text` continue the one before: `key=value` with no ':' before
+ * '='? */
 static bool continues(const char *text)
 {
     size_t stop = strcspn(text, "=:,");

@@ -35,6 +35,12 @@ typedef struct bb_spec {
 /* Splits `text`. BB_INVALID on a missing name, key or value, a repeated key, or too long a text. */
 bb_status bb_spec_parse(const char *text, bb_spec *spec);
 
+/* Splits `text` at its `+` into the specifications of stages, and each as bb_spec_parse() does:
+ * "presplit:budget=2+sah+rotate". A digit after a `+` makes it part of a number (1e+5), a backslash
+ * before it part of a value (file=a\+b). stages[0..*count); each one's `text` is its own, without
+ * backslashes. BB_INVALID on an empty stage or more than `capacity`. */
+bb_status bb_spec_stages(const char *text, bb_spec *stages, uint32_t capacity, uint32_t *count);
+
 /* Checks keys and values of `spec` against the declared `options`. `what` (such as "builder lbvh")
  * starts the message; the message lists the options there are. */
 bb_status bb_spec_validate(const bb_spec *spec, const bb_option *options, const char *what);

@@ -22,8 +22,10 @@ static inline uint64_t bb_random_mix(uint64_t value)
 /* Streams of one seed are independent of each other. */
 static inline bb_random bb_random_make(uint64_t seed, uint64_t stream)
 {
-    return (bb_random){bb_random_mix(seed + 0x9E3779B97F4A7C15u) ^
-                       bb_random_mix(stream * 0xD1342543DE82EF95u + 1)};
+    bb_random random;
+    random.state =
+        bb_random_mix(seed + 0x9E3779B97F4A7C15u) ^ bb_random_mix(stream * 0xD1342543DE82EF95u + 1);
+    return random;
 }
 
 static inline uint64_t bb_random_u64(bb_random *random)

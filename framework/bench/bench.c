@@ -150,6 +150,26 @@ static bb_status load_scene(bb_bench *bench, const char *name)
     return bb_results_add_scene(bench->results, bench->scene, &bench->boxes_ms);
 }
 
+/* What its record says of a builder: its parameters, or those of all its stages. */
+static void start_pipeline(bb_entrant *entrant, const char *text)
+{
+    bb_build_record *record = &entrant->record;
+    const bb_pipeline *pipeline = &entrant->pipeline;
+    bb_pipeline_parse(text, &entrant->pipeline); /* checked by bb_bench_check() */
+    if (pipeline->count == 1) {
+        bb_spec_parse(pipeline->stages[0].spec.text, &entrant->spec);
+        record->options = pipeline->stages[0].builder->options;
+        return;
+    }
+    snprintf(entrant->spec.text, sizeof entrant->spec.text, "%s", text);
+    record->stage_count = pipeline->count;
+    for (uint32_t i = 0; i < pipeline->count; i++) {
+        record->stages[i].label = pipeline->stages[i].label;
+        record->stages[i].spec = &pipeline->stages[i].spec;
+        record->stages[i].options = pipeline->stages[i].builder->options;
+    }
+}
+
 static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text)
 {
     entrant->text = text;
@@ -159,10 +179,13 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     record->id = bench->next_id++;
     record->reference = entrant->reference;
     snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
-    bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
     record->spec = &entrant->spec;
-    record->options =
-        entrant->reference ? bb_embree_options : bb_builder_find(entrant->spec.name)->options;
+    if (entrant->reference) {
+        bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
+        record->options = bb_embree_options;
+    } else {
+        start_pipeline(entrant, text);
+    }
 }
 
 static bb_status start_entrants(bb_bench *bench)

@@ -1,4 +1,5 @@
-/* Builds: all entrants interleaved, in an order shuffled per round; then what is measured of their trees. */
+/* Builds: all entrants interleaved, in an order shuffled per round; then what is measured of their
+ * trees. */
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
@@ -8,7 +9,8 @@
 #include <string.h>
 
 enum {
-    /* builds with exact phase boundaries, made apart from those that count where the work is on the device */
+    /* builds with exact phase boundaries, made apart from those that count where the work is on the
+     * device */
     PHASE_BUILDS = 3,
     REPEATS = 5, /* of transfers and layouts */
 };
@@ -28,7 +30,7 @@ bool bb_bench_evict_others(bb_bench *bench, const bb_entrant *keep)
     bool freed = false;
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *other = &bench->entrants[i];
-        if (other == keep || other->instance.builder == NULL)
+        if (other == keep || other->instance.pipeline.count == 0)
             continue;
         bb_bench_evict(other);
         freed = true;
@@ -36,25 +38,34 @@ bool bb_bench_evict_others(bb_bench *bench, const bb_entrant *keep)
     return freed;
 }
 
+/* Of all stages, so that the harness knows what runs where. */
+static uint32_t stages_on_device(const bb_entrant *entrant)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < entrant->pipeline.count; i++)
+        count += entrant->pipeline.stages[i].builder->place == BB_ON_DEVICE;
+    return count;
+}
+
 static bb_status create_and_build(bb_bench *bench, bb_entrant *entrant, double *ms)
 {
     bb_build_timing timing;
-    if (entrant->instance.builder == NULL)
+    if (entrant->instance.pipeline.count == 0)
         BB_TRY(bb_instance_create(bench->device, entrant->text, bench->scene, bench->request->seed,
                                   &entrant->instance));
-    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, false, NULL, &timing));
+    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, false, &timing));
     *ms = timing.timing.ms;
     return BB_OK;
 }
 
-/* A first build, on fresh memory. Drivers may compile a kernel when it is first enqueued; so that this is no part of the cold
- * time, the very first build on a device is thrown away, memory and all. */
+/* A first build, on fresh memory. Drivers may compile a kernel when it is first enqueued; so that
+ * this is no part of the cold time, the very first build on a device is thrown away, memory and
+ * all. */
 static bb_status first_build(bb_bench *bench, bb_entrant *entrant, double *cold_ms)
 {
     bb_step step = bb_bench_begin(bench);
-    const bb_builder *builder = bb_builder_find(entrant->spec.name);
     bb_status status = BB_OK;
-    if (!entrant->compiled && builder->place == BB_ON_DEVICE) {
+    if (!entrant->compiled && stages_on_device(entrant) > 0) {
         status = create_and_build(bench, entrant, cold_ms);
         bb_bench_evict(entrant);
     }
@@ -85,74 +96,59 @@ static bb_status acquire(bb_bench *bench, bb_entrant *entrant)
     return BB_OK;
 }
 
-static void add_phases(bb_entrant *entrant, const bb_phases *phases)
+/* Phases of a pipeline have their stage's name before their own. */
+static void add_phases(bb_entrant *entrant, const bb_build_step *step)
 {
     bb_build_record *record = &entrant->record;
+    const bb_phases *phases = &step->phases;
+    bool alone = entrant->pipeline.count == 1;
     for (uint32_t i = 0; i < phases->count; i++) {
+        char name[sizeof record->phases[0].name];
         uint32_t k = 0;
-        while (k < record->phase_count && strcmp(record->phases[k].name, phases->names[i]) != 0)
+        snprintf(name, sizeof name, "%s%s%s", alone ? "" : step->label, alone ? "" : ": ",
+                 phases->names[i]);
+        while (k < record->phase_count && strcmp(record->phases[k].name, name) != 0)
             k++;
-        if (k == BB_PHASES_MAX)
+        if (k == BB_RECORD_PHASES_MAX)
             continue;
         if (k == record->phase_count) {
-            snprintf(record->phases[k].name, sizeof record->phases[k].name, "%s", phases->names[i]);
+            snprintf(record->phases[k].name, sizeof record->phases[k].name, "%s", name);
             record->phase_count++;
         }
         bb_samples_add(&entrant->phase_samples[k], phases->ms[i]);
     }
 }
 
+/* What each step of a pipeline took, beside their sum. */
+static void add_steps(bb_entrant *entrant)
+{
+    bb_build_record *record = &entrant->record;
+    const bb_instance *instance = &entrant->instance;
+    if (instance->pipeline.count == 1)
+        return;
+    record->step_count = instance->step_count;
+    for (uint32_t i = 0; i < instance->step_count; i++) {
+        snprintf(record->steps[i].name, sizeof record->steps[i].name, "%s",
+                 instance->steps[i].label);
+        bb_samples_add(&record->steps[i].ms, instance->steps[i].timing.timing.ms);
+    }
+}
+
 /* ---- transfers ---- */
 
-/* Reads the buffers once into `target`, which has room for the largest. */
-static bb_status read_all(const bb_buffer *const *buffers, uint32_t count, void *target, double *ms)
-{
-    double start = bb_wall_ms();
-    for (uint32_t i = 0; i < count; i++)
-        BB_TRY(bb_buffer_read(buffers[i], 0, buffers[i]->bytes, target));
-    *ms = bb_wall_ms() - start;
-    return BB_OK;
-}
-
-static bb_status repeat_transfer(bb_bench *bench, bb_entrant *entrant,
-                                 const bb_buffer *const *buffers, uint32_t count, void *target)
-{
-    bb_tree *tree = &entrant->instance.tree;
-    for (uint32_t i = 0; i <= REPEATS; i++) {
-        double down, up = 0;
-        BB_TRY(read_all(buffers, count, target, &down));
-        bb_tree_changed(tree); /* else it is there already */
-        BB_TRY(bb_tree_upload(tree, bench->device, &up));
-        bb_samples_add(&entrant->record.transfer_ms, down + up);
-    }
-    return BB_OK;
-}
-
-/* What a builder on the host needs moved: what it declares of the scene down, the tree up. One on the
- * device needs nothing moved. The first time, on fresh memory, is left out of the median. */
+/* What stages on the host need moved, see bb_instance_transfer(). A pipeline on the device needs
+ * nothing moved. The first time, on fresh memory, is left out of the median. */
 static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
 {
-    const bb_builder *builder = entrant->instance.builder;
-    if (builder->place == BB_ON_DEVICE)
+    if (stages_on_device(entrant) == entrant->pipeline.count)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
-    const bb_scene_device *there = &bench->scene->on_device;
-    const bb_buffer *buffers[4];
-    uint32_t count = 0;
-    if ((builder->inputs & BB_INPUT_BOXES) != 0)
-        buffers[count++] = &there->boxes;
-    if ((builder->inputs & BB_INPUT_GEOMETRY) != 0) {
-        buffers[count++] = &there->vertices;
-        buffers[count++] = &there->prims;
+    for (uint32_t i = 0; i <= REPEATS; i++) {
+        double ms;
+        BB_TRY(bb_instance_transfer(&entrant->instance, bench->scene, &ms));
+        bb_samples_add(&entrant->record.transfer_ms, ms);
     }
-    size_t most = 0;
-    for (uint32_t i = 0; i < count; i++)
-        most = buffers[i]->bytes > most ? buffers[i]->bytes : most;
-    void *target = NULL;
-    BB_TRY(bb_host_alloc(NULL, most, "the builder's input on the host", &target));
-    bb_status status = repeat_transfer(bench, entrant, buffers, count, target);
-    bb_host_free(target);
-    return bb_bench_end(bench, step, "transfers", status);
+    return bb_bench_end(bench, step, "transfers", BB_OK);
 }
 
 /* A hand-over between work-groups that fails now and then shows in one tree of many. */
@@ -165,51 +161,64 @@ static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
     return bb_bench_end(bench, step, "check trees, SAH", BB_OK);
 }
 
-/* What the device's clock, or that of a host builder's own phases, saw must lie within the wall time. */
-static void audit_build(bb_bench *bench, const bb_entrant *entrant, const bb_phases *phases,
-                        const bb_build_timing *timing)
+/* What the device's clock, or that of a host builder's own phases, saw must lie within the wall
+ * time. */
+static void audit_step(bb_bench *bench, const bb_entrant *entrant, const bb_build_step *step)
 {
     char what[256];
-    bb_timing seen = timing->timing;
+    const bb_phases *phases = &step->phases;
+    bb_timing seen = step->timing.timing;
     if (phases->device == NULL) {
         double inside = -phases->outside_ms;
         for (uint32_t i = 0; i < phases->count; i++)
             inside += phases->ms[i];
         seen.event_ms = seen.event_ms > inside ? seen.event_ms : inside;
     }
-    snprintf(what, sizeof what, "build of %.100s by %.100s", bench->scene->name, entrant->text);
+    bool alone = entrant->pipeline.count == 1;
+    snprintf(what, sizeof what, "build of %.100s by %.100s%s%.40s", bench->scene->name,
+             entrant->text, alone ? "" : ", ", alone ? "" : step->label);
     bb_audit_timing(&bench->outcome->audit, what, &seen,
                     phases->used_device || (phases->device == NULL && phases->count > 0));
+}
+
+static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_timing *timing)
+{
+    bb_build_record *record = &entrant->record;
+    const bb_instance *instance = &entrant->instance;
+    uint32_t inputs = bb_instance_inputs(instance);
+    bb_samples_add(&record->build_ms, timing->timing.ms);
+    bb_samples_add(&record->event_ms, timing->timing.event_ms);
+    bb_samples_add(&record->cpu_ms, timing->timing.cpu_ms);
+    bb_samples_add(&record->restore_ms, timing->restore_ms);
+    bb_samples_add(&record->outside_ms, timing->outside_ms);
+    add_steps(entrant);
+    record->prepare_ms = bb_instance_prepare_ms(instance);
+    bb_input_words(inputs, record->inputs, sizeof record->inputs);
+    if ((inputs & BB_INPUT_BOXES) != 0)
+        record->boxes_ms = bb_samples_median(&bench->boxes_ms);
+    record->bytes_peak = instance->account.peak;
 }
 
 static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
 {
     BB_TRY(acquire(bench, entrant));
-    bb_phases phases;
     bb_build_timing timing;
-    bb_build_record *record = &entrant->record;
+    bb_instance *instance = &entrant->instance;
     bb_step step = bb_bench_begin(bench);
-    bb_account_mark(&entrant->instance.account);
-    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, exact, &phases, &timing));
-    audit_build(bench, entrant, &phases, &timing);
+    bb_account_mark(&instance->account);
+    BB_TRY(bb_instance_build(instance, bench->scene, exact, &timing));
+    for (uint32_t i = 0; i < instance->step_count; i++)
+        audit_step(bench, entrant, &instance->steps[i]);
     if (!exact) {
         bench->outcome->times.build_ms += timing.timing.ms;
         BB_TRY(bb_bench_end(bench, step, "prepare, restore, warm up", BB_OK));
-        bb_samples_add(&record->build_ms, timing.timing.ms);
-        bb_samples_add(&record->event_ms, timing.timing.event_ms);
-        bb_samples_add(&record->cpu_ms, timing.timing.cpu_ms);
-        bb_samples_add(&record->restore_ms, timing.restore_ms);
-        bb_samples_add(&record->outside_ms, timing.outside_ms);
-        record->prepare_ms = entrant->instance.prepare_ms;
-        bb_input_words(entrant->instance.builder->inputs, record->inputs, sizeof record->inputs);
-        if ((entrant->instance.builder->inputs & BB_INPUT_BOXES) != 0)
-            record->boxes_ms = bb_samples_median(&bench->boxes_ms);
-        record->bytes_peak = entrant->instance.account.peak;
+        record_timing(bench, entrant, &timing);
     }
     if (bench->device->form == BB_FORM_GPU)
         BB_TRY(check_tree(bench, entrant));
-    if (exact == phases.used_device)
-        add_phases(entrant, &phases);
+    for (uint32_t i = 0; i < instance->step_count; i++)
+        if (exact == instance->steps[i].phases.used_device)
+            add_phases(entrant, &instance->steps[i]);
     return BB_OK;
 }
 
@@ -271,7 +280,7 @@ static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
     if (entrant->reference)
         return exact ? BB_OK : build_reference(bench, entrant);
     /* the phases of a builder on the host were exact all along */
-    if (exact && bb_builder_find(entrant->spec.name)->place == BB_ON_HOST)
+    if (exact && stages_on_device(entrant) == 0)
         return BB_OK;
     if (!exact)
         return timed_build(bench, entrant, exact);
@@ -315,7 +324,8 @@ bb_status bb_bench_builds(bb_bench *bench)
             status = measure_transfer(bench, entrant);
         if (status == BB_OK)
             status = measure_tree(bench, entrant);
-        /* a layout that is refused is the trace's failure, not the build's: bb_bench_layout() will say so again */
+        /* a layout that is refused is the trace's failure, not the build's: bb_bench_layout() will
+         * say so again */
         for (uint32_t k = 0; k < bench->kernel_count && status == BB_OK; k++)
             for (uint32_t i = 0;
                  bb_bench_takes(bench, entrant, k) && i < bench->request->intersector_count; i++)
@@ -337,8 +347,8 @@ static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
                                 data);
 }
 
-/* Makes it some times more, for its time, when it is the first of its name. The one that is there paid for
- * fresh memory: it is kept, and left out of the median. */
+/* Makes it some times more, for its time, when it is the first of its name. The one that is there
+ * paid for fresh memory: it is kept, and left out of the median. */
 static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     bb_build_record *record = &entrant->record;
@@ -374,8 +384,8 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
     return entrant->record.has_tree;
 }
 
-/* Makes room for one layout: other builders' trees, the entrant's other layouts, and the scratch that made those. All of it is made
- * again when its turn comes. */
+/* Makes room for one layout: other builders' trees, the entrant's other layouts, and the scratch
+ * that made those. All of it is made again when its turn comes. */
 static bb_status make_room(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     bb_bench_evict_others(bench, entrant);

@@ -41,8 +41,9 @@ typedef struct bb_layout_choice {
 typedef struct bb_entrant {
     const char *text;
     bool reference;
-    bb_spec spec;
-    bb_instance instance; /* alive while instance.builder is set */
+    bb_spec spec;         /* of one builder alone and of references; else only its text */
+    bb_pipeline pipeline; /* of a builder */
+    bb_instance instance; /* alive while instance.pipeline.count > 0 */
     bool built;           /* instance.tree holds a tree */
     bool compiled;        /* its kernels have run before */
     bb_layout_data layouts[BB_LAYOUTS_MAX];
@@ -51,7 +52,7 @@ typedef struct bb_entrant {
         [BB_LAYOUTS_MAX]; /* the layout of its tree does; known since it was first made */
     bb_embree *embree;    /* of a reference row */
     bb_build_record record;
-    bb_samples phase_samples[BB_PHASES_MAX];
+    bb_samples phase_samples[BB_RECORD_PHASES_MAX];
 } bb_entrant;
 
 typedef struct bb_bench {

@@ -11,8 +11,12 @@
 enum { BUILDS = 3 };
 
 /* Those that a scene does not have are left out. */
-static const char *const workloads[] = {
-    "primary", "ao", "random:near=0.5", "edges:jitter=64", "edges:jitter=64,from=around", "lines"};
+static const char *const workloads[] = {"primary",
+                                        "ao",
+                                        "random:near=0.5",
+                                        "edges:jitter=64",
+                                        "edges:jitter=64,from=around",
+                                        "lines:query=interval"};
 enum { SETS_MAX = sizeof workloads / sizeof workloads[0] };
 
 /* A ray set, the oracle's answers, and the first full answer by a kernel, which all others must equal. */
@@ -312,7 +316,7 @@ const char *bb_conformance_left_out(const bb_conformance *c)
 
 static bb_status check_tree(bb_instance *instance, const bb_scene *scene, uint64_t *hash)
 {
-    BB_TRY(bb_instance_build(instance, scene, false, NULL, NULL));
+    BB_TRY(bb_instance_build(instance, scene, false, NULL));
     BB_TRY(bb_tree_download(&instance->tree, NULL));
     BB_TRY(bb_tree_check(&instance->tree, scene));
     return bb_tree_hash(&instance->tree, hash);
@@ -332,13 +336,13 @@ static bb_status check_trees(bb_conformance *c, bb_instance *instance, uint64_t 
         return bb_fail(status, "built with the primitives in reverse order: %s", reason);
     }
     BB_TRY(check_tree(instance, c->scene, &hashes[1]));
-    status = bb_instance_create(c->device, instance->spec.text, c->scene, c->seed, &fresh);
+    status = bb_instance_create(c->device, instance->pipeline.text, c->scene, c->seed, &fresh);
     if (status == BB_OK)
         status = check_tree(&fresh, c->scene, &hashes[2]);
     bb_instance_destroy(&fresh);
     BB_TRY(status);
     bool same = hashes[0] == hashes[1] && hashes[1] == hashes[2];
-    if (!same && instance->builder->deterministic)
+    if (!same && bb_instance_is_deterministic(instance))
         return bb_fail(BB_FAILED, "the same input gave another tree: %016llx, %016llx, %016llx",
                        (unsigned long long)hashes[0], (unsigned long long)hashes[1],
                        (unsigned long long)hashes[2]);
@@ -352,7 +356,7 @@ static bb_status check_kernels(bb_conformance *c, bb_instance *instance, char *r
     uint32_t traced = 0;
     char reason[512] = "";
     for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
-        bb_status status = check_kernel(c, &instance->tree, instance->spec.text, *kernel);
+        bb_status status = check_kernel(c, &instance->tree, instance->pipeline.text, *kernel);
         if (status != BB_OK && status != BB_UNSUPPORTED)
             return status;
         traced += status == BB_OK;

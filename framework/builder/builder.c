@@ -83,7 +83,7 @@ static bb_status validate_options(const char *builder, const bb_option *options)
         if (i == BB_PARAMS_MAX)
             return bb_fail(BB_INVALID, "builder %s: more than %d options, or no end of the table",
                            builder, BB_PARAMS_MAX);
-        if (option->name[0] == '\0' || strpbrk(option->name, ":=,| \t\n") != NULL)
+        if (option->name[0] == '\0' || strpbrk(option->name, ":=,|+ \t\n") != NULL)
             return bb_fail(BB_INVALID, "builder %s: option %u has the bad name '%s'", builder, i,
                            option->name);
         if (!is_line(option->help))
@@ -101,6 +101,24 @@ static bb_status validate_options(const char *builder, const bb_option *options)
     return BB_OK;
 }
 
+/* One of the stages is this builder, with parameters that it takes; the others need not be there
+ * yet. */
+static bb_status validate_compared_item(const bb_builder *builder, const char *item)
+{
+    bb_spec stages[BB_STAGES_MAX];
+    uint32_t count;
+    bool found = false;
+    BB_TRY(bb_spec_stages(item, stages, BB_STAGES_MAX, &count));
+    for (uint32_t i = 0; i < count; i++) {
+        if (strcmp(stages[i].name, builder->name) != 0)
+            continue;
+        found = true;
+        BB_TRY(bb_spec_validate(&stages[i], builder->options, "compared"));
+    }
+    return found ? BB_OK
+                 : bb_fail(BB_INVALID, "compared holds '%s', which is another builder", item);
+}
+
 /* What `run` compares by default must be specifications of this builder. */
 static bb_status validate_compared(const bb_builder *builder)
 {
@@ -110,13 +128,8 @@ static bb_status validate_compared(const bb_builder *builder)
         return BB_OK;
     bb_status status = bb_spec_list(builder->compared, items, 64, &count);
     for (size_t i = 0; i < count; i++) {
-        bb_spec spec;
         if (status == BB_OK)
-            status = bb_spec_parse(items[i], &spec);
-        if (status == BB_OK && strcmp(spec.name, builder->name) != 0)
-            status = bb_fail(BB_INVALID, "compared holds '%s', which is another builder", items[i]);
-        if (status == BB_OK)
-            status = bb_spec_validate(&spec, builder->options, "compared");
+            status = validate_compared_item(builder, items[i]);
         free(items[i]);
     }
     return status == BB_OK ? BB_OK : bb_fail(status, "builder %s: %s", builder->name, bb_message());
@@ -147,7 +160,11 @@ bb_status bb_builder_validate(const bb_builder *builder)
         {builder->inputs != 0 && !(builder->inputs & ~inputs), "inputs is 0 or has unknown bits"},
         {builder->place == BB_ON_HOST || builder->place == BB_ON_DEVICE, "place is no bb_place"},
         {builder->create != NULL, "create() is missing"},
-        {builder->build != NULL, "build() is missing"},
+        {builder->build != NULL || builder->split != NULL, "build() is missing"},
+        {builder->build == NULL || builder->split == NULL,
+         "both build() and split(): it is a builder or a splitter"},
+        {builder->split == NULL || !bb_is_optimiser(builder),
+         "split() of a tree: a splitter comes before the first tree"},
         {builder->destroy != NULL, "destroy() is missing"},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
@@ -239,13 +256,17 @@ bb_status bb_plugin_load(const char *path)
 
 void bb_input_words(uint32_t inputs, char *text, size_t capacity)
 {
-    static const char *const words[] = {"boxes", "geometry", "tree", "profile"};
+    static const struct {
+        uint32_t input;
+        const char *word;
+    } words[] = {
+        {BB_INPUT_BOXES, "boxes"}, {BB_INPUT_GEOMETRY, "geometry"}, {BB_INPUT_PROFILE, "profile"}};
     size_t used = 0;
     text[0] = '\0';
-    for (uint32_t i = 0; i < sizeof words / sizeof words[0] && used < capacity; i++)
-        if ((inputs & 1u << i) != 0)
+    for (size_t i = 0; i < sizeof words / sizeof words[0] && used < capacity; i++)
+        if ((inputs & words[i].input) != 0)
             used += (size_t)snprintf(text + used, capacity - used, "%s%s", used > 0 ? " " : "",
-                                     words[i]);
+                                     words[i].word);
 }
 
 /* ---- phases ---- */

@@ -1,51 +1,69 @@
-#include "framework/builder/instance.h"
-
-#include "framework/base/clock.h"
-#include "framework/scene/prim.h"
+/* The life of an instance, and what its stages are shown of the scene. */
+#include "framework/builder/instance_private.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static bb_status find_builder(const char *text, bb_spec *spec, const bb_builder **builder)
-{
-    BB_TRY(bb_spec_parse(text, spec));
-    *builder = bb_builder_find(spec->name);
-    if (*builder == NULL)
-        return bb_fail(BB_INVALID, "unknown builder '%s': `bvhbench list builders` shows them",
-                       spec->name);
-    char what[96];
-    snprintf(what, sizeof what, "builder %s", (*builder)->name);
-    return bb_spec_validate(spec, (*builder)->options, what);
-}
-
 bb_status bb_instance_check(const char *text)
 {
-    bb_spec spec;
-    const bb_builder *builder;
-    return find_builder(text, &spec, &builder);
+    bb_pipeline pipeline;
+    return bb_pipeline_parse(text, &pipeline);
+}
+
+static bb_status check_kinds(const bb_pipeline *pipeline, const bb_scene *scene)
+{
+    for (uint32_t i = 0; i < pipeline->count; i++)
+        if ((scene->kinds & ~pipeline->stages[i].builder->kinds) != 0)
+            return bb_fail(BB_UNSUPPORTED, "builder %s does not take the primitives of scene %s",
+                           pipeline->stages[i].builder->name, scene->name);
+    return BB_OK;
+}
+
+static bb_status create_stage(bb_instance *instance, uint32_t i, uint64_t seed)
+{
+    bb_stage *stage = &instance->stages[i];
+    const bb_pipeline_stage *parsed = &instance->pipeline.stages[i];
+    stage->builder = parsed->builder;
+    stage->context = (bb_builder_context){
+        .device = instance->device,
+        .account = &instance->account,
+        .spec = &parsed->spec,
+        .options = parsed->builder->options,
+        .seed = seed,
+        .threads = bb_host_threads(instance->device),
+    };
+    stage->tree = i + 1 < instance->pipeline.count ? &stage->own : &instance->tree;
+    bb_tree_init(&stage->own, &instance->account);
+    /* what one stage needs of another is the pipeline's, not the harness's */
+    stage->own.copy_account = &instance->account;
+    return stage->builder->create(&stage->context, &stage->self);
+}
+
+static bb_status create_map(bb_instance *instance)
+{
+    BB_TRY(bb_program_build(instance->device, bb_source_find("references.cl"), "",
+                            &instance->program));
+    return bb_kernel_get(instance->program, "map_references", &instance->map);
 }
 
 bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
                              uint64_t seed, bb_instance *instance)
 {
     memset(instance, 0, sizeof *instance);
-    BB_TRY(find_builder(text, &instance->spec, &instance->builder));
-    const bb_builder *builder = instance->builder;
-    if ((scene->kinds & ~builder->kinds) != 0)
-        return bb_fail(BB_UNSUPPORTED, "builder %s does not take the primitives of scene %s",
-                       builder->name, scene->name);
-    if ((builder->inputs & BB_INPUT_TREE) != 0)
-        return bb_fail(BB_UNSUPPORTED, "builder %s takes another builder's tree", builder->name);
-    instance->context = (bb_builder_context){
-        .device = device,
-        .account = &instance->account,
-        .spec = &instance->spec,
-        .options = builder->options,
-        .seed = seed,
-        .threads = bb_host_threads(device),
-    };
+    bb_status status = bb_pipeline_parse(text, &instance->pipeline);
+    if (status == BB_OK)
+        status = check_kinds(&instance->pipeline, scene);
+    if (status != BB_OK) {
+        memset(instance, 0, sizeof *instance);
+        return status;
+    }
+    instance->device = device;
     bb_tree_init(&instance->tree, &instance->account);
-    bb_status status = builder->create(&instance->context, &instance->self);
+    bb_references_init(&instance->references, &instance->account);
+    for (uint32_t i = 0; i < instance->pipeline.count && status == BB_OK; i++)
+        status = create_stage(instance, i, seed);
+    if (status == BB_OK && bb_is_splitter(instance->stages[0].builder))
+        status = create_map(instance);
     if (status != BB_OK)
         bb_instance_destroy(instance);
     return status;
@@ -53,26 +71,60 @@ bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene
 
 void bb_instance_destroy(bb_instance *instance)
 {
-    if (instance->builder == NULL)
-        return;
-    if (instance->self != NULL)
-        instance->builder->destroy(instance->self);
+    for (uint32_t i = 0; i < instance->pipeline.count; i++) {
+        bb_stage *stage = &instance->stages[i];
+        if (stage->self != NULL)
+            stage->builder->destroy(stage->self);
+        bb_tree_release(&stage->own);
+    }
+    bb_references_release(&instance->references);
     bb_tree_release(&instance->tree);
+    bb_kernel_release(instance->map);
+    bb_program_release(instance->program);
     memset(instance, 0, sizeof *instance);
 }
 
-/* ---- building ---- */
+/* ---- what stages declare ---- */
 
-static bool may_see_views(const bb_instance *instance)
+uint32_t bb_instance_inputs(const bb_instance *instance)
 {
-    return bb_spec_value(&instance->spec, NULL, "view") != NULL;
+    uint32_t inputs = 0;
+    for (uint32_t i = 0; i < instance->pipeline.count; i++)
+        inputs |= instance->stages[i].builder->inputs;
+    return inputs & ~(uint32_t)BB_INPUT_TREE;
+}
+
+double bb_instance_prepare_ms(const bb_instance *instance)
+{
+    double ms = 0;
+    for (uint32_t i = 0; i < instance->pipeline.count; i++)
+        ms += instance->stages[i].prepare_ms;
+    return ms;
+}
+
+bool bb_instance_is_deterministic(const bb_instance *instance)
+{
+    bool deterministic = true;
+    for (uint32_t i = 0; i < instance->pipeline.count; i++)
+        deterministic = deterministic && instance->stages[i].builder->deterministic;
+    return deterministic;
+}
+
+bool bb_stage_is_fed_with_references(const bb_instance *instance, uint32_t i)
+{
+    return i == 1 && bb_is_splitter(instance->stages[0].builder);
+}
+
+static bool may_see_views(const bb_stage *stage)
+{
+    return bb_spec_value(stage->context.spec, NULL, "view") != NULL;
 }
 
 /* The scene with all taken out that the builder did not declare. */
-static bb_scene declared_part(const bb_instance *instance, const bb_scene *scene)
+static bb_scene declared_part(const bb_stage *stage, const bb_scene *scene)
 {
-    uint32_t inputs = instance->builder->inputs;
-    bool on_host = instance->builder->place == BB_ON_HOST;
+    uint32_t inputs = stage->builder->inputs;
+    bool on_host = stage->builder->place == BB_ON_HOST;
     bb_scene part = {.kinds = scene->kinds,
                      .prim_count = scene->prim_count,
                      .vertex_count = scene->vertex_count,
@@ -96,109 +148,45 @@ static bb_scene declared_part(const bb_instance *instance, const bb_scene *scene
         part.bounds = scene->bounds;
         part.profile = scene->profile;
     }
-    if (may_see_views(instance)) {
+    if (may_see_views(stage)) {
         part.view_count = scene->view_count;
         memcpy(part.views, scene->views, sizeof part.views);
     }
     return part;
 }
 
-static volatile uint64_t sink;
-
-/* One word per cache line. */
-static void read_memory(const void *memory, size_t bytes)
+bb_scene bb_stage_part(const bb_instance *instance, uint32_t i, const bb_scene *scene)
 {
-    const unsigned char *at = memory;
-    uint64_t sum = 0;
-    for (size_t i = 0; at != NULL && i < bytes; i += 64)
-        sum += at[i];
-    sink += sum;
-}
-
-static bb_status read_buffer(const bb_buffer *buffer)
-{
-    void *mapped;
-    if (buffer->mem == NULL)
-        return BB_OK;
-    BB_TRY(bb_buffer_map(buffer, false, &mapped));
-    read_memory(mapped, buffer->bytes);
-    return bb_buffer_unmap(buffer, mapped);
-}
-
-/* Reads the input once. Else its first reader after somebody else's build, or after its own restore(),
- * would find it cold, or warm, by accident. A device with memory of its own keeps that to itself. */
-static bb_status warm_up(const bb_scene *part)
-{
-    const bb_scene_device *there = &part->on_device;
-    read_memory(part->boxes, part->prim_count * sizeof *part->boxes);
-    read_memory(part->vertices, part->vertex_count * 3 * sizeof *part->vertices);
-    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
-        read_memory(part->prims[kind].data, part->prims[kind].count * bb_prim_bytes(kind));
-    if (there->device == NULL || !there->device->is_cpu)
-        return BB_OK;
-    BB_TRY(read_buffer(&there->boxes));
-    BB_TRY(read_buffer(&there->vertices));
-    return read_buffer(&there->prims);
-}
-
-/* Untimed, and recorded. */
-static bb_status get_ready(bb_instance *instance, const bb_scene *scene, const bb_scene *part,
-                           double *restore_ms)
-{
-    const bb_builder *builder = instance->builder;
-    if (instance->prepared != scene && builder->prepare != NULL) {
-        double start = bb_wall_ms();
-        BB_TRY(builder->prepare(instance->self, part, &instance->tree));
-        BB_TRY(bb_finish(instance->context.device));
-        instance->prepare_ms = bb_wall_ms() - start;
+    const bb_references *references = &instance->references;
+    const bb_stage *stage = &instance->stages[i];
+    bb_scene part = declared_part(stage, scene);
+    if (!bb_stage_is_fed_with_references(instance, i))
+        return part;
+    part.prim_count = references->count;
+    if ((stage->builder->inputs & BB_INPUT_BOXES) != 0) {
+        part.boxes = stage->builder->place == BB_ON_HOST ? references->boxes : NULL;
+        part.on_device.boxes = references->d_boxes;
     }
-    instance->prepared = scene;
-    *restore_ms = 0;
-    if (builder->restore != NULL) {
-        double start = bb_wall_ms();
-        BB_TRY(builder->restore(instance->self, part));
-        BB_TRY(bb_finish(instance->context.device));
-        *restore_ms = bb_wall_ms() - start;
-    }
-    return warm_up(part);
-}
-
-bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool exact_phases,
-                            bb_phases *phases, bb_build_timing *timing)
-{
-    const bb_builder *builder = instance->builder;
-    bb_device *device = instance->context.device;
-    bb_scene part = declared_part(instance, scene);
-    bb_phases local;
-    bb_build_timing unused;
-    phases = phases != NULL ? phases : &local;
-    timing = timing != NULL ? timing : &unused;
-    BB_TRY(get_ready(instance, scene, &part, &timing->restore_ms));
-    *phases = (bb_phases){.device = builder->place == BB_ON_DEVICE ? device : NULL,
-                          .exact = exact_phases,
-                          .current = -1};
-    bb_stopwatch watch;
-    BB_TRY(bb_stopwatch_start(device, &watch));
-    bb_status status = builder->build(instance->self, &part, NULL, &instance->tree, phases);
-    if (status == BB_OK)
-        status = bb_phase(phases, NULL);
-    bb_status stopped = bb_stopwatch_stop(&watch, &timing->timing);
-    BB_TRY(status);
-    BB_TRY(stopped);
-    timing->outside_ms = phases->outside_ms;
-    timing->timing.ms -= phases->outside_ms;
-    bb_tree_changed(&instance->tree);
-    if (builder->place == BB_ON_DEVICE)
-        BB_TRY(bb_tree_fetch_info(&instance->tree));
-    return BB_OK;
+    return part;
 }
 
 bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, char *text,
                                size_t capacity)
 {
+    size_t used = 0;
     text[0] = '\0';
-    if (instance->builder->describe == NULL)
-        return BB_OK;
-    bb_scene part = declared_part(instance, scene);
-    return instance->builder->describe(instance->self, &part, text, capacity);
+    for (uint32_t i = 0; i < instance->pipeline.count; i++) {
+        bb_stage *stage = &instance->stages[i];
+        char words[512] = "";
+        if (stage->builder->describe == NULL)
+            continue;
+        bb_scene part = bb_stage_part(instance, i, scene);
+        BB_TRY(stage->builder->describe(stage->self, &part, words, sizeof words));
+        bool alone = instance->pipeline.count == 1;
+        if (words[0] != '\0' && used < capacity)
+            used += (size_t)snprintf(text + used, capacity - used, "%s%s%s%s", used > 0 ? "; " : "",
+                                     alone ? "" : instance->pipeline.stages[i].label,
+                                     alone ? "" : ": ", words);
+    }
+    return BB_OK;
 }

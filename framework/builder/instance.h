@@ -1,46 +1,86 @@
-/* A builder at work on a scene: its object, its account, its tree, and what was measured of its builds. */
+/* A pipeline at work on a scene: a builder, with a splitter before it or optimisers after it; their
+ * objects, their account, their trees, and what was measured of their builds.
+ */
 #ifndef BB_INSTANCE_H
 #define BB_INSTANCE_H
 
-#include "framework/builder/builder.h"
+#include "framework/builder/pipeline.h"
 #include "framework/device/stopwatch.h"
 
-typedef struct bb_instance {
-    const bb_builder *builder;
-    bb_spec spec;
-    bb_builder_context context;
-    bb_account account;
-    void *self;
-    bb_tree tree;
-    const bb_scene *prepared; /* the scene that prepare() was called for; NULL: none yet */
-    double prepare_ms;        /* of that call */
-} bb_instance;
+/* Of a pipeline's build: its stages, and the mapping of references to primitives. */
+enum { BB_STEPS_MAX = BB_STAGES_MAX + 1 };
 
-/* What was measured of one build. Times in ms. */
+/* What was measured of one build, or of one step of it. Times in ms. */
 typedef struct bb_build_timing {
     bb_timing timing;  /* ms: without what the builder did in phases outside its time */
     double restore_ms; /* before the clock started */
     double outside_ms; /* in phases outside its time */
 } bb_build_timing;
 
-/* Parses `text`, finds the builder, checks the parameters and that it takes the scene's kinds (BB_UNSUPPORTED), and creates
- * it. On failure there is nothing to destroy. */
+typedef struct bb_build_step {
+    const char *label; /* the stage's, or "map" */
+    bb_build_timing timing;
+    bb_phases phases;
+} bb_build_step;
+
+/* A stage at work. */
+typedef struct bb_stage {
+    const bb_builder *builder;
+    bb_builder_context context;
+    void *self;
+    bb_tree own;              /* what it makes, unless it is the last */
+    bb_tree *tree;            /* the same, or the instance's; a splitter's stays empty */
+    const bb_scene *prepared; /* the scene that prepare() was called for; NULL: none yet */
+    uint32_t prepared_count;  /* primitives or references then */
+    double prepare_ms;        /* of that call */
+} bb_stage;
+
+/* It must not move while it lives: the account is in it. */
+typedef struct bb_instance {
+    bb_pipeline pipeline; /* its count is 0 when there is nothing to destroy */
+    bb_device *device;
+    bb_account account; /* of all stages */
+    bb_stage stages[BB_STAGES_MAX];
+    bb_references references; /* a splitter's */
+    cl_program program;       /* of the mapping of references */
+    cl_kernel map;
+    bb_tree tree;        /* what the last stage made */
+    uint32_t step_count; /* of the last build */
+    bb_build_step steps[BB_STEPS_MAX];
+} bb_instance;
+
+/* Parses `text`, checks that each stage takes the scene's kinds (BB_UNSUPPORTED), and creates them.
+ * On failure there is nothing to destroy. */
 bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
                              uint64_t seed, bb_instance *instance);
 void bb_instance_destroy(bb_instance *instance); /* a zeroed instance is allowed */
 
-/* One build, from a finished queue to a finished queue. The builder gets what it declares of the scene,
- * and nothing else. `exact_phases`: see bb_phases; `phases` may be NULL. Restores the input before the
- * clock starts and reads it once, so that all builders find theirs equally warm; fetches tree.info
- * after it has stopped. */
+/* One build. Each stage is timed from a finished queue to a finished queue, and gets what it
+ * declares of the scene and nothing else; `timing` (may be NULL) gets the sums, instance->steps
+ * each by itself. Not in these times: what is copied between stages on the host and on the device,
+ * see bb_instance_transfer(). Restores a stage's input before its clock starts and reads it once,
+ * so that all builders find theirs equally warm; fetches tree.info after it has stopped.
+ * `exact_phases`: see bb_phases. */
 bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool exact_phases,
-                            bb_phases *phases, bb_build_timing *timing);
+                            bb_build_timing *timing);
 
-/* The builder's words on its last build; "" if it has none. */
+/* Moves once again what stages on the host need moved: what they declare of the scene down, what
+ * one hands to the next across, the tree up; 0 for a pipeline on the device. `ms` gets the time.
+ * After a build. */
+bb_status bb_instance_transfer(bb_instance *instance, const bb_scene *scene, double *ms);
+
+/* The stages' words on the last build, each after its label if there are several; "" if they have
+ * none. */
 bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, char *text,
                                size_t capacity);
 
-/* Checks a text without creating anything: the builder exists and takes these parameters. */
+/* What all its stages declare together. */
+uint32_t bb_instance_inputs(const bb_instance *instance);   /* BB_INPUT_... of the scene */
+double bb_instance_prepare_ms(const bb_instance *instance); /* sum of the last calls */
+bool bb_instance_is_deterministic(const bb_instance *instance);
+
+/* Checks a text without creating anything: the builders exist and take these parameters, in this
+ * order. */
 bb_status bb_instance_check(const char *text);
 
 #endif

@@ -1,6 +1,6 @@
 #include "framework/cli/choice.h"
 
-#include "framework/builder/builder.h"
+#include "framework/builder/pipeline.h"
 #include "traversal/traversal.h"
 
 #include <dirent.h>
@@ -46,10 +46,18 @@ bb_status bb_choose(const bb_cli *cli, const char *option, const char *fallback,
     return BB_OK;
 }
 
+/* By its name; a splitter or an optimiser beside a builder. */
+static bb_status add_builder(bb_names *names, const bb_builder *builder)
+{
+    char whole[sizeof((bb_pipeline *)NULL)->text];
+    BB_TRY(bb_pipeline_complete(builder->name, whole, sizeof whole, NULL));
+    return add_item(names, whole);
+}
+
 static bb_status add_all_builders(bb_names *names)
 {
     for (uint32_t i = 0; i < bb_builder_count(); i++)
-        BB_TRY(add_item(names, bb_builder_at(i)->name));
+        BB_TRY(add_builder(names, bb_builder_at(i)));
     return BB_OK;
 }
 
@@ -63,9 +71,10 @@ bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names)
     for (uint32_t i = 0; i < bb_builder_count() && count == 0; i++) {
         const bb_builder *builder = bb_builder_at(i);
         bool left_out = builder->compared != NULL && builder->compared[0] == '\0';
-        if (!left_out || every)
-            BB_TRY(bb_names_add(names, left_out || builder->compared == NULL ? builder->name
-                                                                             : builder->compared));
+        if (left_out && !every)
+            continue;
+        BB_TRY(left_out || builder->compared == NULL ? add_builder(names, builder)
+                                                     : bb_names_add(names, builder->compared));
     }
     return BB_OK;
 }

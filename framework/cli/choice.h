@@ -1,5 +1,5 @@
-/* What the commands share: lists of names with their defaults and `all`, the device that was asked for, plug-ins,
- * views, output folders. */
+/* What the commands share: lists of names with their defaults and `all`, the device that was asked
+ * for, plug-ins, views, output folders. */
 #ifndef BB_CHOICE_H
 #define BB_CHOICE_H
 
@@ -22,8 +22,9 @@ void bb_names_free(bb_names *names);
 /* What was given for a list option, in order; else the items of `fallback`. */
 bb_status bb_choose(const bb_cli *cli, const char *option, const char *fallback, bb_names *names);
 
-/* --builder: `all` stands for every builder by its name. If none is given: what each builder names for the comparison, and, with
- * `every`, the name of those that stay out of it. */
+/* --builder: `all` stands for every builder by its name, a splitter or an optimiser beside a
+ * builder (bb_pipeline_complete()). If none is given: what each builder names for the comparison,
+ * and, with `every`, the name of those that stay out of it. */
 bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names);
 
 /* --kernel: `all` stands for every kernel; if none is given: those for the comparison. */
@@ -38,7 +39,8 @@ bb_status bb_load_plugins(const bb_cli *cli);
 /* The scene's view of that name, its first for NULL. */
 bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view);
 
-/* Makes an output folder unless it is there, and makes sure now that it can be written, not after the work. */
+/* Makes an output folder unless it is there, and makes sure now that it can be written, not after
+ * the work. */
 bb_status bb_make_folder(const char *path);
 
 #endif

@@ -1,16 +1,18 @@
-/* bvhbench check: conformance of builders. Each tree is held to the promises of the common tree, must come out the same bit
- * for bit when built again (by the same object, and by a fresh one), and must be traced rightly: by every
- * kernel as by brute force, bit for bit. */
+/* bvhbench check: conformance of builders, and of splitters and optimisers beside one. Each tree is
+ * held to the promises of the common tree, must come out the same bit for bit when built again (by
+ * the same object, and by a fresh one), and must be traced rightly: by every kernel as by brute
+ * force, bit for bit. */
 #include "framework/bench/conformance.h"
 #include "framework/cli/choice.h"
 #include "framework/scene/scene.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const bb_cli_option options[] = {
     {"builder", "B",
-     "name:key=value,...; `all`; default: every builder, in the variants that it names", true},
+     "name:key=value,...; A+B; `all`; default: every builder, in the variants that it names", true},
     {"scene", "S", "default: the shipped scenes and small procedural ones", true},
     {"plugin", "FILE.so", "load a builder", true},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
@@ -59,11 +61,60 @@ static bb_status default_scenes(bb_names *names)
     return BB_OK;
 }
 
+/* What is checked: `names`, of which those that `beside` says were given alone, and have got a
+ * builder beside them. */
+typedef struct checked_builders {
+    bb_names names;
+    bool beside[BB_NAMES_MAX];
+    uint32_t scenes[BB_NAMES_MAX]; /* that took each */
+} checked_builders;
+
 typedef struct tally {
     uint32_t checked, failed;
 } tally;
 
-static bb_status check_scene(bb_device *device, const char *name, const bb_names *builders,
+/* What was given of a splitter or an optimiser alone is no builder yet. */
+static bb_status complete(checked_builders *builders)
+{
+    for (size_t i = 0; i < builders->names.count; i++) {
+        char whole[sizeof((bb_pipeline *)NULL)->text], **item = &builders->names.items[i];
+        BB_TRY(bb_pipeline_complete(*item, whole, sizeof whole, &builders->beside[i]));
+        free(*item);
+        *item = strdup(whole);
+        if (*item == NULL)
+            return bb_fail(BB_FAILED, "out of memory");
+        BB_TRY(bb_instance_check(*item));
+    }
+    return BB_OK;
+}
+
+static void check_builder(bb_conformance *conformance, const char *scene, size_t i,
+                          checked_builders *builders, tally *tally)
+{
+    char note[640];
+    const char *name = builders->names.items[i];
+    bb_status found = bb_conformance_check(conformance, name, note, sizeof note);
+    const char *word = found == BB_OK ? "ok" : found == BB_UNSUPPORTED ? "unsupported" : "FAILED";
+    printf("%-11s %-36s %-34s %s%s\n", word, scene, name, found == BB_OK ? note : bb_message(),
+           builders->beside[i] ? " (beside a default builder)" : "");
+    fflush(stdout);
+    builders->scenes[i] += found != BB_UNSUPPORTED;
+    tally->checked += found != BB_UNSUPPORTED;
+    tally->failed += found != BB_OK && found != BB_UNSUPPORTED;
+}
+
+/* A builder that took none of the scenes has not passed. */
+static void find_unchecked(const checked_builders *builders, tally *tally)
+{
+    for (size_t i = 0; i < builders->names.count; i++)
+        if (builders->scenes[i] == 0) {
+            tally->failed++;
+            printf("%-11s %-36s %-34s takes none of the scenes: it was not checked\n", "FAILED", "",
+                   builders->names.items[i]);
+        }
+}
+
+static bb_status check_scene(bb_device *device, const char *name, checked_builders *builders,
                              uint64_t seed, tally *tally)
 {
     bb_scene *scene = NULL;
@@ -80,18 +131,8 @@ static bb_status check_scene(bb_device *device, const char *name, const bb_names
         tally->failed++;
         printf("%-11s %-36s %-34s %s\n", "FAILED", name, "no tree, all primitives", bb_message());
     }
-    for (size_t i = 0; i < builders->count && status == BB_OK; i++) {
-        char note[512];
-        bb_status found = bb_conformance_check(conformance, builders->items[i], note, sizeof note);
-        const char *word = found == BB_OK            ? "ok"
-                           : found == BB_UNSUPPORTED ? "unsupported"
-                                                     : "FAILED";
-        printf("%-11s %-36s %-34s %s\n", word, name, builders->items[i],
-               found == BB_OK ? note : bb_message());
-        fflush(stdout);
-        tally->checked += found != BB_UNSUPPORTED;
-        tally->failed += found != BB_OK && found != BB_UNSUPPORTED;
-    }
+    for (size_t i = 0; i < builders->names.count && status == BB_OK; i++)
+        check_builder(conformance, name, i, builders, tally);
     bb_conformance_destroy(conformance);
     bb_scene_free(scene);
     return status;
@@ -99,7 +140,8 @@ static bb_status check_scene(bb_device *device, const char *name, const bb_names
 
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
-    bb_names builders = {0}, scenes = {0};
+    checked_builders builders = {0};
+    bb_names scenes = {0};
     uint64_t seed = 1;
     uint32_t scenes_given;
     tally tally = {0};
@@ -109,9 +151,9 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &seed);
     if (status == BB_OK)
-        status = bb_choose_builders(cli, true, &builders);
-    for (size_t i = 0; i < builders.count && status == BB_OK; i++)
-        status = bb_instance_check(builders.items[i]);
+        status = bb_choose_builders(cli, true, &builders.names);
+    if (status == BB_OK)
+        status = complete(&builders);
     if (status == BB_OK)
         status = scenes_given > 0 ? bb_choose(cli, "scene", "", &scenes) : default_scenes(&scenes);
     if (status == BB_OK)
@@ -119,14 +161,15 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     for (size_t i = 0; i < scenes.count && status == BB_OK; i++)
         status = check_scene(device, scenes.items[i], &builders, seed, &tally);
     if (status == BB_OK) {
-        printf("%zu builders on %zu scenes, %u trees checked, %u checks failed\n", builders.count,
-               scenes.count, tally.checked, tally.failed);
+        find_unchecked(&builders, &tally);
+        printf("%zu builders on %zu scenes, %u trees checked, %u checks failed\n",
+               builders.names.count, scenes.count, tally.checked, tally.failed);
         if (tally.checked == 0)
             fprintf(stderr, "bvhbench: no builder takes any of the scenes: nothing was checked\n");
         *exit_status = tally.failed > 0 || tally.checked == 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
     }
     bb_device_close(device);
-    bb_names_free(&builders);
+    bb_names_free(&builders.names);
     bb_names_free(&scenes);
     return status;
 }

@@ -53,13 +53,20 @@ typedef struct rendering {
     float *values;
 } rendering;
 
-static bb_status choose_builder(const bb_cli *cli, const char **builder)
+/* `whole` has room for a specification. */
+static bb_status choose_builder(const bb_cli *cli, char *whole, size_t capacity)
 {
-    *builder = bb_cli_value(cli, "builder");
-    for (uint32_t i = 0; i < bb_builder_count() && *builder == NULL; i++)
-        if (bb_builder_at(i)->compared == NULL || bb_builder_at(i)->compared[0] != '\0')
-            *builder = bb_builder_at(i)->name;
-    return bb_instance_check(*builder);
+    const char *given = bb_cli_value(cli, "builder");
+    if (given != NULL) {
+        snprintf(whole, capacity, "%s", given);
+        return bb_instance_check(given);
+    }
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const bb_builder *builder = bb_builder_at(i);
+        if (builder->compared == NULL || builder->compared[0] != '\0')
+            return bb_pipeline_complete(builder->name, whole, capacity, NULL);
+    }
+    return bb_fail(BB_INVALID, "there is no builder that `run` compares: name one by --builder");
 }
 
 static bb_status choose_kernel(const bb_cli *cli, rendering *r)
@@ -93,7 +100,7 @@ static bb_status make_layout(rendering *r, const char *builder)
 {
     uint64_t leaf;
     BB_TRY(bb_instance_create(r->device, builder, r->scene, 1, &r->instance));
-    BB_TRY(bb_instance_build(&r->instance, r->scene, false, NULL, NULL));
+    BB_TRY(bb_instance_build(&r->instance, r->scene, false, NULL));
     BB_TRY(bb_tree_upload(&r->instance.tree, r->device, NULL));
     BB_TRY(bb_spec_u64(&r->kernel_spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
     BB_TRY(bb_layout_maker_create(bb_layout_find(r->kernel->layout), r->device, &r->maker));
@@ -238,7 +245,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 {
     (void)exit_status;
     static rendering r; /* an instance must not move */
-    const char *builder, *scene = bb_cli_value(cli, "scene"), *out = bb_cli_value(cli, "out");
+    char builder[sizeof r.instance.pipeline.text];
+    const char *scene = bb_cli_value(cli, "scene"), *out = bb_cli_value(cli, "out");
     const char *view = bb_cli_value(cli, "view") != NULL ? bb_cli_value(cli, "view") : "normal";
     if (scene == NULL || out == NULL)
         return bb_fail(BB_INVALID, "render needs --scene and --out: see `bvhbench render --help`");
@@ -247,7 +255,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         return bb_fail(BB_INVALID, "--view is '%s', must be depth, normal, heat or diff", view);
     BB_TRY(bb_image_check(out));
     BB_TRY(bb_load_plugins(cli));
-    BB_TRY(choose_builder(cli, &builder));
+    BB_TRY(choose_builder(cli, builder, sizeof builder));
     BB_TRY(choose_kernel(cli, &r));
     bb_status status = bb_open_device(cli, &r.device);
     if (status == BB_OK)

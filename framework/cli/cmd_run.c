@@ -16,7 +16,8 @@
 static const bb_cli_option options[] = {
     {"scene", "S",
      "a file (.gltf, .glb), a shipped or a procedural scene; default: the shipped ones", true},
-    {"builder", "B", "name:key=value,...; `all`; default: what each builder names for it", true},
+    {"builder", "B", "name:key=value,...; A+B; `all`; default: what each builder names for it",
+     true},
     {"kernel", "K",
      "traversal kernel; `all`; default: those for the comparison, and what keeps a tree's shape",
      true},

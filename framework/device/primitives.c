@@ -430,3 +430,12 @@ bb_status bb_sort_u64(bb_primitives *primitives, bb_buffer *keys, bb_buffer *val
 {
     return sort(primitives, keys, values, count, bits, sizeof(uint64_t));
 }
+
+bb_status bb_sort_keys(bb_primitives *primitives, uint32_t key_bytes, bb_buffer *keys,
+                       bb_buffer *values, uint32_t count, uint32_t bits)
+{
+    if (bits == 0)
+        return BB_OK;
+    return key_bytes == 8 ? bb_sort_u64(primitives, keys, values, count, bits)
+                          : bb_sort_u32(primitives, keys, values, count, bits);
+}

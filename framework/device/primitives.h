@@ -41,6 +41,11 @@ bb_status bb_sort_u32(bb_primitives *primitives, bb_buffer *keys, bb_buffer *val
 bb_status bb_sort_u64(bb_primitives *primitives, bb_buffer *keys, bb_buffer *values, uint32_t count,
                       uint32_t bits);
 
+/* The same for keys of 4 or 8 bytes; with 0 bits there is nothing to sort by, and all stay in
+ * place. */
+bb_status bb_sort_keys(bb_primitives *primitives, uint32_t key_bytes, bb_buffer *keys,
+                       bb_buffer *values, uint32_t count, uint32_t bits);
+
 /* Reserves the scratch that sorts of up to `count` pairs need, so that the timed build does not.
  * Keys of 4 or 8 bytes. */
 bb_status bb_primitives_reserve(bb_primitives *primitives, uint32_t count, uint32_t key_bytes);

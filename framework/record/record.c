@@ -410,21 +410,64 @@ static double measured(bb_status status, double value)
     return status == BB_OK ? value : (double)NAN;
 }
 
-/* All parameters: as given, else the declared default; those without either are null. */
+/* All parameters: as given, else the declared default; those without either are null. `stage`
+ * stands before their names. */
+static bool add_params(cJSON *params, const char *stage, const bb_spec *spec,
+                       const bb_option *options)
+{
+    bool ok = true;
+    const char *separator = stage[0] != '\0' ? ": " : "";
+    char name[128];
+    for (const bb_option *option = options; ok && option != NULL && option->name != NULL;
+         option++) {
+        snprintf(name, sizeof name, "%s%s%s", stage, separator, option->name);
+        ok = put_text(params, name, bb_spec_value(spec, options, option->name));
+    }
+    for (uint32_t i = 0; ok && i < spec->param_count; i++) {
+        snprintf(name, sizeof name, "%s%s%s", stage, separator, spec->keys[i]);
+        if (cJSON_GetObjectItemCaseSensitive(params, name) == NULL)
+            ok = put_text(params, name, spec->values[i]);
+    }
+    return ok;
+}
+
 static bool put_params(cJSON *entry, const char *name, const bb_spec *spec,
                        const bb_option *options)
 {
     cJSON *params = cJSON_CreateObject();
-    bool ok = params != NULL;
-    for (const bb_option *option = options; ok && option != NULL && option->name != NULL; option++)
-        ok = put_text(params, option->name, bb_spec_value(spec, options, option->name));
-    for (uint32_t i = 0; ok && i < spec->param_count; i++)
-        if (cJSON_GetObjectItemCaseSensitive(params, spec->keys[i]) == NULL)
-            ok = put_text(params, spec->keys[i], spec->values[i]);
-    if (ok)
+    if (params != NULL && add_params(params, "", spec, options))
         return put(entry, name, params);
     cJSON_Delete(params);
     return false;
+}
+
+static bool put_build_params(cJSON *entry, const bb_build_record *build)
+{
+    if (build->stage_count == 0)
+        return put_params(entry, "params", build->spec, build->options);
+    cJSON *params = cJSON_CreateObject();
+    bool ok = params != NULL;
+    for (uint32_t i = 0; ok && i < build->stage_count; i++)
+        ok = add_params(params, build->stages[i].label, build->stages[i].spec,
+                        build->stages[i].options);
+    if (ok)
+        return put(entry, "params", params);
+    cJSON_Delete(params);
+    return false;
+}
+
+/* Of a pipeline; else there are none. */
+static bool put_steps(cJSON *entry, const bb_build_record *build)
+{
+    if (build->step_count == 0)
+        return true;
+    cJSON *ms = cJSON_AddObjectToObject(entry, "stages_ms");
+    cJSON *samples = cJSON_AddObjectToObject(entry, "stages_ms_samples");
+    bool ok = ms != NULL && samples != NULL;
+    for (uint32_t i = 0; ok && i < build->step_count; i++)
+        ok = put_number(ms, build->steps[i].name, bb_samples_median(&build->steps[i].ms)) &&
+             put_samples(samples, build->steps[i].name, &build->steps[i].ms);
+    return ok;
 }
 
 static bool put_build_times(cJSON *entry, const bb_samples *ms)
@@ -490,11 +533,11 @@ bb_status bb_results_add_build(bb_results *results, const bb_build_record *build
     cJSON *entry = cJSON_CreateObject();
     bool ok = entry != NULL && put_number(entry, "id", build->id) &&
               put_text(entry, "scene", build->scene) &&
-              put_text(entry, "builder", build->spec->text) &&
-              put_params(entry, "params", build->spec, build->options) &&
+              put_text(entry, "builder", build->spec->text) && put_build_params(entry, build) &&
               put_status(entry, build->status, build->reason) &&
               put_build_times(entry, &build->build_ms) && put_number(entry, "mprims_s", rate) &&
               put_number(entry, "cold_ms", measured(build->status, build->cold_ms)) &&
+              put_steps(entry, build) &&
               put_named(entry, "phases_ms", build->phases, build->phase_count) &&
               put_samples(entry, "event_ms_samples", &build->event_ms) &&
               put_samples(entry, "cpu_ms_samples", &build->cpu_ms) &&

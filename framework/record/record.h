@@ -13,7 +13,11 @@
 
 typedef struct cJSON cJSON; /* opaque here; libcjson */
 
-enum { BB_LAYOUTS_MAX = 48 }; /* of one tree */
+enum {
+    BB_LAYOUTS_MAX = 48,     /* of one tree */
+    BB_RECORD_STEPS_MAX = 5, /* of a pipeline: its stages and what comes between them */
+    BB_RECORD_PHASES_MAX = 64,
+};
 
 typedef struct bb_named_ms {
     char name[64];
@@ -38,7 +42,19 @@ typedef struct bb_build_record {
     double cold_ms;
     bb_samples transfer_ms; /* of what the builder declares it reads down, of the tree up */
     uint32_t phase_count;
-    bb_named_ms phases[16];
+    bb_named_ms phases[BB_RECORD_PHASES_MAX];
+    /* Of a builder made of stages, `spec` has the text alone and `options` is NULL. */
+    uint32_t stage_count; /* 0: one builder by itself */
+    struct {
+        const char *label;
+        const bb_spec *spec;
+        const bb_option *options;
+    } stages[BB_RECORD_STEPS_MAX];
+    uint32_t step_count;
+    struct {
+        char name[64];
+        bb_samples ms; /* of the warm builds: they add up to build_ms */
+    } steps[BB_RECORD_STEPS_MAX];
     uint32_t layout_count;
     struct {
         char name[64]; /* as recorded: "pair:leaf=4" */

@@ -169,6 +169,7 @@ static const field build_fields[] = {
     {"build_ms_most", NUMBER | NONE},
     {"mprims_s", NUMBER | NONE},
     {"cold_ms", NUMBER | NONE},
+    {"stages_ms", FIGURES | NONE},
     {"phases_ms", FIGURES | NONE},
     {"boxes_ms", NUMBER | NONE},
     {"prepare_ms", NUMBER | NONE},

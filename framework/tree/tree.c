@@ -36,7 +36,9 @@ void bb_tree_release(bb_tree *tree)
         bb_host_free(tree->arrays[i].host);
         bb_buffer_release(&tree->arrays[i].buffer);
     }
+    bb_account *copies = tree->copy_account;
     bb_tree_init(tree, tree->account);
+    tree->copy_account = copies;
 }
 
 void bb_tree_changed(bb_tree *tree)
@@ -83,17 +85,105 @@ bb_status bb_tree_reserve(bb_tree *tree, bb_device *device, bb_place place, size
         bb_tree_release(tree);
     tree->place = place;
     tree->copied = false;
+    for (uint32_t i = 0; i < tree->array_count; i++)
+        tree->arrays[i].current = false;
     memset(&tree->info, 0, sizeof tree->info);
     return place == BB_ON_HOST ? reserve_host(tree, tree->account, nodes, refs)
                                : reserve_device(tree, device, tree->account, nodes, refs);
 }
 
-/* Bytes in use of side array `array`. */
+/* ---- side arrays ---- */
+
+static bool has_name(const bb_tree_array *array, const char *name)
+{
+    return array->name != NULL && strcmp(array->name, name) == 0;
+}
+
+const bb_tree_array *bb_tree_find_array(const bb_tree *tree, const char *name)
+{
+    for (uint32_t i = 0; i < tree->array_count; i++)
+        if (tree->arrays[i].current && has_name(&tree->arrays[i], name))
+            return &tree->arrays[i];
+    return NULL;
+}
+
+/* Where an array of that name was before, or a place that is free; NULL if there is none. */
+static bb_tree_array *array_place(bb_tree *tree, const char *name)
+{
+    for (uint32_t i = 0; i < tree->array_count; i++)
+        if (has_name(&tree->arrays[i], name))
+            return &tree->arrays[i];
+    for (uint32_t i = 0; i < tree->array_count; i++)
+        if (!tree->arrays[i].current)
+            return &tree->arrays[i];
+    return tree->array_count < BB_TREE_ARRAYS_MAX ? &tree->arrays[tree->array_count++] : NULL;
+}
+
+static bb_status reserve_array_host(bb_tree_array *array, bb_account *account, size_t bytes)
+{
+    if (array->host != NULL && array->host_bytes >= bytes)
+        return BB_OK;
+    array->host_bytes = 0;
+    BB_TRY(bb_host_alloc(account, bytes, array->name, &array->host));
+    array->host_bytes = bytes;
+    return BB_OK;
+}
+
+bb_status bb_tree_reserve_array(bb_tree *tree, bb_device *device, const char *name,
+                                bool per_reference, uint32_t stride, bb_tree_array **out)
+{
+    bool on_host = tree->place == BB_ON_HOST;
+    size_t nodes = on_host ? tree->node_capacity : tree->d_nodes.bytes / sizeof(bb_node);
+    size_t refs = on_host ? tree->ref_capacity : tree->d_refs.bytes / sizeof(uint32_t);
+    size_t bytes = (per_reference ? refs : nodes) * stride;
+    if (nodes == 0 || stride == 0 || stride % 4 != 0)
+        return bb_fail(BB_FAILED, "side array %s: %s", name,
+                       nodes == 0 ? "there is no tree: reserve that first"
+                                  : "its elements must have a multiple of 4 bytes");
+    bb_tree_array *array = array_place(tree, name);
+    if (array == NULL)
+        return bb_fail(BB_FAILED, "side array %s: a tree has at most %d", name, BB_TREE_ARRAYS_MAX);
+    array->name = name;
+    array->per_reference = per_reference;
+    array->stride = stride;
+    BB_TRY(on_host ? reserve_array_host(array, tree->account, bytes)
+                   : bb_buffer_reserve(device, tree->account, bytes, name, &array->buffer));
+    array->current = true;
+    tree->copied = false;
+    *out = array;
+    return BB_OK;
+}
+
+/* Bytes in use of side array `array`; 0 if the tree does not have it any more. */
 static size_t array_bytes(const bb_tree *tree, const bb_tree_array *array)
 {
     uint32_t count = array->per_reference ? tree->info.ref_count : tree->info.node_count;
-    return (size_t)count * array->stride;
+    return array->current ? (size_t)count * array->stride : 0;
 }
+
+static bb_status download_arrays(bb_tree *tree)
+{
+    for (uint32_t i = 0; i < tree->array_count; i++) {
+        bb_tree_array *array = &tree->arrays[i];
+        size_t bytes = array_bytes(tree, array);
+        if (bytes > 0)
+            BB_TRY(bb_buffer_read(&array->buffer, 0, bytes, array->host));
+    }
+    return BB_OK;
+}
+
+static bb_status upload_arrays(bb_tree *tree)
+{
+    for (uint32_t i = 0; i < tree->array_count; i++) {
+        bb_tree_array *array = &tree->arrays[i];
+        size_t bytes = array_bytes(tree, array);
+        if (bytes > 0)
+            BB_TRY(bb_buffer_write(&array->buffer, 0, bytes, array->host));
+    }
+    return BB_OK;
+}
+
+/* ---- copies ---- */
 
 /* Refuses an info that claims more than there is room for: what follows copies by these counts. */
 static bb_status check_room(const bb_tree *tree, size_t nodes, size_t refs)
@@ -125,24 +215,17 @@ bb_status bb_tree_download(bb_tree *tree, double *ms)
         return BB_OK;
     BB_TRY(bb_tree_fetch_info(tree));
     const bb_tree_info *info = &tree->info;
-    BB_TRY(reserve_host(tree, NULL, info->node_count, info->ref_count));
+    BB_TRY(reserve_host(tree, tree->copy_account, info->node_count, info->ref_count));
     for (uint32_t i = 0; i < tree->array_count; i++)
-        BB_TRY(bb_host_alloc(NULL, array_bytes(tree, &tree->arrays[i]), tree->arrays[i].name,
-                             &tree->arrays[i].host));
+        BB_TRY(reserve_array_host(&tree->arrays[i], tree->copy_account,
+                                  array_bytes(tree, &tree->arrays[i])));
 
     double start = bb_wall_ms();
     if (info->node_count > 0)
         BB_TRY(bb_buffer_read(&tree->d_nodes, 0, info->node_count * sizeof(bb_node), tree->nodes));
     if (info->ref_count > 0)
         BB_TRY(bb_buffer_read(&tree->d_refs, 0, info->ref_count * sizeof(uint32_t), tree->refs));
-    for (uint32_t i = 0; i < tree->array_count; i++) {
-        size_t bytes = array_bytes(tree, &tree->arrays[i]);
-        if (bytes > tree->arrays[i].buffer.bytes)
-            return bb_fail(BB_FAILED, "side array %s has %zu bytes, the tree's counts ask for %zu",
-                           tree->arrays[i].name, tree->arrays[i].buffer.bytes, bytes);
-        if (bytes > 0)
-            BB_TRY(bb_buffer_read(&tree->arrays[i].buffer, 0, bytes, tree->arrays[i].host));
-    }
+    BB_TRY(download_arrays(tree));
     if (ms != NULL)
         *ms = bb_wall_ms() - start;
     tree->copied = true;
@@ -157,9 +240,9 @@ bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms)
         return BB_OK;
     const bb_tree_info *info = &tree->info;
     BB_TRY(check_room(tree, tree->node_capacity, tree->ref_capacity));
-    BB_TRY(reserve_device(tree, device, NULL, info->node_count, info->ref_count));
+    BB_TRY(reserve_device(tree, device, tree->copy_account, info->node_count, info->ref_count));
     for (uint32_t i = 0; i < tree->array_count; i++)
-        BB_TRY(bb_buffer_reserve(device, NULL, array_bytes(tree, &tree->arrays[i]),
+        BB_TRY(bb_buffer_reserve(device, tree->copy_account, array_bytes(tree, &tree->arrays[i]),
                                  tree->arrays[i].name, &tree->arrays[i].buffer));
 
     double start = bb_wall_ms();
@@ -168,10 +251,7 @@ bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms)
         BB_TRY(bb_buffer_write(&tree->d_nodes, 0, info->node_count * sizeof(bb_node), tree->nodes));
     if (info->ref_count > 0)
         BB_TRY(bb_buffer_write(&tree->d_refs, 0, info->ref_count * sizeof(uint32_t), tree->refs));
-    for (uint32_t i = 0; i < tree->array_count; i++)
-        if (array_bytes(tree, &tree->arrays[i]) > 0)
-            BB_TRY(bb_buffer_write(&tree->arrays[i].buffer, 0, array_bytes(tree, &tree->arrays[i]),
-                                   tree->arrays[i].host));
+    BB_TRY(upload_arrays(tree));
     if (ms != NULL)
         *ms = bb_wall_ms() - start;
     tree->copied = true;
@@ -180,6 +260,9 @@ bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms)
 
 uint64_t bb_tree_bytes(const bb_tree *tree)
 {
-    return (uint64_t)tree->info.node_count * sizeof(bb_node) +
-           (uint64_t)tree->info.ref_count * sizeof(uint32_t);
+    uint64_t bytes = (uint64_t)tree->info.node_count * sizeof(bb_node) +
+                     (uint64_t)tree->info.ref_count * sizeof(uint32_t);
+    for (uint32_t i = 0; i < tree->array_count; i++)
+        bytes += array_bytes(tree, &tree->arrays[i]);
+    return bytes;
 }

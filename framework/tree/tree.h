@@ -19,21 +19,26 @@ typedef enum bb_place { BB_ON_HOST, BB_ON_DEVICE } bb_place;
 
 enum { BB_TREE_ARRAYS_MAX = 4 };
 
-/* A named side array, per node or per reference (boundary flags, offsets ...). */
+/* A named side array: something per node or per reference that a layout asks for (boundary flags,
+ * offsets ...). Its elements may be anything but numbers of nodes or references, since those change
+ * where the tree is renumbered. */
 typedef struct bb_tree_array {
     const char *name;
     bool per_reference; /* else per node */
-    uint32_t stride;    /* bytes per element */
+    uint32_t stride;    /* bytes per element, a multiple of 4 */
+    bool current;       /* the tree has it: false from the tree's next bb_tree_reserve() on */
     bb_buffer buffer;
     void *host;
+    size_t host_bytes; /* room there */
 } bb_tree_array;
 
 typedef struct bb_tree {
-    bb_account *account; /* what reserving is booked on */
-    bb_place place;      /* where the builder left it */
-    bb_tree_info info;   /* on the device: valid after bb_tree_fetch_info() */
-    bool duplicated;     /* a primitive may be referenced more than once */
-    bool disjoint;       /* boxes of siblings share no volume */
+    bb_account *account;      /* what reserving is booked on */
+    bb_account *copy_account; /* what copies on the other side are; NULL: not booked */
+    bb_place place;           /* where the builder left it */
+    bb_tree_info info;        /* on the device: valid after bb_tree_fetch_info() */
+    bool duplicated;          /* a primitive may be referenced more than once */
+    bool disjoint;            /* boxes of siblings share no volume */
 
     bool copied; /* the other side holds an up-to-date copy */
 
@@ -53,26 +58,38 @@ typedef struct bb_tree {
 void bb_tree_init(bb_tree *tree, bb_account *account);
 void bb_tree_release(bb_tree *tree); /* frees all; the tree is empty and may be used again */
 
-/* Room for this many nodes and references at `place`, which becomes the tree's. Contents are lost if
- * it grows; copies on the other side are stale from now on. On the device, d_info is reserved too. Booked on
- * tree->account; refused beyond what there is. A tree has at most 2^31 - 1 nodes and references. */
+/* Room for this many nodes and references at `place`, which becomes the tree's. Contents are lost
+ * if it grows; copies on the other side are stale from now on, and the tree has no side arrays
+ * until they are reserved again. On the device, d_info is reserved too. Booked on tree->account;
+ * refused beyond what there is. A tree has at most 2^31 - 1 nodes and references. */
 bb_status bb_tree_reserve(bb_tree *tree, bb_device *device, bb_place place, size_t nodes,
                           size_t refs);
 
-/* Says that nodes or references were rewritten where the tree is: a copy on the other side is stale. For update() hooks and
- * builds that do not reserve. */
+/* Room for a side array beside all nodes or references that the tree has room for, at its place and
+ * on its account: in `*array`, `host` or `buffer`, for the builder to fill. `name` is a string
+ * constant. After each bb_tree_reserve(); takes the memory of the last time. BB_FAILED if there is
+ * no tree, or there are BB_TREE_ARRAYS_MAX others. */
+bb_status bb_tree_reserve_array(bb_tree *tree, bb_device *device, const char *name,
+                                bool per_reference, uint32_t stride, bb_tree_array **array);
+
+/* The tree's side array of that name; NULL if it has none. */
+const bb_tree_array *bb_tree_find_array(const bb_tree *tree, const char *name);
+
+/* Says that nodes, references or side arrays were rewritten where the tree is: a copy on the other
+ * side is stale. For update() hooks and builds that do not reserve. */
 void bb_tree_changed(bb_tree *tree);
 
-/* Reads d_info of a tree built on the device; BB_FAILED if it claims more nodes or references than there is room for. Does
- * nothing for a tree on the host. */
+/* Reads d_info of a tree built on the device; BB_FAILED if it claims more nodes or references than
+ * there is room for. Does nothing for a tree on the host. */
 bb_status bb_tree_fetch_info(bb_tree *tree);
 
-/* device -> host and host -> device copies of what the tree holds, side arrays included; `ms` gets the wall time (may be NULL).
- * Do nothing if the copy is there already. Copies are the harness's: they are not booked on tree->account. */
+/* device -> host and host -> device copies of what the tree holds, side arrays included; `ms` gets
+ * the wall time (may be NULL). Do nothing if the copy is there already. Booked on
+ * tree->copy_account. */
 bb_status bb_tree_download(bb_tree *tree, double *ms);
 bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms);
 
-/* Bytes of the nodes and references in use. */
+/* Bytes of the nodes, references and side arrays in use. */
 uint64_t bb_tree_bytes(const bb_tree *tree);
 
 /* ---- on the host side (downloaded or built there) ---- */
@@ -93,33 +110,34 @@ static inline double bb_half_area(const float lo[3], const float hi[3])
     return x * y + y * z + z * x;
 }
 
-/* The functions below need the tree on the host (built there or downloaded) and fail with a message if it is not, or if
- * its links are corrupt. */
+/* The functions below need the tree on the host (built there or downloaded) and fail with a message
+ * if it is not, or if its links are corrupt. */
 
-/* Renumbers into preorder: nodes 0, 1, 2 ... as visited by first/skip, references in the order of the
- * leaves. `out` is another tree, initialised; it ends up on the host. Two equal trees give equal bytes. Side arrays stay
- * behind. */
+/* Renumbers into preorder: nodes 0, 1, 2 ... as visited by first/skip, references in the order of
+ * the leaves, side arrays with them. `out` is another tree, initialised; it ends up on the host.
+ * Two equal trees give equal bytes. */
 bb_status bb_tree_preorder(const bb_tree *tree, bb_tree *out);
 
-/* XXH3 of the preorder form. */
+/* XXH3 of the preorder form, side arrays included. */
 bb_status bb_tree_hash(const bb_tree *tree, uint64_t *hash);
 
 /* Largest sum of children - 1 along a path: the entries that an ordered traversal's stack needs. */
 bb_status bb_tree_stack_need(const bb_tree *tree, uint32_t *entries);
 
-/* Holds the tree to what section "The common tree" of the README of framework/ promises; BB_FAILED with the first
- * violation, in words with node and primitive numbers. Never loops or reads out of bounds on a corrupt tree. */
+/* Holds the tree to what section "The common tree" of the README of framework/ promises; BB_FAILED
+ * with the first violation, in words with node and primitive numbers. Never loops or reads out of
+ * bounds on a corrupt tree. */
 bb_status bb_tree_check(const bb_tree *tree, const bb_scene *scene);
 
 /* ---- metrics ---- */
 
-/* Surface area heuristic, Ct = 1.2, Ci = 1 (metrics.c has the definition); NAN if the root's area is 0 or the links are
- * corrupt. */
+/* Surface area heuristic, Ct = 1.2, Ci = 1 (metrics.c has the definition); NAN if the root's area
+ * is 0 or the links are corrupt. */
 double bb_tree_sah(const bb_tree *tree);
 
-/* End-point overlap (Aila, Karras, Laine 2013) by `samples` seeded points on the surface; `half` gets the half width of
- * its 95 % interval (may be NULL). NAN for a scene without surface area. Uses all cores; the figure does not depend on how
- * many. */
+/* End-point overlap (Aila, Karras, Laine 2013) by `samples` seeded points on the surface; `half`
+ * gets the half width of its 95 % interval (may be NULL). NAN for a scene without surface area.
+ * Uses all cores; the figure does not depend on how many. */
 bb_status bb_tree_epo(const bb_tree *tree, const bb_scene *scene, uint64_t samples, uint64_t seed,
                       double *epo, double *half);
 

@@ -61,14 +61,15 @@ static bb_status check_leaf(const bb_tree *tree, const bb_scene *scene, uint32_t
         if (++uses[prim] > 1 && !tree->duplicated)
             return bb_fail(BB_FAILED,
                            "primitive %u is referenced twice, the second time by leaf %u, and the "
-                           "tree does not declare duplicated references",
+                           "tree does not declare duplicated references (bb_tree.duplicated)",
                            prim, index);
         const bb_box *box = &scene->boxes[prim];
         int axis = outside_axis(node->lo, node->hi, box->lo, box->hi);
         if (axis < 3 && !tree->duplicated)
             return bb_fail(BB_FAILED,
                            "leaf %u does not contain its primitive %u: %.9g to %.9g against %.9g "
-                           "to %.9g on axis %c",
+                           "to %.9g on axis %c, and the tree does not declare duplicated "
+                           "references (bb_tree.duplicated)",
                            index, prim, (double)node->lo[axis], (double)node->hi[axis],
                            (double)box->lo[axis], (double)box->hi[axis], "xyz"[axis]);
     }

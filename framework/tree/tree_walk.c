@@ -91,14 +91,16 @@ static bb_status follow(const bb_tree *tree, bb_walk *walk, uint64_t *seen, uint
 {
     uint32_t count = tree->info.node_count, position = 0, depth = 0;
     uint32_t node = tree->info.root, parent = BB_NONE, from = node;
+    const char *link = "first";
     while (node != BB_NONE) {
         if (node >= count)
-            return bb_fail(BB_FAILED, "node %u links to node %u, there are %u", from, node, count);
+            return bb_fail(BB_FAILED, "the %s of node %u is node %u, there are %u", link, from,
+                           node, count);
         if (test_and_set(seen, node))
             return bb_fail(BB_FAILED,
-                           "node %u is reached twice, the second time from node %u: a cycle, or "
-                           "two parents",
-                           node, from);
+                           "node %u is reached twice, the second time by the %s of node %u: a "
+                           "cycle, or two parents",
+                           node, link, from);
         walk->order[position] = node;
         walk->parent[position] = parent;
         walk->width[position] = 0;
@@ -111,6 +113,7 @@ static bb_status follow(const bb_tree *tree, bb_walk *walk, uint64_t *seen, uint
             walk->info.ref_count += walk->width[position];
             walk->info.depth = depth > walk->info.depth ? depth : walk->info.depth;
             BB_TRY(climb(tree, walk, node, parent, &depth, &parent));
+            link = "skip";
             node = tree->nodes[node].skip;
         } else {
             if (tree->nodes[node].first == tree->nodes[node].skip)
@@ -118,6 +121,7 @@ static bb_status follow(const bb_tree *tree, bb_walk *walk, uint64_t *seen, uint
                                tree->nodes[node].skip);
             parent = position;
             depth++;
+            link = "first";
             node = tree->nodes[node].first;
         }
         position++;
@@ -186,6 +190,31 @@ double bb_node_cost(const bb_node *node, uint32_t width)
     return bb_node_is_leaf(node) ? BB_COST_INTERSECTION * width : BB_COST_TRAVERSAL * 0.5 * width;
 }
 
+/* The side arrays in the order of the walk. */
+static bb_status copy_arrays(const bb_tree *tree, const bb_walk *walk, bb_tree *out)
+{
+    for (uint32_t a = 0; a < tree->array_count; a++) {
+        const bb_tree_array *from = &tree->arrays[a];
+        bb_tree_array *to;
+        if (!from->current)
+            continue;
+        BB_TRY(
+            bb_tree_reserve_array(out, NULL, from->name, from->per_reference, from->stride, &to));
+        const char *source = from->host;
+        char *target = to->host;
+        for (uint32_t i = 0; i < walk->info.node_count; i++) {
+            const bb_node *node = &tree->nodes[walk->order[i]];
+            bool leaf = bb_node_is_leaf(node);
+            size_t at = from->per_reference ? node->first & BB_INDEX_MASK : walk->order[i];
+            size_t count = !from->per_reference ? 1 : leaf ? walk->width[i] : 0;
+            if (count > 0)
+                memcpy(target, source + at * from->stride, count * from->stride);
+            target += count * from->stride;
+        }
+    }
+    return BB_OK;
+}
+
 bb_status bb_tree_preorder(const bb_tree *tree, bb_tree *out)
 {
     assert(out != tree);
@@ -219,6 +248,7 @@ bb_status bb_tree_preorder(const bb_tree *tree, bb_tree *out)
     out->info.root = 0;
     out->duplicated = tree->duplicated;
     out->disjoint = tree->disjoint;
+    status = copy_arrays(tree, &walk, out);
 out:
     bb_host_free(end);
     bb_walk_release(&walk);
@@ -235,6 +265,11 @@ bb_status bb_tree_hash(const bb_tree *tree, uint64_t *hash)
         XXH64_hash_t value = XXH3_64bits_withSeed(
             preorder.nodes, info->node_count * sizeof(bb_node), info->node_count);
         *hash = XXH3_64bits_withSeed(preorder.refs, info->ref_count * sizeof(uint32_t), value);
+        for (uint32_t i = 0; i < preorder.array_count; i++) {
+            const bb_tree_array *array = &preorder.arrays[i];
+            size_t count = array->per_reference ? info->ref_count : info->node_count;
+            *hash = XXH3_64bits_withSeed(array->host, count * array->stride, *hash);
+        }
     }
     bb_tree_release(&preorder);
     return status;

@@ -16,7 +16,8 @@
 
 static const bb_option options_table[] = {
     {"count", NULL, NULL, "number of rays (as many as the run allows)"},
-    {"query", "interval", "closest|any|interval", "what is asked of them"},
+    {"query", "closest", "closest|any|interval",
+     "what is asked of them; nothing stops them: interval"},
     BB_TMIN_OPTION,
     BB_END_OPTION,
 };

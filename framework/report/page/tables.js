@@ -144,6 +144,7 @@ function buildTable() {
     num('Tree', b => isNumber(b.bytes_native) ? b.bytes_native : (b.tree || {}).bytes_tree, undefined, bytes),
     tree('Peak', 'bytes_peak', bytes),
     { name: 'Layouts ms', text: b => pairs(b.layouts_ms), wide: true },
+    ...(builds.some(b => b.stages_ms) ? [{ name: 'Stages ms', text: b => pairs(b.stages_ms), wide: true }] : []),
     ...minor([['Phases ms', 'phases_ms'], ['Layouts SAH', 'layouts_sah'], ['Parameters', 'params']].map(
       ([name, key]) => ({ name, text: b => pairs(b[key]), wide: true }))),
     ...(builds.some(b => b.about) ? [{ name: 'About the tree', text: b => b.about || dash, wide: true }] : []),

@@ -10,16 +10,17 @@ enum { WORK_US = 20000, STACK_MAX = 64 };
 
 typedef struct rogue {
     bb_device *device;
-    bool stale, moving, chain, nosy, early;
+    bool stale, moving, chain, nosy, early, marked;
     bool sees_views; /* `view` was given */
     uint32_t builds;
 } rogue;
 
 static const bb_option options[] = {
-    {"kind", "right", "right|stale|moving|chain|nosy|early",
+    {"kind", "right", "right|stale|moving|chain|nosy|early|marked",
      "stale: gives its first tree again and again; moving: another one each time; chain: one "
      "primitive "
-     "per level; nosy: fails if it sees what it did not declare; early: works outside the clock"},
+     "per level; nosy: fails if it sees what it did not declare; early: works outside the clock; "
+     "marked: a side array that is another one each time"},
     {"view", NULL, NULL, "a view to look at"},
     {.name = NULL},
 };
@@ -35,6 +36,7 @@ static bb_status create(const bb_builder_context *context, void **out)
         .chain = bb_spec_is(context->spec, options, "kind", "chain"),
         .nosy = bb_spec_is(context->spec, options, "kind", "nosy"),
         .early = bb_spec_is(context->spec, options, "kind", "early"),
+        .marked = bb_spec_is(context->spec, options, "kind", "marked"),
         .sees_views = bb_spec_value(context->spec, NULL, "view") != NULL,
     };
     *out = self;
@@ -132,6 +134,15 @@ static void build_nodes(const rogue *self, const bb_scene *scene, bb_tree *tree)
     }
 }
 
+static bb_status add_marks(const rogue *self, bb_tree *tree)
+{
+    bb_tree_array *array;
+    BB_TRY(bb_tree_reserve_array(tree, self->device, "marks", false, sizeof(uint32_t), &array));
+    for (uint32_t i = 0; i < tree->info.node_count; i++)
+        ((uint32_t *)array->host)[i] = i + self->builds;
+    return BB_OK;
+}
+
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
                        bb_phases *phases)
 {
@@ -152,6 +163,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
                                     .arity = count > 1 ? 2 : 0};
         build_nodes(self, scene, tree);
     }
+    if (self->marked)
+        BB_TRY(add_marks(self, tree));
     self->builds++;
     return bb_phase(phases, NULL);
 }

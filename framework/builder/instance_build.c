@@ -1,0 +1,267 @@
+/* Builds of an instance: stage after stage, each with its own clock, and what goes between them. */
+#include "framework/builder/instance_private.h"
+
+#include "framework/base/clock.h"
+#include "framework/scene/prim.h"
+
+enum { GROUP_SIZE = 64 };
+
+static volatile uint64_t sink;
+
+/* One word per cache line. */
+static void read_memory(const void *memory, size_t bytes)
+{
+    const unsigned char *at = memory;
+    uint64_t sum = 0;
+    for (size_t i = 0; at != NULL && i < bytes; i += 64)
+        sum += at[i];
+    sink += sum;
+}
+
+static bb_status read_buffer(const bb_buffer *buffer)
+{
+    void *mapped;
+    if (buffer->mem == NULL)
+        return BB_OK;
+    BB_TRY(bb_buffer_map(buffer, false, &mapped));
+    read_memory(mapped, buffer->bytes);
+    return bb_buffer_unmap(buffer, mapped);
+}
+
+/* Reads the input once. Else its first reader after somebody else's build, or after its own
+ * restore(), would find it cold, or warm, by accident. A device with memory of its own keeps that
+ * to itself. */
+static bb_status warm_up(const bb_scene *part)
+{
+    const bb_scene_device *there = &part->on_device;
+    read_memory(part->boxes, part->prim_count * sizeof *part->boxes);
+    read_memory(part->vertices, part->vertex_count * 3 * sizeof *part->vertices);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        read_memory(part->prims[kind].data, part->prims[kind].count * bb_prim_bytes(kind));
+    if (there->device == NULL || !there->device->is_cpu)
+        return BB_OK;
+    BB_TRY(read_buffer(&there->boxes));
+    BB_TRY(read_buffer(&there->vertices));
+    return read_buffer(&there->prims);
+}
+
+/* Untimed, and recorded. */
+static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scene *scene,
+                           const bb_scene *part, double *restore_ms)
+{
+    const bb_builder *builder = stage->builder;
+    bool prepared = stage->prepared == scene && stage->prepared_count == part->prim_count;
+    if (!prepared && builder->prepare != NULL) {
+        double start = bb_wall_ms();
+        BB_TRY(builder->prepare(stage->self, part, bb_is_splitter(builder) ? NULL : stage->tree));
+        BB_TRY(bb_finish(instance->device));
+        stage->prepare_ms = bb_wall_ms() - start;
+    }
+    stage->prepared = scene;
+    stage->prepared_count = part->prim_count;
+    *restore_ms = 0;
+    if (builder->restore != NULL) {
+        double start = bb_wall_ms();
+        BB_TRY(builder->restore(stage->self, part));
+        BB_TRY(bb_finish(instance->device));
+        *restore_ms = bb_wall_ms() - start;
+    }
+    return warm_up(part);
+}
+
+/* Brings what stage `i` takes of the one before to where it wants it; `ms` gets the time of the
+ * copy that its inputs ask for. A builder on the host may read boxes on the device too, as of a
+ * scene: that copy is the harness's, and not timed. */
+static bb_status hand_over(bb_instance *instance, uint32_t i, double *ms)
+{
+    bb_device *device = instance->device;
+    bb_stage *stage = &instance->stages[i];
+    bool on_host = stage->builder->place == BB_ON_HOST;
+    *ms = 0;
+    if (i == 0)
+        return BB_OK;
+    if (bb_stage_is_fed_with_references(instance, i)) {
+        if (on_host)
+            BB_TRY(bb_references_download(&instance->references, ms));
+        return bb_references_upload(&instance->references, device, on_host ? NULL : ms);
+    }
+    bb_tree *input = instance->stages[i - 1].tree;
+    return on_host ? bb_tree_download(input, ms) : bb_tree_upload(input, device, ms);
+}
+
+static bb_status run_hook(bb_instance *instance, uint32_t i, const bb_scene *part,
+                          bb_phases *phases)
+{
+    bb_stage *stage = &instance->stages[i];
+    const bb_builder *builder = stage->builder;
+    const bb_tree *input = bb_is_optimiser(builder) ? instance->stages[i - 1].tree : NULL;
+    if (bb_is_splitter(builder))
+        BB_TRY(builder->split(stage->self, part, &instance->references, phases));
+    else
+        BB_TRY(builder->build(stage->self, part, input, stage->tree, phases));
+    return bb_phase(phases, NULL);
+}
+
+/* What a splitter claims is copied by these counts. */
+static bb_status check_references(const bb_instance *instance, const bb_scene *scene)
+{
+    const bb_references *references = &instance->references;
+    size_t room = references->place == BB_ON_HOST ? references->capacity
+                                                  : references->d_prims.bytes / sizeof(uint32_t);
+    if (references->count >= scene->prim_count && references->count <= room)
+        return BB_OK;
+    return bb_fail(BB_FAILED, "%s gives %u references of %u primitives, with room for %zu",
+                   instance->stages[0].builder->name, references->count, scene->prim_count, room);
+}
+
+static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *scene, bool exact)
+{
+    bb_stage *stage = &instance->stages[i];
+    const bb_builder *builder = stage->builder;
+    bb_build_step *step = &instance->steps[instance->step_count++];
+    bb_scene part = bb_stage_part(instance, i, scene);
+    *step = (bb_build_step){.label = instance->pipeline.stages[i].label};
+    BB_TRY(get_ready(instance, stage, scene, &part, &step->timing.restore_ms));
+    if (bb_stage_is_fed_with_references(instance, i)) /* else what map_refs() found the last time */
+        stage->tree->duplicated = false;
+    step->phases = (bb_phases){.device = builder->place == BB_ON_DEVICE ? instance->device : NULL,
+                               .exact = exact,
+                               .current = -1};
+    bb_stopwatch watch;
+    BB_TRY(bb_stopwatch_start(instance->device, &watch));
+    bb_status status = run_hook(instance, i, &part, &step->phases);
+    bb_status stopped = bb_stopwatch_stop(&watch, &step->timing.timing);
+    BB_TRY(status);
+    BB_TRY(stopped);
+    step->timing.outside_ms = step->phases.outside_ms;
+    step->timing.timing.ms -= step->phases.outside_ms;
+    if (bb_is_splitter(builder)) {
+        instance->references.copied = false;
+        return check_references(instance, scene);
+    }
+    bb_tree_changed(stage->tree);
+    return bb_tree_fetch_info(stage->tree);
+}
+
+/* Puts primitives in the place of references, where the tree is. */
+static bb_status map_on_host(bb_tree *tree, const bb_references *references)
+{
+    if (tree->info.ref_count > tree->ref_capacity)
+        return bb_fail(BB_FAILED, "the tree claims %u references, it has room for %zu",
+                       tree->info.ref_count, tree->ref_capacity);
+    for (uint32_t i = 0; i < tree->info.ref_count; i++) {
+        uint32_t ref = tree->refs[i];
+        if ((ref & BB_INDEX_MASK) >= references->count)
+            return bb_fail(BB_FAILED, "the tree names reference %u, there are %u",
+                           ref & BB_INDEX_MASK, references->count);
+        tree->refs[i] = references->prims[ref & BB_INDEX_MASK] | (ref & BB_LAST_BIT);
+    }
+    return BB_OK;
+}
+
+static bb_status map_refs(bb_instance *instance, const bb_scene *scene)
+{
+    bb_tree *tree = instance->stages[1].tree;
+    const bb_references *references = &instance->references;
+    bb_build_step *step = &instance->steps[instance->step_count++];
+    bool on_host = tree->place == BB_ON_HOST;
+    *step = (bb_build_step){.label = "map"};
+    step->phases.used_device = !on_host;
+    bb_stopwatch watch;
+    BB_TRY(bb_stopwatch_start(instance->device, &watch));
+    bb_status status =
+        on_host ? map_on_host(tree, references)
+                : bb_launch(instance->device, instance->map, tree->info.ref_count, GROUP_SIZE,
+                            BB_MEM(tree->d_refs), BB_VALUE(tree->info.ref_count),
+                            BB_VALUE(references->count), BB_MEM(references->d_prims));
+    bb_status stopped = bb_stopwatch_stop(&watch, &step->timing.timing);
+    BB_TRY(status);
+    BB_TRY(stopped);
+    tree->duplicated = tree->duplicated || references->count > scene->prim_count;
+    bb_tree_changed(tree);
+    return BB_OK;
+}
+
+static void add_timing(bb_build_timing *sum, const bb_build_timing *more)
+{
+    sum->timing.ms += more->timing.ms;
+    sum->timing.cpu_ms += more->timing.cpu_ms;
+    sum->timing.event_ms += more->timing.event_ms;
+    sum->restore_ms += more->restore_ms;
+    sum->outside_ms += more->outside_ms;
+}
+
+bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool exact_phases,
+                            bb_build_timing *timing)
+{
+    instance->step_count = 0;
+    for (uint32_t i = 0; i < instance->pipeline.count; i++) {
+        double unused;
+        BB_TRY(hand_over(instance, i, &unused));
+        BB_TRY(run_stage(instance, i, scene, exact_phases));
+        if (bb_stage_is_fed_with_references(instance, i))
+            BB_TRY(map_refs(instance, scene));
+    }
+    if (timing == NULL)
+        return BB_OK;
+    *timing = (bb_build_timing){0};
+    for (uint32_t i = 0; i < instance->step_count; i++)
+        add_timing(timing, &instance->steps[i].timing);
+    return BB_OK;
+}
+
+/* ---- transfers ---- */
+
+/* What the stages on the host declare of the scene: once each, whoever reads it. */
+static uint32_t inputs_on_host(const bb_instance *instance)
+{
+    uint32_t inputs = 0;
+    for (uint32_t i = 0; i < instance->pipeline.count; i++)
+        if (instance->stages[i].builder->place == BB_ON_HOST &&
+            !bb_stage_is_fed_with_references(instance, i))
+            inputs |= instance->stages[i].builder->inputs;
+    return inputs;
+}
+
+/* Reads what is declared of the scene once, into memory that is thrown away. */
+static bb_status read_inputs(uint32_t inputs, const bb_scene *scene, double *ms)
+{
+    const bb_scene_device *there = &scene->on_device;
+    const struct {
+        uint32_t input;
+        const bb_buffer *buffer;
+    } parts[] = {{BB_INPUT_BOXES, &there->boxes},
+                 {BB_INPUT_GEOMETRY, &there->vertices},
+                 {BB_INPUT_GEOMETRY, &there->prims}};
+    size_t most = 0;
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        if ((inputs & parts[i].input) != 0 && parts[i].buffer->bytes > most)
+            most = parts[i].buffer->bytes;
+    void *target = NULL;
+    BB_TRY(bb_host_alloc(NULL, most, "the builder's input on the host", &target));
+    bb_status status = BB_OK;
+    double start = bb_wall_ms();
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0] && status == BB_OK; i++)
+        if ((inputs & parts[i].input) != 0)
+            status = bb_buffer_read(parts[i].buffer, 0, parts[i].buffer->bytes, target);
+    *ms = bb_wall_ms() - start;
+    bb_host_free(target);
+    return status;
+}
+
+bb_status bb_instance_transfer(bb_instance *instance, const bb_scene *scene, double *ms)
+{
+    BB_TRY(read_inputs(inputs_on_host(instance), scene, ms));
+    for (uint32_t i = 0; i <= instance->pipeline.count; i++) {
+        bool last = i == instance->pipeline.count;
+        double more = 0;
+        if (bb_stage_is_fed_with_references(instance, i)) /* else it is there already */
+            instance->references.copied = false;
+        else if (i > 0)
+            bb_tree_changed(instance->stages[i - 1].tree);
+        BB_TRY(last ? bb_tree_upload(&instance->tree, instance->device, &more)
+                    : hand_over(instance, i, &more));
+        *ms += more;
+    }
+    return BB_OK;
+}
