@@ -7,7 +7,7 @@
 #ifndef BB_TEST_DEVICE_FORMS_H
 #define BB_TEST_DEVICE_FORMS_H
 
-#include "framework/device/device.h"
+#include "framework/device/device_private.h"
 
 #include <stdlib.h>
 #include <string.h>

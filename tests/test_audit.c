@@ -4,6 +4,8 @@
 #include "framework/base/clock.h"
 #include "framework/base/random.h"
 #include "framework/bench/audit.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "framework/embree/embree.h"
 #include "tests/trace_fixture.h"
 #include "traversal/pass.h"

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "framework/base/random.h"
+#include "framework/device/device_private.h"
 #include "framework/judge/judge.h"
 #include "framework/workload/workload.h"
 #include "tests/trace_fixture.h"

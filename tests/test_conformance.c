@@ -3,6 +3,8 @@
 #include "framework/bench/conformance.h"
 #include "tests/tree_fixture.h"
 
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "framework/scene/scene.h"
 
 enum { SIDE = 32 };

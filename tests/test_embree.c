@@ -1,6 +1,6 @@
 /* Embree as tracer (framework/embree/embree.c) and as builder (builders/embree). A few seconds. */
 #include "framework/base/clock.h"
-#include "framework/builder/builder.h"
+#include "framework/builder/registry.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/oracle.h"
 #include "hand_scene.h"

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "framework/base/random.h"
-#include "framework/device/device.h"
+#include "framework/device/device_private.h"
 #include "framework/judge/exact.h"
 #include "traversal/traversal.h"
 
@@ -30,35 +30,36 @@ static bb_device *device;
 /* ---- the tests on the device: LANES triangles per ray ---- */
 
 static const bb_source triangles_source = {
-    "test_triangles.cl",
-    "#include \"bb_device.h\"\n"
-    "#include \"intersect.clh\"\n"
-    "#include \"record.clh\"\n"
-    "kernel void write(global const float *vertices, global const uint *indices, uint count,\n"
-    "                  global uint *records)\n"
-    "{\n"
-    "    uint i = get_global_id(0);\n"
-    "    if (i < count)\n"
-    "        bb_write_primitive(records + i / BB_LANES * BB_WORDS + i % BB_LANES, BB_LANES,\n"
-    "                           BB_RECORD_FORM, i, vertices, indices, vertices, count, 1.0f);\n"
-    "}\n"
-    "kernel void test(global const float *records, global const bb_ray *rays, uint count,\n"
-    "                 global float *t)\n"
-    "{\n"
-    "    uint i = get_global_id(0);\n"
-    "    if (i >= count)\n"
-    "        return;\n"
-    "    bb_ray_setup r;\n"
-    "    bb_ray_setup_make(&r, rays + i, 1.0f);\n"
-    "    float toward = bb_times_power(1.0f, -r.power);\n"
-    "#if BB_LANES == 1\n"
-    "    for (uint k = 0; k < BB_BLOCK_LANES; k++)\n"
-    "        t[BB_BLOCK_LANES * i + k] =\n"
-    "            toward * bb_triangle(&r, records + (BB_BLOCK_LANES * i + k) * BB_WORDS);\n"
-    "#else\n"
-    "    vstore4(toward * bb_triangle(&r, records + i * BB_WORDS), i, t);\n"
-    "#endif\n"
-    "}\n"};
+    .name = "test_triangles.cl",
+    .text =
+        "#include \"bb_device.h\"\n"
+        "#include \"intersect.clh\"\n"
+        "#include \"record.clh\"\n"
+        "kernel void write(global const float *vertices, global const uint *indices, uint count,\n"
+        "                  global uint *records)\n"
+        "{\n"
+        "    uint i = get_global_id(0);\n"
+        "    if (i < count)\n"
+        "        bb_write_primitive(records + i / BB_LANES * BB_WORDS + i % BB_LANES, BB_LANES,\n"
+        "                           BB_RECORD_FORM, i, vertices, indices, vertices, count, 1.0f);\n"
+        "}\n"
+        "kernel void test(global const float *records, global const bb_ray *rays, uint count,\n"
+        "                 global float *t)\n"
+        "{\n"
+        "    uint i = get_global_id(0);\n"
+        "    if (i >= count)\n"
+        "        return;\n"
+        "    bb_ray_setup r;\n"
+        "    bb_ray_setup_make(&r, rays + i, 1.0f);\n"
+        "    float toward = bb_times_power(1.0f, -r.power);\n"
+        "#if BB_LANES == 1\n"
+        "    for (uint k = 0; k < BB_BLOCK_LANES; k++)\n"
+        "        t[BB_BLOCK_LANES * i + k] =\n"
+        "            toward * bb_triangle(&r, records + (BB_BLOCK_LANES * i + k) * BB_WORDS);\n"
+        "#else\n"
+        "    vstore4(toward * bb_triangle(&r, records + i * BB_WORDS), i, t);\n"
+        "#endif\n"
+        "}\n"};
 
 static void upload(bb_buffer *buffer, const void *data, size_t bytes)
 {
@@ -356,7 +357,7 @@ static void affine_maps_take_vertices_to_the_unit_triangle(void **state)
         "        bb_write_primitive(records + 12 * i, 1, BB_RECORD_AFFINE, i, vertices, indices,\n"
         "                           vertices, count, 1.0f);\n"
         "}\n";
-    const bb_source source = {"test_affine.cl", text};
+    const bb_source source = {.name = "test_affine.cl", .text = text};
     enum { COUNT = 20000 };
     float *vertices = calloc(9 * COUNT, sizeof *vertices);
     float *maps = calloc(12 * COUNT, sizeof *maps);

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "framework/base/random.h"
-#include "framework/device/device.h"
+#include "framework/device/device_private.h"
 #include "traversal/traversal.h"
 
 #include <float.h>
@@ -31,27 +31,28 @@ static bb_device *device;
 /* ---- on the device: each box in all places of a node of BB_WIDTH, and as a node of a tree ---- */
 
 static const bb_source source = {
-    "test_slab.cl", "#include \"bb_device.h\"\n"
-                    "#include \"slab.clh\"\n"
-                    "kernel void test(global const bb_ray *rays, global const float *planes,\n"
-                    "                 global const bb_node *nodes, uint count, global uint *met)\n"
-                    "{\n"
-                    "    uint i = get_global_id(0);\n"
-                    "    if (i >= count)\n"
-                    "        return;\n"
-                    "    float3 o = vload3(0, rays[i].o), d = vload3(0, rays[i].d);\n"
-                    "    bb_slab slab = bb_slab_of(o, d);\n"
-                    "    bb_boxes entry, exit;\n"
-                    "    bb_box_distances(&slab, planes + 6 * BB_WIDTH * i, rays[i].tmin,\n"
-                    "                     rays[i].tmax, &entry, &exit);\n"
-                    "#if BB_WIDTH == 2\n"
-                    "    met[2 * i] = (entry.x <= exit.x) + (entry.y <= exit.y);\n"
-                    "#else\n"
-                    "    met[2 * i] = popcount(BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit));\n"
-                    "#endif\n"
-                    "    met[2 * i + 1] = bb_meets_node(&slab, (global const float *)(nodes + i),\n"
-                    "                                   rays[i].tmin, rays[i].tmax);\n"
-                    "}\n"};
+    .name = "test_slab.cl",
+    .text = "#include \"bb_device.h\"\n"
+            "#include \"slab.clh\"\n"
+            "kernel void test(global const bb_ray *rays, global const float *planes,\n"
+            "                 global const bb_node *nodes, uint count, global uint *met)\n"
+            "{\n"
+            "    uint i = get_global_id(0);\n"
+            "    if (i >= count)\n"
+            "        return;\n"
+            "    float3 o = vload3(0, rays[i].o), d = vload3(0, rays[i].d);\n"
+            "    bb_slab slab = bb_slab_of(o, d);\n"
+            "    bb_boxes entry, exit;\n"
+            "    bb_box_distances(&slab, planes + 6 * BB_WIDTH * i, rays[i].tmin,\n"
+            "                     rays[i].tmax, &entry, &exit);\n"
+            "#if BB_WIDTH == 2\n"
+            "    met[2 * i] = (entry.x <= exit.x) + (entry.y <= exit.y);\n"
+            "#else\n"
+            "    met[2 * i] = popcount(BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit));\n"
+            "#endif\n"
+            "    met[2 * i + 1] = bb_meets_node(&slab, (global const float *)(nodes + i),\n"
+            "                                   rays[i].tmin, rays[i].tmax);\n"
+            "}\n"};
 
 static void upload(bb_buffer *buffer, const void *data, size_t bytes)
 {

@@ -9,6 +9,8 @@
 
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "traversal/collapse.h"
 #include "traversal/pass.h"
 #include "traversal/reach.h"

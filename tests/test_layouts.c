@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "framework/bench/bench_private.h"
+#include "framework/device/device_private.h"
 #include "tests/padding_reference.h"
 #include "tests/tree_fixture.h"
 #include "traversal/traversal.h"

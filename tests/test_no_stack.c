@@ -8,6 +8,8 @@
 #include <cmocka.h>
 
 #include "framework/base/random.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "tests/trace_fixture.h"
 
 enum { RAYS = 10000 };

@@ -10,6 +10,7 @@
  * makes all scratch at the start and skips the tests that are about growing.
  */
 #include "framework/base/random.h"
+#include "framework/device/device_private.h"
 #include "framework/device/primitives.h"
 #include "kernels/bb_shared.h"
 

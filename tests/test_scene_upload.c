@@ -1,5 +1,6 @@
 /* A scene on the device: the bytes that come back, a second upload, and the refusal of what does
  * not fit. */
+#include "framework/device/device_private.h"
 #include "tests/scene_files.h"
 
 static bb_device *device;

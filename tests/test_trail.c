@@ -9,7 +9,7 @@
 
 #include "framework/base/file.h"
 #include "framework/base/random.h"
-#include "framework/device/device.h"
+#include "framework/device/device_private.h"
 #include "kernels/bb_shared.h"
 
 #include <math.h>

@@ -9,6 +9,8 @@
 
 #include "framework/base/random.h"
 #include "framework/bench/conformance.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "framework/workload/workload.h"
 #include "tests/trace_fixture.h"
 

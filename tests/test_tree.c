@@ -1,4 +1,5 @@
 /* The common tree: preorder, hash, stack need; memory and copies. */
+#include "framework/device/device_private.h"
 #include "tests/tree_fixture.h"
 
 static const uint64_t SEED = 20240607;

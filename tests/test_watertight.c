@@ -3,6 +3,7 @@
  * off by 2.5 ulp; and the constants of that budget are not much too large. Then whole walls, seen
  * along long triangles, by every kernel. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
+#include "framework/device/device_private.h"
 #include "tests/trace_fixture.h"
 
 /* ---- on the device: triangle i against ray i, and its own box ---- */
@@ -77,7 +78,7 @@ static verdict run(const batch *b, float scale, bool rough, const char *defines)
     char *text = malloc(strlen(prologue[rough]) + sizeof program_text);
     strcpy(text, prologue[rough]);
     strcat(text, program_text);
-    const bb_source source = {"test_watertight.cl", text};
+    const bb_source source = {.name = "test_watertight.cl", .text = text};
     uint32_t *order = calloc(3 * (size_t)b->count, sizeof *order);
     float *found = calloc(10 * (size_t)b->count, sizeof *found);
     for (uint32_t i = 0; i < 3 * b->count; i++)

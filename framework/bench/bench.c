@@ -4,6 +4,8 @@
 #include "framework/base/clock.h"
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "framework/picture/picture.h"
 #include "framework/workload/workload.h"
 

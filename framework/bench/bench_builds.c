@@ -2,6 +2,8 @@
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 
 #include <math.h>
 #include <stdio.h>

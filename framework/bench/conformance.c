@@ -1,6 +1,7 @@
 #include "framework/bench/conformance.h"
 #include "framework/workload/workload.h"
 
+#include "framework/device/device_private.h"
 #include "traversal/pass.h"
 
 #include <stdio.h>

@@ -1,6 +1,8 @@
 #include "framework/builder/instance.h"
 
 #include "framework/base/clock.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 #include "framework/cli/choice.h"
 
-#include "framework/builder/builder.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "traversal/traversal.h"
 
 #include <dirent.h>
@@ -101,18 +102,6 @@ static bb_status parse_handover(const bb_cli *cli, bb_handover *handover)
     return BB_OK;
 }
 
-/* A file of device code that the program has by another folder's name: one of kernels/ or builders/common, or
- * a builder's own. */
-static bool is_source(const char *name)
-{
-    const char *end = strrchr(name, '.');
-    char builder[64];
-    if (bb_source_find(name) != NULL)
-        return true;
-    snprintf(builder, sizeof builder, "%.*s", (int)(end - name), name);
-    return strcmp(end, ".cl") == 0 && bb_builder_find(builder) != NULL;
-}
-
 /* A misspelt name would leave the embedded text in place, and what was to be tried untried. */
 static bb_status check_folder(const char *path)
 {
@@ -128,7 +117,7 @@ static bb_status check_folder(const char *path)
             (strcmp(end, ".cl") != 0 && strcmp(end, ".clh") != 0 && strcmp(end, ".h") != 0))
             continue;
         found++;
-        if (!is_source(e->d_name))
+        if (bb_device_file_find(e->d_name) == NULL)
             status = bb_fail(BB_INVALID,
                              "--kernels-from %s: nothing reads %s: give it the name of a file of "
                              "kernels/, or of a builder's",

@@ -3,6 +3,7 @@
  * kernel as by brute force, bit for bit. */
 #include "framework/bench/conformance.h"
 #include "framework/cli/choice.h"
+#include "framework/device/device_private.h"
 #include "framework/scene/scene.h"
 
 #include <stdio.h>

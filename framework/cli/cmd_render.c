@@ -1,7 +1,8 @@
 /* bvhbench render: one picture of a view, traced by a builder's tree and a kernel. */
-#include "framework/builder/builder.h"
 #include "framework/builder/instance.h"
+#include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
+#include "framework/device/device_private.h"
 #include "framework/judge/judge.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
