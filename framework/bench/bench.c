@@ -275,7 +275,7 @@ static void end_scene(bb_bench *bench)
 {
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
-        bb_bench_evict(&bench->entrants[i]);
+        bb_resident_evict(&bench->entrants[i]);
         bb_embree_destroy(bench->entrants[i].embree);
     }
     free(bench->entrants);
@@ -368,6 +368,18 @@ uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
                             const bb_intersector *intersector)
 {
     return bench->kernels[kernel].layouts[bb_intersector_form(intersector)];
+}
+
+bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel)
+{
+    if (!bench->kernels[kernel].native_only)
+        return true;
+    for (uint32_t k = 0; k < bench->kernel_count; k++)
+        for (uint32_t i = 0; i < bench->request->intersector_count; i++)
+            if (!bench->kernels[k].native_only &&
+                entrant->keeps_shape[bb_bench_layout_of(bench, k, &bench->intersectors[i])])
+                return false;
+    return entrant->record.has_tree;
 }
 
 /* The layout that the kernel reads, with triangles in `form`: one that is there already, or a new one. */
