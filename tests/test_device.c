@@ -1,37 +1,11 @@
 /* The device layer: shared structs, accounts and refusals, programs, edit-and-run. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#include "framework/device/device_private.h"
 #include "kernels/bb_shared.h"
+#include "tests/device_fixture.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-static bb_device *device;
-
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) != BB_OK) {
-        print_error("%s\n", bb_message());
-        return -1;
-    }
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
 
 static void structs_have_one_size_everywhere(void **state)
 {
@@ -236,8 +210,8 @@ static void a_folder_overrides_embedded_sources(void **state)
     cl_kernel kernel = NULL;
     bb_buffer out = {0};
     int32_t answer = 0;
-    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, "/no/such/folder", &other), BB_INVALID);
-    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, folder, &other), BB_OK);
+    assert_int_equal(open_test_device(BB_FORM_AUTO, "/no/such/folder", &other), BB_INVALID);
+    assert_int_equal(open_test_device(BB_FORM_AUTO, folder, &other), BB_OK);
     assert_string_equal(other->sources, "embedded");
     assert_int_equal(bb_program_build(other, &source, "", &program), BB_OK);
     assert_string_equal(other->sources, "folder");
@@ -280,7 +254,7 @@ static void a_fence_that_fails_is_not_used(void **state)
     fputs("mine[w] = 0u;", file);
     fputs(write + strlen("mine[w] = stamp;"), file);
     fclose(file);
-    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, folder, &other), BB_OK);
+    assert_int_equal(open_test_device(BB_FORM_AUTO, folder, &other), BB_OK);
     assert_int_equal(other->handover, BB_HANDOVER_LEVELS);
     assert_int_equal(other->litmus_stale, 8 * other->litmus_pairs);
     assert_int_equal(bb_device_set_handover(other, BB_HANDOVER_LEVELS), BB_OK);
@@ -309,7 +283,7 @@ static void closing_waits_for_what_was_enqueued(void **state)
     uint32_t value = 1, count = 1u << 26;
     cl_event done = NULL;
     cl_int execution = CL_QUEUED;
-    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, NULL, &other), BB_OK);
+    assert_int_equal(open_test_device(BB_FORM_AUTO, NULL, &other), BB_OK);
     assert_int_equal(bb_program_build(other, &source, "", &program), BB_OK);
     assert_int_equal(bb_kernel_get(program, "run", &kernel), BB_OK);
     assert_int_equal(bb_buffer_reserve(other, NULL, sizeof value, "value", &buffer), BB_OK);

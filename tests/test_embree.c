@@ -4,15 +4,12 @@
 #include "framework/embree/embree.h"
 #include "framework/judge/oracle.h"
 #include "hand_scene.h"
+#include "tests/fixture.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <time.h>
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif
-
-#include <cmocka.h>
 
 static const uint64_t seed = 7;
 

@@ -1,15 +1,8 @@
 /* The tests of triangles and boxes by themselves, as a kernel calls them, against exact arithmetic: all named intersectors, one and four
  * lanes, random and adversarial floats. Seed: BVHBENCH_TEST_SEED. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
-#include "framework/device/device_private.h"
 #include "framework/judge/exact.h"
+#include "tests/device_fixture.h"
 #include "traversal/traversal.h"
 
 #include <math.h>
@@ -18,15 +11,6 @@
 #include <string.h>
 
 enum { LANES = BB_BLOCK_LANES, CASES = 40000, GROUP = 64 };
-static uint64_t seed = 20261121;
-static bb_device *device;
-
-#define ASSERT_OK(call)                                                                            \
-    do {                                                                                           \
-        if ((call) != BB_OK)                                                                       \
-            fail_msg("%s", bb_message());                                                          \
-    } while (0)
-
 /* ---- the tests on the device: LANES triangles per ray ---- */
 
 static const bb_source triangles_source = {
@@ -445,26 +429,8 @@ static void points_and_their_options_are_parsed(void **state)
     }
 }
 
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_and_their_options_are_parsed),
         cmocka_unit_test(affine_maps_take_vertices_to_the_unit_triangle),

@@ -1,14 +1,7 @@
 /* The tests of boxes by themselves, as a kernel calls them, against exact arithmetic (MPFR with enough bits that nothing is rounded):
  * adversarial floats, and the known weak spots of the careless ones. Seed: BVHBENCH_TEST_SEED. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
-#include "framework/device/device_private.h"
+#include "tests/device_fixture.h"
 #include "traversal/traversal.h"
 
 #include <float.h>
@@ -19,15 +12,6 @@
 #include <string.h>
 
 enum { CASES = 100000, GROUP = 64, BITS = 1200 };
-static uint64_t seed = 20261121;
-static bb_device *device;
-
-#define ASSERT_OK(call)                                                                            \
-    do {                                                                                           \
-        if ((call) != BB_OK)                                                                       \
-            fail_msg("%s", bb_message());                                                          \
-    } while (0)
-
 /* ---- on the device: each box in all places of a node of BB_WIDTH, and as a node of a tree ---- */
 
 static const bb_source source = {
@@ -286,22 +270,17 @@ static void naive_slabs_lose_rays_in_faces(void **state)
     }
 }
 
-static int open_device(void **state)
+static int open_all(void **state)
 {
-    (void)state;
     for (int k = 0; k < 3; k++)
         mpfr_inits2(BITS, near_distance[k], far_distance[k], speed[k], (mpfr_ptr)NULL);
     mpfr_inits2(BITS, left, right, (mpfr_ptr)NULL);
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
+    return open_device(state);
 }
 
-static int close_device(void **state)
+static int close_all(void **state)
 {
-    (void)state;
-    bb_device_close(device);
+    close_device(state);
     for (int k = 0; k < 3; k++)
         mpfr_clears(near_distance[k], far_distance[k], speed[k], (mpfr_ptr)NULL);
     mpfr_clears(left, right, (mpfr_ptr)NULL);
@@ -311,12 +290,10 @@ static int close_device(void **state)
 
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(padded_slabs_lose_no_box),
         cmocka_unit_test(sign_ordered_slabs_lose_a_box_by_rounding),
         cmocka_unit_test(naive_slabs_lose_rays_in_faces),
     };
-    return cmocka_run_group_tests(tests, open_device, close_device);
+    return cmocka_run_group_tests(tests, open_all, close_all);
 }

@@ -1,15 +1,9 @@
 /* LBVH against a slow recursive construction from the definition, in both forms, both ways of linking, both code lengths; bit
  * for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "tests/device_forms.h"
+#include "tests/fixture.h"
 
 #include <float.h>
 #include <math.h>
@@ -101,8 +95,6 @@ static uint32_t reference_node(reference *r, uint32_t from, uint32_t to, uint32_
 }
 
 /* ---- the comparison ---- */
-
-static uint64_t seed;
 
 static void make_reference(reference *r, const bb_box *boxes, uint32_t count, uint32_t bits)
 {

@@ -1,22 +1,14 @@
 /* LLBVH against a slow recursive construction from the definition: levels found by trying all of them, cells bit by bit; in both
  * forms, by both ways of linking, each option; bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small
  * (for oclgrind). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "tests/device_forms.h"
+#include "tests/fixture.h"
 #include "tests/loose_reference.h"
 
 #include <float.h>
 #include <stdio.h>
-
-static uint64_t seed;
 
 /* ---- what is built ---- */
 

@@ -1,17 +1,11 @@
 /* LOBVH against a slow recursive construction from the definition, in both forms, at each level; levels against brute-force fit
  * tests; next pointers against a recursive walk. Bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small
  * (for oclgrind). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "builders/common/view_order.h"
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "tests/device_forms.h"
+#include "tests/fixture.h"
 
 #include <float.h>
 #include <math.h>
@@ -31,7 +25,6 @@ typedef struct variant {
     double direction[3];
 } variant;
 
-static uint64_t seed;
 static bool small;
 
 /* ---- levels and cells ---- */

@@ -5,11 +5,7 @@
 #include "framework/judge/exact.h"
 #include "framework/judge/judge.h"
 #include "hand_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "tests/fixture.h"
 
 static const uint64_t seed = 4711;
 static const uint32_t threads = 2;

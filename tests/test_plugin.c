@@ -2,7 +2,7 @@
  * tests/plugin/median is loaded and builds; the shared objects of tests/plugin/broken are refused,
  * each with one clear line. */
 #include "framework/builder/registry.h"
-#include "framework/device/device_private.h"
+#include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
 
 #include <sys/stat.h>
@@ -89,8 +89,7 @@ static void test_median_builds(void **state)
     assert_int_equal(chdir(BB_TEST_PLUGIN_DIR), 0); /* a name without a slash is a file too */
     expect_refusal("median.so", "there is a builder median already");
 
-    bb_device *device;
-    ASSERT_OK(bb_device_open(NULL, BB_FORM_AUTO, NULL, &device));
+    ASSERT_OK(open_test_device(BB_FORM_AUTO, NULL, &device));
     bb_random random = bb_random_make(6, 0);
     for (uint32_t count = 1; count < 3000; count = count * 3 + 1) {
         bb_scene *scene = make_random_scene(count, &random);

@@ -349,6 +349,8 @@ static bb_status try_builders(bb_bench *bench)
 static bb_status start_buffers(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
+    if (request->workload_count == 0)
+        return BB_OK;
     uint64_t most = (uint64_t)request->width * request->height;
     most = most > request->max_rays ? most : request->max_rays;
     bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;

@@ -15,7 +15,7 @@
 
 static const bb_cli_option options[] = {
     {"json", NULL, "as JSON", false},
-    {"plugin", "FILE.so", "load a builder first", true},
+    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {.name = NULL},
 };
 

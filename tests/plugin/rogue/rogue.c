@@ -10,16 +10,17 @@ enum { WORK_US = 20000, STACK_MAX = 64 };
 
 typedef struct rogue {
     bb_device *device;
-    bool stale, moving, chain, nosy, early;
+    bool stale, moving, chain, nosy, early, lopsided;
     bool sees_views; /* `view` was given */
     uint32_t builds;
 } rogue;
 
 static const bb_option options[] = {
-    {"kind", "right", "right|stale|moving|chain|nosy|early",
+    {"kind", "right", "right|stale|moving|chain|nosy|early|form",
      "stale: gives its first tree again and again; moving: another one each time; chain: one "
      "primitive "
-     "per level; nosy: fails if it sees what it did not declare; early: works outside the clock"},
+     "per level; nosy: fails if it sees what it did not declare; early: works outside the clock; "
+     "form: another tree in form gpu"},
     {"view", NULL, NULL, "a view to look at"},
     {.name = NULL},
 };
@@ -35,6 +36,8 @@ static bb_status create(const bb_builder_context *context, void **out)
         .chain = bb_spec_is(context->spec, options, "kind", "chain"),
         .nosy = bb_spec_is(context->spec, options, "kind", "nosy"),
         .early = bb_spec_is(context->spec, options, "kind", "early"),
+        .lopsided = bb_spec_is(context->spec, options, "kind", "form") &&
+                    context->device->form == BB_FORM_GPU,
         .sees_views = bb_spec_value(context->spec, NULL, "view") != NULL,
     };
     *out = self;
@@ -106,7 +109,8 @@ static uint32_t split(const rogue *self, const range *r)
     uint32_t count = r->end - r->begin;
     if (self->chain)
         return r->begin + 1;
-    return self->moving && self->builds > 0 ? r->end - 1 - (count - 1) / 3 : r->begin + count / 2;
+    bool third = self->lopsided || (self->moving && self->builds > 0);
+    return third ? r->end - 1 - (count - 1) / 3 : r->begin + count / 2;
 }
 
 static void build_nodes(const rogue *self, const bb_scene *scene, bb_tree *tree)
