@@ -18,10 +18,10 @@ static void both_forms_make_one_tree(void **state)
 static void the_slowest_builds_are_noted(void **state)
 {
     (void)state;
-    const outcome *o = expect(0, "check --quiet --scene cube --scene terrain:n=1000 --builder sah",
+    const outcome *o = expect(0, "check --quiet --scene cube --scene terrain:n=2000 --builder sah",
                               "slowest build: ");
     assert_string_equal(o->err, "");
-    const char *note = strstr(o->out, "\nnote        terrain:n=1000 ");
+    const char *note = strstr(o->out, "\nnote        terrain:n=2000 ");
     assert_non_null(note); /* of the cube's twelve primitives nothing is said */
     assert_non_null(strstr(note, " us per primitive"));
 }

@@ -22,11 +22,10 @@ static const bb_cli_option options[] = {
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
     {"kernels-from", "DIR", "read device code from here first", false},
     {"seed", "N", "of the rays; default: 1", false},
+    {"side", "N", "N x N rays of a kind, N from 6; few for slow tools; default: 128", false},
     {"quiet", NULL, "no progress", false},
     {.name = NULL},
 };
-
-enum { SIDE = 128 }; /* of the ray sets */
 
 /* Small scenes, each with something that builders trip over. */
 static const char *const procedural_scenes[] = {
@@ -79,7 +78,7 @@ typedef struct check {
     bb_device *devices[FORMS_MAX]; /* one, or both forms of one */
     uint32_t device_count;
     bb_names builders;
-    uint64_t seed;
+    uint64_t seed, side; /* of the ray sets: a set has the square of `side` */
     bb_progress progress;
     uint32_t checked, failed;
     pace paces[BB_NAMES_MAX];
@@ -155,7 +154,7 @@ static bb_status check_scene(check *c, uint32_t form, const char *name)
                           : device->form == BB_FORM_CPU ? ", form cpu"
                                                         : ", form gpu");
     if (status == BB_OK)
-        status = bb_conformance_create(device, scene, SIDE, c->seed, &conformance);
+        status = bb_conformance_create(device, scene, (uint32_t)c->side, c->seed, &conformance);
     if (status == BB_OK)
         say_of_scene(c, scene, conformance);
     if (status == BB_OK && bb_conformance_brute_force(conformance) != BB_OK) {
@@ -231,6 +230,7 @@ static bb_status run_check(check *c, const bb_cli *cli, bb_names *scenes)
     bb_cli_values(cli, "scene", &scenes_given);
     BB_TRY(bb_load_plugins(cli));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &c->seed));
+    BB_TRY(bb_cli_u64(cli, "side", 128, 6, 1024, &c->side));
     BB_TRY(bb_choose_builders(cli, true, &c->builders));
     for (size_t i = 0; i < c->builders.count; i++)
         BB_TRY(bb_instance_check(c->builders.items[i]));
