@@ -58,19 +58,20 @@ function(bvhbench_write_if_changed path text)
 endfunction()
 
 # `text`: declarations, and rows of a table of bb_source, of device files, which are embedded by `target`.
-# `folder`: the C name of that table, 0 for none. A file's name is its own throughout the build.
+# `folder`: the C name of that table, 0 for none. A file's name is its own
+# within the target; of two plug-ins that is seen to when they are loaded.
 function(bvhbench_embed_device_files target folder text rows)
     set(declarations "")
     set(table "")
     foreach(file IN LISTS ARGN)
         get_filename_component(name ${file} NAME)
         string(MAKE_C_IDENTIFIER ${name} symbol)
-        get_property(other GLOBAL PROPERTY BVHBENCH_DEVICE_FILE_${symbol})
+        get_target_property(other ${target} BVHBENCH_DEVICE_FILE_${symbol})
         if(other AND NOT other STREQUAL file)
             message(FATAL_ERROR "two device files of one name, ${other} and ${file}: rename one")
         endif()
-        set_property(GLOBAL PROPERTY BVHBENCH_DEVICE_FILE_${symbol} ${file})
-        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${symbol}.c)
+        set_property(TARGET ${target} PROPERTY BVHBENCH_DEVICE_FILE_${symbol} ${file})
+        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/${target}/embedded_${symbol}.c)
         bvhbench_incbin(${output} bb_text_${symbol} ${file})
         target_sources(${target} PRIVATE ${output})
         string(APPEND declarations "extern const char bb_text_${symbol}[];\n")
