@@ -2,11 +2,30 @@
 #
 #   bvhbench_add_builder(NAME [SOURCE_DIR dir] [INTO target])
 #
-# Compiles NAME.c (and any other .c of the folder) and embeds NAME.cl if there is one. With INTO, the builder becomes a
-# part of that library; without, a shared object NAME.so for `bvhbench --plugin`. The sources are the same for both: they
-# define `const bb_builder bb_builder_NAME`, with '_' for each '-' of the name.
+# Compiles NAME.c and any other .c of the folder, and embeds its device files: all .cl and .clh, and the
+# headers NAME_shared.h that host and device share. With INTO, the builder becomes a part of that
+# library; without, a shared object NAME.so for `bvhbench --plugin`. The sources are the same for both:
+# they define `const bb_builder bb_builder_NAME`, with '_' for each '-' of the name.
 
 set(BVHBENCH_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
+
+# What all code of the project is compiled with, and plug-ins too. The same float result on every
+# compiler: no contraction, no relaxed math.
+set(BVHBENCH_COMPILE_OPTIONS -Wall -Wextra -Wpedantic -ffp-contract=off)
+set(BVHBENCH_COMPILE_DEFINITIONS _GNU_SOURCE)
+set(BVHBENCH_LANGUAGE_PROPERTIES
+    C_STANDARD 11 C_STANDARD_REQUIRED ON C_EXTENSIONS OFF C_VISIBILITY_PRESET hidden
+    CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON)
+
+# Makes such properties the defaults of all targets to come.
+macro(bvhbench_language)
+    set(bvhbench_properties ${ARGN})
+    while(bvhbench_properties)
+        list(POP_FRONT bvhbench_properties bvhbench_property bvhbench_value)
+        set(CMAKE_${bvhbench_property} ${bvhbench_value})
+    endwhile()
+endmacro()
 
 # Makes `variable` a C symbol that holds the texts of the files, one after the other, by way of the assembler's .incbin.
 function(bvhbench_incbin output variable)
@@ -18,6 +37,7 @@ function(bvhbench_incbin output variable)
 "/* Embeds ${ARGN}. */
 __asm__(\".section .rodata\\n\"
         \".global ${variable}\\n\"
+        \".hidden ${variable}\\n\"
         \".type ${variable}, @object\\n\"
         \".balign 16\\n\"
         \"${variable}:\\n\"
@@ -37,6 +57,55 @@ function(bvhbench_write_if_changed path text)
     file(REMOVE ${path}.new)
 endfunction()
 
+# `text`: declarations, and rows of a table of bb_source, of device files, which are embedded by `target`.
+# `folder`: the C name of that table, 0 for none. A file's name is its own
+# within the target; of two plug-ins that is seen to when they are loaded.
+function(bvhbench_embed_device_files target folder text rows)
+    set(declarations "")
+    set(table "")
+    foreach(file IN LISTS ARGN)
+        get_filename_component(name ${file} NAME)
+        string(MAKE_C_IDENTIFIER ${name} symbol)
+        get_target_property(other ${target} BVHBENCH_DEVICE_FILE_${symbol})
+        if(other AND NOT other STREQUAL file)
+            message(FATAL_ERROR "two device files of one name, ${other} and ${file}: rename one")
+        endif()
+        set_property(TARGET ${target} PROPERTY BVHBENCH_DEVICE_FILE_${symbol} ${file})
+        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/${target}/embedded_${symbol}.c)
+        bvhbench_incbin(${output} bb_text_${symbol} ${file})
+        target_sources(${target} PRIVATE ${output})
+        string(APPEND declarations "extern const char bb_text_${symbol}[];\n")
+        string(APPEND table "    {\"${name}\", bb_text_${symbol}, ${folder}},\n")
+    endforeach()
+    set(${text} "${declarations}" PARENT_SCOPE)
+    set(${rows} "${table}" PARENT_SCOPE)
+endfunction()
+
+# The device files of a builder's folder as bb_files_SYMBOL, and each FILE.cl as bb_source_FILE.
+function(bvhbench_embed_folder target symbol folder)
+    file(GLOB files CONFIGURE_DEPENDS ${folder}/*.cl ${folder}/*.clh ${folder}/*_shared.h)
+    bvhbench_embed_device_files(${target} bb_files_${symbol} declarations rows ${files})
+    set(sources "")
+    list(FILTER files INCLUDE REGEX "\\.cl$")
+    foreach(file IN LISTS files)
+        get_filename_component(name ${file} NAME)
+        string(MAKE_C_IDENTIFIER ${name} text)
+        string(REGEX REPLACE "_cl$" "" source ${text})
+        string(APPEND sources "extern const bb_source bb_source_${source};
+const bb_source bb_source_${source} = {\"${name}\", bb_text_${text}, bb_files_${symbol}};
+")
+    endforeach()
+    set(described ${CMAKE_CURRENT_BINARY_DIR}/generated/${symbol}_files.c)
+    bvhbench_write_if_changed(${described}
+"#include \"framework/device/device.h\"
+${declarations}extern const bb_source bb_files_${symbol}[];
+const bb_source bb_files_${symbol}[] = {
+${rows}    {0, 0, 0},
+};
+${sources}")
+    target_sources(${target} PRIVATE ${described})
+endfunction()
+
 function(bvhbench_add_builder name)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "SOURCE_DIR;INTO" "")
     if(NOT arg_SOURCE_DIR)
@@ -47,34 +116,24 @@ function(bvhbench_add_builder name)
     if(NOT EXISTS ${arg_SOURCE_DIR}/${name}.c)
         message(FATAL_ERROR "bvhbench_add_builder(${name}): ${arg_SOURCE_DIR} has no ${name}.c")
     endif()
-    file(GLOB device CONFIGURE_DEPENDS ${arg_SOURCE_DIR}/${name}.cl)
-    if(device)
-        set(embedded ${CMAKE_CURRENT_BINARY_DIR}/generated/${name}_cl.c)
-        bvhbench_incbin(${embedded} bb_text_${symbol}_cl ${device})
-        set(described ${CMAKE_CURRENT_BINARY_DIR}/generated/${name}_source.c)
-        bvhbench_write_if_changed(${described}
-"#include \"framework/device/device.h\"
-extern const char bb_text_${symbol}_cl[];
-extern const bb_source bb_source_${symbol};
-const bb_source bb_source_${symbol} = {\"${name}.cl\", bb_text_${symbol}_cl};
-")
-        list(APPEND sources ${embedded} ${described})
-    endif()
     if(arg_INTO)
         target_sources(${arg_INTO} PRIVATE ${sources})
+        bvhbench_embed_folder(${arg_INTO} ${symbol} ${arg_SOURCE_DIR})
         set_property(TARGET ${arg_INTO} APPEND PROPERTY BVHBENCH_BUILDERS ${symbol})
     else()
         set(exported ${CMAKE_CURRENT_BINARY_DIR}/generated/${name}_plugin.c)
         bvhbench_write_if_changed(${exported}
 "#include \"framework/builder/builder.h\"
 extern const bb_builder bb_builder_${symbol};
-BB_PLUGIN(bb_builder_${symbol});
+extern const bb_source bb_files_${symbol}[];
+BB_PLUGIN(bb_builder_${symbol}, bb_files_${symbol});
 ")
         add_library(${name} MODULE ${sources} ${exported})
-        set_target_properties(${name} PROPERTIES PREFIX "" C_STANDARD 11 C_STANDARD_REQUIRED ON
-                              C_VISIBILITY_PRESET hidden)
+        bvhbench_embed_folder(${name} ${symbol} ${arg_SOURCE_DIR})
+        set_target_properties(${name} PROPERTIES PREFIX "" ${BVHBENCH_LANGUAGE_PROPERTIES})
         target_link_libraries(${name} PRIVATE bvhbench::bvhbench)
-        target_compile_options(${name} PRIVATE -ffp-contract=off)
+        target_compile_options(${name} PRIVATE ${BVHBENCH_COMPILE_OPTIONS})
+        target_compile_definitions(${name} PRIVATE ${BVHBENCH_COMPILE_DEFINITIONS})
     endif()
 endfunction()
 
@@ -83,15 +142,15 @@ endfunction()
 function(bvhbench_generate_builder_table target)
     get_target_property(names ${target} BVHBENCH_BUILDERS)
     list(SORT names)
-    set(text "#include \"framework/builder/builder.h\"\n")
+    set(text "#include \"framework/builder/registry.h\"\n")
+    set(rows "")
     foreach(name IN LISTS names)
-        string(APPEND text "extern const bb_builder bb_builder_${name};\n")
+        string(APPEND text "extern const bb_builder bb_builder_${name};\n"
+                           "extern const bb_source bb_files_${name}[];\n")
+        string(APPEND rows "    {BB_PLUGIN_MAGIC, BB_ABI_VERSION, sizeof(bb_registration),\n"
+                           "     &bb_builder_${name}, bb_files_${name}},\n")
     endforeach()
-    string(APPEND text "const bb_builder *const bb_builtin_builders[] = {\n")
-    foreach(name IN LISTS names)
-        string(APPEND text "    &bb_builder_${name},\n")
-    endforeach()
-    string(APPEND text "    0,\n};\n")
+    string(APPEND text "const bb_registration bb_builtin_builders[] = {\n${rows}    {.builder = 0},\n};\n")
     bvhbench_write_if_changed(${CMAKE_CURRENT_BINARY_DIR}/generated/builders.c "${text}")
     target_sources(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated/builders.c)
 endfunction()
@@ -113,22 +172,17 @@ function(bvhbench_generate_table target pattern type table header)
     target_sources(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated/${table}.c)
 endfunction()
 
-# bb_embedded_sources[]: every device source and header by its file name.
+# bb_embedded_sources[]: the device files of kernels/ and builders/common by their names.
 function(bvhbench_embed_sources target)
-    set(text "#include \"framework/device/device.h\"\n")
-    set(rows "")
-    foreach(file IN LISTS ARGN)
-        get_filename_component(name ${file} NAME)
-        string(MAKE_C_IDENTIFIER ${name} symbol)
-        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${symbol}.c)
-        bvhbench_incbin(${output} bb_text_${symbol} ${file})
-        target_sources(${target} PRIVATE ${output})
-        string(APPEND text "extern const char bb_text_${symbol}[];\n")
-        string(APPEND rows "    {\"${name}\", bb_text_${symbol}},\n")
-    endforeach()
-    string(APPEND text "const bb_source bb_embedded_sources[] = {\n${rows}    {0, 0},\n};\n")
-    bvhbench_write_if_changed(${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_sources.c "${text}")
-    target_sources(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_sources.c)
+    bvhbench_embed_device_files(${target} 0 declarations rows ${ARGN})
+    set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_sources.c)
+    bvhbench_write_if_changed(${output}
+"#include \"framework/device/device_private.h\"
+${declarations}const bb_source bb_embedded_sources[] = {
+${rows}    {0, 0, 0},
+};
+")
+    target_sources(${target} PRIVATE ${output})
 endfunction()
 
 # The report page's template and the chart library (Debian's libjs-chart.js), embedded.

@@ -3,17 +3,11 @@
 #ifndef BB_PAPER_FIXTURE_H
 #define BB_PAPER_FIXTURE_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
 #include "framework/judge/queries.h"
 #include "framework/papers/reproduce.h"
 #include "framework/record/record_private.h"
+#include "tests/fixture.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>

@@ -2,13 +2,7 @@
 #ifndef BB_RECORD_FIXTURE_H
 #define BB_RECORD_FIXTURE_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "tests/fixture.h"
 #include "tests/report_sample.h"
 
 #include <cjson/cJSON.h>

@@ -4,15 +4,12 @@
 #define BB_SCENE_FILES_H
 
 #include "framework/scene/scene.h"
+#include "tests/fixture.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-#include <cmocka.h>
 
 /* The path of a file in this test's folder, which is made. Valid until the eighth call after. */
 static inline const char *test_path(const char *test, const char *name)

@@ -4,29 +4,16 @@
 #include "framework/base/clock.h"
 #include "framework/base/random.h"
 #include "framework/bench/audit.h"
+#include "framework/builder/registry.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/queries.h"
+#include "tests/device_fixture.h"
 #include "tests/trace_fixture.h"
 #include "traversal/pass.h"
 
 #include <cjson/cJSON.h>
 
 enum { RAYS = 1 << 16 };
-
-static int open_device(void **state)
-{
-    (void)state;
-    check(bb_device_open(NULL, BB_FORM_AUTO, NULL, &device), "device");
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_tracers_clear(device);
-    bb_device_close(device);
-    return 0;
-}
 
 static uint32_t complaints(double ms, double event_ms)
 {

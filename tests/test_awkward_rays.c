@@ -1,16 +1,10 @@
 /* Rays that are awkward, with every kernel: along the axes in box faces, from and through vertices, from surfaces, with empty
  * intervals, with components that are zero, denormal, infinite or no number. Seed: BVHBENCH_TEST_SEED. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
+#include "tests/device_fixture.h"
 #include "tests/trace_fixture.h"
 
 /* Traces by every kernel and has the answers judged: none may be wrong. */
@@ -149,27 +143,8 @@ static void no_rays_and_empty_intervals(void **state)
     close_bed(&b);
 }
 
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_tracers_clear(device);
-    bb_device_close(device);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(along_axes_in_box_faces),
         cmocka_unit_test(tiny_components_and_origins_on_surfaces),

@@ -1,16 +1,10 @@
 /* What the charts show: Pareto front, who wins for how many rays, cells over
  * several views, and the pictures.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/file.h"
 #include "framework/chart/chart_script.h"
 #include "framework/report/report.h"
+#include "tests/fixture.h"
 #include "tests/report_sample.h"
 
 #include <cjson/cJSON.h>

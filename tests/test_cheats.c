@@ -4,15 +4,9 @@
  * The tracer says how many of its answers are plainly wrong. The judge must find nearly all of
  * these, and nothing among the answers that the cheat left alone.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "tests/cheats/attack.h"
 #include "tests/cheats/scenes.h"
+#include "tests/fixture.h"
 
 #include <sys/stat.h>
 

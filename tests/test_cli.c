@@ -1,15 +1,10 @@
 /* The program from outside: exit statuses, one clear line for bad input, whole result files. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/program_fixture.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,68 +12,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static char folder[] = "/tmp/bvhbench-cli-XXXXXX";
-
-typedef struct outcome {
-    int exit_status; /* -1: killed */
-    char out[65536];
-    char err[8192];
-} outcome;
-
-static void read_file(const char *path, char *text, size_t capacity)
-{
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    text[fread(text, 1, capacity - 1, file)] = '\0';
-    fclose(file);
-}
-
-/* Runs the program with `arguments` (as the shell splits them) after `before` (variables, say). */
-static const outcome *run_with(const char *before, const char *arguments)
-{
-    static outcome o;
-    char command[4096], out[256], err[256];
-    snprintf(out, sizeof out, "%s/stdout", folder);
-    snprintf(err, sizeof err, "%s/stderr", folder);
-    snprintf(command, sizeof command, "cd %s && %s " BB_TEST_PROGRAM " %s >%s 2>%s </dev/null",
-             folder, before, arguments, out, err);
-    int status = system(command);
-    o.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    read_file(out, o.out, sizeof o.out);
-    read_file(err, o.err, sizeof o.err);
-    return &o;
-}
-
-static const outcome *run(const char *arguments)
-{
-    return run_with("", arguments);
-}
-
 /* Under sanitizers, which see the same code with small scenes, large ones take minutes. */
 static bool is_small(void)
 {
     return getenv("BVHBENCH_TEST_SMALL") != NULL;
-}
-
-/* Exit 2, nothing on standard output, one line on standard error that holds `words`. */
-static void refuses(const char *before, const char *arguments, const char *words)
-{
-    const outcome *o = run_with(before, arguments);
-    const char *newline = strchr(o->err, '\n');
-    if (o->exit_status != 2 || newline == NULL || newline[1] != '\0' ||
-        strncmp(o->err, "bvhbench: ", 10) != 0 || strstr(o->err, words) == NULL)
-        fail_msg("bvhbench %s: exit %d, '%s', expected one line with '%s'", arguments,
-                 o->exit_status, o->err, words);
-}
-
-static void write_file(const char *name, const void *data, size_t size)
-{
-    char path[512];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    fclose(file);
 }
 
 static void help_and_lists_are_there(void **state)
@@ -221,9 +158,7 @@ static void no_device_is_said(void **state)
 static cJSON *read_results(const char *name)
 {
     static char text[4 << 20];
-    char path[512];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    read_file(path, text, sizeof text);
+    read_file(name, text, sizeof text);
     cJSON *json = cJSON_Parse(text);
     assert_non_null(json);
     return json;
@@ -314,6 +249,8 @@ static void wrong_answers_give_exit_status_1(void **state)
             "nothing reads stak.cl");
     refuses("mkdir -p typo2; touch typo2/stack.clh;", "check --scene cube --kernels-from typo2",
             "nothing reads stack.clh");
+    refuses("mkdir -p typo3; touch typo3/sah.cl;", "check --scene cube --kernels-from typo3",
+            "nothing reads sah.cl");
     o = run_with("mkdir -p header; cp " BB_TEST_SOURCE_DIR "/kernels/bb_device.h header;",
                  "check --scene cube --builder lbvh --kernels-from header");
     if (o->exit_status != 0)
@@ -355,6 +292,25 @@ static void without_a_judgement_exit_status_is_1(void **state)
     o = run("check --scene spheres:n=100 --plugin " BB_TEST_PLUGIN_DIR "/rogue.so --builder rogue");
     assert_int_equal(o->exit_status, 1);
     assert_non_null(strstr(o->err, "nothing was checked"));
+}
+
+/* A run that only builds has all that is known of builds, and nothing else. */
+static void without_rays_there_are_builds_only(void **state)
+{
+    (void)state;
+    refuses("", "run --scene cube --rays none,primary --out x", "--rays none leaves all rays out");
+    const outcome *o = expect(0,
+                              "run --scene cube --builder lbvh --rays none --kernel stack "
+                              "--repeats 2 --no-pictures --out bare",
+                              "layout ms");
+    assert_null(strstr(o->out, "wrong ppm"));
+    cJSON *json = read_results("bare/results.json");
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(json, "traces")), 0);
+    const cJSON *build = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "builds"), 0);
+    assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(build, "build_ms_median")) > 0);
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(build, "layouts_ms")), 1);
+    cJSON_Delete(json);
+    expect(0, "report bare --out bare/again.html", "again.html");
 }
 
 /* What a builder does outside its clock is no secret, and in no sum. */
@@ -581,20 +537,6 @@ static void pictures_are_made(void **state)
     }
 }
 
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[256];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -609,6 +551,7 @@ int main(void)
         cmocka_unit_test(wrong_answers_give_exit_status_1),
         cmocka_unit_test(unlike_answers_give_exit_status_1),
         cmocka_unit_test(without_a_judgement_exit_status_is_1),
+        cmocka_unit_test(without_rays_there_are_builds_only),
         cmocka_unit_test(work_outside_the_clock_is_recorded),
         cmocka_unit_test(a_pipeline_is_recorded_by_stages),
         cmocka_unit_test(check_of_stages_is_not_empty),

@@ -1,16 +1,10 @@
 /* Codes: their layouts against the definition, and the keys that the device makes against a bit-by-bit reference, for all codes
  * and ingredients, in both forms, with shifts and with tables. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs
  * small (for oclgrind). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "builders/common/codes.h"
 #include "framework/base/random.h"
 #include "tests/device_forms.h"
+#include "tests/fixture.h"
 
 #include <float.h>
 #include <math.h>
@@ -19,7 +13,6 @@
 #include <string.h>
 
 static const bb_option options[] = {BB_CODE_OPTIONS("mc32"), {.name = NULL}};
-static uint64_t seed;
 
 static void choose(const char *text, bb_spec *spec, bb_code_choice *choice)
 {

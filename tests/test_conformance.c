@@ -3,38 +3,29 @@
 #include "framework/bench/conformance.h"
 #include "tests/tree_fixture.h"
 
+#include "framework/builder/registry.h"
 #include "framework/scene/scene.h"
+#include "tests/device_fixture.h"
 
 enum { SIDE = 32 };
 
-static bb_device *device;
-
 static int load_rogue(void **state)
 {
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK &&
-        bb_plugin_load(BB_TEST_PLUGIN_DIR "/rogue.so") == BB_OK)
+    if (open_device(state) == 0 && bb_plugin_load(BB_TEST_PLUGIN_DIR "/rogue.so") == BB_OK)
         return 0;
     print_error("%s\n", bb_message());
     return -1;
 }
 
-static int close_all(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
-
-/* Of what `check` would do; `note` has room for 512. */
-static bb_status check(const char *scene_name, const char *builder, char *note)
+/* What `check` would do. */
+static bb_status check_on(const char *scene_name, const char *builder, bb_conformed *found)
 {
     bb_scene *scene = NULL;
     bb_conformance *conformance = NULL;
     ASSERT_OK(bb_scene_load(scene_name, &scene));
     ASSERT_OK(bb_conformance_create(device, scene, SIDE, 1, &conformance));
     ASSERT_OK(bb_conformance_brute_force(conformance));
-    bb_status status = bb_conformance_check(conformance, builder, note, 512);
+    bb_status status = bb_conformance_check(conformance, builder, found);
     bb_conformance_destroy(conformance);
     bb_scene_free(scene);
     return status;
@@ -42,8 +33,8 @@ static bb_status check(const char *scene_name, const char *builder, char *note)
 
 static void expect_failure(const char *scene, const char *builder, const char *part)
 {
-    char note[512];
-    assert_int_equal(check(scene, builder, note), BB_FAILED);
+    bb_conformed found;
+    assert_int_equal(check_on(scene, builder, &found), BB_FAILED);
     if (strstr(bb_message(), part) == NULL)
         fail_msg("expected '%s' in '%s'", part, bb_message());
 }
@@ -51,8 +42,8 @@ static void expect_failure(const char *scene, const char *builder, const char *p
 static void rule_breakers_are_found(void **state)
 {
     (void)state;
-    char note[512];
-    ASSERT_OK(check("sphere-mesh:n=30", "rogue", note));
+    bb_conformed found;
+    ASSERT_OK(check_on("sphere-mesh:n=30", "rogue", &found));
     expect_failure("sphere-mesh:n=30", "rogue:kind=stale", "built with the primitives in reverse");
     expect_failure("sphere-mesh:n=30", "rogue:kind=moving", "the same input gave another tree");
     expect_failure("sphere-mesh:n=30", "rogue:kind=marked", "the same input gave another tree");
@@ -74,11 +65,11 @@ static void work_on_the_device_is_never_outside(void **state)
 static void pipelines_are_checked(void **state)
 {
     (void)state;
-    char note[512] = "";
-    ASSERT_OK(check("sphere-mesh:n=30", "presplit:saves=-1+rogue+rotate", note));
-    assert_non_null(strstr(note, "; presplit: "));
-    assert_int_equal(check("sphere-mesh:n=300", "lobvh+rotate", note), BB_UNSUPPORTED);
-    assert_int_equal(check("spheres:n=30", "rogue+rotate", note), BB_UNSUPPORTED);
+    bb_conformed found;
+    ASSERT_OK(check_on("sphere-mesh:n=30", "presplit:saves=-1+rogue+rotate", &found));
+    assert_non_null(strstr(found.note, "; presplit: "));
+    assert_int_equal(check_on("sphere-mesh:n=300", "lobvh+rotate", &found), BB_UNSUPPORTED);
+    assert_int_equal(check_on("spheres:n=30", "rogue+rotate", &found), BB_UNSUPPORTED);
     assert_non_null(strstr(bb_message(), "builder rogue does not take the primitives"));
 }
 
@@ -86,27 +77,27 @@ static void pipelines_are_checked(void **state)
 static void undeclared_input_is_withheld(void **state)
 {
     (void)state;
-    char note[512];
-    ASSERT_OK(check("cube", "rogue:kind=nosy", note));
-    ASSERT_OK(check("interior:n=1000", "rogue:kind=nosy", note));
-    ASSERT_OK(check("cube", "rogue:kind=nosy,view=front", note));
+    bb_conformed found;
+    ASSERT_OK(check_on("cube", "rogue:kind=nosy", &found));
+    ASSERT_OK(check_on("interior:n=1000", "rogue:kind=nosy", &found));
+    ASSERT_OK(check_on("cube", "rogue:kind=nosy,view=front", &found));
 }
 
 /* Stacks do not hold this chain; the other kernels are checked all the same, and the note says who refuses. */
 static void refusing_kernels_are_named(void **state)
 {
     (void)state;
-    char note[512] = "";
-    ASSERT_OK(check("awkward:kind=outlier,n=1500", "rogue:kind=chain", note));
-    if (strstr(note, "not taken by stack") == NULL || strstr(note, "trail") != NULL)
-        fail_msg("'%s' does not say who refuses", note);
+    bb_conformed found;
+    ASSERT_OK(check_on("awkward:kind=outlier,n=1500", "rogue:kind=chain", &found));
+    if (strstr(found.note, "not taken by stack") == NULL || strstr(found.note, "trail") != NULL)
+        fail_msg("'%s' does not say who refuses", &found);
 }
 
 /* All that a scene has is used, and what it does not have is named. */
 static void missing_rays_are_named(void **state)
 {
     (void)state;
-    char note[512];
+    bb_conformed found;
     bb_scene *scene = NULL;
     bb_conformance *conformance = NULL;
     ASSERT_OK(bb_scene_load("cube", &scene));
@@ -118,7 +109,7 @@ static void missing_rays_are_named(void **state)
     ASSERT_OK(bb_conformance_create(device, scene, SIDE, 1, &conformance));
     if (strncmp(bb_conformance_left_out(conformance), "edges:jitter=64 (", 17) != 0)
         fail_msg("'%s'", bb_conformance_left_out(conformance));
-    ASSERT_OK(bb_conformance_check(conformance, "lbvh", note, sizeof note));
+    ASSERT_OK(bb_conformance_check(conformance, "lbvh", &found));
     bb_conformance_destroy(conformance);
     bb_scene_free(scene);
 }
@@ -133,5 +124,5 @@ int main(void)
         cmocka_unit_test(refusing_kernels_are_named),
         cmocka_unit_test(missing_rays_are_named),
     };
-    return cmocka_run_group_tests_name("conformance", tests, load_rogue, close_all);
+    return cmocka_run_group_tests_name("conformance", tests, load_rogue, close_device);
 }

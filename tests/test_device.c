@@ -1,54 +1,29 @@
 /* The device layer: shared structs, accounts and refusals, programs, edit-and-run. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#include "framework/device/device.h"
 #include "kernels/bb_shared.h"
+#include "tests/device_fixture.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static bb_device *device;
-
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) != BB_OK) {
-        print_error("%s\n", bb_message());
-        return -1;
-    }
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
-
 static void structs_have_one_size_everywhere(void **state)
 {
     (void)state;
     static const bb_source source = {
-        "sizes.cl", "#include \"bb_device.h\"\n"
-                    "kernel void sizes(global uint *out) {\n"
-                    "  out[0] = sizeof(bb_box); out[1] = sizeof(bb_node);\n"
-                    "  out[2] = sizeof(bb_tree_info); out[3] = sizeof(bb_ray);\n"
-                    "  out[4] = sizeof(bb_hit); out[5] = sizeof(bb_count);\n"
-                    "  out[6] = sizeof(bb_pair); out[9] = sizeof(bb_subtree);\n"
-                    "  out[10] = sizeof(bb_wide4); out[11] = sizeof(bb_wide8);\n"
-                    "  out[12] = sizeof(bb_quant8);\n"
-                    "  global bb_quant8 *q = 0; out[13] = (uint)(ulong)&q->places;\n"
-                    "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
-                    "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
-                    "}\n"};
+        .name = "sizes.cl",
+        .text = "#include \"bb_device.h\"\n"
+                "kernel void sizes(global uint *out) {\n"
+                "  out[0] = sizeof(bb_box); out[1] = sizeof(bb_node);\n"
+                "  out[2] = sizeof(bb_tree_info); out[3] = sizeof(bb_ray);\n"
+                "  out[4] = sizeof(bb_hit); out[5] = sizeof(bb_count);\n"
+                "  out[6] = sizeof(bb_pair); out[9] = sizeof(bb_subtree);\n"
+                "  out[10] = sizeof(bb_wide4); out[11] = sizeof(bb_wide8);\n"
+                "  out[12] = sizeof(bb_quant8);\n"
+                "  global bb_quant8 *q = 0; out[13] = (uint)(ulong)&q->places;\n"
+                "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
+                "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
+                "}\n"};
     const uint32_t expected[] = {sizeof(bb_box),           sizeof(bb_node),
                                  sizeof(bb_tree_info),     sizeof(bb_ray),
                                  sizeof(bb_hit),           sizeof(bb_count),
@@ -76,8 +51,9 @@ static void contraction_is_off(void **state)
     (void)state;
     /* (1 + 2^-12)^2 - (1 + 2^-11) is 0 when the product is rounded first, 2^-24 when it is not */
     static const bb_source source = {
-        "contract.cl", "#include \"bb_device.h\"\n"
-                       "kernel void contract(global float *v) { v[3] = v[0] * v[1] - v[2]; }\n"};
+        .name = "contract.cl",
+        .text = "#include \"bb_device.h\"\n"
+                "kernel void contract(global float *v) { v[3] = v[0] * v[1] - v[2]; }\n"};
     float v[4] = {1.0f + 0x1p-12f, 1.0f + 0x1p-12f, 1.0f + 0x1p-11f, 7.0f};
     cl_program program = NULL;
     cl_kernel kernel = NULL;
@@ -150,14 +126,70 @@ static void unknown_devices_are_refused(void **state)
 static void build_errors_are_one_line(void **state)
 {
     (void)state;
-    static const bb_source source = {"broken.cl",
-                                     "kernel void broken(global int *v) { v[0] = nothing; }\n"};
+    static const bb_source source = {
+        .name = "broken.cl", .text = "kernel void broken(global int *v) { v[0] = nothing; }\n"};
     cl_program program = NULL;
     assert_int_equal(bb_program_build(device, &source, "", &program), BB_FAILED);
     assert_non_null(strstr(bb_message(), "broken.cl"));
     assert_non_null(strstr(bb_message(), "nothing"));
     assert_null(strchr(bb_message(), '\n'));
     assert_null(program);
+}
+
+/* `args` to kernel two(global uint *v, uint n): what the refusal says, and that it does not run. */
+static void expect_refused(cl_kernel two, size_t local, const bb_arg *args, uint32_t count,
+                           const char *part)
+{
+    assert_int_equal(bb_launch_args(device, two, 1, local, args, count), BB_FAILED);
+    if (strstr(bb_message(), part) == NULL || strstr(bb_message(), "kernel two") == NULL)
+        fail_msg("expected '%s' in '%s'", part, bb_message());
+}
+
+static void launch_errors_name_the_kernel(void **state)
+{
+    (void)state;
+    static const bb_source source = {
+        .name = "two.cl", .text = "kernel void two(global uint *v, uint n) { v[0] = n; }\n"};
+    cl_program program = NULL;
+    cl_kernel two = NULL;
+    bb_buffer out = {0};
+    uint32_t n = 7, got = 0;
+    uint64_t wide = 8;
+    assert_int_equal(bb_program_build(device, &source, "", &program), BB_OK);
+    assert_int_equal(bb_kernel_get(program, "two", &two), BB_OK);
+    assert_int_equal(bb_buffer_reserve(device, NULL, sizeof got, "out", &out), BB_OK);
+    assert_int_equal(bb_launch(device, two, 1, 1, BB_MEM(out), BB_VALUE(n)), BB_OK);
+    const bb_arg args[] = {BB_MEM(out), BB_VALUE(n), BB_VALUE(n)};
+    n = 9; /* a launch with the argument of the one before would write 7 */
+    expect_refused(two, 1, args, 1, "takes 2 arguments, 1 were given");
+    expect_refused(two, 1, args, 3, "takes 2 arguments, 3 were given");
+    const bb_arg too_wide[] = {BB_MEM(out), BB_VALUE(wide)};
+    expect_refused(two, 1, too_wide, 2, "argument 1 (from 0) of kernel two, of 8 bytes");
+    expect_refused(two, device->max_group_size + 1, args, 2, "launching kernel two on");
+    assert_int_equal(bb_buffer_read(&out, 0, sizeof got, &got), BB_OK);
+    assert_int_equal(got, 7);
+    bb_buffer_release(&out);
+    bb_kernel_release(two);
+    bb_program_release(program);
+}
+
+/* A folder's own header, and one of kernels/, by their names; nobody else's. */
+static void headers_resolve_within_a_folder(void **state)
+{
+    (void)state;
+    static const char text[] = "#include \"bb_device.h\"\n"
+                               "#include \"mine_shared.h\"\n"
+                               "kernel void mine(global uint *v) { v[0] = MINE; }\n";
+    static const bb_source files[] = {
+        {"mine.cl", text, files}, {"mine_shared.h", "#define MINE 42\n", files}, {.name = NULL}};
+    const bb_source outside = {.name = "mine.cl", .text = text};
+    cl_program program = NULL;
+    assert_int_equal(bb_program_build(device, &files[0], "", &program), BB_OK);
+    bb_program_release(program);
+    bb_programs_clear(device);
+    program = NULL;
+    assert_int_equal(bb_program_build(device, &outside, "", &program), BB_FAILED);
+    assert_non_null(strstr(bb_message(), "mine_shared.h"));
 }
 
 static void a_folder_overrides_embedded_sources(void **state)
@@ -171,15 +203,15 @@ static void a_folder_overrides_embedded_sources(void **state)
     fputs("kernel void answer(global int *v) { v[0] = 42; }\n", file);
     fclose(file);
 
-    static const bb_source source = {"answer.cl",
-                                     "kernel void answer(global int *v) { v[0] = 1; }\n"};
+    static const bb_source source = {.name = "answer.cl",
+                                     .text = "kernel void answer(global int *v) { v[0] = 1; }\n"};
     bb_device *other = NULL;
     cl_program program = NULL;
     cl_kernel kernel = NULL;
     bb_buffer out = {0};
     int32_t answer = 0;
-    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, "/no/such/folder", &other), BB_INVALID);
-    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, folder, &other), BB_OK);
+    assert_int_equal(open_test_device(BB_FORM_AUTO, "/no/such/folder", &other), BB_INVALID);
+    assert_int_equal(open_test_device(BB_FORM_AUTO, folder, &other), BB_OK);
     assert_string_equal(other->sources, "embedded");
     assert_int_equal(bb_program_build(other, &source, "", &program), BB_OK);
     assert_string_equal(other->sources, "folder");
@@ -222,7 +254,7 @@ static void a_fence_that_fails_is_not_used(void **state)
     fputs("mine[w] = 0u;", file);
     fputs(write + strlen("mine[w] = stamp;"), file);
     fclose(file);
-    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, folder, &other), BB_OK);
+    assert_int_equal(open_test_device(BB_FORM_AUTO, folder, &other), BB_OK);
     assert_int_equal(other->handover, BB_HANDOVER_LEVELS);
     assert_int_equal(other->litmus_stale, 8 * other->litmus_pairs);
     assert_int_equal(bb_device_set_handover(other, BB_HANDOVER_LEVELS), BB_OK);
@@ -237,12 +269,13 @@ static void a_fence_that_fails_is_not_used(void **state)
 static void closing_waits_for_what_was_enqueued(void **state)
 {
     (void)state;
-    static const bb_source source = {"long.cl", "kernel void run(global uint *v, uint count) {\n"
-                                                "  uint x = v[0];\n"
-                                                "  for (uint i = 0; i < count; i++)\n"
-                                                "    x ^= x << 13, x ^= x >> 17, x ^= x << 5;\n"
-                                                "  v[0] = x;\n"
-                                                "}\n"};
+    static const bb_source source = {.name = "long.cl",
+                                     .text = "kernel void run(global uint *v, uint count) {\n"
+                                             "  uint x = v[0];\n"
+                                             "  for (uint i = 0; i < count; i++)\n"
+                                             "    x ^= x << 13, x ^= x >> 17, x ^= x << 5;\n"
+                                             "  v[0] = x;\n"
+                                             "}\n"};
     bb_device *other = NULL;
     cl_program program = NULL;
     cl_kernel kernel = NULL;
@@ -250,7 +283,7 @@ static void closing_waits_for_what_was_enqueued(void **state)
     uint32_t value = 1, count = 1u << 26;
     cl_event done = NULL;
     cl_int execution = CL_QUEUED;
-    assert_int_equal(bb_device_open(NULL, BB_FORM_AUTO, NULL, &other), BB_OK);
+    assert_int_equal(open_test_device(BB_FORM_AUTO, NULL, &other), BB_OK);
     assert_int_equal(bb_program_build(other, &source, "", &program), BB_OK);
     assert_int_equal(bb_kernel_get(program, "run", &kernel), BB_OK);
     assert_int_equal(bb_buffer_reserve(other, NULL, sizeof value, "value", &buffer), BB_OK);
@@ -277,6 +310,8 @@ int main(void)
         cmocka_unit_test(refuses_before_the_driver_is_asked),
         cmocka_unit_test(unknown_devices_are_refused),
         cmocka_unit_test(build_errors_are_one_line),
+        cmocka_unit_test(launch_errors_name_the_kernel),
+        cmocka_unit_test(headers_resolve_within_a_folder),
         cmocka_unit_test(a_folder_overrides_embedded_sources),
         cmocka_unit_test(a_fence_that_fails_is_not_used),
         cmocka_unit_test(closing_waits_for_what_was_enqueued),

@@ -1,19 +1,16 @@
 /* Embree as tracer (framework/embree/embree.c) and as builder (builders/embree). A few seconds. */
 #include "framework/base/clock.h"
-#include "framework/builder/builder.h"
+#include "framework/builder/registry.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/oracle.h"
 #include "framework/judge/queries.h"
 #include "hand_scene.h"
+#include "tests/fixture.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <time.h>
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif
-
-#include <cmocka.h>
 
 static const uint64_t seed = 7;
 

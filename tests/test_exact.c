@@ -2,17 +2,14 @@
  * lines, triangles and spheres. A few seconds. */
 #include "framework/base/random.h"
 #include "framework/exact/exact.h"
+#include "tests/fixture.h"
 
 #include <math.h>
 #include <mpfr.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { BITS = 2400, CASES = 60000 };
 static const uint64_t seed = 20240229;

@@ -1,17 +1,11 @@
 /* Rays files and hits files: there and back, every kind of damage, and fuzzing: each truncation and each damaged byte of a
  * small file is refused or changes nothing. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/file.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/oracle.h"
 #include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
+#include "tests/fixture.h"
 #include "tests/hand_scene.h"
 #include "tests/scene_files.h"
 

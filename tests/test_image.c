@@ -1,16 +1,10 @@
 /* Pictures: PNG and EXR there and back, refusals, the colour map. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 #include "framework/base/random.h"
 #include "framework/picture/exr.h"
 #include "framework/picture/image.h"
+#include "tests/fixture.h"
 #include "tests/report_sample.h"
 
 #include <dirent.h>

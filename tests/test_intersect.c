@@ -1,15 +1,8 @@
 /* The tests of triangles and boxes by themselves, as a kernel calls them, against exact arithmetic: all named intersectors, one and four
  * lanes, random and adversarial floats. Seed: BVHBENCH_TEST_SEED. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
-#include "framework/device/device.h"
 #include "framework/exact/exact.h"
+#include "tests/device_fixture.h"
 #include "traversal/traversal.h"
 
 #include <math.h>
@@ -18,47 +11,39 @@
 #include <string.h>
 
 enum { LANES = BB_BLOCK_LANES, CASES = 40000, GROUP = 64 };
-static uint64_t seed = 20261121;
-static bb_device *device;
-
-#define ASSERT_OK(call)                                                                            \
-    do {                                                                                           \
-        if ((call) != BB_OK)                                                                       \
-            fail_msg("%s", bb_message());                                                          \
-    } while (0)
-
 /* ---- the tests on the device: LANES triangles per ray ---- */
 
 static const bb_source triangles_source = {
-    "test_triangles.cl",
-    "#include \"bb_device.h\"\n"
-    "#include \"intersect.clh\"\n"
-    "#include \"prims.clh\"\n"
-    "kernel void write(global const float *vertices, global const uint *indices, uint count,\n"
-    "                  global uint *records)\n"
-    "{\n"
-    "    uint i = get_global_id(0);\n"
-    "    if (i < count)\n"
-    "        bb_triangle_write(records + i / BB_LANES * BB_WORDS + i % BB_LANES, BB_LANES,\n"
-    "                          BB_RECORD_FORM, indices + 3 * i, vertices, 1.0f);\n"
-    "}\n"
-    "kernel void test(global const float *records, global const bb_ray *rays, uint count,\n"
-    "                 global float *t)\n"
-    "{\n"
-    "    uint i = get_global_id(0);\n"
-    "    if (i >= count)\n"
-    "        return;\n"
-    "    bb_ray_setup r;\n"
-    "    bb_ray_setup_make(&r, rays + i, 1.0f);\n"
-    "    float toward = bb_times_power(1.0f, -r.power);\n"
-    "#if BB_LANES == 1\n"
-    "    for (uint k = 0; k < BB_BLOCK_LANES; k++)\n"
-    "        t[BB_BLOCK_LANES * i + k] =\n"
-    "            toward * bb_triangle(&r, records + (BB_BLOCK_LANES * i + k) * BB_WORDS);\n"
-    "#else\n"
-    "    vstore4(toward * bb_triangle(&r, records + i * BB_WORDS), i, t);\n"
-    "#endif\n"
-    "}\n"};
+    .name = "test_triangles.cl",
+    .text =
+        "#include \"bb_device.h\"\n"
+        "#include \"intersect.clh\"\n"
+        "#include \"prims.clh\"\n"
+        "kernel void write(global const float *vertices, global const uint *indices, uint count,\n"
+        "                  global uint *records)\n"
+        "{\n"
+        "    uint i = get_global_id(0);\n"
+        "    if (i < count)\n"
+        "        bb_triangle_write(records + i / BB_LANES * BB_WORDS + i % BB_LANES, BB_LANES,\n"
+        "                          BB_RECORD_FORM, indices + 3 * i, vertices, 1.0f);\n"
+        "}\n"
+        "kernel void test(global const float *records, global const bb_ray *rays, uint count,\n"
+        "                 global float *t)\n"
+        "{\n"
+        "    uint i = get_global_id(0);\n"
+        "    if (i >= count)\n"
+        "        return;\n"
+        "    bb_ray_setup r;\n"
+        "    bb_ray_setup_make(&r, rays + i, 1.0f);\n"
+        "    float toward = bb_times_power(1.0f, -r.power);\n"
+        "#if BB_LANES == 1\n"
+        "    for (uint k = 0; k < BB_BLOCK_LANES; k++)\n"
+        "        t[BB_BLOCK_LANES * i + k] =\n"
+        "            toward * bb_triangle(&r, records + (BB_BLOCK_LANES * i + k) * BB_WORDS);\n"
+        "#else\n"
+        "    vstore4(toward * bb_triangle(&r, records + i * BB_WORDS), i, t);\n"
+        "#endif\n"
+        "}\n"};
 
 static void upload(bb_buffer *buffer, const void *data, size_t bytes)
 {
@@ -358,7 +343,7 @@ static void affine_maps_take_vertices_to_the_unit_triangle(void **state)
         "vertices,\n"
         "                          1.0f);\n"
         "}\n";
-    const bb_source source = {"test_affine.cl", text};
+    const bb_source source = {.name = "test_affine.cl", .text = text};
     enum { COUNT = 20000 };
     float *vertices = calloc(9 * COUNT, sizeof *vertices);
     float *maps = calloc(12 * COUNT, sizeof *maps);
@@ -446,26 +431,8 @@ static void points_and_their_options_are_parsed(void **state)
     }
 }
 
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_and_their_options_are_parsed),
         cmocka_unit_test(affine_maps_take_vertices_to_the_unit_triangle),

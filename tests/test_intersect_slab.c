@@ -1,14 +1,7 @@
 /* The tests of boxes by themselves, as a kernel calls them, against exact arithmetic (MPFR with enough bits that nothing is rounded):
  * adversarial floats, and the known weak spots of the careless ones. Seed: BVHBENCH_TEST_SEED. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
-#include "framework/device/device.h"
+#include "tests/device_fixture.h"
 #include "traversal/traversal.h"
 
 #include <float.h>
@@ -19,39 +12,31 @@
 #include <string.h>
 
 enum { CASES = 100000, GROUP = 64, BITS = 1200 };
-static uint64_t seed = 20261121;
-static bb_device *device;
-
-#define ASSERT_OK(call)                                                                            \
-    do {                                                                                           \
-        if ((call) != BB_OK)                                                                       \
-            fail_msg("%s", bb_message());                                                          \
-    } while (0)
-
 /* ---- on the device: each box in all places of a node of BB_WIDTH, and as a node of a tree ---- */
 
 static const bb_source source = {
-    "test_slab.cl", "#include \"bb_device.h\"\n"
-                    "#include \"slab.clh\"\n"
-                    "kernel void test(global const bb_ray *rays, global const float *planes,\n"
-                    "                 global const bb_node *nodes, uint count, global uint *met)\n"
-                    "{\n"
-                    "    uint i = get_global_id(0);\n"
-                    "    if (i >= count)\n"
-                    "        return;\n"
-                    "    float3 o = vload3(0, rays[i].o), d = vload3(0, rays[i].d);\n"
-                    "    bb_slab slab = bb_slab_of(o, d);\n"
-                    "    bb_boxes entry, exit;\n"
-                    "    bb_box_distances(&slab, planes + 6 * BB_WIDTH * i, rays[i].tmin,\n"
-                    "                     rays[i].tmax, &entry, &exit);\n"
-                    "#if BB_WIDTH == 2\n"
-                    "    met[2 * i] = (entry.x <= exit.x) + (entry.y <= exit.y);\n"
-                    "#else\n"
-                    "    met[2 * i] = popcount(BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit));\n"
-                    "#endif\n"
-                    "    met[2 * i + 1] = bb_meets_node(&slab, (global const float *)(nodes + i),\n"
-                    "                                   rays[i].tmin, rays[i].tmax);\n"
-                    "}\n"};
+    .name = "test_slab.cl",
+    .text = "#include \"bb_device.h\"\n"
+            "#include \"slab.clh\"\n"
+            "kernel void test(global const bb_ray *rays, global const float *planes,\n"
+            "                 global const bb_node *nodes, uint count, global uint *met)\n"
+            "{\n"
+            "    uint i = get_global_id(0);\n"
+            "    if (i >= count)\n"
+            "        return;\n"
+            "    float3 o = vload3(0, rays[i].o), d = vload3(0, rays[i].d);\n"
+            "    bb_slab slab = bb_slab_of(o, d);\n"
+            "    bb_boxes entry, exit;\n"
+            "    bb_box_distances(&slab, planes + 6 * BB_WIDTH * i, rays[i].tmin,\n"
+            "                     rays[i].tmax, &entry, &exit);\n"
+            "#if BB_WIDTH == 2\n"
+            "    met[2 * i] = (entry.x <= exit.x) + (entry.y <= exit.y);\n"
+            "#else\n"
+            "    met[2 * i] = popcount(BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit));\n"
+            "#endif\n"
+            "    met[2 * i + 1] = bb_meets_node(&slab, (global const float *)(nodes + i),\n"
+            "                                   rays[i].tmin, rays[i].tmax);\n"
+            "}\n"};
 
 static void upload(bb_buffer *buffer, const void *data, size_t bytes)
 {
@@ -285,22 +270,17 @@ static void naive_slabs_lose_rays_in_faces(void **state)
     }
 }
 
-static int open_device(void **state)
+static int open_all(void **state)
 {
-    (void)state;
     for (int k = 0; k < 3; k++)
         mpfr_inits2(BITS, near_distance[k], far_distance[k], speed[k], (mpfr_ptr)NULL);
     mpfr_inits2(BITS, left, right, (mpfr_ptr)NULL);
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
+    return open_device(state);
 }
 
-static int close_device(void **state)
+static int close_all(void **state)
 {
-    (void)state;
-    bb_device_close(device);
+    close_device(state);
     for (int k = 0; k < 3; k++)
         mpfr_clears(near_distance[k], far_distance[k], speed[k], (mpfr_ptr)NULL);
     mpfr_clears(left, right, (mpfr_ptr)NULL);
@@ -310,12 +290,10 @@ static int close_device(void **state)
 
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(padded_slabs_lose_no_box),
         cmocka_unit_test(sign_ordered_slabs_lose_a_box_by_rounding),
         cmocka_unit_test(naive_slabs_lose_rays_in_faces),
     };
-    return cmocka_run_group_tests(tests, open_device, close_device);
+    return cmocka_run_group_tests(tests, open_all, close_all);
 }

@@ -5,11 +5,7 @@
 #include "framework/judge/oracle_private.h"
 #include "framework/judge/queries.h"
 #include "hand_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "tests/fixture.h"
 
 static uint64_t seed = 20261121;
 static const bb_hit miss = {INFINITY, BB_NONE};
@@ -515,8 +511,7 @@ static void the_way_is_what_all_primitives_say(void **state)
 
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    seed = seed_or(seed);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(who_agrees_with_a_blind_oracle_is_wrong),
         cmocka_unit_test(a_huge_neighbour_opens_no_way),

@@ -1,25 +1,10 @@
 /* Layouts against walks over the tree on the host, on random trees whose nodes lie in random order; and which kernels a tree is
  * traced by. Small enough for oclgrind, under which this program runs as well. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/bench/bench_private.h"
+#include "tests/device_fixture.h"
 #include "tests/padding_reference.h"
 #include "tests/tree_fixture.h"
 #include "traversal/traversal.h"
-
-static const uint64_t seed = 4711;
-static bb_device *device;
-
-static void check(bb_status status, const char *what)
-{
-    if (status != BB_OK)
-        fail_msg("%s: %s", what, bb_message());
-}
 
 /* ---- scenes and trees ---- */
 
@@ -334,24 +319,9 @@ static void every_layout_has_maps_for_vertices(void **state)
     free_triangles(scene);
 }
 
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
-
 int main(void)
 {
+    seed = 4711;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(skip_is_the_preorder_of_any_tree),
         cmocka_unit_test(layouts_say_whether_they_keep_the_shape),

@@ -1,15 +1,10 @@
 /* LBVH against a slow recursive construction from the definition, in both forms, both ways of linking, both code lengths; bit
  * for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
+#include "tests/box_fixture.h"
 #include "tests/device_forms.h"
+#include "tests/fixture.h"
 
 #include <float.h>
 #include <math.h>
@@ -102,8 +97,6 @@ static uint32_t reference_node(reference *r, uint32_t from, uint32_t to, uint32_
 
 /* ---- the comparison ---- */
 
-static uint64_t seed;
-
 static void make_reference(reference *r, const bb_box *boxes, uint32_t count, uint32_t bits)
 {
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -127,40 +120,14 @@ static void make_reference(reference *r, const bb_box *boxes, uint32_t count, ui
 static void compare(bb_device *device, const char *builder, const bb_box *boxes, uint32_t count,
                     const reference *r, const char *what)
 {
-    bb_scene scene = {.name = "test",
-                      .kinds = BB_TRIANGLES,
-                      .prim_count = count,
-                      .prims = {[BB_TRIANGLE] = {.count = count}},
-                      .boxes = (bb_box *)boxes};
-    scene.on_device.device = device;
-    bb_instance instance;
-    bb_tree preorder;
-    bb_tree_init(&preorder, NULL);
-    bb_status status =
-        bb_buffer_reserve(device, NULL, count * sizeof *boxes, "boxes", &scene.on_device.boxes);
-    if (status == BB_OK)
-        status = bb_buffer_write(&scene.on_device.boxes, 0, count * sizeof *boxes, boxes);
-    if (status == BB_OK)
-        status = bb_instance_create(device, builder, &scene, 1, &instance);
-    for (int i = 0; i < 2 && status == BB_OK; i++)
-        status = bb_instance_build(&instance, &scene, false, NULL);
-    if (status == BB_OK)
-        status = bb_tree_download(&instance.tree, NULL);
-    if (status == BB_OK)
-        status = bb_tree_check(&instance.tree, &scene);
-    if (status == BB_OK)
-        status = bb_tree_preorder(&instance.tree, &preorder);
-    if (status != BB_OK)
-        fail_msg("%s, %s, %u boxes, seed %llu: %s", builder, what, count, (unsigned long long)seed,
-                 bb_message());
-    if (preorder.info.depth != r->depth || preorder.info.node_count != 2 * count - 1 ||
-        memcmp(preorder.nodes, r->nodes, preorder.info.node_count * sizeof(bb_node)) != 0 ||
-        memcmp(preorder.refs, r->refs, count * sizeof(uint32_t)) != 0)
+    box_build b;
+    open_box_build(&b, device, builder, boxes, count, what);
+    if (b.preorder.info.depth != r->depth || b.preorder.info.node_count != 2 * count - 1 ||
+        memcmp(b.preorder.nodes, r->nodes, b.preorder.info.node_count * sizeof(bb_node)) != 0 ||
+        memcmp(b.preorder.refs, r->refs, count * sizeof(uint32_t)) != 0)
         fail_msg("%s, %s, %u boxes, seed %llu: not the tree of the definition", builder, what,
                  count, (unsigned long long)seed);
-    bb_tree_release(&preorder);
-    bb_instance_destroy(&instance);
-    bb_buffer_release(&scene.on_device.boxes);
+    close_box_build(&b);
 }
 
 static void compare_all(const bb_box *boxes, uint32_t count, const char *what)

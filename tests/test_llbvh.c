@@ -1,22 +1,15 @@
 /* LLBVH against a slow recursive construction from the definition: levels found by trying all of them, cells bit by bit; in both
  * forms, by both ways of linking, each option; bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small
  * (for oclgrind). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
+#include "tests/box_fixture.h"
 #include "tests/device_forms.h"
+#include "tests/fixture.h"
 #include "tests/loose_reference.h"
 
 #include <float.h>
 #include <stdio.h>
-
-static uint64_t seed;
 
 /* ---- what is built ---- */
 
@@ -190,41 +183,15 @@ static void compare(bb_device *device, const way *given, const bb_box *boxes, ui
     make_places(w, boxes, count, places);
     loose_reference_make(&r, boxes, places, count, 3 * w->levels, w->merge);
 
-    bb_scene scene = {.name = "test",
-                      .kinds = BB_TRIANGLES,
-                      .prim_count = count,
-                      .prims = {[BB_TRIANGLE] = {.count = count}},
-                      .boxes = (bb_box *)boxes};
-    scene.on_device.device = device;
-    bb_instance instance;
-    bb_tree preorder;
-    bb_tree_init(&preorder, NULL);
-    bb_status status =
-        bb_buffer_reserve(device, NULL, count * sizeof *boxes, "boxes", &scene.on_device.boxes);
-    if (status == BB_OK)
-        status = bb_buffer_write(&scene.on_device.boxes, 0, count * sizeof *boxes, boxes);
-    if (status == BB_OK)
-        status = bb_instance_create(device, builder, &scene, 1, &instance);
-    for (int i = 0; i < 2 && status == BB_OK; i++)
-        status = bb_instance_build(&instance, &scene, false, NULL);
-    if (status == BB_OK)
-        status = bb_tree_download(&instance.tree, NULL);
-    if (status == BB_OK)
-        status = bb_tree_check(&instance.tree, &scene);
-    if (status == BB_OK)
-        status = bb_tree_preorder(&instance.tree, &preorder);
-    if (status != BB_OK)
-        fail_msg("%s, %s, %u boxes, seed %llu: %s", builder, what, count, (unsigned long long)seed,
-                 bb_message());
-    if (!loose_reference_equals(&r, &preorder))
+    box_build b;
+    open_box_build(&b, device, builder, boxes, count, what);
+    if (!loose_reference_equals(&r, &b.preorder))
         fail_msg("%s, %s, %u boxes, seed %llu: not the tree of the definition: %u nodes of %u",
-                 builder, what, count, (unsigned long long)seed, preorder.info.node_count,
+                 builder, what, count, (unsigned long long)seed, b.preorder.info.node_count,
                  r.node_count);
     loose_reference_release(&r);
     free(places);
-    bb_tree_release(&preorder);
-    bb_instance_destroy(&instance);
-    bb_buffer_release(&scene.on_device.boxes);
+    close_box_build(&b);
 }
 
 /* ---- inputs ---- */

@@ -1,17 +1,12 @@
 /* LOBVH against a slow recursive construction from the definition, in both forms, at each level; levels against brute-force fit
  * tests; next pointers against a recursive walk. Bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small
  * (for oclgrind). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "builders/common/view_order.h"
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
+#include "tests/box_fixture.h"
 #include "tests/device_forms.h"
+#include "tests/fixture.h"
 
 #include <float.h>
 #include <math.h>
@@ -31,7 +26,6 @@ typedef struct variant {
     double direction[3];
 } variant;
 
-static uint64_t seed;
 static bool small;
 
 /* ---- levels and cells ---- */
@@ -265,23 +259,6 @@ static void make_reference(reference *r, const bb_box *boxes, uint32_t count, co
 
 /* ---- the comparison ---- */
 
-static bb_scene scene_of(const bb_box *boxes, uint32_t count)
-{
-    return (bb_scene){.name = "test",
-                      .kinds = BB_TRIANGLES,
-                      .prim_count = count,
-                      .prims = {[BB_TRIANGLE] = {.count = count}},
-                      .boxes = (bb_box *)boxes};
-}
-
-static bb_status upload_boxes(bb_scene *scene, bb_device *device)
-{
-    size_t bytes = scene->prim_count * sizeof(bb_box);
-    scene->on_device.device = device;
-    BB_TRY(bb_buffer_reserve(device, NULL, bytes, "boxes", &scene->on_device.boxes));
-    return bb_buffer_write(&scene->on_device.boxes, 0, bytes, scene->boxes);
-}
-
 /* The skip of each node against the next of a recursive walk, which knows children only. */
 static bool next_pointers_are_right(const bb_tree *tree, uint32_t n, uint32_t next)
 {
@@ -302,37 +279,19 @@ static bool next_pointers_are_right(const bb_tree *tree, uint32_t n, uint32_t ne
 static void compare(bb_device *device, const char *builder, const bb_box *boxes, uint32_t count,
                     const reference *r, const char *what)
 {
-    bb_scene scene = scene_of(boxes, count);
-    bb_instance instance = {0};
-    bb_tree preorder;
-    bb_tree_init(&preorder, NULL);
-    bb_status status = upload_boxes(&scene, device);
-    if (status == BB_OK)
-        status = bb_instance_create(device, builder, &scene, 1, &instance);
-    for (int i = 0; i < 2 && status == BB_OK; i++)
-        status = bb_instance_build(&instance, &scene, false, NULL);
-    if (status == BB_OK)
-        status = bb_tree_download(&instance.tree, NULL);
-    if (status == BB_OK)
-        status = bb_tree_check(&instance.tree, &scene);
-    if (status == BB_OK)
-        status = bb_tree_preorder(&instance.tree, &preorder);
-    if (status != BB_OK)
-        fail_msg("%s, %s, %u boxes, seed %llu: %s", builder, what, count, (unsigned long long)seed,
-                 bb_message());
-    const bb_tree_info *info = &instance.tree.info;
+    box_build b;
+    open_box_build(&b, device, builder, boxes, count, what);
+    const bb_tree_info *info = &b.instance.tree.info;
     if (info->depth != r->depth || info->node_count != r->node_count ||
         info->leaf_count != r->leaf_count || info->arity != r->arity ||
-        memcmp(preorder.nodes, r->nodes, r->node_count * sizeof(bb_node)) != 0 ||
-        memcmp(preorder.refs, r->refs, count * sizeof(uint32_t)) != 0)
+        memcmp(b.preorder.nodes, r->nodes, r->node_count * sizeof(bb_node)) != 0 ||
+        memcmp(b.preorder.refs, r->refs, count * sizeof(uint32_t)) != 0)
         fail_msg("%s, %s, %u boxes, seed %llu: not the tree of the definition (%u nodes, not %u)",
                  builder, what, count, (unsigned long long)seed, info->node_count, r->node_count);
-    if (!next_pointers_are_right(&instance.tree, info->root, BB_NONE))
+    if (!next_pointers_are_right(&b.instance.tree, info->root, BB_NONE))
         fail_msg("%s, %s, %u boxes, seed %llu: a next pointer is wrong", builder, what, count,
                  (unsigned long long)seed);
-    bb_tree_release(&preorder);
-    bb_instance_destroy(&instance);
-    bb_buffer_release(&scene.on_device.boxes);
+    close_box_build(&b);
 }
 
 static void compare_variant(const bb_box *boxes, uint32_t count, const variant *v, uint32_t levels,

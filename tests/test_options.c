@@ -1,12 +1,6 @@
 /* Specifications and lists of them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/options.h"
+#include "tests/fixture.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,11 +6,7 @@
 #include "framework/judge/judge.h"
 #include "framework/judge/queries.h"
 #include "hand_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "tests/fixture.h"
 
 static const uint64_t seed = 4711;
 static const uint32_t threads = 2;

@@ -1,12 +1,6 @@
 /* Rays out, hits in, from outside: `bvhbench rays`, the example of an outside tracer, `bvhbench judge`. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/exchange/exchange.h"
+#include "tests/program_fixture.h"
 
 #include <cjson/cJSON.h>
 #include <stdbool.h>
@@ -18,68 +12,9 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-static char folder[] = "/tmp/bvhbench-outside-XXXXXX";
-
-typedef struct outcome {
-    int exit_status; /* -1: killed */
-    char out[65536];
-    char err[8192];
-} outcome;
-
-static size_t read_file(const char *name, char *text, size_t capacity)
-{
-    char path[512];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    size_t size = fread(text, 1, capacity - 1, file);
-    text[size] = '\0';
-    fclose(file);
-    return size;
-}
-
-/* Runs a program with `arguments` (as the shell splits them) in the folder. */
-static const outcome *run_program(const char *program, const char *arguments)
-{
-    static outcome o;
-    char command[2048];
-    snprintf(command, sizeof command, "cd %s && %s %s >stdout 2>stderr </dev/null", folder, program,
-             arguments);
-    int status = system(command);
-    o.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    read_file("stdout", o.out, sizeof o.out);
-    read_file("stderr", o.err, sizeof o.err);
-    return &o;
-}
-
-static const outcome *run(const char *arguments)
-{
-    return run_program(BB_TEST_PROGRAM, arguments);
-}
-
-/* Its standard output must hold `words`. */
-static const outcome *expect(int exit_status, const char *arguments, const char *words)
-{
-    const outcome *o = run(arguments);
-    if (o->exit_status != exit_status || strstr(o->out, words) == NULL)
-        fail_msg("bvhbench %s: exit %d, not %d with '%s':\n%s%s", arguments, o->exit_status,
-                 exit_status, words, o->out, o->err);
-    return o;
-}
-
-static void refuses(const char *arguments, const char *words)
-{
-    const outcome *o = run(arguments);
-    const char *newline = strchr(o->err, '\n');
-    if (o->exit_status != 2 || newline == NULL || newline[1] != '\0' || o->out[0] != '\0' ||
-        strncmp(o->err, "bvhbench: ", 10) != 0 || strstr(o->err, words) == NULL)
-        fail_msg("bvhbench %s: exit %d, '%s', expected one line with '%s'", arguments,
-                 o->exit_status, o->err, words);
-}
-
 static void trace(const char *arguments)
 {
-    const outcome *o = run_program(BB_TEST_OUTSIDE_TRACER, arguments);
+    const outcome *o = run_program("", BB_TEST_OUTSIDE_TRACER, arguments);
     if (o->exit_status != 0 || !(atof(o->out) > 0))
         fail_msg("outside_tracer %s: exit %d, %s%s", arguments, o->exit_status, o->out, o->err);
 }
@@ -242,10 +177,12 @@ static void several_files_are_one_record(void **state)
     assert_true(cJSON_GetNumberValue(
                     cJSON_GetObjectItem(trace_of(json, "outside", "back"), "mrays_s")) == 2);
     cJSON_Delete(json);
-    refuses("judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits", "as many of each");
-    refuses("judge --scene cube --rays-file m0.rays,m0.rays --hits m0.hits,m0.hits", "same rays");
-    refuses("judge --scene cube --rays-file m0.rays,m1.rays --hits m1.hits,m0.hits", "other rays");
-    refuses("judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits,m1.hits --mrays-s 1",
+    refuses("", "judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits", "as many of each");
+    refuses("", "judge --scene cube --rays-file m0.rays,m0.rays --hits m0.hits,m0.hits",
+            "same rays");
+    refuses("", "judge --scene cube --rays-file m0.rays,m1.rays --hits m1.hits,m0.hits",
+            "other rays");
+    refuses("", "judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits,m1.hits --mrays-s 1",
             "--mrays-s");
 }
 
@@ -271,31 +208,32 @@ static void bad_requests_are_refused(void **state)
     make_rays("cube", "random", "other.rays");
     trace("b.rays b.hits");
     trace("other.rays other.hits");
-    refuses("rays --scene cube --rays primary", "--out");
-    refuses("rays --scene cube --out x.rays", "--rays");
-    refuses("rays --rays primary --out x.rays", "--scene");
-    refuses("rays --scene cube --rays gamma --out x.rays", "gamma");
-    refuses("rays --scene cube --rays primary:tmin=a --out x.rays", "tmin");
-    refuses("rays --scene missing.glb --rays primary --out x.rays", "missing.glb");
-    refuses("rays --scene cube --rays primary --view behind --out x.rays", "behind");
-    refuses("rays --scene cube --rays diffuse --view back --out x.rays", "--view");
-    refuses("rays --scene cube --rays random --max-rays 0 --out x.rays", "--max-rays");
-    refuses("rays --scene coffee --rays edges:from=inside --out x.rays", "closed mesh");
-    refuses("rays --scene cube --rays primary --out no/such/x.rays", "no/such/x.rays");
-    refuses("rays --scene cube --rays primary --out /dev/null", "/dev/null");
+    refuses("", "rays --scene cube --rays primary", "--out");
+    refuses("", "rays --scene cube --out x.rays", "--rays");
+    refuses("", "rays --rays primary --out x.rays", "--scene");
+    refuses("", "rays --scene cube --rays gamma --out x.rays", "gamma");
+    refuses("", "rays --scene cube --rays primary:tmin=a --out x.rays", "tmin");
+    refuses("", "rays --scene missing.glb --rays primary --out x.rays", "missing.glb");
+    refuses("", "rays --scene cube --rays primary --view behind --out x.rays", "behind");
+    refuses("", "rays --scene cube --rays diffuse --view back --out x.rays", "--view");
+    refuses("", "rays --scene cube --rays random --max-rays 0 --out x.rays", "--max-rays");
+    refuses("", "rays --scene coffee --rays edges:from=inside --out x.rays", "closed mesh");
+    refuses("", "rays --scene cube --rays primary --out no/such/x.rays", "no/such/x.rays");
+    refuses("", "rays --scene cube --rays primary --out /dev/null", "/dev/null");
     assert_false(exists("x.rays"));
 
-    refuses("judge --scene cube --rays-file b.rays", "--hits");
-    refuses("judge --scene cube --hits b.hits", "--rays-file");
-    refuses("judge --scene cube --rays-file b.rays --hits missing", "missing");
-    refuses("judge --scene cube --rays-file b.hits --hits b.hits", "b.hits");
-    refuses("judge --scene cube --rays-file b.rays --hits b.rays", "BVHBHITS");
-    refuses("judge --scene single --rays-file b.rays --hits b.hits", "another scene");
-    refuses("judge --scene cube --rays-file b.rays --hits other.hits", "other rays");
-    refuses("judge --scene cube --rays-file b.rays --hits b.hits --mrays-s 0", "--mrays-s");
-    refuses("judge --scene cube --rays-file b.rays --hits b.hits --mrays-s nan", "--mrays-s");
-    refuses("judge --scene cube --rays-file b.rays --hits b.hits --name :", "':'");
-    refuses("judge --scene cube --rays-file b.rays --hits b.hits --out /dev/null/x", "/dev/null/x");
+    refuses("", "judge --scene cube --rays-file b.rays", "--hits");
+    refuses("", "judge --scene cube --hits b.hits", "--rays-file");
+    refuses("", "judge --scene cube --rays-file b.rays --hits missing", "missing");
+    refuses("", "judge --scene cube --rays-file b.hits --hits b.hits", "b.hits");
+    refuses("", "judge --scene cube --rays-file b.rays --hits b.rays", "BVHBHITS");
+    refuses("", "judge --scene single --rays-file b.rays --hits b.hits", "another scene");
+    refuses("", "judge --scene cube --rays-file b.rays --hits other.hits", "other rays");
+    refuses("", "judge --scene cube --rays-file b.rays --hits b.hits --mrays-s 0", "--mrays-s");
+    refuses("", "judge --scene cube --rays-file b.rays --hits b.hits --mrays-s nan", "--mrays-s");
+    refuses("", "judge --scene cube --rays-file b.rays --hits b.hits --name :", "':'");
+    refuses("", "judge --scene cube --rays-file b.rays --hits b.hits --out /dev/null/x",
+            "/dev/null/x");
 }
 
 /* As a shell script would damage them. */
@@ -319,10 +257,10 @@ static void damaged_files_are_refused(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char arguments[512];
         snprintf(arguments, sizeof arguments, "(%s)", cases[i].damage);
-        assert_int_equal(run_program(arguments, "")->exit_status, 0);
+        assert_int_equal(run_program("", arguments, "")->exit_status, 0);
         snprintf(arguments, sizeof arguments, "judge --scene cube --rays-file %s --hits %s --out r",
                  cases[i].rays, cases[i].hits);
-        refuses(arguments, cases[i].words);
+        refuses("", arguments, cases[i].words);
         assert_false(exists("r/results.json"));
     }
 }
@@ -332,7 +270,6 @@ static void damaged_files_are_refused(void **state)
 static void forge(const char *from, const char *to, const bb_rays_header *changed, uint32_t aside)
 {
     static char bytes[1 << 20];
-    char path[512];
     size_t size = read_file(from, bytes, sizeof bytes);
     bb_rays_header header = *changed;
     for (uint32_t i = 0; i < aside; i++) {
@@ -347,11 +284,7 @@ static void forge(const char *from, const char *to, const bb_rays_header *change
     memcpy(bytes, &header, sizeof header);
     header.checksum = XXH3_64bits(bytes, size);
     memcpy(bytes, &header, sizeof header);
-    snprintf(path, sizeof path, "%s/%s", folder, to);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
+    write_file(to, bytes, size);
 }
 
 static bb_rays_header header_of(const char *name)
@@ -367,7 +300,7 @@ static bb_rays_header header_of(const char *name)
 static void refuses_forged(const char *words)
 {
     trace("f.rays f.hits");
-    refuses("judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits", words);
+    refuses("", "judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits", words);
 }
 
 /* A file whose hashes are all right, but whose rays are not what it says they are. */
@@ -397,7 +330,7 @@ static void forged_labels_are_refused(void **state)
     changed = header_of("h.rays");
     changed.version = 1;
     forge("h.rays", "f.rays", &changed, 0);
-    refuses("judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits",
+    refuses("", "judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits",
             "f.rays is of version 1, this program reads 2: make rays and hits anew");
 }
 
@@ -413,9 +346,9 @@ static void rays_made_by_hand_are_judged_as_given(void **state)
     const char *judge = "judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits --verify ";
     char arguments[512];
     snprintf(arguments, sizeof arguments, "%s%s", judge, "no");
-    refuses(arguments, "'random' names a workload");
+    refuses("", arguments, "'random' names a workload");
     snprintf(arguments, sizeof arguments, "%s%s", judge, "maybe");
-    refuses(arguments, "--verify");
+    refuses("", arguments, "--verify");
 
     memset(header.rays, 0, sizeof header.rays);
     snprintf(header.rays, sizeof header.rays, "my-rays");
@@ -423,7 +356,7 @@ static void rays_made_by_hand_are_judged_as_given(void **state)
     forge("h.rays", "f.rays", &header, 40);
     trace("f.rays f.hits");
     snprintf(arguments, sizeof arguments, "%s%s", judge, "yes");
-    refuses(arguments, "no rays 'my-rays'");
+    refuses("", arguments, "no rays 'my-rays'");
     snprintf(arguments, sizeof arguments, "%s%s", judge, "no --mrays-s 1 --out given");
     expect(0, arguments, "my-rays (rays as given), closest hit: 3000 hits for 3000 rays");
     cJSON *json = read_results("given/results.json");
@@ -442,20 +375,6 @@ static void rays_made_by_hand_are_judged_as_given(void **state)
     assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(trace_record, "rays_source")),
                         "workload");
     cJSON_Delete(json);
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) != NULL ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    char command[256];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 int main(void)

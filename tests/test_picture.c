@@ -1,16 +1,10 @@
 /* Pictures of tests per ray and of wrong rays: colours where they belong, scales that say what they show, words that are not cut. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 #include "framework/picture/exr.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
+#include "tests/fixture.h"
 #include "tests/hand_scene.h"
 #include "tests/scene_files.h"
 

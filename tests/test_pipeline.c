@@ -2,30 +2,21 @@
  * they take, timed and booked apart; what rotate and presplit promise; side arrays of trees. */
 #include "builders/presplit/clip.h"
 #include "framework/builder/instance.h"
+#include "framework/builder/registry.h"
 #include "framework/tree/tree_cover.h"
+#include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
 
 #include "framework/scene/scene.h"
 
 enum { SEED = 4711 };
 
-static bb_device *device;
-
-static int open_device(void **state)
+static int load_relay(void **state)
 {
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK &&
-        bb_plugin_load(BB_TEST_PLUGIN_DIR "/relay.so") == BB_OK)
+    if (open_device(state) == 0 && bb_plugin_load(BB_TEST_PLUGIN_DIR "/relay.so") == BB_OK)
         return 0;
     print_error("%s\n", bb_message());
     return -1;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
 }
 
 static bb_scene *load(const char *name)
@@ -482,5 +473,5 @@ int main(void)
         cmocka_unit_test(splits_are_made_where_they_save),
         cmocka_unit_test(a_wrong_clip_is_found),
     };
-    return cmocka_run_group_tests_name("pipeline", tests, open_device, close_device);
+    return cmocka_run_group_tests_name("pipeline", tests, load_relay, close_device);
 }

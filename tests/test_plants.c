@@ -1,11 +1,6 @@
 /* Bugs planted in the device code, one at a time (`--kernels-from`): what makes `exact` exact is exercised end to
  * end, so `run` must say that answers are wrong, or unlike those of another kernel. Without a bug it must not. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/fixture.h"
 
 #include <stdio.h>
 #include <stdlib.h>

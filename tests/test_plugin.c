@@ -1,7 +1,8 @@
 /* Plug-ins: what bb_plugin_load() takes, and what it says of what it does not take. The example of
  * tests/plugin/median is loaded and builds; the shared objects of tests/plugin/broken are refused,
  * each with one clear line. */
-#include "framework/builder/builder.h"
+#include "framework/builder/registry.h"
+#include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
 
 #include <sys/stat.h>
@@ -31,9 +32,11 @@ static void test_refusals(void **state)
     expect_refusal(BB_TEST_PLUGIN_DIR, "is no file");
     expect_refusal(BB_TEST_SOURCE_DIR "/CMakeLists.txt", "not a shared object");
     expect_refusal(path_of("none.so"), "exports no bb_plugin");
-    expect_refusal(path_of("abi.so"), "ABI version 999, this bvhbench has 3");
+    expect_refusal(path_of("foreign.so"), "its bb_plugin is no builder of this bvhbench");
+    expect_refusal(path_of("abi.so"), "ABI version 999, this bvhbench has 4");
     expect_refusal(path_of("invalid.so"), "builder invalid: build() is missing");
     expect_refusal(path_of("taken.so"), "there is a builder sah already");
+    expect_refusal(path_of("file.so"), "there is a device file lanes.clh already");
 }
 
 /* A truncated shared object is refused before the loader maps what is not there. */
@@ -86,8 +89,7 @@ static void test_median_builds(void **state)
     assert_int_equal(chdir(BB_TEST_PLUGIN_DIR), 0); /* a name without a slash is a file too */
     expect_refusal("median.so", "there is a builder median already");
 
-    bb_device *device;
-    ASSERT_OK(bb_device_open(NULL, BB_FORM_AUTO, NULL, &device));
+    ASSERT_OK(open_test_device(BB_FORM_AUTO, NULL, &device));
     bb_random random = bb_random_make(6, 0);
     for (uint32_t count = 1; count < 3000; count = count * 3 + 1) {
         bb_scene *scene = make_random_scene(count, &random);

@@ -12,16 +12,13 @@
 #include "framework/base/random.h"
 #include "framework/device/primitives.h"
 #include "kernels/bb_shared.h"
+#include "tests/device_fixture.h"
 
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { COUNT_SMALL = 2000, GUARD = 16 };
 static const uint32_t guard_pattern = 0xA5A5A5A5u;
@@ -45,7 +42,6 @@ static subject subjects[] = {
 };
 enum { SUBJECTS = sizeof subjects / sizeof subjects[0] };
 
-static uint64_t seed = 20240607;
 static bool small;
 
 #define require_ok(expression)                                                                     \
@@ -83,13 +79,11 @@ static void grow_scratch(const subject *s, uint32_t count)
 static int open_subjects(void **state)
 {
     (void)state;
-    const char *text = getenv("BVHBENCH_TEST_SEED");
-    if (text != NULL)
-        seed = strtoull(text, NULL, 0);
+    seed = seed_or(20240607);
     small = getenv("BVHBENCH_TEST_SMALL") != NULL;
     print_message("seed %llu%s\n", (unsigned long long)seed, small ? ", small" : "");
     for (subject *s = subjects; s < subjects + SUBJECTS; s++) {
-        require_ok(bb_device_open(NULL, s->form, NULL, &s->device));
+        require_ok(open_test_device(s->form, NULL, &s->device));
         if (s->group != 0)
             s->device->max_group_size = s->group;
         require_ok(bb_primitives_create(s->device, &s->account, &s->primitives));

@@ -1,23 +1,15 @@
 /* Linking of nodes of a binary tree: preorder index, prefixes and trees against the definition; and what the formulas of Gu,
  * Jendersie, Grosch 2018 give, as printed and as corrected. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL: fewer inputs (for
  * oclgrind). */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "builders/common/radix_tree.h"
 #include "framework/base/random.h"
 #include "tests/device_forms.h"
+#include "tests/fixture.h"
 #include "tests/loose_reference.h"
 
 #include <stdio.h>
 
 enum { NODES_MAX = 600 };
-
-static uint64_t seed;
 
 /* Nodes in preorder, all different. */
 typedef struct input {

@@ -6,11 +6,7 @@
 #include "framework/scene/camera.h"
 #include "framework/workload/workload.h"
 #include "hand_scene.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-
-#include <cmocka.h>
+#include "tests/fixture.h"
 
 enum { SIZE = 96, MOST = 60000 };
 static const uint64_t seed = 99;

@@ -1,14 +1,8 @@
 /* The report: the table on the terminal and the HTML page. `test_report --write FOLDER` only writes
  * a sample there, for a look or for tests/report/check.sh. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/file.h"
 #include "framework/report/report.h"
+#include "tests/fixture.h"
 #include "tests/report_sample.h"
 
 #include <cjson/cJSON.h>

@@ -1,7 +1,7 @@
 /* The host builders, sah (both methods) and null: on random and adversarial boxes their trees pass
  * the checker, come out the same twice, and the sweep is at least as good as the bins. */
 #include "framework/base/clock.h"
-#include "framework/builder/builder.h"
+#include "framework/builder/registry.h"
 #include "tests/tree_fixture.h"
 
 static const uint64_t SEED = 99;

@@ -1,26 +1,8 @@
 /* A scene on the device: the bytes that come back, a second upload, and the refusal of what does
  * not fit. */
 #include "framework/scene/prim.h"
+#include "tests/device_fixture.h"
 #include "tests/scene_files.h"
-
-static bb_device *device;
-
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) != BB_OK) {
-        print_error("%s\n", bb_message());
-        return -1;
-    }
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
 
 static void expect_bytes(const bb_buffer *buffer, const void *expected, size_t at, size_t size)
 {

@@ -1,27 +1,10 @@
 /* Side arrays of trees: reserved and booked by a builder, copied with the tree, renumbered and
  * hashed with it, gone when it is reserved again; and asked for by a layout. */
+#include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
 #include "traversal/traversal.h"
 
 enum { SEED = 31, PRIMS = 300 };
-
-static bb_device *device;
-
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_device_close(device);
-    return 0;
-}
 
 /* A layout whose nodes are what the tree's array "marks" says of each. */
 static bb_status create(bb_device *on, bb_account *account, void **self)

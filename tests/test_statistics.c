@@ -1,14 +1,8 @@
 /* Statistics: medians, their intervals and how often these cover, paired ratios, rates, selection.
  * Seed: BVHBENCH_TEST_SEED. Simulates three million medians: some seconds. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
 #include "framework/base/statistics.h"
+#include "tests/fixture.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,15 +1,9 @@
 /* The pool of host threads: each index once, the results there when it returns, jobs back to back.
  * What a data race would spoil is written without atomics, for ThreadSanitizer to see (preset
  * tsan). Seed: BVHBENCH_TEST_SEED. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
+#include "tests/fixture.h"
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -150,8 +144,7 @@ static void pools_do_not_meet(void **state)
 
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
+    seed = seed_or(seed);
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_index_is_taken_once),

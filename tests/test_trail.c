@@ -1,16 +1,9 @@
 /* Trail arithmetic (kernels/trail.clh) against recursion: for every number of children and size of the short stack, the leaves of random
  * trees are visited in the same order, under a limit that shrinks on the way. Small enough for oclgrind. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "framework/base/file.h"
 #include "framework/base/random.h"
-#include "framework/device/device.h"
 #include "kernels/bb_shared.h"
+#include "tests/device_fixture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,15 +12,7 @@
 
 enum { TREES = 64, NODES_MAX = 1500 };
 
-static const uint64_t seed = 1969;
-static bb_device *device;
 static bb_source source = {.name = "trail_walk.cl"};
-
-static void check(bb_status status, const char *what)
-{
-    if (status != BB_OK)
-        fail_msg("%s: %s", what, bb_message());
-}
 
 typedef struct walk_node {
     uint32_t first, count;
@@ -150,14 +135,12 @@ static void the_trail_visits_what_recursion_does(void **state)
         }
 }
 
-static int open_device(void **state)
+static int open_all(void **state)
 {
-    (void)state;
     char *text = NULL;
     size_t size = 0;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK &&
-        bb_file_read(BB_TEST_SOURCE_DIR "/tests/trail_walk.cl", 1 << 20, "trail_walk.cl", &text,
-                     &size) == BB_OK) {
+    if (open_device(state) == 0 && bb_file_read(BB_TEST_SOURCE_DIR "/tests/trail_walk.cl", 1 << 20,
+                                                "trail_walk.cl", &text, &size) == BB_OK) {
         source.text = text;
         return 0;
     }
@@ -165,18 +148,18 @@ static int open_device(void **state)
     return -1;
 }
 
-static int close_device(void **state)
+static int close_all(void **state)
 {
-    (void)state;
-    bb_device_close(device);
+    close_device(state);
     free((void *)(uintptr_t)source.text);
     return 0;
 }
 
 int main(void)
 {
+    seed = 1969;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_trail_visits_what_recursion_does),
     };
-    return cmocka_run_group_tests(tests, open_device, close_device);
+    return cmocka_run_group_tests(tests, open_all, close_all);
 }

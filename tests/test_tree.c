@@ -1,4 +1,5 @@
 /* The common tree: preorder, hash, stack need; memory and copies. */
+#include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
 
 static const uint64_t SEED = 20240607;
@@ -112,8 +113,7 @@ static void test_reserve_refuses(void **state)
 static void test_copies(void **state)
 {
     (void)state;
-    bb_device *device;
-    ASSERT_OK(bb_device_open(NULL, BB_FORM_AUTO, NULL, &device));
+    ASSERT_OK(open_test_device(BB_FORM_AUTO, NULL, &device));
     bb_random random = bb_random_make(SEED + 5, 0);
     bb_scene *scene = make_random_scene(1000, &random);
     bb_account account = {0};

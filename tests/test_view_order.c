@@ -1,12 +1,6 @@
 /* Directions of views, and the order of axes that follows from them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "builders/common/view_order.h"
+#include "tests/fixture.h"
 
 #include <stdio.h>
 #include <string.h>

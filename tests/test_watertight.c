@@ -4,6 +4,7 @@
  * along long triangles, by every kernel. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "framework/judge/queries.h"
+#include "tests/device_fixture.h"
 #include "tests/trace_fixture.h"
 
 /* ---- on the device: triangle i against ray i, and its own box ---- */
@@ -76,7 +77,7 @@ static verdict run(const batch *b, float scale, bool rough, const char *defines)
     char *text = malloc(strlen(prologue[rough]) + sizeof program_text);
     strcpy(text, prologue[rough]);
     strcat(text, program_text);
-    const bb_source source = {"test_watertight.cl", text};
+    const bb_source source = {.name = "test_watertight.cl", .text = text};
     uint32_t *order = calloc(3 * (size_t)b->count, sizeof *order);
     float *found = calloc(10 * (size_t)b->count, sizeof *found);
     for (uint32_t i = 0; i < 3 * b->count; i++)
@@ -416,27 +417,8 @@ static void from_afar_kernels_answer_alike(void **state)
     free(hits);
 }
 
-static int open_device(void **state)
-{
-    (void)state;
-    if (bb_device_open(NULL, BB_FORM_AUTO, NULL, &device) == BB_OK)
-        return 0;
-    print_error("%s\n", bb_message());
-    return -1;
-}
-
-static int close_device(void **state)
-{
-    (void)state;
-    bb_tracers_clear(device);
-    bb_device_close(device);
-    return 0;
-}
-
 int main(void)
 {
-    if (getenv("BVHBENCH_TEST_SEED") != NULL)
-        seed = strtoull(getenv("BVHBENCH_TEST_SEED"), NULL, 10);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_the_triangle_test_accepts_is_in_its_box),
         cmocka_unit_test(the_budget_is_needed),

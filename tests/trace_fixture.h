@@ -3,25 +3,13 @@
 #define BB_TRACE_FIXTURE_H
 
 #include "framework/builder/instance.h"
+#include "tests/device_fixture.h"
 #include "traversal/pass.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
-
-static uint64_t seed = 20261121;
-static bb_device *device;
-
-static inline void check(bb_status status, const char *what)
-{
-    if (status != BB_OK)
-        fail_msg("%s (seed %llu): %s", what, (unsigned long long)seed, bb_message());
-}
 
 typedef struct bed {
     bb_scene *scene; /* the bed's own */
@@ -44,16 +32,29 @@ static inline void choose_kernel(bed *b, const char *kernel, uint32_t leaf)
           kernel);
 }
 
-static inline void open_bed(bed *b, bb_scene *scene, const char *builder, const char *kernel,
-                            uint32_t leaf)
+/* Takes the scene, also where the builder does not take its primitives: then there is nothing to close. */
+static inline bool open_bed_if_taken(bed *b, bb_scene *scene, const char *builder,
+                                     const char *kernel, uint32_t leaf, uint32_t *ran)
 {
     memset(b, 0, sizeof *b);
     b->scene = scene;
     check(bb_scene_upload(scene, device), "upload");
-    check(bb_instance_create(device, builder, scene, seed, &b->instance), builder);
+    if (!is_taken(bb_instance_create(device, builder, scene, seed, &b->instance), builder, ran)) {
+        bb_scene_free(scene);
+        return false;
+    }
     check(bb_instance_build(&b->instance, scene, false, NULL), builder);
     check(bb_tree_upload(&b->instance.tree, device, NULL), builder);
     choose_kernel(b, kernel, leaf);
+    return true;
+}
+
+static inline void open_bed(bed *b, bb_scene *scene, const char *builder, const char *kernel,
+                            uint32_t leaf)
+{
+    uint32_t ran = 0;
+    if (!open_bed_if_taken(b, scene, builder, kernel, leaf, &ran))
+        fail_msg("builder %s does not take the scene: %s", builder, bb_message());
 }
 
 static inline void close_bed(bed *b)

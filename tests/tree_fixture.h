@@ -4,28 +4,12 @@
 
 #include "framework/base/random.h"
 #include "framework/tree/tree.h"
+#include "tests/fixture.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
-
-#define ASSERT_OK(expression)                                                                      \
-    do {                                                                                           \
-        if ((expression) != BB_OK)                                                                 \
-            fail_msg("%s: %s", #expression, bb_message());                                         \
-    } while (0)
-
-#define ASSERT_NEAR(value, expected, slack)                                                        \
-    do {                                                                                           \
-        double value_ = (value), expected_ = (expected);                                           \
-        if (!(fabs(value_ - expected_) <= (slack)))                                                \
-            fail_msg("%s is %.17g, expected %.17g", #value, value_, expected_);                    \
-    } while (0)
 
 /* A scene of `count` empty boxes, for tests that look at nothing else. */
 static inline bb_scene *make_box_scene(uint32_t count)

@@ -14,6 +14,7 @@
 
 #include <stdbool.h>
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -121,5 +122,6 @@ const bb_code_layout *bb_codes_layout(const bb_codes *codes);
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

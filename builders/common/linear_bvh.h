@@ -9,6 +9,7 @@
 
 #include "builders/common/codes.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -30,5 +31,6 @@ void bb_linear_destroy(void *self);
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

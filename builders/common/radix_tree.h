@@ -13,6 +13,7 @@
 #include "framework/device/device.h"
 #include "framework/tree/tree.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -54,5 +55,6 @@ bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const 
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

@@ -9,6 +9,7 @@
 
 #include "framework/scene/scene.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -36,5 +37,6 @@ bb_axis_order bb_axis_order_of(const double direction[3]);
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

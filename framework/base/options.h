@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -64,5 +65,6 @@ bb_status bb_spec_list(const char *text, char **items, size_t capacity, size_t *
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

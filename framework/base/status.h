@@ -6,6 +6,7 @@
 #ifndef BB_STATUS_H
 #define BB_STATUS_H
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -40,5 +41,6 @@ const char *bb_status_word(bb_status status);
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

@@ -4,6 +4,8 @@
 #include "framework/base/clock.h"
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "framework/picture/picture.h"
 #include "framework/workload/workload.h"
 
@@ -296,7 +298,7 @@ static void end_scene(bb_bench *bench)
 {
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
-        bb_bench_evict(&bench->entrants[i]);
+        bb_resident_evict(&bench->entrants[i]);
         bb_embree_destroy(bench->entrants[i].embree);
     }
     free(bench->entrants);
@@ -370,6 +372,8 @@ static bb_status try_builders(bb_bench *bench)
 static bb_status start_buffers(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
+    if (request->workload_count == 0)
+        return BB_OK;
     uint64_t most = (uint64_t)request->width * request->height;
     most = most > request->max_rays ? most : request->max_rays;
     bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;
@@ -389,6 +393,18 @@ uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
                             const bb_intersector *intersector)
 {
     return bench->kernels[kernel].layouts[bb_intersector_form(intersector)];
+}
+
+bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel)
+{
+    if (!bench->kernels[kernel].native_only)
+        return true;
+    for (uint32_t k = 0; k < bench->kernel_count; k++)
+        for (uint32_t i = 0; i < bench->request->intersector_count; i++)
+            if (!bench->kernels[k].native_only &&
+                entrant->keeps_shape[bb_bench_layout_of(bench, k, &bench->intersectors[i])])
+                return false;
+    return entrant->record.has_tree;
 }
 
 /* The layout that the kernel reads, with triangles in `form`: one that is there already, or a new one. */

@@ -3,6 +3,8 @@
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,87 +16,6 @@ enum {
     PHASE_BUILDS = 3,
     REPEATS = 5, /* of transfers and layouts */
 };
-
-void bb_bench_evict(bb_entrant *entrant)
-{
-    for (uint32_t k = 0; k < BB_LAYOUTS_MAX; k++) {
-        bb_layout_data_release(&entrant->layouts[k]);
-        entrant->has_layout[k] = false;
-    }
-    bb_instance_destroy(&entrant->instance);
-    entrant->built = false;
-}
-
-bool bb_bench_evict_others(bb_bench *bench, const bb_entrant *keep)
-{
-    bool freed = false;
-    for (uint32_t i = 0; i < bench->entrant_count; i++) {
-        bb_entrant *other = &bench->entrants[i];
-        if (other == keep || other->instance.pipeline.count == 0)
-            continue;
-        bb_bench_evict(other);
-        freed = true;
-    }
-    return freed;
-}
-
-/* Of all stages, so that the harness knows what runs where. */
-static uint32_t stages_on_device(const bb_entrant *entrant)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < entrant->pipeline.count; i++)
-        count += entrant->pipeline.stages[i].builder->place == BB_ON_DEVICE;
-    return count;
-}
-
-static bb_status create_and_build(bb_bench *bench, bb_entrant *entrant, double *ms)
-{
-    bb_build_timing timing;
-    if (entrant->instance.pipeline.count == 0)
-        BB_TRY(bb_instance_create(bench->device, entrant->text, bench->scene, bench->request->seed,
-                                  &entrant->instance));
-    BB_TRY(bb_instance_build(&entrant->instance, bench->scene, false, &timing));
-    *ms = timing.timing.ms;
-    return BB_OK;
-}
-
-/* A first build, on fresh memory. Drivers may compile a kernel when it is first enqueued; so that
- * this is no part of the cold time, the very first build on a device is thrown away, memory and
- * all. */
-static bb_status first_build(bb_bench *bench, bb_entrant *entrant, double *cold_ms)
-{
-    bb_step step = bb_bench_begin(bench);
-    bb_status status = BB_OK;
-    if (!entrant->compiled && stages_on_device(entrant) > 0) {
-        status = create_and_build(bench, entrant, cold_ms);
-        bb_bench_evict(entrant);
-    }
-    entrant->compiled = true;
-    if (status == BB_OK)
-        status = create_and_build(bench, entrant, cold_ms);
-    entrant->built = status == BB_OK;
-    return bb_bench_end(bench, step, "compile, allocate, first builds", status);
-}
-
-/* Makes the entrant's tree exist. What does not fit beside the others' is built in their place. */
-static bb_status acquire(bb_bench *bench, bb_entrant *entrant)
-{
-    if (entrant->built)
-        return BB_OK;
-    double cold_ms = NAN;
-    bb_status status = first_build(bench, entrant, &cold_ms);
-    if (status == BB_REFUSED && bb_bench_evict_others(bench, entrant)) {
-        bb_bench_evict(entrant);
-        status = first_build(bench, entrant, &cold_ms);
-    }
-    if (status != BB_OK) {
-        bb_bench_evict(entrant);
-        return status;
-    }
-    if (isnan(entrant->record.cold_ms))
-        entrant->record.cold_ms = cold_ms;
-    return BB_OK;
-}
 
 /* Phases of a pipeline have their stage's name before their own. */
 static void add_phases(bb_entrant *entrant, const bb_build_step *step)
@@ -140,7 +61,7 @@ static void add_steps(bb_entrant *entrant)
  * nothing moved. The first time, on fresh memory, is left out of the median. */
 static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
 {
-    if (stages_on_device(entrant) == entrant->pipeline.count)
+    if (bb_pipeline_on_device(&entrant->pipeline) == entrant->pipeline.count)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i <= REPEATS; i++) {
@@ -201,7 +122,7 @@ static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_t
 
 static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
 {
-    BB_TRY(acquire(bench, entrant));
+    BB_TRY(bb_resident_tree(bench, entrant));
     bb_build_timing timing;
     bb_instance *instance = &entrant->instance;
     bb_step step = bb_bench_begin(bench);
@@ -250,7 +171,7 @@ static void note_failure(bb_entrant *entrant, bb_status status)
 {
     entrant->record.status = status;
     snprintf(entrant->record.reason, sizeof entrant->record.reason, "%s", bb_message());
-    bb_bench_evict(entrant);
+    bb_resident_evict(entrant);
 }
 
 /* The first build, on fresh memory, is the reference's cold one, as the others have theirs. */
@@ -280,7 +201,7 @@ static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
     if (entrant->reference)
         return exact ? BB_OK : build_reference(bench, entrant);
     /* the phases of a builder on the host were exact all along */
-    if (exact && stages_on_device(entrant) == 0)
+    if (exact && bb_pipeline_on_device(&entrant->pipeline) == 0)
         return BB_OK;
     if (!exact)
         return timed_build(bench, entrant, exact);
@@ -293,6 +214,47 @@ static void finish_phases(bb_entrant *entrant)
 {
     for (uint32_t i = 0; i < entrant->record.phase_count; i++)
         entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
+}
+
+/* Makes it some times more, for its time, when it is the first of its name. The one that is there paid for
+ * fresh memory: it is kept, and left out of the median. */
+static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
+{
+    bb_build_record *record = &entrant->record;
+    const bb_layout_data *data = &entrant->layouts[layout];
+    for (uint32_t k = 0; k < record->layout_count; k++)
+        if (strcmp(record->layouts[k].name, data->name) == 0)
+            return BB_OK;
+    uint32_t k = record->layout_count++;
+    snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
+    record->layouts[k].sah =
+        isnan(data->sah) && data->keeps_shape ? entrant->record.sah : data->sah;
+    bb_samples_add(&record->layouts[k].ms, data->timing.ms);
+    for (uint32_t i = 0; i < REPEATS; i++) {
+        char what[256];
+        BB_TRY(bb_resident_layout_again(bench, entrant, layout));
+        bb_samples_add(&record->layouts[k].ms, data->timing.ms);
+        snprintf(what, sizeof what, "layout %s of %.100s by %.100s", data->name, bench->scene->name,
+                 entrant->text);
+        bb_audit_timing(&bench->outcome->audit, what, &data->timing, true);
+    }
+    return BB_OK;
+}
+
+/* A layout that is refused is the trace's failure, not the build's: bb_resident_layout() will say so
+ * again. */
+static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
+{
+    for (uint32_t k = 0; k < bench->kernel_count; k++)
+        for (uint32_t i = 0;
+             bb_bench_takes(bench, entrant, k) && i < bench->request->intersector_count; i++) {
+            uint32_t layout = bb_bench_layout_of(bench, k, &bench->intersectors[i]);
+            bb_status status = bb_resident_layout(bench, entrant, layout);
+            bb_step step = bb_bench_begin(bench);
+            if (status == BB_OK)
+                status = measure_layout(bench, entrant, layout);
+            (void)bb_bench_end(bench, step, "layouts", status);
+        }
 }
 
 bb_status bb_bench_builds(bb_bench *bench)
@@ -319,118 +281,15 @@ bb_status bb_bench_builds(bb_bench *bench)
         if (entrant->record.status != BB_OK || entrant->reference)
             continue;
         finish_phases(entrant);
-        bb_status status = acquire(bench, entrant);
+        bb_status status = bb_resident_tree(bench, entrant);
         if (status == BB_OK)
             status = measure_transfer(bench, entrant);
         if (status == BB_OK)
             status = measure_tree(bench, entrant);
-        /* a layout that is refused is the trace's failure, not the build's: bb_bench_layout() will
-         * say so again */
-        for (uint32_t k = 0; k < bench->kernel_count && status == BB_OK; k++)
-            for (uint32_t i = 0;
-                 bb_bench_takes(bench, entrant, k) && i < bench->request->intersector_count; i++)
-                (void)bb_bench_layout(bench, entrant,
-                                      bb_bench_layout_of(bench, k, &bench->intersectors[i]));
+        if (status == BB_OK)
+            measure_layouts(bench, entrant);
         if (status != BB_OK)
             note_failure(entrant, status);
     }
-    return BB_OK;
-}
-
-static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
-{
-    bb_layout_choice *choice = &bench->layouts[layout];
-    bb_layout_data *data = &entrant->layouts[layout];
-    bb_tree *tree = &entrant->instance.tree;
-    BB_TRY(bb_tree_upload(tree, bench->device, NULL));
-    return bb_layout_maker_make(&choice->maker, bench->scene, tree, choice->leaf, choice->form,
-                                data);
-}
-
-/* Makes it some times more, for its time, when it is the first of its name. The one that is there
- * paid for fresh memory: it is kept, and left out of the median. */
-static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
-{
-    bb_build_record *record = &entrant->record;
-    const bb_layout_data *data = &entrant->layouts[layout];
-    for (uint32_t k = 0; k < record->layout_count; k++)
-        if (strcmp(record->layouts[k].name, data->name) == 0)
-            return BB_OK;
-    uint32_t k = record->layout_count++;
-    snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
-    record->layouts[k].sah =
-        isnan(data->sah) && data->keeps_shape ? entrant->record.sah : data->sah;
-    bb_samples_add(&record->layouts[k].ms, data->timing.ms);
-    for (uint32_t i = 0; i < REPEATS; i++) {
-        char what[256];
-        BB_TRY(make_layout(bench, entrant, layout));
-        bb_samples_add(&record->layouts[k].ms, data->timing.ms);
-        snprintf(what, sizeof what, "layout %s of %.100s by %.100s", data->name, bench->scene->name,
-                 entrant->text);
-        bb_audit_timing(&bench->outcome->audit, what, &data->timing, true);
-    }
-    return BB_OK;
-}
-
-bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel)
-{
-    if (!bench->kernels[kernel].native_only)
-        return true;
-    for (uint32_t k = 0; k < bench->kernel_count; k++)
-        for (uint32_t i = 0; i < bench->request->intersector_count; i++)
-            if (!bench->kernels[k].native_only &&
-                entrant->keeps_shape[bb_bench_layout_of(bench, k, &bench->intersectors[i])])
-                return false;
-    return entrant->record.has_tree;
-}
-
-/* Makes room for one layout: other builders' trees, the entrant's other layouts, and the scratch
- * that made those. All of it is made again when its turn comes. */
-static bb_status make_room(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
-{
-    bb_bench_evict_others(bench, entrant);
-    for (uint32_t k = 0; k < bench->layout_count; k++) {
-        bb_layout_data_release(&entrant->layouts[k]);
-        entrant->has_layout[k] = false;
-        bb_layout_maker *maker = &bench->layouts[k].maker;
-        const bb_layout *made = maker->layout;
-        if (k == layout || made == NULL)
-            continue;
-        bb_layout_maker_destroy(maker);
-        BB_TRY(bb_layout_maker_create(made, bench->device, maker));
-    }
-    return BB_OK;
-}
-
-bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
-{
-    if (entrant->has_layout[layout])
-        return BB_OK;
-    bb_step step = bb_bench_begin(bench);
-    bb_status status = acquire(bench, entrant);
-    const bb_tree_info *info = &entrant->instance.tree.info;
-    if (status == BB_OK && entrant->record.has_tree &&
-        (info->node_count != entrant->record.tree.node_count ||
-         info->depth != entrant->record.tree.depth))
-        status =
-            bb_fail(BB_FAILED, "built again, the tree has %u nodes and depth %u, not %u and %u",
-                    info->node_count, info->depth, entrant->record.tree.node_count,
-                    entrant->record.tree.depth);
-    if (status == BB_OK)
-        status = make_layout(bench, entrant, layout);
-    if (status == BB_REFUSED) {
-        status = make_room(bench, entrant, layout);
-        if (status == BB_OK)
-            status = make_layout(bench, entrant, layout);
-    }
-    if (status == BB_OK)
-        status = measure_layout(bench, entrant, layout);
-    status = bb_bench_end(bench, step, "layouts", status);
-    if (status != BB_OK) {
-        bb_layout_data_release(&entrant->layouts[layout]);
-        return status;
-    }
-    entrant->has_layout[layout] = true;
-    entrant->keeps_shape[layout] = entrant->layouts[layout].keeps_shape;
     return BB_OK;
 }

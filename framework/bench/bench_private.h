@@ -1,4 +1,5 @@
-/* What the parts of the comparison share: bench.c, bench_builds.c, bench_traces.c. */
+/* What the parts of the comparison share: bench.c, resident.c, and above them bench_builds.c and
+ * bench_traces.c. */
 #ifndef BB_BENCH_PRIVATE_H
 #define BB_BENCH_PRIVATE_H
 
@@ -99,15 +100,8 @@ bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_statu
 /* order[0..count) = a random permutation of 0..count-1. */
 void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);
 
-/* Frees what all entrants but `keep` (may be NULL) have in memory; false if that was nothing. */
-bool bb_bench_evict_others(bb_bench *bench, const bb_entrant *keep);
-
 /* Builds of all entrants, interleaved; fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
-
-/* Makes sure that layout `layout` of the entrant is on the device; evicts other entrants and builds again, untimed, where
- * memory asks for it. BB_FAILED if what was built again has another shape than what was recorded. */
-bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
 
 /* The layout that the kernel reads with this intersector. */
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
@@ -116,10 +110,24 @@ uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
 /* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for have been made. */
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);
 
-/* Frees what the entrant has in memory; its record stays. */
-void bb_bench_evict(bb_entrant *entrant);
-
 /* All cells of one ray set, interleaved; adds their records. */
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);
+
+/* ---- what is on the device (resident.c) ---- */
+
+/* Makes sure that the entrant's tree exists: builds it, untimed but for the first, cold time; in the
+ * others' place where it does not fit beside them. */
+bb_status bb_resident_tree(bb_bench *bench, bb_entrant *entrant);
+
+/* Makes sure that layout `layout` of the entrant is on the device; evicts other entrants and builds
+ * again, untimed, where memory asks for it. BB_FAILED if what was built again has another shape than
+ * what was recorded. */
+bb_status bb_resident_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
+
+/* Makes a layout that is there once more, in its place; if that fails, it is gone. */
+bb_status bb_resident_layout_again(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
+
+/* Frees what the entrant has in memory; its record stays. */
+void bb_resident_evict(bb_entrant *entrant);
 
 #endif

@@ -108,7 +108,7 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
     bool reference = c->entrant->reference;
     *timing = (bb_timing){0, 0, 0};
     if (!reference)
-        BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
+        BB_TRY(bb_resident_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);
     uint32_t batch = set->bench->batch;
     const bb_pass pass = pass_of(set, c);
@@ -156,7 +156,7 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     bb_bench *bench = set->bench;
     if (c->entrant->reference)
         return BB_OK;
-    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
+    BB_TRY(bb_resident_layout(bench, c->entrant, c->layout));
     const bb_layout_data *layout = &c->entrant->layouts[c->layout];
     bb_tracer_request request = tracer_request(set, c);
     bb_step step = bb_bench_begin(bench);
@@ -245,7 +245,7 @@ static bb_status count_tests(trace_set *set, cell *c)
     if (c->entrant->reference)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
-    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
+    BB_TRY(bb_resident_layout(bench, c->entrant, c->layout));
     bb_tracer_request request = tracer_request(set, c);
     request.counting = true;
     bb_tracer *tracer;

@@ -2,8 +2,11 @@
 #include "framework/scene/prim.h"
 #include "framework/workload/workload.h"
 
+#include "framework/bench/cost.h"
+#include "framework/device/device_private.h"
 #include "traversal/pass.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +28,7 @@ typedef struct ray_set {
     bb_answers answers;
     char *results; /* of the first `count` rays */
     uint32_t count;
+    uint32_t affordable; /* rays on the tree at hand */
     char whose[128];
 } ray_set;
 
@@ -43,15 +47,27 @@ struct bb_conformance {
     char *results; /* of the last trace */
 };
 
-/* Tests that a set may take. Rays of a tree that is one leaf test all primitives; those of a chain may meet all of
- * its levels, and again and again where a kernel restarts from the root: they get fewer. */
-static const double primitive_tests = 4e7, level_tests = 1e8;
+/* Tests of boxes and primitives that a set may take by one kernel, of which there are many; without a
+ * tree, once. A kernel that restarts from the root meets all levels of a chain again and again, which the
+ * kernel that counts tests does not. */
+static const double most_tests = 1.5e6, most_brute_tests = 4e7, most_levels = 1e8;
 
-static uint32_t affordable(const bb_tree_info *tree, uint32_t count)
+/* As many rays of each set as there is time for on this tree, which is on the device. */
+static bb_status choose_counts(bb_conformance *c, bb_tree *tree)
 {
-    double most = tree->node_count > 1 ? level_tests / tree->depth / tree->depth
-                                       : primitive_tests / tree->ref_count;
-    return count <= most ? count : 1 + (uint32_t)most;
+    const bb_rays *rays[SETS_MAX] = {NULL};
+    double tests[SETS_MAX] = {0}, depth = tree->info.depth;
+    double budget = tree->info.node_count == 1 ? most_brute_tests : most_tests;
+    for (uint32_t i = 0; i < c->set_count; i++)
+        rays[i] = c->sets[i].rays;
+    BB_TRY(bb_tree_upload(tree, c->device, NULL));
+    BB_TRY(bb_tests_per_ray(c->device, c->scene, tree, rays, c->set_count, tests));
+    for (uint32_t i = 0; i < c->set_count; i++) {
+        double most = budget / fmax(1, tests[i]);
+        most = fmin(most, most_levels / fmax(1, depth * depth));
+        c->sets[i].affordable = rays[i]->count <= most ? rays[i]->count : 1 + (uint32_t)most;
+    }
+    return BB_OK;
 }
 
 /* ---- the answers ---- */
@@ -125,10 +141,9 @@ static bb_status compare(bb_conformance *c, ray_set *set, const char *builder, c
 }
 
 static bb_status check_set(bb_conformance *c, ray_set *set, const char *builder,
-                           const bb_kernel *kernel, const bb_layout_data *layout,
-                           const bb_tree_info *tree)
+                           const bb_kernel *kernel, const bb_layout_data *layout)
 {
-    uint32_t count = affordable(tree, set->rays->count);
+    uint32_t count = set->affordable;
     bool overflows;
     BB_TRY(trace(c, set, kernel, layout, count, &overflows));
     BB_TRY(judge(c, set, kernel->name, count, overflows));
@@ -149,7 +164,7 @@ static bb_status check_kernel(bb_conformance *c, bb_tree *tree, const char *buil
         status = bb_layout_maker_make(&maker, c->scene, tree, 1, BB_RECORD_VERTICES, &data);
     for (uint32_t i = 0; i < c->set_count && status == BB_OK; i++)
         if ((kernel->queries & c->sets[i].rays->query->way) != 0) {
-            status = check_set(c, &c->sets[i], builder, kernel, &data, &tree->info);
+            status = check_set(c, &c->sets[i], builder, kernel, &data);
             traced++;
         }
     if (status == BB_OK && traced == 0)
@@ -183,6 +198,8 @@ bb_status bb_conformance_brute_force(bb_conformance *c)
 {
     bb_tree tree;
     bb_status status = make_one_leaf(c->scene, &tree);
+    if (status == BB_OK)
+        status = choose_counts(c, &tree);
     if (status == BB_OK)
         status = check_kernel(c, &tree, "brute force", bb_kernels[0]);
     bb_tree_release(&tree);
@@ -314,9 +331,14 @@ const char *bb_conformance_left_out(const bb_conformance *c)
 
 /* ---- a builder ---- */
 
-static bb_status check_tree(bb_instance *instance, const bb_scene *scene, uint64_t *hash)
+/* `ms` gets the build's time; may be NULL. */
+static bb_status check_tree(bb_instance *instance, const bb_scene *scene, uint64_t *hash,
+                            double *ms)
 {
-    BB_TRY(bb_instance_build(instance, scene, false, NULL));
+    bb_build_timing timing;
+    BB_TRY(bb_instance_build(instance, scene, false, &timing));
+    if (ms != NULL)
+        *ms = timing.timing.ms;
     BB_TRY(bb_tree_download(&instance->tree, NULL));
     BB_TRY(bb_tree_check(&instance->tree, scene));
     return bb_tree_hash(&instance->tree, hash);
@@ -324,21 +346,22 @@ static bb_status check_tree(bb_instance *instance, const bb_scene *scene, uint64
 
 /* A builder that keeps what it made before would give the tree of the other order again. The last build
  * is of the scene itself, whose tree stays. */
-static bb_status check_trees(bb_conformance *c, bb_instance *instance, uint64_t hashes[BUILDS])
+static bb_status check_trees(bb_conformance *c, bb_instance *instance, uint64_t hashes[BUILDS],
+                             double *ms)
 {
     bb_instance fresh = {0};
     uint64_t other;
-    BB_TRY(check_tree(instance, c->scene, &hashes[0]));
-    bb_status status = check_tree(instance, c->reversed, &other);
+    BB_TRY(check_tree(instance, c->scene, &hashes[0], NULL));
+    bb_status status = check_tree(instance, c->reversed, &other, NULL);
     if (status != BB_OK) {
         char reason[512];
         snprintf(reason, sizeof reason, "%s", bb_message());
         return bb_fail(status, "built with the primitives in reverse order: %s", reason);
     }
-    BB_TRY(check_tree(instance, c->scene, &hashes[1]));
+    BB_TRY(check_tree(instance, c->scene, &hashes[1], ms));
     status = bb_instance_create(c->device, instance->pipeline.text, c->scene, c->seed, &fresh);
     if (status == BB_OK)
-        status = check_tree(&fresh, c->scene, &hashes[2]);
+        status = check_tree(&fresh, c->scene, &hashes[2], NULL);
     bb_instance_destroy(&fresh);
     BB_TRY(status);
     bool same = hashes[0] == hashes[1] && hashes[1] == hashes[2];
@@ -370,24 +393,28 @@ static bb_status check_kernels(bb_conformance *c, bb_instance *instance, char *r
     return traced > 0 ? BB_OK : bb_fail(BB_FAILED, "no kernel takes the tree: %s", reason);
 }
 
-bb_status bb_conformance_check(bb_conformance *c, const char *builder, char *note, size_t capacity)
+bb_status bb_conformance_check(bb_conformance *c, const char *builder, bb_conformed *found)
 {
     uint64_t hashes[BUILDS] = {0};
     bb_instance instance = {0};
     char about[256] = "", refusing[160] = "";
+    memset(found, 0, sizeof *found);
     BB_TRY(bb_instance_create(c->device, builder, c->scene, c->seed, &instance));
-    bb_status status = check_trees(c, &instance, hashes);
+    bb_status status = check_trees(c, &instance, hashes, &found->build_ms);
+    if (status == BB_OK)
+        status = choose_counts(c, &instance.tree);
     if (status == BB_OK)
         status = check_kernels(c, &instance, refusing, sizeof refusing);
     if (status == BB_OK)
         status = bb_instance_describe(&instance, c->scene, about, sizeof about);
+    found->hash = hashes[0];
+    found->deterministic = bb_instance_is_deterministic(&instance);
+    bool repeats = hashes[0] == hashes[1] && hashes[1] == hashes[2];
     if (status == BB_OK)
-        snprintf(note, capacity, "%u nodes, depth %u, tree %016llx%s%s%s%s",
+        snprintf(found->note, sizeof found->note, "%u nodes, depth %u, tree %016llx%s%s%s%s",
                  instance.tree.info.node_count, instance.tree.info.depth,
                  (unsigned long long)hashes[0],
-                 hashes[0] == hashes[1] && hashes[1] == hashes[2]
-                     ? ""
-                     : " (differs between builds, as its builder says)",
+                 repeats ? "" : " (differs between builds, as its builder says)",
                  about[0] != '\0' ? "; " : "", about, refusing);
     bb_instance_destroy(&instance);
     return status;

@@ -1,6 +1,8 @@
 /* The life of an instance, and what its stages are shown of the scene. */
 #include "framework/builder/instance_private.h"
 
+#include "framework/device/device_private.h"
+
 #include <stdio.h>
 #include <string.h>
 

@@ -1,5 +1,7 @@
 #include "framework/builder/pipeline.h"
 
+#include "framework/builder/registry.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -135,4 +137,12 @@ bb_status bb_pipeline_complete(const char *text, char *whole, size_t capacity, b
     if (completed != NULL)
         *completed = lacks;
     return BB_OK;
+}
+
+uint32_t bb_pipeline_on_device(const bb_pipeline *pipeline)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < pipeline->count; i++)
+        count += pipeline->stages[i].builder->place == BB_ON_DEVICE;
+    return count;
 }

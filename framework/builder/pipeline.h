@@ -29,4 +29,7 @@ bb_status bb_pipeline_parse(const char *text, bb_pipeline *pipeline);
  * room. */
 bb_status bb_pipeline_complete(const char *text, char *whole, size_t capacity, bool *completed);
 
+/* How many of its stages are on the device. */
+uint32_t bb_pipeline_on_device(const bb_pipeline *pipeline);
+
 #endif

@@ -1,6 +1,8 @@
 #include "framework/cli/choice.h"
 
 #include "framework/builder/pipeline.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "traversal/traversal.h"
 
 #include <dirent.h>
@@ -110,18 +112,6 @@ static bb_status parse_handover(const bb_cli *cli, bb_handover *handover)
     return BB_OK;
 }
 
-/* A file of device code that the program has by another folder's name: one of kernels/ or builders/common, or
- * a builder's own. */
-static bool is_source(const char *name)
-{
-    const char *end = strrchr(name, '.');
-    char builder[64];
-    if (bb_source_find(name) != NULL)
-        return true;
-    snprintf(builder, sizeof builder, "%.*s", (int)(end - name), name);
-    return strcmp(end, ".cl") == 0 && bb_builder_find(builder) != NULL;
-}
-
 /* A misspelt name would leave the embedded text in place, and what was to be tried untried. */
 static bb_status check_folder(const char *path)
 {
@@ -137,7 +127,7 @@ static bb_status check_folder(const char *path)
             (strcmp(end, ".cl") != 0 && strcmp(end, ".clh") != 0 && strcmp(end, ".h") != 0))
             continue;
         found++;
-        if (!is_source(e->d_name))
+        if (bb_device_file_find(e->d_name) == NULL)
             status = bb_fail(BB_INVALID,
                              "--kernels-from %s: nothing reads %s: give it the name of a file of "
                              "kernels/, or of a builder's",
@@ -149,17 +139,29 @@ static bb_status check_folder(const char *path)
     return status;
 }
 
-bb_status bb_open_device(const bb_cli *cli, bb_device **device)
+static bb_status parse_form(const bb_cli *cli, bb_form *form)
 {
     const char *word = bb_cli_value(cli, "form");
-    bb_handover handover;
-    bb_form form = BB_FORM_AUTO;
+    *form = BB_FORM_AUTO;
     if (word != NULL && strcmp(word, "cpu") == 0)
-        form = BB_FORM_CPU;
+        *form = BB_FORM_CPU;
     else if (word != NULL && strcmp(word, "gpu") == 0)
-        form = BB_FORM_GPU;
+        *form = BB_FORM_GPU;
     else if (word != NULL && strcmp(word, "auto") != 0)
         return bb_fail(BB_INVALID, "--form is '%s', must be auto, cpu or gpu", word);
+    return BB_OK;
+}
+
+bb_status bb_open_device(const bb_cli *cli, bb_device **device)
+{
+    bb_form form;
+    BB_TRY(parse_form(cli, &form));
+    return bb_open_device_as(cli, form, device);
+}
+
+bb_status bb_open_device_as(const bb_cli *cli, bb_form form, bb_device **device)
+{
+    bb_handover handover;
     const char *folder = bb_cli_value(cli, "kernels-from");
     BB_TRY(parse_handover(cli, &handover));
     if (folder != NULL)
@@ -178,10 +180,30 @@ bb_status bb_open_device(const bb_cli *cli, bb_device **device)
     return status;
 }
 
+/* Paths with ':' between them, as in PATH; empty ones are passed over. */
+static bb_status load_from_environment(void)
+{
+    const char *list = getenv("BVHBENCH_PLUGINS");
+    for (const char *path = list; path != NULL && *path != '\0';) {
+        size_t length = strcspn(path, ":");
+        char one[4096];
+        if (length >= sizeof one)
+            return bb_fail(BB_INVALID, "BVHBENCH_PLUGINS: a path of %zu characters is too long",
+                           length);
+        snprintf(one, sizeof one, "%.*s", (int)length, path);
+        bb_status status = length > 0 ? bb_plugin_load(one) : BB_OK;
+        if (status != BB_OK)
+            return bb_fail(status, "BVHBENCH_PLUGINS: %s", bb_message());
+        path += length + (path[length] == ':');
+    }
+    return BB_OK;
+}
+
 bb_status bb_load_plugins(const bb_cli *cli)
 {
     uint32_t count;
     char *const *paths = bb_cli_values(cli, "plugin", &count);
+    BB_TRY(load_from_environment());
     for (uint32_t i = 0; i < count; i++)
         BB_TRY(bb_plugin_load(paths[i]));
     return BB_OK;

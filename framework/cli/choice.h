@@ -32,8 +32,10 @@ bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names);
 
 /* By --device, --form and --kernels-from. */
 bb_status bb_open_device(const bb_cli *cli, bb_device **device);
+/* The same in a form of the caller's. */
+bb_status bb_open_device_as(const bb_cli *cli, bb_form form, bb_device **device);
 
-/* All of --plugin. */
+/* Those of BVHBENCH_PLUGINS in the environment, then all of --plugin. */
 bb_status bb_load_plugins(const bb_cli *cli);
 
 /* The scene's view of that name, its first for NULL. */

@@ -222,17 +222,17 @@ static int run_command(const bb_command *command, int argc, char **argv)
     return exit_status;
 }
 
-int bb_cli_main(int argc, char **argv, const bb_command *const *commands)
+int bb_main(int argc, char **argv)
 {
     if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
-        print_overview(commands);
+        print_overview(bb_commands);
         return argc < 2 ? BB_EXIT_CANNOT : BB_EXIT_OK;
     }
     if (strcmp(argv[1], "--version") == 0) {
         printf("bvhbench %s (%s)\n", bb_build_version, bb_build_revision);
         return BB_EXIT_OK;
     }
-    for (const bb_command *const *command = commands; *command != NULL; command++)
+    for (const bb_command *const *command = bb_commands; *command != NULL; command++)
         if (strcmp((*command)->name, argv[1]) == 0)
             return run_command(*command, argc, argv);
     fprintf(stderr, "bvhbench: unknown command '%s': see `bvhbench --help`\n", argv[1]);

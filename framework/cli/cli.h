@@ -60,10 +60,10 @@ bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint
 /* The command line with blanks between its words, from malloc; NULL if there is no memory. */
 char *bb_cli_command_line(const bb_cli *cli);
 
-/* Parses and runs; returns the exit status. `commands` ends with NULL. */
-int bb_cli_main(int argc, char **argv, const bb_command *const *commands);
-
 /* One per cmd_NAME.c. */
 extern const bb_command *const bb_commands[]; /* generated; ends with NULL */
+
+/* The program: parses and runs, returns the exit status. All that its main() takes of the library. */
+__attribute__((visibility("default"))) int bb_main(int argc, char **argv);
 
 #endif

@@ -1,9 +1,11 @@
-/* bvhbench check: conformance of builders, and of splitters and optimisers beside one. Each tree is
- * held to the promises of the common tree, must come out the same bit for bit when built again (by
- * the same object, and by a fresh one), and must be traced rightly: by every kernel as by brute
- * force, bit for bit. */
+/* bvhbench check: conformance of builders, and of splitters and optimisers beside one, by small scenes
+ * before large ones. Each tree is held to the promises of the common tree, must come out the same bit for bit
+ * when built again (by the same object, and by a fresh one), and must be traced rightly: by every
+ * kernel as by brute force, bit for bit. */
+#include "framework/base/progress.h"
 #include "framework/bench/conformance.h"
 #include "framework/cli/choice.h"
+#include "framework/device/device_private.h"
 #include "framework/scene/scene.h"
 
 #include <stdio.h>
@@ -13,17 +15,18 @@
 static const bb_cli_option options[] = {
     {"builder", "B",
      "name:key=value,...; A+B; `all`; default: every builder, in the variants that it names", true},
-    {"scene", "S", "default: the shipped scenes and small procedural ones", true},
-    {"plugin", "FILE.so", "load a builder", true},
+    {"scene", "S", "default: small procedural scenes, then the shipped ones", true},
+    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
-    {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
+    {"form", "F",
+     "of the parallel primitives: auto, cpu, gpu, or both, which must give the same trees", false},
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
     {"kernels-from", "DIR", "read device code from here first", false},
     {"seed", "N", "of the rays; default: 1", false},
+    {"side", "N", "N x N rays of a kind, N from 6; few for slow tools; default: 128", false},
+    {"quiet", NULL, "no progress", false},
     {.name = NULL},
 };
-
-enum { SIDE = 128 }; /* of the ray sets */
 
 /* Small scenes, each with something that builders trip over. */
 static const char *const procedural_scenes[] = {
@@ -54,31 +57,53 @@ static const char *const procedural_scenes[] = {
 
 static bb_status default_scenes(bb_names *names)
 {
-    for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
-        BB_TRY(bb_names_add(names, *name));
     for (size_t i = 0; i < sizeof procedural_scenes / sizeof procedural_scenes[0]; i++)
         BB_TRY(bb_names_add(names, procedural_scenes[i]));
+    for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
+        BB_TRY(bb_names_add(names, *name));
     return BB_OK;
 }
 
-/* What is checked: `names`, of which those that `beside` says were given alone, and have got a
- * builder beside them. */
-typedef struct checked_builders {
-    bb_names names;
-    bool beside[BB_NAMES_MAX];
-    uint32_t scenes[BB_NAMES_MAX]; /* that took each */
-} checked_builders;
+enum { FORMS_MAX = 2 };
 
-typedef struct tally {
+/* Below this a build's time says nothing about its growth. */
+enum { PRIMS_TIMED = 1000 };
+
+/* A builder's builds per primitive, over the scenes. */
+typedef struct pace {
+    double slowest_us, fastest_us; /* 0: none was timed */
+    char slowest_scene[256];
+} pace;
+
+typedef struct check {
+    bb_device *devices[FORMS_MAX]; /* one, or both forms of one */
+    uint32_t device_count;
+    bb_names builders;
+    bool beside[BB_NAMES_MAX];    /* given alone, and put beside a default builder */
+    uint32_t taken[BB_NAMES_MAX]; /* scenes that each took */
+    uint64_t seed, side;          /* of the ray sets: a set has the square of `side` */
+    bb_progress progress;
     uint32_t checked, failed;
-} tally;
+    pace paces[BB_NAMES_MAX];
+    bb_conformed found[FORMS_MAX][BB_NAMES_MAX]; /* on the scene at hand */
+    bool conforms[FORMS_MAX][BB_NAMES_MAX];
+} check;
+
+/* A line of the table: what was found, of which scene and builder. */
+static void say(check *c, const char *word, const char *scene, const char *builder,
+                const char *text)
+{
+    bb_progress_end(&c->progress);
+    printf("%-11s %-36s %-34s %s\n", word, scene, builder, text);
+    fflush(stdout);
+}
 
 /* What was given of a splitter or an optimiser alone is no builder yet. */
-static bb_status complete(checked_builders *builders)
+static bb_status complete(check *c)
 {
-    for (size_t i = 0; i < builders->names.count; i++) {
-        char whole[sizeof((bb_pipeline *)NULL)->text], **item = &builders->names.items[i];
-        BB_TRY(bb_pipeline_complete(*item, whole, sizeof whole, &builders->beside[i]));
+    for (size_t i = 0; i < c->builders.count; i++) {
+        char whole[sizeof((bb_pipeline *)NULL)->text], **item = &c->builders.items[i];
+        BB_TRY(bb_pipeline_complete(*item, whole, sizeof whole, &c->beside[i]));
         free(*item);
         *item = strdup(whole);
         if (*item == NULL)
@@ -88,89 +113,185 @@ static bb_status complete(checked_builders *builders)
     return BB_OK;
 }
 
-static void check_builder(bb_conformance *conformance, const char *scene, size_t i,
-                          checked_builders *builders, tally *tally)
+static void add_pace(pace *p, const bb_scene *scene, double ms)
 {
-    char note[640];
-    const char *name = builders->names.items[i];
-    bb_status found = bb_conformance_check(conformance, name, note, sizeof note);
-    const char *word = found == BB_OK ? "ok" : found == BB_UNSUPPORTED ? "unsupported" : "FAILED";
-    printf("%-11s %-36s %-34s %s%s\n", word, scene, name, found == BB_OK ? note : bb_message(),
-           builders->beside[i] ? " (beside a default builder)" : "");
-    fflush(stdout);
-    builders->scenes[i] += found != BB_UNSUPPORTED;
-    tally->checked += found != BB_UNSUPPORTED;
-    tally->failed += found != BB_OK && found != BB_UNSUPPORTED;
+    double us = 1e3 * ms / scene->prim_count;
+    if (scene->prim_count < PRIMS_TIMED)
+        return;
+    if (p->fastest_us == 0 || us < p->fastest_us)
+        p->fastest_us = us;
+    if (us > p->slowest_us) {
+        p->slowest_us = us;
+        snprintf(p->slowest_scene, sizeof p->slowest_scene, "%s", scene->name);
+    }
 }
 
-/* A builder that took none of the scenes has not passed. */
-static void find_unchecked(const checked_builders *builders, tally *tally)
+static void check_builder(check *c, uint32_t form, bb_conformance *conformance,
+                          const bb_scene *scene, size_t i)
 {
-    for (size_t i = 0; i < builders->names.count; i++)
-        if (builders->scenes[i] == 0) {
-            tally->failed++;
-            printf("%-11s %-36s %-34s takes none of the scenes: it was not checked\n", "FAILED", "",
-                   builders->names.items[i]);
-        }
+    bb_conformed *found = &c->found[form][i];
+    const char *builder = c->builders.items[i];
+    bb_status status = bb_conformance_check(conformance, builder, found);
+    c->conforms[form][i] = status == BB_OK;
+    char text[1200];
+    snprintf(text, sizeof text, "%s%s", status == BB_OK ? found->note : bb_message(),
+             c->beside[i] ? " (beside a default builder)" : "");
+    say(c,
+        status == BB_OK            ? "ok"
+        : status == BB_UNSUPPORTED ? "unsupported"
+                                   : "FAILED",
+        scene->name, builder, text);
+    c->taken[i] += status != BB_UNSUPPORTED;
+    c->checked += status != BB_UNSUPPORTED;
+    c->failed += status != BB_OK && status != BB_UNSUPPORTED;
+    if (status == BB_OK)
+        add_pace(&c->paces[i], scene, found->build_ms);
+    bb_progress_step(&c->progress);
 }
 
-static bb_status check_scene(bb_device *device, const char *name, checked_builders *builders,
-                             uint64_t seed, tally *tally)
+static void say_of_scene(check *c, const bb_scene *scene, bb_conformance *conformance)
+{
+    char text[1200];
+    if (scene->out_of_range > 0) {
+        snprintf(text, sizeof text, "%u of %u primitives are too small beside the scene for floats",
+                 scene->out_of_range, scene->prim_count);
+        say(c, "note", scene->name, "", text);
+    }
+    if (bb_conformance_left_out(conformance)[0] != '\0') {
+        snprintf(text, sizeof text, "no rays %s", bb_conformance_left_out(conformance));
+        say(c, "note", scene->name, "", text);
+    }
+}
+
+static bb_status check_scene(check *c, uint32_t form, const char *name)
 {
     bb_scene *scene = NULL;
     bb_conformance *conformance = NULL;
+    bb_device *device = c->devices[form];
     bb_status status = bb_scene_load(name, &scene);
     if (status == BB_OK)
-        status = bb_conformance_create(device, scene, SIDE, seed, &conformance);
-    if (status == BB_OK && scene->out_of_range > 0)
-        printf("%-11s %-36s %u of %u primitives are too small beside the scene for floats\n",
-               "note", name, scene->out_of_range, scene->prim_count);
-    if (status == BB_OK && bb_conformance_left_out(conformance)[0] != '\0')
-        printf("%-11s %-36s no rays %s\n", "note", name, bb_conformance_left_out(conformance));
+        bb_progress_stage(&c->progress, (uint32_t)c->builders.count, "%s: %u primitives%s", name,
+                          scene->prim_count,
+                          c->device_count == 1          ? ""
+                          : device->form == BB_FORM_CPU ? ", form cpu"
+                                                        : ", form gpu");
+    if (status == BB_OK)
+        status = bb_conformance_create(device, scene, (uint32_t)c->side, c->seed, &conformance);
+    if (status == BB_OK)
+        say_of_scene(c, scene, conformance);
     if (status == BB_OK && bb_conformance_brute_force(conformance) != BB_OK) {
-        tally->failed++;
-        printf("%-11s %-36s %-34s %s\n", "FAILED", name, "no tree, all primitives", bb_message());
+        c->failed++;
+        say(c, "FAILED", name, "no tree, all primitives", bb_message());
     }
-    for (size_t i = 0; i < builders->names.count && status == BB_OK; i++)
-        check_builder(conformance, name, i, builders, tally);
+    for (size_t i = 0; i < c->builders.count && status == BB_OK; i++)
+        check_builder(c, form, conformance, scene, i);
     bb_conformance_destroy(conformance);
     bb_scene_free(scene);
     return status;
 }
 
+/* Both forms are of one method: where it is deterministic, they make one tree. */
+static void compare_forms(check *c, const char *scene)
+{
+    for (size_t i = 0; i < c->builders.count; i++) {
+        const bb_conformed *cpu = &c->found[0][i], *gpu = &c->found[1][i];
+        if (!c->conforms[0][i] || !c->conforms[1][i] || !cpu->deterministic)
+            continue;
+        if (cpu->hash == gpu->hash)
+            continue;
+        char text[120];
+        snprintf(text, sizeof text, "form cpu makes tree %016llx, form gpu %016llx",
+                 (unsigned long long)cpu->hash, (unsigned long long)gpu->hash);
+        say(c, "FAILED", scene, c->builders.items[i], text);
+        c->failed++;
+    }
+}
+
+/* A builder that took none of the scenes has not passed. */
+static void find_unchecked(check *c)
+{
+    for (size_t i = 0; i < c->builders.count; i++)
+        if (c->taken[i] == 0) {
+            c->failed++;
+            say(c, "FAILED", "", c->builders.items[i],
+                "takes none of the scenes: it was not checked");
+        }
+}
+
+/* A method whose time does not grow with its input shows on the scene that it likes least. */
+static void say_paces(check *c)
+{
+    for (size_t i = 0; i < c->builders.count; i++) {
+        const pace *p = &c->paces[i];
+        char text[160];
+        if (p->slowest_us == 0)
+            continue;
+        snprintf(text, sizeof text, "slowest build: %.3g us per primitive (its fastest: %.3g)",
+                 p->slowest_us, p->fastest_us);
+        say(c, "note", p->slowest_scene, c->builders.items[i], text);
+    }
+}
+
+static bb_status open_devices(check *c, const bb_cli *cli)
+{
+    const char *form = bb_cli_value(cli, "form");
+    bool both = form != NULL && strcmp(form, "both") == 0;
+    c->device_count = 1;
+    if (!both)
+        return bb_open_device(cli, &c->devices[0]);
+    c->device_count = 2;
+    BB_TRY(bb_open_device_as(cli, BB_FORM_CPU, &c->devices[0]));
+    return bb_open_device_as(cli, BB_FORM_GPU, &c->devices[1]);
+}
+
+static bb_status check_all(check *c, const bb_names *scenes)
+{
+    for (size_t s = 0; s < scenes->count; s++) {
+        for (uint32_t form = 0; form < c->device_count; form++)
+            BB_TRY(check_scene(c, form, scenes->items[s]));
+        if (c->device_count == FORMS_MAX)
+            compare_forms(c, scenes->items[s]);
+    }
+    say_paces(c);
+    find_unchecked(c);
+    bb_progress_end(&c->progress);
+    return BB_OK;
+}
+
+static bb_status run_check(check *c, const bb_cli *cli, bb_names *scenes)
+{
+    uint32_t scenes_given;
+    bb_cli_values(cli, "scene", &scenes_given);
+    BB_TRY(bb_load_plugins(cli));
+    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &c->seed));
+    BB_TRY(bb_cli_u64(cli, "side", 128, 6, 1024, &c->side));
+    BB_TRY(bb_choose_builders(cli, true, &c->builders));
+    BB_TRY(complete(c));
+    BB_TRY(scenes_given > 0 ? bb_choose(cli, "scene", "", scenes) : default_scenes(scenes));
+    BB_TRY(open_devices(c, cli));
+    bb_progress_start(&c->progress, bb_cli_value(cli, "quiet") != NULL);
+    return check_all(c, scenes);
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
-    checked_builders builders = {0};
     bb_names scenes = {0};
-    uint64_t seed = 1;
-    uint32_t scenes_given;
-    tally tally = {0};
-    bb_device *device = NULL;
-    bb_cli_values(cli, "scene", &scenes_given);
-    bb_status status = bb_load_plugins(cli);
-    if (status == BB_OK)
-        status = bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &seed);
-    if (status == BB_OK)
-        status = bb_choose_builders(cli, true, &builders.names);
-    if (status == BB_OK)
-        status = complete(&builders);
-    if (status == BB_OK)
-        status = scenes_given > 0 ? bb_choose(cli, "scene", "", &scenes) : default_scenes(&scenes);
-    if (status == BB_OK)
-        status = bb_open_device(cli, &device);
-    for (size_t i = 0; i < scenes.count && status == BB_OK; i++)
-        status = check_scene(device, scenes.items[i], &builders, seed, &tally);
+    check *c = calloc(1, sizeof *c);
+    if (c == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    bb_status status = run_check(c, cli, &scenes);
     if (status == BB_OK) {
-        find_unchecked(&builders, &tally);
         printf("%zu builders on %zu scenes, %u trees checked, %u checks failed\n",
-               builders.names.count, scenes.count, tally.checked, tally.failed);
-        if (tally.checked == 0)
+               c->builders.count, scenes.count, c->checked, c->failed);
+        if (c->checked == 0)
             fprintf(stderr, "bvhbench: no builder takes any of the scenes: nothing was checked\n");
-        *exit_status = tally.failed > 0 || tally.checked == 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
+        *exit_status = c->failed > 0 || c->checked == 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
     }
-    bb_device_close(device);
-    bb_names_free(&builders.names);
+    for (uint32_t form = 0; form < FORMS_MAX; form++)
+        bb_device_close(c->devices[form]);
+    bb_names_free(&c->builders);
     bb_names_free(&scenes);
+    free(c);
     return status;
 }
 

@@ -1,6 +1,7 @@
 /* bvhbench list: what there is to choose from. */
-#include "framework/builder/builder.h"
+#include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
+#include "framework/device/device_private.h"
 #include "framework/embree/embree.h"
 #include "framework/papers/reproduce.h"
 #include "framework/scene/scene.h"
@@ -14,7 +15,7 @@
 
 static const bb_cli_option options[] = {
     {"json", NULL, "as JSON", false},
-    {"plugin", "FILE.so", "load a builder first", true},
+    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {.name = NULL},
 };
 

@@ -1,7 +1,8 @@
 /* bvhbench render: one picture of a view, traced by a builder's tree and a kernel. */
-#include "framework/builder/builder.h"
 #include "framework/builder/instance.h"
+#include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
+#include "framework/device/device_private.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/queries.h"
 #include "framework/picture/exr.h"
@@ -25,7 +26,7 @@ static const bb_cli_option options[] = {
     {"size", "WxH", "of the scene's picture, to which heat and diff add a legend; default: 512x512",
      false},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
-    {"plugin", "FILE.so", "load a builder", true},
+    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "read device code from here first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},

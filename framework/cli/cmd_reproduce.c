@@ -20,7 +20,7 @@ static const bb_cli_option options[] = {
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
     {"seed", "N", "of all that is random; default: 1", false},
-    {"plugin", "FILE.so", "load a builder", true},
+    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
     {"out", "DIR", "folder of results.json and report.html; default: out", false},
     BB_CHARTS_OPTION,

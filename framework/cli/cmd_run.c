@@ -21,7 +21,8 @@ static const bb_cli_option options[] = {
     {"kernel", "K",
      "traversal kernel; `all`; default: those for the comparison, and what keeps a tree's shape",
      true},
-    {"rays", "R", "workload; default: primary, ao, diffuse, shadow, random", true},
+    {"rays", "R", "workload; `none`: builds only; default: primary, ao, diffuse, shadow, random",
+     true},
     {"intersector", "I", "rounding rules of the tests; default: exact", true},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
@@ -36,7 +37,7 @@ static const bb_cli_option options[] = {
     {"seed", "N", "of all that is random; default: 1", false},
     {"metrics", "M", "further metrics: epo", true},
     {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
-    {"plugin", "FILE.so", "load a builder", true},
+    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
     {"out", "DIR", "folder of results.json, report.html and pictures; default: out", false},
     {"no-pictures", NULL, "make no pictures", false},
@@ -98,6 +99,22 @@ static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
     return BB_OK;
 }
 
+/* `none` of the rays: no workloads, and no kernels but those that were asked for, whose layouts are made. */
+static bb_status choose_traces(const bb_cli *cli, bb_names *kernels, bb_names *workloads)
+{
+    uint32_t rays_given, kernels_given;
+    char *const *rays = bb_cli_values(cli, "rays", &rays_given);
+    bb_cli_values(cli, "kernel", &kernels_given);
+    bool none = false;
+    for (uint32_t i = 0; i < rays_given; i++)
+        none = none || strcmp(rays[i], "none") == 0;
+    if (none && rays_given > 1)
+        return bb_fail(BB_INVALID, "--rays none leaves all rays out: give it alone");
+    if (!none)
+        BB_TRY(bb_choose(cli, "rays", "primary,ao,diffuse,shadow,random", workloads));
+    return none && kernels_given == 0 ? BB_OK : bb_choose_kernels(cli, kernels);
+}
+
 /* What is compared: lists of the command line, or of what there is. */
 typedef struct lists {
     bb_names scenes, builders, kernels, workloads, intersectors;
@@ -110,8 +127,7 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
     BB_TRY(bb_load_plugins(cli));
     BB_TRY(choose_scenes(cli, &l->scenes));
     BB_TRY(choose_builders(cli, &l->builders));
-    BB_TRY(bb_choose_kernels(cli, &l->kernels));
-    BB_TRY(bb_choose(cli, "rays", "primary,ao,diffuse,shadow,random", &l->workloads));
+    BB_TRY(choose_traces(cli, &l->kernels, &l->workloads));
     BB_TRY(bb_choose(cli, "intersector", "exact", &l->intersectors));
     BB_TRY(fill_request(cli, request));
     request->scenes = l->scenes.items;
@@ -120,7 +136,7 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
     request->builder_count = (uint32_t)l->builders.count;
     request->kernels = l->kernels.items;
     request->kernel_count = (uint32_t)l->kernels.count;
-    request->native = kernels_given == 0;
+    request->native = kernels_given == 0 && l->workloads.count > 0;
     request->workloads = l->workloads.items;
     request->workload_count = (uint32_t)l->workloads.count;
     request->intersectors = l->intersectors.items;

@@ -2,5 +2,5 @@
 
 int main(int argc, char **argv)
 {
-    return bb_cli_main(argc, argv, bb_commands);
+    return bb_main(argc, argv);
 }

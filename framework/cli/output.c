@@ -3,6 +3,7 @@
 #include "framework/base/clock.h"
 #include "framework/cli/charts_option.h"
 #include "framework/cli/choice.h"
+#include "framework/device/device_private.h"
 #include "framework/report/report.h"
 
 #include <cjson/cJSON.h>

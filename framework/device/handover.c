@@ -3,6 +3,7 @@
  */
 #define CL_TARGET_OPENCL_VERSION 300
 #include "framework/device/handover.h"
+#include "framework/device/device_private.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -6,6 +6,7 @@
 
 #include "framework/device/device.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -36,5 +37,6 @@ bb_status bb_levels_run(bb_levels *levels,
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

@@ -10,6 +10,7 @@
 
 #include "framework/device/device.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -53,5 +54,6 @@ bb_status bb_primitives_reserve(bb_primitives *primitives, uint32_t count, uint3
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

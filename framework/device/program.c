@@ -1,12 +1,12 @@
-/* Programs and launches: compiling with the embedded headers, kernels, arguments, event times. */
+/* Programs: compiling with the embedded headers, and what was compiled before. */
 #include "framework/device/cl_error.h"
-#include "framework/device/device.h"
+#include "framework/device/device_private.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEADERS_MAX = 64 };
+enum { HEADERS_MAX = 128 };
 
 const bb_source *bb_source_find(const char *name)
 {
@@ -80,30 +80,41 @@ static bb_status fail_with_log(bb_device *device, cl_program program, const char
     return status;
 }
 
+/* The headers that a source may include. */
+typedef struct header_list {
+    cl_uint count;
+    cl_program programs[HEADERS_MAX];
+    const char *names[HEADERS_MAX];
+} header_list;
+
+static bb_status add_headers(bb_device *device, const bb_source *files, header_list *headers)
+{
+    for (const bb_source *file = files; file != NULL && file->name != NULL; file++) {
+        if (!has_ending(file->name, ".h") && !has_ending(file->name, ".clh"))
+            continue;
+        if (headers->count == HEADERS_MAX)
+            return bb_fail(BB_FAILED, "more than %d device headers", HEADERS_MAX);
+        BB_TRY(create_program(device, file, &headers->programs[headers->count]));
+        headers->names[headers->count++] = file->name;
+    }
+    return BB_OK;
+}
+
 static bb_status compile(bb_device *device, const bb_source *source, const char *options,
                          cl_program *program)
 {
-    cl_program main = NULL, headers[HEADERS_MAX];
-    const char *names[HEADERS_MAX];
-    cl_uint count = 0;
+    cl_program main = NULL;
+    header_list headers = {.count = 0};
     bb_status status = create_program(device, source, &main);
-    for (const bb_source *header = bb_embedded_sources; status == BB_OK && header->name != NULL;
-         header++) {
-        if (!has_ending(header->name, ".h") && !has_ending(header->name, ".clh"))
-            continue;
-        if (count == HEADERS_MAX) {
-            status = bb_fail(BB_FAILED, "more than %d device headers", HEADERS_MAX);
-            break;
-        }
-        status = create_program(device, header, &headers[count]);
-        if (status == BB_OK)
-            names[count++] = header->name;
-    }
+    if (status == BB_OK)
+        status = add_headers(device, bb_embedded_sources, &headers);
+    if (status == BB_OK)
+        status = add_headers(device, source->folder, &headers);
     if (status != BB_OK)
         goto out;
 
-    cl_int error =
-        clCompileProgram(main, 1, &device->id, options, count, headers, names, NULL, NULL);
+    cl_int error = clCompileProgram(main, 1, &device->id, options, headers.count, headers.programs,
+                                    headers.names, NULL, NULL);
     if (error != CL_SUCCESS) {
         status = fail_with_log(device, main, source->name, error);
         goto out;
@@ -115,8 +126,8 @@ static bb_status compile(bb_device *device, const bb_source *source, const char 
         *program = NULL;
     }
 out:
-    for (cl_uint i = 0; i < count; i++)
-        clReleaseProgram(headers[i]);
+    for (cl_uint i = 0; i < headers.count; i++)
+        clReleaseProgram(headers.programs[i]);
     bb_program_release(main);
     return status;
 }
@@ -191,74 +202,4 @@ void bb_kernel_release(cl_kernel kernel)
 {
     if (kernel != NULL)
         clReleaseKernel(kernel);
-}
-
-/* ---- launches and their event times ---- */
-
-enum { EVENTS_MAX = 4096 };
-
-struct bb_event_list {
-    uint32_t count;
-    cl_event events[EVENTS_MAX];
-};
-
-static bb_status add_event(bb_device *device, cl_event event)
-{
-    if (device->events == NULL)
-        device->events = calloc(1, sizeof *device->events);
-    if (device->events == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
-    if (device->events->count == EVENTS_MAX)
-        BB_TRY(bb_device_collect_events(device));
-    device->events->events[device->events->count++] = event;
-    return BB_OK;
-}
-
-bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, size_t local,
-                         const bb_arg *args, uint32_t count)
-{
-    if (global == 0)
-        return BB_OK;
-    for (uint32_t i = 0; i < count; i++)
-        BB_CL_TRY(clSetKernelArg(kernel, i, args[i].size, args[i].value), "argument %u of a kernel",
-                  i);
-    size_t whole = (global + local - 1) / local * local;
-    cl_event event;
-    BB_CL_TRY(clEnqueueNDRangeKernel(device->queue, kernel, 1, NULL, &whole, &local, 0, NULL,
-                                     device->profile_events ? &event : NULL),
-              "launching a kernel on %zu work-items in groups of %zu", whole, local);
-    if (device->profile_events)
-        BB_TRY(add_event(device, event));
-    return BB_OK;
-}
-
-static void drop_events(bb_device *device)
-{
-    for (uint32_t i = 0; device->events != NULL && i < device->events->count; i++)
-        clReleaseEvent(device->events->events[i]);
-    if (device->events != NULL)
-        device->events->count = 0;
-}
-
-void bb_device_clear_events(bb_device *device)
-{
-    drop_events(device);
-    device->event_ms = 0;
-}
-
-bb_status bb_device_collect_events(bb_device *device)
-{
-    BB_TRY(bb_finish(device));
-    for (uint32_t i = 0; device->events != NULL && i < device->events->count; i++) {
-        cl_ulong start = 0, end = 0;
-        cl_event event = device->events->events[i];
-        BB_CL_TRY(
-            clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL),
-            "reading the time of a kernel");
-        BB_CL_TRY(clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL),
-                  "reading the time of a kernel");
-        device->event_ms += 1e-6 * (double)(end - start);
-    }
-    drop_events(device);
-    return BB_OK;
 }

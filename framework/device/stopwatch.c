@@ -1,6 +1,7 @@
 #include "framework/device/stopwatch.h"
 
 #include "framework/base/clock.h"
+#include "framework/device/device_private.h"
 
 bb_status bb_stopwatch_start(bb_device *device, bb_stopwatch *watch)
 {

@@ -463,6 +463,23 @@ static void print_audit(FILE *out, const cJSON *audit)
         bb_json_number(audit, "complaints"));
 }
 
+/* What the tables' headings mean. */
+static void print_legend(FILE *out, bool traced)
+{
+    fprintf(out,
+            "\n[95 %%]: interval of the median by order statistics. [range]: the lowest and the "
+            "highest of too\nfew rounds for an interval, which takes %d; of one round there is "
+            "neither.\n",
+            BB_INTERVAL_ROUNDS);
+    if (traced)
+        fputs("*: native, the layout keeps the shape of the builder's own tree.\n"
+              "/Embree: to the fastest embree-native row on the same rays.\n"
+              "wrong ppm: wrong rays per million; unlike: answers unlike those of other cells with "
+              "`exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nboxes, prims: tests "
+              "per ray, from a separate counting run.\n",
+              out);
+}
+
 bb_status bb_report_table(bb_results *results, FILE *out)
 {
     const cJSON *root = bb_results_json(results), *scene;
@@ -489,15 +506,6 @@ bb_status bb_report_table(bb_results *results, FILE *out)
     print_times(out, cJSON_GetObjectItemCaseSensitive(root, "steps_ms"),
                 cJSON_GetObjectItemCaseSensitive(root, "time_ms"));
     print_audit(out, cJSON_GetObjectItemCaseSensitive(root, "audit"));
-    fprintf(out,
-            "\n*: native, the layout keeps the shape of the builder's own tree.\n"
-            "[95 %%]: interval of the median by order statistics. [range]: the lowest and the "
-            "highest of too\nfew rounds for an interval, which takes %d; of one round there is "
-            "neither.\n"
-            "/Embree: to the fastest embree-native row on the same rays.\n"
-            "wrong ppm: wrong rays per million; unlike: answers unlike those of other cells with "
-            "`exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nboxes, prims: tests "
-            "per ray, from a separate counting run.\n",
-            BB_INTERVAL_ROUNDS);
+    print_legend(out, cJSON_GetArraySize(traces) > 0);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

@@ -14,6 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -196,5 +197,6 @@ static inline const float *bb_scene_vertex(const bb_scene *scene, uint32_t trian
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

@@ -11,6 +11,7 @@
 #include "framework/scene/scene.h"
 #include "kernels/bb_shared.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -144,5 +145,6 @@ bb_status bb_tree_epo(const bb_tree *tree, const bb_scene *scene, uint64_t sampl
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The out-of-tree plug-in against an installed bvhbench: installed.sh SOURCE BUILD
 # Installs BUILD into a temporary prefix, builds a copy of tests/plugin/median with nothing but that, and has the installed
-# program list, check and run it; then the same for what scripts/new-builder makes. At last the installation is moved.
+# program list, check and run it; then the same for what new-builder makes. At last the installation is moved.
 set -euo pipefail
 source=$1 build=$2
 work=$(realpath "$(mktemp -d)")
@@ -43,14 +43,34 @@ check_plugin "$work/median" median
     fail "run with median: $(tail -5 "$work/log")"
 grep -q '"builder":[[:space:]]*"median"' "$work/out/results.json" || fail "results.json has no row of median"
 
-# The skeleton builds as a plug-in too: the sources of a builder are the same inside and outside.
-mkdir -p "$work/tree/builders"
-cp -r "$source/scripts" "$work/tree/"
-"$work/tree/scripts/new-builder" my-tree >/dev/null
-sed 's/median/my-tree/g' "$source/tests/plugin/median/CMakeLists.txt" \
-    >"$work/tree/builders/my-tree/CMakeLists.txt"
-build_plugin "$work/tree/builders/my-tree" my-tree
-check_plugin "$work/tree/builders/my-tree" my-tree
+# Several device files, and headers that they share.
+cp -r "$source/tests/plugin/strips" "$work/strips"
+build_plugin "$work/strips" strips
+check_plugin "$work/strips" strips
+
+# Two plug-ins whose device files have the same names are not loaded together.
+mkdir "$work/other"
+cp "$work"/strips/*.cl "$work"/strips/*.clh "$work"/strips/*.h "$work/other/"
+sed 's/bb_builder_strips/bb_builder_other/; s/"strips"/"other"/' "$work/strips/strips.c" >"$work/other/other.c"
+sed 's/strips/other/g' "$work/strips/CMakeLists.txt" >"$work/other/CMakeLists.txt"
+build_plugin "$work/other" other
+check_plugin "$work/other" other
+set +e
+"$program" list builders --plugin "$work/strips/build/strips.so" --plugin "$work/other/build/other.so" \
+    >"$work/log" 2>"$work/errors"
+status=$?
+set -e
+[ $status -eq 2 ] && grep -q 'builder other: there is a device file strips.cl already' "$work/errors" ||
+    fail "two device files of one name: exit status $status, $(cat "$work/errors")"
+
+# What the installed new-builder makes is a plug-in as it stands, compiled with the tree's flags.
+"$work/prefix/bin/bvhbench-new-builder" my-tree --out "$work/my-tree" >/dev/null
+build_plugin "$work/my-tree" my-tree
+check_plugin "$work/my-tree" my-tree
+cmake -S "$work/my-tree" -B "$work/my-tree/build" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >"$work/log"
+for flag in -Wall -Wextra -Wpedantic -ffp-contract=off -std=c11 -D_GNU_SOURCE -fvisibility=hidden; do
+    grep -q -e " $flag " "$work/my-tree/build/compile_commands.json" || fail "plug-ins are compiled without $flag"
+done
 
 # find_package holds to the version: the same minor one, not a later one.
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")

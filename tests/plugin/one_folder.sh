@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The plug-in rule: a new builder is one new folder, and no other file is touched: one_folder.sh SOURCE BUILD
 # 1. No file of the harness names a builder, but for papers, whose experiments are about theirs. 2. scripts/new-builder adds one folder and nothing else, and what it makes
-# compiles. 3. With BVHBENCH_SLOW_TESTS set: configured and built with it, the program lists and checks it.
+# compiles. 3. With BVHBENCH_SLOW_TESTS set: configured and built with it, and with a builder of several device files that takes
+# triangles only, the program lists and checks both; and the tests that walk the registry skip what a builder does not take.
 set -euo pipefail
 source=$1 build=$2
 work=$(mktemp -d)
@@ -47,6 +48,9 @@ find . -type f -exec sha256sum {} + | sort -k 2 >"$work/after"
 added=$(diff "$work/before" "$work/after" | grep '^[<>]' | awk '{print $1, $3}' || true)
 [ "$added" = "$(printf '> ./builders/my-tree/my-tree.c\n> ./builders/my-tree/my-tree.cl')" ] ||
     fail "new-builder touched more than builders/my-tree: $added"
+scripts/new-builder your-tree --out "$work/plugin" >/dev/null
+[ "$(ls "$work/plugin")" = "$(printf 'CMakeLists.txt\nyour-tree.c\nyour-tree.cl')" ] ||
+    fail "new-builder --out made $(ls "$work/plugin")"
 "${CC:-cc}" -std=c11 -Wall -Wextra -Wpedantic -Werror -I. -fsyntax-only builders/my-tree/my-tree.c ||
     fail "what new-builder makes does not compile"
 for bad in '' Upper all common embree-native my-tree ../x 'a b'; do
@@ -59,11 +63,25 @@ for bad in '' Upper all common embree-native my-tree ../x 'a b'; do
 done
 
 if [ -n "${BVHBENCH_SLOW_TESTS-}" ]; then
+    cp -r tests/plugin/strips builders/strips
+    rm builders/strips/CMakeLists.txt
     generator=$(grep '^CMAKE_GENERATOR:' "$build/CMakeCache.txt" | cut -d= -f2)
-    cmake -S . -B "$work/build" -G "$generator" -DCMAKE_BUILD_TYPE=Release >"$work/log" 2>&1 &&
-        cmake --build "$work/build" -j 2 >"$work/log" 2>&1 || fail "build: $(tail -5 "$work/log")"
-    "$work/build/bvhbench" list builders | grep -q '^ *my-tree ' || fail "list does not show my-tree"
-    "$work/build/bvhbench" check --builder my-tree --scene cube >"$work/log" 2>&1 ||
-        fail "check: $(cat "$work/log")"
+    cmake -S . -B "$work/build" -G "$generator" -DCMAKE_BUILD_TYPE=Release -DBVHBENCH_TESTS=ON >"$work/log" 2>&1 &&
+        cmake --build "$work/build" -j 2 --target bvhbench-program test_kernels test_no_stack >"$work/log" 2>&1 ||
+        fail "build: $(tail -5 "$work/log")"
+    for builder in my-tree strips; do
+        "$work/build/bvhbench" list builders | grep -q "^ *$builder " || fail "list does not show $builder"
+        "$work/build/bvhbench" check --builder "$builder" --scene cube >"$work/log" 2>&1 ||
+            fail "check: $(cat "$work/log")"
+    done
+    for test in test_kernels test_no_stack; do
+        "$work/build/tests/$test" >"$work/log" 2>&1 || fail "$test with a triangle-only builder: $(tail -5 "$work/log")"
+        grep -q '^skipped: strips: ' "$work/log" || fail "$test does not say that it skips strips"
+    done
+    mkdir builders/clash
+    cp tests/plugin/strips/strips.c builders/clash/clash.c
+    cp tests/plugin/strips/strips.clh builders/clash/
+    ! cmake -S . -B "$work/build" >"$work/log" 2>&1 || fail "two device files of one name were taken"
+    grep -q 'two device files of one name' "$work/log" || fail "clash: $(tail -5 "$work/log")"
 fi
 echo "one folder: ok"

@@ -1,9 +1,11 @@
-/* A plug-in of another ABI version: nothing but the version is there to be read. */
+/* A plug-in of another ABI version: nothing behind its head is there to be read. */
 #include <stdint.h>
 
-static const struct {
+typedef struct head {
+    char magic[8];
     uint32_t abi_version;
-} foreign = {999};
+    uint32_t bytes;
+} head;
 
-extern const void *const bb_plugin;
-const void *const bb_plugin = &foreign;
+extern const head bb_plugin;
+__attribute__((visibility("default"))) const head bb_plugin = {"BVHBPLUG", 999, sizeof(head)};

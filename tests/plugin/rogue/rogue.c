@@ -10,17 +10,17 @@ enum { WORK_US = 20000, STACK_MAX = 64 };
 
 typedef struct rogue {
     bb_device *device;
-    bool stale, moving, chain, nosy, early, marked;
+    bool stale, moving, chain, nosy, early, marked, lopsided;
     bool sees_views; /* `view` was given */
     uint32_t builds;
 } rogue;
 
 static const bb_option options[] = {
-    {"kind", "right", "right|stale|moving|chain|nosy|early|marked",
+    {"kind", "right", "right|stale|moving|chain|nosy|early|marked|form",
      "stale: gives its first tree again and again; moving: another one each time; chain: one "
      "primitive "
      "per level; nosy: fails if it sees what it did not declare; early: works outside the clock; "
-     "marked: a side array that is another one each time"},
+     "marked: a side array that is another one each time; form: another tree in form gpu"},
     {"view", NULL, NULL, "a view to look at"},
     {.name = NULL},
 };
@@ -37,6 +37,8 @@ static bb_status create(const bb_builder_context *context, void **out)
         .nosy = bb_spec_is(context->spec, options, "kind", "nosy"),
         .early = bb_spec_is(context->spec, options, "kind", "early"),
         .marked = bb_spec_is(context->spec, options, "kind", "marked"),
+        .lopsided = bb_spec_is(context->spec, options, "kind", "form") &&
+                    context->device->form == BB_FORM_GPU,
         .sees_views = bb_spec_value(context->spec, NULL, "view") != NULL,
     };
     *out = self;
@@ -109,7 +111,8 @@ static uint32_t split(const rogue *self, const range *r)
     uint32_t count = r->end - r->begin;
     if (self->chain)
         return r->begin + 1;
-    return self->moving && self->builds > 0 ? r->end - 1 - (count - 1) / 3 : r->begin + count / 2;
+    bool third = self->lopsided || (self->moving && self->builds > 0);
+    return third ? r->end - 1 - (count - 1) / 3 : r->begin + count / 2;
 }
 
 static void build_nodes(const rogue *self, const bb_scene *scene, bb_tree *tree)

@@ -1,26 +1,21 @@
-/* The registry of builders: the built-in table that CMake made from the folders, and what was
- * loaded from shared objects; and the clock of a build's phases. */
-#include "framework/builder/builder.h"
-#include "framework/base/clock.h"
+/* The registry of builders: the built-in table that CMake made from the folders, and what was added
+ * to it. */
+#include "framework/builder/registry.h"
 
 #include <ctype.h>
-#include <dlfcn.h>
-#include <errno.h>
-#include <link.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { LOADED_MAX = 64 };
 
-static const bb_builder *loaded[LOADED_MAX];
+static const bb_registration *loaded[LOADED_MAX];
 static uint32_t loaded_count;
 
 static uint32_t builtin_count(void)
 {
     uint32_t count = 0;
-    while (bb_builtin_builders[count] != NULL)
+    while (bb_builtin_builders[count].builder != NULL)
         count++;
     return count;
 }
@@ -30,12 +25,18 @@ uint32_t bb_builder_count(void)
     return builtin_count() + loaded_count;
 }
 
-const bb_builder *bb_builder_at(uint32_t index)
+static const bb_registration *registration_at(uint32_t index)
 {
     uint32_t builtin = builtin_count();
     if (index < builtin)
-        return bb_builtin_builders[index];
+        return &bb_builtin_builders[index];
     return index - builtin < loaded_count ? loaded[index - builtin] : NULL;
+}
+
+const bb_builder *bb_builder_at(uint32_t index)
+{
+    const bb_registration *found = registration_at(index);
+    return found != NULL ? found->builder : NULL;
 }
 
 const bb_builder *bb_builder_find(const char *name)
@@ -44,6 +45,17 @@ const bb_builder *bb_builder_find(const char *name)
         if (strcmp(bb_builder_at(i)->name, name) == 0)
             return bb_builder_at(i);
     return NULL;
+}
+
+const bb_source *bb_device_file_find(const char *name)
+{
+    const bb_source *found = bb_source_find(name);
+    for (uint32_t i = 0; i < bb_builder_count() && found == NULL; i++)
+        for (const bb_source *file = registration_at(i)->files;
+             file != NULL && file->name != NULL && found == NULL; file++)
+            if (strcmp(file->name, name) == 0)
+                found = file;
+    return found;
 }
 
 /* ---- validation ---- */
@@ -174,82 +186,30 @@ bb_status bb_builder_validate(const bb_builder *builder)
     return validate_compared(builder);
 }
 
-/* ---- shared objects ---- */
+/* ---- adding one ---- */
 
-/* Whether the file holds all that its program headers ask to be mapped: the loader maps past the
- * end of a truncated file, and the process dies at the first access. */
-static bool is_whole_elf(FILE *file, uint64_t size)
+/* One name, one file, whoever's: --kernels-from knows files by their name alone. */
+static bb_status check_files(const char *builder, const bb_source *files)
 {
-    ElfW(Ehdr) header;
-    if (fread(&header, sizeof header, 1, file) != 1 || memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
-        return false;
-    if (header.e_type != ET_DYN || header.e_phentsize != sizeof(ElfW(Phdr)) ||
-        fseek(file, (long)header.e_phoff, SEEK_SET) != 0)
-        return false;
-    for (uint32_t i = 0; i < header.e_phnum; i++) {
-        ElfW(Phdr) program;
-        if (fread(&program, sizeof program, 1, file) != 1)
-            return false;
-        if (program.p_type == PT_LOAD &&
-            (program.p_offset > size || program.p_filesz > size - program.p_offset))
-            return false;
-    }
-    return header.e_phnum > 0;
-}
-
-static bb_status check_file(const char *path)
-{
-    struct stat info;
-    FILE *file = stat(path, &info) == 0 && S_ISREG(info.st_mode) ? fopen(path, "rb") : NULL;
-    if (file == NULL)
-        return bb_fail(BB_INVALID, "plug-in %s: %s", path,
-                       errno != 0 ? strerror(errno) : "is no file");
-    bool whole = is_whole_elf(file, (uint64_t)info.st_size);
-    fclose(file);
-    if (!whole)
-        return bb_fail(BB_INVALID,
-                       "plug-in %s: is not a shared object of this machine, or is truncated", path);
+    for (const bb_source *file = files; file != NULL && file->name != NULL; file++)
+        if (bb_device_file_find(file->name) != NULL)
+            return bb_fail(BB_INVALID,
+                           "builder %s: there is a device file %s already: give it another name",
+                           builder, file->name);
     return BB_OK;
 }
 
-static bb_status take(const char *path, void *object)
+bb_status bb_builder_add(const bb_registration *registration)
 {
-    const bb_builder *const *symbol = (const bb_builder *const *)dlsym(object, "bb_plugin");
-    if (symbol == NULL || *symbol == NULL)
-        return bb_fail(BB_INVALID,
-                       "plug-in %s: exports no bb_plugin: build it with bvhbench_add_builder()",
-                       path);
-    const bb_builder *builder = *symbol;
-    /* The version comes first in the struct, whatever follows: nothing else is read before it
-     * agrees. */
-    bb_status status = bb_builder_validate(builder);
-    if (status != BB_OK)
-        return bb_fail(status, "plug-in %s: %s", path, bb_message());
+    const bb_builder *builder = registration->builder;
+    BB_TRY(bb_builder_validate(builder));
     if (bb_builder_find(builder->name) != NULL)
-        return bb_fail(BB_INVALID, "plug-in %s: there is a builder %s already", path,
-                       builder->name);
+        return bb_fail(BB_INVALID, "there is a builder %s already", builder->name);
+    BB_TRY(check_files(builder->name, registration->files));
     if (loaded_count == LOADED_MAX)
-        return bb_fail(BB_INVALID, "plug-in %s: more than %d plug-ins", path, LOADED_MAX);
-    loaded[loaded_count++] = builder;
+        return bb_fail(BB_INVALID, "more than %d plug-ins", LOADED_MAX);
+    loaded[loaded_count++] = registration;
     return BB_OK;
-}
-
-bb_status bb_plugin_load(const char *path)
-{
-    errno = 0;
-    BB_TRY(check_file(path));
-    /* Without a slash dlopen() would search the library path. */
-    char here[4096];
-    int length = snprintf(here, sizeof here, "%s%s", strchr(path, '/') != NULL ? "" : "./", path);
-    if (length < 0 || (size_t)length >= sizeof here)
-        return bb_fail(BB_INVALID, "plug-in %.60s...: the path is too long", path);
-    void *object = dlopen(here, RTLD_NOW | RTLD_LOCAL);
-    if (object == NULL)
-        return bb_fail(BB_INVALID, "plug-in %s: cannot be loaded: %s", path, dlerror());
-    bb_status status = take(path, object);
-    if (status != BB_OK)
-        dlclose(object);
-    return status; /* a loaded builder stays for the life of the process */
 }
 
 /* ---- inputs ---- */
@@ -267,47 +227,4 @@ void bb_input_words(uint32_t inputs, char *text, size_t capacity)
         if ((inputs & words[i].input) != 0)
             used += (size_t)snprintf(text + used, capacity - used, "%s%s", used > 0 ? " " : "",
                                      words[i].word);
-}
-
-/* ---- phases ---- */
-
-bb_status bb_phase(bb_phases *phases, const char *name)
-{
-    if (phases->device != NULL) {
-        phases->used_device = true;
-        if (phases->exact)
-            BB_TRY(bb_finish(phases->device));
-    }
-    double now = bb_wall_ms();
-    if (phases->current >= 0) {
-        phases->ms[phases->current] += now - phases->started;
-        if (phases->outside)
-            phases->outside_ms += now - phases->started;
-    }
-    phases->current = -1;
-    phases->outside = false;
-    if (name == NULL)
-        return BB_OK;
-    uint32_t index = 0;
-    while (index < phases->count && strcmp(phases->names[index], name) != 0)
-        index++;
-    if (index == BB_PHASES_MAX)
-        return bb_fail(BB_FAILED, "phase '%s': a build has at most %d phases", name, BB_PHASES_MAX);
-    if (index == phases->count) {
-        phases->names[phases->count++] = name;
-        phases->ms[index] = 0.0;
-    }
-    phases->current = (int32_t)index;
-    phases->started = now;
-    return BB_OK;
-}
-
-bb_status bb_phase_outside(bb_phases *phases, const char *name)
-{
-    if (phases->device != NULL)
-        return bb_fail(BB_FAILED,
-                       "phase '%s': a builder on the device has no phases outside its time", name);
-    BB_TRY(bb_phase(phases, name));
-    phases->outside = true;
-    return BB_OK;
 }

@@ -1,0 +1,105 @@
+/* Plug-ins: shared objects, looked at before they are believed. */
+#include "framework/builder/registry.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <link.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* Whether the file holds all that its program headers ask to be mapped: the loader maps past the
+ * end of a truncated file, and the process dies at the first access. */
+static bool is_whole_elf(FILE *file, uint64_t size)
+{
+    ElfW(Ehdr) header;
+    if (fread(&header, sizeof header, 1, file) != 1 || memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
+        return false;
+    if (header.e_type != ET_DYN || header.e_phentsize != sizeof(ElfW(Phdr)) ||
+        fseek(file, (long)header.e_phoff, SEEK_SET) != 0)
+        return false;
+    for (uint32_t i = 0; i < header.e_phnum; i++) {
+        ElfW(Phdr) program;
+        if (fread(&program, sizeof program, 1, file) != 1)
+            return false;
+        if (program.p_type == PT_LOAD &&
+            (program.p_offset > size || program.p_filesz > size - program.p_offset))
+            return false;
+    }
+    return header.e_phnum > 0;
+}
+
+static bb_status check_file(const char *path)
+{
+    struct stat info;
+    FILE *file = stat(path, &info) == 0 && S_ISREG(info.st_mode) ? fopen(path, "rb") : NULL;
+    if (file == NULL)
+        return bb_fail(BB_INVALID, "plug-in %s: %s", path,
+                       errno != 0 ? strerror(errno) : "is no file");
+    bool whole = is_whole_elf(file, (uint64_t)info.st_size);
+    fclose(file);
+    if (!whole)
+        return bb_fail(BB_INVALID,
+                       "plug-in %s: is not a shared object of this machine, or is truncated", path);
+    return BB_OK;
+}
+
+/* What the object exports as bb_plugin; NULL if nothing. Whether it is ours is not known yet: the size is
+ * what the object's symbol table says, so that nothing beyond it is read. */
+static const void *find_export(void *object, size_t *bytes)
+{
+    Dl_info where;
+    const ElfW(Sym) *symbol = NULL;
+    const void *address = dlsym(object, "bb_plugin");
+    *bytes = 0;
+    if (address != NULL && dladdr1(address, &where, (void **)&symbol, RTLD_DL_SYMENT) != 0 &&
+        where.dli_saddr == address && symbol != NULL &&
+        ELF64_ST_TYPE(symbol->st_info) == STT_OBJECT)
+        *bytes = symbol->st_size;
+    return address;
+}
+
+static bb_status take(const char *path, void *object)
+{
+    size_t bytes;
+    const bb_registration *found = find_export(object, &bytes);
+    if (found == NULL)
+        return bb_fail(BB_INVALID,
+                       "plug-in %s: exports no bb_plugin: build it with bvhbench_add_builder()",
+                       path);
+    /* Magic word, version and size come first, whatever follows: nothing else is read before they
+     * agree. */
+    if (bytes < offsetof(bb_registration, builder) ||
+        memcmp(found->magic, BB_PLUGIN_MAGIC, sizeof found->magic) != 0)
+        return bb_fail(BB_INVALID,
+                       "plug-in %s: its bb_plugin is no builder of this bvhbench: build it again, "
+                       "with bvhbench_add_builder()",
+                       path);
+    if (found->abi_version != BB_ABI_VERSION || found->bytes != sizeof *found ||
+        bytes < sizeof *found || found->builder == NULL)
+        return bb_fail(BB_INVALID,
+                       "plug-in %s: made for ABI version %u, this bvhbench has %d: build it again "
+                       "with this one's headers",
+                       path, found->abi_version, BB_ABI_VERSION);
+    bb_status status = bb_builder_add(found);
+    return status == BB_OK ? BB_OK : bb_fail(status, "plug-in %s: %s", path, bb_message());
+}
+
+bb_status bb_plugin_load(const char *path)
+{
+    errno = 0;
+    BB_TRY(check_file(path));
+    /* Without a slash dlopen() would search the library path. */
+    char here[4096];
+    int length = snprintf(here, sizeof here, "%s%s", strchr(path, '/') != NULL ? "" : "./", path);
+    if (length < 0 || (size_t)length >= sizeof here)
+        return bb_fail(BB_INVALID, "plug-in %.60s...: the path is too long", path);
+    void *object = dlopen(here, RTLD_NOW | RTLD_LOCAL);
+    if (object == NULL)
+        return bb_fail(BB_INVALID, "plug-in %s: cannot be loaded: %s", path, dlerror());
+    bb_status status = take(path, object);
+    if (status != BB_OK)
+        dlclose(object);
+    return status; /* a loaded builder stays for the life of the process */
+}

@@ -1,0 +1,68 @@
+/* `check` from outside: both forms, the slowest builds, progress; and plug-ins from the environment. */
+#include "tests/program_fixture.h"
+
+#define ROGUE "--plugin " BB_TEST_PLUGIN_DIR "/rogue.so --builder rogue"
+
+static void both_forms_make_one_tree(void **state)
+{
+    (void)state;
+    const outcome *o = expect(0, "check --form both --scene cube --builder lbvh " ROGUE,
+                              "4 trees checked, 0 checks failed");
+    assert_non_null(strstr(o->err, "cube: 12 primitives, form cpu\n"));
+    assert_non_null(strstr(o->err, "cube: 12 primitives, form gpu\n"));
+    expect(1, "check --form both --scene cube " ROGUE ":kind=form", "form cpu makes tree ");
+    expect(0, "check --form gpu --scene cube " ROGUE ":kind=form", "0 checks failed");
+    refuses("", "check --form neither --scene cube", "--form is 'neither'");
+}
+
+static void the_slowest_builds_are_noted(void **state)
+{
+    (void)state;
+    const outcome *o = expect(0, "check --quiet --scene cube --scene terrain:n=2000 --builder sah",
+                              "slowest build: ");
+    assert_string_equal(o->err, "");
+    const char *note = strstr(o->out, "\nnote        terrain:n=2000 ");
+    assert_non_null(note); /* of the cube's twelve primitives nothing is said */
+    assert_non_null(strstr(note, " us per primitive"));
+}
+
+static void plugins_come_from_the_environment_too(void **state)
+{
+    (void)state;
+    const outcome *o = run_with("BVHBENCH_PLUGINS=" BB_TEST_PLUGIN_DIR
+                                "/median.so:" BB_TEST_PLUGIN_DIR "/rogue.so",
+                                "list builders");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->out, "median "));
+    assert_non_null(strstr(o->out, "rogue "));
+    refuses("BVHBENCH_PLUGINS=/no/such.so", "list builders",
+            "BVHBENCH_PLUGINS: plug-in /no/such.so");
+    refuses("BVHBENCH_PLUGINS=" BB_TEST_PLUGIN_DIR "/foreign.so", "list builders",
+            "its bb_plugin is no builder of this bvhbench");
+}
+
+/* Device files of a plug-in can be overridden like any other, by their names. */
+static void a_folder_overrides_a_plugins_files(void **state)
+{
+    (void)state;
+    static const char broken[] = "#error from the folder\n";
+    const char *check = "check --scene cube --builder strips --plugin " BB_TEST_PLUGIN_DIR
+                        "/strips.so --kernels-from edited";
+    expect(0, "check --scene cube --builder strips --plugin " BB_TEST_PLUGIN_DIR "/strips.so",
+           "0 checks failed");
+    assert_int_equal(run_program("", "mkdir", "edited")->exit_status, 0);
+    write_file("edited/strips.clh", broken, sizeof broken - 1);
+    expect(1, check, "from the folder");
+    refuses("", "check --scene cube --kernels-from edited", "nothing reads strips.clh");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(both_forms_make_one_tree),
+        cmocka_unit_test(the_slowest_builds_are_noted),
+        cmocka_unit_test(plugins_come_from_the_environment_too),
+        cmocka_unit_test(a_folder_overrides_a_plugins_files),
+    };
+    return cmocka_run_group_tests_name("check", tests, make_folder, remove_folder);
+}
