@@ -103,6 +103,10 @@ bb_status bb_bench_check(const bb_bench_request *request)
     bb_intersector intersector;
     for (uint32_t i = 0; i < request->intersector_count; i++)
         BB_TRY(bb_intersector_parse(request->intersectors[i], &intersector));
+    for (uint32_t i = 0; i < request->metric_count; i++)
+        if (bb_metric_find(request->metrics[i]) == BB_NONE)
+            return bb_fail(BB_INVALID, "unknown metric '%s': `bvhbench list metrics` shows them",
+                           request->metrics[i]);
     return BB_OK;
 }
 

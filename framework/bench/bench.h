@@ -27,7 +27,8 @@ typedef struct bb_bench_request {
     uint32_t max_views;     /* of a scene that per-view rays are made for; 0: all */
     uint32_t repeats;       /* rounds that count; one more comes first */
     uint64_t seed;
-    bool epo;
+    char *const *metrics; /* names of metrics of trees, besides those that are always measured */
+    uint32_t metric_count;
     double max_wrong_ppm;
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */

@@ -22,9 +22,8 @@ typedef struct bb_chart_cell {
     double mrays_s_least, mrays_s_most;                      /* range of the rounds, likewise */
     double checked, wrong_rays, missed, false_hits, wrong_t; /* rays */
     bb_wrong_rate wrong;
-    double fixed_ms; /* before the first ray: boxes, build, transfer and layout */
-    double sah;      /* of the layout as traced */
-    double epo;      /* of the tree */
+    double fixed_ms;                /* before the first ray: boxes, build, transfer and layout */
+    double metrics[BB_METRICS_MAX]; /* as bb_metrics; of the layout as traced where that is known */
     bool reference;
     bool usable; /* a reference, or right within the run's limit: may be recommended */
 } bb_chart_cell;

@@ -116,6 +116,8 @@ static void print_help(const bb_command *command)
     printf("  %-24s %s\n", "--help", "this text");
     if (command->details != NULL)
         printf("\n%s\n", command->details);
+    if (command->more_help != NULL)
+        command->more_help(stdout);
 }
 
 static void print_overview(const bb_command *const *commands)

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 enum { BB_CLI_OPTIONS_MAX = 24, BB_CLI_VALUES_MAX = 256 };
 
@@ -30,6 +31,7 @@ typedef struct bb_command {
     const char *summary;
     const char *arguments; /* of the positional ones, for the usage line; NULL: none are taken */
     const char *details;   /* further lines of help */
+    void (*more_help)(FILE *out); /* what generated tables add to it; NULL: nothing */
     const bb_cli_option *options; /* ends with name NULL */
     /* Anything but BB_OK ends the program with its message and BB_EXIT_CANNOT; else *exit_status does. */
     bb_status (*run)(const bb_cli *cli, int *exit_status);

@@ -33,7 +33,7 @@ static const bb_cli_option options[] = {
      "give a range only, 1 neither",
      false},
     {"seed", "N", "of all that is random; default: 1", false},
-    {"metrics", "M", "further metrics: epo", true},
+    {"metrics", "M", "further metrics of trees: see below", true},
     {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
     {"plugin", "FILE.so", "load a builder", true},
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
@@ -69,18 +69,6 @@ static bb_status choose_scenes(const bb_cli *cli, bb_names *names)
     return BB_OK;
 }
 
-static bb_status read_metrics(const bb_cli *cli, bool *epo)
-{
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, "metrics", &count);
-    for (uint32_t i = 0; i < count; i++) {
-        if (strcmp(values[i], "epo") != 0)
-            return bb_fail(BB_INVALID, "unknown metric '%s': there is epo", values[i]);
-        *epo = true;
-    }
-    return BB_OK;
-}
-
 static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
 {
     uint64_t max_rays, repeats;
@@ -90,7 +78,7 @@ static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
     BB_TRY(bb_cli_u64(cli, "repeats", BB_INTERVAL_ROUNDS, 1, BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
     BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &request->max_wrong_ppm));
-    BB_TRY(read_metrics(cli, &request->epo));
+    request->metrics = bb_cli_values(cli, "metrics", &request->metric_count);
     request->max_rays = (uint32_t)max_rays;
     request->repeats = (uint32_t)repeats;
     request->quiet = bb_cli_value(cli, "quiet") != NULL;
@@ -165,6 +153,14 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+static void list_metrics(FILE *out)
+{
+    fputs("\nmetrics of trees that --metrics takes:\n", out);
+    for (uint32_t i = 0; i < bb_metric_count(); i++)
+        if (bb_metrics[i]->on_request)
+            fprintf(out, "  %-14s %s\n", bb_metrics[i]->name, bb_metrics[i]->full_title);
+}
+
 extern const bb_command bb_command_run;
 const bb_command bb_command_run = {
     .name = "run",
@@ -177,6 +173,7 @@ const bb_command bb_command_run = {
                "others than the other cells; a builder or kernel failed; no answer of a scene was "
                "judged; or figures\n"
                "of the run contradict each other.",
+    .more_help = list_metrics,
     .options = options,
     .run = run,
 };

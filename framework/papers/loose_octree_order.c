@@ -61,9 +61,9 @@ static void claim_order(const bb_findings *f, bb_reproduction *r)
                "%s%s, view %s: %.0f box tests per ray without an order, %.0f with it, where the "
                "stack kernel, which goes to the nearer child first on each ray, needs %.0f",
                s > 0 ? "; " : "", f->scenes[s], view,
-               bb_found_tests(f, plain, "node_tests_per_ray"),
-               bb_found_tests(f, with, "node_tests_per_ray"),
-               bb_found_tests(f, stack, "node_tests_per_ray"));
+               bb_found_tests(f, plain, BB_F_TRACE_NODE_TESTS),
+               bb_found_tests(f, with, BB_F_TRACE_NODE_TESTS),
+               bb_found_tests(f, stack, BB_F_TRACE_NODE_TESTS));
     }
     bb_claim(r, verdict,
              "The order by the view makes the stackless traversal of LOBVH faster by an order of "
@@ -81,9 +81,9 @@ static double stack_tests_change(const bb_findings *f, const char *builder)
             const char *view = bb_found_view(f, f->scenes[s], v);
             name_ordered(builder, v, with);
             double ratio = bb_found_tests(f, (bb_cell){f->scenes[s], with, STACK, view},
-                                          "node_tests_per_ray") /
+                                          BB_F_TRACE_NODE_TESTS) /
                            bb_found_tests(f, (bb_cell){f->scenes[s], builder, STACK, view},
-                                          "node_tests_per_ray");
+                                          BB_F_TRACE_NODE_TESTS);
             most = fmax(most, fabs(ratio - 1));
         }
     return most;

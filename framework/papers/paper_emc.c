@@ -199,8 +199,8 @@ static void add_table2(const bb_findings *all, bb_reproduction *r, figure what, 
     for (size_t s = 0; s < f->scene_count; s++) {
         bb_row(r);
         bb_cell_text(r, f->scenes[s]);
-        bb_cell_number(r, bb_found_scene(f, f->scenes[s], "prims"), 0);
-        bb_cell_number(r, bb_found_scene(f, f->scenes[s], "flatness"), 3);
+        bb_cell_number(r, bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS), 0);
+        bb_cell_number(r, bb_found_scene(f, f->scenes[s], BB_F_PROFILE_FLATNESS), 3);
         bb_cell_number(r, absolute_of(all, what, f->scenes[s]), 1);
         for (int k = 0; k < COMPARED; k++)
             bb_cell_number(r, ratio_of(all, what, f->scenes[s], compared[k].builder), 2);
@@ -286,7 +286,7 @@ static void add_sizes(const bb_findings *all, bb_reproduction *r)
     const bb_findings *f = &all[SIZED];
     bb_table(r, "Build rate over the number of primitives (random triangles), Mprims/s", columns);
     for (size_t s = 0; s < f->scene_count; s++) {
-        double prims = bb_found_scene(f, f->scenes[s], "prims");
+        double prims = bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS);
         bb_row(r);
         bb_cell_number(r, prims, 0);
         for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++)

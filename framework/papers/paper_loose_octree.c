@@ -82,7 +82,7 @@ static void add_frame(const bb_findings *f, bb_reproduction *r, bb_cell cell)
     double ms = bb_found_build_ms(f, scene, builder) + bb_found_trace_ms(f, cell);
     bb_row(r);
     bb_cell_text(r, scene);
-    bb_cell_number(r, bb_found_scene(f, scene, "prims"), 0);
+    bb_cell_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
     bb_cell_text(r, builder);
     bb_cell_text(r, cell.kernel);
     bb_cell_number(r, bb_found_build_ms(f, scene, builder), 2);
@@ -90,10 +90,10 @@ static void add_frame(const bb_findings *f, bb_reproduction *r, bb_cell cell)
     bb_cell_number(r, ms, 2);
     bb_cell_number(r, ms / frame_ms(f, scene, LBVH30, STACK), 3);
     bb_cell_number(r, bb_found_sah(f, scene, builder), 1);
-    bb_cell_number(r, bb_found_tests(f, cell, "node_tests_per_ray"), 1);
-    bb_cell_number(r, bb_found_tests(f, cell, "prim_tests_per_ray"), 1);
-    bb_cell_number(r, bb_found_tree(f, scene, builder, "bytes_tree") * mib, 1);
-    bb_cell_number(r, bb_found_tree(f, scene, builder, "bytes_peak") * mib, 1);
+    bb_cell_number(r, bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS), 1);
+    bb_cell_number(r, bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS), 1);
+    bb_cell_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) * mib, 1);
+    bb_cell_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES_PEAK) * mib, 1);
 }
 
 /* A builder that was refused has one row without times; a pair that is no part of the comparison has none. */
@@ -173,9 +173,9 @@ static void add_sizes(const bb_findings *all, bb_reproduction *r)
             bb_cell_number(r, bb_found_trace_ms(f, cell), 2);
             bb_cell_number(r, frame_ms(f, scene, builder, STACK), 2);
             bb_cell_number(r, bb_found_sah(f, scene, builder), 2);
-            bb_cell_number(r, bb_found_tests(f, cell, "node_tests_per_ray"), 1);
-            bb_cell_number(r, bb_found_tests(f, cell, "prim_tests_per_ray"), 1);
-            bb_cell_number(r, bb_found_tree(f, scene, builder, "bytes_tree") * mib, 1);
+            bb_cell_number(r, bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS), 1);
+            bb_cell_number(r, bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS), 1);
+            bb_cell_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) * mib, 1);
         }
 }
 

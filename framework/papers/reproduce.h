@@ -88,9 +88,9 @@ bb_status bb_reproduction_print(bb_results *results, FILE *out);
 const cJSON *bb_found_build(const bb_findings *f, const char *scene, const char *builder);
 double bb_found_sah(const bb_findings *f, const char *scene, const char *builder);
 double bb_found_build_ms(const bb_findings *f, const char *scene, const char *builder);
-/* Figures of the tree as recorded: "nodes", "bytes_tree", "bytes_peak", "depth" ... */
+/* A figure of the tree: BB_F_TREE_... */
 double bb_found_tree(const bb_findings *f, const char *scene, const char *builder,
-                     const char *member);
+                     bb_field_id field);
 /* The builder's words on its tree; "" if there are none. */
 const char *bb_found_about(const bb_findings *f, const char *scene, const char *builder);
 double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *builder,
@@ -101,8 +101,8 @@ typedef struct bb_cell {
 } bb_cell;
 double bb_found_trace_ms(const bb_findings *f, bb_cell cell); /* of all rays of the views */
 double bb_found_mrays(const bb_findings *f, bb_cell cell);
-/* "node_tests_per_ray" or "prim_tests_per_ray", a mean over the views. */
-double bb_found_tests(const bb_findings *f, bb_cell cell, const char *member);
+/* BB_F_TRACE_NODE_TESTS or BB_F_TRACE_PRIM_TESTS, a mean over the views. */
+double bb_found_tests(const bb_findings *f, bb_cell cell, bb_field_id tests);
 
 /* Of a cell: the time of its build, of its traces, or of both together. */
 typedef enum bb_times { BB_BUILD_TIME, BB_TRACE_TIME, BB_FRAME_TIME } bb_times;
@@ -125,8 +125,8 @@ bb_estimate bb_ratio_mean_estimate(const bb_ratio_mean *mean);
  * not push one way. Not measured if one scene is not. */
 bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base);
 
-/* Of the scene: "prims", and of its profile "flatness" and others. */
-double bb_found_scene(const bb_findings *f, const char *scene, const char *member);
+/* A figure of the scene or its profile: BB_F_SCENE_PRIMS, BB_F_PROFILE_... */
+double bb_found_scene(const bb_findings *f, const char *scene, bb_field_id field);
 /* Name of a scene's view by number; "" if there is none. */
 const char *bb_found_view(const bb_findings *f, const char *scene, int number);
 

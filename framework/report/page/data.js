@@ -1,6 +1,8 @@
 /* The records in the page, small helpers, and what is computed from the cells that are shown. All text of the records goes through
  * textContent. */
 const data = JSON.parse(document.getElementById('data').textContent);
+/* Names, units, formats, headings and help of all fields, and the metrics of trees (framework/record/fields.h). */
+const schema = JSON.parse(document.getElementById('schema-data').textContent);
 const sets = JSON.parse(document.getElementById('chart-data').textContent);
 const pictures = JSON.parse(document.getElementById('picture-data').textContent);
 const $ = id => document.getElementById(id);
@@ -97,6 +99,11 @@ function wrongText(t) {
   const mark = t.wrong ? ' WRONG' : t.acc.wrong_ppm > 0 ? ' wrong' : '';
   return figure(t.acc.wrong_ppm) + mark + (t.unlike > 0 ? ' unlike' : '') + (t.acc.overflowed > 0 ? ' OVERFLOW' : '');
 }
+
+/* ---- metrics of trees: those that are always measured, then those on request that a build has ---- */
+const metricOf = (build, metric) => (build.tree || {})[metric.name];
+const metrics = [false, true].flatMap(onRequest => schema.metrics.filter(m => m.on_request === onRequest &&
+  (!onRequest || builds.some(b => isNumber(metricOf(b, m))))));
 
 /* ---- the cells of the charts, computed with the results (framework/chart/chart.h) ---- */
 for (const set of sets) {
