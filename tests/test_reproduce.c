@@ -26,9 +26,9 @@ static void what_was_measured_is_found(void **state)
     assert_true(bb_found_sah(&f, flat, "emc:code=mc64") == 100);
     assert_true(isnan(bb_found_sah(&f, cubic, "emc:code=mc64")));
     assert_true(isnan(bb_found_sah(&f, flat, "emc")));
-    bb_cell base = {flat, "emc:code=mc64", "stack", NULL};
-    bb_cell var = {flat, "emc:code=emc64-var", "stack", NULL},
-            nowhere = {cubic, "emc", "stack", NULL};
+    bb_selection base = {flat, "emc:code=mc64", "stack", NULL};
+    bb_selection var = {flat, "emc:code=emc64-var", "stack", NULL},
+                 nowhere = {cubic, "emc", "stack", NULL};
     bb_estimate build = bb_found_ratio(&f, BB_BUILD_TIME, var, base);
     assert_true(build.value == 1.5 && build.low == 1.5 && build.high == 1.5);
     assert_true(isnan(bb_found_ratio(&f, BB_BUILD_TIME, nowhere, base).value));

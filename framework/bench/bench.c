@@ -132,12 +132,73 @@ static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
     return bb_bench_end(bench, step, "make boxes", BB_OK);
 }
 
+bb_cell bb_bench_cell(const bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bb_cell cell = {.width = request->width,
+                    .height = request->height,
+                    .max_rays = request->max_rays,
+                    .seed = request->seed};
+    snprintf(cell.scene, sizeof cell.scene, "%s", bench->scene_text);
+    return cell;
+}
+
+void bb_bench_key(const bb_cell *cell, char key[BB_CELL_KEY])
+{
+    bb_cell canonical = *cell;
+    bb_cell_canonical(&canonical);
+    if (bb_cell_key_format(&canonical, key) != BB_OK)
+        key[0] = '\0';
+}
+
+static bool fits(const char *part, const char *wanted)
+{
+    return part[0] == '\0' || strcmp(part, wanted) == 0;
+}
+
+bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts)
+{
+    bb_cell cell = *parts;
+    bb_cell_canonical(&cell);
+    for (uint32_t i = 0; i < bench->request->cell_count; i++) {
+        const bb_cell *wanted = &bench->request->cells[i];
+        if (fits(cell.scene, wanted->scene) && fits(cell.builder, wanted->builder) &&
+            fits(cell.rays, wanted->rays) && fits(cell.kernel, wanted->kernel) &&
+            fits(cell.intersector, wanted->intersector) &&
+            (cell.rays[0] == '\0' || strcmp(cell.view, wanted->view) == 0))
+            return true;
+    }
+    return bench->request->cell_count == 0;
+}
+
+/* A view that the scene does not have is found out before the builds. */
+static bb_status check_views(const bb_bench *bench, const bb_scene *scene, const char *text)
+{
+    bb_cell here = {.seed = 0};
+    snprintf(here.scene, sizeof here.scene, "%s", text);
+    bb_cell_canonical(&here);
+    for (uint32_t i = 0; i < bench->request->cell_count; i++) {
+        const char *view = bench->request->cells[i].view;
+        uint32_t v = 0;
+        if (view[0] == '\0' || strcmp(here.scene, bench->request->cells[i].scene) != 0)
+            continue;
+        while (v < scene->view_count && strcmp(scene->views[v].name, view) != 0)
+            v++;
+        if (v == scene->view_count)
+            return bb_fail(BB_INVALID, "cell: %s has no view '%s': its first is '%s'", text, view,
+                           scene->views[0].name);
+    }
+    return BB_OK;
+}
+
 static bb_status load_scene(bb_bench *bench, const char *name)
 {
+    bench->scene_text = name;
     bb_progress_stage(bench->progress, 0, "%s: loading", name);
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_scene_load(name, &bench->scene));
     BB_TRY(bb_bench_end(bench, step, "load and profile scenes", BB_OK));
+    BB_TRY(check_views(bench, bench->scene, name));
     step = bb_bench_begin(bench);
     BB_TRY(bb_scene_upload(bench->scene, bench->device));
     BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
@@ -163,6 +224,9 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     record->id = bench->next_id++;
     record->reference = entrant->reference;
     snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
+    bb_cell cell = bb_bench_cell(bench);
+    snprintf(cell.builder, sizeof cell.builder, "%s", text);
+    bb_bench_key(&cell, record->cell);
     bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
     record->spec = &entrant->spec;
     record->options =
@@ -175,9 +239,13 @@ static bb_status start_entrants(bb_bench *bench)
     bench->entrants = calloc(request->builder_count, sizeof *bench->entrants);
     if (bench->entrants == NULL)
         return bb_fail(BB_FAILED, "out of memory");
-    bench->entrant_count = request->builder_count;
-    for (uint32_t i = 0; i < request->builder_count; i++)
-        start_entrant(bench, &bench->entrants[i], request->builders[i]);
+    bench->entrant_count = 0;
+    for (uint32_t i = 0; i < request->builder_count; i++) {
+        bb_cell parts = bb_bench_cell(bench);
+        snprintf(parts.builder, sizeof parts.builder, "%s", request->builders[i]);
+        if (bb_bench_wants(bench, &parts))
+            start_entrant(bench, &bench->entrants[bench->entrant_count++], request->builders[i]);
+    }
     return BB_OK;
 }
 
@@ -195,6 +263,11 @@ static bb_status record_builds(bb_bench *bench)
 static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
 {
     const bb_bench_request *request = bench->request;
+    bb_cell parts = bb_bench_cell(bench);
+    snprintf(parts.rays, sizeof parts.rays, "%s", spec->text);
+    snprintf(parts.view, sizeof parts.view, "%s", view != NULL ? view->name : "");
+    if (!bb_bench_wants(bench, &parts))
+        return BB_OK;
     bb_rays_request wanted = {
         spec, view, request->width, request->height, request->max_rays, request->seed};
     bb_rays *rays = NULL;
@@ -304,7 +377,7 @@ static bb_status run_scene(bb_bench *bench, const char *name)
     bench->judged = 0;
     if (status == BB_OK)
         status = trace_workloads(bench);
-    bool traced = bench->kernel_count > 0 && bench->request->workload_count > 0;
+    bool traced = bench->request->workload_count > 0;
     if (status == BB_OK && traced && bench->judged == 0) {
         bench->outcome->unjudged++;
         bb_progress_note(bench->progress, "%s: no answer was judged", name);
@@ -323,7 +396,9 @@ static bb_status try_scenes(bb_bench *bench)
         bb_scene *scene = NULL;
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
         BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
+        bb_status status = check_views(bench, scene, bench->request->scenes[i]);
         bb_scene_free(scene);
+        BB_TRY(status);
     }
     return bb_bench_end(bench, step, "load and profile scenes", BB_OK);
 }

@@ -30,6 +30,8 @@ typedef struct bb_bench_request {
     char *const *metrics; /* names of metrics of trees, besides those that are always measured */
     uint32_t metric_count;
     double max_wrong_ppm;
+    const bb_cell *cells;       /* canonical: of all combinations only these cells are measured */
+    uint32_t cell_count;        /* 0: all */
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;

@@ -59,6 +59,7 @@ typedef struct bb_bench {
     bb_device *device;
     bb_results *results;
     bb_scene *scene;
+    const char *scene_text; /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
     uint32_t kernel_count;
@@ -117,6 +118,13 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
 
 /* Frees what the entrant has in memory; its record stays. */
 void bb_bench_evict(bb_entrant *entrant);
+
+/* The parts of cells that all of the scene at hand share, made by the request. */
+bb_cell bb_bench_cell(const bb_bench *bench);
+/* Into `key` the canonical key of `cell`; "" if it has none. */
+void bb_bench_key(const bb_cell *cell, char key[BB_CELL_KEY]);
+/* Is a cell with these parts among those that are to be measured? "" stands for any. */
+bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts);
 
 /* All cells of one ray set, interleaved; adds their records. */
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);

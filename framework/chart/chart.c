@@ -15,16 +15,22 @@ typedef struct entry {
     double rays;    /* of the whole set */
 } entry;
 
-static int compare_text(const entry *a, const entry *b, bb_field_id field)
+static const char *key_of(const entry *e)
 {
-    return strcmp(bb_get_text(a->trace, field), bb_get_text(b->trace, field));
+    return bb_get_text(e->trace, BB_F_TRACE_CELL);
 }
 
-/* Scene and rays; the order is the callers' only where they are equal. */
+static int compare_texts(const char *a, size_t a_length, const char *b, size_t b_length)
+{
+    int order = memcmp(a, b, a_length < b_length ? a_length : b_length);
+    return order != 0 ? order : (a_length > b_length) - (a_length < b_length);
+}
+
+/* Scene and rays, from whatever view. */
 static int compare_rays(const entry *a, const entry *b)
 {
-    int order = compare_text(a, b, BB_F_TRACE_SCENE);
-    return order != 0 ? order : compare_text(a, b, BB_F_TRACE_RAYS);
+    const char *left = key_of(a), *right = key_of(b);
+    return compare_texts(left, bb_cell_key_set(left), right, bb_cell_key_set(right));
 }
 
 static int compare_numbers(double a, double b)
@@ -32,26 +38,24 @@ static int compare_numbers(double a, double b)
     return a < b ? -1 : a > b;
 }
 
-/* Build, kernel, layout and intersector. */
+/* Build, kernel and intersector: the cell but for its rays. */
 static int compare_cells(const entry *a, const entry *b)
 {
+    const char *left = key_of(a), *right = key_of(b);
     int order = compare_numbers(bb_get_number(a->trace, BB_F_TRACE_BUILD),
                                 bb_get_number(b->trace, BB_F_TRACE_BUILD));
-    if (order == 0)
-        order = compare_text(a, b, BB_F_TRACE_KERNEL);
-    if (order == 0)
-        order = compare_text(a, b, BB_F_TRACE_LAYOUT);
-    return order != 0 ? order : compare_text(a, b, BB_F_TRACE_INTERSECTOR);
+    return order != 0 ? order
+                      : strcmp(left + bb_cell_key_rays(left), right + bb_cell_key_rays(right));
 }
 
 /* The very same rays: of one run, with one hash. */
 static int compare_hashes(const entry *a, const entry *b)
 {
-    int order = compare_rays(a, b);
+    const char *left = key_of(a), *right = key_of(b);
+    int order = compare_texts(left, bb_cell_key_rays(left), right, bb_cell_key_rays(right));
     if (order == 0)
-        order = compare_text(a, b, BB_F_TRACE_VIEW);
-    if (order == 0)
-        order = compare_text(a, b, BB_F_TRACE_RAYS_HASH);
+        order = strcmp(bb_get_text(a->trace, BB_F_TRACE_RAYS_HASH),
+                       bb_get_text(b->trace, BB_F_TRACE_RAYS_HASH));
     return order != 0 ? order : compare_numbers(bb_run_of(a->trace), bb_run_of(b->trace));
 }
 

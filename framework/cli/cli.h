@@ -21,7 +21,7 @@ typedef struct bb_cli_option {
     const char *name;
     const char *argument; /* NULL: a flag; else what the help calls it */
     const char *help;
-    bool list; /* may be repeated, and given by commas */
+    enum { BB_CLI_ONCE, BB_CLI_LIST, BB_CLI_REPEATED } list; /* by commas too; each by itself */
 } bb_cli_option;
 
 typedef struct bb_cli bb_cli;

@@ -1,6 +1,7 @@
 /* bvhbench run: the comparison. */
 #include "framework/base/clock.h"
 #include "framework/bench/bench.h"
+#include "framework/cli/cells_option.h"
 #include "framework/cli/charts_option.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
@@ -22,6 +23,8 @@ static const bb_cli_option options[] = {
      true},
     {"rays", "R", "workload; default: primary, ao, diffuse, shadow, random", true},
     {"intersector", "I", "rounding rules of the tests; default: exact", true},
+    {"cell", "KEY", "measure exactly the cell of this key, in place of all of the above",
+     BB_CLI_REPEATED},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
@@ -94,7 +97,6 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
 {
     uint32_t kernels_given;
     bb_cli_values(cli, "kernel", &kernels_given);
-    BB_TRY(bb_load_plugins(cli));
     BB_TRY(choose_scenes(cli, &l->scenes));
     BB_TRY(choose_builders(cli, &l->builders));
     BB_TRY(bb_choose_kernels(cli, &l->kernels));
@@ -115,36 +117,55 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
     return bb_bench_check(request);
 }
 
+typedef struct comparison {
+    bb_bench_request request;
+    bb_cells cells; /* if there are any, one run for each of their groups */
+} comparison;
+
 static bb_status compare(void *user, bb_device *device, bb_results *results,
                          bb_bench_outcome *outcome)
 {
-    bb_bench_request *request = user;
-    request->device = device;
-    return bb_bench_run(request, results, outcome);
+    comparison *c = user;
+    c->request.device = device;
+    if (c->cells.group_count == 0)
+        return bb_bench_run(&c->request, results, outcome);
+    for (uint32_t i = 0; i < c->cells.group_count; i++) {
+        bb_bench_outcome more;
+        bb_cells_request(&c->cells.groups[i], &c->request);
+        BB_TRY(bb_bench_run(&c->request, results, &more));
+        bb_bench_outcome_add(outcome, &more);
+    }
+    return BB_OK;
 }
 
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
     lists chosen = {0};
-    bb_bench_request request = {.picture_folder =
-                                    bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL};
+    comparison wanted = {.request.picture_folder =
+                             bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL};
     bool charts = false;
     BB_TRY(bb_charts_wanted(cli, &charts));
-    bb_status status = choose(cli, &chosen, &request);
+    BB_TRY(bb_load_plugins(cli));
+    bb_status status = bb_cells_read(cli, &wanted.cells);
+    if (status == BB_OK)
+        status = choose(cli, &chosen, &wanted.request);
+    if (status == BB_OK && wanted.cells.group_count > 0)
+        bb_cells_request(&wanted.cells.groups[0], &wanted.request);
     if (status == BB_OK) {
-        const bb_comparison comparison = {
+        const bb_comparison all = {
             .cli = cli,
             .folder = folder,
-            .seed = request.seed,
+            .seed = wanted.request.seed,
             .charts = charts,
-            .quiet = request.quiet,
+            .quiet = wanted.request.quiet,
             .compare = compare,
-            .request = &request,
+            .request = &wanted,
             .print = bb_report_table,
         };
-        status = bb_output_compare(&comparison, exit_status);
+        status = bb_output_compare(&all, exit_status);
     }
+    bb_cells_free(&wanted.cells);
     bb_names_free(&chosen.scenes);
     bb_names_free(&chosen.builders);
     bb_names_free(&chosen.kernels);
@@ -165,14 +186,17 @@ extern const bb_command bb_command_run;
 const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
-    .details = "Unless an embree-native:... is among the builders, three of them are added as "
-               "reference rows.\n"
-               "A comma starts a new item of a list unless what follows is key=value.\n"
-               "Exit status 1: a cell with the intersector `exact` has more wrong answers than "
-               "--max-wrong-ppm, or\n"
-               "others than the other cells; a builder or kernel failed; no answer of a scene was "
-               "judged; or figures\n"
-               "of the run contradict each other.",
+    .details =
+        "Unless an embree-native:... is among the builders, three of them are added as "
+        "reference rows.\n"
+        "--cell takes a key from `cell` of a build or trace in results.json and measures just "
+        "that again.\n"
+        "A comma starts a new item of a list unless what follows is key=value.\n"
+        "Exit status 1: a cell with the intersector `exact` has more wrong answers than "
+        "--max-wrong-ppm, or\n"
+        "others than the other cells; a builder or kernel failed; no answer of a scene was "
+        "judged; or figures\n"
+        "of the run contradict each other.",
     .more_help = list_metrics,
     .options = options,
     .run = run,

@@ -198,7 +198,7 @@ static void claim_sweep(const bb_findings *all, bb_reproduction *r)
 static void say_tests(const bb_findings *all, const char *scene, const char *builder, bb_words *why)
 {
     const bb_findings *f = &all[TRACED];
-    bb_cell cell = {scene, builder, "stack", NULL}, base = {scene, MC64, "stack", NULL};
+    bb_selection cell = {scene, builder, "stack", NULL}, base = {scene, MC64, "stack", NULL};
     double boxes = bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS) /
                    bb_found_tests(f, base, BB_F_TRACE_NODE_TESTS);
     double prims = bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS) /
@@ -223,8 +223,8 @@ static void claim_speed(const bb_findings *all, bb_reproduction *r)
         const char *scene = f->scenes[i];
         bb_estimate speed = speed_ratio(all, scene, VAR64, MC64);
         s.values[i] = speed.value;
-        bb_ratio_mean_add(&mean, f, BB_TRACE_TIME, (bb_cell){scene, MC64, "stack", NULL},
-                          (bb_cell){scene, VAR64, "stack", NULL});
+        bb_ratio_mean_add(&mean, f, BB_TRACE_TIME, (bb_selection){scene, MC64, "stack", NULL},
+                          (bb_selection){scene, VAR64, "stack", NULL});
         if (bb_below(speed, 1) != BB_HELD)
             continue;
         bb_say(&why, "%s%s ", why.length > 0 ? "; " : "", scene);
@@ -346,8 +346,8 @@ static void claim_short(const bb_findings *all, bb_reproduction *r)
     bb_ratio_mean mean = {0};
     for (size_t s = 0; s < f->scene_count; s++) {
         time.values[s] = build_ratio(all, f->scenes[s], VAR32, VAR64).value;
-        bb_ratio_mean_add(&mean, f, BB_BUILD_TIME, (bb_cell){f->scenes[s], VAR32, NULL, NULL},
-                          (bb_cell){f->scenes[s], VAR64, NULL, NULL});
+        bb_ratio_mean_add(&mean, f, BB_BUILD_TIME, (bb_selection){f->scenes[s], VAR32, NULL, NULL},
+                          (bb_selection){f->scenes[s], VAR64, NULL, NULL});
     }
     bb_estimate faster = bb_ratio_mean_estimate(&mean);
     const bb_verdict both[] = {

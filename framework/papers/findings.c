@@ -88,7 +88,7 @@ static bool add_trace(const cJSON *trace, const bb_field_id *member, sum *s)
 }
 
 /* False if one of the traces lacks its figures, or there is none. */
-static bool sum_up(const bb_findings *f, bb_cell cell, const bb_field_id *member, sum *s)
+static bool sum_up(const bb_findings *f, bb_selection cell, const bb_field_id *member, sum *s)
 {
     *s = (sum){0};
     const cJSON *trace;
@@ -105,26 +105,26 @@ static bool sum_up(const bb_findings *f, bb_cell cell, const bb_field_id *member
     return s->traces > 0;
 }
 
-double bb_found_trace_ms(const bb_findings *f, bb_cell cell)
+double bb_found_trace_ms(const bb_findings *f, bb_selection cell)
 {
     sum s;
     return sum_up(f, cell, NULL, &s) ? bb_samples_median(&s.ms) : (double)NAN;
 }
 
-double bb_found_mrays(const bb_findings *f, bb_cell cell)
+double bb_found_mrays(const bb_findings *f, bb_selection cell)
 {
     sum s;
     return sum_up(f, cell, NULL, &s) ? s.rays / bb_samples_median(&s.ms) / 1e3 : (double)NAN;
 }
 
-double bb_found_tests(const bb_findings *f, bb_cell cell, bb_field_id tests)
+double bb_found_tests(const bb_findings *f, bb_selection cell, bb_field_id tests)
 {
     sum s;
     return sum_up(f, cell, &tests, &s) ? s.member / s.rays : (double)NAN;
 }
 
 /* Times of a cell and of how many rays they are; false if they were not measured. */
-static bool times_of(const bb_findings *f, bb_times what, bb_cell cell, bb_samples *ms,
+static bool times_of(const bb_findings *f, bb_times what, bb_selection cell, bb_samples *ms,
                      double *rays)
 {
     sum traces = {0};
@@ -142,7 +142,8 @@ static bool times_of(const bb_findings *f, bb_times what, bb_cell cell, bb_sampl
 }
 
 /* Of the same rays, round by round; empty if there is no such ratio. */
-static bb_samples ratios_of(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base)
+static bb_samples ratios_of(const bb_findings *f, bb_times what, bb_selection cell,
+                            bb_selection base)
 {
     bb_samples a, b;
     double rays, base_rays;
@@ -152,14 +153,15 @@ static bb_samples ratios_of(const bb_findings *f, bb_times what, bb_cell cell, b
     return bb_samples_ratio(&a, &b);
 }
 
-bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base)
+bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_selection cell,
+                           bb_selection base)
 {
     bb_samples ratios = ratios_of(f, what, cell, base);
     return bb_samples_estimate(&ratios);
 }
 
-void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_cell cell,
-                       bb_cell base)
+void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_selection cell,
+                       bb_selection base)
 {
     bb_samples ratios = ratios_of(f, what, cell, base);
     if (ratios.count == 0)
@@ -182,8 +184,8 @@ bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, con
 {
     bb_samples logs = {0};
     for (size_t s = 0; s < f->scene_count; s++) {
-        bb_cell cell = {f->scenes[s], builder, NULL, NULL},
-                other = {f->scenes[s], base, NULL, NULL};
+        bb_selection cell = {f->scenes[s], builder, NULL, NULL},
+                     other = {f->scenes[s], base, NULL, NULL};
         bb_samples ratios = ratios_of(f, BB_BUILD_TIME, cell, other);
         for (uint32_t i = 0; i < ratios.count; i++)
             ratios.values[i] = log(ratios.values[i]);

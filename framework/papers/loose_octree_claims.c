@@ -12,14 +12,14 @@ typedef struct pair {
 
 static const pair llbvh_to_lbvh = {LLBVH30, STACK, LBVH30, STACK};
 
-static bb_cell cell_of(pair p, const char *scene)
+static bb_selection cell_of(pair p, const char *scene)
 {
-    return (bb_cell){scene, p.builder, p.kernel, NULL};
+    return (bb_selection){scene, p.builder, p.kernel, NULL};
 }
 
-static bb_cell base_of(pair p, const char *scene)
+static bb_selection base_of(pair p, const char *scene)
 {
-    return (bb_cell){scene, p.base, p.base_kernel, NULL};
+    return (bb_selection){scene, p.base, p.base_kernel, NULL};
 }
 
 static bb_estimate ratio_of(const bb_findings *f, const char *scene, pair p, bb_times what)

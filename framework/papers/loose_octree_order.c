@@ -22,8 +22,8 @@ static factors factors_of(const bb_findings *f, const char *builder, const char 
             const char *view = bb_found_view(f, f->scenes[s], v);
             name_ordered(builder, v, with);
             bb_ratio_mean_add(&mean, f, BB_TRACE_TIME,
-                              (bb_cell){f->scenes[s], builder, kernel, view},
-                              (bb_cell){f->scenes[s], with, kernel, view});
+                              (bb_selection){f->scenes[s], builder, kernel, view},
+                              (bb_selection){f->scenes[s], with, kernel, view});
             all.count++;
             all.least = fmin(all.least, e.value);
             all.most = fmax(all.most, e.value);
@@ -54,9 +54,9 @@ static void claim_order(const bb_findings *f, bb_reproduction *r)
     }
     for (size_t s = 0; s < f->scene_count && verdict != BB_HELD; s++) {
         const char *view = bb_found_view(f, f->scenes[s], 0);
-        bb_cell plain = {f->scenes[s], LOBVH_VIEWLESS, STACKLESS, view};
-        bb_cell with = {f->scenes[s], LOBVH_VIEWLESS ",view=0", STACKLESS, view};
-        bb_cell stack = {f->scenes[s], LOBVH_VIEWLESS, STACK, view};
+        bb_selection plain = {f->scenes[s], LOBVH_VIEWLESS, STACKLESS, view};
+        bb_selection with = {f->scenes[s], LOBVH_VIEWLESS ",view=0", STACKLESS, view};
+        bb_selection stack = {f->scenes[s], LOBVH_VIEWLESS, STACK, view};
         bb_say(&why,
                "%s%s, view %s: %.0f box tests per ray without an order, %.0f with it, where the "
                "stack kernel, which goes to the nearer child first on each ray, needs %.0f",
@@ -80,9 +80,9 @@ static double stack_tests_change(const bb_findings *f, const char *builder)
             char with[128];
             const char *view = bb_found_view(f, f->scenes[s], v);
             name_ordered(builder, v, with);
-            double ratio = bb_found_tests(f, (bb_cell){f->scenes[s], with, STACK, view},
+            double ratio = bb_found_tests(f, (bb_selection){f->scenes[s], with, STACK, view},
                                           BB_F_TRACE_NODE_TESTS) /
-                           bb_found_tests(f, (bb_cell){f->scenes[s], builder, STACK, view},
+                           bb_found_tests(f, (bb_selection){f->scenes[s], builder, STACK, view},
                                           BB_F_TRACE_NODE_TESTS);
             most = fmax(most, fabs(ratio - 1));
         }

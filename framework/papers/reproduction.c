@@ -45,12 +45,12 @@ void bb_row(bb_reproduction *r)
     append(r, r->rows, r->row);
 }
 
-void bb_cell_text(bb_reproduction *r, const char *text)
+void bb_table_text(bb_reproduction *r, const char *text)
 {
     append(r, r->row, cJSON_CreateString(text));
 }
 
-void bb_cell_number(bb_reproduction *r, double value, int decimals)
+void bb_table_number(bb_reproduction *r, double value, int decimals)
 {
     double scale = pow(10, decimals);
     append(r, r->row,

@@ -102,6 +102,8 @@ FIELD(PROFILE_OCTREE_DEPTH, PROFILE, "octree_depth", "", NUMBER | NONE, P(U32, o
 
 /* ---- builds ---- */
 FIELD(BUILD_ID, BUILD, "id", "", NUMBER, B(U32, id), AS_WHOLE, NULL, NULL)
+FIELD(BUILD_CELL, BUILD, "cell", "", TEXT | NONE, B(CHARS, cell), AS_TEXT, "Key",
+      "what `bvhbench run --cell` takes to measure this again")
 FIELD(BUILD_SCENE, BUILD, "scene", "", TEXT, B(CHARS, scene), AS_TEXT, "Scene", NULL)
 FIELD(BUILD_BUILDER, BUILD, "builder", "", TEXT, BY(bb_put_builder), AS_TEXT, "Builder", NULL)
 FIELD(BUILD_PARAMS, BUILD, "params", "", OBJECT | NONE, BY(bb_put_build_params), AS_PAIRS,
@@ -175,6 +177,8 @@ FIELD(TREE_BYTES_PEAK, TREE, "bytes_peak", "B", NUMBER | NONE, B(SIZE64, bytes_p
 
 /* ---- traces ---- */
 FIELD(TRACE_BUILD, TRACE, "build", "", NUMBER, T(U32, build), AS_WHOLE, NULL, NULL)
+FIELD(TRACE_CELL, TRACE, "cell", "", TEXT | NONE, T(CHARS, cell), AS_TEXT, "Key",
+      "what `bvhbench run --cell` takes to measure this again")
 FIELD(TRACE_SCENE, TRACE, "scene", "", TEXT, T(CHARS, scene), AS_TEXT, "Scene", NULL)
 FIELD(TRACE_VIEW, TRACE, "view", "", TEXT | NONE, T(CHARS, view), AS_TEXT, "View", NULL)
 FIELD(TRACE_BUILDER, TRACE, "builder", "", TEXT, T(CHARS, builder), AS_TEXT, "Builder", NULL)

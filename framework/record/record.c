@@ -42,7 +42,7 @@ static bb_status append(bb_results *results, const char *section, bb_field_part 
     cJSON *array = cJSON_GetObjectItemCaseSensitive(results->root, section);
     cJSON *entry = cJSON_CreateObject();
     if (entry != NULL && bb_put_part(entry, part, record, extra) &&
-        cJSON_AddItemToArray(array, entry))
+        (part != BB_IN_TRACE || bb_put_missing_key(entry)) && cJSON_AddItemToArray(array, entry))
         return BB_OK;
     cJSON_Delete(entry);
     return no_memory();

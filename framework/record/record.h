@@ -8,6 +8,7 @@
 #include "framework/base/status.h"
 #include "framework/judge/accuracy.h"
 #include "framework/rays/rays.h"
+#include "framework/record/cell.h"
 #include "framework/record/schema.h"
 #include "framework/scene/scene.h"
 #include "framework/tree/metric.h"
@@ -23,6 +24,7 @@ typedef struct bb_named_ms {
 typedef struct bb_build_record {
     uint32_t id;
     char scene[256];
+    char cell[BB_CELL_KEY];   /* the build's key; "": none */
     const bb_spec *spec;      /* builder as given with its parameters */
     const bb_option *options; /* with the defaults, all parameters are recorded */
     bb_status status;
@@ -55,7 +57,8 @@ typedef struct bb_build_record {
 } bb_build_record;
 
 typedef struct bb_trace_record {
-    uint32_t build; /* id */
+    uint32_t build;         /* id */
+    char cell[BB_CELL_KEY]; /* the key; "": none */
     char scene[256], view[48], builder[512], kernel[512], layout[64], intersector[64];
     char rays[128];
     bool rays_as_given; /* made by hand, not by a workload: see `bvhbench judge --verify no` */

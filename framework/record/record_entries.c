@@ -5,6 +5,7 @@
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* ---- scenes ---- */
 
@@ -255,4 +256,27 @@ bool bb_put_first_wrong(cJSON *object, const char *name, const void *record, con
     (void)extra;
     uint32_t first = ((const bb_trace_record *)record)->accuracy.first_wrong;
     return bb_put_number(object, name, first == BB_NONE ? (double)NAN : (double)first);
+}
+
+bool bb_put_missing_key(cJSON *trace)
+{
+    char key[BB_CELL_KEY];
+    const char *name = bb_fields[BB_F_TRACE_CELL].name;
+    const char *hash = bb_get_text(trace, BB_F_TRACE_RAYS_HASH);
+    bb_cell cell = {.known_by_hash = true, .rays_hash = strtoull(hash, NULL, 16)};
+    if (bb_get_text(trace, BB_F_TRACE_CELL)[0] != '\0')
+        return true;
+    snprintf(cell.scene, sizeof cell.scene, "%s", bb_get_text(trace, BB_F_TRACE_SCENE));
+    snprintf(cell.rays, sizeof cell.rays, "%s", bb_get_text(trace, BB_F_TRACE_RAYS));
+    snprintf(cell.view, sizeof cell.view, "%s", bb_get_text(trace, BB_F_TRACE_VIEW));
+    snprintf(cell.builder, sizeof cell.builder, "%s", bb_get_text(trace, BB_F_TRACE_BUILDER));
+    if (!bb_get_true(trace, BB_F_TRACE_REFERENCE)) {
+        snprintf(cell.kernel, sizeof cell.kernel, "%s", bb_get_text(trace, BB_F_TRACE_KERNEL));
+        snprintf(cell.intersector, sizeof cell.intersector, "%s",
+                 bb_get_text(trace, BB_F_TRACE_INTERSECTOR));
+    }
+    bb_cell_canonical(&cell);
+    cJSON_DeleteItemFromObjectCaseSensitive(trace, name);
+    return bb_cell_key_format(&cell, key) != BB_OK ||
+           cJSON_AddStringToObject(trace, name, key) != NULL;
 }

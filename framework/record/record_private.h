@@ -55,6 +55,10 @@ bb_put_fn bb_put_builder, bb_put_build_params, bb_put_build_times, bb_put_build_
 bb_put_fn bb_put_native, bb_put_rays_source, bb_put_query, bb_put_rays_params, bb_put_rate,
     bb_put_accuracy, bb_put_unlike, bb_put_wrong_ppm, bb_put_overflowed, bb_put_first_wrong;
 
+/* Gives a trace that has no key one of what it says; the rays, of which it does not say all, are known
+ * by their hash. For files of earlier versions. */
+bool bb_put_missing_key(cJSON *trace);
+
 /* The run's context as the member "context" of the document. */
 bool bb_put_context(cJSON *root, const bb_context *context, const char *embree_version);
 

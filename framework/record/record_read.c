@@ -242,6 +242,12 @@ static bool complete(bb_results *results)
     if (cJSON_GetObjectItemCaseSensitive(root, "steps_ms") == NULL &&
         cJSON_AddObjectToObject(root, "steps_ms") == NULL)
         return false;
+    cJSON *trace;
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItemCaseSensitive(root, "traces"))
+    {
+        if (!bb_put_missing_key(trace))
+            return false;
+    }
     return bb_results_put_spreads(results);
 }
 

@@ -143,12 +143,12 @@ static void print_builds(FILE *out, const cJSON *builds, const char *scene)
 
 /* ---- traces ---- */
 
-/* Same scene, view and rays, from the same run. */
+/* The very same rays, from the same run. */
 static bool same_rays(const cJSON *a, const cJSON *b)
 {
-    return bb_same_text(a, b, BB_F_TRACE_SCENE) && bb_same_text(a, b, BB_F_TRACE_VIEW) &&
-           bb_same_text(a, b, BB_F_TRACE_RAYS) && bb_same_text(a, b, BB_F_TRACE_RAYS_HASH) &&
-           bb_run_of(a) == bb_run_of(b);
+    const char *left = bb_get_text(a, BB_F_TRACE_CELL), *right = bb_get_text(b, BB_F_TRACE_CELL);
+    return bb_cell_key_same(left, bb_cell_key_rays(left), right, bb_cell_key_rays(right)) &&
+           bb_same_text(a, b, BB_F_TRACE_RAYS_HASH) && bb_run_of(a) == bb_run_of(b);
 }
 
 /* Mrays/s of the fastest reference row on the rays of `trace`; NAN if there is none. */

@@ -109,7 +109,7 @@ function drawAccuracy(set, cells) {
   const tree = $('pick-tree').value, references = cells.filter(c => c.reference);
   const ours = cells.filter(c => !c.reference && (tree === '*' || tree === '' || c.label === tree));
   const checkedFirst = c => isNumber(c.ppm) ? c.mrays_s : -1;
-  const drawn = tree === '' ? bestPer(ours, c => JSON.stringify([c.t.kernel, c.t.intersector]), checkedFirst) : ours;
+  const drawn = tree === '' ? bestPer(ours, c => tracePart(c.t), checkedFirst) : ours;
   const [points, front] = wrongPoints(drawn.concat(references), kernelKey, c => c.mrays_s, c => c.mrays_s);
   for (const p of points) p.ySpread = spreadOf(p.cell, 'mrays_s');
   const range = wrongRange(points);

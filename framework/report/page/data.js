@@ -69,7 +69,11 @@ const merged = Array.isArray(data.merged) && data.merged.length > 0;
 const builds = data.builds;
 const buildById = new Map(builds.map(build => [build.id, build]));
 const runOf = row => row.run || 0;
-const raysKey = t => JSON.stringify([t.scene, t.view || '', t.rays, t.rays_hash || '', runOf(t)]);
+
+/* Parts of a cell's key (framework/record/cell.h), in which '/' stands between the parts alone: its rays; what traces them. */
+const raysPart = t => t.cell.split('/builder=')[0];
+const tracePart = t => t.cell.split('/').filter(part => /^(kernel|intersector)=/.test(part)).join('/');
+const raysKey = t => JSON.stringify([raysPart(t), t.rays_hash || '', runOf(t)]);
 
 /* Rays that no workload made say so wherever they are named. */
 const raysName = t => t.rays_source === 'as given' ? `${t.rays} (rays as given)` : t.rays;

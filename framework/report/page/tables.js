@@ -113,6 +113,7 @@ function traceTable() {
     ...minor([field('trace', 'count'), num('of', t => t.all, 'rays in the set', whole), field('trace', 'counted'),
     field('accuracy', 'overflowed'), ...fields('trace', ['query', 'layout', 'ms_median', 'event_ms', 'cpu_ms']),
     ...fields('accuracy', ['ties', 'margin_limited', 'oracle_wrong', 't_off', 't_ulp_p99', 't_ulp_max'])]),
+    ...minor([field('trace', 'cell', { wide: true })]),
     field('trace', 'status', { text: statusText, wide: true, css: t => t.status === 'ok' ? '' : 'odd' }),
   ], traces, { tools: true, css: t => t.reference ? 'reference' : null,
                odd: t => t.status !== 'ok' || t.acc.wrong_ppm > 0 || t.acc.overflowed > 0 });
@@ -139,6 +140,7 @@ function buildTable() {
     field('tree', 'bytes_tree', { value: treeBytes, text: b => bytes(treeBytes(b)) }),
     field('tree', 'bytes_peak'), field('build', 'layouts_ms'), ...minor(fields('build', ['phases_ms', 'layouts_sah', 'params'])),
     ...(builds.some(b => b.about) ? [field('build', 'about', { wide: true })] : []),
+    ...minor([field('build', 'cell', { wide: true })]),
     field('build', 'status', { text: statusText, wide: true, css: b => b.status === 'ok' ? '' : 'odd' }),
   ], builds, { tools: true, css: b => b.reference ? 'reference' : null, odd: b => b.status !== 'ok' });
 }
