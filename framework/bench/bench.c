@@ -132,65 +132,6 @@ static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
     return bb_bench_end(bench, step, "make boxes", BB_OK);
 }
 
-bb_cell bb_bench_cell(const bb_bench *bench)
-{
-    const bb_bench_request *request = bench->request;
-    bb_cell cell = {.width = request->width,
-                    .height = request->height,
-                    .max_rays = request->max_rays,
-                    .seed = request->seed};
-    snprintf(cell.scene, sizeof cell.scene, "%s", bench->scene_text);
-    return cell;
-}
-
-void bb_bench_key(const bb_cell *cell, char key[BB_CELL_KEY])
-{
-    bb_cell canonical = *cell;
-    bb_cell_canonical(&canonical);
-    if (bb_cell_key_format(&canonical, key) != BB_OK)
-        key[0] = '\0';
-}
-
-static bool fits(const char *part, const char *wanted)
-{
-    return part[0] == '\0' || strcmp(part, wanted) == 0;
-}
-
-bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts)
-{
-    bb_cell cell = *parts;
-    bb_cell_canonical(&cell);
-    for (uint32_t i = 0; i < bench->request->cell_count; i++) {
-        const bb_cell *wanted = &bench->request->cells[i];
-        if (fits(cell.scene, wanted->scene) && fits(cell.builder, wanted->builder) &&
-            fits(cell.rays, wanted->rays) && fits(cell.kernel, wanted->kernel) &&
-            fits(cell.intersector, wanted->intersector) &&
-            (cell.rays[0] == '\0' || strcmp(cell.view, wanted->view) == 0))
-            return true;
-    }
-    return bench->request->cell_count == 0;
-}
-
-/* A view that the scene does not have is found out before the builds. */
-static bb_status check_views(const bb_bench *bench, const bb_scene *scene, const char *text)
-{
-    bb_cell here = {.seed = 0};
-    snprintf(here.scene, sizeof here.scene, "%s", text);
-    bb_cell_canonical(&here);
-    for (uint32_t i = 0; i < bench->request->cell_count; i++) {
-        const char *view = bench->request->cells[i].view;
-        uint32_t v = 0;
-        if (view[0] == '\0' || strcmp(here.scene, bench->request->cells[i].scene) != 0)
-            continue;
-        while (v < scene->view_count && strcmp(scene->views[v].name, view) != 0)
-            v++;
-        if (v == scene->view_count)
-            return bb_fail(BB_INVALID, "cell: %s has no view '%s': its first is '%s'", text, view,
-                           scene->views[0].name);
-    }
-    return BB_OK;
-}
-
 static bb_status load_scene(bb_bench *bench, const char *name)
 {
     bench->scene_text = name;
@@ -198,7 +139,7 @@ static bb_status load_scene(bb_bench *bench, const char *name)
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_scene_load(name, &bench->scene));
     BB_TRY(bb_bench_end(bench, step, "load and profile scenes", BB_OK));
-    BB_TRY(check_views(bench, bench->scene, name));
+    BB_TRY(bb_bench_check_views(bench, bench->scene, name));
     step = bb_bench_begin(bench);
     BB_TRY(bb_scene_upload(bench->scene, bench->device));
     BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
@@ -396,7 +337,7 @@ static bb_status try_scenes(bb_bench *bench)
         bb_scene *scene = NULL;
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
         BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
-        bb_status status = check_views(bench, scene, bench->request->scenes[i]);
+        bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
         bb_scene_free(scene);
         BB_TRY(status);
     }

@@ -126,6 +126,9 @@ void bb_bench_key(const bb_cell *cell, char key[BB_CELL_KEY]);
 /* Is a cell with these parts among those that are to be measured? "" stands for any. */
 bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts);
 
+/* BB_INVALID if cells that are to be measured name a view that `scene`, asked for as `text`, lacks. */
+bb_status bb_bench_check_views(const bb_bench *bench, const bb_scene *scene, const char *text);
+
 /* All cells of one ray set, interleaved; adds their records. */
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);
 

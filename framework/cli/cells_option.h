@@ -18,9 +18,9 @@ typedef struct bb_cells {
     uint32_t group_count; /* 0: the option is not given */
 } bb_cells;
 
-/* Reads the keys, and checks what can be checked without a scene. BB_INVALID, in one line, for a key
- * that is none, for one that names what there is not, and beside options that a key replaces. Release
- * with bb_cells_free(), also after a failure. */
+/* Reads the keys, and checks what can be checked without a scene. BB_INVALID, in one line, for a
+ * key that is none, for one that names what there is not, and beside options that a key replaces.
+ * Release with bb_cells_free(), also after a failure. */
 bb_status bb_cells_read(const bb_cli *cli, bb_cells *cells);
 void bb_cells_free(bb_cells *cells);
 

@@ -15,8 +15,8 @@
  * Left out: `view` of rays that are made once per scene; `kernel` and `intersector` of a reference
  * row, which traces by itself; all of the rays, and of a kernel, where only a build was measured.
  * Layout and query follow from kernel, intersector and rays. size, max-rays and seed always stand
- * with rays: they also decide how rays are batched. `rays-hash` names rays that cannot be made again
- * by name: from another program, or in a file of an earlier version.
+ * with rays: they also decide how rays are batched. `rays-hash` names rays that cannot be made
+ * again by name: from another program, or in a file of an earlier version.
  *
  * Canonical: parameters in the order in which they are declared, all that have a value spelled out,
  * defaults too, so that a key keeps its meaning when a default changes; an intersector by the first
@@ -47,8 +47,8 @@ typedef struct bb_cell {
 enum { BB_CELL_WIDTH = 512, BB_CELL_HEIGHT = 512, BB_CELL_MAX_RAYS = 1 << 20, BB_CELL_SEED = 1 };
 
 /* Reads a key whose parts may come in any order. What may have a default and is not there gets it:
- * size, max-rays and seed those above, the intersector `exact`. BB_INVALID, with the key's start and
- * what is wrong with it, for what is no key: an unknown, repeated, missing or empty part, a bad
+ * size, max-rays and seed those above, the intersector `exact`. BB_INVALID, with the key's start
+ * and what is wrong with it, for what is no key: an unknown, repeated, missing or empty part, a bad
  * escape or number. Whether there are such a scene, builder ... is not looked at. */
 bb_status bb_cell_key_parse(const char *key, bb_cell *cell);
 

@@ -145,10 +145,10 @@ char *bb_results_print(const bb_results *results, bool formatted);
 bb_status bb_results_write(const bb_results *results, const char *path);
 /* Reads and checks the schema; BB_INVALID names what is wrong. */
 bb_status bb_results_read(const char *path, bb_results **out);
-/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures, reproductions and times to
- * a; b's context goes into a's "merged" array and b's builds, traces and skipped sets get the member
- * "run", the number of that entry from 1. Times add up; the total is dropped if one of the two has
- * none. BB_INVALID if a scene of one name has two geometries. */
+/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures, reproductions and times
+ * to a; b's context goes into a's "merged" array and b's builds, traces and skipped sets get the
+ * member "run", the number of that entry from 1. Times add up; the total is dropped if one of the
+ * two has none. BB_INVALID if a scene of one name has two geometries. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);
 
 #endif

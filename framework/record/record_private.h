@@ -29,7 +29,8 @@ typedef struct bb_note_record {
 
 /* ---- members; each returns false when there is no memory ---- */
 
-/* Puts the field `name`, and those that go with it, into `object`. `extra`: what the record lacks. */
+/* Puts the field `name`, and those that go with it, into `object`. `extra`: what the record lacks.
+ */
 typedef bool bb_put_fn(cJSON *object, const char *name, const void *record, const void *extra);
 
 /* All fields of a part, from its record: bb_scene, bb_build_record, bb_trace_record,
@@ -55,8 +56,8 @@ bb_put_fn bb_put_builder, bb_put_build_params, bb_put_build_times, bb_put_build_
 bb_put_fn bb_put_native, bb_put_rays_source, bb_put_query, bb_put_rays_params, bb_put_rate,
     bb_put_accuracy, bb_put_unlike, bb_put_wrong_ppm, bb_put_overflowed, bb_put_first_wrong;
 
-/* Gives a trace that has no key one of what it says; the rays, of which it does not say all, are known
- * by their hash. For files of earlier versions. */
+/* Gives a trace that has no key one of what it says; the rays, of which it does not say all, are
+ * known by their hash. For files of earlier versions. */
 bool bb_put_missing_key(cJSON *trace);
 
 /* The run's context as the member "context" of the document. */

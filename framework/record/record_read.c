@@ -98,7 +98,8 @@ static bb_status check_metrics(const char *path, const char *place, const cJSON 
     return BB_OK;
 }
 
-/* Each element of the array `section`, and its member `inner` ("" for none) if that is an object. */
+/* Each element of the array `section`, and its member `inner` ("" for none) if that is an object.
+ */
 static bb_status check_section(const char *path, const cJSON *root, const char *section,
                                bool required, bb_field_part part, const char *inner,
                                bb_field_part inner_part)

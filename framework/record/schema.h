@@ -72,8 +72,8 @@ extern const bb_field bb_fields[BB_FIELDS];
 /* Whether `item` (NULL: absent) is of one of the types. */
 bool bb_json_is(const cJSON *item, unsigned types);
 
-/* The schema for the page: { "trace": { "mrays_s": { heading, unit, format, help }, ... }, ... }, of
- * fields with headings, and "metrics": [{ name, title, ... }]. For cJSON_free(); NULL without
+/* The schema for the page: { "trace": { "mrays_s": { heading, unit, format, help }, ... }, ... },
+ * of fields with headings, and "metrics": [{ name, title, ... }]. For cJSON_free(); NULL without
  * memory. */
 char *bb_schema_json(void);
 
@@ -89,7 +89,7 @@ double bb_get_metric_traced(const cJSON *build, const bb_metric *metric, const c
 /* Whether one of the builds has it. */
 bool bb_metric_measured(const cJSON *builds, const bb_metric *metric);
 
-/* ---- look-ups; `entry` is a whole scene, build, trace ..., also for fields of its inner parts ---- */
+/* ---- look-ups; `entry` is a whole scene, build, trace ..., for fields of inner parts too ---- */
 
 /* The member; NULL if there is none. */
 const cJSON *bb_get(const cJSON *entry, bb_field_id field);

@@ -27,8 +27,8 @@ int bb_larger(int a, int b);
 typedef enum bb_spread { BB_NO_SPREAD, BB_RANGE, BB_INTERVAL } bb_spread;
 
 /* A column of medians: an interval behind each where there are rounds enough for one, else their
- * range; of a single round nothing. Its heading says what the brackets hold; a range among intervals
- * says so itself. Start with the fields alone. */
+ * range; of a single round nothing. Its heading says what the brackets hold; a range among
+ * intervals says so itself. Start with the fields alone. */
 typedef struct bb_medians {
     bb_field_id median, low; /* the ends of the spread are `low` and the three fields after it */
     char heading[BB_ENTRY];

@@ -18,7 +18,8 @@ static const cJSON *first_entry(const cJSON *object)
     return object != NULL ? object->child : NULL;
 }
 
-/* What a build's row has behind its time: fields and metrics of the tree, each as wide as it needs. */
+/* What a build's row has behind its time: fields and metrics of the tree, each as wide as it needs.
+ */
 typedef struct tree_columns {
     const bb_metric
         *metrics[BB_METRICS_MAX]; /* those that were measured, of any build of the file */
@@ -194,8 +195,8 @@ static void classes_entry(char entry[BB_ENTRY], const cJSON *trace)
                  bb_get_number(trace, BB_F_ACCURACY_WRONG_T));
 }
 
-/* The kernel, a star if its layout keeps the builder's own tree, and the intersector where it is not the
- * default; 0-terminated in `name`. */
+/* The kernel, a star if its layout keeps the builder's own tree, and the intersector where it is
+ * not the default; 0-terminated in `name`. */
 static void kernel_name(const cJSON *trace, char *name, size_t capacity)
 {
     const char *intersector = bb_get_text(trace, BB_F_TRACE_INTERSECTOR);

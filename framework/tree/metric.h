@@ -1,7 +1,7 @@
 /* Metrics of trees: figures that are to say how good a tree is before a ray is traced. Each is one
- * file, metric_NAME.c with `const bb_metric bb_metric_NAME`, which CMake finds. From the struct it is
- * in the result file (NAME, and NAME_half if it is sampled, of the build's tree), in the tables of
- * builds, in the chart of speed against metrics, in `list metrics` and in `run --metrics`.
+ * file, metric_NAME.c with `const bb_metric bb_metric_NAME`, which CMake finds. From the struct it
+ * is in the result file (NAME, and NAME_half if it is sampled, of the build's tree), in the tables
+ * of builds, in the chart of speed against metrics, in `list metrics` and in `run --metrics`.
  */
 #ifndef BB_METRIC_H
 #define BB_METRIC_H
@@ -19,9 +19,10 @@ typedef struct bb_metric {
     bool on_request;     /* costs too much to be measured each time */
     bool of_layouts;     /* the harness also has it of each layout, as traced: layouts_NAME */
     bool sampled;        /* estimated from points: there is a confidence interval */
-    /* Of the tree, which is checked and on the host: *value, NAN if the tree has none; *half, if it is
-     * sampled, the half width of the 95 % interval of *value. `samples` points, at least 1, drawn by
-     * `seed`: the same for all trees of a scene. May use all cores, but not depend on how many. */
+    /* Of the tree, which is checked and on the host: *value, NAN if the tree has none; *half, if it
+     * is sampled, the half width of the 95 % interval of *value. `samples` points, at least 1,
+     * drawn by `seed`: the same for all trees of a scene. May use all cores, but not depend on how
+     * many. */
     bb_status (*compute)(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
                          uint64_t seed, double *value, double *half);
 } bb_metric;
