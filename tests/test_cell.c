@@ -252,6 +252,16 @@ static void a_file_keeps_its_path(void **state)
     expect_canonical("scene=random:n=50/seed=1/builder=null",
                      "scene=random:n=50/seed=1/builder=null");
     unlink("random:n=50");
+    file = fopen("cube", "w"); /* without parameters, only the file's being there tells */
+    assert_non_null(file);
+    fclose(file);
+    expect_canonical("scene=cube/seed=1/builder=null", "scene=cube/seed=1/builder=null");
+    file = fopen("random", "w");
+    assert_non_null(file);
+    fclose(file);
+    expect_canonical("scene=random/seed=1/builder=null", "scene=random/seed=1/builder=null");
+    unlink("cube");
+    unlink("random");
     expect_canonical("scene=random:n=50/seed=1/builder=null",
                      "scene=random:n=50,ratio=1,seed=1/seed=1/builder=null");
     assert_int_equal(chdir(before), 0);
