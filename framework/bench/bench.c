@@ -42,13 +42,6 @@ void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
     bench->random = bb_random_u64(&random);
 }
 
-bool bb_is_reference(const char *builder)
-{
-    size_t length = sizeof BB_REFERENCE_NAME - 1;
-    return strncmp(builder, BB_REFERENCE_NAME, length) == 0 &&
-           (builder[length] == '\0' || builder[length] == ':');
-}
-
 /* ---- what was asked for ---- */
 
 static bb_status parse_reference(const char *text, bb_spec *spec)

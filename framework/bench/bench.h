@@ -62,7 +62,4 @@ void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more);
 /* Checks the names and parameters of a request before anything is loaded. */
 bb_status bb_bench_check(const bb_bench_request *request);
 
-/* Is this specification a reference row (Embree with its own trees)? */
-bool bb_is_reference(const char *builder);
-
 #endif

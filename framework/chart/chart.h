@@ -7,8 +7,8 @@
 
 #include "framework/record/record.h"
 
-/* One build with one kernel, layout and intersector on one ray set: of one view, or of all together
- * (rays and times added up). NAN: not measured. */
+/* A cell (framework/record/cell.h), or those that differ in their view alone, rays and times added
+ * up. NAN: not measured. */
 typedef struct bb_chart_cell {
     const cJSON *trace, *build; /* the records; of several views the first one's trace */
     uint32_t trace_index;       /* of `trace` in the document */

@@ -185,7 +185,7 @@ static bb_status read_part(const char *key, const char *at, const char *end, bb_
                           "kernel= and intersector=, with '/' between them");
 }
 
-static bool is_reference(const char *builder)
+bool bb_is_reference(const char *builder)
 {
     size_t length = sizeof BB_REFERENCE_NAME - 1;
     return strncmp(builder, BB_REFERENCE_NAME, length) == 0 &&
@@ -201,9 +201,9 @@ static bb_status complete(const char *key, bb_cell *cell)
     if (!traced && (kernel || cell->intersector[0] != '\0' || cell->view[0] != '\0' ||
                     cell->known_by_hash || cell->width > 0 || cell->max_rays > 0))
         return malformed(key, "it names no rays");
-    if (is_reference(cell->builder) && (kernel || cell->intersector[0] != '\0'))
+    if (bb_is_reference(cell->builder) && (kernel || cell->intersector[0] != '\0'))
         return malformed(key, "a reference traces by itself: it has no kernel and no intersector");
-    if (!is_reference(cell->builder) && traced && !kernel)
+    if (!bb_is_reference(cell->builder) && traced && !kernel)
         return malformed(key, "it names no kernel");
     if (kernel && cell->intersector[0] == '\0')
         strcpy(cell->intersector, "exact");

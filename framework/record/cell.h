@@ -60,6 +60,9 @@ void bb_cell_canonical(bb_cell *cell);
 /* The same without parameters that have their defaults: short names for tables. */
 void bb_cell_short(bb_cell *cell);
 
+/* Is this builder a reference row (Embree with its own trees)? */
+bool bb_is_reference(const char *builder);
+
 /* ---- parts of a key; a key names its rays first, then its builder and what traces ---- */
 
 /* Length of the beginning that cells on one scene and rays share, from whatever view. */
