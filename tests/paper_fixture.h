@@ -59,7 +59,7 @@ static inline uint32_t add_build(bb_results *results, const char *scene, const c
     snprintf(record.scene, sizeof record.scene, "%s", scene);
     add_rounds(&record.build_ms, ms);
     record.has_tree = true;
-    record.sah = sah;
+    record.metrics[bb_metric_find("sah")].value = sah;
     assert_int_equal(bb_results_add_build(results, &record), BB_OK);
     return record.id;
 }

@@ -23,7 +23,7 @@ typedef struct outcome {
 /* Of a file in the folder; returns its size. */
 static inline size_t read_file(const char *name, char *text, size_t capacity)
 {
-    char path[512];
+    char path[1024];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     FILE *file = fopen(path, "rb");
     assert_non_null(file);
@@ -49,7 +49,7 @@ static inline const outcome *run_program(const char *before, const char *program
                                          const char *arguments)
 {
     static outcome o;
-    char command[4096];
+    char command[20000];
     snprintf(command, sizeof command, "cd %s && %s %s %s >stdout 2>stderr </dev/null", folder,
              before, program, arguments);
     int status = system(command);

@@ -169,8 +169,9 @@ static inline void sample_add_build(bb_results *results, const sample_scene *sce
             37};
         build.bytes_tree = (uint64_t)scene->prims * 68;
         build.bytes_peak = (uint64_t)scene->prims * 117;
-        build.sah = builder->sah;
-        build.epo = id % 3 == 0 ? builder->sah * 0.06 : (double)NAN;
+        build.metrics[bb_metric_find("sah")].value = builder->sah;
+        if (id % 3 == 0)
+            build.metrics[bb_metric_find("epo")].value = builder->sah * 0.06;
     }
     sample_check(results, bb_results_add_build(results, &build));
 }

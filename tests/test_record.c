@@ -438,9 +438,164 @@ static void intervals_of_older_files_are_drawn_anew(void **state)
     bb_results_destroy(results);
 }
 
+/* Each figure of the file is that of its own member: all are different here. */
+static void fields_are_of_their_members(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    static bb_build_record build;
+    static bb_trace_record trace;
+    static bb_scene scene = {
+        .name = "other", .prim_count = 31, .prims = {[BB_TRIANGLE] = {.count = 32}}};
+    bb_spec spec;
+    bb_build_record_init(&build);
+    bb_trace_record_init(&trace);
+    assert_int_equal(bb_spec_parse("lbvh", &spec), BB_OK);
+    scene.prims[BB_SPHERE].count = 33;
+    scene.ignored = 34;
+    scene.out_of_range = 35;
+    scene.scale = 36;
+    scene.load_ms = 37;
+    scene.profile = (bb_profile){1, 2, 3, 4, 5, 6, 7, 8, 1, 9, 10};
+    assert_int_equal(bb_results_add_scene(results, &scene, NULL), BB_OK);
+    build.id = 4000;
+    build.spec = &spec;
+    strcpy(build.scene, "other");
+    build.cold_ms = 11;
+    build.prepare_ms = 12;
+    build.boxes_ms = 13;
+    build.bytes_native = 14;
+    build.has_tree = true;
+    build.tree = (bb_tree_info){0, 15, 16, 17, 18, 19};
+    build.bytes_tree = 20;
+    build.bytes_peak = 21;
+    for (uint32_t i = 0; i < bb_metric_count(); i++)
+        build.metrics[i] = (bb_metric_value){100 + i, 200 + i};
+    bb_samples *const samples[] = {&build.build_ms,   &build.event_ms,   &build.cpu_ms,
+                                   &build.restore_ms, &build.outside_ms, &build.transfer_ms,
+                                   &trace.ms,         &trace.event_ms,   &trace.cpu_ms};
+    for (int i = 0; i < 9; i++)
+        bb_samples_add(samples[i], 300 + i);
+    assert_int_equal(bb_results_add_build(results, &build), BB_OK);
+    trace.build = 4000;
+    trace.count = 22;
+    trace.group_size = 23;
+    trace.stack_size = 24;
+    trace.counted = 25;
+    trace.node_tests_per_ray = 26;
+    trace.prim_tests_per_ray = 27;
+    trace.has_accuracy = true;
+    trace.accuracy =
+        (bb_accuracy){41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57};
+    trace.overflowed = 58;
+    assert_int_equal(bb_results_add_trace(results, &trace), BB_OK);
+    const struct {
+        const cJSON *entry;
+        bb_field_id field;
+        double value;
+    } cases[] = {
+#define OF(section, id, value) {section, BB_F_##id, value}
+#define SCENE bb_results_scene(results, "other")
+#define BUILD bb_results_build(results, 4000)
+#define TRACE                                                                                      \
+    cJSON_GetArrayItem(section(results, "traces"),                                                 \
+                       cJSON_GetArraySize(section(results, "traces")) - 1)
+        OF(SCENE, SCENE_PRIMS, 31),
+        OF(SCENE, SCENE_TRIANGLES, 32),
+        OF(SCENE, SCENE_SPHERES, 33),
+        OF(SCENE, SCENE_IGNORED, 34),
+        OF(SCENE, SCENE_OUT_OF_RANGE, 35),
+        OF(SCENE, SCENE_SCALE, 36),
+        OF(SCENE, SCENE_LOAD_MS, 37),
+        OF(SCENE, PROFILE_FLATNESS, 1),
+        OF(SCENE, PROFILE_SIZE_MIN, 2),
+        OF(SCENE, PROFILE_SIZE_MEDIAN, 3),
+        OF(SCENE, PROFILE_SIZE_MAX, 4),
+        OF(SCENE, PROFILE_ZERO_AREA, 5),
+        OF(SCENE, PROFILE_DUPLICATE_BOXES, 6),
+        OF(SCENE, PROFILE_DUPLICATE_CENTROIDS, 7),
+        OF(SCENE, PROFILE_OVERLAP, 8),
+        OF(SCENE, PROFILE_CODE_BITS, 9),
+        OF(SCENE, PROFILE_OCTREE_DEPTH, 10),
+        OF(BUILD, BUILD_COLD_MS, 11),
+        OF(BUILD, BUILD_PREPARE_MS, 12),
+        OF(BUILD, BUILD_BOXES_MS, 13),
+        OF(BUILD, BUILD_BYTES_NATIVE, 14),
+        OF(BUILD, TREE_NODES, 15),
+        OF(BUILD, TREE_LEAVES, 16),
+        OF(BUILD, TREE_REFS, 17),
+        OF(BUILD, TREE_ARITY, 18),
+        OF(BUILD, TREE_DEPTH, 19),
+        OF(BUILD, TREE_BYTES, 20),
+        OF(BUILD, TREE_BYTES_PEAK, 21),
+        OF(BUILD, BUILD_MS_MEDIAN, 300),
+        OF(BUILD, BUILD_RESTORE_MS, 303),
+        OF(BUILD, BUILD_OUTSIDE_MS, 304),
+        OF(BUILD, BUILD_TRANSFER_MS, 305),
+        OF(TRACE, TRACE_COUNT, 22),
+        OF(TRACE, TRACE_GROUP, 23),
+        OF(TRACE, TRACE_STACK, 24),
+        OF(TRACE, TRACE_COUNTED, 25),
+        OF(TRACE, TRACE_NODE_TESTS, 26),
+        OF(TRACE, TRACE_PRIM_TESTS, 27),
+        OF(TRACE, TRACE_MS_MEDIAN, 306),
+        OF(TRACE, TRACE_EVENT_MS, 307),
+        OF(TRACE, TRACE_CPU_MS, 308),
+        OF(TRACE, ACCURACY_CHECKED, 41),
+        OF(TRACE, ACCURACY_RIGHT, 42),
+        OF(TRACE, ACCURACY_TIES, 43),
+        OF(TRACE, ACCURACY_MISSED, 44),
+        OF(TRACE, ACCURACY_FALSE, 45),
+        OF(TRACE, ACCURACY_WRONG_T, 46),
+        OF(TRACE, ACCURACY_UNWRITTEN, 47),
+        OF(TRACE, ACCURACY_MARGIN, 48),
+        OF(TRACE, ACCURACY_T_OFF, 49),
+        OF(TRACE, ACCURACY_ORACLE_WRONG, 50),
+        OF(TRACE, ACCURACY_FORGIVEN, 51),
+        OF(TRACE, ACCURACY_ARBITRATED, 52),
+        OF(TRACE, ACCURACY_WRONG_PPM, 53),
+        OF(TRACE, ACCURACY_T_ULP_MAX, 54),
+        OF(TRACE, ACCURACY_T_ULP_P99, 55),
+        OF(TRACE, ACCURACY_JUDGE_MS, 56),
+        OF(TRACE, ACCURACY_FIRST_WRONG, 57),
+        OF(TRACE, ACCURACY_OVERFLOWED, 58),
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        if (bb_get_number(cases[i].entry, cases[i].field) != cases[i].value)
+            fail_msg("%s is %g, not %g", bb_fields[cases[i].field].name,
+                     bb_get_number(cases[i].entry, cases[i].field), cases[i].value);
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        char half[BB_METRIC_FIELD];
+        bb_metric_half_name(bb_metrics[i], half);
+        assert_true(bb_get_metric(BUILD, bb_metrics[i]) == 100 + i);
+        assert_true(!bb_metrics[i]->sampled ||
+                    bb_get_named(BUILD, BB_F_BUILD_TREE, half) == 200 + i);
+    }
+    bb_results_destroy(results);
+}
+
+/* A metric's fields are nobody else's. */
+static void names_of_metrics_are_free(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        char half[BB_METRIC_FIELD];
+        bb_metric_half_name(bb_metrics[i], half);
+        assert_in_range(strlen(bb_metrics[i]->name), 1, BB_METRIC_FIELD - 16);
+        assert_int_equal(bb_metric_find(bb_metrics[i]->name), i);
+        for (size_t f = 0; f < BB_FIELDS; f++)
+            assert_true(bb_fields[f].part != BB_IN_TREE ||
+                        (strcmp(bb_fields[f].name, bb_metrics[i]->name) != 0 &&
+                         strcmp(bb_fields[f].name, half) != 0));
+    }
+    assert_true(bb_metrics[bb_metric_count()] == NULL); /* else raise BB_METRICS_MAX */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fields_are_of_their_members),
+        cmocka_unit_test(names_of_metrics_are_free),
         cmocka_unit_test(schema_is_complete),
         cmocka_unit_test(context_describes_the_machine),
         cmocka_unit_test(parameters_have_their_defaults),

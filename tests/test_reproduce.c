@@ -26,9 +26,9 @@ static void what_was_measured_is_found(void **state)
     assert_true(bb_found_sah(&f, flat, "emc:code=mc64") == 100);
     assert_true(isnan(bb_found_sah(&f, cubic, "emc:code=mc64")));
     assert_true(isnan(bb_found_sah(&f, flat, "emc")));
-    bb_cell base = {flat, "emc:code=mc64", "stack", NULL};
-    bb_cell var = {flat, "emc:code=emc64-var", "stack", NULL},
-            nowhere = {cubic, "emc", "stack", NULL};
+    bb_selection base = {flat, "emc:code=mc64", "stack", NULL};
+    bb_selection var = {flat, "emc:code=emc64-var", "stack", NULL},
+                 nowhere = {cubic, "emc", "stack", NULL};
     bb_estimate build = bb_found_ratio(&f, BB_BUILD_TIME, var, base);
     assert_true(build.value == 1.5 && build.low == 1.5 && build.high == 1.5);
     assert_true(isnan(bb_found_ratio(&f, BB_BUILD_TIME, nowhere, base).value));
@@ -37,19 +37,19 @@ static void what_was_measured_is_found(void **state)
     assert_true(bb_found_trace_ms(&f, base) == 24);
     assert_true(bb_found_mrays(&f, base) == 2000 / 24e3);
     assert_true(bb_found_ratio(&f, BB_TRACE_TIME, base, var).value == 4);
-    assert_true(bb_found_tests(&f, base, "node_tests_per_ray") == 15);
+    assert_true(bb_found_tests(&f, base, BB_F_TRACE_NODE_TESTS) == 15);
     /* build and both views: 3 + 2 + 1 over 2 + 4 + 8 */
     assert_true(bb_found_ratio(&f, BB_FRAME_TIME, var, base).value == 6.0 / 14);
     base.view = var.view = "back";
     assert_true(bb_found_ratio(&f, BB_TRACE_TIME, base, var).value == 8);
-    assert_true(bb_found_tests(&f, var, "node_tests_per_ray") == 9);
+    assert_true(bb_found_tests(&f, var, BB_F_TRACE_NODE_TESTS) == 9);
     var.kernel = "other";
     assert_true(isnan(bb_found_trace_ms(&f, var)));
     assert_true(isnan(bb_found_ratio(&f, BB_TRACE_TIME, base, var).value));
 
-    assert_true(bb_found_scene(&f, flat, "prims") == 1000);
-    assert_true(bb_found_scene(&f, flat, "flatness") == 0.01);
-    assert_true(isnan(bb_found_scene(&f, "nowhere", "prims")));
+    assert_true(bb_found_scene(&f, flat, BB_F_SCENE_PRIMS) == 1000);
+    assert_true(bb_found_scene(&f, flat, BB_F_PROFILE_FLATNESS) == 0.01);
+    assert_true(isnan(bb_found_scene(&f, "nowhere", BB_F_SCENE_PRIMS)));
     assert_string_equal(bb_found_view(&f, flat, 1), "back");
     assert_string_equal(bb_found_view(&f, flat, 3), "");
     bb_results_destroy(results);

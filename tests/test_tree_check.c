@@ -1,5 +1,6 @@
 /* The checker of the common tree must find every kind of corruption by itself, call it by its name,
  * and never crash. Built with sanitizers, this test says that nothing is read out of bounds. */
+#include "framework/tree/metric.h"
 #include "framework/tree/tree_cover.h"
 #include "tests/tree_fixture.h"
 
@@ -312,12 +313,12 @@ static void test_fuzzed_trees_do_no_harm(void **state)
         }
         uint64_t hash;
         uint32_t need;
-        double epo;
+        bb_metric_value epo;
         (void)bb_tree_check(&tree, scene);
         (void)bb_tree_hash(&tree, &hash);
         (void)bb_tree_stack_need(&tree, &need);
         (void)bb_tree_sah(&tree);
-        (void)bb_tree_epo(&tree, scene, 1, 1, &epo, NULL);
+        (void)bb_metric_compute(bb_metrics[bb_metric_find("epo")], &tree, scene, 1, 1, &epo);
         bb_tree_release(&tree);
         free_scene(scene);
     }

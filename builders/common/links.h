@@ -9,6 +9,8 @@
 #include "framework/device/device.h"
 #include "framework/tree/tree.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -41,5 +43,7 @@ bb_status bb_links_finish_device(bb_links *links, const bb_tree_info *known, bb_
 #ifdef __cplusplus
 }
 #endif
+
+#pragma GCC visibility pop
 
 #endif

@@ -1,6 +1,6 @@
 #include "framework/bench/audit.h"
 
-#include "framework/record/record_private.h"
+#include "framework/record/record.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -55,50 +55,47 @@ void bb_audit_launches(bb_audit *audit, const char *what, uint64_t timed, uint64
 }
 
 /* Is this median, as printed, long enough for what the device saw? */
-static void audit_median(bb_audit *audit, const cJSON *entry, const char *name)
+static void audit_median(bb_audit *audit, const cJSON *entry, bb_field_id field)
 {
-    const cJSON *samples = cJSON_GetObjectItem(entry, "event_ms_samples"), *sample;
-    double shown = bb_json_number(entry, name);
-    bb_samples events = {0};
-    cJSON_ArrayForEach(sample, samples)
-    {
-        if (cJSON_IsNumber(sample) && events.count < BB_SAMPLES_MAX)
-            bb_samples_add(&events, sample->valuedouble);
-    }
+    bool is_build = bb_fields[field].part == BB_IN_BUILD;
+    double shown = bb_get_number(entry, field);
+    bb_samples events;
+    bb_get_samples(entry, is_build ? BB_F_BUILD_EVENT_SAMPLES : BB_F_TRACE_EVENT_SAMPLES, &events);
     double seen = bb_samples_median(&events);
     if (events.count > 0 && seen > shown * (1 + clock_share) + clock_ms)
         complain(audit, "%.60s on %.60s: %.30s is %.3f, but the device's own clock saw %.3f ms",
-                 bb_json_text(entry, "builder"), bb_json_text(entry, "scene"), name, shown, seen);
+                 bb_get_text(entry, is_build ? BB_F_BUILD_BUILDER : BB_F_TRACE_BUILDER),
+                 bb_get_text(entry, is_build ? BB_F_BUILD_SCENE : BB_F_TRACE_SCENE),
+                 bb_fields[field].name, shown, seen);
 }
 
 /* From the document itself, so that nothing between the clock and the printed figure is left out. */
 void bb_audit_rates(bb_audit *audit, bb_results *results)
 {
     const cJSON *trace;
-    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(bb_results_json(results), "traces"))
+    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
     {
-        if (strcmp(bb_json_text(trace, "status"), "ok") != 0)
+        if (!bb_is_ok(trace))
             continue;
         audit->rates++;
-        audit_median(audit, trace, "ms_median");
-        const cJSON *accuracy = cJSON_GetObjectItem(trace, "accuracy");
-        double judged = bb_json_number(accuracy, "checked");
-        double shown = bb_json_number(trace, "mrays_s");
-        double ms = bb_json_number(trace, "ms_median");
-        if (!(judged == bb_json_number(trace, "count") &&
+        audit_median(audit, trace, BB_F_TRACE_MS_MEDIAN);
+        double judged = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
+        double shown = bb_get_number(trace, BB_F_TRACE_RATE);
+        double ms = bb_get_number(trace, BB_F_TRACE_MS_MEDIAN);
+        if (!(judged == bb_get_number(trace, BB_F_TRACE_COUNT) &&
               fabs(shown * ms * 1e3 - judged) <= 1e-6 * judged))
             complain(audit,
                      "%.60s on %.60s, %.40s by %.60s: %g Mrays/s in %g ms are %.0f rays, but %.0f "
                      "were judged",
-                     bb_json_text(trace, "builder"), bb_json_text(trace, "scene"),
-                     bb_json_text(trace, "rays"), bb_json_text(trace, "kernel"), shown, ms,
-                     shown * ms * 1e3, isfinite(judged) ? judged : 0);
+                     bb_get_text(trace, BB_F_TRACE_BUILDER), bb_get_text(trace, BB_F_TRACE_SCENE),
+                     bb_get_text(trace, BB_F_TRACE_RAYS), bb_get_text(trace, BB_F_TRACE_KERNEL),
+                     shown, ms, shown * ms * 1e3, isfinite(judged) ? judged : 0);
     }
     const cJSON *build;
-    cJSON_ArrayForEach(build, cJSON_GetObjectItem(bb_results_json(results), "builds"))
+    cJSON_ArrayForEach(build, bb_results_section(results, "builds"))
     {
-        if (strcmp(bb_json_text(build, "status"), "ok") == 0)
-            audit_median(audit, build, "build_ms_median");
+        if (bb_is_ok(build))
+            audit_median(audit, build, BB_F_BUILD_MS_MEDIAN);
     }
 }
 

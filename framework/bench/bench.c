@@ -44,13 +44,6 @@ void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
     bench->random = bb_random_u64(&random);
 }
 
-bool bb_is_reference(const char *builder)
-{
-    size_t length = sizeof BB_REFERENCE_NAME - 1;
-    return strncmp(builder, BB_REFERENCE_NAME, length) == 0 &&
-           (builder[length] == '\0' || builder[length] == ':');
-}
-
 /* ---- what was asked for ---- */
 
 static bb_status parse_reference(const char *text, bb_spec *spec)
@@ -105,6 +98,10 @@ bb_status bb_bench_check(const bb_bench_request *request)
     bb_intersector intersector;
     for (uint32_t i = 0; i < request->intersector_count; i++)
         BB_TRY(bb_intersector_parse(request->intersectors[i], &intersector));
+    for (uint32_t i = 0; i < request->metric_count; i++)
+        if (bb_metric_find(request->metrics[i]) == BB_NONE)
+            return bb_fail(BB_INVALID, "unknown metric '%s': `bvhbench list metrics` shows them",
+                           request->metrics[i]);
     return BB_OK;
 }
 
@@ -132,10 +129,12 @@ static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
 
 static bb_status load_scene(bb_bench *bench, const char *name)
 {
+    bench->scene_text = name;
     bb_progress_stage(bench->progress, 0, "%s: loading", name);
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_scene_load(name, &bench->scene));
     BB_TRY(bb_bench_end(bench, step, "load and profile scenes", BB_OK));
+    BB_TRY(bb_bench_check_views(bench, bench->scene, name));
     step = bb_bench_begin(bench);
     BB_TRY(bb_scene_upload(bench->scene, bench->device));
     BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
@@ -181,6 +180,9 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     record->id = bench->next_id++;
     record->reference = entrant->reference;
     snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
+    bb_cell cell = bb_bench_cell(bench);
+    snprintf(cell.builder, sizeof cell.builder, "%s", text);
+    bb_bench_key(&cell, record->cell);
     record->spec = &entrant->spec;
     if (entrant->reference) {
         bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
@@ -196,9 +198,13 @@ static bb_status start_entrants(bb_bench *bench)
     bench->entrants = calloc(request->builder_count, sizeof *bench->entrants);
     if (bench->entrants == NULL)
         return bb_fail(BB_FAILED, "out of memory");
-    bench->entrant_count = request->builder_count;
-    for (uint32_t i = 0; i < request->builder_count; i++)
-        start_entrant(bench, &bench->entrants[i], request->builders[i]);
+    bench->entrant_count = 0;
+    for (uint32_t i = 0; i < request->builder_count; i++) {
+        bb_cell parts = bb_bench_cell(bench);
+        snprintf(parts.builder, sizeof parts.builder, "%s", request->builders[i]);
+        if (bb_bench_wants(bench, &parts))
+            start_entrant(bench, &bench->entrants[bench->entrant_count++], request->builders[i]);
+    }
     return BB_OK;
 }
 
@@ -216,6 +222,11 @@ static bb_status record_builds(bb_bench *bench)
 static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
 {
     const bb_bench_request *request = bench->request;
+    bb_cell parts = bb_bench_cell(bench);
+    snprintf(parts.rays, sizeof parts.rays, "%s", spec->text);
+    snprintf(parts.view, sizeof parts.view, "%s", view != NULL ? view->name : "");
+    if (!bb_bench_wants(bench, &parts))
+        return BB_OK;
     bb_rays_request wanted = {
         spec, view, request->width, request->height, request->max_rays, request->seed};
     bb_rays *rays = NULL;
@@ -325,7 +336,7 @@ static bb_status run_scene(bb_bench *bench, const char *name)
     bench->judged = 0;
     if (status == BB_OK)
         status = trace_workloads(bench);
-    bool traced = bench->kernel_count > 0 && bench->request->workload_count > 0;
+    bool traced = bench->request->workload_count > 0;
     if (status == BB_OK && traced && bench->judged == 0) {
         bench->outcome->unjudged++;
         bb_progress_note(bench->progress, "%s: no answer was judged", name);
@@ -344,7 +355,9 @@ static bb_status try_scenes(bb_bench *bench)
         bb_scene *scene = NULL;
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
         BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
+        bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
         bb_scene_free(scene);
+        BB_TRY(status);
     }
     return bb_bench_end(bench, step, "load and profile scenes", BB_OK);
 }

@@ -27,8 +27,11 @@ typedef struct bb_bench_request {
     uint32_t max_views;     /* of a scene that per-view rays are made for; 0: all */
     uint32_t repeats;       /* rounds that count; one more comes first */
     uint64_t seed;
-    bool epo;
+    char *const *metrics; /* names of metrics of trees, besides those that are always measured */
+    uint32_t metric_count;
     double max_wrong_ppm;
+    const bb_cell *cells;       /* canonical: of all combinations only these cells are measured */
+    uint32_t cell_count;        /* 0: all */
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;
@@ -58,8 +61,5 @@ void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more);
 
 /* Checks the names and parameters of a request before anything is loaded. */
 bb_status bb_bench_check(const bb_bench_request *request);
-
-/* Is this specification a reference row (Embree with its own trees)? */
-bool bb_is_reference(const char *builder);
 
 #endif

@@ -15,6 +15,7 @@ enum {
      * device */
     PHASE_BUILDS = 3,
     REPEATS = 5, /* of transfers and layouts */
+    METRIC_SAMPLES = 1000000,
 };
 
 /* Phases of a pipeline have their stage's name before their own. */
@@ -143,6 +144,30 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
     return BB_OK;
 }
 
+static bool is_requested(const bb_bench *bench, const bb_metric *metric)
+{
+    for (uint32_t i = 0; i < bench->request->metric_count; i++)
+        if (strcmp(bench->request->metrics[i], metric->name) == 0)
+            return true;
+    return false;
+}
+
+/* The metrics that are always measured, or those on request, each a step of its own. */
+static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_request)
+{
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        const bb_metric *metric = bb_metrics[i];
+        if (metric->on_request != on_request || (on_request && !is_requested(bench, metric)))
+            continue;
+        bb_step step = bb_bench_begin(bench);
+        BB_TRY(bb_metric_compute(metric, &entrant->instance.tree, bench->scene, METRIC_SAMPLES,
+                                 bench->request->seed, &entrant->record.metrics[i]));
+        if (on_request)
+            BB_TRY(bb_bench_end(bench, step, metric->title, BB_OK));
+    }
+    return BB_OK;
+}
+
 /* Correctness of the tree, then its figures. */
 static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
 {
@@ -154,17 +179,11 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     record->has_tree = true;
     record->tree = tree->info;
     record->bytes_tree = bb_tree_bytes(tree);
-    record->sah = bb_tree_sah(tree);
+    BB_TRY(measure_metrics(bench, entrant, false));
     BB_TRY(bb_instance_describe(&entrant->instance, bench->scene, record->about,
                                 sizeof record->about));
     BB_TRY(bb_bench_end(bench, step, "check trees, SAH", BB_OK));
-    if (bench->request->epo) {
-        step = bb_bench_begin(bench);
-        BB_TRY(bb_tree_epo(tree, bench->scene, 1000000, bench->request->seed, &record->epo,
-                           &record->epo_half));
-        BB_TRY(bb_bench_end(bench, step, "EPO", BB_OK));
-    }
-    return BB_OK;
+    return measure_metrics(bench, entrant, true);
 }
 
 static void note_failure(bb_entrant *entrant, bb_status status)
@@ -216,6 +235,11 @@ static void finish_phases(bb_entrant *entrant)
         entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
 }
 
+static double sah_of_tree(const bb_entrant *entrant)
+{
+    return entrant->record.metrics[bb_metric_find("sah")].value;
+}
+
 /* Makes it some times more, for its time, when it is the first of its name. The one that is there paid for
  * fresh memory: it is kept, and left out of the median. */
 static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
@@ -228,7 +252,7 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
     uint32_t k = record->layout_count++;
     snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
     record->layouts[k].sah =
-        isnan(data->sah) && data->keeps_shape ? entrant->record.sah : data->sah;
+        isnan(data->sah) && data->keeps_shape ? sah_of_tree(entrant) : data->sah;
     bb_samples_add(&record->layouts[k].ms, data->timing.ms);
     for (uint32_t i = 0; i < REPEATS; i++) {
         char what[256];

@@ -61,6 +61,7 @@ typedef struct bb_bench {
     bb_device *device;
     bb_results *results;
     bb_scene *scene;
+    const char *scene_text; /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
     uint32_t kernel_count;
@@ -109,6 +110,16 @@ uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
 
 /* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for have been made. */
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);
+
+/* The parts of cells that all of the scene at hand share, made by the request. */
+bb_cell bb_bench_cell(const bb_bench *bench);
+/* Into `key` the canonical key of `cell`; "" if it has none. */
+void bb_bench_key(const bb_cell *cell, char key[BB_CELL_KEY]);
+/* Is a cell with these parts among those that are to be measured? "" stands for any. */
+bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts);
+
+/* BB_INVALID if cells that are to be measured name a view that `scene`, asked for as `text`, lacks. */
+bb_status bb_bench_check_views(const bb_bench *bench, const bb_scene *scene, const char *text);
 
 /* All cells of one ray set, interleaved; adds their records. */
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);

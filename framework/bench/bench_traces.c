@@ -279,10 +279,25 @@ static void note_failure(cell *c, bb_status status)
     snprintf(c->record.reason, sizeof c->record.reason, "%s", bb_message());
 }
 
+/* Its parts as the record has them; a reference traces by itself. */
+static bb_cell cell_of(const trace_set *set, const cell *c)
+{
+    const bb_trace_record *r = &c->record;
+    bb_cell cell = bb_bench_cell(set->bench);
+    snprintf(cell.rays, sizeof cell.rays, "%s", r->rays);
+    snprintf(cell.view, sizeof cell.view, "%s", r->view);
+    snprintf(cell.builder, sizeof cell.builder, "%s", r->builder);
+    if (r->reference)
+        return cell;
+    snprintf(cell.kernel, sizeof cell.kernel, "%s", r->kernel);
+    snprintf(cell.intersector, sizeof cell.intersector, "%s", r->intersector);
+    return cell;
+}
+
 static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t kernel, uint32_t i)
 {
     bb_bench *bench = set->bench;
-    const bb_intersector *intersector = &bench->intersectors[i];
+    const bb_intersector *intersector = entrant->reference ? NULL : &bench->intersectors[i];
     bb_rays *rays = set->rays;
     *c = (cell){.entrant = entrant, .kernel = kernel, .intersector = intersector};
     if (!entrant->reference)
@@ -303,6 +318,8 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
         snprintf(r->kernel, sizeof r->kernel, "%s", bench->kernels[kernel].spec.text);
         snprintf(r->intersector, sizeof r->intersector, "%s", bench->request->intersectors[i]);
     }
+    bb_cell key = cell_of(set, c);
+    bb_bench_key(&key, r->cell);
     r->query = rays->query;
     r->rays_hash = rays->hash;
     r->rays_spec = &rays->spec;
@@ -325,7 +342,8 @@ static bb_status start_set(trace_set *set)
 {
     bb_bench *bench = set->bench;
     const bb_bench_request *request = bench->request;
-    uint32_t most = bench->entrant_count * bench->kernel_count * request->intersector_count;
+    uint32_t each = bench->kernel_count * request->intersector_count;
+    uint32_t most = bench->entrant_count * (each > 0 ? each : 1); /* a reference is one cell */
     set->cells = calloc(most, sizeof *set->cells);
     if (set->cells == NULL)
         return bb_fail(BB_FAILED, "out of memory");
@@ -336,8 +354,12 @@ static bb_status start_set(trace_set *set)
         for (uint32_t k = 0; k < kernels; k++) {
             if (!entrant->reference && !bb_bench_takes(bench, entrant, k))
                 continue;
-            for (uint32_t i = 0; i < intersectors; i++)
-                start_cell(set, &set->cells[set->count++], entrant, k, i);
+            for (uint32_t i = 0; i < intersectors; i++) {
+                cell *c = &set->cells[set->count];
+                start_cell(set, c, entrant, k, i);
+                bb_cell parts = cell_of(set, c);
+                set->count += bb_bench_wants(bench, &parts);
+            }
         }
     }
     set->order = calloc(most, sizeof *set->order);

@@ -1,6 +1,6 @@
 /* Cells of the charts from the records of a run: grouped by scene and rays, added up over views. */
 #include "framework/chart/chart.h"
-#include "framework/record/record_private.h"
+#include "framework/record/record.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -15,16 +15,22 @@ typedef struct entry {
     double rays;    /* of the whole set */
 } entry;
 
-static int compare_text(const entry *a, const entry *b, const char *name)
+static const char *key_of(const entry *e)
 {
-    return strcmp(bb_json_text(a->trace, name), bb_json_text(b->trace, name));
+    return bb_get_text(e->trace, BB_F_TRACE_CELL);
 }
 
-/* Scene and rays; the order is the callers' only where they are equal. */
+static int compare_texts(const char *a, size_t a_length, const char *b, size_t b_length)
+{
+    int order = memcmp(a, b, a_length < b_length ? a_length : b_length);
+    return order != 0 ? order : (a_length > b_length) - (a_length < b_length);
+}
+
+/* Scene and rays, from whatever view. */
 static int compare_rays(const entry *a, const entry *b)
 {
-    int order = compare_text(a, b, "scene");
-    return order != 0 ? order : compare_text(a, b, "rays");
+    const char *left = key_of(a), *right = key_of(b);
+    return compare_texts(left, bb_cell_key_set(left), right, bb_cell_key_set(right));
 }
 
 static int compare_numbers(double a, double b)
@@ -32,28 +38,25 @@ static int compare_numbers(double a, double b)
     return a < b ? -1 : a > b;
 }
 
-/* Build, kernel, layout and intersector. */
+/* Build, kernel and intersector: the cell but for its rays. */
 static int compare_cells(const entry *a, const entry *b)
 {
-    int order =
-        compare_numbers(bb_json_number(a->trace, "build"), bb_json_number(b->trace, "build"));
-    if (order == 0)
-        order = compare_text(a, b, "kernel");
-    if (order == 0)
-        order = compare_text(a, b, "layout");
-    return order != 0 ? order : compare_text(a, b, "intersector");
+    const char *left = key_of(a), *right = key_of(b);
+    int order = compare_numbers(bb_get_number(a->trace, BB_F_TRACE_BUILD),
+                                bb_get_number(b->trace, BB_F_TRACE_BUILD));
+    return order != 0 ? order
+                      : strcmp(left + bb_cell_key_rays(left), right + bb_cell_key_rays(right));
 }
 
 /* The very same rays: of one run, with one hash. */
 static int compare_hashes(const entry *a, const entry *b)
 {
-    int order = compare_rays(a, b);
+    const char *left = key_of(a), *right = key_of(b);
+    int order = compare_texts(left, bb_cell_key_rays(left), right, bb_cell_key_rays(right));
     if (order == 0)
-        order = compare_text(a, b, "view");
-    if (order == 0)
-        order = compare_text(a, b, "rays_hash");
-    double run_a = bb_json_number(a->trace, "run"), run_b = bb_json_number(b->trace, "run");
-    return order != 0 ? order : compare_numbers(isnan(run_a) ? 0 : run_a, isnan(run_b) ? 0 : run_b);
+        order = strcmp(bb_get_text(a->trace, BB_F_TRACE_RAYS_HASH),
+                       bb_get_text(b->trace, BB_F_TRACE_RAYS_HASH));
+    return order != 0 ? order : compare_numbers(bb_run_of(a->trace), bb_run_of(b->trace));
 }
 
 static int by_rays(const void *left, const void *right)
@@ -109,21 +112,13 @@ static uint32_t group_size(const entry *entries, uint32_t count, uint32_t first)
     return end - first;
 }
 
-static double sah_of(const cJSON *build, const char *layout)
-{
-    const cJSON *layouts = cJSON_GetObjectItemCaseSensitive(build, "layouts_sah");
-    double sah = bb_json_number(layouts, layout);
-    return isfinite(sah) ? sah
-                         : bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "tree"), "sah");
-}
-
 /* Milliseconds before the first ray. What a build does not need, or was not measured, costs nothing: a
  * reference makes its boxes and its layout inside its build, and is on the host already. */
 static double fixed_of(const cJSON *build, double layout_ms)
 {
-    double boxes = bb_json_number(build, "boxes_ms");
-    double transfer = bb_json_number(build, "transfer_ms");
-    return bb_json_number(build, "build_ms_median") + layout_ms + (isfinite(boxes) ? boxes : 0) +
+    double boxes = bb_get_number(build, BB_F_BUILD_BOXES_MS);
+    double transfer = bb_get_number(build, BB_F_BUILD_TRANSFER_MS);
+    return bb_get_number(build, BB_F_BUILD_MS_MEDIAN) + layout_ms + (isfinite(boxes) ? boxes : 0) +
            (isfinite(transfer) ? transfer : 0);
 }
 
@@ -131,26 +126,28 @@ static double fixed_of(const cJSON *build, double layout_ms)
 static bb_chart_cell first_cell(const entry *from)
 {
     const cJSON *trace = from->trace, *build = from->build;
-    const char *layout = bb_json_text(trace, "layout");
-    const cJSON *layouts = cJSON_GetObjectItemCaseSensitive(build, "layouts_ms");
-    bool reference = bb_json_true(trace, "reference");
-    double layout_ms = reference ? 0 : bb_json_number(layouts, layout);
-    return (bb_chart_cell){
+    const char *layout = bb_get_text(trace, BB_F_TRACE_LAYOUT);
+    bool reference = bb_get_true(trace, BB_F_TRACE_REFERENCE);
+    double layout_ms = reference ? 0 : bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, layout);
+    bb_chart_cell cell = {
         .trace = trace,
         .build = build,
         .trace_index = from->index,
         .fixed_ms = fixed_of(build, layout_ms),
-        .sah = reference ? (double)NAN : sah_of(build, layout),
-        .epo = bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "tree"), "epo"),
         .reference = reference,
         .usable = true,
     };
+    for (uint32_t i = 0; i < BB_METRICS_MAX; i++)
+        cell.metrics[i] = reference || i >= bb_metric_count()
+                              ? (double)NAN
+                              : bb_get_metric_traced(build, bb_metrics[i], layout);
+    return cell;
 }
 
-/* Milliseconds for the trace's rays at the rate that the member gives; NAN if it gives none. */
-static double ms_at(const cJSON *trace, const char *member)
+/* Milliseconds for the trace's rays at the rate that the field gives; NAN if it gives none. */
+static double ms_at(const cJSON *trace, bb_field_id rate)
 {
-    return bb_json_number(trace, "count") / bb_json_number(trace, member) / 1e3;
+    return bb_get_number(trace, BB_F_TRACE_COUNT) / bb_get_number(trace, rate) / 1e3;
 }
 
 /* One cell of `views` entries, which differ in their view alone. The ends of the views' intervals
@@ -162,24 +159,24 @@ static bb_chart_cell make_cell(const entry *entries, uint32_t views)
     double low_ms = 0, high_ms = 0, least_ms = 0, most_ms = 0, wrong = 0;
     for (uint32_t i = 0; i < views; i++) {
         const cJSON *trace = entries[i].trace;
-        const cJSON *accuracy = cJSON_GetObjectItemCaseSensitive(trace, "accuracy");
-        double count = bb_json_number(trace, "count"), ppm = bb_json_number(accuracy, "wrong_ppm");
-        bool counts = bb_json_true(trace, "counts_for_exit");
+        double count = bb_get_number(trace, BB_F_TRACE_COUNT),
+               ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
+        bool counts = bb_get_true(trace, BB_F_TRACE_COUNTS);
         cell.count += count;
         cell.rays += entries[i].rays;
-        cell.ms += ms_at(trace, "mrays_s");
-        low_ms += ms_at(trace, "mrays_s_hi");
-        high_ms += ms_at(trace, "mrays_s_lo");
-        least_ms += ms_at(trace, "mrays_s_most");
-        most_ms += ms_at(trace, "mrays_s_least");
-        double checked = bb_json_number(accuracy, "checked");
+        cell.ms += ms_at(trace, BB_F_TRACE_RATE);
+        low_ms += ms_at(trace, BB_F_TRACE_RATE_HI);
+        high_ms += ms_at(trace, BB_F_TRACE_RATE_LO);
+        least_ms += ms_at(trace, BB_F_TRACE_RATE_MOST);
+        most_ms += ms_at(trace, BB_F_TRACE_RATE_LEAST);
+        double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
         cell.checked += checked;
         wrong += round(ppm * checked / 1e6);
-        cell.missed += bb_json_number(accuracy, "missed");
-        cell.false_hits += bb_json_number(accuracy, "false");
-        cell.wrong_t += bb_json_number(accuracy, "wrong_t");
-        cell.usable =
-            cell.usable && (cell.reference || (counts ? !bb_json_true(trace, "wrong") : ppm == 0));
+        cell.missed += bb_get_number(trace, BB_F_ACCURACY_MISSED);
+        cell.false_hits += bb_get_number(trace, BB_F_ACCURACY_FALSE);
+        cell.wrong_t += bb_get_number(trace, BB_F_ACCURACY_WRONG_T);
+        cell.usable = cell.usable && (cell.reference ||
+                                      (counts ? !bb_get_true(trace, BB_F_TRACE_WRONG) : ppm == 0));
     }
     cell.views = views;
     cell.wrong_rays = wrong;
@@ -220,8 +217,8 @@ static bb_chart_set *add_set(bb_charts *charts, const entry *first, const char *
     bb_chart_cell *cells = charts->cells;
     if (charts->set_count > 1)
         cells = set[-1].cells + set[-1].cell_count;
-    *set = (bb_chart_set){.scene = bb_json_text(first->trace, "scene"),
-                          .rays = bb_json_text(first->trace, "rays"),
+    *set = (bb_chart_set){.scene = bb_get_text(first->trace, BB_F_TRACE_SCENE),
+                          .rays = bb_get_text(first->trace, BB_F_TRACE_RAYS),
                           .view = view,
                           .views = 1,
                           .cells = cells};
@@ -235,7 +232,7 @@ static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const ch
     bb_chart_set *together = add_set(charts, entries, NULL);
     uint32_t view_count = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const char *view = bb_json_text(entries[i].trace, "view");
+        const char *view = bb_get_text(entries[i].trace, BB_F_TRACE_VIEW);
         uint32_t v = 0;
         while (v < view_count && strcmp(views[v], view) != 0)
             v++;
@@ -247,7 +244,7 @@ static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const ch
     for (uint32_t v = 0; view_count > 1 && v < view_count; v++) {
         bb_chart_set *set = add_set(charts, entries, views[v]);
         for (uint32_t i = 0; i < count; i++)
-            if (strcmp(bb_json_text(entries[i].trace, "view"), views[v]) == 0)
+            if (strcmp(bb_get_text(entries[i].trace, BB_F_TRACE_VIEW), views[v]) == 0)
                 add_cell(set, &entries[i], 1);
     }
 }
@@ -255,7 +252,7 @@ static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const ch
 static int by_id(const void *left, const void *right)
 {
     const cJSON *const *a = left, *const *b = right;
-    return compare_numbers(bb_json_number(*a, "id"), bb_json_number(*b, "id"));
+    return compare_numbers(bb_get_number(*a, BB_F_BUILD_ID), bb_get_number(*b, BB_F_BUILD_ID));
 }
 
 /* All builds by id; NULL if there is no memory. */
@@ -279,12 +276,12 @@ static const cJSON *find_build(const cJSON *const *sorted, uint32_t count, doubl
     uint32_t low = 0, high = count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (bb_json_number(sorted[middle], "id") < id)
+        if (bb_get_number(sorted[middle], BB_F_BUILD_ID) < id)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < count && bb_json_number(sorted[low], "id") == id ? sorted[low] : NULL;
+    return low < count && bb_get_number(sorted[low], BB_F_BUILD_ID) == id ? sorted[low] : NULL;
 }
 
 /* The measured traces with their builds, in the order of the document; returns how many. */
@@ -295,9 +292,11 @@ static uint32_t collect(const cJSON *traces, const cJSON *const *builds, uint32_
     const cJSON *trace;
     cJSON_ArrayForEach(trace, traces)
     {
-        const cJSON *build = find_build(builds, build_count, bb_json_number(trace, "build"));
-        bool measured = strcmp(bb_json_text(trace, "status"), "ok") == 0 && build != NULL &&
-                        bb_json_number(trace, "mrays_s") > 0 && bb_json_number(trace, "count") > 0;
+        const cJSON *build =
+            find_build(builds, build_count, bb_get_number(trace, BB_F_TRACE_BUILD));
+        bool measured = bb_is_ok(trace) && build != NULL &&
+                        bb_get_number(trace, BB_F_TRACE_RATE) > 0 &&
+                        bb_get_number(trace, BB_F_TRACE_COUNT) > 0;
         if (measured)
             entries[count++] = (entry){.trace = trace, .build = build, .index = index};
         index++;
@@ -313,7 +312,7 @@ static void size_sets(entry *entries, uint32_t count)
         double rays = 0;
         size = group_size(entries, count, i);
         for (uint32_t k = i; k < i + size; k++)
-            rays = fmax(rays, bb_json_number(entries[k].trace, "count"));
+            rays = fmax(rays, bb_get_number(entries[k].trace, BB_F_TRACE_COUNT));
         for (uint32_t k = i; k < i + size; k++)
             entries[k].rays = rays;
     }
@@ -321,12 +320,10 @@ static void size_sets(entry *entries, uint32_t count)
 
 bb_status bb_charts_make(bb_results *results, bb_charts *out)
 {
-    const cJSON *root = bb_results_json(results);
-    const cJSON *traces = cJSON_GetObjectItemCaseSensitive(root, "traces");
+    const cJSON *traces = bb_results_section(results, "traces");
     size_t room = (size_t)cJSON_GetArraySize(traces) + 1;
     uint32_t build_count, count;
-    const cJSON **builds =
-        sorted_builds(cJSON_GetObjectItemCaseSensitive(root, "builds"), &build_count);
+    const cJSON **builds = sorted_builds(bb_results_section(results, "builds"), &build_count);
     entry *entries = calloc(room, sizeof *entries);
     const char **views = calloc(room, sizeof *views);
     /* each cell at most once on its own and once with the other views; no set without a cell, or
@@ -357,13 +354,12 @@ out:
 
 double bb_chart_run(const bb_chart_cell *cell)
 {
-    double run = bb_json_number(cell->trace, "run");
-    return isfinite(run) ? run : 0;
+    return bb_run_of(cell->trace);
 }
 
 void bb_chart_builder_name(const bb_chart_cell *cell, bool runs, char *name, size_t capacity)
 {
-    const char *builder = bb_json_text(cell->trace, "builder");
+    const char *builder = bb_get_text(cell->trace, BB_F_TRACE_BUILDER);
     if (runs)
         snprintf(name, capacity, "%s (run %g)", builder, bb_chart_run(cell) + 1);
     else

@@ -7,8 +7,8 @@
 
 #include "framework/record/record.h"
 
-/* One build with one kernel, layout and intersector on one ray set: of one view, or of all together
- * (rays and times added up). NAN: not measured. */
+/* A cell (framework/record/cell.h), or those that differ in their view alone, rays and times added
+ * up. NAN: not measured. */
 typedef struct bb_chart_cell {
     const cJSON *trace, *build; /* the records; of several views the first one's trace */
     uint32_t trace_index;       /* of `trace` in the document */
@@ -22,9 +22,8 @@ typedef struct bb_chart_cell {
     double mrays_s_least, mrays_s_most;                      /* range of the rounds, likewise */
     double checked, wrong_rays, missed, false_hits, wrong_t; /* rays */
     bb_wrong_rate wrong;
-    double fixed_ms; /* before the first ray: boxes, build, transfer and layout */
-    double sah;      /* of the layout as traced */
-    double epo;      /* of the tree */
+    double fixed_ms;                /* before the first ray: boxes, build, transfer and layout */
+    double metrics[BB_METRICS_MAX]; /* as bb_metrics; of the layout as traced where that is known */
     bool reference;
     bool usable; /* a reference, or right within the run's limit: may be recommended */
 } bb_chart_cell;

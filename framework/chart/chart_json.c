@@ -1,6 +1,5 @@
 /* The charts' cells as JSON, for the report's page. */
 #include "framework/chart/chart.h"
-#include "framework/record/record_private.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -44,13 +43,16 @@ static bool put_cell(cJSON *array, const bb_chart_cell *cell)
         {"ppm_lo", cell->wrong.low},
         {"ppm_hi", cell->wrong.high},
         {"fixed_ms", cell->fixed_ms},
-        {"sah", cell->sah},
-        {"epo", cell->epo},
     };
     cJSON *object = cJSON_CreateObject();
     bool ok = object != NULL && put_numbers(object, members, sizeof members / sizeof members[0]) &&
               cJSON_AddBoolToObject(object, "reference", cell->reference) != NULL &&
               cJSON_AddBoolToObject(object, "usable", cell->usable) != NULL;
+    cJSON *metrics = ok ? cJSON_AddObjectToObject(object, "metrics") : NULL;
+    for (uint32_t i = 0; i < bb_metric_count() && ok; i++) {
+        const named_number metric = {bb_metrics[i]->name, cell->metrics[i]};
+        ok = metrics != NULL && put_numbers(metrics, &metric, 1);
+    }
     if (ok && cJSON_AddItemToArray(array, object))
         return true;
     cJSON_Delete(object);

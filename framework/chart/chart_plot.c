@@ -1,6 +1,6 @@
 /* Series, axes and marks of the pictures, in gnuplot's language. */
 #include "framework/chart/chart_plot.h"
-#include "framework/record/record_private.h"
+#include "framework/record/record.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,24 +16,20 @@ static const int filled[SHAPES] = {7, 9, 5, 13, 11, 15}, hollow[SHAPES] = {6, 8,
 
 /* ---- series ---- */
 
-static bool same_text(const bb_chart_cell *a, const bb_chart_cell *b, const char *name)
-{
-    return strcmp(bb_json_text(a->trace, name), bb_json_text(b->trace, name)) == 0;
-}
-
 bool bb_same_builder(const bb_chart_cell *a, const bb_chart_cell *b)
 {
-    return same_text(a, b, "builder") && bb_chart_run(a) == bb_chart_run(b);
+    return bb_same_text(a->trace, b->trace, BB_F_TRACE_BUILDER) &&
+           bb_chart_run(a) == bb_chart_run(b);
 }
 
 bool bb_same_kernel(const bb_chart_cell *a, const bb_chart_cell *b)
 {
-    return same_text(a, b, "kernel");
+    return bb_same_text(a->trace, b->trace, BB_F_TRACE_KERNEL);
 }
 
 bool bb_same_intersector(const bb_chart_cell *a, const bb_chart_cell *b)
 {
-    return same_text(a, b, "intersector");
+    return bb_same_text(a->trace, b->trace, BB_F_TRACE_INTERSECTOR);
 }
 
 uint32_t bb_series_find(const bb_series *list, const bb_chart_cell *cell)
@@ -152,7 +148,7 @@ void bb_plot_begin(bb_plot *p, const bb_frame *f)
     fputs(", ", out);
     bb_plot_quoted(out, p->set->rays);
     if (p->set->cell_count > 0 &&
-        strcmp(bb_json_text(p->set->cells[0].trace, "rays_source"), "as given") == 0)
+        strcmp(bb_get_text(p->set->cells[0].trace, BB_F_TRACE_RAYS_SOURCE), "as given") == 0)
         fputs(" (rays as given)", out);
     /* the line break needs double quotes, which would expand what is in a name */
     fprintf(out, ": %s'.\"\\n%s", f->title, f->subtitle);
@@ -275,7 +271,7 @@ void bb_plot_legend_series(const bb_plot *p, const bb_series *list, uint32_t mar
             continue;
         if (list == &p->kernels)
             legend_entry(p->out, coloured ? bb_plot_colour(i) : BB_PLOT_BLACK, coloured ? 5 : 0,
-                         key, bb_json_text(cell->trace, "kernel"));
+                         key, bb_get_text(cell->trace, BB_F_TRACE_KERNEL));
         else
             legend_builder(p, cell, coloured ? bb_plot_colour(i) : BB_PLOT_BLACK,
                            list->references ? BB_PLOT_CROSS : 5);
@@ -303,5 +299,5 @@ void bb_plot_legend_shapes(const bb_plot *p)
 {
     for (uint32_t i = 0; i < p->intersectors.count; i++)
         legend_entry(p->out, BB_PLOT_BLACK, filled[i % SHAPES], "",
-                     bb_json_text(p->intersectors.cells[i]->trace, "intersector"));
+                     bb_get_text(p->intersectors.cells[i]->trace, BB_F_TRACE_INTERSECTOR));
 }

@@ -1,17 +1,8 @@
-/* Pictures of speed against measures of the tree: what do they foretell? */
+/* Pictures of speed against each metric of trees: does it predict trace speed? */
 #include "framework/chart/chart_plot.h"
 
 #include <math.h>
-
-static double sah_of(const bb_chart_cell *cell)
-{
-    return cell->sah;
-}
-
-static double epo_of(const bb_chart_cell *cell)
-{
-    return cell->epo;
-}
+#include <stdio.h>
 
 /* "1A": builder and kernel. */
 static void builder_and_kernel_key(const bb_plot *p, const bb_chart_cell *cell,
@@ -23,7 +14,7 @@ static void builder_and_kernel_key(const bb_plot *p, const bb_chart_cell *cell,
     snprintf(key, BB_PLOT_KEY, "%.8s%.7s", builder, kernel);
 }
 
-static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_chart_cell *))
+static void draw_metric(bb_plot *p, bb_frame *f, uint32_t metric)
 {
     uint32_t count = 0;
     f->x = f->y = bb_axis_make(false);
@@ -33,11 +24,11 @@ static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_cha
     bb_axis_add(&f->y, 0);
     for (uint32_t i = 0; i < p->set->cell_count; i++) {
         const bb_chart_cell *cell = &p->set->cells[i];
-        if (cell->reference || !isfinite(quality(cell)))
+        if (cell->reference || !isfinite(cell->metrics[metric]))
             continue;
         bb_mark *mark = &p->marks[count++];
         *mark = (bb_mark){.cell = cell,
-                          .x = quality(cell),
+                          .x = cell->metrics[metric],
                           .x_low = NAN,
                           .x_high = NAN,
                           .colour = bb_plot_colour(bb_series_find(&p->builders, cell)),
@@ -59,23 +50,23 @@ static void draw_quality(bb_plot *p, bb_frame *f, double (*quality)(const bb_cha
     bb_plot_end(p, f);
 }
 
-static void draw_sah(bb_plot *p)
+static void draw_metrics(bb_plot *p)
 {
-    bb_frame f = {.kind = "sah",
-                  .title = "speed against SAH",
-                  .subtitle = "of the layout as traced; hollow: no wrong answer found",
-                  .x_title = "surface area heuristic"};
-    draw_quality(p, &f, sah_of);
-}
-
-static void draw_epo(bb_plot *p)
-{
-    bb_frame f = {.kind = "epo",
-                  .title = "speed against EPO",
-                  .subtitle = "of the tree; hollow: no wrong answer found",
-                  .x_title = "end-point overlap"};
-    draw_quality(p, &f, epo_of);
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        const bb_metric *metric = bb_metrics[i];
+        char title[64], axis[96];
+        snprintf(title, sizeof title, "speed against %s", metric->title);
+        snprintf(axis, sizeof axis, "%s%s%s", metric->full_title,
+                 metric->unit[0] != '\0' ? ", " : "", metric->unit);
+        bb_frame f = {.kind = metric->name,
+                      .title = title,
+                      .subtitle = metric->of_layouts
+                                      ? "of the layout as traced; hollow: no wrong answer found"
+                                      : "of the tree; hollow: no wrong answer found",
+                      .x_title = axis};
+        draw_metric(p, &f, i);
+    }
 }
 
 extern const bb_drawing bb_drawing_quality;
-const bb_drawing bb_drawing_quality = {{draw_sah, draw_epo}};
+const bb_drawing bb_drawing_quality = {{draw_metrics}};

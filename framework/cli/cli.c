@@ -116,6 +116,8 @@ static void print_help(const bb_command *command)
     printf("  %-24s %s\n", "--help", "this text");
     if (command->details != NULL)
         printf("\n%s\n", command->details);
+    if (command->more_help != NULL)
+        command->more_help(stdout);
 }
 
 static void print_overview(const bb_command *const *commands)
@@ -136,16 +138,18 @@ static void print_overview(const bb_command *const *commands)
 static bb_status add_value(bb_cli *cli, int option, const char *text)
 {
     const bb_cli_option *declared = &cli->command->options[option];
-    if (declared->list) {
+    if (declared->list == BB_CLI_LIST) {
         size_t count = cli->counts[option];
         BB_TRY(bb_spec_list(text, cli->values[option], BB_CLI_VALUES_MAX, &count));
         cli->counts[option] = (uint32_t)count;
         return BB_OK;
     }
-    if (cli->counts[option] > 0)
+    if (cli->counts[option] > 0 && declared->list == BB_CLI_ONCE)
         return bb_fail(BB_INVALID, "--%s is given twice", declared->name);
-    cli->values[option][0] = strdup(text);
-    cli->counts[option] = 1;
+    if (cli->counts[option] == BB_CLI_VALUES_MAX)
+        return bb_fail(BB_INVALID, "--%s is given more than %d times", declared->name,
+                       BB_CLI_VALUES_MAX);
+    cli->values[option][cli->counts[option]++] = strdup(text);
     return BB_OK;
 }
 

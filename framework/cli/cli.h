@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 enum { BB_CLI_OPTIONS_MAX = 24, BB_CLI_VALUES_MAX = 256 };
 
@@ -20,7 +21,7 @@ typedef struct bb_cli_option {
     const char *name;
     const char *argument; /* NULL: a flag; else what the help calls it */
     const char *help;
-    bool list; /* may be repeated, and given by commas */
+    enum { BB_CLI_ONCE, BB_CLI_LIST, BB_CLI_REPEATED } list; /* by commas too; each by itself */
 } bb_cli_option;
 
 typedef struct bb_cli bb_cli;
@@ -30,6 +31,7 @@ typedef struct bb_command {
     const char *summary;
     const char *arguments; /* of the positional ones, for the usage line; NULL: none are taken */
     const char *details;   /* further lines of help */
+    void (*more_help)(FILE *out); /* what generated tables add to it; NULL: nothing */
     const bb_cli_option *options; /* ends with name NULL */
     /* Anything but BB_OK ends the program with its message and BB_EXIT_CANNOT; else *exit_status does. */
     bb_status (*run)(const bb_cli *cli, int *exit_status);

@@ -220,6 +220,27 @@ static bb_status add_build(const job *j, bb_results *results)
     return status;
 }
 
+/* The key of what an outside tracer answered; of rays made by hand their hash is all there is. */
+static void name_cell(const job *j, const ray_set *set, char key[BB_CELL_KEY])
+{
+    const bb_rays *rays = set->rays;
+    bb_cell cell = {.width = rays->primary_width,
+                    .height = rays->primary_height,
+                    .max_rays = rays->max_rays,
+                    .seed = rays->seed,
+                    .known_by_hash = j->by_hand,
+                    .rays_hash = rays->hash};
+    snprintf(cell.scene, sizeof cell.scene, "%s", j->scene->name);
+    snprintf(cell.rays, sizeof cell.rays, "%s", rays->name);
+    snprintf(cell.view, sizeof cell.view, "%s", rays->view);
+    snprintf(cell.builder, sizeof cell.builder, "%s", j->name.text);
+    snprintf(cell.kernel, sizeof cell.kernel, "outside");
+    snprintf(cell.intersector, sizeof cell.intersector, "own");
+    bb_cell_canonical(&cell);
+    if (bb_cell_key_format(&cell, key) != BB_OK)
+        key[0] = '\0';
+}
+
 static bb_status add_trace(const job *j, const ray_set *set, bb_results *results)
 {
     bb_trace_record *trace = calloc(1, sizeof *trace);
@@ -237,6 +258,7 @@ static bb_status add_trace(const job *j, const ray_set *set, bb_results *results
         trace->rays_spec = &set->rays->spec;
         trace->rays_options = set->rays->options;
     }
+    name_cell(j, set, trace->cell);
     trace->query = set->rays->query;
     trace->count = set->outside.count;
     trace->rays_hash = set->rays->hash;

@@ -5,6 +5,7 @@
 #include "framework/embree/embree.h"
 #include "framework/papers/reproduce.h"
 #include "framework/scene/scene.h"
+#include "framework/tree/metric.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
@@ -105,6 +106,18 @@ static bb_status list_rays(cJSON *list)
     return BB_OK;
 }
 
+static bb_status list_metrics(cJSON *list)
+{
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        const bb_metric *m = bb_metrics[i];
+        char summary[512];
+        snprintf(summary, sizeof summary, "%s%s", m->full_title,
+                 m->on_request ? ": `run --metrics` measures it" : ": always measured");
+        add(list, m->name, summary, NULL, NULL);
+    }
+    return BB_OK;
+}
+
 static bb_status list_papers(cJSON *list)
 {
     for (const bb_paper *const *p = bb_papers; *p != NULL; p++)
@@ -129,10 +142,9 @@ static const struct {
     const char *name;
     bb_status (*fill)(cJSON *list);
 } kinds[] = {
-    {"builders", list_builders}, {"kernels", list_kernels},
-    {"layouts", list_layouts},   {"intersectors", list_intersectors},
-    {"scenes", list_scenes},     {"rays", list_rays},
-    {"papers", list_papers},     {"devices", list_devices},
+    {"builders", list_builders},         {"kernels", list_kernels}, {"layouts", list_layouts},
+    {"intersectors", list_intersectors}, {"scenes", list_scenes},   {"rays", list_rays},
+    {"metrics", list_metrics},           {"papers", list_papers},   {"devices", list_devices},
 };
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
@@ -182,7 +194,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK && !found)
         status = bb_fail(BB_INVALID,
                          "nothing is called '%s': list takes builders, kernels, layouts, "
-                         "intersectors, scenes, rays, papers or devices",
+                         "intersectors, scenes, rays, metrics, papers or devices",
                          wanted);
     if (status == BB_OK && bb_cli_value(cli, "json") != NULL) {
         char *text = cJSON_Print(all);
@@ -199,8 +211,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_list;
 const bb_command bb_command_list = {
     .name = "list",
-    .summary = "builders, kernels, layouts, intersectors, scenes, rays, papers, devices",
-    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|papers|devices]",
+    .summary = "builders, kernels, layouts, intersectors, scenes, rays, metrics, papers, devices",
+    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|devices]",
     .options = options,
     .run = run,
 };

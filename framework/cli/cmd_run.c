@@ -1,6 +1,7 @@
 /* bvhbench run: the comparison. */
 #include "framework/base/clock.h"
 #include "framework/bench/bench.h"
+#include "framework/cli/cells_option.h"
 #include "framework/cli/charts_option.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
@@ -24,6 +25,8 @@ static const bb_cli_option options[] = {
     {"rays", "R", "workload; `none`: builds only; default: primary, ao, diffuse, shadow, random",
      true},
     {"intersector", "I", "rounding rules of the tests; default: exact", true},
+    {"cell", "KEY", "measure exactly the cell of this key, in place of all of the above",
+     BB_CLI_REPEATED},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
@@ -35,7 +38,7 @@ static const bb_cli_option options[] = {
      "give a range only, 1 neither",
      false},
     {"seed", "N", "of all that is random; default: 1", false},
-    {"metrics", "M", "further metrics: epo", true},
+    {"metrics", "M", "further metrics of trees: see below", true},
     {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
     {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
@@ -71,18 +74,6 @@ static bb_status choose_scenes(const bb_cli *cli, bb_names *names)
     return BB_OK;
 }
 
-static bb_status read_metrics(const bb_cli *cli, bool *epo)
-{
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, "metrics", &count);
-    for (uint32_t i = 0; i < count; i++) {
-        if (strcmp(values[i], "epo") != 0)
-            return bb_fail(BB_INVALID, "unknown metric '%s': there is epo", values[i]);
-        *epo = true;
-    }
-    return BB_OK;
-}
-
 static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
 {
     uint64_t max_rays, repeats;
@@ -92,7 +83,7 @@ static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
     BB_TRY(bb_cli_u64(cli, "repeats", BB_INTERVAL_ROUNDS, 1, BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
     BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &request->max_wrong_ppm));
-    BB_TRY(read_metrics(cli, &request->epo));
+    request->metrics = bb_cli_values(cli, "metrics", &request->metric_count);
     request->max_rays = (uint32_t)max_rays;
     request->repeats = (uint32_t)repeats;
     request->quiet = bb_cli_value(cli, "quiet") != NULL;
@@ -124,7 +115,6 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
 {
     uint32_t kernels_given;
     bb_cli_values(cli, "kernel", &kernels_given);
-    BB_TRY(bb_load_plugins(cli));
     BB_TRY(choose_scenes(cli, &l->scenes));
     BB_TRY(choose_builders(cli, &l->builders));
     BB_TRY(choose_traces(cli, &l->kernels, &l->workloads));
@@ -144,36 +134,55 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
     return bb_bench_check(request);
 }
 
+typedef struct comparison {
+    bb_bench_request request;
+    bb_cells cells; /* if there are any, one run for each of their groups */
+} comparison;
+
 static bb_status compare(void *user, bb_device *device, bb_results *results,
                          bb_bench_outcome *outcome)
 {
-    bb_bench_request *request = user;
-    request->device = device;
-    return bb_bench_run(request, results, outcome);
+    comparison *c = user;
+    c->request.device = device;
+    if (c->cells.group_count == 0)
+        return bb_bench_run(&c->request, results, outcome);
+    for (uint32_t i = 0; i < c->cells.group_count; i++) {
+        bb_bench_outcome more;
+        bb_cells_request(&c->cells.groups[i], &c->request);
+        BB_TRY(bb_bench_run(&c->request, results, &more));
+        bb_bench_outcome_add(outcome, &more);
+    }
+    return BB_OK;
 }
 
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
     lists chosen = {0};
-    bb_bench_request request = {.picture_folder =
-                                    bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL};
+    comparison wanted = {.request.picture_folder =
+                             bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL};
     bool charts = false;
     BB_TRY(bb_charts_wanted(cli, &charts));
-    bb_status status = choose(cli, &chosen, &request);
+    BB_TRY(bb_load_plugins(cli));
+    bb_status status = bb_cells_read(cli, &wanted.cells);
+    if (status == BB_OK)
+        status = choose(cli, &chosen, &wanted.request);
+    if (status == BB_OK && wanted.cells.group_count > 0)
+        bb_cells_request(&wanted.cells.groups[0], &wanted.request);
     if (status == BB_OK) {
-        const bb_comparison comparison = {
+        const bb_comparison all = {
             .cli = cli,
             .folder = folder,
-            .seed = request.seed,
+            .seed = wanted.request.seed,
             .charts = charts,
-            .quiet = request.quiet,
+            .quiet = wanted.request.quiet,
             .compare = compare,
-            .request = &request,
+            .request = &wanted,
             .print = bb_report_table,
         };
-        status = bb_output_compare(&comparison, exit_status);
+        status = bb_output_compare(&all, exit_status);
     }
+    bb_cells_free(&wanted.cells);
     bb_names_free(&chosen.scenes);
     bb_names_free(&chosen.builders);
     bb_names_free(&chosen.kernels);
@@ -182,18 +191,30 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     return status;
 }
 
+static void list_metrics(FILE *out)
+{
+    fputs("\nmetrics of trees that --metrics takes:\n", out);
+    for (uint32_t i = 0; i < bb_metric_count(); i++)
+        if (bb_metrics[i]->on_request)
+            fprintf(out, "  %-14s %s\n", bb_metrics[i]->name, bb_metrics[i]->full_title);
+}
+
 extern const bb_command bb_command_run;
 const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
-    .details = "Unless an embree-native:... is among the builders, three of them are added as "
-               "reference rows.\n"
-               "A comma starts a new item of a list unless what follows is key=value.\n"
-               "Exit status 1: a cell with the intersector `exact` has more wrong answers than "
-               "--max-wrong-ppm, or\n"
-               "others than the other cells; a builder or kernel failed; no answer of a scene was "
-               "judged; or figures\n"
-               "of the run contradict each other.",
+    .details =
+        "Unless an embree-native:... is among the builders, three of them are added as "
+        "reference rows.\n"
+        "--cell takes a key from `cell` of a build or trace in results.json and measures just "
+        "that again.\n"
+        "A comma starts a new item of a list unless what follows is key=value.\n"
+        "Exit status 1: a cell with the intersector `exact` has more wrong answers than "
+        "--max-wrong-ppm, or\n"
+        "others than the other cells; a builder or kernel failed; no answer of a scene was "
+        "judged; or figures\n"
+        "of the run contradict each other.",
+    .more_help = list_metrics,
     .options = options,
     .run = run,
 };

@@ -10,7 +10,7 @@
  * come before the first of that side. */
 static bool is_flat(const bb_findings *f, const char *scene)
 {
-    return bb_found_scene(f, scene, "flatness") < 0.25;
+    return bb_found_scene(f, scene, BB_F_PROFILE_FLATNESS) < 0.25;
 }
 
 /* The flat scenes' figures, or the others'. */
@@ -41,8 +41,9 @@ static void say_why_worse(const bb_findings *all, bb_words *why)
             cost_ratio(all, scene, ORDER, MC64), cost_ratio(all, scene, ORDER_COUNT, MC64),
             cost_ratio(all, scene, SIZES, MC64), cost_ratio(all, scene, FEWER_SIZES, MC64));
         bb_say(why, " (flatness %.3f, largest over median primitive %.0f)",
-               bb_found_scene(f, scene, "flatness"),
-               bb_found_scene(f, scene, "size_max") / bb_found_scene(f, scene, "size_median"));
+               bb_found_scene(f, scene, BB_F_PROFILE_FLATNESS),
+               bb_found_scene(f, scene, BB_F_PROFILE_SIZE_MAX) /
+                   bb_found_scene(f, scene, BB_F_PROFILE_SIZE_MEDIAN));
     }
 }
 
@@ -85,7 +86,7 @@ static void claim_flat(const bb_findings *all, bb_reproduction *r, const char *b
     bool holds = gain > 0.03 && elsewhere < others_within && gain > elsewhere;
     for (size_t i = 0; i < s.f->scene_count && !holds; i++)
         bb_say(&why, "%s%s (flatness %.3f) %.3f", i > 0 ? ", " : "per scene: ", s.f->scenes[i],
-               bb_found_scene(s.f, s.f->scenes[i], "flatness"), s.values[i]);
+               bb_found_scene(s.f, s.f->scenes[i], BB_F_PROFILE_FLATNESS), s.values[i]);
     bb_claim(r, bb_verdict_of(holds, gain, elsewhere), claim, paper, &ours, &why);
 }
 
@@ -100,8 +101,8 @@ static void claim_sizes(const bb_findings *all, bb_reproduction *r)
     bb_say_range(&ours, "size every 4th bit", &s);
     for (size_t i = 0; i < s.f->scene_count; i++) {
         const char *scene = s.f->scenes[i];
-        double spread =
-            bb_found_scene(s.f, scene, "size_max") / bb_found_scene(s.f, scene, "size_median");
+        double spread = bb_found_scene(s.f, scene, BB_F_PROFILE_SIZE_MAX) /
+                        bb_found_scene(s.f, scene, BB_F_PROFILE_SIZE_MEDIAN);
         if (s.values[i] > 1 - same)
             bb_say(&why, "%s%s %.4f, its largest primitive %.1f times its median one%s",
                    why.length > 0 ? "; " : "not lower on: ", scene, s.values[i], spread,
@@ -120,8 +121,8 @@ static void claim_sizes(const bb_findings *all, bb_reproduction *r)
             bb_say(&why,
                    "%s%s: sizes %.3f, order and counts %.3f (largest over median primitive %.0f)",
                    why.length > 0 ? "; " : "", s.f->scenes[i], s.values[i], order.values[i],
-                   bb_found_scene(s.f, s.f->scenes[i], "size_max") /
-                       bb_found_scene(s.f, s.f->scenes[i], "size_median"));
+                   bb_found_scene(s.f, s.f->scenes[i], BB_F_PROFILE_SIZE_MAX) /
+                       bb_found_scene(s.f, s.f->scenes[i], BB_F_PROFILE_SIZE_MEDIAN));
     bb_claim(r, bb_verdict_of(2 * dominant > others, others > 0 ? 0.0 : (double)NAN, 0),
              "Where a scene is not flat, size bits gain more than the order of the axes (5.3)",
              "in most scenes", &ours, &why);
@@ -144,9 +145,9 @@ static void claim_majority(const bb_findings *all, bb_reproduction *r, const cha
         if (s.values[i] > 1 + same)
             bb_say(&why, "%s%s %.3f (largest over median primitive %.0f, mean overlap %.1f)",
                    why.length > 0 ? ", " : "higher on: ", s.f->scenes[i], s.values[i],
-                   bb_found_scene(s.f, s.f->scenes[i], "size_max") /
-                       bb_found_scene(s.f, s.f->scenes[i], "size_median"),
-                   bb_found_scene(s.f, s.f->scenes[i], "overlap"));
+                   bb_found_scene(s.f, s.f->scenes[i], BB_F_PROFILE_SIZE_MAX) /
+                       bb_found_scene(s.f, s.f->scenes[i], BB_F_PROFILE_SIZE_MEDIAN),
+                   bb_found_scene(s.f, s.f->scenes[i], BB_F_PROFILE_OVERLAP));
     if (lower == 0 && higher == 0)
         bb_say(&why, "no scene tells the two apart");
     bb_claim(r, bb_verdict_of(lower > higher, bb_figures_mean(&s), 0), claim, paper, &ours, &why);
@@ -197,11 +198,11 @@ static void claim_sweep(const bb_findings *all, bb_reproduction *r)
 static void say_tests(const bb_findings *all, const char *scene, const char *builder, bb_words *why)
 {
     const bb_findings *f = &all[TRACED];
-    bb_cell cell = {scene, builder, "stack", NULL}, base = {scene, MC64, "stack", NULL};
-    double boxes = bb_found_tests(f, cell, "node_tests_per_ray") /
-                   bb_found_tests(f, base, "node_tests_per_ray");
-    double prims = bb_found_tests(f, cell, "prim_tests_per_ray") /
-                   bb_found_tests(f, base, "prim_tests_per_ray");
+    bb_selection cell = {scene, builder, "stack", NULL}, base = {scene, MC64, "stack", NULL};
+    double boxes = bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS) /
+                   bb_found_tests(f, base, BB_F_TRACE_NODE_TESTS);
+    double prims = bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS) /
+                   bb_found_tests(f, base, BB_F_TRACE_PRIM_TESTS);
     bb_say(why, "box tests per ray %+.1f %%, primitive tests %+.1f %%", 100 * (boxes - 1),
            100 * (prims - 1));
     if (boxes > 1 && prims > 1)
@@ -222,8 +223,8 @@ static void claim_speed(const bb_findings *all, bb_reproduction *r)
         const char *scene = f->scenes[i];
         bb_estimate speed = speed_ratio(all, scene, VAR64, MC64);
         s.values[i] = speed.value;
-        bb_ratio_mean_add(&mean, f, BB_TRACE_TIME, (bb_cell){scene, MC64, "stack", NULL},
-                          (bb_cell){scene, VAR64, "stack", NULL});
+        bb_ratio_mean_add(&mean, f, BB_TRACE_TIME, (bb_selection){scene, MC64, "stack", NULL},
+                          (bb_selection){scene, VAR64, "stack", NULL});
         if (bb_below(speed, 1) != BB_HELD)
             continue;
         bb_say(&why, "%s%s ", why.length > 0 ? "; " : "", scene);
@@ -277,7 +278,7 @@ static void say_phase(const bb_findings *f, const char *scene, int pair, bb_word
     const cJSON *build = bb_found_build(f, scene, builder), *phase;
     const char *worst = NULL;
     double most_ms = 0;
-    cJSON_ArrayForEach(phase, cJSON_GetObjectItemCaseSensitive(build, "phases_ms"))
+    cJSON_ArrayForEach(phase, bb_get(build, BB_F_BUILD_PHASES))
     {
         double more = phase->valuedouble - bb_found_phase_ms(f, scene, plain, phase->string);
         if (cJSON_IsNumber(phase) && more > most_ms) {
@@ -345,8 +346,8 @@ static void claim_short(const bb_findings *all, bb_reproduction *r)
     bb_ratio_mean mean = {0};
     for (size_t s = 0; s < f->scene_count; s++) {
         time.values[s] = build_ratio(all, f->scenes[s], VAR32, VAR64).value;
-        bb_ratio_mean_add(&mean, f, BB_BUILD_TIME, (bb_cell){f->scenes[s], VAR32, NULL, NULL},
-                          (bb_cell){f->scenes[s], VAR64, NULL, NULL});
+        bb_ratio_mean_add(&mean, f, BB_BUILD_TIME, (bb_selection){f->scenes[s], VAR32, NULL, NULL},
+                          (bb_selection){f->scenes[s], VAR64, NULL, NULL});
     }
     bb_estimate faster = bb_ratio_mean_estimate(&mean);
     const bb_verdict both[] = {
@@ -359,7 +360,7 @@ static void claim_short(const bb_findings *all, bb_reproduction *r)
     bb_say_estimate(&ours, faster);
     for (size_t s = 0; s < f->scene_count && verdict != BB_HELD; s++)
         bb_say(&why, "%s%s (%.0f primitives): cost %.3f, build %.2f", s > 0 ? "; " : "",
-               f->scenes[s], bb_found_scene(f, f->scenes[s], "prims"), cost.values[s],
+               f->scenes[s], bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS), cost.values[s],
                time.values[s]);
     bb_claim(
         r, verdict,

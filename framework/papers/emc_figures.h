@@ -58,16 +58,16 @@ static inline bb_figures costs(const bb_findings *all, const char *builder, cons
 static inline bb_estimate speed_ratio(const bb_findings *all, const char *scene,
                                       const char *builder, const char *base)
 {
-    return bb_found_ratio(&all[TRACED], BB_TRACE_TIME, (bb_cell){scene, base, "stack", NULL},
-                          (bb_cell){scene, builder, "stack", NULL});
+    return bb_found_ratio(&all[TRACED], BB_TRACE_TIME, (bb_selection){scene, base, "stack", NULL},
+                          (bb_selection){scene, builder, "stack", NULL});
 }
 
 /* Build time over that of `base`. */
 static inline bb_estimate build_ratio(const bb_findings *all, const char *scene,
                                       const char *builder, const char *base)
 {
-    return bb_found_ratio(&all[BUILT], BB_BUILD_TIME, (bb_cell){scene, builder, NULL, NULL},
-                          (bb_cell){scene, base, NULL, NULL});
+    return bb_found_ratio(&all[BUILT], BB_BUILD_TIME, (bb_selection){scene, builder, NULL, NULL},
+                          (bb_selection){scene, base, NULL, NULL});
 }
 
 /* The claims. */

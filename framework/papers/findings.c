@@ -1,60 +1,57 @@
 /* What an experiment measured, looked up in the result document. */
 #include "framework/papers/reproduce.h"
-#include "framework/record/record_private.h"
+#include "framework/record/record.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <string.h>
 
-static bool is_of(const bb_findings *f, const cJSON *entry, const char *id, const char *scene,
+static bool is_of(const bb_findings *f, const cJSON *entry, bb_field_id id, const char *scene,
                   const char *builder)
 {
-    double number = bb_json_number(entry, id);
+    double number = bb_get_number(entry, id);
     return number >= f->first && number < f->end &&
-           strcmp(bb_json_text(entry, "scene"), scene) == 0 &&
-           strcmp(bb_json_text(entry, "builder"), builder) == 0 &&
-           strcmp(bb_json_text(entry, "status"), "ok") == 0;
+           strcmp(bb_get_text(entry, BB_F_BUILD_SCENE), scene) == 0 &&
+           strcmp(bb_get_text(entry, BB_F_BUILD_BUILDER), builder) == 0 && bb_is_ok(entry);
 }
 
 const cJSON *bb_found_build(const bb_findings *f, const char *scene, const char *builder)
 {
     const cJSON *build;
-    cJSON_ArrayForEach(build,
-                       cJSON_GetObjectItemCaseSensitive(bb_results_json(f->results), "builds"))
+    cJSON_ArrayForEach(build, bb_results_section(f->results, "builds"))
     {
-        if (is_of(f, build, "id", scene, builder))
+        if (is_of(f, build, BB_F_BUILD_ID, scene, builder))
             return build;
     }
     return NULL;
 }
 
 double bb_found_tree(const bb_findings *f, const char *scene, const char *builder,
-                     const char *member)
+                     bb_field_id field)
 {
-    const cJSON *build = bb_found_build(f, scene, builder);
-    return bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "tree"), member);
+    return bb_get_number(bb_found_build(f, scene, builder), field);
 }
 
 double bb_found_sah(const bb_findings *f, const char *scene, const char *builder)
 {
-    return bb_found_tree(f, scene, builder, "sah");
+    const bb_metric *sah = bb_metrics[bb_metric_find("sah")];
+    return bb_get_metric(bb_found_build(f, scene, builder), sah);
 }
 
 double bb_found_build_ms(const bb_findings *f, const char *scene, const char *builder)
 {
-    return bb_json_number(bb_found_build(f, scene, builder), "build_ms_median");
+    return bb_get_number(bb_found_build(f, scene, builder), BB_F_BUILD_MS_MEDIAN);
 }
 
 const char *bb_found_about(const bb_findings *f, const char *scene, const char *builder)
 {
-    return bb_json_text(bb_found_build(f, scene, builder), "about");
+    return bb_get_text(bb_found_build(f, scene, builder), BB_F_BUILD_ABOUT);
 }
 
 double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *builder,
                          const char *phase)
 {
-    const cJSON *build = bb_found_build(f, scene, builder);
-    return bb_json_number(cJSON_GetObjectItemCaseSensitive(build, "phases_ms"), phase);
+    return bb_get_named(bb_found_build(f, scene, builder), BB_F_BUILD_PHASES, phase);
 }
 
 /* ---- times by rounds ---- */
@@ -78,30 +75,29 @@ typedef struct sum {
     uint32_t traces;
 } sum;
 
-static bool add_trace(const cJSON *trace, const char *member, sum *s)
+static bool add_trace(const cJSON *trace, const bb_field_id *member, sum *s)
 {
-    double rays = bb_json_number(trace, "count");
+    double rays = bb_get_number(trace, BB_F_TRACE_COUNT);
     bb_samples ms;
-    if (!bb_json_samples(trace, "ms", &ms) || !add_samples(&s->ms, &ms))
+    if (!bb_get_samples(trace, BB_F_TRACE_MS, &ms) || !add_samples(&s->ms, &ms))
         return false;
     s->rays += rays;
-    s->member += member != NULL ? rays * bb_json_number(trace, member) : 0;
+    s->member += member != NULL ? rays * bb_get_number(trace, *member) : 0;
     s->traces++;
     return true;
 }
 
 /* False if one of the traces lacks its figures, or there is none. */
-static bool sum_up(const bb_findings *f, bb_cell cell, const char *member, sum *s)
+static bool sum_up(const bb_findings *f, bb_selection cell, const bb_field_id *member, sum *s)
 {
     *s = (sum){0};
     const cJSON *trace;
-    cJSON_ArrayForEach(trace,
-                       cJSON_GetObjectItemCaseSensitive(bb_results_json(f->results), "traces"))
+    cJSON_ArrayForEach(trace, bb_results_section(f->results, "traces"))
     {
-        if (!is_of(f, trace, "build", cell.scene, cell.builder) ||
-            strcmp(bb_json_text(trace, "kernel"), cell.kernel) != 0)
+        if (!is_of(f, trace, BB_F_TRACE_BUILD, cell.scene, cell.builder) ||
+            strcmp(bb_get_text(trace, BB_F_TRACE_KERNEL), cell.kernel) != 0)
             continue;
-        if (cell.view != NULL && strcmp(bb_json_text(trace, "view"), cell.view) != 0)
+        if (cell.view != NULL && strcmp(bb_get_text(trace, BB_F_TRACE_VIEW), cell.view) != 0)
             continue;
         if (!add_trace(trace, member, s))
             return false;
@@ -109,33 +105,33 @@ static bool sum_up(const bb_findings *f, bb_cell cell, const char *member, sum *
     return s->traces > 0;
 }
 
-double bb_found_trace_ms(const bb_findings *f, bb_cell cell)
+double bb_found_trace_ms(const bb_findings *f, bb_selection cell)
 {
     sum s;
     return sum_up(f, cell, NULL, &s) ? bb_samples_median(&s.ms) : (double)NAN;
 }
 
-double bb_found_mrays(const bb_findings *f, bb_cell cell)
+double bb_found_mrays(const bb_findings *f, bb_selection cell)
 {
     sum s;
     return sum_up(f, cell, NULL, &s) ? s.rays / bb_samples_median(&s.ms) / 1e3 : (double)NAN;
 }
 
-double bb_found_tests(const bb_findings *f, bb_cell cell, const char *member)
+double bb_found_tests(const bb_findings *f, bb_selection cell, bb_field_id tests)
 {
     sum s;
-    return sum_up(f, cell, member, &s) ? s.member / s.rays : (double)NAN;
+    return sum_up(f, cell, &tests, &s) ? s.member / s.rays : (double)NAN;
 }
 
 /* Times of a cell and of how many rays they are; false if they were not measured. */
-static bool times_of(const bb_findings *f, bb_times what, bb_cell cell, bb_samples *ms,
+static bool times_of(const bb_findings *f, bb_times what, bb_selection cell, bb_samples *ms,
                      double *rays)
 {
     sum traces = {0};
     bb_samples build;
     *ms = (bb_samples){0};
     if (what != BB_TRACE_TIME) {
-        if (!bb_json_samples(bb_found_build(f, cell.scene, cell.builder), "build_ms", &build))
+        if (!bb_get_samples(bb_found_build(f, cell.scene, cell.builder), BB_F_BUILD_MS, &build))
             return false;
         add_samples(ms, &build);
     }
@@ -146,7 +142,8 @@ static bool times_of(const bb_findings *f, bb_times what, bb_cell cell, bb_sampl
 }
 
 /* Of the same rays, round by round; empty if there is no such ratio. */
-static bb_samples ratios_of(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base)
+static bb_samples ratios_of(const bb_findings *f, bb_times what, bb_selection cell,
+                            bb_selection base)
 {
     bb_samples a, b;
     double rays, base_rays;
@@ -156,14 +153,15 @@ static bb_samples ratios_of(const bb_findings *f, bb_times what, bb_cell cell, b
     return bb_samples_ratio(&a, &b);
 }
 
-bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base)
+bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_selection cell,
+                           bb_selection base)
 {
     bb_samples ratios = ratios_of(f, what, cell, base);
     return bb_samples_estimate(&ratios);
 }
 
-void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_cell cell,
-                       bb_cell base)
+void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_selection cell,
+                       bb_selection base)
 {
     bb_samples ratios = ratios_of(f, what, cell, base);
     if (ratios.count == 0)
@@ -186,8 +184,8 @@ bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, con
 {
     bb_samples logs = {0};
     for (size_t s = 0; s < f->scene_count; s++) {
-        bb_cell cell = {f->scenes[s], builder, NULL, NULL},
-                other = {f->scenes[s], base, NULL, NULL};
+        bb_selection cell = {f->scenes[s], builder, NULL, NULL},
+                     other = {f->scenes[s], base, NULL, NULL};
         bb_samples ratios = ratios_of(f, BB_BUILD_TIME, cell, other);
         for (uint32_t i = 0; i < ratios.count; i++)
             ratios.values[i] = log(ratios.values[i]);
@@ -201,18 +199,14 @@ bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, con
 
 /* ---- scenes ---- */
 
-double bb_found_scene(const bb_findings *f, const char *scene, const char *member)
+double bb_found_scene(const bb_findings *f, const char *scene, bb_field_id field)
 {
-    const cJSON *entry = bb_results_scene(f->results, scene);
-    double value = bb_json_number(entry, member);
-    return isnan(value) ? bb_json_number(cJSON_GetObjectItemCaseSensitive(entry, "profile"), member)
-                        : value;
+    return bb_get_number(bb_results_scene(f->results, scene), field);
 }
 
 const char *bb_found_view(const bb_findings *f, const char *scene, int number)
 {
-    const cJSON *views =
-        cJSON_GetObjectItemCaseSensitive(bb_results_scene(f->results, scene), "views");
+    const cJSON *views = bb_get(bb_results_scene(f->results, scene), BB_F_SCENE_VIEWS);
     const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(views, number));
     return name != NULL ? name : "";
 }

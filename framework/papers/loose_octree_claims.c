@@ -12,14 +12,14 @@ typedef struct pair {
 
 static const pair llbvh_to_lbvh = {LLBVH30, STACK, LBVH30, STACK};
 
-static bb_cell cell_of(pair p, const char *scene)
+static bb_selection cell_of(pair p, const char *scene)
 {
-    return (bb_cell){scene, p.builder, p.kernel, NULL};
+    return (bb_selection){scene, p.builder, p.kernel, NULL};
 }
 
-static bb_cell base_of(pair p, const char *scene)
+static bb_selection base_of(pair p, const char *scene)
 {
-    return (bb_cell){scene, p.base, p.base_kernel, NULL};
+    return (bb_selection){scene, p.base, p.base_kernel, NULL};
 }
 
 static bb_estimate ratio_of(const bb_findings *f, const char *scene, pair p, bb_times what)
@@ -27,10 +27,10 @@ static bb_estimate ratio_of(const bb_findings *f, const char *scene, pair p, bb_
     return bb_found_ratio(f, what, cell_of(p, scene), base_of(p, scene));
 }
 
-static double tests_ratio(const bb_findings *f, const char *scene, pair p, const char *member)
+static double tests_ratio(const bb_findings *f, const char *scene, pair p, bb_field_id tests)
 {
-    return bb_found_tests(f, cell_of(p, scene), member) /
-           bb_found_tests(f, base_of(p, scene), member);
+    return bb_found_tests(f, cell_of(p, scene), tests) /
+           bb_found_tests(f, base_of(p, scene), tests);
 }
 
 /* The ratios of all scenes. */
@@ -86,8 +86,8 @@ static void say_frame(const bb_findings *f, const char *scene, pair p, bb_words 
     bb_say(why, "%s%s: build %.2f times as long, trace %.2f times", why->length > 0 ? "; " : "",
            scene, ratio_of(f, scene, p, BB_BUILD_TIME).value,
            ratio_of(f, scene, p, BB_TRACE_TIME).value);
-    double boxes = tests_ratio(f, scene, p, "node_tests_per_ray");
-    double prims = tests_ratio(f, scene, p, "prim_tests_per_ray");
+    double boxes = tests_ratio(f, scene, p, BB_F_TRACE_NODE_TESTS);
+    double prims = tests_ratio(f, scene, p, BB_F_TRACE_PRIM_TESTS);
     bb_say(why, " with %+.0f %% box tests and %+.0f %% primitive tests per ray", 100 * (boxes - 1),
            100 * (prims - 1));
     if (bb_found_trace_ms(f, base_of(p, scene)) < 0.2 * bb_found_build_ms(f, scene, p.base))
@@ -135,10 +135,11 @@ static void claim_seventh_level(const bb_findings *f, bb_reproduction *r)
         bb_say(&why,
                "%s%s: %.0f nodes on level 6 and %.0f on level 7, %+.0f %% box tests and %+.0f %% "
                "primitive tests per ray",
-               s > 0 ? "; " : "", f->scenes[s], bb_found_tree(f, f->scenes[s], LOBVH6, "nodes"),
-               bb_found_tree(f, f->scenes[s], LOBVH7, "nodes"),
-               100 * (tests_ratio(f, f->scenes[s], p, "node_tests_per_ray") - 1),
-               100 * (tests_ratio(f, f->scenes[s], p, "prim_tests_per_ray") - 1));
+               s > 0 ? "; " : "", f->scenes[s],
+               bb_found_tree(f, f->scenes[s], LOBVH6, BB_F_TREE_NODES),
+               bb_found_tree(f, f->scenes[s], LOBVH7, BB_F_TREE_NODES),
+               100 * (tests_ratio(f, f->scenes[s], p, BB_F_TRACE_NODE_TESTS) - 1),
+               100 * (tests_ratio(f, f->scenes[s], p, BB_F_TRACE_PRIM_TESTS) - 1));
     bb_claim(
         r, verdict,
         "A seventh level makes LOBVH's build longer (held above 10 %) and leaves its trace (within "
@@ -153,7 +154,8 @@ static void claim_dense_memory(const bb_findings *f, bb_reproduction *r)
     for (size_t s = 0; s < f->scene_count; s++) {
         double peak[LEVELS];
         for (int i = 0; i < LEVELS; i++)
-            peak[i] = bb_found_tree(f, f->scenes[s], lobvh_levels[i], "bytes_peak") / (1 << 20);
+            peak[i] =
+                bb_found_tree(f, f->scenes[s], lobvh_levels[i], BB_F_TREE_BYTES_PEAK) / (1 << 20);
         double here = (peak[2] - peak[1]) / (peak[1] - peak[0]);
         bb_say(&ours, "%s%s: peaks of %.0f, %.0f and %.0f MiB, steps that grow %.1f times",
                s > 0 ? "; " : "", f->scenes[s], peak[0], peak[1], peak[2], here);
@@ -215,16 +217,17 @@ static void claim_memory(const bb_findings *f, bb_reproduction *r, const char *b
     bb_figures s = {.f = f};
     for (size_t i = 0; i < f->scene_count; i++) {
         const char *scene = f->scenes[i];
-        s.values[i] = bb_found_tree(f, scene, builder, "bytes_tree") /
-                      bb_found_tree(f, scene, base, "bytes_tree");
+        s.values[i] = bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) /
+                      bb_found_tree(f, scene, base, BB_F_TREE_BYTES);
         smaller += s.values[i] < 1;
         known += !isnan(s.values[i]);
         if (s.values[i] >= 1)
             bb_say(&why, "%s%s: %.0f nodes against %.0f, %.0f leaves against %.0f",
-                   why.length > 0 ? "; " : "", scene, bb_found_tree(f, scene, builder, "nodes"),
-                   bb_found_tree(f, scene, base, "nodes"),
-                   bb_found_tree(f, scene, builder, "leaves"),
-                   bb_found_tree(f, scene, base, "leaves"));
+                   why.length > 0 ? "; " : "", scene,
+                   bb_found_tree(f, scene, builder, BB_F_TREE_NODES),
+                   bb_found_tree(f, scene, base, BB_F_TREE_NODES),
+                   bb_found_tree(f, scene, builder, BB_F_TREE_LEAVES),
+                   bb_found_tree(f, scene, base, BB_F_TREE_LEAVES));
     }
     bb_say_range(&ours, "bytes of the tree", &s);
     bb_say(&ours, "; less on %u of %u scenes", smaller, known);
@@ -291,10 +294,10 @@ static void claim_eighth_level(const bb_findings *f, bb_reproduction *r)
                "%s%s: build %.2f, peak memory %.2f, box tests per ray %+.0f %%, primitive tests "
                "%+.0f %%",
                s > 0 ? "; " : "", f->scenes[s], build.medians.values[s],
-               bb_found_tree(f, f->scenes[s], LOBVH8, "bytes_peak") /
-                   bb_found_tree(f, f->scenes[s], LOBVH7, "bytes_peak"),
-               100 * (tests_ratio(f, f->scenes[s], p, "node_tests_per_ray") - 1),
-               100 * (tests_ratio(f, f->scenes[s], p, "prim_tests_per_ray") - 1));
+               bb_found_tree(f, f->scenes[s], LOBVH8, BB_F_TREE_BYTES_PEAK) /
+                   bb_found_tree(f, f->scenes[s], LOBVH7, BB_F_TREE_BYTES_PEAK),
+               100 * (tests_ratio(f, f->scenes[s], p, BB_F_TRACE_NODE_TESTS) - 1),
+               100 * (tests_ratio(f, f->scenes[s], p, BB_F_TRACE_PRIM_TESTS) - 1));
     bb_claim(r, verdict,
              "With 8 levels instead of 7 LOBVH often traces faster, but the build gets much longer "
              "(held above 1.5 times on average) (4.2)",
@@ -310,8 +313,8 @@ static void say_other_size(const bb_findings *f, const char *scene, pair p, cons
     bb_say(why, "%s%s on %s: trace %.3f, cost %.3f, box tests %+.0f %%, primitive tests %+.0f %%",
            why->length > 0 ? "; " : "", what, scene, ratio_of(f, scene, p, BB_TRACE_TIME).value,
            bb_found_sah(f, scene, p.builder) / bb_found_sah(f, scene, p.base),
-           100 * (tests_ratio(f, scene, p, "node_tests_per_ray") - 1),
-           100 * (tests_ratio(f, scene, p, "prim_tests_per_ray") - 1));
+           100 * (tests_ratio(f, scene, p, BB_F_TRACE_NODE_TESTS) - 1),
+           100 * (tests_ratio(f, scene, p, BB_F_TRACE_PRIM_TESTS) - 1));
     if (bb_found_about(f, scene, p.builder)[0] != '\0')
         bb_say(why, " (%s; with the smallest side %s)", bb_found_about(f, scene, p.builder),
                bb_found_about(f, scene, p.base));

@@ -43,7 +43,7 @@ static inline double frame_ms(const bb_findings *f, const char *scene, const cha
                               const char *kernel)
 {
     return bb_found_build_ms(f, scene, builder) +
-           bb_found_trace_ms(f, (bb_cell){scene, builder, kernel, NULL});
+           bb_found_trace_ms(f, (bb_selection){scene, builder, kernel, NULL});
 }
 
 /* LOBVH of the level with the shortest frame. */
@@ -80,8 +80,8 @@ static inline bb_estimate view_factor(const bb_findings *f, const char *scene, c
     char with[128];
     name_ordered(builder, by, with);
     const char *view = bb_found_view(f, scene, v);
-    return bb_found_ratio(f, BB_TRACE_TIME, (bb_cell){scene, builder, kernel, view},
-                          (bb_cell){scene, with, kernel, view});
+    return bb_found_ratio(f, BB_TRACE_TIME, (bb_selection){scene, builder, kernel, view},
+                          (bb_selection){scene, with, kernel, view});
 }
 
 /* The claims: all of them, and those on the order by the view, of which `f` is the experiment. */

@@ -22,8 +22,8 @@ static factors factors_of(const bb_findings *f, const char *builder, const char 
             const char *view = bb_found_view(f, f->scenes[s], v);
             name_ordered(builder, v, with);
             bb_ratio_mean_add(&mean, f, BB_TRACE_TIME,
-                              (bb_cell){f->scenes[s], builder, kernel, view},
-                              (bb_cell){f->scenes[s], with, kernel, view});
+                              (bb_selection){f->scenes[s], builder, kernel, view},
+                              (bb_selection){f->scenes[s], with, kernel, view});
             all.count++;
             all.least = fmin(all.least, e.value);
             all.most = fmax(all.most, e.value);
@@ -54,16 +54,16 @@ static void claim_order(const bb_findings *f, bb_reproduction *r)
     }
     for (size_t s = 0; s < f->scene_count && verdict != BB_HELD; s++) {
         const char *view = bb_found_view(f, f->scenes[s], 0);
-        bb_cell plain = {f->scenes[s], LOBVH_VIEWLESS, STACKLESS, view};
-        bb_cell with = {f->scenes[s], LOBVH_VIEWLESS ",view=0", STACKLESS, view};
-        bb_cell stack = {f->scenes[s], LOBVH_VIEWLESS, STACK, view};
+        bb_selection plain = {f->scenes[s], LOBVH_VIEWLESS, STACKLESS, view};
+        bb_selection with = {f->scenes[s], LOBVH_VIEWLESS ",view=0", STACKLESS, view};
+        bb_selection stack = {f->scenes[s], LOBVH_VIEWLESS, STACK, view};
         bb_say(&why,
                "%s%s, view %s: %.0f box tests per ray without an order, %.0f with it, where the "
                "stack kernel, which goes to the nearer child first on each ray, needs %.0f",
                s > 0 ? "; " : "", f->scenes[s], view,
-               bb_found_tests(f, plain, "node_tests_per_ray"),
-               bb_found_tests(f, with, "node_tests_per_ray"),
-               bb_found_tests(f, stack, "node_tests_per_ray"));
+               bb_found_tests(f, plain, BB_F_TRACE_NODE_TESTS),
+               bb_found_tests(f, with, BB_F_TRACE_NODE_TESTS),
+               bb_found_tests(f, stack, BB_F_TRACE_NODE_TESTS));
     }
     bb_claim(r, verdict,
              "The order by the view makes the stackless traversal of LOBVH faster by an order of "
@@ -80,10 +80,10 @@ static double stack_tests_change(const bb_findings *f, const char *builder)
             char with[128];
             const char *view = bb_found_view(f, f->scenes[s], v);
             name_ordered(builder, v, with);
-            double ratio = bb_found_tests(f, (bb_cell){f->scenes[s], with, STACK, view},
-                                          "node_tests_per_ray") /
-                           bb_found_tests(f, (bb_cell){f->scenes[s], builder, STACK, view},
-                                          "node_tests_per_ray");
+            double ratio = bb_found_tests(f, (bb_selection){f->scenes[s], with, STACK, view},
+                                          BB_F_TRACE_NODE_TESTS) /
+                           bb_found_tests(f, (bb_selection){f->scenes[s], builder, STACK, view},
+                                          BB_F_TRACE_NODE_TESTS);
             most = fmax(most, fabs(ratio - 1));
         }
     return most;

@@ -122,7 +122,7 @@ static double absolute_of(const bb_findings *all, figure what, const char *scene
     case COST:
         return bb_found_sah(&all[VARIED], scene, MC64);
     case SPEED:
-        return bb_found_mrays(&all[TRACED], (bb_cell){scene, MC64, "stack", NULL});
+        return bb_found_mrays(&all[TRACED], (bb_selection){scene, MC64, "stack", NULL});
     default:
         return bb_found_build_ms(&all[BUILT], scene, MC64);
     }
@@ -152,20 +152,20 @@ static void add_averages(const bb_findings *all, bb_reproduction *r, figure what
 {
     const bb_findings *f = &all[TRACED];
     bb_row(r);
-    bb_cell_text(r, "average (paper)");
+    bb_table_text(r, "average (paper)");
     for (int i = 0; i < 3; i++)
-        bb_cell_number(r, NAN, 0);
+        bb_table_number(r, NAN, 0);
     for (int i = 0; i < COMPARED; i++)
-        bb_cell_number(r, i < IN_PAPER ? paper_means[what][i] : (double)NAN, 2);
+        bb_table_number(r, i < IN_PAPER ? paper_means[what][i] : (double)NAN, 2);
     bb_row(r);
-    bb_cell_text(r, "average (here)");
+    bb_table_text(r, "average (here)");
     for (int i = 0; i < 3; i++)
-        bb_cell_number(r, NAN, 0);
+        bb_table_number(r, NAN, 0);
     for (int i = 0; i < COMPARED; i++) {
         double values[BB_FIGURES_MAX];
         for (size_t s = 0; s < f->scene_count; s++)
             values[s] = ratio_of(all, what, f->scenes[s], compared[i].builder);
-        bb_cell_number(r, bb_mean(values, f->scene_count), 2);
+        bb_table_number(r, bb_mean(values, f->scene_count), 2);
     }
 }
 
@@ -189,21 +189,21 @@ static void add_table2(const bb_findings *all, bb_reproduction *r, figure what, 
         char name[64];
         snprintf(name, sizeof name, "%s (paper)", paper_rows[i].name);
         bb_row(r);
-        bb_cell_text(r, name);
-        bb_cell_number(r, paper_rows[i].prims, 0);
-        bb_cell_number(r, NAN, 0);
-        bb_cell_number(r, paper_rows[i].figures[what][0], 1);
+        bb_table_text(r, name);
+        bb_table_number(r, paper_rows[i].prims, 0);
+        bb_table_number(r, NAN, 0);
+        bb_table_number(r, paper_rows[i].figures[what][0], 1);
         for (int k = 0; k < COMPARED; k++)
-            bb_cell_number(r, k < IN_PAPER ? paper_rows[i].figures[what][1 + k] : (double)NAN, 2);
+            bb_table_number(r, k < IN_PAPER ? paper_rows[i].figures[what][1 + k] : (double)NAN, 2);
     }
     for (size_t s = 0; s < f->scene_count; s++) {
         bb_row(r);
-        bb_cell_text(r, f->scenes[s]);
-        bb_cell_number(r, bb_found_scene(f, f->scenes[s], "prims"), 0);
-        bb_cell_number(r, bb_found_scene(f, f->scenes[s], "flatness"), 3);
-        bb_cell_number(r, absolute_of(all, what, f->scenes[s]), 1);
+        bb_table_text(r, f->scenes[s]);
+        bb_table_number(r, bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS), 0);
+        bb_table_number(r, bb_found_scene(f, f->scenes[s], BB_F_PROFILE_FLATNESS), 3);
+        bb_table_number(r, absolute_of(all, what, f->scenes[s]), 1);
         for (int k = 0; k < COMPARED; k++)
-            bb_cell_number(r, ratio_of(all, what, f->scenes[s], compared[k].builder), 2);
+            bb_table_number(r, ratio_of(all, what, f->scenes[s], compared[k].builder), 2);
     }
     add_averages(all, r, what);
 }
@@ -235,28 +235,28 @@ static void add_ingredients(const bb_findings *all, bb_reproduction *r)
     for (size_t i = 0; i < INGREDIENT_COUNT; i++) {
         bb_figures s = costs(all, ingredients[i].builder, MC64);
         bb_row(r);
-        bb_cell_text(r, ingredients[i].what);
+        bb_table_text(r, ingredients[i].what);
         for (size_t k = 0; k + 3 < count; k++)
-            bb_cell_number(r, s.values[k], 3);
-        bb_cell_number(r, bb_figures_mean(&s), 3);
-        bb_cell_text(r, ingredients[i].paper);
+            bb_table_number(r, s.values[k], 3);
+        bb_table_number(r, bb_figures_mean(&s), 3);
+        bb_table_text(r, ingredients[i].paper);
     }
 }
 
 static void add_build_ratio(bb_reproduction *r, const char *scene, int pair, bb_estimate e)
 {
     bb_row(r);
-    bb_cell_text(r, scene);
-    bb_cell_text(r, equals[pair].builder);
-    bb_cell_text(r, equals[pair].plain);
-    bb_cell_number(r, e.value, 3);
-    bb_cell_number(r, e.low, 3);
-    bb_cell_number(r, e.high, 3);
-    bb_cell_number(r, build_target, 2);
+    bb_table_text(r, scene);
+    bb_table_text(r, equals[pair].builder);
+    bb_table_text(r, equals[pair].plain);
+    bb_table_number(r, e.value, 3);
+    bb_table_number(r, e.low, 3);
+    bb_table_number(r, e.high, 3);
+    bb_table_number(r, build_target, 2);
     bb_verdict within = bb_below(e, build_target);
-    bb_cell_text(r, within == BB_HELD       ? "yes"
-                    : within == BB_NOT_HELD ? "no"
-                                            : bb_verdict_words(within));
+    bb_table_text(r, within == BB_HELD       ? "yes"
+                     : within == BB_NOT_HELD ? "no"
+                                             : bb_verdict_words(within));
 }
 
 static void add_build_ratios(const bb_findings *all, bb_reproduction *r)
@@ -286,11 +286,11 @@ static void add_sizes(const bb_findings *all, bb_reproduction *r)
     const bb_findings *f = &all[SIZED];
     bb_table(r, "Build rate over the number of primitives (random triangles), Mprims/s", columns);
     for (size_t s = 0; s < f->scene_count; s++) {
-        double prims = bb_found_scene(f, f->scenes[s], "prims");
+        double prims = bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS);
         bb_row(r);
-        bb_cell_number(r, prims, 0);
+        bb_table_number(r, prims, 0);
         for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++)
-            bb_cell_number(r, prims / bb_found_build_ms(f, f->scenes[s], builders[i]) / 1e3, 2);
+            bb_table_number(r, prims / bb_found_build_ms(f, f->scenes[s], builders[i]) / 1e3, 2);
     }
 }
 

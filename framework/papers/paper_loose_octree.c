@@ -76,24 +76,24 @@ static const bb_experiment experiments[] = {
 
 static const double mib = 1.0 / (1 << 20);
 
-static void add_frame(const bb_findings *f, bb_reproduction *r, bb_cell cell)
+static void add_frame(const bb_findings *f, bb_reproduction *r, bb_selection cell)
 {
     const char *scene = cell.scene, *builder = cell.builder;
     double ms = bb_found_build_ms(f, scene, builder) + bb_found_trace_ms(f, cell);
     bb_row(r);
-    bb_cell_text(r, scene);
-    bb_cell_number(r, bb_found_scene(f, scene, "prims"), 0);
-    bb_cell_text(r, builder);
-    bb_cell_text(r, cell.kernel);
-    bb_cell_number(r, bb_found_build_ms(f, scene, builder), 2);
-    bb_cell_number(r, bb_found_trace_ms(f, cell), 2);
-    bb_cell_number(r, ms, 2);
-    bb_cell_number(r, ms / frame_ms(f, scene, LBVH30, STACK), 3);
-    bb_cell_number(r, bb_found_sah(f, scene, builder), 1);
-    bb_cell_number(r, bb_found_tests(f, cell, "node_tests_per_ray"), 1);
-    bb_cell_number(r, bb_found_tests(f, cell, "prim_tests_per_ray"), 1);
-    bb_cell_number(r, bb_found_tree(f, scene, builder, "bytes_tree") * mib, 1);
-    bb_cell_number(r, bb_found_tree(f, scene, builder, "bytes_peak") * mib, 1);
+    bb_table_text(r, scene);
+    bb_table_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
+    bb_table_text(r, builder);
+    bb_table_text(r, cell.kernel);
+    bb_table_number(r, bb_found_build_ms(f, scene, builder), 2);
+    bb_table_number(r, bb_found_trace_ms(f, cell), 2);
+    bb_table_number(r, ms, 2);
+    bb_table_number(r, ms / frame_ms(f, scene, LBVH30, STACK), 3);
+    bb_table_number(r, bb_found_sah(f, scene, builder), 1);
+    bb_table_number(r, bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS), 1);
+    bb_table_number(r, bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS), 1);
+    bb_table_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) * mib, 1);
+    bb_table_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES_PEAK) * mib, 1);
 }
 
 /* A builder that was refused has one row without times; a pair that is no part of the comparison has none. */
@@ -105,8 +105,8 @@ static void add_frames(const bb_findings *f, bb_reproduction *r, const char *tit
     bb_table(r, title, columns);
     for (size_t s = 0; s < f->scene_count; s++)
         for (uint32_t i = 0; i < RIVAL_COUNT; i++) {
-            bb_cell stack = {f->scenes[s], rivals[i], STACK, NULL};
-            bb_cell stackless = {f->scenes[s], rivals[i], STACKLESS, NULL};
+            bb_selection stack = {f->scenes[s], rivals[i], STACK, NULL};
+            bb_selection stackless = {f->scenes[s], rivals[i], STACKLESS, NULL};
             add_frame(f, r, stack);
             if (!isnan(bb_found_trace_ms(f, stackless)))
                 add_frame(f, r, stackless);
@@ -132,27 +132,27 @@ static void add_averages(const bb_findings *all, bb_reproduction *r)
             ratios[1][s] = frame_ms(f, scene, best, STACKLESS) / base;
             ratios[2][s] = frame_ms(f, scene, LOBVH_AUTO, STACKLESS) / base;
             bb_row(r);
-            bb_cell_text(r, scene);
-            bb_cell_number(r, base, 2);
-            bb_cell_number(r, ratios[0][s], 3);
-            bb_cell_number(r, ratios[1][s], 3);
-            bb_cell_number(r, level_of(best), 0);
-            bb_cell_number(r, ratios[2][s], 3);
+            bb_table_text(r, scene);
+            bb_table_number(r, base, 2);
+            bb_table_number(r, ratios[0][s], 3);
+            bb_table_number(r, ratios[1][s], 3);
+            bb_table_number(r, level_of(best), 0);
+            bb_table_number(r, ratios[2][s], 3);
         }
         bb_row(r);
-        bb_cell_text(r, e == OF_SPHERES ? "average, spheres (here)" : "average, triangles (here)");
-        bb_cell_number(r, NAN, 0);
-        bb_cell_number(r, bb_mean(ratios[0], f->scene_count), 3);
-        bb_cell_number(r, bb_mean(ratios[1], f->scene_count), 3);
-        bb_cell_number(r, NAN, 0);
-        bb_cell_number(r, bb_mean(ratios[2], f->scene_count), 3);
+        bb_table_text(r, e == OF_SPHERES ? "average, spheres (here)" : "average, triangles (here)");
+        bb_table_number(r, NAN, 0);
+        bb_table_number(r, bb_mean(ratios[0], f->scene_count), 3);
+        bb_table_number(r, bb_mean(ratios[1], f->scene_count), 3);
+        bb_table_number(r, NAN, 0);
+        bb_table_number(r, bb_mean(ratios[2], f->scene_count), 3);
         bb_row(r);
-        bb_cell_text(r, e == OF_SPHERES ? "spheres (paper)" : "triangles (paper)");
-        bb_cell_number(r, NAN, 0);
-        bb_cell_text(r, e == OF_SPHERES ? "above 1" : "about 1, 0.96 on hairball");
-        bb_cell_text(r, e == OF_SPHERES ? "below 1" : "above 1, below on hairball");
-        bb_cell_text(r, e == OF_SPHERES ? "6" : "6 or 7");
-        bb_cell_number(r, NAN, 0);
+        bb_table_text(r, e == OF_SPHERES ? "spheres (paper)" : "triangles (paper)");
+        bb_table_number(r, NAN, 0);
+        bb_table_text(r, e == OF_SPHERES ? "above 1" : "about 1, 0.96 on hairball");
+        bb_table_text(r, e == OF_SPHERES ? "below 1" : "above 1, below on hairball");
+        bb_table_text(r, e == OF_SPHERES ? "6" : "6 or 7");
+        bb_table_number(r, NAN, 0);
     }
 }
 
@@ -165,17 +165,17 @@ static void add_sizes(const bb_findings *all, bb_reproduction *r)
     for (size_t s = 0; s < f->scene_count; s++)
         for (uint32_t i = 0; i < SIZE_VARIANT_COUNT; i++) {
             const char *scene = f->scenes[s], *builder = size_variants[i];
-            bb_cell cell = {scene, builder, STACK, NULL};
+            bb_selection cell = {scene, builder, STACK, NULL};
             bb_row(r);
-            bb_cell_text(r, scene);
-            bb_cell_text(r, builder);
-            bb_cell_number(r, bb_found_build_ms(f, scene, builder), 2);
-            bb_cell_number(r, bb_found_trace_ms(f, cell), 2);
-            bb_cell_number(r, frame_ms(f, scene, builder, STACK), 2);
-            bb_cell_number(r, bb_found_sah(f, scene, builder), 2);
-            bb_cell_number(r, bb_found_tests(f, cell, "node_tests_per_ray"), 1);
-            bb_cell_number(r, bb_found_tests(f, cell, "prim_tests_per_ray"), 1);
-            bb_cell_number(r, bb_found_tree(f, scene, builder, "bytes_tree") * mib, 1);
+            bb_table_text(r, scene);
+            bb_table_text(r, builder);
+            bb_table_number(r, bb_found_build_ms(f, scene, builder), 2);
+            bb_table_number(r, bb_found_trace_ms(f, cell), 2);
+            bb_table_number(r, frame_ms(f, scene, builder, STACK), 2);
+            bb_table_number(r, bb_found_sah(f, scene, builder), 2);
+            bb_table_number(r, bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS), 1);
+            bb_table_number(r, bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS), 1);
+            bb_table_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) * mib, 1);
         }
 }
 
@@ -202,14 +202,14 @@ static void add_views(const bb_findings *all, bb_reproduction *r)
                                 worst,
                                 view_factor(f, f->scenes[s], ordered[i], kernel, v, other).value);
                     bb_row(r);
-                    bb_cell_text(r, f->scenes[s]);
-                    bb_cell_text(r, ordered[i]);
-                    bb_cell_text(r, kernel);
-                    bb_cell_text(r, bb_found_view(f, f->scenes[s], v));
-                    bb_cell_number(r, e.value, 3);
-                    bb_cell_number(r, e.low, 3);
-                    bb_cell_number(r, e.high, 3);
-                    bb_cell_number(r, worst, 3);
+                    bb_table_text(r, f->scenes[s]);
+                    bb_table_text(r, ordered[i]);
+                    bb_table_text(r, kernel);
+                    bb_table_text(r, bb_found_view(f, f->scenes[s], v));
+                    bb_table_number(r, e.value, 3);
+                    bb_table_number(r, e.low, 3);
+                    bb_table_number(r, e.high, 3);
+                    bb_table_number(r, worst, 3);
                 }
 }
 

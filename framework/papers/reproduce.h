@@ -88,26 +88,27 @@ bb_status bb_reproduction_print(bb_results *results, FILE *out);
 const cJSON *bb_found_build(const bb_findings *f, const char *scene, const char *builder);
 double bb_found_sah(const bb_findings *f, const char *scene, const char *builder);
 double bb_found_build_ms(const bb_findings *f, const char *scene, const char *builder);
-/* Figures of the tree as recorded: "nodes", "bytes_tree", "bytes_peak", "depth" ... */
+/* A figure of the tree: BB_F_TREE_... */
 double bb_found_tree(const bb_findings *f, const char *scene, const char *builder,
-                     const char *member);
+                     bb_field_id field);
 /* The builder's words on its tree; "" if there are none. */
 const char *bb_found_about(const bb_findings *f, const char *scene, const char *builder);
 double bb_found_phase_ms(const bb_findings *f, const char *scene, const char *builder,
                          const char *phase);
 /* Which traces: of one builder, with one kernel, from one view or (NULL) all of them together. */
-typedef struct bb_cell {
+typedef struct bb_selection {
     const char *scene, *builder, *kernel, *view;
-} bb_cell;
-double bb_found_trace_ms(const bb_findings *f, bb_cell cell); /* of all rays of the views */
-double bb_found_mrays(const bb_findings *f, bb_cell cell);
-/* "node_tests_per_ray" or "prim_tests_per_ray", a mean over the views. */
-double bb_found_tests(const bb_findings *f, bb_cell cell, const char *member);
+} bb_selection;
+double bb_found_trace_ms(const bb_findings *f, bb_selection cell); /* of all rays of the views */
+double bb_found_mrays(const bb_findings *f, bb_selection cell);
+/* BB_F_TRACE_NODE_TESTS or BB_F_TRACE_PRIM_TESTS, a mean over the views. */
+double bb_found_tests(const bb_findings *f, bb_selection cell, bb_field_id tests);
 
 /* Of a cell: the time of its build, of its traces, or of both together. */
 typedef enum bb_times { BB_BUILD_TIME, BB_TRACE_TIME, BB_FRAME_TIME } bb_times;
 /* Time of `cell` over that of `base` with the same rays, paired by rounds. */
-bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_cell cell, bb_cell base);
+bb_estimate bb_found_ratio(const bb_findings *f, bb_times what, bb_selection cell,
+                           bb_selection base);
 
 /* Arithmetic mean of such ratios over scenes or views, taken in each round. A zeroed one is empty.
  */
@@ -117,16 +118,16 @@ typedef struct bb_ratio_mean {
     bool uneven; /* not all have the same rounds */
 } bb_ratio_mean;
 /* A ratio that was not measured is left out. */
-void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_cell cell,
-                       bb_cell base);
+void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what, bb_selection cell,
+                       bb_selection base);
 bb_estimate bb_ratio_mean_estimate(const bb_ratio_mean *mean);
 
 /* Build time over that of `base`: geometric mean over all scenes, round by round, which noise does
  * not push one way. Not measured if one scene is not. */
 bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base);
 
-/* Of the scene: "prims", and of its profile "flatness" and others. */
-double bb_found_scene(const bb_findings *f, const char *scene, const char *member);
+/* A figure of the scene or its profile: BB_F_SCENE_PRIMS, BB_F_PROFILE_... */
+double bb_found_scene(const bb_findings *f, const char *scene, bb_field_id field);
 /* Name of a scene's view by number; "" if there is none. */
 const char *bb_found_view(const bb_findings *f, const char *scene, int number);
 
@@ -150,9 +151,9 @@ double bb_figures_most(const bb_figures *s);
 /* Begins a table; columns end with NULL. */
 void bb_table(bb_reproduction *r, const char *title, const char *const *columns);
 void bb_row(bb_reproduction *r);
-void bb_cell_text(bb_reproduction *r, const char *text);
+void bb_table_text(bb_reproduction *r, const char *text);
 /* Rounded to so many decimals; NAN becomes an empty cell. */
-void bb_cell_number(bb_reproduction *r, double value, int decimals);
+void bb_table_number(bb_reproduction *r, double value, int decimals);
 
 /* In rising order of what decides over several that are to hold together. */
 typedef enum bb_verdict {

@@ -1,6 +1,6 @@
 /* Tables and claims: into the result document, and as text. */
 #include "framework/papers/reproduce.h"
-#include "framework/record/record_private.h"
+#include "framework/record/record.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -45,12 +45,12 @@ void bb_row(bb_reproduction *r)
     append(r, r->rows, r->row);
 }
 
-void bb_cell_text(bb_reproduction *r, const char *text)
+void bb_table_text(bb_reproduction *r, const char *text)
 {
     append(r, r->row, cJSON_CreateString(text));
 }
 
-void bb_cell_number(bb_reproduction *r, double value, int decimals)
+void bb_table_number(bb_reproduction *r, double value, int decimals)
 {
     double scale = pow(10, decimals);
     append(r, r->row,
@@ -87,12 +87,13 @@ void bb_claim(bb_reproduction *r, bb_verdict verdict, const char *claim, const c
     append(r, r->claims, entry);
     bool decided = verdict == BB_HELD || verdict == BB_NOT_HELD;
     cJSON *held = decided ? cJSON_CreateBool(verdict == BB_HELD) : cJSON_CreateNull();
-    bool ok = cJSON_AddStringToObject(entry, "claim", claim) != NULL &&
-              cJSON_AddItemToObject(entry, "held", held) &&
-              cJSON_AddStringToObject(entry, "verdict", bb_verdict_words(verdict)) != NULL &&
-              cJSON_AddStringToObject(entry, "paper", paper) != NULL &&
-              cJSON_AddStringToObject(entry, "ours", ours->text) != NULL &&
-              cJSON_AddStringToObject(entry, "why", why->text) != NULL;
+    bool ok = cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_CLAIM].name, claim) != NULL &&
+              cJSON_AddItemToObject(entry, bb_fields[BB_F_CLAIM_HELD].name, held) &&
+              cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_VERDICT].name,
+                                      bb_verdict_words(verdict)) != NULL &&
+              cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_PAPER].name, paper) != NULL &&
+              cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_OURS].name, ours->text) != NULL &&
+              cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_WHY].name, why->text) != NULL;
     r->no_memory = r->no_memory || !ok;
 }
 
@@ -181,7 +182,7 @@ static void print_table(const cJSON *table, FILE *out)
     column columns[COLUMNS_MAX];
     uint32_t count = measure_columns(names, rows, columns), i;
     char text[256];
-    fprintf(out, "\n%s\n\n", bb_json_text(table, "title"));
+    fprintf(out, "\n%s\n\n", bb_get_text(table, BB_F_TABLE_TITLE));
     for (i = 0, item = names->child; i < count; item = item->next, i++)
         fprintf(out, columns[i].text ? "  %-*s" : "  %*s", columns[i].width, item->valuestring);
     fprintf(out, "\n");
@@ -218,32 +219,35 @@ enum { HELD, NOT_HELD, UNDECIDED, UNTESTED, KINDS };
 static int kind_of(const cJSON *claim)
 {
     const cJSON *held = cJSON_GetObjectItemCaseSensitive(claim, "held");
-    return cJSON_IsTrue(held)                                             ? HELD
-           : cJSON_IsFalse(held)                                          ? NOT_HELD
-           : strncmp(bb_json_text(claim, "verdict"), "undecided", 9) == 0 ? UNDECIDED
-                                                                          : UNTESTED;
+    return cJSON_IsTrue(held)                                                     ? HELD
+           : cJSON_IsFalse(held)                                                  ? NOT_HELD
+           : strncmp(bb_get_text(claim, BB_F_CLAIM_VERDICT), "undecided", 9) == 0 ? UNDECIDED
+                                                                                  : UNTESTED;
 }
 
 static void print_claim(const cJSON *claim, FILE *out)
 {
-    const char *const verdicts[KINDS] = {"held", "DID NOT HOLD", bb_json_text(claim, "verdict"),
+    const char *const verdicts[KINDS] = {"held", "DID NOT HOLD",
+                                         bb_get_text(claim, BB_F_CLAIM_VERDICT),
                                          bb_verdict_words(BB_NOT_TESTED)};
-    fprintf(out, "\n  %s\n    %s\n", bb_json_text(claim, "claim"), verdicts[kind_of(claim)]);
-    print_paragraph("paper", bb_json_text(claim, "paper"), out);
-    print_paragraph("here", bb_json_text(claim, "ours"), out);
-    print_paragraph("why", bb_json_text(claim, "why"), out);
+    fprintf(out, "\n  %s\n    %s\n", bb_get_text(claim, BB_F_CLAIM_CLAIM),
+            verdicts[kind_of(claim)]);
+    print_paragraph("paper", bb_get_text(claim, BB_F_CLAIM_PAPER), out);
+    print_paragraph("here", bb_get_text(claim, BB_F_CLAIM_OURS), out);
+    print_paragraph("why", bb_get_text(claim, BB_F_CLAIM_WHY), out);
 }
 
 bb_status bb_reproduction_print(bb_results *results, FILE *out)
 {
     const cJSON *item, *part;
-    const cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
+    const cJSON *context = bb_results_section(results, "context");
     const cJSON *load = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(context, "load"), 0);
-    double units = bb_json_number(context, "compute_units");
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(results->root, "reproductions"))
+    double units = bb_get_number(context, BB_F_CONTEXT_UNITS);
+    cJSON_ArrayForEach(item, bb_results_section(results, "reproductions"))
     {
-        fprintf(out, "%s\nhere: bvhbench %s on %s", bb_json_text(item, "title"),
-                bb_json_text(context, "revision"), bb_json_text(context, "device"));
+        fprintf(out, "%s\nhere: bvhbench %s on %s", bb_get_text(item, BB_F_PAPER_TITLE),
+                bb_get_text(context, BB_F_CONTEXT_REVISION),
+                bb_get_text(context, BB_F_CONTEXT_DEVICE));
         if (cJSON_IsNumber(load))
             fprintf(out, ", %g compute units, load %.1f at the start%s", units, load->valuedouble,
                     load->valuedouble > 0.5 * units ? ": times are noisy, tests and costs are not"

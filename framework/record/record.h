@@ -8,10 +8,11 @@
 #include "framework/base/status.h"
 #include "framework/judge/accuracy.h"
 #include "framework/rays/rays.h"
+#include "framework/record/cell.h"
+#include "framework/record/schema.h"
 #include "framework/scene/scene.h"
+#include "framework/tree/metric.h"
 #include "framework/tree/tree.h"
-
-typedef struct cJSON cJSON; /* opaque here; libcjson */
 
 enum {
     BB_LAYOUTS_MAX = 48,     /* of one tree */
@@ -27,6 +28,7 @@ typedef struct bb_named_ms {
 typedef struct bb_build_record {
     uint32_t id;
     char scene[256];
+    char cell[BB_CELL_KEY];   /* the build's key; "": none */
     const bb_spec *spec;      /* builder as given with its parameters */
     const bb_option *options; /* with the defaults, all parameters are recorded */
     bb_status status;
@@ -64,14 +66,15 @@ typedef struct bb_build_record {
     bool has_tree;
     bb_tree_info tree;
     uint64_t bytes_tree, bytes_peak;
-    double sah, epo, epo_half;
-    char about[512];     /* the builder's own words on its tree; "" for none */
-    double bytes_native; /* reference rows: what the library booked; NAN else */
+    bb_metric_value metrics[BB_METRICS_MAX]; /* as bb_metrics; NAN: not measured */
+    char about[512];                         /* the builder's own words on its tree; "" for none */
+    double bytes_native;                     /* reference rows: what the library booked; NAN else */
     bool reference;
 } bb_build_record;
 
 typedef struct bb_trace_record {
-    uint32_t build; /* id */
+    uint32_t build;         /* id */
+    char cell[BB_CELL_KEY]; /* the key; "": none */
     char scene[256], view[48], builder[512], kernel[512], layout[64], intersector[64];
     char rays[128];
     bool rays_as_given; /* made by hand, not by a workload: see `bvhbench judge --verify no` */
@@ -142,16 +145,26 @@ bb_status bb_results_add_picture(bb_results *results, const char *scene, const c
 uint32_t bb_results_next_build(const bb_results *results);
 
 cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
+/* A member of the document: "builds", "traces", "scenes", "steps_ms" ...; NULL if there is none. */
+const cJSON *bb_results_section(const bb_results *results, const char *name);
+/* Entries by name and by id; NULL if there is none. */
+cJSON *bb_results_scene(const bb_results *results, const char *name);
+cJSON *bb_results_build(const bb_results *results, uint32_t id);
+/* The array of reproductions of papers, made if there is none yet; NULL if there is no memory. */
+cJSON *bb_results_reproductions(bb_results *results);
+/* The document as text, each number with the digits that give it back exactly; for cJSON_free().
+ * NULL if there is no memory. */
+char *bb_results_print(const bb_results *results, bool formatted);
 
 /* Writes DIR/results.json by way of a temporary file and rename: an interrupted run leaves the old
  * file or none. */
 bb_status bb_results_write(const bb_results *results, const char *path);
 /* Reads and checks the schema; BB_INVALID names what is wrong. */
 bb_status bb_results_read(const char *path, bb_results **out);
-/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures, reproductions and times to
- * a; b's context goes into a's "merged" array and b's builds, traces and skipped sets get the member
- * "run", the number of that entry from 1. Times add up; the total is dropped if one of the two has
- * none. BB_INVALID if a scene of one name has two geometries. */
+/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures, reproductions and times
+ * to a; b's context goes into a's "merged" array and b's builds, traces and skipped sets get the
+ * member "run", the number of that entry from 1. Times add up; the total is dropped if one of the
+ * two has none. BB_INVALID if a scene of one name has two geometries. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);
 
 #endif

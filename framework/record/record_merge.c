@@ -16,13 +16,15 @@ static bb_status check_scenes(const bb_results *a, const bb_results *b)
     const cJSON *scene;
     cJSON_ArrayForEach(scene, cJSON_GetObjectItemCaseSensitive(b->root, "scenes"))
     {
-        const char *name = bb_json_text(scene, "name");
+        const char *name = bb_get_text(scene, BB_F_SCENE_NAME);
         const cJSON *known = bb_results_scene(a, name);
-        if (known != NULL && strcmp(bb_json_text(known, "hash"), bb_json_text(scene, "hash")) != 0)
+        if (known != NULL &&
+            strcmp(bb_get_text(known, BB_F_SCENE_HASH), bb_get_text(scene, BB_F_SCENE_HASH)) != 0)
             return bb_fail(BB_INVALID,
                            "scene %s has other geometry in the second result file (%s, not %s): "
                            "make separate reports",
-                           name, bb_json_text(scene, "hash"), bb_json_text(known, "hash"));
+                           name, bb_get_text(scene, BB_F_SCENE_HASH),
+                           bb_get_text(known, BB_F_SCENE_HASH));
     }
     return BB_OK;
 }
@@ -123,7 +125,7 @@ bb_status bb_results_merge(bb_results *a, const bb_results *b)
     const cJSON *item;
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "scenes"))
     {
-        if (bb_results_scene(a, bb_json_text(item, "name")) == NULL &&
+        if (bb_results_scene(a, bb_get_text(item, BB_F_SCENE_NAME)) == NULL &&
             copy_to(scenes, item) == NULL)
             return no_memory();
     }

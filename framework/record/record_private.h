@@ -1,4 +1,4 @@
-/* What the record's own files share: the document, and look-ups in it. */
+/* What the record's own files share: the document, and how members are put into it. */
 #ifndef BB_RECORD_PRIVATE_H
 #define BB_RECORD_PRIVATE_H
 
@@ -10,30 +10,65 @@ struct bb_results {
     cJSON *root;
 };
 
-/* The document as text, each number with the digits that give it back exactly; for cJSON_free().
- * NULL if there is no memory. */
-char *bb_results_print(const bb_results *results, bool formatted);
+/* The context of a run, as put into the document. Texts may be NULL. */
+typedef struct bb_context_record {
+    const char *date, *revision, *version, *host, *cpu, *device, *driver, *opencl, *handover;
+    const char *kernels, *build_flags, *command;
+    uint32_t cpu_threads, compute_units;  /* 0: not known */
+    double litmus_messages, litmus_stale; /* NAN: the device has no fence */
+    double load[3];                       /* NAN: not known */
+    cl_device_fp_config float_config;
+    const char *embree_version;
+    uint64_t seed;
+} bb_context_record;
 
-/* The array of reproductions of papers, made if there is none yet; NULL if there is no memory. */
-cJSON *bb_results_reproductions(bb_results *results);
+/* A ray set that was skipped, or a picture. */
+typedef struct bb_note_record {
+    const char *scene, *rays, *view, *reason, *caption, *path;
+} bb_note_record;
 
-/* Members by name: "" / NAN / false where there is none of that type. */
-const char *bb_json_text(const cJSON *object, const char *name);
-double bb_json_number(const cJSON *object, const char *name);
-bool bb_json_true(const cJSON *object, const char *name);
+/* ---- members; each returns false when there is no memory ---- */
 
-/* The samples of a member; false if it is no array of 1 to BB_SAMPLES_MAX numbers. */
-bool bb_json_samples(const cJSON *entry, const char *name, bb_samples *samples);
+/* Puts the field `name`, and those that go with it, into `object`. `extra`: what the record lacks.
+ */
+typedef bool bb_put_fn(cJSON *object, const char *name, const void *record, const void *extra);
 
-/* Intervals and ranges of `ms` into a build, as times, and into a trace, whose "count" is there, as
+/* All fields of a part, from its record: bb_scene, bb_build_record, bb_trace_record,
+ * bb_context_record or bb_note_record. */
+bool bb_put_part(cJSON *object, bb_field_part part, const void *record, const void *extra);
+/* The same as an object of its own, the member `name` of `entry`. */
+bool bb_put_inner(cJSON *entry, const char *name, bb_field_part part, const void *record);
+
+/* Takes `item` over, also when it fails. */
+bool bb_put(cJSON *object, const char *name, cJSON *item);
+bool bb_put_text(cJSON *object, const char *name, const char *text); /* null if empty */
+bool bb_put_number(cJSON *object, const char *name, double value);   /* null if not finite */
+bool bb_put_numbers(cJSON *object, const char *name, const double *values, uint32_t count);
+bool bb_put_samples(cJSON *object, const char *name, const bb_samples *samples);
+bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, uint32_t count);
+
+/* What fields.h puts by functions: of the context (record_context.c), of a scene, a build, a trace
+ * (record_entries.c). */
+bb_put_fn bb_put_load, bb_put_float_config, bb_put_embree, bb_put_seed;
+bb_put_fn bb_put_prims, bb_put_steps;
+bb_put_fn bb_put_kinds, bb_put_bounds, bb_put_profile, bb_put_boxes, bb_put_views, bb_put_closed;
+bb_put_fn bb_put_builder, bb_put_build_params, bb_put_build_times, bb_put_build_rate, bb_put_phases,
+    bb_put_layouts, bb_put_tree;
+bb_put_fn bb_put_native, bb_put_rays_source, bb_put_query, bb_put_rays_params, bb_put_rate,
+    bb_put_accuracy, bb_put_unlike, bb_put_wrong_ppm, bb_put_overflowed, bb_put_first_wrong;
+
+/* Gives a trace that has no key one of what it says; the rays, of which it does not say all, are
+ * known by their hash. For files of earlier versions. */
+bool bb_put_missing_key(cJSON *trace);
+
+/* The run's context as the member "context" of the document. */
+bool bb_put_context(cJSON *root, const bb_context *context, const char *embree_version);
+
+/* Intervals and ranges of `ms` into a build, as times, and into a trace, whose count is there, as
  * rates. False if there is no memory. */
 bool bb_put_build_spread(cJSON *build, const bb_samples *ms);
 bool bb_put_rate_spread(cJSON *trace, const bb_samples *ms);
 /* The same for all builds and traces that have samples. */
 bool bb_results_put_spreads(bb_results *results);
-
-/* Entries by name and by id; NULL if there is none. */
-cJSON *bb_results_scene(const bb_results *results, const char *name);
-cJSON *bb_results_build(const bb_results *results, uint32_t id);
 
 #endif

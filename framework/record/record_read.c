@@ -15,45 +15,6 @@
 /* A result file of a million rows is some 1.5 GB; nobody reads such a report. */
 enum { RESULTS_BYTES_MAX = 256 << 20, BUILDS_MAX = 1 << 20 };
 
-const char *bb_json_text(const cJSON *object, const char *name)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
-    return cJSON_IsString(item) ? item->valuestring : "";
-}
-
-double bb_json_number(const cJSON *object, const char *name)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
-    return cJSON_IsNumber(item) ? item->valuedouble : (double)NAN;
-}
-
-bool bb_json_true(const cJSON *object, const char *name)
-{
-    return cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(object, name));
-}
-
-cJSON *bb_results_scene(const bb_results *results, const char *name)
-{
-    cJSON *scene;
-    cJSON_ArrayForEach(scene, cJSON_GetObjectItemCaseSensitive(results->root, "scenes"))
-    {
-        if (strcmp(bb_json_text(scene, "name"), name) == 0)
-            return scene;
-    }
-    return NULL;
-}
-
-cJSON *bb_results_build(const bb_results *results, uint32_t id)
-{
-    cJSON *build;
-    cJSON_ArrayForEach(build, cJSON_GetObjectItemCaseSensitive(results->root, "builds"))
-    {
-        if (bb_json_number(build, "id") == (double)id)
-            return build;
-    }
-    return NULL;
-}
-
 /* ---- writing ---- */
 
 /* cJSON takes 15 digits where they are right to within a rounding error; here a number is printed
@@ -104,254 +65,44 @@ bb_status bb_results_write(const bb_results *results, const char *path)
 
 /* ---- reading ---- */
 
-/* Types of a field. */
-enum {
-    TEXT = 1 << 0,
-    NUMBER = 1 << 1,
-    BOOLEAN = 1 << 2,
-    OBJECT = 1 << 3,
-    NUMBERS = 1 << 4, /* array of numbers or nulls */
-    TEXTS = 1 << 5,   /* array of strings */
-    FIGURES = 1 << 6, /* object of numbers or nulls */
-    NONE = 1 << 7,    /* null or absent */
-};
-
-typedef struct field {
-    const char *name;
-    unsigned types;
-} field;
-
-static const field context_fields[] = {
-    {"date", TEXT | NONE},
-    {"revision", TEXT | NONE},
-    {"version", TEXT | NONE},
-    {"host", TEXT | NONE},
-    {"cpu", TEXT | NONE},
-    {"cpu_threads", NUMBER | NONE},
-    {"load", NUMBERS | NUMBER | NONE},
-    {"device", TEXT | NONE},
-    {"driver", TEXT | NONE},
-    {"opencl", TEXT | NONE},
-    {"compute_units", NUMBER | NONE},
-    {"float_config", TEXTS | NONE},
-    {"embree", OBJECT | NONE},
-    {"kernels", TEXT | NONE},
-    {"build_flags", TEXT | NONE},
-    {"seed", NUMBER | TEXT | NONE},
-    {"command", TEXT | NONE},
-    {NULL, 0},
-};
-
-static const field scene_fields[] = {
-    {"name", TEXT},
-    {"kind", TEXT | NONE},
-    {"source", TEXT | NONE},
-    {"prims", NUMBER},
-    {"hash", TEXT | NONE},
-    {"profile", OBJECT | NONE},
-    {"bounds", OBJECT | NONE},
-    {"views", TEXTS | NONE},
-    {NULL, 0},
-};
-
-static const field build_fields[] = {
-    {"id", NUMBER},
-    {"scene", TEXT},
-    {"builder", TEXT},
-    {"params", OBJECT | NONE},
-    {"status", TEXT},
-    {"reason", TEXT | NONE},
-    {"build_ms", NUMBERS | NONE},
-    {"build_ms_median", NUMBER | NONE},
-    {"build_ms_lo", NUMBER | NONE},
-    {"build_ms_hi", NUMBER | NONE},
-    {"build_ms_least", NUMBER | NONE},
-    {"build_ms_most", NUMBER | NONE},
-    {"mprims_s", NUMBER | NONE},
-    {"cold_ms", NUMBER | NONE},
-    {"stages_ms", FIGURES | NONE},
-    {"phases_ms", FIGURES | NONE},
-    {"boxes_ms", NUMBER | NONE},
-    {"prepare_ms", NUMBER | NONE},
-    {"restore_ms", NUMBER | NONE},
-    {"outside_ms", NUMBER | NONE},
-    {"inputs", TEXT | NONE},
-    {"transfer_ms", NUMBER | NONE},
-    {"layouts_ms", FIGURES | NONE},
-    {"layouts_sah", FIGURES | NONE},
-    {"tree", OBJECT | NONE},
-    {"bytes_native", NUMBER | NONE},
-    {"about", TEXT | NONE},
-    {"reference", BOOLEAN | NONE},
-    {"run", NUMBER | NONE},
-    {NULL, 0},
-};
-
-static const field tree_fields[] = {
-    {"nodes", NUMBER | NONE},
-    {"leaves", NUMBER | NONE},
-    {"refs", NUMBER | NONE},
-    {"arity", NUMBER | NONE},
-    {"depth", NUMBER | NONE},
-    {"bytes_tree", NUMBER | NONE},
-    {"bytes_peak", NUMBER | NONE},
-    {"sah", NUMBER | NONE},
-    {"epo", NUMBER | NONE},
-    {"epo_half", NUMBER | NONE},
-    {NULL, 0},
-};
-
-static const field trace_fields[] = {
-    {"build", NUMBER},
-    {"scene", TEXT},
-    {"view", TEXT | NONE},
-    {"builder", TEXT},
-    {"kernel", TEXT},
-    {"layout", TEXT | NONE},
-    {"native", BOOLEAN | NONE},
-    {"intersector", TEXT | NONE},
-    {"rays", TEXT},
-    {"rays_source", TEXT | NONE},
-    {"query", TEXT | NONE},
-    {"count", NUMBER},
-    {"rays_hash", TEXT | NONE},
-    {"group_size", NUMBER | NONE},
-    {"stack_size", NUMBER | NONE},
-    {"status", TEXT},
-    {"reason", TEXT | NONE},
-    {"ms", NUMBERS | NONE},
-    {"ms_median", NUMBER | NONE},
-    {"event_ms", NUMBER | NONE},
-    {"cpu_ms", NUMBER | NONE},
-    {"mrays_s", NUMBER | NONE},
-    {"mrays_s_lo", NUMBER | NONE},
-    {"mrays_s_hi", NUMBER | NONE},
-    {"mrays_s_least", NUMBER | NONE},
-    {"mrays_s_most", NUMBER | NONE},
-    {"mrays_s_given", BOOLEAN | NONE},
-    {"node_tests_per_ray", NUMBER | NONE},
-    {"prim_tests_per_ray", NUMBER | NONE},
-    {"counted", NUMBER | NONE},
-    {"counts_for_exit", BOOLEAN | NONE},
-    {"accuracy", OBJECT | NONE},
-    {"unlike", NUMBER | NONE},
-    {"unlike_whom", TEXT | NONE},
-    {"wrong", BOOLEAN | NONE},
-    {"reference", BOOLEAN | NONE},
-    {"run", NUMBER | NONE},
-    {NULL, 0},
-};
-
-static const field accuracy_fields[] = {
-    {"checked", NUMBER},
-    {"wrong_ppm", NUMBER | NONE},
-    {"missed", NUMBER | NONE},
-    {"false", NUMBER | NONE},
-    {"wrong_t", NUMBER | NONE},
-    {"ties", NUMBER | NONE},
-    {"margin_limited", NUMBER | NONE},
-    {"t_off", NUMBER | NONE},
-    {"oracle_wrong", NUMBER | NONE},
-    {"forgiven", NUMBER | NONE},
-    {"unwritten", NUMBER | NONE},
-    {"t_ulp_max", NUMBER | NONE},
-    {"t_ulp_p99", NUMBER | NONE},
-    {"overflowed", NUMBER | NONE},
-    {NULL, 0},
-};
-
-static const field skipped_fields[] = {
-    {"scene", TEXT},         {"rays", TEXT},         {"view", TEXT | NONE},
-    {"reason", TEXT | NONE}, {"run", NUMBER | NONE}, {NULL, 0},
-};
-
-static const field picture_fields[] = {
-    {"scene", TEXT | NONE},
-    {"view", TEXT | NONE},
-    {"caption", TEXT | NONE},
-    {"path", TEXT},
-    {NULL, 0},
-};
-
-/* A paper reproduced: tables of its figures and ours, and what was claimed. */
-static const field reproduction_fields[] = {
-    {"name", TEXT},
-    {"title", TEXT | NONE},
-    {NULL, 0},
-};
-
-static const field paper_table_fields[] = {
-    {"title", TEXT | NONE},
-    {"columns", TEXTS},
-    {NULL, 0},
-};
-
-static const field claim_fields[] = {
-    {"claim", TEXT},
-    {"held", BOOLEAN | NONE},
-    {"paper", TEXT | NONE},
-    {"ours", TEXT | NONE},
-    {"why", TEXT | NONE},
-    {"verdict", TEXT | NONE},
-    {NULL, 0},
-};
-
-static bool all_numbers(const cJSON *item)
-{
-    const cJSON *child;
-    cJSON_ArrayForEach(child, item)
-    {
-        if (!cJSON_IsNumber(child) && !cJSON_IsNull(child))
-            return false;
-    }
-    return true;
-}
-
-static bool all_texts(const cJSON *item)
-{
-    const cJSON *child;
-    cJSON_ArrayForEach(child, item)
-    {
-        if (!cJSON_IsString(child))
-            return false;
-    }
-    return true;
-}
-
-static bool has_type(const cJSON *item, unsigned types)
-{
-    if (item == NULL || cJSON_IsNull(item))
-        return (types & NONE) != 0;
-    return ((types & TEXT) && cJSON_IsString(item)) || ((types & NUMBER) && cJSON_IsNumber(item)) ||
-           ((types & BOOLEAN) && cJSON_IsBool(item)) ||
-           ((types & OBJECT) && cJSON_IsObject(item)) ||
-           ((types & FIGURES) && cJSON_IsObject(item) && all_numbers(item)) ||
-           ((types & NUMBERS) && cJSON_IsArray(item) && all_numbers(item)) ||
-           ((types & TEXTS) && cJSON_IsArray(item) && all_texts(item));
-}
-
 /* `index` < 0: `object` is no element of an array. */
 static bb_status check_fields(const char *path, const char *section, int index, const cJSON *object,
-                              const field *fields)
+                              bb_field_part part)
 {
     char place[64];
     snprintf(place, sizeof place, index < 0 ? "%s" : "%s[%d]", section, index);
     if (!cJSON_IsObject(object))
         return bb_fail(BB_INVALID, "result file %s: %s is not an object", path, place);
-    for (const field *f = fields; f->name != NULL; f++) {
+    for (const bb_field *f = bb_fields; f < bb_fields + BB_FIELDS; f++) {
         const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, f->name);
-        if (!has_type(item, f->types))
+        if (f->part == part && !bb_json_is(item, f->types))
             return bb_fail(BB_INVALID, "result file %s: %s: \"%s\" %s", path, place, f->name,
                            item == NULL ? "is missing" : "has the wrong type");
     }
     return BB_OK;
 }
 
-/* Each element of the array `section`, and its inner object if it has one and `inner_fields` is not
- * NULL. */
+/* A metric's figures, if the file has them. */
+static bb_status check_metrics(const char *path, const char *place, const cJSON *tree)
+{
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        char half[BB_METRIC_FIELD];
+        bb_metric_half_name(bb_metrics[i], half);
+        const char *const names[] = {bb_metrics[i]->name, half};
+        for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
+            if (!bb_json_is(cJSON_GetObjectItemCaseSensitive(tree, names[k]),
+                            BB_JSON_NUMBER | BB_JSON_NONE))
+                return bb_fail(BB_INVALID, "result file %s: %s: \"%s\" has the wrong type", path,
+                               place, names[k]);
+    }
+    return BB_OK;
+}
+
+/* Each element of the array `section`, and its member `inner` ("" for none) if that is an object.
+ */
 static bb_status check_section(const char *path, const cJSON *root, const char *section,
-                               bool required, const field *fields, const char *inner,
-                               const field *inner_fields)
+                               bool required, bb_field_part part, const char *inner,
+                               bb_field_part inner_part)
 {
     const cJSON *array = cJSON_GetObjectItemCaseSensitive(root, section);
     if (array == NULL && !required)
@@ -363,13 +114,14 @@ static bb_status check_section(const char *path, const cJSON *root, const char *
     int index = 0;
     cJSON_ArrayForEach(item, array)
     {
-        BB_TRY(check_fields(path, section, index, item, fields));
-        const cJSON *part =
-            inner_fields != NULL ? cJSON_GetObjectItemCaseSensitive(item, inner) : NULL;
-        if (cJSON_IsObject(part)) {
+        BB_TRY(check_fields(path, section, index, item, part));
+        const cJSON *object = cJSON_GetObjectItemCaseSensitive(item, inner);
+        if (cJSON_IsObject(object)) {
             char place[64];
             snprintf(place, sizeof place, "%s[%d].%s", section, index, inner);
-            BB_TRY(check_fields(path, place, -1, part, inner_fields));
+            BB_TRY(check_fields(path, place, -1, object, inner_part));
+            if (inner_part == BB_IN_TREE)
+                BB_TRY(check_metrics(path, place, object));
         }
         index++;
     }
@@ -399,7 +151,7 @@ static bb_status check_rows(const char *path, const cJSON *root)
                 return bb_fail(BB_INVALID,
                                "result file %s: reproductions: a table of %s has no \"rows\", or "
                                "one that is not of %d numbers and texts",
-                               path, bb_json_text(reproduction, "name"), columns);
+                               path, bb_get_text(reproduction, BB_F_PAPER_NAME), columns);
         }
     }
     return BB_OK;
@@ -407,12 +159,12 @@ static bb_status check_rows(const char *path, const cJSON *root)
 
 static bb_status check_reproductions(const char *path, const cJSON *root)
 {
-    BB_TRY(check_section(path, root, "reproductions", false, reproduction_fields, "", NULL));
+    BB_TRY(check_section(path, root, "reproductions", false, BB_IN_PAPER, "", 0));
     const cJSON *reproduction;
     cJSON_ArrayForEach(reproduction, cJSON_GetObjectItemCaseSensitive(root, "reproductions"))
     {
-        BB_TRY(check_section(path, reproduction, "tables", false, paper_table_fields, "", NULL));
-        BB_TRY(check_section(path, reproduction, "claims", false, claim_fields, "", NULL));
+        BB_TRY(check_section(path, reproduction, "tables", false, BB_IN_TABLE, "", 0));
+        BB_TRY(check_section(path, reproduction, "claims", false, BB_IN_CLAIM, "", 0));
     }
     return check_rows(path, root);
 }
@@ -427,7 +179,7 @@ static bb_status check_ids(const char *path, const cJSON *root)
     const cJSON *item;
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(root, "builds"))
     {
-        double id = cJSON_GetObjectItemCaseSensitive(item, "id")->valuedouble;
+        double id = bb_get_number(item, BB_F_BUILD_ID);
         if (!(id >= 0 && id < BUILDS_MAX && id == floor(id)) || known[(uint32_t)id]) {
             status = bb_fail(BB_INVALID, "result file %s: build id %g is given twice or no id",
                              path, id);
@@ -437,7 +189,7 @@ static bb_status check_ids(const char *path, const cJSON *root)
     }
     cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(root, "traces"))
     {
-        double id = cJSON_GetObjectItemCaseSensitive(item, "build")->valuedouble;
+        double id = bb_get_number(item, BB_F_TRACE_BUILD);
         if (!(id >= 0 && id < BUILDS_MAX && id == floor(id)) || !known[(uint32_t)id]) {
             status = bb_fail(BB_INVALID, "result file %s: a trace names build %g, which is missing",
                              path, id);
@@ -458,17 +210,18 @@ static bb_status check_document(const char *path, const cJSON *root)
         return bb_fail(BB_INVALID, "result file %s: schema \"%.40s\", this program reads \"%s\"",
                        path, schema->valuestring, BB_RESULTS_SCHEMA);
     BB_TRY(check_fields(path, "context", -1, cJSON_GetObjectItemCaseSensitive(root, "context"),
-                        context_fields));
-    BB_TRY(check_section(path, root, "scenes", true, scene_fields, "", NULL));
-    BB_TRY(check_section(path, root, "builds", true, build_fields, "tree", tree_fields));
-    BB_TRY(check_section(path, root, "traces", true, trace_fields, "accuracy", accuracy_fields));
-    BB_TRY(check_section(path, root, "skipped", false, skipped_fields, "", NULL));
-    BB_TRY(check_section(path, root, "pictures", false, picture_fields, "", NULL));
-    BB_TRY(check_section(path, root, "merged", false, context_fields, "", NULL));
+                        BB_IN_CONTEXT));
+    BB_TRY(check_section(path, root, "scenes", true, BB_IN_SCENE, "profile", BB_IN_PROFILE));
+    BB_TRY(check_section(path, root, "builds", true, BB_IN_BUILD, "tree", BB_IN_TREE));
+    BB_TRY(check_section(path, root, "traces", true, BB_IN_TRACE, "accuracy", BB_IN_ACCURACY));
+    BB_TRY(check_section(path, root, "skipped", false, BB_IN_SKIPPED, "", 0));
+    BB_TRY(check_section(path, root, "pictures", false, BB_IN_PICTURE, "", 0));
+    BB_TRY(check_section(path, root, "merged", false, BB_IN_CONTEXT, "", 0));
     BB_TRY(check_reproductions(path, root));
     static const char *const times[] = {"steps_ms", "time_ms"};
     for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
-        if (!has_type(cJSON_GetObjectItemCaseSensitive(root, times[i]), FIGURES | NONE))
+        if (!bb_json_is(cJSON_GetObjectItemCaseSensitive(root, times[i]),
+                        BB_JSON_FIGURES | BB_JSON_NONE))
             return bb_fail(BB_INVALID, "result file %s: \"%s\" has the wrong type", path, times[i]);
     }
     return check_ids(path, root);
@@ -490,6 +243,12 @@ static bool complete(bb_results *results)
     if (cJSON_GetObjectItemCaseSensitive(root, "steps_ms") == NULL &&
         cJSON_AddObjectToObject(root, "steps_ms") == NULL)
         return false;
+    cJSON *trace;
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItemCaseSensitive(root, "traces"))
+    {
+        if (!bb_put_missing_key(trace))
+            return false;
+    }
     return bb_results_put_spreads(results);
 }
 

@@ -8,22 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 
-bool bb_json_samples(const cJSON *entry, const char *name, bb_samples *samples)
-{
-    const cJSON *array = cJSON_GetObjectItemCaseSensitive(entry, name), *item;
-    int count = cJSON_GetArraySize(array);
-    *samples = (bb_samples){0};
-    if (count < 1 || count > BB_SAMPLES_MAX)
-        return false;
-    cJSON_ArrayForEach(item, array)
-    {
-        if (!cJSON_IsNumber(item))
-            return false;
-        bb_samples_add(samples, item->valuedouble);
-    }
-    return true;
-}
-
 /* In the place of the member, if there is one; false if there is no memory. */
 static bool set_number(cJSON *object, const char *name, double value)
 {
@@ -36,32 +20,27 @@ static bool set_number(cJSON *object, const char *name, double value)
     return false;
 }
 
-static bool put_spread(cJSON *entry, const char *name, bb_estimate e)
+/* Into `low` and the three fields that follow it. */
+static bool put_spread(cJSON *entry, bb_field_id low, bb_estimate e)
 {
-    const struct {
-        const char *ending;
-        double value;
-    } ends[] = {{"lo", e.low}, {"hi", e.high}, {"least", e.least}, {"most", e.most}};
-    char label[64];
-    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
-        snprintf(label, sizeof label, "%s_%s", name, ends[i].ending);
-        if (!set_number(entry, label, ends[i].value))
+    const double ends[] = {e.low, e.high, e.least, e.most};
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++)
+        if (!set_number(entry, bb_fields[low + i].name, ends[i]))
             return false;
-    }
     return true;
 }
 
 bool bb_put_build_spread(cJSON *build, const bb_samples *ms)
 {
-    return put_spread(build, "build_ms", bb_samples_estimate(ms));
+    return put_spread(build, BB_F_BUILD_MS_LO, bb_samples_estimate(ms));
 }
 
 /* The longest time is the lowest rate. */
 bool bb_put_rate_spread(cJSON *trace, const bb_samples *ms)
 {
     bb_estimate e = bb_samples_estimate(ms);
-    double rays = bb_json_number(trace, "count") / 1e3;
-    return put_spread(trace, "mrays_s",
+    double rays = bb_get_number(trace, BB_F_TRACE_COUNT) / 1e3;
+    return put_spread(trace, BB_F_TRACE_RATE_LO,
                       (bb_estimate){.value = rays / e.value,
                                     .low = rays / e.high,
                                     .high = rays / e.low,
@@ -76,12 +55,12 @@ bool bb_results_put_spreads(bb_results *results)
     cJSON *entry;
     cJSON_ArrayForEach(entry, cJSON_GetObjectItemCaseSensitive(results->root, "builds"))
     {
-        if (bb_json_samples(entry, "build_ms", &ms))
+        if (bb_get_samples(entry, BB_F_BUILD_MS, &ms))
             ok = ok && bb_put_build_spread(entry, &ms);
     }
     cJSON_ArrayForEach(entry, cJSON_GetObjectItemCaseSensitive(results->root, "traces"))
     {
-        if (bb_json_samples(entry, "ms", &ms))
+        if (bb_get_samples(entry, BB_F_TRACE_MS, &ms))
             ok = ok && bb_put_rate_spread(entry, &ms);
     }
     return ok;

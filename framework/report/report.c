@@ -5,7 +5,7 @@
 #include "framework/report/report.h"
 #include "framework/base/file.h"
 #include "framework/chart/chart.h"
-#include "framework/record/record_private.h"
+#include "framework/record/schema.h"
 
 #include <cjson/cJSON.h>
 #include <stdint.h>
@@ -118,7 +118,8 @@ static char *pictures_json(const cJSON *root, const char *folder)
     {
         text source = {0};
         const char *missing;
-        bool found = picture_source(folder, bb_json_text(picture, "path"), &source, &missing);
+        bool found =
+            picture_source(folder, bb_get_text(picture, BB_F_PICTURE_PATH), &source, &missing);
         const char *name = found ? "src" : "missing";
         cJSON_DeleteItemFromObjectCaseSensitive(picture, "src");
         ok = ok && !source.failed &&
@@ -176,13 +177,15 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
     char *records = bb_results_print(results, false);
     char *pictures = pictures_json(bb_results_json(results), picture_folder);
     char *charts = charts_json(results);
-    if (records == NULL || pictures == NULL || charts == NULL) {
+    char *schema = bb_schema_json();
+    if (schema == NULL || records == NULL || pictures == NULL || charts == NULL) {
         status = bb_fail(BB_FAILED, "report %s: no memory", path);
         goto out;
     }
     const part parts[] = {
         {"@BB_CSS@", bb_text_report_css, false},
         {"@BB_DATA@", records, true},
+        {"@BB_SCHEMA@", schema, true},
         {"@BB_CHARTS@", charts, true},
         {"@BB_PICTURES@", pictures, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
@@ -193,6 +196,7 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         status = bb_file_write(path, page.data, page.size, "report");
 out:
     free(page.data);
+    cJSON_free(schema);
     cJSON_free(charts);
     cJSON_free(pictures);
     cJSON_free(records);

@@ -3,153 +3,13 @@
  *
  * A speed is never printed without the wrong-answer rate of the same rays beside it.
  */
-#include "framework/record/record_private.h"
+#include "framework/report/columns.h"
 #include "framework/report/report.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { CELL = 64 };
-
-/* ---- cells ---- */
-
-/* Significant digits rather than decimals: 0.0123, 1.23, 123, 12345. "-" if not measured. */
-static void figure(char cell[CELL], double value)
-{
-    if (!isfinite(value))
-        snprintf(cell, CELL, "-");
-    else if (value != 0 && (fabs(value) < 1e-4 || fabs(value) >= 1e7))
-        snprintf(cell, CELL, "%.3g", value);
-    else
-        snprintf(cell, CELL, "%.*f",
-                 fabs(value) >= 1000   ? 0
-                 : fabs(value) >= 100  ? 1
-                 : fabs(value) >= 1    ? 2
-                 : fabs(value) >= 0.01 ? 3
-                                       : 5,
-                 value);
-}
-
-static int larger(int a, int b)
-{
-    return a > b ? a : b;
-}
-
-/* What the brackets behind a figure hold. */
-typedef enum spread { NOTHING, RANGE, INTERVAL } spread;
-
-/* Of NAME of a build or a trace: the interval where there are rounds enough for one, else their
- * range; of a single round nothing. */
-static spread spread_of(const cJSON *entry, const char *name, double *low, double *high)
-{
-    static const struct {
-        spread kind;
-        const char *low, *high;
-    } kinds[] = {{INTERVAL, "lo", "hi"}, {RANGE, "least", "most"}};
-    char label[64];
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        snprintf(label, sizeof label, "%s_%s", name, kinds[i].low);
-        *low = bb_json_number(entry, label);
-        snprintf(label, sizeof label, "%s_%s", name, kinds[i].high);
-        *high = bb_json_number(entry, label);
-        if (isfinite(*low) && isfinite(*high))
-            return kinds[i].kind;
-    }
-    return NOTHING;
-}
-
-/* "41.2 [40.1, 43.0]", or "41.2" */
-static spread with_spread(char cell[CELL], const cJSON *entry, const char *name, double value)
-{
-    char middle[CELL], left[CELL], right[CELL];
-    double low, high;
-    spread kind = spread_of(entry, name, &low, &high);
-    figure(middle, value);
-    figure(left, low);
-    figure(right, high);
-    if (kind == NOTHING)
-        snprintf(cell, CELL, "%s", middle);
-    else
-        snprintf(cell, CELL, "%.16s [%.16s, %.16s]", middle, left, right);
-    return kind;
-}
-
-/* A column of medians. Its heading says what the brackets hold; a range among intervals says so
- * itself. */
-typedef struct column {
-    const char *title, *name, *median; /* as printed; of the members of a row */
-    char heading[CELL];
-    int widths[INTERVAL + 1]; /* of the rows with such a spread; 0: there is none */
-} column;
-
-static void take_row(column *c, const cJSON *entry)
-{
-    char cell[CELL];
-    spread kind = with_spread(cell, entry, c->name, bb_json_number(entry, c->median));
-    c->widths[kind] = larger(c->widths[kind], (int)strlen(cell));
-}
-
-/* After the last row: makes the heading, returns the width. */
-static int finish_column(column *c)
-{
-    bool intervals = c->widths[INTERVAL] > 0, ranges = c->widths[RANGE] > 0;
-    snprintf(c->heading, CELL, "%s%s", c->title, intervals ? " [95 %]" : ranges ? " [range]" : "");
-    int range = c->widths[RANGE] + (intervals && ranges ? (int)strlen(" range") : 0);
-    return larger((int)strlen(c->heading),
-                  larger(range, larger(c->widths[NOTHING], c->widths[INTERVAL])));
-}
-
-static void column_cell(char cell[CELL], const column *c, const cJSON *entry)
-{
-    spread kind = with_spread(cell, entry, c->name, bb_json_number(entry, c->median));
-    if (kind == RANGE && c->widths[INTERVAL] > 0)
-        strncat(cell, " range", CELL - strlen(cell) - 1);
-}
-
-static void bytes(char cell[CELL], double value)
-{
-    static const char *const units[] = {"B", "KiB", "MiB", "GiB", "TiB"};
-    if (!isfinite(value)) {
-        snprintf(cell, CELL, "-");
-        return;
-    }
-    unsigned unit = 0;
-    for (; value >= 1024 && unit < 4; unit++)
-        value /= 1024;
-    snprintf(cell, CELL, "%.*f %s", value < 10 && unit > 0 ? 1 : 0, value, units[unit]);
-}
-
-/* 1234567 -> "1,234,567" */
-static void grouped(char cell[CELL], double value)
-{
-    char digits[CELL];
-    if (!isfinite(value) || value < 0 || value > 1e15) {
-        figure(cell, value);
-        return;
-    }
-    int length = snprintf(digits, sizeof digits, "%.0f", value), at = 0;
-    for (int i = 0; i < length; i++) {
-        if (i > 0 && (length - i) % 3 == 0)
-            cell[at++] = ',';
-        cell[at++] = digits[i];
-    }
-    cell[at] = '\0';
-}
-
-/* What may come from a file must not steer the terminal. */
-static void print_text(FILE *out, const char *text, int width)
-{
-    int printed = 0;
-    for (; *text != '\0'; text++) {
-        unsigned char c = (unsigned char)*text;
-        fputc(c < 0x20 || c == 0x7F ? '?' : c, out);
-        printed += (c & 0xC0) != 0x80;
-    }
-    for (; printed < width; printed++)
-        fputc(' ', out);
-}
 
 /* ---- builds ---- */
 
@@ -158,45 +18,101 @@ static const cJSON *first_entry(const cJSON *object)
     return object != NULL ? object->child : NULL;
 }
 
-static void print_build(FILE *out, const cJSON *build, int width, const column *times,
-                        int times_width)
+/* What a build's row has behind its time: fields and metrics of the tree, each as wide as it needs.
+ */
+typedef struct tree_columns {
+    const bb_metric
+        *metrics[BB_METRICS_MAX]; /* those that were measured, of any build of the file */
+    uint32_t count;
+} tree_columns;
+
+static const bb_field_id after_metrics[] = {BB_F_TREE_DEPTH, BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK};
+enum { AFTER_METRICS = sizeof after_metrics / sizeof after_metrics[0] };
+
+/* Those that are always measured, then those on request. */
+static tree_columns choose_columns(const cJSON *builds)
 {
-    const cJSON *tree = cJSON_GetObjectItemCaseSensitive(build, "tree");
-    const cJSON *layout = first_entry(cJSON_GetObjectItemCaseSensitive(build, "layouts_ms"));
-    char rate[CELL], ms[CELL], conversion[CELL], sah[CELL], epo[CELL], depth[CELL], size[CELL],
-        peak[CELL];
-    fputs("  ", out);
-    print_text(out, bb_json_text(build, "builder"), width);
-    if (strcmp(bb_json_text(build, "status"), "ok") != 0) {
-        fprintf(out, "  %s: ", bb_json_text(build, "status"));
-        print_text(out, bb_json_text(build, "reason"), 0);
-        fputc('\n', out);
-        return;
+    tree_columns columns = {.count = 0};
+    for (int on_request = 0; on_request < 2; on_request++)
+        for (uint32_t i = 0; i < bb_metric_count(); i++)
+            if (bb_metrics[i]->on_request == on_request &&
+                bb_metric_measured(builds, bb_metrics[i]))
+                columns.metrics[columns.count++] = bb_metrics[i];
+    return columns;
+}
+
+static int metric_width(const bb_metric *metric)
+{
+    return bb_larger(7, (int)strlen(metric->title));
+}
+
+static void print_heading(FILE *out, const bb_medians *times, const tree_columns *columns,
+                          int width)
+{
+    fprintf(out, "\n  %-*s  %8s  %-*s  %9s", width, bb_fields[BB_F_BUILD_BUILDER].heading,
+            bb_fields[BB_F_BUILD_RATE].heading, times->width, times->heading, "Layout ms");
+    for (uint32_t i = 0; i < columns->count; i++)
+        fprintf(out, "  %*s", metric_width(columns->metrics[i]), columns->metrics[i]->title);
+    for (size_t i = 0; i < AFTER_METRICS; i++)
+        fprintf(out, "  %8s", bb_fields[after_metrics[i]].heading);
+    fputc('\n', out);
+}
+
+/* Why a row has no figures; false if it has. */
+static bool print_reason(FILE *out, const cJSON *row, bb_field_id status, bb_field_id reason)
+{
+    if (bb_is_ok(row))
+        return false;
+    fprintf(out, "  %s: ", bb_get_text(row, status));
+    bb_print_text(out, bb_get_text(row, reason), 0);
+    fputc('\n', out);
+    return true;
+}
+
+static void print_tree(FILE *out, const cJSON *build, const tree_columns *columns)
+{
+    char entry[BB_ENTRY];
+    double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
+    for (uint32_t i = 0; i < columns->count; i++) {
+        bb_text_figure(entry, bb_get_metric(build, columns->metrics[i]));
+        fprintf(out, "  %*s", metric_width(columns->metrics[i]), entry);
     }
-    double native = bb_json_number(build, "bytes_native");
-    figure(rate, bb_json_number(build, "mprims_s"));
-    column_cell(ms, times, build);
-    figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
-    figure(sah, bb_json_number(tree, "sah"));
-    figure(epo, bb_json_number(tree, "epo"));
-    grouped(depth, bb_json_number(tree, "depth"));
-    bytes(size, isfinite(native) ? native : bb_json_number(tree, "bytes_tree"));
-    bytes(peak, bb_json_number(tree, "bytes_peak"));
-    fprintf(out, "  %8s  %-*s  %9s  %7s  %6s  %5s  %8s  %8s\n", rate, times_width, ms, conversion,
-            sah, epo, depth, size, peak);
-    const char *about = bb_json_text(build, "about");
+    for (size_t i = 0; i < AFTER_METRICS; i++) {
+        bb_text_field(entry, build, after_metrics[i]);
+        if (after_metrics[i] == BB_F_TREE_BYTES && isfinite(native))
+            bb_text_bytes(entry, native);
+        fprintf(out, "  %8s", entry);
+    }
+    fputc('\n', out);
+}
+
+static void print_build(FILE *out, const cJSON *build, int width, const bb_medians *times,
+                        const tree_columns *columns)
+{
+    const cJSON *layout = first_entry(bb_get(build, BB_F_BUILD_LAYOUTS_MS));
+    char rate[BB_ENTRY], ms[BB_ENTRY], conversion[BB_ENTRY];
+    fputs("  ", out);
+    bb_print_text(out, bb_get_text(build, BB_F_BUILD_BUILDER), width);
+    if (print_reason(out, build, BB_F_BUILD_STATUS, BB_F_BUILD_REASON))
+        return;
+    bb_text_field(rate, build, BB_F_BUILD_RATE);
+    bb_medians_text(ms, times, build);
+    bb_text_figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
+    fprintf(out, "  %8s  %-*s  %9s", rate, times->width, ms, conversion);
+    print_tree(out, build, columns);
+    const char *about = bb_get_text(build, BB_F_BUILD_ABOUT);
     if (about[0] != '\0') {
         fputs("    ", out);
-        print_text(out, about, 0);
+        bb_print_text(out, about, 0);
         fputc('\n', out);
     }
     if (layout == NULL || layout->next == NULL)
         return;
     fputs("    layouts:", out);
     for (; layout != NULL; layout = layout->next) {
-        figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
+        bb_text_figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
         fputc(' ', out);
-        print_text(out, layout->string, 0);
+        bb_print_text(out, layout->string, 0);
         fprintf(out, " %s ms%s", conversion, layout->next ? "," : "\n");
     }
 }
@@ -204,42 +120,36 @@ static void print_build(FILE *out, const cJSON *build, int width, const column *
 static void print_builds(FILE *out, const cJSON *builds, const char *scene)
 {
     const cJSON *build;
-    column times = {.title = "build ms", .name = "build_ms", .median = "build_ms_median"};
+    bb_medians times = {.median = BB_F_BUILD_MS_MEDIAN, .low = BB_F_BUILD_MS_LO};
+    const tree_columns columns = choose_columns(builds);
     int width = 7, rows = 0;
     cJSON_ArrayForEach(build, builds)
     {
-        if (strcmp(bb_json_text(build, "scene"), scene) != 0)
+        if (strcmp(bb_get_text(build, BB_F_BUILD_SCENE), scene) != 0)
             continue;
-        width = larger(width, (int)strlen(bb_json_text(build, "builder")));
-        take_row(&times, build);
+        width = bb_larger(width, (int)strlen(bb_get_text(build, BB_F_BUILD_BUILDER)));
+        bb_medians_take(&times, build);
         rows++;
     }
     if (rows == 0)
         return;
-    int times_width = finish_column(&times);
-    fprintf(out, "\n  %-*s  %8s  %-*s  %9s  %7s  %6s  %5s  %8s  %8s\n", width, "builder",
-            "Mprims/s", times_width, times.heading, "layout ms", "SAH", "EPO", "depth", "tree",
-            "peak");
+    bb_medians_finish(&times);
+    print_heading(out, &times, &columns, width);
     cJSON_ArrayForEach(build, builds)
     {
-        if (strcmp(bb_json_text(build, "scene"), scene) == 0)
-            print_build(out, build, width, &times, times_width);
+        if (strcmp(bb_get_text(build, BB_F_BUILD_SCENE), scene) == 0)
+            print_build(out, build, width, &times, &columns);
     }
 }
 
 /* ---- traces ---- */
 
-static bool same_text(const cJSON *a, const cJSON *b, const char *name)
-{
-    return strcmp(bb_json_text(a, name), bb_json_text(b, name)) == 0;
-}
-
-/* Same scene, view and rays, from the same run. */
+/* The very same rays, from the same run. */
 static bool same_rays(const cJSON *a, const cJSON *b)
 {
-    double run_a = bb_json_number(a, "run"), run_b = bb_json_number(b, "run");
-    return same_text(a, b, "scene") && same_text(a, b, "view") && same_text(a, b, "rays") &&
-           same_text(a, b, "rays_hash") && (run_a == run_b || (isnan(run_a) && isnan(run_b)));
+    const char *left = bb_get_text(a, BB_F_TRACE_CELL), *right = bb_get_text(b, BB_F_TRACE_CELL);
+    return bb_cell_key_same(left, bb_cell_key_rays(left), right, bb_cell_key_rays(right)) &&
+           bb_same_text(a, b, BB_F_TRACE_RAYS_HASH) && bb_run_of(a) == bb_run_of(b);
 }
 
 /* Mrays/s of the fastest reference row on the rays of `trace`; NAN if there is none. */
@@ -249,52 +159,51 @@ static double reference_rate(const cJSON *traces, const cJSON *trace)
     const cJSON *other;
     cJSON_ArrayForEach(other, traces)
     {
-        if (bb_json_true(other, "reference") && same_rays(other, trace))
-            best = fmax(best, bb_json_number(other, "mrays_s"));
+        if (bb_get_true(other, BB_F_TRACE_REFERENCE) && same_rays(other, trace))
+            best = fmax(best, bb_get_number(other, BB_F_TRACE_RATE));
     }
     return best;
 }
 
 /* "0", "12.3 WRONG": capital letters above the limit, small ones for reference and inexact rows,
  * whose errors are expected. */
-static void wrong_cell(char cell[CELL], const cJSON *trace)
+static void wrong_entry(char entry[BB_ENTRY], const cJSON *trace)
 {
-    const cJSON *accuracy = cJSON_GetObjectItemCaseSensitive(trace, "accuracy");
-    double ppm = bb_json_number(accuracy, "wrong_ppm");
-    double overflowed = bb_json_number(accuracy, "overflowed");
-    char rate[CELL];
+    double ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
+    double overflowed = bb_get_number(trace, BB_F_ACCURACY_OVERFLOWED);
+    char rate[BB_ENTRY];
     if (!isfinite(ppm)) {
-        snprintf(cell, CELL, "unchecked");
+        snprintf(entry, BB_ENTRY, "unchecked");
         return;
     }
-    figure(rate, ppm);
-    bool failed = bb_json_true(trace, "wrong") && bb_json_true(trace, "counts_for_exit");
+    bb_text_figure(rate, ppm);
+    bool failed = bb_get_true(trace, BB_F_TRACE_WRONG) && bb_get_true(trace, BB_F_TRACE_COUNTS);
     const char *mark = failed ? " WRONG" : ppm > 0 ? " wrong" : "";
-    snprintf(cell, CELL, "%.24s%s%s%s", ppm == 0 ? "0" : rate, mark,
-             bb_json_number(trace, "unlike") > 0 ? " unlike" : "",
+    snprintf(entry, BB_ENTRY, "%.24s%s%s%s", ppm == 0 ? "0" : rate, mark,
+             bb_get_number(trace, BB_F_TRACE_UNLIKE) > 0 ? " unlike" : "",
              overflowed > 0 ? " OVERFLOW" : "");
 }
 
 /* Missed, false and wrong t, in rays. */
-static void classes_cell(char cell[CELL], const cJSON *trace)
+static void classes_entry(char entry[BB_ENTRY], const cJSON *trace)
 {
-    const cJSON *accuracy = cJSON_GetObjectItemCaseSensitive(trace, "accuracy");
-    if (!cJSON_IsObject(accuracy))
-        snprintf(cell, CELL, "-");
+    if (!cJSON_IsObject(bb_get(trace, BB_F_TRACE_ACCURACY)))
+        snprintf(entry, BB_ENTRY, "-");
     else
-        snprintf(cell, CELL, "%.0f/%.0f/%.0f", bb_json_number(accuracy, "missed"),
-                 bb_json_number(accuracy, "false"), bb_json_number(accuracy, "wrong_t"));
+        snprintf(entry, BB_ENTRY, "%.0f/%.0f/%.0f", bb_get_number(trace, BB_F_ACCURACY_MISSED),
+                 bb_get_number(trace, BB_F_ACCURACY_FALSE),
+                 bb_get_number(trace, BB_F_ACCURACY_WRONG_T));
 }
 
-/* The kernel, a star if its layout keeps the builder's own tree, and the intersector where it is not the
- * default; 0-terminated in `name`. */
+/* The kernel, a star if its layout keeps the builder's own tree, and the intersector where it is
+ * not the default; 0-terminated in `name`. */
 static void kernel_name(const cJSON *trace, char *name, size_t capacity)
 {
-    const char *intersector = bb_json_text(trace, "intersector");
+    const char *intersector = bb_get_text(trace, BB_F_TRACE_INTERSECTOR);
     bool shown = intersector[0] != '\0' && strcmp(intersector, "exact") != 0 &&
-                 !bb_json_true(trace, "reference");
-    snprintf(name, capacity, "%s%s%s%s", bb_json_text(trace, "kernel"),
-             bb_json_true(trace, "native") ? " *" : "", shown ? " / " : "",
+                 !bb_get_true(trace, BB_F_TRACE_REFERENCE);
+    snprintf(name, capacity, "%s%s%s%s", bb_get_text(trace, BB_F_TRACE_KERNEL),
+             bb_get_true(trace, BB_F_TRACE_NATIVE) ? " *" : "", shown ? " / " : "",
              shown ? intersector : "");
 }
 
@@ -302,35 +211,32 @@ static void kernel_name(const cJSON *trace, char *name, size_t capacity)
 typedef struct group {
     double reference; /* Mrays/s; NAN if there is none */
     double count;     /* rays of the set: brute force traces only the first of them */
-    int builder_width, kernel_width, rates_width;
-    column rates;
+    int builder_width, kernel_width;
+    bb_medians rates;
 } group;
 
 static void print_trace(FILE *out, const cJSON *trace, const group *set)
 {
-    char kernel[640], rate[CELL], ratio[CELL], wrong[CELL], classes[CELL], nodes[CELL], prims[CELL];
+    char kernel[640], rate[BB_ENTRY], ratio[BB_ENTRY], wrong[BB_ENTRY], classes[BB_ENTRY],
+        nodes[BB_ENTRY], prims[BB_ENTRY];
     kernel_name(trace, kernel, sizeof kernel);
     fputs("  ", out);
-    print_text(out, bb_json_text(trace, "builder"), set->builder_width);
+    bb_print_text(out, bb_get_text(trace, BB_F_TRACE_BUILDER), set->builder_width);
     fputs("  ", out);
-    print_text(out, kernel, set->kernel_width);
-    if (strcmp(bb_json_text(trace, "status"), "ok") != 0) {
-        fprintf(out, "  %s: ", bb_json_text(trace, "status"));
-        print_text(out, bb_json_text(trace, "reason"), 0);
-        fputc('\n', out);
+    bb_print_text(out, kernel, set->kernel_width);
+    if (print_reason(out, trace, BB_F_TRACE_STATUS, BB_F_TRACE_REASON))
         return;
-    }
-    double speed = bb_json_number(trace, "mrays_s");
-    column_cell(rate, &set->rates, trace);
-    figure(ratio, speed / set->reference);
-    wrong_cell(wrong, trace);
-    classes_cell(classes, trace);
-    figure(nodes, bb_json_number(trace, "node_tests_per_ray"));
-    figure(prims, bb_json_number(trace, "prim_tests_per_ray"));
-    fprintf(out, "  %-*s  %6s  %-12s  %-10s  %7s  %7s", set->rates_width, rate, ratio, wrong,
+    double speed = bb_get_number(trace, BB_F_TRACE_RATE);
+    bb_medians_text(rate, &set->rates, trace);
+    bb_text_figure(ratio, speed / set->reference);
+    wrong_entry(wrong, trace);
+    classes_entry(classes, trace);
+    bb_text_field(nodes, trace, BB_F_TRACE_NODE_TESTS);
+    bb_text_field(prims, trace, BB_F_TRACE_PRIM_TESTS);
+    fprintf(out, "  %-*s  %7s  %-12s  %-10s  %9s  %11s", set->rates.width, rate, ratio, wrong,
             classes, nodes, prims);
-    if (bb_json_number(trace, "count") < set->count) {
-        grouped(rate, bb_json_number(trace, "count"));
+    if (bb_get_number(trace, BB_F_TRACE_COUNT) < set->count) {
+        bb_text_whole(rate, bb_get_number(trace, BB_F_TRACE_COUNT));
         fprintf(out, "  of the first %s rays", rate);
     }
     fputc('\n', out);
@@ -342,33 +248,36 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
     group set = {.reference = reference_rate(traces, first),
                  .builder_width = 7,
                  .kernel_width = 6,
-                 .rates = {.title = "Mrays/s", .name = "mrays_s", .median = "mrays_s"}};
-    char count[CELL], kernel[640];
+                 .rates = {.median = BB_F_TRACE_RATE, .low = BB_F_TRACE_RATE_LO}};
+    char count[BB_ENTRY], kernel[640];
     cJSON_ArrayForEach(trace, traces)
     {
         if (!same_rays(trace, first))
             continue;
         kernel_name(trace, kernel, sizeof kernel);
-        set.builder_width = larger(set.builder_width, (int)strlen(bb_json_text(trace, "builder")));
-        set.kernel_width = larger(set.kernel_width, (int)strlen(kernel));
-        set.count = fmax(set.count, bb_json_number(trace, "count"));
-        take_row(&set.rates, trace);
+        set.builder_width =
+            bb_larger(set.builder_width, (int)strlen(bb_get_text(trace, BB_F_TRACE_BUILDER)));
+        set.kernel_width = bb_larger(set.kernel_width, (int)strlen(kernel));
+        set.count = fmax(set.count, bb_get_number(trace, BB_F_TRACE_COUNT));
+        bb_medians_take(&set.rates, trace);
     }
-    set.rates_width = finish_column(&set.rates);
-    grouped(count, set.count);
+    bb_medians_finish(&set.rates);
+    bb_text_whole(count, set.count);
     fputs("\n  ", out);
-    print_text(out, bb_json_text(first, "rays"), 0);
-    if (strcmp(bb_json_text(first, "rays_source"), "as given") == 0)
+    bb_print_text(out, bb_get_text(first, BB_F_TRACE_RAYS), 0);
+    if (strcmp(bb_get_text(first, BB_F_TRACE_RAYS_SOURCE), "as given") == 0)
         fputs(" (rays as given)", out);
-    if (bb_json_text(first, "view")[0] != '\0') {
+    if (bb_get_text(first, BB_F_TRACE_VIEW)[0] != '\0') {
         fputs(", view ", out);
-        print_text(out, bb_json_text(first, "view"), 0);
+        bb_print_text(out, bb_get_text(first, BB_F_TRACE_VIEW), 0);
     }
     fprintf(out, ": %s rays, %s hit\n", count,
-            strcmp(bb_json_text(first, "query"), "any") == 0 ? "any" : "closest");
-    fprintf(out, "  %-*s  %-*s  %-*s  %6s  %-12s  %-10s  %7s  %7s\n", set.builder_width, "builder",
-            set.kernel_width, "kernel", set.rates_width, set.rates.heading, "/Embree", "wrong ppm",
-            "mis/fal/t", "boxes", "prims");
+            strcmp(bb_get_text(first, BB_F_TRACE_QUERY), "any") == 0 ? "any" : "closest");
+    fprintf(out, "  %-*s  %-*s  %-*s  %7s  %-12s  %-10s  %9s  %11s\n", set.builder_width,
+            bb_fields[BB_F_TRACE_BUILDER].heading, set.kernel_width,
+            bb_fields[BB_F_TRACE_KERNEL].heading, set.rates.width, set.rates.heading, "/Embree",
+            bb_fields[BB_F_ACCURACY_WRONG_PPM].heading, "mis/fal/t",
+            bb_fields[BB_F_TRACE_NODE_TESTS].heading, bb_fields[BB_F_TRACE_PRIM_TESTS].heading);
     cJSON_ArrayForEach(trace, traces)
     {
         if (same_rays(trace, first))
@@ -381,7 +290,7 @@ static void print_traces(FILE *out, const cJSON *traces, const char *scene)
     const cJSON *trace;
     cJSON_ArrayForEach(trace, traces)
     {
-        if (strcmp(bb_json_text(trace, "scene"), scene) != 0)
+        if (strcmp(bb_get_text(trace, BB_F_TRACE_SCENE), scene) != 0)
             continue;
         const cJSON *earlier = traces->child;
         while (earlier != trace && !same_rays(earlier, trace))
@@ -401,15 +310,15 @@ static void print_skipped(FILE *out, const cJSON *skipped)
     fputs("\nskipped\n", out);
     cJSON_ArrayForEach(set, skipped)
     {
-        const char *view = bb_json_text(set, "view");
+        const char *view = bb_get_text(set, BB_F_SKIPPED_VIEW);
         fputs("  ", out);
-        print_text(out, bb_json_text(set, "scene"), 0);
+        bb_print_text(out, bb_get_text(set, BB_F_SKIPPED_SCENE), 0);
         fputs(": ", out);
-        print_text(out, bb_json_text(set, "rays"), 0);
+        bb_print_text(out, bb_get_text(set, BB_F_SKIPPED_RAYS), 0);
         fputs(view[0] != '\0' ? ", view " : "", out);
-        print_text(out, view, 0);
+        bb_print_text(out, view, 0);
         fputs(": ", out);
-        print_text(out, bb_json_text(set, "reason"), 0);
+        bb_print_text(out, bb_get_text(set, BB_F_SKIPPED_REASON), 0);
         fputc('\n', out);
     }
 }
@@ -417,7 +326,7 @@ static void print_skipped(FILE *out, const cJSON *skipped)
 static void print_seconds(FILE *out, const char *name, double ms)
 {
     fputs("  ", out);
-    print_text(out, name, 32);
+    bb_print_text(out, name, 32);
     if (isfinite(ms))
         fprintf(out, " %9.3f s\n", ms / 1e3);
     else
@@ -474,38 +383,39 @@ static void print_legend(FILE *out, bool traced)
     if (traced)
         fputs("*: native, the layout keeps the shape of the builder's own tree.\n"
               "/Embree: to the fastest embree-native row on the same rays.\n"
-              "wrong ppm: wrong rays per million; unlike: answers unlike those of other cells with "
-              "`exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nboxes, prims: tests "
+              "Wrong ppm: wrong rays per million; unlike: answers unlike those of other cells with "
+              "`exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nBox tests, Prim. "
+              "tests: "
               "per ray, from a separate counting run.\n",
               out);
 }
 
 bb_status bb_report_table(bb_results *results, FILE *out)
 {
-    const cJSON *root = bb_results_json(results), *scene;
-    const cJSON *context = cJSON_GetObjectItemCaseSensitive(root, "context");
-    const cJSON *builds = cJSON_GetObjectItemCaseSensitive(root, "builds");
-    const cJSON *traces = cJSON_GetObjectItemCaseSensitive(root, "traces");
+    const cJSON *scene;
+    const cJSON *context = bb_results_section(results, "context");
+    const cJSON *builds = bb_results_section(results, "builds");
+    const cJSON *traces = bb_results_section(results, "traces");
     fprintf(out, "bvhbench ");
-    print_text(out, bb_json_text(context, "revision"), 0);
+    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_REVISION), 0);
     fputs(" on ", out);
-    print_text(out, bb_json_text(context, "device"), 0);
+    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_DEVICE), 0);
     fputc('\n', out);
-    cJSON_ArrayForEach(scene, cJSON_GetObjectItemCaseSensitive(root, "scenes"))
+    cJSON_ArrayForEach(scene, bb_results_section(results, "scenes"))
     {
-        const char *name = bb_json_text(scene, "name");
-        char count[CELL];
-        grouped(count, bb_json_number(scene, "prims"));
+        const char *name = bb_get_text(scene, BB_F_SCENE_NAME);
+        char count[BB_ENTRY];
+        bb_text_whole(count, bb_get_number(scene, BB_F_SCENE_PRIMS));
         fputc('\n', out);
-        print_text(out, name, 0);
-        fprintf(out, ": %s %s\n", count, bb_json_text(scene, "kind"));
+        bb_print_text(out, name, 0);
+        fprintf(out, ": %s %s\n", count, bb_get_text(scene, BB_F_SCENE_KIND));
         print_builds(out, builds, name);
         print_traces(out, traces, name);
     }
-    print_skipped(out, cJSON_GetObjectItemCaseSensitive(root, "skipped"));
-    print_times(out, cJSON_GetObjectItemCaseSensitive(root, "steps_ms"),
-                cJSON_GetObjectItemCaseSensitive(root, "time_ms"));
-    print_audit(out, cJSON_GetObjectItemCaseSensitive(root, "audit"));
+    print_skipped(out, bb_results_section(results, "skipped"));
+    print_times(out, bb_results_section(results, "steps_ms"),
+                bb_results_section(results, "time_ms"));
+    print_audit(out, bb_results_section(results, "audit"));
     print_legend(out, cJSON_GetArraySize(traces) > 0);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

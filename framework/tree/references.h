@@ -7,6 +7,8 @@
 
 #include "framework/tree/tree.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -41,5 +43,7 @@ bb_status bb_references_upload(bb_references *references, bb_device *device, dou
 #ifdef __cplusplus
 }
 #endif
+
+#pragma GCC visibility pop
 
 #endif

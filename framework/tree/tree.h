@@ -130,17 +130,9 @@ bb_status bb_tree_stack_need(const bb_tree *tree, uint32_t *entries);
  * bounds on a corrupt tree. */
 bb_status bb_tree_check(const bb_tree *tree, const bb_scene *scene);
 
-/* ---- metrics ---- */
-
-/* Surface area heuristic, Ct = 1.2, Ci = 1 (metrics.c has the definition); NAN if the root's area
- * is 0 or the links are corrupt. */
+/* Surface area heuristic, Ct = 1.2, Ci = 1 (metric_sah.c has the definition; further
+ * metrics: metric.h); NAN if the root's area is 0 or the links are corrupt. */
 double bb_tree_sah(const bb_tree *tree);
-
-/* End-point overlap (Aila, Karras, Laine 2013) by `samples` seeded points on the surface; `half`
- * gets the half width of its 95 % interval (may be NULL). NAN for a scene without surface area.
- * Uses all cores; the figure does not depend on how many. */
-bb_status bb_tree_epo(const bb_tree *tree, const bb_scene *scene, uint64_t samples, uint64_t seed,
-                      double *epo, double *half);
 
 #ifdef __cplusplus
 }

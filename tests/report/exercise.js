@@ -11,7 +11,7 @@ const rows = id => [...$(id).querySelectorAll('tbody tr')];
 const ids = ['chart-accuracy', 'chart-builders', 'chart-time', 'chart-quality', 'chart-build'];
 const marks = id => Number($(id).getAttribute('aria-label').match(/: ([0-9]+) mark/)[1]);
 
-/* Every scene, rays and view with every choice of trees and measure. */
+/* Every scene, rays and view with every choice of trees and metric. */
 let choices = 0;
 for (const scene of values('pick-scene')) {
   choose('pick-scene', scene);
@@ -24,7 +24,7 @@ for (const scene of values('pick-scene')) {
         expect(marks('chart-accuracy') === rows('accuracy-table').length, `${scene} ${rays} ${view} ${tree}: a row per mark`);
         choices++;
       }
-      for (const measure of values('pick-measure')) choose('pick-measure', measure);
+      for (const metric of values('pick-metric')) choose('pick-metric', metric);
       for (const id of ids) expect(marks(id) > 0 || id === 'chart-quality', `${scene} ${rays} ${view}: ${id} is empty`);
     }
   }

@@ -23,7 +23,7 @@ function cellLines(c) {
     lines.push(`${figure(t.node_tests_per_ray)} box and ${figure(t.prim_tests_per_ray)} primitive tests per ray`);
   if (isNumber(b.build_ms_median))
     lines.push(`built in ${figure(b.build_ms_median)} ms (${figure(b.mprims_s)} Mprims/s)` +
-               (isNumber(c.sah) ? `, SAH ${figure(c.sah)}` : '') + (isNumber(c.epo) ? `, EPO ${figure(c.epo)}` : ''));
+               metrics.filter(m => isNumber(c.metrics[m.name])).map(m => `, ${m.title} ${figure(c.metrics[m.name])}`).join(''));
   if (isNumber(c.total)) lines.push(`build, layout and all ${brief(c.rays)} rays: ${figure(c.total)} ms`);
   return lines;
 }
@@ -109,7 +109,7 @@ function drawAccuracy(set, cells) {
   const tree = $('pick-tree').value, references = cells.filter(c => c.reference);
   const ours = cells.filter(c => !c.reference && (tree === '*' || tree === '' || c.label === tree));
   const checkedFirst = c => isNumber(c.ppm) ? c.mrays_s : -1;
-  const drawn = tree === '' ? bestPer(ours, c => JSON.stringify([c.t.kernel, c.t.intersector]), checkedFirst) : ours;
+  const drawn = tree === '' ? bestPer(ours, c => tracePart(c.t), checkedFirst) : ours;
   const [points, front] = wrongPoints(drawn.concat(references), kernelKey, c => c.mrays_s, c => c.mrays_s);
   for (const p of points) p.ySpread = spreadOf(p.cell, 'mrays_s');
   const range = wrongRange(points);
@@ -189,9 +189,9 @@ function drawTime(set, cells) {
 
 /* ---- what is said of the tree, and what building it costs ---- */
 function drawQuality(set, cells) {
-  const measure = $('pick-measure').value, name = measure.toUpperCase();
+  const metric = schema.metrics.find(m => m.name === $('pick-metric').value), name = metric.title;
   const points = cells.filter(c => !c.reference).map(c => ({
-    cell: c, key: builderKey(c) + kernelKey(c), x: c[measure], y: c.mrays_s, none: c.none,
+    cell: c, key: builderKey(c) + kernelKey(c), x: c.metrics[metric.name], y: c.mrays_s, none: c.none,
     ySpread: spreadOf(c, 'mrays_s') }));
   const sets = marksOf(points, c => c.label, builderColour), xs = sets.flatMap(s => s.data).map(p => p.x);
   const rate = Math.max(0, ...cells.filter(c => c.reference).map(c => c.mrays_s));
@@ -203,7 +203,7 @@ function drawQuality(set, cells) {
     (rate > 0 && xs.length ? ' Dashed: the fastest embree-native row, whose tree is not seen.' : '') +
     (xs.length ? '' : ` ${name} was not measured here.`);
   draw('chart-quality', `Trace speed against ${name}`, sets,
-       { x: axis(name, false, { grace: '5%' }), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
+       { x: axis([name, metric.unit].filter(Boolean).join(', '), false, { grace: '5%' }), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
        p => p.cell ? cellLines(p.cell) : '');
 }
 

@@ -1,6 +1,8 @@
 /* The records in the page, small helpers, and what is computed from the cells that are shown. All text of the records goes through
  * textContent. */
 const data = JSON.parse(document.getElementById('data').textContent);
+/* Names, units, formats, headings and help of all fields, and the metrics of trees (framework/record/fields.h). */
+const schema = JSON.parse(document.getElementById('schema-data').textContent);
 const sets = JSON.parse(document.getElementById('chart-data').textContent);
 const pictures = JSON.parse(document.getElementById('picture-data').textContent);
 const $ = id => document.getElementById(id);
@@ -67,7 +69,11 @@ const merged = Array.isArray(data.merged) && data.merged.length > 0;
 const builds = data.builds;
 const buildById = new Map(builds.map(build => [build.id, build]));
 const runOf = row => row.run || 0;
-const raysKey = t => JSON.stringify([t.scene, t.view || '', t.rays, t.rays_hash || '', runOf(t)]);
+
+/* Parts of a cell's key (framework/record/cell.h), in which '/' stands between the parts alone: its rays; what traces them. */
+const raysPart = t => t.cell.split('/builder=')[0];
+const tracePart = t => t.cell.split('/').filter(part => /^(kernel|intersector)=/.test(part)).join('/');
+const raysKey = t => JSON.stringify([raysPart(t), t.rays_hash || '', runOf(t)]);
 
 /* Rays that no workload made say so wherever they are named. */
 const raysName = t => t.rays_source === 'as given' ? `${t.rays} (rays as given)` : t.rays;
@@ -97,6 +103,11 @@ function wrongText(t) {
   const mark = t.wrong ? ' WRONG' : t.acc.wrong_ppm > 0 ? ' wrong' : '';
   return figure(t.acc.wrong_ppm) + mark + (t.unlike > 0 ? ' unlike' : '') + (t.acc.overflowed > 0 ? ' OVERFLOW' : '');
 }
+
+/* ---- metrics of trees: those that are always measured, then those on request that a build has ---- */
+const metricOf = (build, metric) => (build.tree || {})[metric.name];
+const metrics = [false, true].flatMap(onRequest => schema.metrics.filter(m => m.on_request === onRequest &&
+  (!onRequest || builds.some(b => isNumber(metricOf(b, m))))));
 
 /* ---- the cells of the charts, computed with the results (framework/chart/chart.h) ---- */
 for (const set of sets) {

@@ -16,17 +16,17 @@ function head() {
        bad ? `${plural(bad, 'cell')} WRONG above the limit` : 'no cell above the limit for wrong answers'),
     (inexact ? `; ${plural(inexact, 'other cell')} with wrong answers (references, inexact, or within the limit)` : '') +
     (missing ? `; ${plural(missing, 'row')} without a result` : '') + (skipped ? `; ${skipped} skipped` : '') + '.');
-  contextList($('context'), [
-    ['Date', c.date && c.date.replace('T', ' ').replace('Z', ' UTC')], ['Revision', c.revision], ['Host', c.host],
-    ['Processor', c.cpu && c.cpu_threads ? `${c.cpu}, ${c.cpu_threads} threads` : c.cpu],
-    ['Device', c.device], ['Driver', c.driver], ['OpenCL', c.opencl], ['Seed', c.seed]]);
-  contextList($('more-context').querySelector('dl'), [
-    ['Build flags', c.build_flags], ['Kernels', c.kernels], ['Compute units', c.compute_units],
-    ['Floats of the device', Array.isArray(c.float_config) ? c.float_config.join(', ') : null],
-    ['Embree', c.embree &&
-      [c.embree.version, c.embree.api].filter(v => typeof v === 'string').join(', ')],
-    ['Load (1, 5, 15 min)', Array.isArray(c.load) ? c.load.map(figure).join(', ') : c.load],
-    ['Command', c.command]]);
+  const texts = {
+    date: c.date && c.date.replace('T', ' ').replace('Z', ' UTC'),
+    cpu: c.cpu && c.cpu_threads ? `${c.cpu}, ${c.cpu_threads} threads` : c.cpu,
+    float_config: Array.isArray(c.float_config) ? c.float_config.join(', ') : null,
+    embree: c.embree && [c.embree.version, c.embree.api].filter(v => typeof v === 'string').join(', '),
+    load: Array.isArray(c.load) ? c.load.map(figure).join(', ') : c.load,
+  };
+  const entries = names => names.map(name => [schema.context[name].heading, name in texts ? texts[name] : c[name]]);
+  contextList($('context'), entries(['date', 'revision', 'host', 'cpu', 'device', 'driver', 'opencl', 'seed']));
+  contextList($('more-context').querySelector('dl'),
+              entries(['build_flags', 'kernels', 'compute_units', 'float_config', 'embree', 'load', 'command']));
   (data.merged || []).forEach((m, i) => contextList($('more-context').querySelector('dl'), [
     [`Run ${i + 2}`, [m.date, m.revision, m.host, m.device].filter(Boolean).join(', ')],
     [`Command of run ${i + 2}`, m.command]]));
@@ -70,6 +70,13 @@ function pictureGrid() {
   })));
 }
 
+/* What each metric is, and a choice of it. */
+function metricTexts() {
+  $('after-metrics').before(...schema.metrics.flatMap(m => [el('dt', {}, m.title), el('dd', {}, m.summary)]));
+  $('pick-metric').replaceChildren(...schema.metrics.map(m =>
+    el('option', { value: m.name, selected: m.of_layouts }, `${m.title} of the ${m.of_layouts ? 'layout as traced' : 'tree'}`)));
+}
+
 /* ---- what is chosen ---- */
 let current;
 
@@ -110,12 +117,12 @@ function redraw() {
   drawAll(current);
 }
 
-for (const part of [head, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid]) part();
+for (const part of [head, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid, metricTexts]) part();
 Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
 redraw();
 for (const [id, key] of [['pick-scene', 'scene'], ['pick-rays', 'rays'], ['pick-view', 'view']])
   $(id).addEventListener('change', event => { picked[key] = event.target.value; redraw(); });
-for (const id of ['pick-tree', 'pick-measure']) $(id).addEventListener('change', () => drawAll(current));
+for (const id of ['pick-tree', 'pick-metric']) $(id).addEventListener('change', () => drawAll(current));
 dark.addEventListener('change', redraw);
 window.addEventListener('beforeprint', () => { printing = true; redraw(); });
 window.addEventListener('afterprint', () => { printing = false; redraw(); });

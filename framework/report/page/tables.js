@@ -70,54 +70,57 @@ function addTable(section, caption, columns, rows, settings) {
 const runColumn = merged ? [{ name: 'Run', number: true, value: runOf, text: row => runOf(row) + 1 }] : [];
 const num = (name, get, title, text) =>
   ({ name, number: true, value: get, text: row => (text || figure)(get(row)), title });
-/* A column of medians. Its heading says what the brackets hold; a range among intervals says so
- * itself. */
-function medianColumn(title, rows, name, get) {
+
+/* ---- columns by the schema: heading, format and help of a field ---- */
+const formats = { figure, whole, bytes, text: value => value || dash, pairs };
+const inner = { profile: row => row.profile, tree: row => row.tree, accuracy: row => row.accuracy };
+
+/* The field `name` of `part`; `change` overrides members of the column. */
+function field(part, name, change) {
+  const f = schema[part][name], get = row => ((inner[part] ? inner[part](row) : row) || {})[name];
+  const number = ['figure', 'whole', 'bytes'].includes(f.format);
+  return Object.assign({ name: f.heading, title: f.help, number, wide: f.format === 'pairs', value: number ? get : undefined,
+                         text: row => formats[f.format](get(row)) }, change);
+}
+const fields = (part, names) => names.map(name => field(part, name));
+
+/* A column of medians, of the field `median`; what is known of their spread stands in `name`_lo and so on. The heading says what
+ * the brackets hold; a range among intervals says so itself. */
+function medianColumn(part, median, rows, name) {
   const spreads = rows.map(row => spreadOf(row, name));
   const sure = spreads.some(s => s && s.isInterval);
   const what = sure ? ' [95 %]' : spreads.some(Boolean) ? ' [range]' : '';
   const text = row => {
     const spread = spreadOf(row, name), odd = sure && spread && !spread.isInterval;
-    return figure(get(row)) + brackets(spread) + (odd ? ' range' : '');
+    return figure(row[median]) + brackets(spread) + (odd ? ' range' : '');
   };
-  return { name: title + what, number: true, value: get,
-           text: row => row.status === 'ok' ? text(row) : row.status };
+  return field(part, median, { name: schema[part][median].heading + what,
+                               text: row => row.status === 'ok' ? text(row) : row.status });
 }
 const minor = columns => columns.map(column => Object.assign(column, { minor: true }));
 const statusText = row => row.status === 'ok' ? 'ok' : row.reason ? `${row.status}: ${row.reason}` : row.status;
 
 function traceTable() {
-  const acc = (name, key, title) => num(name, t => t.acc[key], title, whole);
   addTable($('traces'), 'Traces. Press a heading to sort; the table scrolls sideways.', [
-    { name: 'Builder', text: t => t.builder }, ...runColumn,
-    { name: 'Scene', text: t => t.scene }, { name: 'Rays', text: raysName },
-    { name: 'View', text: t => t.view || dash }, { name: 'Kernel', text: t => t.kernel },
-    { name: 'Tree', text: t => ({ true: 'native', false: 'reshaped' })[t.native] || dash,
-      title: 'native: the layout keeps the shape of the builder\u2019s own tree' },
-    { name: 'Intersector', text: t => t.intersector || dash },
-    medianColumn('Mrays/s', traces, 'mrays_s', t => t.mrays_s),
-    { name: 'Wrong ppm', number: true, value: t => t.acc.wrong_ppm, text: t => t.status === 'ok' ? wrongText(t) : dash,
-      css: t => t.wrong || t.acc.overflowed > 0 ? 'wrong' : t.acc.wrong_ppm > 0 ? 'odd' : '' },
+    field('trace', 'builder'), ...runColumn, field('trace', 'scene'), field('trace', 'rays', { text: raysName }),
+    ...fields('trace', ['view', 'kernel']),
+    field('trace', 'native', { text: t => ({ true: 'native', false: 'reshaped' })[t.native] || dash }),
+    field('trace', 'intersector'), medianColumn('trace', 'mrays_s', traces, 'mrays_s'),
+    field('accuracy', 'wrong_ppm', { text: t => t.status === 'ok' ? wrongText(t) : dash,
+      css: t => t.wrong || t.acc.overflowed > 0 ? 'wrong' : t.acc.wrong_ppm > 0 ? 'odd' : '' }),
     num('/Embree', t => t.ratio, 'ratio to the fastest embree-native row on the same rays'),
-    acc('Missed', 'missed'), acc('False', 'false'), acc('Wrong t', 'wrong_t'),
-    num('Box tests', t => t.node_tests_per_ray, 'per ray'), num('Prim. tests', t => t.prim_tests_per_ray, 'per ray'),
-    ...minor([num('Rays traced', t => t.count, undefined, whole), num('of', t => t.all, 'rays in the set', whole),
-    num('Counted', t => t.counted, 'rays whose tests were counted', whole),
-    acc('Overflowed', 'overflowed', 'of the counted rays'),
-    { name: 'Query', text: t => t.query || dash }, { name: 'Layout', text: t => t.layout || dash },
-    num('ms', t => t.ms_median, 'median wall clock'), num('Event ms', t => t.event_ms, 'OpenCL profiling'),
-    num('CPU ms', t => t.cpu_ms, 'process time of all threads'),
-    acc('Ties', 'ties'), acc('Margin limited', 'margin_limited'), acc('Oracle wrong', 'oracle_wrong'),
-    acc('t off', 't_off', 'right, but the distance is off by more than 1/1024 of it'),
-    num('t error p99', t => t.acc.t_ulp_p99, 'units of the last place'),
-    num('t error max', t => t.acc.t_ulp_max, 'units of the last place')]),
-    { name: 'Status', text: statusText, wide: true, css: t => t.status === 'ok' ? '' : 'odd' },
+    ...fields('accuracy', ['missed', 'false', 'wrong_t']), ...fields('trace', ['node_tests_per_ray', 'prim_tests_per_ray']),
+    ...minor([field('trace', 'count'), num('of', t => t.all, 'rays in the set', whole), field('trace', 'counted'),
+    field('accuracy', 'overflowed'), ...fields('trace', ['query', 'layout', 'ms_median', 'event_ms', 'cpu_ms']),
+    ...fields('accuracy', ['ties', 'margin_limited', 'oracle_wrong', 't_off', 't_ulp_p99', 't_ulp_max'])]),
+    ...minor([field('trace', 'cell', { wide: true })]),
+    field('trace', 'status', { text: statusText, wide: true, css: t => t.status === 'ok' ? '' : 'odd' }),
   ], traces, { tools: true, css: t => t.reference ? 'reference' : null,
                odd: t => t.status !== 'ok' || t.acc.wrong_ppm > 0 || t.acc.overflowed > 0 });
   if (data.skipped.length > 0)
     addTable($('traces'), 'Skipped: what was asked for and not traced, and why', [
-      { name: 'Scene', text: s => s.scene }, ...runColumn, { name: 'Rays', text: s => s.rays },
-      { name: 'View', text: s => s.view || dash }, { name: 'Reason', text: s => s.reason || dash, wide: true },
+      field('skipped', 'scene'), ...runColumn, ...fields('skipped', ['rays', 'view']),
+      field('skipped', 'reason', { wide: true }),
     ], data.skipped, {});
 }
 
@@ -127,48 +130,33 @@ function pairs(object) {
 }
 
 function buildTable() {
-  const tree = (name, key, text) => num(name, b => (b.tree || {})[key], undefined, text);
+  const treeBytes = b => isNumber(b.bytes_native) ? b.bytes_native : (b.tree || {}).bytes_tree;
   addTable($('builds'), 'Builds. Press a heading to sort; the table scrolls sideways.', [
-    { name: 'Builder', text: b => b.builder }, ...runColumn, { name: 'Scene', text: b => b.scene },
-    num('Mprims/s', b => b.mprims_s),
-    medianColumn('Build ms', builds, 'build_ms', b => b.build_ms_median),
-    ...minor([num('Cold ms', b => b.cold_ms, 'first build after allocation'),
-              num('Boxes ms', b => b.boxes_ms, 'to make the input, if it is the primitives\u2019 boxes'),
-              num('Transfer ms', b => b.transfer_ms, 'of the input to the host, of the tree back'),
-              num('Prepare ms', b => b.prepare_ms, 'by the builder, before its first build, outside the clock'),
-              num('Restore ms', b => b.restore_ms, 'by the builder, before each build, outside the clock'),
-              num('Outside ms', b => b.outside_ms, 'on the host, in phases that the clock leaves out'),
-              { name: 'Inputs', text: b => b.inputs || dash }]),
-    tree('SAH', 'sah'), tree('EPO', 'epo'), tree('Depth', 'depth', whole),
-    ...minor([tree('Arity', 'arity', whole), tree('Nodes', 'nodes', whole), tree('References', 'refs', whole)]),
-    num('Tree', b => isNumber(b.bytes_native) ? b.bytes_native : (b.tree || {}).bytes_tree, undefined, bytes),
-    tree('Peak', 'bytes_peak', bytes),
-    { name: 'Layouts ms', text: b => pairs(b.layouts_ms), wide: true },
-    ...(builds.some(b => b.stages_ms) ? [{ name: 'Stages ms', text: b => pairs(b.stages_ms), wide: true }] : []),
-    ...minor([['Phases ms', 'phases_ms'], ['Layouts SAH', 'layouts_sah'], ['Parameters', 'params']].map(
-      ([name, key]) => ({ name, text: b => pairs(b[key]), wide: true }))),
-    ...(builds.some(b => b.about) ? [{ name: 'About the tree', text: b => b.about || dash, wide: true }] : []),
-    { name: 'Status', text: statusText, wide: true, css: b => b.status === 'ok' ? '' : 'odd' },
+    field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s']),
+    medianColumn('build', 'build_ms_median', builds, 'build_ms'),
+    ...minor(fields('build', ['cold_ms', 'boxes_ms', 'transfer_ms', 'prepare_ms', 'restore_ms', 'outside_ms', 'inputs'])),
+    ...metrics.map(m => num(m.title, b => metricOf(b, m), [m.full_title, m.unit].filter(Boolean).join(', '))),
+    field('tree', 'depth'), ...minor(fields('tree', ['arity', 'nodes', 'refs'])),
+    field('tree', 'bytes_tree', { value: treeBytes, text: b => bytes(treeBytes(b)) }),
+    field('tree', 'bytes_peak'), field('build', 'layouts_ms'),
+    ...(builds.some(b => b.stages_ms) ? [field('build', 'stages_ms')] : []), ...minor(fields('build', ['phases_ms', 'layouts_sah', 'params'])),
+    ...(builds.some(b => b.about) ? [field('build', 'about', { wide: true })] : []),
+    ...minor([field('build', 'cell', { wide: true })]),
+    field('build', 'status', { text: statusText, wide: true, css: b => b.status === 'ok' ? '' : 'odd' }),
   ], builds, { tools: true, css: b => b.reference ? 'reference' : null, odd: b => b.status !== 'ok' });
 }
 
 function sceneTable() {
-  const profile = (name, key, title, text) => num(name, s => (s.profile || {})[key], title, text);
   const size = s => {
     const { lo, hi } = s.bounds || {};
     return Array.isArray(lo) && Array.isArray(hi) ? lo.map((v, i) => figure(hi[i] - v)).join(' \u00d7 ') : dash;
   };
   addTable($('scenes'), 'Scenes and their profiles', [
-    { name: 'Scene', text: s => s.name }, { name: 'Kind', text: s => s.kind || dash },
-    num('Primitives', s => s.prims, undefined, whole), { name: 'Extent', text: size },
-    profile('Flatness', 'flatness', 'shortest by longest side'),
-    profile('Smallest', 'size_min', 'box diagonal'), profile('Median', 'size_median', 'box diagonal'),
-    profile('Largest', 'size_max', 'box diagonal'), profile('Overlap', 'overlap', 'other boxes that hold a centroid, mean'),
-    profile('Zero area', 'zero_area', undefined, whole), profile('Equal centroids', 'duplicate_centroids', undefined, whole),
-    profile('Code bits', 'code_bits', 'that separate the centroids', whole),
-    { name: 'Closed', text: s => ({ true: 'yes', false: 'no' })[(s.profile || {}).closed] || dash },
-    ...minor([{ name: 'Views', text: s => (s.views || []).join(', ') || dash, wide: true },
-              { name: 'Hash', text: s => s.hash || dash }]),
+    ...fields('scene', ['name', 'kind', 'prims']), field('scene', 'bounds', { text: size }),
+    ...fields('profile', ['flatness', 'size_min', 'size_median', 'size_max', 'overlap', 'zero_area', 'duplicate_centroids',
+                          'code_bits']),
+    field('profile', 'closed', { text: s => ({ true: 'yes', false: 'no' })[(s.profile || {}).closed] || dash }),
+    ...minor([field('scene', 'views', { text: s => (s.views || []).join(', ') || dash, wide: true }), field('scene', 'hash')]),
   ], data.scenes, {});
 }
 

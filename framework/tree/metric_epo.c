@@ -9,6 +9,7 @@
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
 #include "framework/scene/prim.h"
+#include "framework/tree/metric.h"
 #include "framework/tree/tree_walk.h"
 
 #include <math.h>
@@ -169,18 +170,12 @@ static void summarise(const epo *e, size_t blocks, double *mean, double *half)
     }
     *mean = sum / n;
     double variance = n > 1.0 ? fmax(0.0, (square - sum * *mean) / (n - 1.0)) : (double)INFINITY;
-    if (half != NULL)
-        *half = 1.959963985 * sqrt(variance / n);
+    *half = 1.959963985 * sqrt(variance / n);
 }
 
-bb_status bb_tree_epo(const bb_tree *tree, const bb_scene *scene, uint64_t samples, uint64_t seed,
-                      double *mean, double *half)
+static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
+                         uint64_t seed, double *mean, double *half)
 {
-    *mean = (double)NAN;
-    if (half != NULL)
-        *half = (double)NAN;
-    if (samples == 0)
-        return bb_fail(BB_INVALID, "end-point overlap by 0 points: take at least 1");
     epo e = {.scene = scene, .samples = samples, .seed = seed};
     bb_tree_init(&e.tree, NULL);
     bb_pool *pool = NULL;
@@ -203,3 +198,16 @@ bb_status bb_tree_epo(const bb_tree *tree, const bb_scene *scene, uint64_t sampl
     bb_host_free(e.square);
     return status;
 }
+
+extern const bb_metric bb_metric_epo;
+const bb_metric bb_metric_epo = {
+    .name = "epo",
+    .title = "EPO",
+    .full_title = "end-point overlap",
+    .unit = "",
+    .summary = "The mean cost, over random points of the surface, of the nodes that hold the point "
+               "although its primitive is not below them. Measured on request.",
+    .on_request = true,
+    .sampled = true,
+    .compute = compute,
+};

@@ -1,0 +1,163 @@
+#include "framework/cli/cells_option.h"
+
+#include "framework/scene/camera.h"
+#include "framework/workload/workload.h"
+#include "traversal/traversal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bb_status check_alone(const bb_cli *cli)
+{
+    static const char *const replaced[] = {"scene",       "builder", "kernel",   "rays",
+                                           "intersector", "size",    "max-rays", "seed"};
+    for (size_t i = 0; i < sizeof replaced / sizeof replaced[0]; i++)
+        if (bb_cli_value(cli, replaced[i]) != NULL)
+            return bb_fail(BB_INVALID,
+                           "--cell and --%s: a cell's key says that itself: leave --%s out",
+                           replaced[i], replaced[i]);
+    return BB_OK;
+}
+
+/* What no key's grammar tells: whether the rays can be made, from this view. */
+static bb_status check_rays(const char *key, const bb_cell *cell)
+{
+    bb_spec spec;
+    if (cell->rays[0] == '\0')
+        return BB_OK;
+    if (cell->known_by_hash)
+        return bb_fail(BB_INVALID,
+                       "cell '%.80s...': its rays are known by their hash alone: they cannot be "
+                       "made again",
+                       key);
+    if ((uint64_t)cell->width * cell->height > BB_PIXELS_MAX)
+        return bb_fail(BB_INVALID, "cell '%.80s...': at most %u pixels at once", key,
+                       (unsigned)BB_PIXELS_MAX);
+    BB_TRY(bb_spec_parse(cell->rays, &spec));
+    const bb_workload *workload = bb_workload_find(spec.name);
+    if (workload == NULL)
+        return BB_OK; /* bb_bench_check() says so */
+    if (workload->per_view != (cell->view[0] != '\0'))
+        return bb_fail(BB_INVALID, "cell '%.80s...': rays %s are made %s", key, spec.name,
+                       workload->per_view ? "from a view, and it names none"
+                                          : "once for a scene, and it names a view");
+    return BB_OK;
+}
+
+static bb_status add_once(bb_names *names, const char *text)
+{
+    if (text[0] == '\0')
+        return BB_OK;
+    for (size_t i = 0; i < names->count; i++)
+        if (strcmp(names->items[i], text) == 0)
+            return BB_OK;
+    if (names->count == BB_NAMES_MAX)
+        return bb_fail(BB_INVALID, "--cell: more than %d names, up to '%.80s'", BB_NAMES_MAX, text);
+    names->items[names->count] = strdup(text);
+    if (names->items[names->count] == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    names->count++;
+    return BB_OK;
+}
+
+/* The names as tables show them: without defaults. */
+static bb_status add_names(bb_cells_group *group, const bb_cell *cell)
+{
+    bb_cell brief = *cell;
+    bb_cell_short(&brief);
+    BB_TRY(add_once(&group->scenes, brief.scene));
+    BB_TRY(add_once(&group->builders, brief.builder));
+    BB_TRY(add_once(&group->kernels, brief.kernel));
+    BB_TRY(add_once(&group->workloads, brief.rays));
+    return add_once(&group->intersectors, brief.intersector);
+}
+
+/* Cells of one comparison are equal; a build without rays has no size. */
+static int compare(const void *left, const void *right)
+{
+    const bb_cell *a = left, *b = right;
+    const uint64_t keys[][2] = {{a->seed, b->seed},
+                                {a->width, b->width},
+                                {a->height, b->height},
+                                {a->max_rays, b->max_rays}};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+        if (keys[i][0] != keys[i][1])
+            return keys[i][0] < keys[i][1] ? -1 : 1;
+    return 0;
+}
+
+static bb_status form_groups(bb_cells *cells, uint32_t count)
+{
+    qsort(cells->cells, count, sizeof *cells->cells, compare);
+    for (uint32_t i = 0; i < count; i++) {
+        if (i == 0 || compare(&cells->cells[i - 1], &cells->cells[i]) != 0)
+            cells->groups[cells->group_count++].cells = &cells->cells[i];
+        bb_cells_group *group = &cells->groups[cells->group_count - 1];
+        group->count++;
+        BB_TRY(add_names(group, &cells->cells[i]));
+    }
+    return BB_OK;
+}
+
+bb_status bb_cells_read(const bb_cli *cli, bb_cells *cells)
+{
+    uint32_t count;
+    char *const *keys = bb_cli_values(cli, "cell", &count);
+    *cells = (bb_cells){.group_count = 0};
+    if (count == 0)
+        return BB_OK;
+    BB_TRY(check_alone(cli));
+    cells->cells = calloc(count, sizeof *cells->cells);
+    cells->groups = calloc(count, sizeof *cells->groups);
+    if (cells->cells == NULL || cells->groups == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    for (uint32_t i = 0; i < count; i++) {
+        BB_TRY(bb_cell_key_parse(keys[i], &cells->cells[i]));
+        bb_cell_canonical(&cells->cells[i]);
+        BB_TRY(check_rays(keys[i], &cells->cells[i]));
+    }
+    BB_TRY(form_groups(cells, count));
+    for (uint32_t i = 0; i < cells->group_count; i++) {
+        bb_bench_request request = {0};
+        bb_cells_request(&cells->groups[i], &request);
+        BB_TRY(bb_bench_check(&request));
+    }
+    return BB_OK;
+}
+
+void bb_cells_request(const bb_cells_group *group, bb_bench_request *request)
+{
+    const bb_cell *first = &group->cells[0];
+    request->cells = group->cells;
+    request->cell_count = group->count;
+    request->scenes = group->scenes.items;
+    request->scene_count = (uint32_t)group->scenes.count;
+    request->builders = group->builders.items;
+    request->builder_count = (uint32_t)group->builders.count;
+    request->kernels = group->kernels.items;
+    request->kernel_count = (uint32_t)group->kernels.count;
+    request->native = false;
+    request->workloads = group->workloads.items;
+    request->workload_count = (uint32_t)group->workloads.count;
+    request->intersectors = group->intersectors.items;
+    request->intersector_count = (uint32_t)group->intersectors.count;
+    request->seed = first->seed;
+    if (first->width == 0)
+        return; /* builds alone: there are no rays to be of a size */
+    request->width = first->width;
+    request->height = first->height;
+    request->max_rays = first->max_rays;
+}
+
+void bb_cells_free(bb_cells *cells)
+{
+    for (uint32_t i = 0; i < cells->group_count; i++) {
+        bb_cells_group *group = &cells->groups[i];
+        bb_names *const names[] = {&group->scenes, &group->builders, &group->kernels,
+                                   &group->workloads, &group->intersectors};
+        for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
+            bb_names_free(names[k]);
+    }
+    free(cells->groups);
+    free(cells->cells);
+}

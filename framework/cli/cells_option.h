@@ -1,0 +1,30 @@
+/* The option --cell: exactly these cells, in as few comparisons as their sizes and seeds allow. */
+#ifndef BB_CELLS_OPTION_H
+#define BB_CELLS_OPTION_H
+
+#include "framework/bench/bench.h"
+#include "framework/cli/choice.h"
+
+/* Cells of one size, number of rays and seed: one comparison, in which they are interleaved. */
+typedef struct bb_cells_group {
+    bb_cell *cells; /* canonical */
+    uint32_t count;
+    bb_names scenes, builders, kernels, workloads, intersectors; /* all that they name, once each */
+} bb_cells_group;
+
+typedef struct bb_cells {
+    bb_cell *cells; /* of all groups */
+    bb_cells_group *groups;
+    uint32_t group_count; /* 0: the option is not given */
+} bb_cells;
+
+/* Reads the keys, and checks what can be checked without a scene. BB_INVALID, in one line, for a
+ * key that is none, for one that names what there is not, and beside options that a key replaces.
+ * Release with bb_cells_free(), also after a failure. */
+bb_status bb_cells_read(const bb_cli *cli, bb_cells *cells);
+void bb_cells_free(bb_cells *cells);
+
+/* Makes `request` that of a group; the rest of it stays. It points into the group. */
+void bb_cells_request(const bb_cells_group *group, bb_bench_request *request);
+
+#endif

@@ -1,0 +1,307 @@
+/* The fields of a result file, one row each, in the order in which they are written:
+ *
+ *   FIELD(id, part, name, unit, types, writer, format, heading, help)
+ *
+ * `id` is BB_F_id in C. `part` is where the field stands (schema.h). `types` are those that a
+ * reader takes. `writer` says where the value comes from: a member of the record (scene S, its
+ * profile P, build B, trace T, its accuracy A, context C, note N for skipped sets and pictures), a
+ * function (BY), or another field's function or a later step (LATER). `format`, `heading` and
+ * `help` are those of all tables; a field without a heading is in no table. Fields may be added,
+ * never renamed.
+ *
+ * Not here: what is measured of trees. Each metric (framework/tree/metric.h) is one more field, or
+ * two, of the tree.
+ *
+ * This file has no guard: whoever includes it defines FIELD for its own purpose.
+ */
+/* clang-format off */
+
+/* ---- context ---- */
+FIELD(CONTEXT_DATE, CONTEXT, "date", "", TEXT | NONE, C(STRING, date), AS_TEXT, "Date", NULL)
+FIELD(CONTEXT_REVISION, CONTEXT, "revision", "", TEXT | NONE, C(STRING, revision), AS_TEXT,
+      "Revision", NULL)
+FIELD(CONTEXT_VERSION, CONTEXT, "version", "", TEXT | NONE, C(STRING, version), AS_TEXT, NULL, NULL)
+FIELD(CONTEXT_HOST, CONTEXT, "host", "", TEXT | NONE, C(STRING, host), AS_TEXT, "Host", NULL)
+FIELD(CONTEXT_CPU, CONTEXT, "cpu", "", TEXT | NONE, C(STRING, cpu), AS_TEXT, "Processor", NULL)
+FIELD(CONTEXT_THREADS, CONTEXT, "cpu_threads", "", NUMBER | NONE, C(SIZE, cpu_threads), AS_WHOLE,
+      NULL, NULL)
+FIELD(CONTEXT_LOAD, CONTEXT, "load", "", NUMBERS | NUMBER | NONE, BY(bb_put_load), AS_FIGURE,
+      "Load (1, 5, 15 min)", NULL)
+FIELD(CONTEXT_DEVICE, CONTEXT, "device", "", TEXT | NONE, C(STRING, device), AS_TEXT, "Device",
+      NULL)
+FIELD(CONTEXT_DRIVER, CONTEXT, "driver", "", TEXT | NONE, C(STRING, driver), AS_TEXT, "Driver",
+      NULL)
+FIELD(CONTEXT_OPENCL, CONTEXT, "opencl", "", TEXT | NONE, C(STRING, opencl), AS_TEXT, "OpenCL",
+      NULL)
+FIELD(CONTEXT_UNITS, CONTEXT, "compute_units", "", NUMBER | NONE, C(SIZE, compute_units), AS_WHOLE,
+      "Compute units", NULL)
+FIELD(CONTEXT_FLOATS, CONTEXT, "float_config", "", TEXTS | NONE, BY(bb_put_float_config), AS_TEXT,
+      "Floats of the device", NULL)
+FIELD(CONTEXT_HANDOVER, CONTEXT, "handover", "", TEXT | NONE, C(STRING, handover), AS_TEXT, NULL,
+      NULL)
+FIELD(CONTEXT_LITMUS, CONTEXT, "litmus_messages", "", NUMBER | NONE, C(DOUBLE, litmus_messages),
+      AS_WHOLE, NULL, NULL)
+FIELD(CONTEXT_STALE, CONTEXT, "litmus_stale", "", NUMBER | NONE, C(DOUBLE, litmus_stale), AS_WHOLE,
+      NULL, NULL)
+FIELD(CONTEXT_KERNELS, CONTEXT, "kernels", "", TEXT | NONE, C(STRING, kernels), AS_TEXT, "Kernels",
+      NULL)
+FIELD(CONTEXT_EMBREE, CONTEXT, "embree", "", OBJECT | NONE, BY(bb_put_embree), AS_TEXT, "Embree",
+      NULL)
+FIELD(CONTEXT_FLAGS, CONTEXT, "build_flags", "", TEXT | NONE, C(STRING, build_flags), AS_TEXT,
+      "Build flags", NULL)
+FIELD(CONTEXT_SEED, CONTEXT, "seed", "", NUMBER | TEXT | NONE, BY(bb_put_seed), AS_WHOLE, "Seed",
+      NULL)
+FIELD(CONTEXT_COMMAND, CONTEXT, "command", "", TEXT | NONE, C(STRING, command), AS_TEXT, "Command",
+      NULL)
+
+/* ---- scenes ---- */
+FIELD(SCENE_NAME, SCENE, "name", "", TEXT, S(CHARS, name), AS_TEXT, "Scene", NULL)
+FIELD(SCENE_KIND, SCENE, "kind", "", TEXT | NONE, BY(bb_put_kinds), AS_TEXT, "Kind", NULL)
+FIELD(SCENE_SOURCE, SCENE, "source", "", TEXT | NONE, S(CHARS, source), AS_TEXT, NULL, NULL)
+FIELD(SCENE_PRIMS, SCENE, "prims", "", NUMBER, S(U32, prim_count), AS_WHOLE, "Primitives", NULL)
+FIELD(SCENE_TRIANGLES, SCENE, "triangles", "", NUMBER | NONE, BY(bb_put_prims), AS_WHOLE, NULL,
+      NULL)
+FIELD(SCENE_SPHERES, SCENE, "spheres", "", NUMBER | NONE, LATER, AS_WHOLE, NULL, NULL)
+FIELD(SCENE_IGNORED, SCENE, "ignored", "", NUMBER | NONE, S(U32, ignored), AS_WHOLE, NULL, NULL)
+FIELD(SCENE_BOUNDS, SCENE, "bounds", "", OBJECT | NONE, BY(bb_put_bounds), AS_TEXT, "Extent", NULL)
+FIELD(SCENE_HASH, SCENE, "hash", "", TEXT | NONE, S(HASH, hash), AS_TEXT, "Hash", NULL)
+FIELD(SCENE_PROFILE, SCENE, "profile", "", OBJECT | NONE, BY(bb_put_profile), AS_TEXT, NULL, NULL)
+FIELD(SCENE_SCALE, SCENE, "scale", "", NUMBER | NONE, S(FLOAT, scale), AS_FIGURE, NULL, NULL)
+FIELD(SCENE_OUT_OF_RANGE, SCENE, "out_of_range", "", NUMBER | NONE, S(U32, out_of_range), AS_WHOLE,
+      NULL, NULL)
+FIELD(SCENE_BOXES_MS, SCENE, "boxes_ms", "ms", NUMBER | NONE, BY(bb_put_boxes), AS_FIGURE, NULL,
+      NULL)
+FIELD(SCENE_BOXES_SAMPLES, SCENE, "boxes_ms_samples", "ms", NUMBERS | NONE, LATER, AS_FIGURE, NULL,
+      NULL)
+FIELD(SCENE_VIEWS, SCENE, "views", "", TEXTS | NONE, BY(bb_put_views), AS_TEXT, "Views", NULL)
+FIELD(SCENE_LOAD_MS, SCENE, "load_ms", "ms", NUMBER | NONE, S(DOUBLE, load_ms), AS_FIGURE, NULL,
+      NULL)
+
+FIELD(PROFILE_FLATNESS, PROFILE, "flatness", "", NUMBER | NONE, P(DOUBLE, flatness), AS_FIGURE,
+      "Flatness", "shortest by longest side")
+FIELD(PROFILE_SIZE_MIN, PROFILE, "size_min", "", NUMBER | NONE, P(DOUBLE, size_min), AS_FIGURE,
+      "Smallest", "box diagonal")
+FIELD(PROFILE_SIZE_MEDIAN, PROFILE, "size_median", "", NUMBER | NONE, P(DOUBLE, size_median),
+      AS_FIGURE, "Median", "box diagonal")
+FIELD(PROFILE_SIZE_MAX, PROFILE, "size_max", "", NUMBER | NONE, P(DOUBLE, size_max), AS_FIGURE,
+      "Largest", "box diagonal")
+FIELD(PROFILE_ZERO_AREA, PROFILE, "zero_area", "", NUMBER | NONE, P(U32, zero_area), AS_WHOLE,
+      "Zero area", NULL)
+FIELD(PROFILE_DUPLICATE_BOXES, PROFILE, "duplicate_boxes", "", NUMBER | NONE, P(U32,
+      duplicate_boxes), AS_WHOLE, NULL, NULL)
+FIELD(PROFILE_DUPLICATE_CENTROIDS, PROFILE, "duplicate_centroids", "", NUMBER | NONE, P(U32,
+      duplicate_centroids), AS_WHOLE, "Equal centroids", NULL)
+FIELD(PROFILE_OVERLAP, PROFILE, "overlap", "", NUMBER | NONE, P(DOUBLE, overlap), AS_FIGURE,
+      "Overlap", "other boxes that hold a centroid, mean")
+FIELD(PROFILE_CLOSED, PROFILE, "closed", "", BOOLEAN | NONE, BY(bb_put_closed), AS_TEXT, "Closed",
+      NULL)
+FIELD(PROFILE_CODE_BITS, PROFILE, "code_bits", "", NUMBER | NONE, P(U32, code_bits), AS_WHOLE,
+      "Code bits", "that separate the centroids")
+FIELD(PROFILE_OCTREE_DEPTH, PROFILE, "octree_depth", "", NUMBER | NONE, P(U32, octree_depth),
+      AS_WHOLE, NULL, NULL)
+
+/* ---- builds ---- */
+FIELD(BUILD_ID, BUILD, "id", "", NUMBER, B(U32, id), AS_WHOLE, NULL, NULL)
+FIELD(BUILD_CELL, BUILD, "cell", "", TEXT | NONE, B(CHARS, cell), AS_TEXT, "Key",
+      "what `bvhbench run --cell` takes to measure this again")
+FIELD(BUILD_SCENE, BUILD, "scene", "", TEXT, B(CHARS, scene), AS_TEXT, "Scene", NULL)
+FIELD(BUILD_BUILDER, BUILD, "builder", "", TEXT, BY(bb_put_builder), AS_TEXT, "Builder", NULL)
+FIELD(BUILD_PARAMS, BUILD, "params", "", OBJECT | NONE, BY(bb_put_build_params), AS_PAIRS,
+      "Parameters", NULL)
+FIELD(BUILD_STATUS, BUILD, "status", "", TEXT, B(STATUS, status), AS_TEXT, "Status", NULL)
+FIELD(BUILD_REASON, BUILD, "reason", "", TEXT | NONE, B(CHARS, reason), AS_TEXT, NULL, NULL)
+FIELD(BUILD_MS, BUILD, "build_ms", "ms", NUMBERS | NONE, B(SAMPLES, build_ms), AS_FIGURE, NULL,
+      NULL)
+FIELD(BUILD_MS_MEDIAN, BUILD, "build_ms_median", "ms", NUMBER | NONE, B(MEDIAN, build_ms),
+      AS_FIGURE, "Build ms", "median wall clock of the rounds that count")
+FIELD(BUILD_MS_LO, BUILD, "build_ms_lo", "ms", NUMBER | NONE, BY(bb_put_build_times), AS_FIGURE,
+      NULL, NULL)
+FIELD(BUILD_MS_HI, BUILD, "build_ms_hi", "ms", NUMBER | NONE, LATER, AS_FIGURE, NULL, NULL)
+FIELD(BUILD_MS_LEAST, BUILD, "build_ms_least", "ms", NUMBER | NONE, LATER, AS_FIGURE, NULL, NULL)
+FIELD(BUILD_MS_MOST, BUILD, "build_ms_most", "ms", NUMBER | NONE, LATER, AS_FIGURE, NULL, NULL)
+FIELD(BUILD_RATE, BUILD, "mprims_s", "Mprims/s", NUMBER | NONE, BY(bb_put_build_rate), AS_FIGURE,
+      "Mprims/s", "million primitives per second")
+FIELD(BUILD_COLD_MS, BUILD, "cold_ms", "ms", NUMBER | NONE, B(MEASURED, cold_ms), AS_FIGURE,
+      "Cold ms", "first build after allocation")
+FIELD(BUILD_STAGES, BUILD, "stages_ms", "ms", FIGURES | NONE, BY(bb_put_steps), AS_PAIRS,
+      "Stages ms", "of a builder made of several; they add up to build_ms")
+FIELD(BUILD_STAGES_SAMPLES, BUILD, "stages_ms_samples", "ms", OBJECT | NONE, LATER, AS_PAIRS, NULL,
+      NULL)
+FIELD(BUILD_PHASES, BUILD, "phases_ms", "ms", FIGURES | NONE, BY(bb_put_phases), AS_PAIRS,
+      "Phases ms", NULL)
+FIELD(BUILD_EVENT_SAMPLES, BUILD, "event_ms_samples", "ms", NUMBERS | NONE, B(SAMPLES, event_ms),
+      AS_FIGURE, NULL, NULL)
+FIELD(BUILD_CPU_SAMPLES, BUILD, "cpu_ms_samples", "ms", NUMBERS | NONE, B(SAMPLES, cpu_ms),
+      AS_FIGURE, NULL, NULL)
+FIELD(BUILD_PREPARE_MS, BUILD, "prepare_ms", "ms", NUMBER | NONE, B(MEASURED, prepare_ms),
+      AS_FIGURE, "Prepare ms", "by the builder, before its first build, outside the clock")
+FIELD(BUILD_RESTORE_MS, BUILD, "restore_ms", "ms", NUMBER | NONE, B(MEDIAN, restore_ms), AS_FIGURE,
+      "Restore ms", "by the builder, before each build, outside the clock")
+FIELD(BUILD_RESTORE_SAMPLES, BUILD, "restore_ms_samples", "ms", NUMBERS | NONE, B(SAMPLES,
+      restore_ms), AS_FIGURE, NULL, NULL)
+FIELD(BUILD_OUTSIDE_MS, BUILD, "outside_ms", "ms", NUMBER | NONE, B(MEDIAN, outside_ms), AS_FIGURE,
+      "Outside ms", "on the host, in phases that the clock leaves out")
+FIELD(BUILD_OUTSIDE_SAMPLES, BUILD, "outside_ms_samples", "ms", NUMBERS | NONE, B(SAMPLES,
+      outside_ms), AS_FIGURE, NULL, NULL)
+FIELD(BUILD_INPUTS, BUILD, "inputs", "", TEXT | NONE, B(CHARS, inputs), AS_TEXT, "Inputs", NULL)
+FIELD(BUILD_BOXES_MS, BUILD, "boxes_ms", "ms", NUMBER | NONE, B(MEASURED, boxes_ms), AS_FIGURE,
+      "Boxes ms", "to make the input, if it is the primitives\xe2\x80\x99 boxes")
+FIELD(BUILD_TRANSFER_MS, BUILD, "transfer_ms", "ms", NUMBER | NONE, B(MEDIAN, transfer_ms),
+      AS_FIGURE, "Transfer ms", "of the input to the host, of the tree back")
+FIELD(BUILD_TRANSFER_SAMPLES, BUILD, "transfer_ms_samples", "ms", NUMBERS | NONE, B(SAMPLES,
+      transfer_ms), AS_FIGURE, NULL, NULL)
+FIELD(BUILD_LAYOUTS_MS, BUILD, "layouts_ms", "ms", FIGURES | NONE, BY(bb_put_layouts), AS_PAIRS,
+      "Layouts ms", NULL)
+FIELD(BUILD_LAYOUTS_SAMPLES, BUILD, "layouts_ms_samples", "ms", OBJECT | NONE, LATER, AS_PAIRS,
+      NULL, NULL)
+FIELD(BUILD_LAYOUTS_SAH, BUILD, "layouts_sah", "", FIGURES | NONE, LATER, AS_PAIRS, "Layouts SAH",
+      NULL)
+FIELD(BUILD_TREE, BUILD, "tree", "", OBJECT | NONE, BY(bb_put_tree), AS_TEXT, NULL, NULL)
+FIELD(BUILD_BYTES_NATIVE, BUILD, "bytes_native", "B", NUMBER | NONE, B(DOUBLE, bytes_native),
+      AS_BYTES, NULL, NULL)
+FIELD(BUILD_REFERENCE, BUILD, "reference", "", BOOLEAN | NONE, B(BOOL, reference), AS_TEXT, NULL,
+      NULL)
+FIELD(BUILD_ABOUT, BUILD, "about", "", TEXT | NONE, B(CHARS_IF_ANY, about), AS_TEXT,
+      "About the tree", NULL)
+FIELD(BUILD_RUN, BUILD, "run", "", NUMBER | NONE, LATER, AS_WHOLE, "Run", NULL)
+
+FIELD(TREE_NODES, TREE, "nodes", "", NUMBER | NONE, B(U32, tree.node_count), AS_WHOLE, "Nodes",
+      NULL)
+FIELD(TREE_LEAVES, TREE, "leaves", "", NUMBER | NONE, B(U32, tree.leaf_count), AS_WHOLE, NULL, NULL)
+FIELD(TREE_REFS, TREE, "refs", "", NUMBER | NONE, B(U32, tree.ref_count), AS_WHOLE, "References",
+      NULL)
+FIELD(TREE_ARITY, TREE, "arity", "", NUMBER | NONE, B(U32, tree.arity), AS_WHOLE, "Arity",
+      "the most children of a node")
+FIELD(TREE_DEPTH, TREE, "depth", "", NUMBER | NONE, B(U32, tree.depth), AS_WHOLE, "Depth",
+      "edges from the root to the deepest leaf")
+FIELD(TREE_BYTES, TREE, "bytes_tree", "B", NUMBER | NONE, B(SIZE64, bytes_tree), AS_BYTES, "Tree",
+      "bytes of the tree; of embree-native, of what Embree holds")
+FIELD(TREE_BYTES_PEAK, TREE, "bytes_peak", "B", NUMBER | NONE, B(SIZE64, bytes_peak), AS_BYTES,
+      "Peak", "bytes of the tree and all scratch memory")
+
+/* ---- traces ---- */
+FIELD(TRACE_BUILD, TRACE, "build", "", NUMBER, T(U32, build), AS_WHOLE, NULL, NULL)
+FIELD(TRACE_CELL, TRACE, "cell", "", TEXT | NONE, T(CHARS, cell), AS_TEXT, "Key",
+      "what `bvhbench run --cell` takes to measure this again")
+FIELD(TRACE_SCENE, TRACE, "scene", "", TEXT, T(CHARS, scene), AS_TEXT, "Scene", NULL)
+FIELD(TRACE_VIEW, TRACE, "view", "", TEXT | NONE, T(CHARS, view), AS_TEXT, "View", NULL)
+FIELD(TRACE_BUILDER, TRACE, "builder", "", TEXT, T(CHARS, builder), AS_TEXT, "Builder", NULL)
+FIELD(TRACE_KERNEL, TRACE, "kernel", "", TEXT, T(CHARS, kernel), AS_TEXT, "Kernel", NULL)
+FIELD(TRACE_LAYOUT, TRACE, "layout", "", TEXT | NONE, T(CHARS, layout), AS_TEXT, "Layout", NULL)
+FIELD(TRACE_NATIVE, TRACE, "native", "", BOOLEAN | NONE, BY(bb_put_native), AS_TEXT, "Tree",
+      "native: the layout keeps the shape of the builder\xe2\x80\x99s own tree")
+FIELD(TRACE_INTERSECTOR, TRACE, "intersector", "", TEXT | NONE, T(CHARS, intersector), AS_TEXT,
+      "Intersector", NULL)
+FIELD(TRACE_RAYS, TRACE, "rays", "", TEXT, T(CHARS, rays), AS_TEXT, "Rays", NULL)
+FIELD(TRACE_RAYS_SOURCE, TRACE, "rays_source", "", TEXT | NONE, BY(bb_put_rays_source), AS_TEXT,
+      NULL, NULL)
+FIELD(TRACE_QUERY, TRACE, "query", "", TEXT | NONE, BY(bb_put_query), AS_TEXT, "Query", NULL)
+FIELD(TRACE_COUNT, TRACE, "count", "", NUMBER, T(U32, count), AS_WHOLE, "Rays traced", NULL)
+FIELD(TRACE_RAYS_HASH, TRACE, "rays_hash", "", TEXT | NONE, T(HASH, rays_hash), AS_TEXT, NULL, NULL)
+FIELD(TRACE_RAYS_PARAMS, TRACE, "rays_params", "", OBJECT | NONE, BY(bb_put_rays_params), AS_PAIRS,
+      NULL, NULL)
+FIELD(TRACE_GROUP, TRACE, "group_size", "", NUMBER | NONE, T(SIZE, group_size), AS_WHOLE, NULL,
+      NULL)
+FIELD(TRACE_STACK, TRACE, "stack_size", "", NUMBER | NONE, T(SIZE, stack_size), AS_WHOLE, NULL,
+      NULL)
+FIELD(TRACE_STATUS, TRACE, "status", "", TEXT, T(STATUS, status), AS_TEXT, "Status", NULL)
+FIELD(TRACE_REASON, TRACE, "reason", "", TEXT | NONE, T(CHARS, reason), AS_TEXT, NULL, NULL)
+FIELD(TRACE_MS, TRACE, "ms", "ms", NUMBERS | NONE, T(SAMPLES, ms), AS_FIGURE, NULL, NULL)
+FIELD(TRACE_MS_MEDIAN, TRACE, "ms_median", "ms", NUMBER | NONE, T(MEDIAN, ms), AS_FIGURE, "ms",
+      "median wall clock")
+FIELD(TRACE_EVENT_MS, TRACE, "event_ms", "ms", NUMBER | NONE, T(MEDIAN, event_ms), AS_FIGURE,
+      "Event ms", "OpenCL profiling")
+FIELD(TRACE_EVENT_SAMPLES, TRACE, "event_ms_samples", "ms", NUMBERS | NONE, T(SAMPLES, event_ms),
+      AS_FIGURE, NULL, NULL)
+FIELD(TRACE_CPU_MS, TRACE, "cpu_ms", "ms", NUMBER | NONE, T(MEDIAN, cpu_ms), AS_FIGURE, "CPU ms",
+      "process time of all threads")
+FIELD(TRACE_CPU_SAMPLES, TRACE, "cpu_ms_samples", "ms", NUMBERS | NONE, T(SAMPLES, cpu_ms),
+      AS_FIGURE, NULL, NULL)
+FIELD(TRACE_RATE, TRACE, "mrays_s", "Mrays/s", NUMBER | NONE, BY(bb_put_rate), AS_FIGURE, "Mrays/s",
+      "million rays per second, by the median wall clock")
+FIELD(TRACE_RATE_GIVEN, TRACE, "mrays_s_given", "", BOOLEAN | NONE, LATER, AS_TEXT, NULL, NULL)
+FIELD(TRACE_RATE_LO, TRACE, "mrays_s_lo", "Mrays/s", NUMBER | NONE, LATER, AS_FIGURE, NULL, NULL)
+FIELD(TRACE_RATE_HI, TRACE, "mrays_s_hi", "Mrays/s", NUMBER | NONE, LATER, AS_FIGURE, NULL, NULL)
+FIELD(TRACE_RATE_LEAST, TRACE, "mrays_s_least", "Mrays/s", NUMBER | NONE, LATER, AS_FIGURE, NULL,
+      NULL)
+FIELD(TRACE_RATE_MOST, TRACE, "mrays_s_most", "Mrays/s", NUMBER | NONE, LATER, AS_FIGURE, NULL,
+      NULL)
+FIELD(TRACE_NODE_TESTS, TRACE, "node_tests_per_ray", "per ray", NUMBER | NONE, T(MEASURED,
+      node_tests_per_ray), AS_FIGURE, "Box tests", "per ray")
+FIELD(TRACE_PRIM_TESTS, TRACE, "prim_tests_per_ray", "per ray", NUMBER | NONE, T(MEASURED,
+      prim_tests_per_ray), AS_FIGURE, "Prim. tests", "per ray")
+FIELD(TRACE_COUNTED, TRACE, "counted", "", NUMBER | NONE, T(SIZE, counted), AS_WHOLE, "Counted",
+      "rays whose tests were counted")
+FIELD(TRACE_ACCURACY, TRACE, "accuracy", "", OBJECT | NONE, BY(bb_put_accuracy), AS_TEXT, NULL,
+      NULL)
+FIELD(TRACE_UNLIKE, TRACE, "unlike", "", NUMBER | NONE, BY(bb_put_unlike), AS_WHOLE, NULL, NULL)
+FIELD(TRACE_UNLIKE_WHOM, TRACE, "unlike_whom", "", TEXT | NONE, T(CHARS, unlike_whom), AS_TEXT,
+      NULL, NULL)
+FIELD(TRACE_COUNTS, TRACE, "counts_for_exit", "", BOOLEAN | NONE, T(BOOL, counts_for_exit), AS_TEXT,
+      NULL, NULL)
+FIELD(TRACE_WRONG, TRACE, "wrong", "", BOOLEAN | NONE, T(BOOL, wrong), AS_TEXT, NULL, NULL)
+FIELD(TRACE_REFERENCE, TRACE, "reference", "", BOOLEAN | NONE, T(BOOL, reference), AS_TEXT, NULL,
+      NULL)
+FIELD(TRACE_RUN, TRACE, "run", "", NUMBER | NONE, LATER, AS_WHOLE, "Run", NULL)
+
+FIELD(ACCURACY_CHECKED, ACCURACY, "checked", "rays", NUMBER, A(U64, checked), AS_WHOLE, NULL, NULL)
+FIELD(ACCURACY_WRONG_PPM, ACCURACY, "wrong_ppm", "ppm", NUMBER | NONE, BY(bb_put_wrong_ppm),
+      AS_FIGURE, "Wrong ppm", "wrong rays per million")
+FIELD(ACCURACY_MISSED, ACCURACY, "missed", "rays", NUMBER | NONE, A(U64, missed), AS_WHOLE,
+      "Missed", NULL)
+FIELD(ACCURACY_FALSE, ACCURACY, "false", "rays", NUMBER | NONE, A(U64, false_hits), AS_WHOLE,
+      "False", NULL)
+FIELD(ACCURACY_WRONG_T, ACCURACY, "wrong_t", "rays", NUMBER | NONE, A(U64, wrong_t), AS_WHOLE,
+      "Wrong t", NULL)
+FIELD(ACCURACY_UNWRITTEN, ACCURACY, "unwritten", "rays", NUMBER | NONE, A(U64, unwritten), AS_WHOLE,
+      NULL, NULL)
+FIELD(ACCURACY_RIGHT, ACCURACY, "right", "rays", NUMBER | NONE, A(U64, right), AS_WHOLE, NULL, NULL)
+FIELD(ACCURACY_TIES, ACCURACY, "ties", "rays", NUMBER | NONE, A(U64, ties), AS_WHOLE, "Ties", NULL)
+FIELD(ACCURACY_MARGIN, ACCURACY, "margin_limited", "rays", NUMBER | NONE, A(U64, margin_limited),
+      AS_WHOLE, "Margin limited", NULL)
+FIELD(ACCURACY_T_OFF, ACCURACY, "t_off", "rays", NUMBER | NONE, A(U64, t_off), AS_WHOLE, "t off",
+      "right, but the distance is off by more than 1/1024 of it")
+FIELD(ACCURACY_ORACLE_WRONG, ACCURACY, "oracle_wrong", "rays", NUMBER | NONE, A(U64, oracle_wrong),
+      AS_WHOLE, "Oracle wrong", NULL)
+FIELD(ACCURACY_FORGIVEN, ACCURACY, "forgiven", "rays", NUMBER | NONE, A(U64, forgiven), AS_WHOLE,
+      NULL, NULL)
+FIELD(ACCURACY_ARBITRATED, ACCURACY, "arbitrated", "rays", NUMBER | NONE, A(U64, arbitrated),
+      AS_WHOLE, NULL, NULL)
+FIELD(ACCURACY_T_ULP_MAX, ACCURACY, "t_ulp_max", "ulp", NUMBER | NONE, A(DOUBLE, t_ulp_max),
+      AS_FIGURE, "t error max", "units of the last place")
+FIELD(ACCURACY_T_ULP_P99, ACCURACY, "t_ulp_p99", "ulp", NUMBER | NONE, A(DOUBLE, t_ulp_p99),
+      AS_FIGURE, "t error p99", "units of the last place")
+FIELD(ACCURACY_OVERFLOWED, ACCURACY, "overflowed", "rays", NUMBER | NONE, BY(bb_put_overflowed),
+      AS_WHOLE, "Overflowed", "of the counted rays")
+FIELD(ACCURACY_FIRST_WRONG, ACCURACY, "first_wrong", "", NUMBER | NONE, BY(bb_put_first_wrong),
+      AS_WHOLE, NULL, NULL)
+FIELD(ACCURACY_JUDGE_MS, ACCURACY, "judge_ms", "ms", NUMBER | NONE, A(DOUBLE, judge_ms), AS_FIGURE,
+      NULL, NULL)
+
+/* ---- skipped ray sets, pictures ---- */
+FIELD(SKIPPED_SCENE, SKIPPED, "scene", "", TEXT, N(STRING, scene), AS_TEXT, "Scene", NULL)
+FIELD(SKIPPED_RAYS, SKIPPED, "rays", "", TEXT, N(STRING, rays), AS_TEXT, "Rays", NULL)
+FIELD(SKIPPED_VIEW, SKIPPED, "view", "", TEXT | NONE, N(STRING, view), AS_TEXT, "View", NULL)
+FIELD(SKIPPED_REASON, SKIPPED, "reason", "", TEXT | NONE, N(STRING, reason), AS_TEXT, "Reason",
+      NULL)
+FIELD(SKIPPED_RUN, SKIPPED, "run", "", NUMBER | NONE, LATER, AS_WHOLE, "Run", NULL)
+
+FIELD(PICTURE_SCENE, PICTURE, "scene", "", TEXT | NONE, N(STRING, scene), AS_TEXT, NULL, NULL)
+FIELD(PICTURE_VIEW, PICTURE, "view", "", TEXT | NONE, N(STRING, view), AS_TEXT, NULL, NULL)
+FIELD(PICTURE_CAPTION, PICTURE, "caption", "", TEXT | NONE, N(STRING, caption), AS_TEXT, NULL, NULL)
+FIELD(PICTURE_PATH, PICTURE, "path", "", TEXT, N(STRING, path), AS_TEXT, NULL, NULL)
+
+/* ---- papers reproduced: tables of their figures and ours, and what was claimed ---- */
+FIELD(PAPER_NAME, PAPER, "name", "", TEXT, LATER, AS_TEXT, NULL, NULL)
+FIELD(PAPER_TITLE, PAPER, "title", "", TEXT | NONE, LATER, AS_TEXT, NULL, NULL)
+FIELD(TABLE_TITLE, TABLE, "title", "", TEXT | NONE, LATER, AS_TEXT, NULL, NULL)
+FIELD(TABLE_COLUMNS, TABLE, "columns", "", TEXTS, LATER, AS_TEXT, NULL, NULL)
+FIELD(CLAIM_CLAIM, CLAIM, "claim", "", TEXT, LATER, AS_TEXT, NULL, NULL)
+FIELD(CLAIM_HELD, CLAIM, "held", "", BOOLEAN | NONE, LATER, AS_TEXT, NULL, NULL)
+FIELD(CLAIM_VERDICT, CLAIM, "verdict", "", TEXT | NONE, LATER, AS_TEXT, NULL, NULL)
+FIELD(CLAIM_PAPER, CLAIM, "paper", "", TEXT | NONE, LATER, AS_TEXT, NULL, NULL)
+FIELD(CLAIM_OURS, CLAIM, "ours", "", TEXT | NONE, LATER, AS_TEXT, NULL, NULL)
+FIELD(CLAIM_WHY, CLAIM, "why", "", TEXT | NONE, LATER, AS_TEXT, NULL, NULL)
+
+#undef FIELD
+/* clang-format on */

@@ -1,0 +1,30 @@
+/* The table of metrics. */
+#include "framework/tree/metric.h"
+
+#include <math.h>
+#include <string.h>
+
+uint32_t bb_metric_count(void)
+{
+    uint32_t count = 0;
+    while (bb_metrics[count] != NULL)
+        count++;
+    return count < BB_METRICS_MAX ? count : BB_METRICS_MAX;
+}
+
+uint32_t bb_metric_find(const char *name)
+{
+    for (uint32_t i = 0; i < bb_metric_count(); i++)
+        if (strcmp(bb_metrics[i]->name, name) == 0)
+            return i;
+    return BB_NONE;
+}
+
+bb_status bb_metric_compute(const bb_metric *metric, const bb_tree *tree, const bb_scene *scene,
+                            uint64_t samples, uint64_t seed, bb_metric_value *out)
+{
+    *out = (bb_metric_value){NAN, NAN};
+    if (samples == 0)
+        return bb_fail(BB_INVALID, "%s by 0 points: take at least 1", metric->title);
+    return metric->compute(tree, scene, samples, seed, &out->value, &out->half);
+}

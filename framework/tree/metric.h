@@ -1,0 +1,45 @@
+/* Metrics of trees: figures that are to say how good a tree is before a ray is traced. Each is one
+ * file, metric_NAME.c with `const bb_metric bb_metric_NAME`, which CMake finds. From the struct it
+ * is in the result file (NAME, and NAME_half if it is sampled, of the build's tree), in the tables
+ * of builds, in the chart of speed against metrics, in `list metrics` and in `run --metrics`.
+ */
+#ifndef BB_METRIC_H
+#define BB_METRIC_H
+
+#include "framework/tree/tree.h"
+
+enum { BB_METRICS_MAX = 16 };
+
+typedef struct bb_metric {
+    const char *name;       /* as in files and on the command line; a C identifier */
+    const char *title;      /* as in headings: "SAH" */
+    const char *full_title; /* as on axes: "surface area heuristic" */
+    const char *unit;       /* "" for none */
+    const char *summary; /* what it says of a tree, a sentence or two for the page and the help */
+    bool on_request;     /* costs too much to be measured each time */
+    bool of_layouts;     /* the harness also has it of each layout, as traced: layouts_NAME */
+    bool sampled;        /* estimated from points: there is a confidence interval */
+    /* Of the tree, which is checked and on the host: *value, NAN if the tree has none; *half, if it
+     * is sampled, the half width of the 95 % interval of *value. `samples` points, at least 1,
+     * drawn by `seed`: the same for all trees of a scene. May use all cores, but not depend on how
+     * many. */
+    bb_status (*compute)(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
+                         uint64_t seed, double *value, double *half);
+} bb_metric;
+
+extern const bb_metric *const bb_metrics[]; /* generated; by name; ends with NULL */
+
+uint32_t bb_metric_count(void);
+/* Index in bb_metrics; BB_NONE if there is none of that name. */
+uint32_t bb_metric_find(const char *name);
+
+/* What was measured of a tree by one metric; NAN: not measured. */
+typedef struct bb_metric_value {
+    double value, half;
+} bb_metric_value;
+
+/* bb_metric.compute() into *out, whose parts are NAN unless they were computed. */
+bb_status bb_metric_compute(const bb_metric *metric, const bb_tree *tree, const bb_scene *scene,
+                            uint64_t samples, uint64_t seed, bb_metric_value *out);
+
+#endif

@@ -1,0 +1,114 @@
+#!/usr/bin/env bash
+# A metric of trees is one file: one_file.sh SOURCE BUILD
+# 1. No file of the harness but its own names a metric, apart from papers, whose data do, and SAH, which the harness itself
+# uses for layouts. 2. With BVHBENCH_SLOW_TESTS set: a metric dropped into framework/tree is in every output: list, help,
+# file, tables, page, charts.
+set -euo pipefail
+source=$1 build=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail()
+{
+    echo "one_file.sh: $1" >&2
+    exit 1
+}
+
+cd "$source"
+git rev-parse --is-inside-work-tree >/dev/null 2>&1 || {
+    echo "skipped: $source is no git working tree"
+    exit 77
+}
+mkdir "$work/tree"
+git ls-files -z --cached --others --exclude-standard |
+    while IFS= read -r -d '' file; do [ -e "$file" ] && printf '%s\0' "$file"; done |
+    tar --null -T - -cf - | tar -xf - -C "$work/tree"
+cd "$work/tree"
+
+for file in framework/tree/metric_*.c; do
+    name=$(basename "$file" .c)
+    name=${name#metric_}
+    [ "$name" != sah ] || continue
+    grep -rnE "\"$name(_half)?\"|'$name'|\"$name\"|bb_metric_$name\b|[.]$name\b" CMakeLists.txt cmake framework traversal \
+        --include='*.c' --include='*.h' --include='*.js' --include='*.html' --include='*.cmake' \
+        --include='CMakeLists.txt' --exclude-dir=papers | grep -v "^$file:" >"$work/found" || true
+    [ ! -s "$work/found" ] || fail "the harness names the metric $name: $(head -1 "$work/found")"
+done
+
+if [ -z "${BVHBENCH_SLOW_TESTS-}" ]; then
+    echo "one file: nobody else names a metric"
+    exit 0
+fi
+cat >framework/tree/metric_dropped_in.c <<'END'
+#include "framework/tree/metric.h"
+
+static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
+                         uint64_t seed, double *value, double *half)
+{
+    (void)scene;
+    (void)samples;
+    (void)seed;
+    *value = tree->info.node_count + 0.25;
+    *half = 0.125;
+    return BB_OK;
+}
+
+extern const bb_metric bb_metric_dropped_in;
+const bb_metric bb_metric_dropped_in = {
+    .name = "dropped_in",
+    .title = "DROP",
+    .full_title = "nodes and a quarter",
+    .unit = "nodes",
+    .summary = "Nobody else knows of this.",
+    .on_request = true,
+    .sampled = true,
+    .compute = compute,
+};
+END
+generator=$(grep '^CMAKE_GENERATOR:' "$build/CMakeCache.txt" | cut -d= -f2)
+cmake -S . -B "$work/build" -G "$generator" -DCMAKE_BUILD_TYPE=Debug >"$work/log" 2>&1 &&
+    cmake --build "$work/build" -j 2 >"$work/log" 2>&1 || fail "build: $(tail -5 "$work/log")"
+program=$work/build/bvhbench
+run()
+{
+    "$program" run --scene cube --builder lbvh,embree-native --kernel stack --rays primary --size 16x16 --repeats 1 \
+        --no-pictures --quiet --out "$work/$1" "${@:2}" >"$work/$1.txt" 2>"$work/$1.err" ||
+        fail "run $1: $(cat "$work/$1.err")"
+}
+"$program" list metrics | grep -q '^  dropped_in  *nodes and a quarter' || fail "list does not show it"
+"$program" run --help | grep -q '^  dropped_in ' || fail "the help does not show it"
+run with --metrics dropped_in
+run without
+value=$(grep -E '"nodes":' "$work/with/results.json" | head -1 | tr -dc 0-9).25
+grep -qE "\"dropped_in\":[[:space:]]*$value,?\$" "$work/with/results.json" || fail "the file lacks it, or its value"
+grep -qE '"dropped_in_half":[[:space:]]*0.125,?$' "$work/with/results.json" || fail "the file lacks its interval"
+grep -qE '"dropped_in":[[:space:]]*null,?$' "$work/without/results.json" || fail "not asked for, it is not null"
+grep -q '^  Builder .* DROP ' "$work/with.txt" || fail "the table has no column for it"
+grep -q "^  lbvh .* $value" "$work/with.txt" || fail "the table lacks its value"
+! grep -q DROP "$work/without.txt" || fail "the table has a column for what nobody measured"
+! "$program" run --scene cube --metrics dropped --out "$work/bad" 2>"$work/err" || fail "a metric that is none is taken"
+grep -q "unknown metric 'dropped'" "$work/err" || fail "what is wrong is not said: $(cat "$work/err")"
+# an earlier file, and one whose value is no number
+sed 's/"dropped_in":.*/"dropped_in": "much",/' "$work/with/results.json" >"$work/broken.json"
+! "$program" report "$work/broken.json" --out "$work/broken.html" >/dev/null 2>"$work/err" ||
+    fail "a metric that is no number is taken"
+grep -q 'tree: "dropped_in" has the wrong type' "$work/err" || fail "$(cat "$work/err")"
+sed '/"dropped_in/d; s/\("epo_half":[^,]*\),/\1/' "$work/with/results.json" >"$work/earlier.json"
+"$program" report "$work/earlier.json" --out "$work/earlier.html" >"$work/earlier.txt" 2>&1 ||
+    fail "a file without it is not read: $(cat "$work/earlier.txt")"
+
+browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+grep -q '"name":"dropped_in"' "$work/with/report.html" || fail "the page's schema lacks it"
+if [ -n "$browser" ]; then
+    "$browser" --headless --no-sandbox --disable-gpu --no-first-run --disable-dev-shm-usage \
+        --user-data-dir="$work/profile" --virtual-time-budget=5000 --dump-dom "file://$work/with/report.html" \
+        2>/dev/null | sed -n '1,/<script type="application\/json"/p' >"$work/page"
+    grep -q '>DROP</button>' "$work/page" || fail "the page's table of builds has no column for it"
+    grep -q '<option value="dropped_in">DROP of the tree</option>' "$work/page" || fail "the page's chart has no choice of it"
+    grep -q '<dt>DROP</dt><dd>Nobody else knows of this.</dd>' "$work/page" || fail "the page does not say what it is"
+fi
+if command -v gnuplot >/dev/null; then
+    grep -q "cube_primary_dropped_in.svg" "$work/with/report-charts/charts.gp" || fail "there is no picture of it"
+    [ -s "$work/with/report-charts/cube_primary_dropped_in.svg" ] || fail "its picture is not drawn"
+fi
+echo "one file: ok"
