@@ -33,7 +33,7 @@ static void test_refusals(void **state)
     expect_refusal(BB_TEST_SOURCE_DIR "/CMakeLists.txt", "not a shared object");
     expect_refusal(path_of("none.so"), "exports no bb_plugin");
     expect_refusal(path_of("foreign.so"), "its bb_plugin is no builder of this bvhbench");
-    expect_refusal(path_of("abi.so"), "ABI version 999, this bvhbench has 4");
+    expect_refusal(path_of("abi.so"), "ABI version 999, this bvhbench has 5");
     expect_refusal(path_of("invalid.so"), "builder invalid: build() is missing");
     expect_refusal(path_of("taken.so"), "there is a builder sah already");
     expect_refusal(path_of("file.so"), "there is a device file lanes.clh already");

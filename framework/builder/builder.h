@@ -26,7 +26,7 @@ extern "C" {
 #endif
 
 /* Raised whenever this header or the structs it takes in change their layout or meaning. */
-enum { BB_ABI_VERSION = 4 };
+enum { BB_ABI_VERSION = 5 };
 
 /* What a builder reads; the clock starts when this is in place. All else of the scene is withheld:
  * it is zero in the scene that the hooks get. Views are withheld, too, since rays follow from them,
@@ -41,13 +41,6 @@ enum {
     BB_INPUT_GEOMETRY = 1u << 1, /* vertices and the data of prims: likewise */
     BB_INPUT_TREE = 1u << 2,     /* an optimiser: takes another builder's tree */
     BB_INPUT_PROFILE = 1u << 3, /* bounds and profile: measured by the harness, outside the clock */
-};
-
-/* What may have changed since the last build, for update(). */
-enum {
-    BB_CHANGED_POSITIONS = 1u << 0,
-    BB_CHANGED_TOPOLOGY = 1u << 1,
-    BB_CHANGED_TRANSFER = 1u << 2, /* the transfer function of a volume */
 };
 
 enum { BB_STAGES_MAX = 4 }; /* of a pipeline */
@@ -129,12 +122,15 @@ struct bb_builder {
     bb_status (*split)(void *self, const bb_scene *scene, bb_references *references,
                        bb_phases *phases);
 
-    /* Brings `tree` up to date after `changed` (BB_CHANGED_...); timed like build(). Optional:
+    /* Brings `tree`, which this object has built, up to date after `changed` (BB_CHANGED_...) of the
+     * same primitives; timed like build(), and after restore() like it. A valid tree of what is there
+     * now, not the one that build() would make. BB_UNSUPPORTED before it has touched the tree, if it
+     * cannot follow: the harness builds again. Not called in a pipeline of several stages. Optional:
      * default, the harness builds again. */
     bb_status (*update)(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                         bb_phases *phases);
 
-    /* Restores what build() may have used up of its input, before each build; not part of the
+    /* Restores what build() may have used up of its input, before each build or update; not part of the
      * build's time, but recorded. Optional: default none. */
     bb_status (*restore)(void *self, const bb_scene *scene);
 

@@ -63,6 +63,9 @@ typedef struct bb_scene_device {
     bb_buffer prims;    /* the data of all kinds, one after the other */
 } bb_scene_device;
 
+/* How a moving scene is brought to another frame: scene_frame.c. */
+struct bb_scene_motion;
+
 /* The primitives of one kind: numbers first .. first + count - 1 of the scene. */
 typedef struct bb_prims {
     uint32_t first, count;
@@ -96,6 +99,9 @@ typedef struct bb_scene {
     bool
         closed_from_inside; /* a closed mesh whose inside holds `inside_point` (generators say so) */
     double inside_point[3];
+    uint32_t frame_count; /* states of a moving scene; 1 of one that stays still */
+    uint32_t frame;       /* the current one, see bb_scene_set_frame(); BB_NONE: none, it failed */
+    struct bb_scene_motion *motion; /* NULL: it stays still */
     bb_scene_device on_device;
     double load_ms;
 } bb_scene;
@@ -108,6 +114,13 @@ typedef struct bb_generator {
     /* Fills what bb_scene_reserve() gave it, and views if it has fixed ones,
      * closed_from_inside. Finishing (boxes, bounds, hash, checks) is bb_scene_finish()'s. */
     bb_status (*make)(const bb_spec *spec, const bb_option *options, bb_scene *scene);
+    /* Rewrites the vertices, or the primitives' data where they have none, to those of `frame`,
+     * 0 .. frame_count - 1, whichever frame was there before; counts and indices stay. make() has
+     * set frame_count and made frame 0, bit for bit as this does. What views, profile and
+     * closed_from_inside say is of frame 0, but closed_from_inside is only said if it holds for
+     * all. Optional: default, the scene stays still. */
+    bb_status (*set_frame)(const bb_spec *spec, const bb_option *options, bb_scene *scene,
+                           uint32_t frame);
 } bb_generator;
 
 extern const bb_generator *const bb_generators[]; /* generated table; ends with NULL */
@@ -140,6 +153,21 @@ bb_status bb_scene_reserve_mesh(bb_scene *scene, uint64_t vertex_count, uint64_t
 /* Checks a filled scene (finite, indices in range, at least one primitive), makes every -0 a +0,
  * computes boxes, bounds, scale and hash. */
 bb_status bb_scene_finish(bb_scene *scene);
+
+/* What may have changed between two states of a scene. */
+enum {
+    BB_CHANGED_POSITIONS = 1u << 0,
+    BB_CHANGED_TOPOLOGY = 1u << 1,
+    BB_CHANGED_TRANSFER = 1u << 2, /* the transfer function of a volume */
+};
+
+/* Brings the scene to `frame`, in the memory that it has: vertices, data of primitives, boxes, bounds,
+ * scale, out_of_range and hash are that frame's, and so is the copy on the device, if there is one
+ * (waited for). Profile, views and closed_from_inside stay frame 0's: cameras stand still, and what is
+ * chosen from the profile is chosen once. Frame 0 is what was loaded, bit for bit. `changed` gets
+ * BB_CHANGED_POSITIONS, or 0 if nothing moved; may be NULL. BB_INVALID if there is no such frame: the
+ * scene stays as it is. After another failure the scene is at no frame, until a call succeeds. */
+bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed);
 
 /* Sets scene->scale and scene->out_of_range from its primitives and bounds; bb_scene_finish() does it.
  *

@@ -1,5 +1,6 @@
 /* What makes a filled scene complete: its checks, its boxes and its hash. */
 #include "framework/scene/prim.h"
+#include "framework/scene/scene_private.h"
 
 #include <math.h>
 #include <string.h>
@@ -43,8 +44,6 @@ static bb_status make_boxes_of(bb_scene *scene, uint32_t kind)
 
 static bb_status make_boxes(bb_scene *scene)
 {
-    BB_TRY(bb_host_alloc(NULL, (size_t)scene->prim_count * sizeof(bb_box), "the scene's boxes",
-                         &scene->boxes));
     memset(&scene->bounds, 0, sizeof scene->bounds);
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         BB_TRY(make_boxes_of(scene, kind));
@@ -83,6 +82,18 @@ static bb_status hash_geometry(bb_scene *scene)
     return BB_OK;
 }
 
+bb_status bb_scene_finish_frame(bb_scene *scene)
+{
+    drop_negative_zeros(scene->vertices, 3 * (size_t)scene->vertex_count);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (!bb_prim_kinds[kind]->is_mesh)
+            drop_negative_zeros(scene->prims[kind].data,
+                                scene->prims[kind].count * bb_prim_bytes(kind) / sizeof(float));
+    BB_TRY(make_boxes(scene));
+    BB_TRY(bb_scene_choose_scale(scene));
+    return hash_geometry(scene);
+}
+
 bb_status bb_scene_finish(bb_scene *scene)
 {
     uint64_t prims = 0;
@@ -94,12 +105,9 @@ bb_status bb_scene_finish(bb_scene *scene)
         return bb_fail(BB_REFUSED, "%s: has %llu primitives, at most 2^31 - 1 can be handled",
                        scene->name, (unsigned long long)prims);
     bb_scene_number_kinds(scene);
-    drop_negative_zeros(scene->vertices, 3 * (size_t)scene->vertex_count);
-    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
-        if (!bb_prim_kinds[kind]->is_mesh)
-            drop_negative_zeros(scene->prims[kind].data,
-                                scene->prims[kind].count * bb_prim_bytes(kind) / sizeof(float));
-    BB_TRY(make_boxes(scene));
-    BB_TRY(bb_scene_choose_scale(scene));
-    return hash_geometry(scene);
+    BB_TRY(bb_host_alloc(NULL, (size_t)scene->prim_count * sizeof(bb_box), "the scene's boxes",
+                         &scene->boxes));
+    if (scene->frame_count == 0)
+        scene->frame_count = 1;
+    return bb_scene_finish_frame(scene);
 }

@@ -1,6 +1,6 @@
 /* From a specification to a finished scene: a file, a shipped scene, or a generator. */
 #include "framework/base/clock.h"
-#include "framework/scene/scene.h"
+#include "framework/scene/scene_private.h"
 
 #include <dlfcn.h>
 #include <limits.h>
@@ -168,7 +168,8 @@ static bb_status load_named(const char *text, bb_scene *scene)
     snprintf(what, sizeof what, "scene %s", generator->name);
     BB_TRY(bb_spec_validate(&spec, generator->options, what));
     snprintf(scene->source, sizeof scene->source, "%s", generator->name);
-    return generator->make(&spec, generator->options, scene);
+    BB_TRY(generator->make(&spec, generator->options, scene));
+    return bb_scene_remember_motion(generator, text, scene);
 }
 
 /* A path that is too long for the name keeps its end, which tells scenes apart. */

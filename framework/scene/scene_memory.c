@@ -84,5 +84,6 @@ void bb_scene_free(bb_scene *scene)
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         bb_host_free(scene->prims[kind].data);
     bb_host_free(scene->boxes);
+    bb_host_free(scene->motion);
     free(scene);
 }

@@ -1,12 +1,12 @@
 /* A scene's copy on the device. */
 #include "framework/scene/prim.h"
+#include "framework/scene/scene_private.h"
 
 enum { GROUP_SIZE = 64 };
 
 typedef struct part {
     const char *what;
     bb_buffer *buffer;
-    const void *source;
     uint64_t bytes;
 } part;
 
@@ -56,16 +56,35 @@ static bb_status write_prims(bb_scene *scene)
     return BB_OK;
 }
 
+/* What there is room for. After a failure the scene is on no device. */
+static bb_status fill(bb_scene *scene)
+{
+    bb_scene_device *there = &scene->on_device;
+    size_t bytes = (size_t)scene->vertex_count * 3 * sizeof(float);
+    bb_status status = BB_OK;
+    if (bytes > 0)
+        status = bb_buffer_write(&there->vertices, 0, bytes, scene->vertices);
+    if (status == BB_OK)
+        status = write_prims(scene);
+    if (status == BB_OK)
+        status = bb_scene_make_boxes(scene);
+    if (status == BB_OK)
+        status = bb_finish(there->device);
+    if (status != BB_OK)
+        there->device = NULL;
+    return status;
+}
+
 bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
 {
     bb_scene_device *there = &scene->on_device;
     if (there->device == device)
         return BB_OK;
     const part parts[] = {
-        {"the scene's boxes", &there->boxes, NULL, (uint64_t)scene->prim_count * sizeof(bb_box)},
-        {"the scene's vertices", &there->vertices, scene->vertices,
+        {"the scene's boxes", &there->boxes, (uint64_t)scene->prim_count * sizeof(bb_box)},
+        {"the scene's vertices", &there->vertices,
          (uint64_t)scene->vertex_count * 3 * sizeof(float)},
-        {"the scene's primitives", &there->prims, NULL, prim_bytes(scene)},
+        {"the scene's primitives", &there->prims, prim_bytes(scene)},
     };
     enum { PARTS = sizeof parts / sizeof parts[0] };
     for (size_t i = 0; i < PARTS; i++)
@@ -76,18 +95,14 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
         /* Kernels take a buffer for each part, so none of them stays without one. */
         size_t bytes = parts[i].bytes > 0 ? (size_t)parts[i].bytes : sizeof(bb_box);
         BB_TRY(bb_buffer_reserve(device, &there->account, bytes, parts[i].what, parts[i].buffer));
-        if (parts[i].bytes > 0 && parts[i].source != NULL)
-            BB_TRY(bb_buffer_write(parts[i].buffer, 0, (size_t)parts[i].bytes, parts[i].source));
     }
     there->device = device;
-    bb_status status = write_prims(scene);
-    if (status == BB_OK)
-        status = bb_scene_make_boxes(scene);
-    if (status == BB_OK)
-        status = bb_finish(device);
-    if (status != BB_OK)
-        there->device = NULL;
-    return status;
+    return fill(scene);
+}
+
+bb_status bb_scene_upload_again(bb_scene *scene)
+{
+    return scene->on_device.device != NULL ? fill(scene) : BB_OK;
 }
 
 bb_status bb_scene_make_boxes(bb_scene *scene)

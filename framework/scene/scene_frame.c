@@ -1,0 +1,48 @@
+/* Frames of a moving scene: the same primitives, elsewhere. */
+#include "framework/scene/scene_private.h"
+
+bb_status bb_scene_remember_motion(const bb_generator *generator, const char *text, bb_scene *scene)
+{
+    if (scene->frame_count <= 1)
+        return BB_OK;
+    if (generator->set_frame == NULL)
+        return bb_fail(BB_FAILED, "scene %s claims %u frames, and has no set_frame()",
+                       generator->name, scene->frame_count);
+    BB_TRY(bb_host_alloc(NULL, sizeof *scene->motion, "how the scene moves", &scene->motion));
+    scene->motion->generator = generator;
+    return bb_spec_parse(text, &scene->motion->spec);
+}
+
+static bb_status check_frame(const bb_scene *scene, uint32_t frame)
+{
+    if (frame < scene->frame_count)
+        return BB_OK;
+    if (scene->frame_count == 1)
+        return bb_fail(BB_INVALID, "%s: has no frame %u: it does not move, frame 0 is all there is",
+                       scene->name, frame);
+    return bb_fail(BB_INVALID, "%s: has no frame %u: they are 0 to %u", scene->name, frame,
+                   scene->frame_count - 1);
+}
+
+bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed)
+{
+    uint32_t unused;
+    changed = changed != NULL ? changed : &unused;
+    *changed = 0;
+    BB_TRY(check_frame(scene, frame));
+    if (frame == scene->frame)
+        return BB_OK;
+    const bb_scene_motion *motion = scene->motion;
+    const bb_generator *generator = motion->generator;
+    uint64_t before = scene->hash;
+    bool known = scene->frame != BB_NONE;
+    scene->frame = BB_NONE;
+    BB_TRY(generator->set_frame(&motion->spec, generator->options, scene, frame));
+    BB_TRY(bb_scene_finish_frame(scene));
+    if (!known || scene->hash != before) {
+        BB_TRY(bb_scene_upload_again(scene));
+        *changed = BB_CHANGED_POSITIONS;
+    }
+    scene->frame = frame;
+    return BB_OK;
+}
