@@ -44,8 +44,9 @@ typedef struct bb_instance {
     bb_references references; /* a splitter's */
     cl_program program;       /* of the mapping of references */
     cl_kernel map;
-    bb_tree tree;        /* what the last stage made */
-    uint32_t step_count; /* of the last build */
+    bb_tree tree;          /* what the last stage made */
+    const bb_scene *built; /* what the tree is of; NULL: there is none, or a build failed */
+    uint32_t step_count;   /* of the last build or update */
     bb_build_step steps[BB_STEPS_MAX];
 } bb_instance;
 
@@ -63,6 +64,20 @@ void bb_instance_destroy(bb_instance *instance); /* a zeroed instance is allowed
  * `exact_phases`: see bb_phases. */
 bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool exact_phases,
                             bb_build_timing *timing);
+
+/* What bb_instance_update() did. */
+typedef enum bb_update_way { BB_KEPT, BB_UPDATED, BB_REBUILT } bb_update_way;
+
+/* As words: "kept", "updated", "rebuilt". */
+const char *bb_update_word(bb_update_way way);
+
+/* Brings the tree up to date after `changed` (BB_CHANGED_...) of `scene`, by the builder's update() if
+ * it has one that can follow, else by a build; `way` says which. Nothing is done if nothing changed.
+ * Timed and booked like a build: bb_instance_build(). What has not been built for this scene, with as
+ * many primitives, is built. So is every pipeline of several stages: what is between stages, pieces of
+ * a splitter among it, would have to follow as well, and no hook says how. */
+bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint32_t changed,
+                             bool exact_phases, bb_update_way *way, bb_build_timing *timing);
 
 /* Moves once again what stages on the host need moved: what they declare of the scene down, what
  * one hands to the next across, the tree up; 0 for a pipeline on the device. `ms` gets the time.

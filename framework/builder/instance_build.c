@@ -89,13 +89,16 @@ static bb_status hand_over(bb_instance *instance, uint32_t i, double *ms)
     return on_host ? bb_tree_download(input, ms) : bb_tree_upload(input, device, ms);
 }
 
-static bb_status run_hook(bb_instance *instance, uint32_t i, const bb_scene *part,
+/* `changed` is 0 in a build. */
+static bb_status run_hook(bb_instance *instance, uint32_t i, const bb_scene *part, uint32_t changed,
                           bb_phases *phases)
 {
     bb_stage *stage = &instance->stages[i];
     const bb_builder *builder = stage->builder;
     const bb_tree *input = bb_is_optimiser(builder) ? instance->stages[i - 1].tree : NULL;
-    if (bb_is_splitter(builder))
+    if (changed != 0)
+        BB_TRY(builder->update(stage->self, part, changed, stage->tree, phases));
+    else if (bb_is_splitter(builder))
         BB_TRY(builder->split(stage->self, part, &instance->references, phases));
     else
         BB_TRY(builder->build(stage->self, part, input, stage->tree, phases));
@@ -114,7 +117,8 @@ static bb_status check_references(const bb_instance *instance, const bb_scene *s
                    instance->stages[0].builder->name, references->count, scene->prim_count, room);
 }
 
-static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *scene, bool exact)
+static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *scene,
+                           uint32_t changed, bool exact)
 {
     bb_stage *stage = &instance->stages[i];
     const bb_builder *builder = stage->builder;
@@ -129,7 +133,7 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
                                .current = -1};
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(instance->device, &watch));
-    bb_status status = run_hook(instance, i, &part, &step->phases);
+    bb_status status = run_hook(instance, i, &part, changed, &step->phases);
     bb_status stopped = bb_stopwatch_stop(&watch, &step->timing.timing);
     BB_TRY(status);
     BB_TRY(stopped);
@@ -191,23 +195,70 @@ static void add_timing(bb_build_timing *sum, const bb_build_timing *more)
     sum->outside_ms += more->outside_ms;
 }
 
+static void sum_timings(const bb_instance *instance, bb_build_timing *timing)
+{
+    if (timing == NULL)
+        return;
+    *timing = (bb_build_timing){0};
+    for (uint32_t i = 0; i < instance->step_count; i++)
+        add_timing(timing, &instance->steps[i].timing);
+}
+
 bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool exact_phases,
                             bb_build_timing *timing)
 {
     instance->step_count = 0;
+    instance->built = NULL;
     for (uint32_t i = 0; i < instance->pipeline.count; i++) {
         double unused;
         BB_TRY(hand_over(instance, i, &unused));
-        BB_TRY(run_stage(instance, i, scene, exact_phases));
+        BB_TRY(run_stage(instance, i, scene, 0, exact_phases));
         if (bb_stage_is_fed_with_references(instance, i))
             BB_TRY(map_refs(instance, scene));
     }
-    if (timing == NULL)
-        return BB_OK;
-    *timing = (bb_build_timing){0};
-    for (uint32_t i = 0; i < instance->step_count; i++)
-        add_timing(timing, &instance->steps[i].timing);
+    instance->built = scene;
+    sum_timings(instance, timing);
     return BB_OK;
+}
+
+/* ---- updates ---- */
+
+const char *bb_update_word(bb_update_way way)
+{
+    static const char *const words[] = {"kept", "updated", "rebuilt"};
+    return words[way];
+}
+
+static bool can_update(const bb_instance *instance, const bb_scene *scene)
+{
+    const bb_stage *stage = &instance->stages[0];
+    return instance->pipeline.count == 1 && stage->builder->update != NULL &&
+           instance->built == scene && stage->prepared_count == scene->prim_count;
+}
+
+bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint32_t changed,
+                             bool exact_phases, bb_update_way *way, bb_build_timing *timing)
+{
+    if (instance->built == scene && changed == 0) {
+        *way = BB_KEPT;
+        instance->step_count = 0;
+        sum_timings(instance, timing);
+        return BB_OK;
+    }
+    if (can_update(instance, scene)) {
+        *way = BB_UPDATED;
+        instance->step_count = 0;
+        instance->built = NULL;
+        bb_status status = run_stage(instance, 0, scene, changed, exact_phases);
+        if (status == BB_OK) {
+            instance->built = scene;
+            sum_timings(instance, timing);
+        }
+        if (status != BB_UNSUPPORTED)
+            return status;
+    }
+    *way = BB_REBUILT;
+    return bb_instance_build(instance, scene, exact_phases, timing);
 }
 
 /* ---- transfers ---- */
