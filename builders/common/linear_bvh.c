@@ -1,6 +1,7 @@
 #include "builders/common/linear_bvh.h"
 
 #include "builders/common/radix_tree.h"
+#include "builders/common/refit.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +12,7 @@ typedef struct linear_bvh {
     bb_primitives *primitives;
     bb_codes *codes;
     bb_radix_tree *radix;
+    bb_refitter *refitter; /* NULL: trees are built again */
     bb_buffer keys;
     bb_buffer values;
 } linear_bvh;
@@ -24,6 +26,7 @@ void bb_linear_destroy(void *opaque)
     bb_buffer_release(&self->values);
     bb_codes_destroy(self->codes);
     bb_radix_tree_destroy(self->radix);
+    bb_refitter_destroy(self->refitter);
     bb_primitives_destroy(self->primitives);
     free(self);
 }
@@ -39,6 +42,8 @@ bb_status bb_linear_create(const bb_builder_context *context, void **out)
     bool karras = bb_spec_is(context->spec, context->options, "link", "karras");
     BB_TRY(bb_codes_create(context, &self->codes));
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
+    if (bb_spec_is(context->spec, context->options, "update", "refit"))
+        BB_TRY(bb_refitter_create(self->device, self->account, &self->refitter));
     bb_radix_kind kind = {.key_bytes = bb_codes_key_bytes(self->codes),
                           .linking = karras ? BB_LINK_KARRAS : BB_LINK_APETREI};
     return bb_radix_tree_create(self->device, self->account, kind, &self->radix);
@@ -54,6 +59,8 @@ bb_status bb_linear_prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     BB_TRY(bb_buffer_reserve(self->device, self->account, count * sizeof(uint32_t), "lbvh: indices",
                              &self->values));
     BB_TRY(bb_primitives_reserve(self->primitives, scene->prim_count, key_bytes));
+    if (self->refitter != NULL)
+        BB_TRY(bb_refitter_reserve(self->refitter, 2 * count - 1));
     return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
 }
 
@@ -70,6 +77,17 @@ bb_status bb_linear_build(void *opaque, const bb_scene *scene, const bb_tree *in
     BB_TRY(bb_phase(phases, "link"));
     BB_TRY(bb_radix_tree_link(self->radix, &self->keys, NULL, &self->values,
                               &scene->on_device.boxes, count, tree));
+    return bb_phase(phases, NULL);
+}
+
+bb_status bb_linear_update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
+                           bb_phases *phases)
+{
+    linear_bvh *self = opaque;
+    if (self->refitter == NULL || (changed & ~(uint32_t)BB_CHANGED_POSITIONS) != 0)
+        return bb_fail(BB_UNSUPPORTED, "the tree is built again");
+    BB_TRY(bb_phase(phases, "refit"));
+    BB_TRY(bb_refit_device(self->refitter, &scene->on_device.boxes, tree));
     return bb_phase(phases, NULL);
 }
 

@@ -20,11 +20,20 @@ extern "C" {
         "link", "apetrei", "apetrei|karras", "how the tree is linked; the tree is the same"        \
     }
 
-/* The hooks of a builder whose options have BB_CODE_OPTIONS and BB_LINK_OPTION. */
+#define BB_UPDATE_OPTION                                                                           \
+    {                                                                                              \
+        "update", "rebuild", "rebuild|refit",                                                      \
+            "once primitives have moved: the tree is built again, or its boxes are fitted anew"    \
+    }
+
+/* The hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and BB_UPDATE_OPTION. */
 bb_status bb_linear_create(const bb_builder_context *context, void **self);
 bb_status bb_linear_prepare(void *self, const bb_scene *scene, bb_tree *tree);
 bb_status bb_linear_build(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
                           bb_phases *phases);
+/* BB_UNSUPPORTED with update=rebuild: then the harness builds again. */
+bb_status bb_linear_update(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
+                           bb_phases *phases);
 bb_status bb_linear_describe(void *self, const bb_scene *scene, char *text, size_t capacity);
 void bb_linear_destroy(void *self);
 

@@ -8,6 +8,7 @@
 static const bb_option options[] = {
     BB_CODE_OPTIONS("mc32"),
     BB_LINK_OPTION,
+    BB_UPDATE_OPTION,
     {.name = NULL},
 };
 
@@ -25,6 +26,7 @@ const bb_builder bb_builder_lbvh = {
     .create = bb_linear_create,
     .prepare = bb_linear_prepare,
     .build = bb_linear_build,
+    .update = bb_linear_update,
     .describe = bb_linear_describe,
     .destroy = bb_linear_destroy,
 };
