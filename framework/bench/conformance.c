@@ -1,4 +1,4 @@
-#include "framework/bench/conformance.h"
+#include "framework/bench/conformance_private.h"
 #include "framework/scene/prim.h"
 #include "framework/workload/workload.h"
 
@@ -20,43 +20,17 @@ static const char *const workloads[] = {"primary",
                                         "edges:jitter=64",
                                         "edges:jitter=64,from=around",
                                         "lines:query=interval"};
-enum { SETS_MAX = sizeof workloads / sizeof workloads[0] };
-
-/* A ray set, the oracle's answers, and the first full answer by a kernel, which all others must equal. */
-typedef struct ray_set {
-    bb_rays *rays;
-    bb_answers answers;
-    char *results; /* of the first `count` rays */
-    uint32_t count;
-    uint32_t affordable; /* rays on the tree at hand */
-    char whose[128];
-} ray_set;
-
-struct bb_conformance {
-    bb_device *device;
-    bb_scene *scene;
-    bb_scene *reversed; /* the same primitives, the last first */
-    bb_oracle *oracle;
-    uint64_t seed;
-    uint32_t side; /* of the pictures: a set has its square of rays */
-    uint32_t set_count;
-    ray_set sets[SETS_MAX];
-    char left_out[1024];
-    bb_account account;
-    bb_buffer d_results;
-    char *results; /* of the last trace */
-};
+_Static_assert(sizeof workloads / sizeof workloads[0] == BB_CONFORMANCE_SETS, "sets");
 
 /* Tests of boxes and primitives that a set may take by one kernel, of which there are many; without a
  * tree, once. A kernel that restarts from the root meets all levels of a chain again and again, which the
  * kernel that counts tests does not. */
 static const double most_tests = 1.5e6, most_brute_tests = 4e7, most_levels = 1e8;
 
-/* As many rays of each set as there is time for on this tree, which is on the device. */
-static bb_status choose_counts(bb_conformance *c, bb_tree *tree)
+bb_status bb_conformance_choose_counts(bb_conformance *c, bb_tree *tree)
 {
-    const bb_rays *rays[SETS_MAX] = {NULL};
-    double tests[SETS_MAX] = {0}, depth = tree->info.depth;
+    const bb_rays *rays[BB_CONFORMANCE_SETS] = {NULL};
+    double tests[BB_CONFORMANCE_SETS] = {0}, depth = tree->info.depth;
     double budget = tree->info.node_count == 1 ? most_brute_tests : most_tests;
     for (uint32_t i = 0; i < c->set_count; i++)
         rays[i] = c->sets[i].rays;
@@ -73,7 +47,7 @@ static bb_status choose_counts(bb_conformance *c, bb_tree *tree)
 /* ---- the answers ---- */
 
 /* `overflows`: whether the kernel's stack may be too small for the tree. */
-static bb_status trace(bb_conformance *c, const ray_set *set, const bb_kernel *kernel,
+static bb_status trace(bb_conformance *c, const bb_ray_set *set, const bb_kernel *kernel,
                        const bb_layout_data *layout, uint32_t count, bool *overflows)
 {
     bb_spec spec;
@@ -93,7 +67,7 @@ static bb_status trace(bb_conformance *c, const ray_set *set, const bb_kernel *k
 }
 
 /* A kernel whose stack overflowed left the answer unwritten: it refuses the tree, loudly. */
-static bb_status judge(bb_conformance *c, ray_set *set, const char *kernel, uint32_t count,
+static bb_status judge(bb_conformance *c, bb_ray_set *set, const char *kernel, uint32_t count,
                        bool overflows)
 {
     bb_accuracy accuracy;
@@ -114,8 +88,8 @@ static bb_status judge(bb_conformance *c, ray_set *set, const char *kernel, uint
         accuracy.first_wrong);
 }
 
-static bb_status compare(bb_conformance *c, ray_set *set, const char *builder, const char *kernel,
-                         uint32_t count)
+static bb_status compare(bb_conformance *c, bb_ray_set *set, const char *builder,
+                         const char *kernel, uint32_t count)
 {
     const bb_query *query = set->rays->query;
     size_t bytes = query->result_bytes;
@@ -140,7 +114,7 @@ static bb_status compare(bb_conformance *c, ray_set *set, const char *builder, c
     return BB_OK;
 }
 
-static bb_status check_set(bb_conformance *c, ray_set *set, const char *builder,
+static bb_status check_set(bb_conformance *c, bb_ray_set *set, const char *builder,
                            const bb_kernel *kernel, const bb_layout_data *layout)
 {
     uint32_t count = set->affordable;
@@ -199,7 +173,7 @@ bb_status bb_conformance_brute_force(bb_conformance *c)
     bb_tree tree;
     bb_status status = make_one_leaf(c->scene, &tree);
     if (status == BB_OK)
-        status = choose_counts(c, &tree);
+        status = bb_conformance_choose_counts(c, &tree);
     if (status == BB_OK)
         status = check_kernel(c, &tree, "brute force", bb_kernels[0]);
     bb_tree_release(&tree);
@@ -213,7 +187,7 @@ static bb_status add_set(bb_conformance *c, const char *workload)
     bb_spec spec;
     BB_TRY(bb_spec_parse(workload, &spec));
     const bb_workload *found = bb_workload_find(spec.name);
-    ray_set *set = &c->sets[c->set_count];
+    bb_ray_set *set = &c->sets[c->set_count];
     bb_rays_request request = {
         .spec = &spec,
         .view = found->per_view ? &c->scene->views[0] : NULL,
@@ -270,14 +244,11 @@ static bb_status reverse(const bb_scene *scene, bb_scene **out)
     return bb_scene_finish(reversed);
 }
 
-static bb_status prepare(bb_conformance *c)
+bb_status bb_conformance_prepare_rays(bb_conformance *c)
 {
     bb_scene *scene = c->scene;
-    BB_TRY(bb_scene_upload(scene, c->device));
-    BB_TRY(reverse(scene, &c->reversed));
-    BB_TRY(bb_scene_upload(c->reversed, c->device));
     BB_TRY(bb_oracle_create(scene, bb_host_threads(c->device), &c->oracle));
-    for (int i = 0; i < SETS_MAX; i++)
+    for (int i = 0; i < BB_CONFORMANCE_SETS; i++)
         BB_TRY(add_set(c, workloads[i]));
     if (c->set_count == 0)
         return bb_fail(BB_FAILED, "scene %s: there are no rays to check anything with",
@@ -286,6 +257,14 @@ static bb_status prepare(bb_conformance *c)
     BB_TRY(bb_buffer_reserve(c->device, &c->account, bytes, "answers", &c->d_results));
     BB_TRY(bb_host_alloc(NULL, bytes, "answers", &c->results));
     return BB_OK;
+}
+
+static bb_status prepare(bb_conformance *c)
+{
+    BB_TRY(bb_scene_upload(c->scene, c->device));
+    BB_TRY(reverse(c->scene, &c->reversed));
+    BB_TRY(bb_scene_upload(c->reversed, c->device));
+    return bb_conformance_prepare_rays(c);
 }
 
 bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint32_t side, uint64_t seed,
@@ -311,6 +290,8 @@ void bb_conformance_destroy(bb_conformance *c)
 {
     if (c == NULL)
         return;
+    for (uint32_t i = 0; i < BB_FRAMES_MAX; i++)
+        bb_conformance_destroy(c->frames[i]);
     for (uint32_t i = 0; i < c->set_count; i++) {
         bb_answers_release(&c->sets[i].answers);
         bb_rays_free(c->sets[i].rays);
@@ -372,23 +353,23 @@ static bb_status check_trees(bb_conformance *c, bb_instance *instance, uint64_t 
     return BB_OK;
 }
 
-/* Every kernel, but for those that refuse the tree: their names go into `refusing`. */
-static bb_status check_kernels(bb_conformance *c, bb_instance *instance, char *refusing,
-                               size_t capacity)
+bb_status bb_conformance_check_kernels(bb_conformance *c, bb_tree *tree, const char *builder,
+                                       uint32_t most, char *refusing, size_t capacity)
 {
     uint32_t traced = 0;
     char reason[512] = "";
-    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
-        bb_status status = check_kernel(c, &instance->tree, instance->pipeline.text, *kernel);
+    for (uint32_t i = 0; bb_kernels[i] != NULL && traced < most; i++) {
+        bb_status status = check_kernel(c, tree, builder, bb_kernels[i]);
         if (status != BB_OK && status != BB_UNSUPPORTED)
             return status;
         traced += status == BB_OK;
         if (status == BB_OK)
             continue;
-        size_t used = strlen(refusing);
-        snprintf(refusing + used, capacity - used, "%s%s", used > 0 ? ", " : "; not taken by ",
-                 (*kernel)->name);
         snprintf(reason, sizeof reason, "%s", bb_message());
+        size_t used = refusing != NULL ? strlen(refusing) : 0;
+        if (refusing != NULL)
+            snprintf(refusing + used, capacity - used, "%s%s", used > 0 ? ", " : "; not taken by ",
+                     bb_kernels[i]->name);
     }
     return traced > 0 ? BB_OK : bb_fail(BB_FAILED, "no kernel takes the tree: %s", reason);
 }
@@ -397,25 +378,28 @@ bb_status bb_conformance_check(bb_conformance *c, const char *builder, bb_confor
 {
     uint64_t hashes[BUILDS] = {0};
     bb_instance instance = {0};
-    char about[256] = "", refusing[160] = "";
+    char about[256] = "", refusing[160] = "", frames[64] = "";
     memset(found, 0, sizeof *found);
     BB_TRY(bb_instance_create(c->device, builder, c->scene, c->seed, &instance));
     bb_status status = check_trees(c, &instance, hashes, &found->build_ms);
     if (status == BB_OK)
-        status = choose_counts(c, &instance.tree);
+        status = bb_conformance_choose_counts(c, &instance.tree);
     if (status == BB_OK)
-        status = check_kernels(c, &instance, refusing, sizeof refusing);
+        status = bb_conformance_check_kernels(c, &instance.tree, instance.pipeline.text, UINT32_MAX,
+                                              refusing, sizeof refusing);
     if (status == BB_OK)
         status = bb_instance_describe(&instance, c->scene, about, sizeof about);
     found->hash = hashes[0];
     found->deterministic = bb_instance_is_deterministic(&instance);
     bool repeats = hashes[0] == hashes[1] && hashes[1] == hashes[2];
+    bb_tree_info info = instance.tree.info; /* of frame 0, as the hash */
     if (status == BB_OK)
-        snprintf(found->note, sizeof found->note, "%u nodes, depth %u, tree %016llx%s%s%s%s",
-                 instance.tree.info.node_count, instance.tree.info.depth,
-                 (unsigned long long)hashes[0],
+        status = bb_conformance_check_frames(c, &instance, frames, sizeof frames);
+    if (status == BB_OK)
+        snprintf(found->note, sizeof found->note, "%u nodes, depth %u, tree %016llx%s%s%s%s%s",
+                 info.node_count, info.depth, (unsigned long long)hashes[0],
                  repeats ? "" : " (differs between builds, as its builder says)",
-                 about[0] != '\0' ? "; " : "", about, refusing);
+                 about[0] != '\0' ? "; " : "", about, frames, refusing);
     bb_instance_destroy(&instance);
     return status;
 }

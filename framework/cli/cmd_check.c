@@ -53,6 +53,7 @@ static const char *const procedural_scenes[] = {
     "scales:from=-8,to=8,n=1",
     "ground",
     "ladder",
+    "wave:n=2000,frames=4",
 };
 
 static bb_status default_scenes(bb_names *names)

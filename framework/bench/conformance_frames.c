@@ -1,0 +1,109 @@
+/* Conformance on scenes that move. The tree of frame 0 is brought to others and back, and held there to
+ * what is right there: each frame has an oracle, rays and answers of its own. */
+#include "framework/bench/conformance_private.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Of the kernels in a frame: the shape of the tree is frame 0's or an ordinary build's, which all of
+ * them are held to. */
+enum { KERNELS = 2 };
+
+/* Spread evenly, the last among them; fewer where there are not as many. */
+static uint32_t choose_frames(const bb_scene *scene, uint32_t frames[BB_FRAMES_MAX])
+{
+    uint32_t count = 0, last = scene->frame_count - 1;
+    for (uint64_t i = 1; i <= BB_FRAMES_MAX; i++) {
+        uint32_t frame = (uint32_t)(i * last / BB_FRAMES_MAX);
+        if (frame > 0 && (count == 0 || frames[count - 1] != frame))
+            frames[count++] = frame;
+    }
+    return count;
+}
+
+/* Where the scene stands now. Its answers begin with those that no tree is needed for. */
+static bb_status get_judge(bb_conformance *c, uint32_t index, bb_conformance **out)
+{
+    *out = c->frames[index];
+    if (*out != NULL)
+        return BB_OK;
+    bb_conformance *judge = calloc(1, sizeof *judge);
+    if (judge == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    judge->device = c->device;
+    judge->scene = c->scene;
+    judge->seed = c->seed;
+    judge->side = c->side < 32 ? c->side : 32;
+    bb_status status = bb_conformance_prepare_rays(judge);
+    if (status == BB_OK)
+        status = bb_conformance_brute_force(judge);
+    if (status != BB_OK) {
+        bb_conformance_destroy(judge);
+        return status;
+    }
+    c->frames[index] = *out = judge;
+    return BB_OK;
+}
+
+/* `judge` is that of the frame that the scene is at. */
+static bb_status check_update(bb_conformance *judge, bb_instance *instance, uint32_t changed,
+                              bb_update_way *way)
+{
+    bb_tree *tree = &instance->tree;
+    BB_TRY(bb_instance_update(instance, judge->scene, changed, false, way, NULL));
+    BB_TRY(bb_tree_download(tree, NULL));
+    BB_TRY(bb_tree_check(tree, judge->scene));
+    BB_TRY(bb_conformance_choose_counts(judge, tree));
+    return bb_conformance_check_kernels(judge, tree, instance->pipeline.text, KERNELS, NULL, 0);
+}
+
+/* Says of a failure where it was. */
+static bb_status at_frame(bb_status status, uint32_t frame, bb_update_way way)
+{
+    char reason[512];
+    if (status == BB_OK)
+        return BB_OK;
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    return bb_fail(BB_FAILED, "frame %u, %s: %s", frame, bb_update_word(way), reason);
+}
+
+static bb_status walk(bb_conformance *c, bb_instance *instance, const uint32_t *frames,
+                      uint32_t count, bool ways[BB_REBUILT + 1])
+{
+    for (uint32_t i = 0; i <= count; i++) {
+        bool back = i == count;
+        uint32_t frame = back ? 0 : frames[i], changed;
+        bb_update_way way = BB_KEPT;
+        bb_conformance *judge = c;
+        BB_TRY(bb_scene_set_frame(c->scene, frame, &changed));
+        if (!back)
+            BB_TRY(get_judge(c, i, &judge));
+        BB_TRY(at_frame(check_update(judge, instance, changed, &way), frame, way));
+        ways[way] = true;
+    }
+    return BB_OK;
+}
+
+bb_status bb_conformance_check_frames(bb_conformance *c, bb_instance *instance, char *note,
+                                      size_t capacity)
+{
+    uint32_t frames[BB_FRAMES_MAX];
+    bool ways[BB_REBUILT + 1] = {false};
+    note[0] = '\0';
+    if (c->scene->frame_count <= 1)
+        return BB_OK;
+    uint32_t count = choose_frames(c->scene, frames);
+    bb_status status = walk(c, instance, frames, count, ways), back = BB_OK;
+    if (c->scene->frame != 0)
+        back = bb_scene_set_frame(c->scene, 0, NULL);
+    BB_TRY(status);
+    BB_TRY(back);
+    size_t used = (size_t)snprintf(note, capacity, "; %u frames:", count + 1);
+    for (int way = BB_KEPT, first = 1; way <= BB_REBUILT; way++)
+        if (ways[way] && used < capacity) {
+            used += (size_t)snprintf(note + used, capacity - used, "%s %s", first ? "" : ",",
+                                     bb_update_word((bb_update_way)way));
+            first = 0;
+        }
+    return BB_OK;
+}
