@@ -78,7 +78,8 @@ static bb_status walk(bb_conformance *c, bb_instance *instance, const uint32_t *
         BB_TRY(bb_scene_set_frame(c->scene, frame, &changed));
         if (!back)
             BB_TRY(get_judge(c, i, &judge));
-        BB_TRY(at_frame(check_update(judge, instance, changed, &way), frame, way));
+        bb_status status = check_update(judge, instance, changed, &way);
+        BB_TRY(at_frame(status, frame, way));
         ways[way] = true;
     }
     return BB_OK;

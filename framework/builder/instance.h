@@ -46,6 +46,7 @@ typedef struct bb_instance {
     cl_kernel map;
     bb_tree tree;          /* what the last stage made */
     const bb_scene *built; /* what the tree is of; NULL: there is none, or a build failed */
+    uint64_t built_hash;   /* of that scene then */
     uint32_t step_count;   /* of the last build or update */
     bb_build_step steps[BB_STEPS_MAX];
 } bb_instance;
@@ -72,7 +73,9 @@ typedef enum bb_update_way { BB_KEPT, BB_UPDATED, BB_REBUILT } bb_update_way;
 const char *bb_update_word(bb_update_way way);
 
 /* Brings the tree up to date after `changed` (BB_CHANGED_...) of `scene`, by the builder's update() if
- * it has one that can follow, else by a build; `way` says which. Nothing is done if nothing changed.
+ * it has one that can follow, else by a build; `way` says which. Positions that changed since this
+ * tree was made are found out by the scene's hash as well, so that several instances may follow one
+ * scene. Nothing is done if nothing changed.
  * Timed and booked like a build: bb_instance_build(). What has not been built for this scene, with as
  * many primitives, is built. So is every pipeline of several stages: what is between stages, pieces of
  * a splitter among it, would have to follow as well, and no hook says how. */

@@ -195,6 +195,12 @@ static void add_timing(bb_build_timing *sum, const bb_build_timing *more)
     sum->outside_ms += more->outside_ms;
 }
 
+static void set_built(bb_instance *instance, const bb_scene *scene)
+{
+    instance->built = scene;
+    instance->built_hash = scene->hash;
+}
+
 static void sum_timings(const bb_instance *instance, bb_build_timing *timing)
 {
     if (timing == NULL)
@@ -216,7 +222,7 @@ bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool e
         if (bb_stage_is_fed_with_references(instance, i))
             BB_TRY(map_refs(instance, scene));
     }
-    instance->built = scene;
+    set_built(instance, scene);
     sum_timings(instance, timing);
     return BB_OK;
 }
@@ -239,6 +245,8 @@ static bool can_update(const bb_instance *instance, const bb_scene *scene)
 bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint32_t changed,
                              bool exact_phases, bb_update_way *way, bb_build_timing *timing)
 {
+    if (instance->built == scene && instance->built_hash != scene->hash)
+        changed |= BB_CHANGED_POSITIONS;
     if (instance->built == scene && changed == 0) {
         *way = BB_KEPT;
         instance->step_count = 0;
@@ -251,7 +259,7 @@ bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint3
         instance->built = NULL;
         bb_status status = run_stage(instance, 0, scene, changed, exact_phases);
         if (status == BB_OK) {
-            instance->built = scene;
+            set_built(instance, scene);
             sum_timings(instance, timing);
         }
         if (status != BB_UNSUPPORTED)

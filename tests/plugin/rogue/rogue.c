@@ -1,6 +1,7 @@
 /* rogue: halves the primitives in their given order, and breaks one rule of builders, as told. For the tests
  * of what finds that out; kind=right breaks none.
  */
+#include "builders/common/refit.h"
 #include "framework/builder/builder.h"
 
 #include <string.h>
@@ -11,16 +12,22 @@ enum { WORK_US = 20000, STACK_MAX = 64 };
 typedef struct rogue {
     bb_device *device;
     bool stale, moving, chain, nosy, early, marked, lopsided;
+    bool follows, still, forgets; /* has an update() */
+    bool frozen;
+    bb_box *kept;    /* frozen: what prepare() saw */
     bool sees_views; /* `view` was given */
     uint32_t builds;
 } rogue;
 
 static const bb_option options[] = {
-    {"kind", "right", "right|stale|moving|chain|nosy|early|marked|form",
+    {"kind", "right",
+     "right|stale|moving|chain|nosy|early|marked|form|follows|still|forgets|frozen",
      "stale: gives its first tree again and again; moving: another one each time; chain: one "
      "primitive "
      "per level; nosy: fails if it sees what it did not declare; early: works outside the clock; "
-     "marked: a side array that is another one each time; form: another tree in form gpu"},
+     "marked: a side array that is another one each time; form: another tree in form gpu; "
+     "follows: refits, which is right; still: does nothing in place of that; forgets: a node; "
+     "frozen: builds over the boxes that it was prepared with"},
     {"view", NULL, NULL, "a view to look at"},
     {.name = NULL},
 };
@@ -39,14 +46,21 @@ static bb_status create(const bb_builder_context *context, void **out)
         .marked = bb_spec_is(context->spec, options, "kind", "marked"),
         .lopsided = bb_spec_is(context->spec, options, "kind", "form") &&
                     context->device->form == BB_FORM_GPU,
+        .follows = bb_spec_is(context->spec, options, "kind", "follows"),
+        .still = bb_spec_is(context->spec, options, "kind", "still"),
+        .forgets = bb_spec_is(context->spec, options, "kind", "forgets"),
+        .frozen = bb_spec_is(context->spec, options, "kind", "frozen"),
         .sees_views = bb_spec_value(context->spec, NULL, "view") != NULL,
     };
     *out = self;
     return BB_OK;
 }
 
-static void destroy(void *self)
+static void destroy(void *opaque)
 {
+    rogue *self = opaque;
+    if (self != NULL)
+        bb_host_free(self->kept);
     bb_host_free(self);
 }
 
@@ -79,6 +93,11 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     rogue *self = opaque;
     if (self->early)
         usleep(WORK_US);
+    if (self->frozen) {
+        size_t bytes = scene->prim_count * sizeof *self->kept;
+        BB_TRY(bb_host_alloc(NULL, bytes, "rogue: boxes", &self->kept));
+        memcpy(self->kept, scene->boxes, bytes);
+    }
     return look_around(self, scene);
 }
 
@@ -164,11 +183,36 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
                                     .leaf_count = count,
                                     .ref_count = count,
                                     .arity = count > 1 ? 2 : 0};
-        build_nodes(self, scene, tree);
+        bb_scene part = *scene;
+        part.boxes = self->frozen ? self->kept : scene->boxes;
+        build_nodes(self, &part, tree);
     }
     if (self->marked)
         BB_TRY(add_marks(self, tree));
     self->builds++;
+    return bb_phase(phases, NULL);
+}
+
+static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
+                        bb_phases *phases)
+{
+    rogue *self = opaque;
+    uint32_t *order = NULL;
+    if (!self->follows && !self->still && !self->forgets)
+        return bb_fail(BB_UNSUPPORTED, "rogue: builds again");
+    if (changed != BB_CHANGED_POSITIONS)
+        return bb_fail(BB_FAILED, "rogue: it is said that %x changed", changed);
+    BB_TRY(look_around(self, scene));
+    BB_TRY(bb_phase(phases, "refit"));
+    if (self->still)
+        return bb_phase(phases, NULL);
+    bb_node forgotten = tree->nodes[tree->nodes[0].first];
+    BB_TRY(bb_host_alloc(NULL, tree->info.node_count * sizeof *order, "rogue: order", &order));
+    bb_status status = bb_refit(tree, scene->boxes, scene->prim_count, order);
+    bb_host_free(order);
+    if (self->forgets)
+        tree->nodes[tree->nodes[0].first] = forgotten;
+    BB_TRY(status);
     return bb_phase(phases, NULL);
 }
 
@@ -185,6 +229,7 @@ const bb_builder bb_builder_rogue = {
     .create = create,
     .prepare = prepare,
     .build = build,
+    .update = update,
     .restore = restore,
     .destroy = destroy,
 };
