@@ -223,6 +223,7 @@ static void instances_say_how_they_followed(void **state)
         {"lbvh:update=refit", BB_UPDATED},
         {"emc:update=refit", BB_UPDATED},
         {"sah", BB_REBUILT},
+        {"sah:leaf=8,update=refit", BB_UPDATED},
         {"embree", BB_REBUILT},
         {"rogue:kind=follows", BB_UPDATED},
         {"rogue", BB_REBUILT},

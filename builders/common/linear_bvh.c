@@ -1,7 +1,6 @@
 #include "builders/common/linear_bvh.h"
 
 #include "builders/common/radix_tree.h"
-#include "builders/common/refit.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -84,7 +83,7 @@ bb_status bb_linear_update(void *opaque, const bb_scene *scene, uint32_t changed
                            bb_phases *phases)
 {
     linear_bvh *self = opaque;
-    if (self->refitter == NULL || (changed & ~(uint32_t)BB_CHANGED_POSITIONS) != 0)
+    if (self->refitter == NULL || changed != BB_CHANGED_POSITIONS)
         return bb_fail(BB_UNSUPPORTED, "the tree is built again");
     BB_TRY(bb_phase(phases, "refit"));
     BB_TRY(bb_refit_device(self->refitter, &scene->on_device.boxes, tree));

@@ -8,6 +8,7 @@
 #define BB_LINEAR_BVH_H
 
 #include "builders/common/codes.h"
+#include "builders/common/refit.h"
 
 #pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus
@@ -18,12 +19,6 @@ extern "C" {
 #define BB_LINK_OPTION                                                                             \
     {                                                                                              \
         "link", "apetrei", "apetrei|karras", "how the tree is linked; the tree is the same"        \
-    }
-
-#define BB_UPDATE_OPTION                                                                           \
-    {                                                                                              \
-        "update", "rebuild", "rebuild|refit",                                                      \
-            "once primitives have moved: the tree is built again, or its boxes are fitted anew"    \
     }
 
 /* The hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and BB_UPDATE_OPTION. */

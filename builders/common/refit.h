@@ -22,6 +22,13 @@
 extern "C" {
 #endif
 
+/* An option for the builder's table: whether its update() refits. */
+#define BB_UPDATE_OPTION                                                                           \
+    {                                                                                              \
+        "update", "rebuild", "rebuild|refit",                                                      \
+            "once primitives have moved: the tree is built again, or its boxes are fitted anew"    \
+    }
+
 /* Refits a tree on the host to boxes[0 .. prim_count). `order` is scratch, a u32 per node. One pass in
  * preorder and one back, whatever the depth. BB_FAILED, before any box is written, if a link or a
  * reference leads nowhere, or more than node_count nodes are met. */

@@ -9,6 +9,7 @@
  * Nothing recurses.
  */
 #include "builders/common/links.h"
+#include "builders/common/refit.h"
 #include "framework/builder/builder.h"
 #include "sah_split.h"
 
@@ -19,6 +20,7 @@ static const bb_option options[] = {
     {"method", "binned", "binned|sweep", "candidates: planes between bins, or every position"},
     {"bins", "16", NULL, "binned: number of bins per axis, 2 to 256"},
     {"leaf", "1", NULL, "primitives that a leaf may have where that is cheaper, 1 to 255"},
+    BB_UPDATE_OPTION,
     {.name = NULL},
 };
 
@@ -30,10 +32,11 @@ typedef struct range {
 
 typedef struct sah {
     bb_account *account;
-    bool sweep;
+    bool sweep, refits;
     uint32_t leaf;
     size_t capacity; /* primitives that the scratch below has room for */
     bb_sah_state state;
+    uint32_t *nodes; /* for refits: one per node */
     range *stack;
     size_t stack_count, stack_capacity;
 } sah;
@@ -49,6 +52,7 @@ static void destroy(void *opaque)
     bb_host_free(self->state.scratch);
     bb_host_free(self->state.goes_left);
     bb_host_free(self->state.right_costs);
+    bb_host_free(self->nodes);
     bb_host_free(self->stack);
     bb_host_free(self);
 }
@@ -64,6 +68,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     *out = self;
     self->account = context->account;
     self->sweep = bb_spec_is(context->spec, options, "method", "sweep");
+    self->refits = bb_spec_is(context->spec, options, "update", "refit");
     self->leaf = (uint32_t)leaf;
     self->state.bins = (uint32_t)bins;
     return BB_OK;
@@ -88,6 +93,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
         BB_TRY(bb_host_alloc(account, count * sizeof(bool), what, &state->goes_left));
         BB_TRY(bb_host_alloc(account, count * sizeof(double), what, &state->right_costs));
     }
+    if (self->refits)
+        BB_TRY(bb_host_alloc(account, (2 * count - 1) * sizeof(uint32_t), what, &self->nodes));
     self->capacity = count;
     return BB_OK;
 }
@@ -211,6 +218,17 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     return bb_phase(phases, NULL);
 }
 
+static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
+                        bb_phases *phases)
+{
+    sah *self = opaque;
+    if (!self->refits || changed != BB_CHANGED_POSITIONS)
+        return bb_fail(BB_UNSUPPORTED, "the tree is built again");
+    BB_TRY(bb_phase(phases, "refit"));
+    BB_TRY(bb_refit(tree, scene->boxes, scene->prim_count, self->nodes));
+    return bb_phase(phases, NULL);
+}
+
 const bb_builder bb_builder_sah = {
     .abi_version = BB_ABI_VERSION,
     .name = "sah",
@@ -225,5 +243,6 @@ const bb_builder bb_builder_sah = {
     .create = create,
     .prepare = prepare,
     .build = build,
+    .update = update,
     .destroy = destroy,
 };
