@@ -22,11 +22,12 @@
 extern "C" {
 #endif
 
-/* An option for the builder's table: whether its update() refits. */
+/* An option for the builder's table: whether its update() refits. It has no default, so that cells keep
+ * their keys. */
 #define BB_UPDATE_OPTION                                                                           \
     {                                                                                              \
-        "update", "rebuild", "rebuild|refit",                                                      \
-            "once primitives have moved: the tree is built again, or its boxes are fitted anew"    \
+        "update", NULL, "rebuild|refit",                                                           \
+            "once primitives have moved: rebuild (as without) or refit, which fits boxes anew"     \
     }
 
 /* Refits a tree on the host to boxes[0 .. prim_count). `order` is scratch, a u32 per node. One pass in
