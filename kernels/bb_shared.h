@@ -118,22 +118,22 @@ typedef struct bb_interval {
 
 /* Node of the `pair` layout: both children's boxes side by side, each plane of both as a pair, so that the planes of
  * either sign of a direction are two words apart. Axis a: planes[4a] lo and planes[4a + 2] hi, of child 0, then child 1. A
- * link is a pair node or BB_LEAF_BIT | first primitive record. 64 bytes. */
+ * link is a pair node or BB_LEAF_BIT | first leaf primitive. 64 bytes. */
 typedef struct bb_pair {
     float planes[12];
     bb_u32 links[2];
     bb_u32 pad[2];
 } bb_pair;
 
-/* What a primitive record holds of a triangle, as the intersector wants it: its vertices, or the affine map from the scene to where it is
+/* What layouts hold of a triangle, as the intersector wants it: its vertices, or the affine map from the scene to where it is
  * (0, 0), (1, 0), (0, 1) in the plane z = 0: three rows of four, that of z first. */
-#define BB_RECORD_VERTICES 0u
-#define BB_RECORD_AFFINE 1u
-#define BB_RECORD_FORMS 2
+#define BB_FORMAT_VERTICES 0u
+#define BB_FORMAT_AFFINE 1u
+#define BB_FORMAT_COUNT 2
 
-/* Words that a primitive record has for its primitive, as many as the largest of these kinds (bits) needs.
+/* Words that a leaf primitive has besides its number, as many as the largest of these kinds (bits) needs.
  * Then comes its number, with BB_LAST_BIT on the last of a leaf. */
-static inline bb_u32 bb_record_payload(bb_u32 kinds, bb_u32 form)
+static inline bb_u32 bb_leaf_prim_payload(bb_u32 kinds, bb_u32 format)
 {
     bb_u32 most = 0;
 #define BB_MOST_WORDS(NAME, name, words, kept)                                                     \
@@ -141,13 +141,13 @@ static inline bb_u32 bb_record_payload(bb_u32 kinds, bb_u32 form)
         most = (kept);
     BB_PRIM_KINDS(BB_MOST_WORDS)
 #undef BB_MOST_WORDS
-    return form == BB_RECORD_AFFINE && (kinds & 1u << BB_TRIANGLE) != 0 ? 12 : most;
+    return format == BB_FORMAT_AFFINE && (kinds & 1u << BB_TRIANGLE) != 0 ? 12 : most;
 }
 
 /* Words of a record: whole vectors of four. */
-static inline bb_u32 bb_record_words(bb_u32 kinds, bb_u32 form)
+static inline bb_u32 bb_leaf_prim_words(bb_u32 kinds, bb_u32 format)
 {
-    return bb_record_payload(kinds, form) / 4 * 4 + 4;
+    return bb_leaf_prim_payload(kinds, format) / 4 * 4 + 4;
 }
 
 /* Block of the wide layouts: BB_BLOCK_LANES primitives of one kind, each word of the record above for all of them side by side,
@@ -155,9 +155,9 @@ static inline bb_u32 bb_record_words(bb_u32 kinds, bb_u32 form)
  * number closes the leaf. */
 #define BB_BLOCK_LANES 4
 
-static inline bb_u32 bb_block_words(bb_u32 kinds, bb_u32 form)
+static inline bb_u32 bb_block_words(bb_u32 kinds, bb_u32 format)
 {
-    return (bb_record_payload(kinds, form) + 1) * BB_BLOCK_LANES;
+    return (bb_leaf_prim_payload(kinds, format) + 1) * BB_BLOCK_LANES;
 }
 
 /* Nodes of the wide layouts: the boxes of up to 4 or 8 children side by side. Axis a: planes[2aW ..] lo and planes[(2a + 1)W ..]

@@ -1,4 +1,4 @@
-/* The `pair` layout: from the common tree to pair nodes. (The primitives: records.cl.)
+/* The `pair` layout: from the common tree to pair nodes. (The primitives: leaf_prims.cl.)
  *
  *   extra[n] = children(n) - 1 for inner nodes, 0 for leaves     (pair_extra)
  *   base = exclusive scan of extra                                (framework/device/primitives.h)

@@ -363,7 +363,7 @@ void block_empty(global uint *block, uint words, uint id_word, uint kind)
 }
 
 kernel void wide_blocks(global const uint *refs, uint count, global const float *vertices,
-                        global const uint *data, bb_prim_ends ends, float scale, uint form,
+                        global const uint *data, bb_prim_ends ends, float scale, uint format,
                         uint words, global const uint *first, global uint *blocks)
 {
     uint i = get_global_id(0);
@@ -386,7 +386,7 @@ kernel void wide_blocks(global const uint *refs, uint count, global const float 
         uint prim = refs[i] & BB_INDEX_MASK;
         uint place = next[bb_prim_kind(prim, &ends)]++;
         global uint *lane = blocks + (ulong)(place / BB_BLOCK_LANES) * words + place % BB_BLOCK_LANES;
-        bb_prim_write(lane, BB_BLOCK_LANES, form, prim, data, vertices, &ends, scale);
+        bb_prim_write(lane, BB_BLOCK_LANES, format, prim, data, vertices, &ends, scale);
         lane[id_word] = prim;
     }
     blocks[(ulong)(end - 1u) * words + id_word] |= BB_LAST_BIT;

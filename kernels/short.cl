@@ -57,7 +57,7 @@ uint short_children(const bb_search *search, const bb_slab *slab, global const b
 }
 
 void trace_ray(uint id, global const bb_wide *nodes,
-               global const float *records, /* of primitives, or blocks of them */
+               global const float *leaf_prims, /* of primitives, or blocks of them */
                uint root,                   /* link */
                const bb_prim_ends *ends, float scale, global const bb_ray *rays,
                global bb_result *results BB_COUNTS_ARGUMENT)
@@ -101,7 +101,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
             link = met[at];
             level++;
         }
-        if (bb_search_leaf(&search, &setup, &slab, records, link, ends))
+        if (bb_search_leaf(&search, &setup, &slab, leaf_prims, link, ends))
             goto done;
     next:
         for (;;) {

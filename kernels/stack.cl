@@ -19,7 +19,7 @@
 #endif
 
 void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
-               global const float *records,        /* primitive records */
+               global const float *leaf_prims,        /* leaf primitives */
                uint root,                          /* link */
                const bb_prim_ends *ends, float scale, global const bb_ray *rays,
                global bb_result *results BB_COUNTS_ARGUMENT)
@@ -59,7 +59,7 @@ void trace_ray(uint id, global const float *pairs, /* bb_pair[] */
                 goto pop;
             }
         }
-        if (bb_search_leaf(&search, &setup, &slab, records, link, ends))
+        if (bb_search_leaf(&search, &setup, &slab, leaf_prims, link, ends))
             goto done;
     pop:
         do {

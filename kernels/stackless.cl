@@ -17,7 +17,7 @@
 #include "search.clh"
 
 void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
-               global const float *records,        /* primitive records */
+               global const float *leaf_prims,        /* leaf primitives */
                uint root,                          /* node */
                const bb_prim_ends *ends, float scale, global const bb_ray *rays,
                global bb_result *results BB_COUNTS_ARGUMENT)
@@ -38,7 +38,7 @@ void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
         } else if ((first & BB_LEAF_BIT) == 0) {
             link = first;
         } else {
-            if (bb_search_leaf(&search, &setup, &slab, records, first, ends))
+            if (bb_search_leaf(&search, &setup, &slab, leaf_prims, first, ends))
                 break;
             link = skip;
         }

@@ -227,7 +227,7 @@ static void builds_and_layouts_are_timed_to_their_end(void **state)
     bb_timing made;
     check(bb_stopwatch_start(device, &watch), "start");
     check(
-        bb_layout_maker_make(&b.maker, b.scene, &b.instance.tree, 1, BB_RECORD_VERTICES, &b.layout),
+        bb_layout_maker_make(&b.maker, b.scene, &b.instance.tree, 1, BB_FORMAT_VERTICES, &b.layout),
         "layout");
     check(bb_stopwatch_stop(&watch, &made), "stop");
     assert_true(made.event_ms > 0);

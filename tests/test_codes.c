@@ -34,7 +34,7 @@ static void expect_letters(const char *text, bb_box box, const double direction[
 {
     bb_spec spec;
     bb_code_choice choice;
-    bb_code_layout layout;
+    bb_code_pattern layout;
     char letters[BB_CODE_BITS_MAX + 1];
     choose(text, &spec, &choice);
     bb_code_lay_out(&choice, (bb_box[]){box, box}, direction, &layout);
@@ -111,7 +111,7 @@ static bool fills_cell(const bb_code_choice *choice, const double side[3], doubl
 }
 
 /* In the order of the definition, one bit after the other; floats are rounded where the device rounds. */
-static uint64_t reference_key(const bb_code_choice *choice, const bb_code_layout *layout,
+static uint64_t reference_key(const bb_code_choice *choice, const bb_code_pattern *layout,
                               const bb_box *bounds, const bb_box *box, uint32_t flips)
 {
     const bb_box *whole = &bounds[choice->by_centroids ? 1 : 0];
@@ -223,7 +223,7 @@ static void compare(bb_device *device, const char *text, const bb_box *boxes, ui
     for (uint32_t i = 0; i < count; i++) {
         uint64_t key = bytes == 8 ? keys[i] : ((uint32_t *)keys)[i];
         uint64_t expected =
-            reference_key(&choice, bb_codes_layout(codes), bounds, &boxes[i], flips);
+            reference_key(&choice, bb_codes_pattern(codes), bounds, &boxes[i], flips);
         if (key != expected || values[i] != i)
             fail_msg("%s, %s, seed %llu, box %u of %u: key %llx, not %llx", text, what,
                      (unsigned long long)seed, i, count, (unsigned long long)key,

@@ -25,7 +25,7 @@ static const bb_source triangles_source = {
         "    uint i = get_global_id(0);\n"
         "    if (i < count)\n"
         "        bb_triangle_write(records + i / BB_LANES * BB_WORDS + i % BB_LANES, BB_LANES,\n"
-        "                          BB_RECORD_FORM, indices + 3 * i, vertices, 1.0f);\n"
+        "                          BB_FORMAT, indices + 3 * i, vertices, 1.0f);\n"
         "}\n"
         "kernel void test(global const float *records, global const bb_ray *rays, uint count,\n"
         "                 global float *t)\n"
@@ -66,7 +66,7 @@ static void test_triangles(const bb_intersector *intersector, uint32_t lanes, co
     upload(&d_indices, order, 3 * (size_t)triangles * sizeof *order);
     upload(&d_rays, rays, count * sizeof *rays);
     upload(&d_records, NULL,
-           (size_t)triangles * bb_record_words(BB_TRIANGLES, BB_RECORD_AFFINE) * sizeof(float));
+           (size_t)triangles * bb_leaf_prim_words(BB_TRIANGLES, BB_FORMAT_AFFINE) * sizeof(float));
     upload(&d_t, NULL, triangles * sizeof(float));
     char defines[160], lane_define[32];
     bb_intersector_defines(intersector, defines, sizeof defines);
@@ -339,7 +339,7 @@ static void affine_maps_take_vertices_to_the_unit_triangle(void **state)
         "{\n"
         "    uint i = get_global_id(0);\n"
         "    if (i < count)\n"
-        "        bb_triangle_write(records + 12 * i, 1, BB_RECORD_AFFINE, indices + 3 * i, "
+        "        bb_triangle_write(records + 12 * i, 1, BB_FORMAT_AFFINE, indices + 3 * i, "
         "vertices,\n"
         "                          1.0f);\n"
         "}\n";
@@ -410,10 +410,10 @@ static void points_and_their_options_are_parsed(void **state)
     char defines[128];
     ASSERT_OK(bb_intersector_parse("exact", &i));
     assert_true(bb_intersector_is_exact(&i));
-    assert_int_equal(bb_intersector_form(&i), BB_RECORD_VERTICES);
+    assert_int_equal(bb_intersector_format(&i), BB_FORMAT_VERTICES);
     ASSERT_OK(bb_intersector_parse("fast:slab=naive,triangle=woop", &i));
     assert_false(bb_intersector_is_exact(&i));
-    assert_int_equal(bb_intersector_form(&i), BB_RECORD_AFFINE);
+    assert_int_equal(bb_intersector_format(&i), BB_FORMAT_AFFINE);
     bb_intersector_defines(&i, defines, sizeof defines);
     assert_string_equal(defines, "-DBB_TRIANGLE_TEST=BB_TRIANGLE_WOOP -DBB_SLAB_TEST=BB_SLAB_NAIVE "
                                  "-DBB_CONTRACT");

@@ -227,8 +227,9 @@ static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
     if (leaf > 1 && getenv("BVHBENCH_TEST_SMALL") != NULL)
         return; /* slow there, and test_wide looks at leaf collapse itself */
     check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
-    check(bb_layout_maker_make(&maker, scene, tree, leaf, bb_intersector_form(intersector), &data),
-          "layout");
+    check(
+        bb_layout_maker_make(&maker, scene, tree, leaf, bb_intersector_format(intersector), &data),
+        "layout");
     compare(scene, &data, kernel, intersector);
     bb_layout_data_release(&data);
     /* what it still has is its own */
@@ -280,7 +281,7 @@ static void every_kernel_takes_every_intersector(void **state)
         check(bb_instance_build(&instance, &scene, false, NULL), "build");
         check(bb_tree_upload(&instance.tree, device, NULL), "upload");
         for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++) {
-            bool affine = bb_intersector_form(i) == BB_RECORD_AFFINE;
+            bool affine = bb_intersector_format(i) == BB_FORMAT_AFFINE;
             if ((c > 0 || small) && !affine)
                 continue; /* the kinds matter to the form of records */
             for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
@@ -313,7 +314,7 @@ static void answers_depend_on_neither_groups_nor_order(void **state)
         bb_layout_data data = {0};
         const bb_intersector *exact = &bb_intersectors[0];
         check(bb_layout_maker_create(bb_layout_find((*kernel)->layout), device, &maker), "layout");
-        check(bb_layout_maker_make(&maker, &scene, &instance.tree, 1, BB_RECORD_VERTICES, &data),
+        check(bb_layout_maker_make(&maker, &scene, &instance.tree, 1, BB_FORMAT_VERTICES, &data),
               "layout");
         trace(&data, *kernel, exact, &bb_query_closest, false, rays, hits);
         for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {

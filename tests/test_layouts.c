@@ -91,7 +91,8 @@ static void walk(const bb_tree *tree, uint32_t n, const bb_node *out, uint32_t *
 
 static void compare_records(const bb_scene *scene, const bb_tree *tree, const bb_buffer *buffer)
 {
-    uint32_t count = tree->info.ref_count, size = bb_record_words(BB_TRIANGLES, BB_RECORD_VERTICES);
+    uint32_t count = tree->info.ref_count,
+             size = bb_leaf_prim_words(BB_TRIANGLES, BB_FORMAT_VERTICES);
     uint32_t *words = malloc((size_t)count * size * sizeof *words);
     check(bb_buffer_read(buffer, 0, (size_t)count * size * sizeof *words, words), "read");
     for (uint32_t i = 0; i < count; i++) {
@@ -109,7 +110,7 @@ static void compare_skip(const bb_scene *scene, bb_tree *tree, bb_layout_maker *
     uint32_t count = tree->info.node_count, at = 0;
     check(bb_tree_check(tree, scene), "the test's own tree");
     check(bb_tree_upload(tree, device, NULL), "upload");
-    check(bb_layout_maker_make(maker, scene, tree, 1, BB_RECORD_VERTICES, &data), "skip");
+    check(bb_layout_maker_make(maker, scene, tree, 1, BB_FORMAT_VERTICES, &data), "skip");
     assert_true(data.keeps_shape);
     assert_int_equal(data.root, 0);
     bb_node *nodes = malloc(count * sizeof *nodes);
@@ -150,7 +151,7 @@ static bool keeps_shape(const char *layout, const bb_scene *scene, bb_tree *tree
     bb_layout_maker maker;
     bb_layout_data data = {0};
     check(bb_layout_maker_create(bb_layout_find(layout), device, &maker), layout);
-    check(bb_layout_maker_make(&maker, scene, tree, leaf, BB_RECORD_VERTICES, &data), layout);
+    check(bb_layout_maker_make(&maker, scene, tree, leaf, BB_FORMAT_VERTICES, &data), layout);
     bool keeps = data.keeps_shape;
     bb_layout_data_release(&data);
     bb_layout_maker_destroy(&maker);
@@ -192,8 +193,8 @@ static void the_native_pairing_is_never_left_out(void **state)
     bench.request = &request;
     bench.intersectors = &intersector;
     bench.kernel_count = 3;
-    bench.kernels[1].layouts[BB_RECORD_VERTICES] = 1;
-    bench.kernels[2].layouts[BB_RECORD_VERTICES] = 2;
+    bench.kernels[1].layouts[BB_FORMAT_VERTICES] = 1;
+    bench.kernels[2].layouts[BB_FORMAT_VERTICES] = 2;
     bench.kernels[2].native_only = true;
     entrant.record.has_tree = true;
     assert_true(bb_bench_takes(&bench, &entrant, 0));
@@ -223,7 +224,7 @@ static made make_form(const bb_layout *layout, const bb_scene *scene, bb_tree *t
     bb_layout_data data = {0};
     check(bb_layout_maker_create(layout, device, &maker), layout->name);
     check(bb_layout_maker_make(&maker, scene, tree, 4, form, &data), layout->name);
-    assert_int_equal(data.form, form);
+    assert_int_equal(data.format, form);
     const bb_buffer *records = &data.buffers[1];
     made made = {malloc(records->bytes), records->bytes / sizeof(float), data.bytes, ""};
     memcpy(made.name, data.name, sizeof made.name);
@@ -261,8 +262,8 @@ static void check_map(const float corner[3], const float map[12], uint32_t c)
 static void compare_forms(const bb_layout *layout, const bb_scene *scene, bb_tree *tree)
 {
     uint32_t lanes = layout->block;
-    made vertices = make_form(layout, scene, tree, BB_RECORD_VERTICES);
-    made maps = make_form(layout, scene, tree, BB_RECORD_AFFINE);
+    made vertices = make_form(layout, scene, tree, BB_FORMAT_VERTICES);
+    made maps = make_form(layout, scene, tree, BB_FORMAT_AFFINE);
     uint32_t words[2] = {lanes == 1 ? 12 : 40, lanes == 1 ? 16 : 52};
     size_t count = vertices.words / words[0];
     assert_int_equal(count, maps.words / words[1]);

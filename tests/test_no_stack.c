@@ -180,6 +180,7 @@ static void a_trail_that_is_too_short_is_never_silent(void **state)
         assert_int_equal(count.overflow, 1);
         bb_tracer *tracer;
         bb_tracer_request request = {
+            .query = &bb_query_closest,
             .kernel = bb_kernel_find(b.kernel.name),
             .spec = &b.kernel,
             .intersector = &bb_intersectors[0],

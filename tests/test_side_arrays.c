@@ -158,7 +158,7 @@ static void a_layout_reads_the_one_that_it_asks_for(void **state)
     ASSERT_OK(bb_buffer_reserve(device, NULL, bytes, "boxes", &b.scene->on_device.boxes));
     ASSERT_OK(bb_layout_maker_create(&marked, device, &maker));
     ASSERT_OK(bb_tree_upload(&b.tree, device, NULL));
-    assert_int_equal(bb_layout_maker_make(&maker, b.scene, &b.tree, 1, BB_RECORD_VERTICES, &data),
+    assert_int_equal(bb_layout_maker_make(&maker, b.scene, &b.tree, 1, BB_FORMAT_VERTICES, &data),
                      BB_UNSUPPORTED);
     assert_non_null(strstr(bb_message(), "layout marked reads the side array 'marks', which this "
                                          "tree does not have"));
@@ -166,19 +166,19 @@ static void a_layout_reads_the_one_that_it_asks_for(void **state)
         uint32_t *made = malloc(b.tree.info.node_count * sizeof *made);
         add_marks(&b, salt); /* makes the copy on the device stale */
         ASSERT_OK(bb_tree_upload(&b.tree, device, NULL));
-        ASSERT_OK(bb_layout_maker_make(&maker, b.scene, &b.tree, 1, BB_RECORD_VERTICES, &data));
+        ASSERT_OK(bb_layout_maker_make(&maker, b.scene, &b.tree, 1, BB_FORMAT_VERTICES, &data));
         ASSERT_OK(bb_buffer_read(&data.buffers[0], 0, b.tree.info.node_count * sizeof *made, made));
         assert_memory_equal(made, b.marks, b.tree.info.node_count * sizeof *made);
         free(made);
     }
-    assert_int_equal(bb_layout_maker_make(&maker, b.scene, &b.tree, 4, BB_RECORD_VERTICES, &data),
+    assert_int_equal(bb_layout_maker_make(&maker, b.scene, &b.tree, 4, BB_FORMAT_VERTICES, &data),
                      BB_UNSUPPORTED);
     assert_non_null(strstr(bb_message(), "leaf collapse"));
     bb_tree_array *array;
     ASSERT_OK(bb_tree_reserve_array(&b.tree, NULL, "marks", true, 8, &array));
     memset(array->host, 0, b.tree.info.ref_count * 8);
     ASSERT_OK(bb_tree_upload(&b.tree, device, NULL));
-    assert_int_equal(bb_layout_maker_make(&maker, b.scene, &b.tree, 1, BB_RECORD_VERTICES, &data),
+    assert_int_equal(bb_layout_maker_make(&maker, b.scene, &b.tree, 1, BB_FORMAT_VERTICES, &data),
                      BB_UNSUPPORTED);
     assert_non_null(
         strstr(bb_message(), "as 4 bytes per node, this tree has 8 bytes per reference"));

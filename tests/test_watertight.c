@@ -33,7 +33,7 @@ static const char program_text[] =
     "    if (i >= count)\n"
     "        return;\n"
     "    global uint *record = records + i * BB_WORDS;\n"
-    "    bb_triangle_write(record, 1, BB_RECORD_VERTICES, indices + 3 * i, vertices, scale);\n"
+    "    bb_triangle_write(record, 1, BB_FORMAT_VERTICES, indices + 3 * i, vertices, scale);\n"
     "    float node[8];\n"
     "    for (uint k = 0; k < 3; k++) {\n"
     "        float a = vertices[9 * i + k], b = vertices[9 * i + 3 + k],\n"
@@ -87,7 +87,7 @@ static verdict run(const batch *b, float scale, bool rough, const char *defines)
     upload(&indices, order, 3 * (size_t)b->count * sizeof *order);
     upload(&rays, b->rays, b->count * sizeof *b->rays);
     upload(&records, NULL,
-           (size_t)b->count * bb_record_words(BB_TRIANGLES, BB_RECORD_VERTICES) * sizeof(float));
+           (size_t)b->count * bb_leaf_prim_words(BB_TRIANGLES, BB_FORMAT_VERTICES) * sizeof(float));
     upload(&d_found, NULL, 10 * (size_t)b->count * sizeof *found);
     cl_program program;
     cl_kernel kernel;

@@ -255,14 +255,14 @@ static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, u
     bb_layout_maker maker;
     bb_layout_data data = {0};
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
-    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, BB_RECORD_VERTICES, &data));
+    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, BB_FORMAT_VERTICES, &data));
     wide w = {
         .scene = scene,
         .width = strcmp(name, "wide4") == 0 ? 4 : 8,
         .quantised = strcmp(name, "quant8") == 0,
         .nodes = download(&data.buffers[0]),
         .blocks = download(&data.buffers[1]),
-        .words = bb_block_words(scene->kinds, BB_RECORD_VERTICES),
+        .words = bb_block_words(scene->kinds, BB_FORMAT_VERTICES),
         .seen = calloc(scene->prim_count, sizeof *w.seen),
     };
     bb_box box = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};

@@ -27,7 +27,7 @@ static inline void choose_kernel(bed *b, const char *kernel, uint32_t leaf)
     check(bb_spec_parse(kernel, &b->kernel), kernel);
     const bb_layout *layout = bb_layout_find(bb_kernel_find(b->kernel.name)->layout);
     check(bb_layout_maker_create(layout, device, &b->maker), kernel);
-    check(bb_layout_maker_make(&b->maker, b->scene, &b->instance.tree, leaf, BB_RECORD_VERTICES,
+    check(bb_layout_maker_make(&b->maker, b->scene, &b->instance.tree, leaf, BB_FORMAT_VERTICES,
                                &b->layout),
           kernel);
 }

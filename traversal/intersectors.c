@@ -66,9 +66,9 @@ bb_status bb_intersector_parse(const char *text, bb_intersector *intersector)
     return BB_OK;
 }
 
-bb_u32 bb_intersector_form(const bb_intersector *intersector)
+bb_u32 bb_intersector_format(const bb_intersector *intersector)
 {
-    return strcmp(intersector->triangle, "woop") == 0 ? BB_RECORD_AFFINE : BB_RECORD_VERTICES;
+    return strcmp(intersector->triangle, "woop") == 0 ? BB_FORMAT_AFFINE : BB_FORMAT_VERTICES;
 }
 
 bool bb_intersector_is_exact(const bb_intersector *intersector)

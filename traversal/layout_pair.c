@@ -1,13 +1,13 @@
 /* The `pair` layout: both children's boxes in the parent (kernels/layout_pair.cl). Binary trees keep their shape; wider ones
  * are made binary over the order of their children. */
+#include "traversal/leaf_prims.h"
 #include "traversal/pairs.h"
-#include "traversal/records.h"
 
 #include <stdlib.h>
 
 typedef struct pair_layout {
     bb_pairs pairs;
-    bb_records *records;
+    bb_leaf_prims *leaf_prims;
 } pair_layout;
 
 static void destroy(void *opaque)
@@ -16,7 +16,7 @@ static void destroy(void *opaque)
     if (self == NULL)
         return;
     bb_pairs_destroy(&self->pairs);
-    bb_records_destroy(self->records);
+    bb_leaf_prims_destroy(self->leaf_prims);
     free(self);
 }
 
@@ -27,7 +27,7 @@ static bb_status create(bb_device *device, bb_account *account, void **out)
         return bb_fail(BB_FAILED, "out of memory");
     *out = self;
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
-    return bb_records_create(device, account, &self->records);
+    return bb_leaf_prims_create(device, account, &self->leaf_prims);
 }
 
 static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_data *data)
@@ -41,7 +41,8 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
     data->keeps_shape = bb_pairs_keep_shape(&tree->info);
     BB_TRY(bb_pairs_make(&self->pairs, source, &data->buffers[0], &count, &data->root));
     data->bytes += count * sizeof(bb_pair);
-    return bb_records_make(self->records, source, data->form, &data->buffers[1], &data->bytes);
+    return bb_leaf_prims_make(self->leaf_prims, source, data->format, &data->buffers[1],
+                              &data->bytes);
 }
 
 const bb_layout bb_layout_pair = {

@@ -1,7 +1,7 @@
 /* The `skip` layout: the tree's own nodes in preorder (kernels/layout_skip.cl), whatever their arity. */
 #include "traversal/traversal.h"
 
-#include "traversal/records.h"
+#include "traversal/leaf_prims.h"
 
 #include <stdlib.h>
 
@@ -16,7 +16,7 @@ typedef struct skip_layout {
     bb_account *account;
     cl_program program;
     cl_kernel walk, rank, place, nodes;
-    bb_records *records;
+    bb_leaf_prims *leaf_prims;
     bb_buffer lengths, after; /* u32 per splitter */
     bb_buffer positions;      /* u32 per node */
 } skip_layout;
@@ -29,7 +29,7 @@ static void destroy(void *opaque)
     bb_buffer_release(&self->lengths);
     bb_buffer_release(&self->after);
     bb_buffer_release(&self->positions);
-    bb_records_destroy(self->records);
+    bb_leaf_prims_destroy(self->leaf_prims);
     bb_kernel_release(self->walk);
     bb_kernel_release(self->rank);
     bb_kernel_release(self->place);
@@ -51,7 +51,7 @@ static bb_status create(bb_device *device, bb_account *account, void **out)
     BB_TRY(bb_kernel_get(self->program, "skip_rank", &self->rank));
     BB_TRY(bb_kernel_get(self->program, "skip_place", &self->place));
     BB_TRY(bb_kernel_get(self->program, "skip_nodes", &self->nodes));
-    return bb_records_create(device, account, &self->records);
+    return bb_leaf_prims_create(device, account, &self->leaf_prims);
 }
 
 static bb_status number_nodes(skip_layout *self, const bb_tree *tree)
@@ -95,7 +95,8 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
                      BB_MEM(self->positions), BB_VALUE(data->scale),
                      BB_MEM(*(has_reach ? source->reach : &self->positions)), BB_VALUE(has_reach),
                      BB_MEM(data->buffers[0])));
-    return bb_records_make(self->records, source, data->form, &data->buffers[1], &data->bytes);
+    return bb_leaf_prims_make(self->leaf_prims, source, data->format, &data->buffers[1],
+                              &data->bytes);
 }
 
 const bb_layout bb_layout_skip = {

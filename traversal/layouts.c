@@ -35,7 +35,7 @@ void bb_layout_maker_destroy(bb_layout_maker *maker)
 }
 
 /* As recorded: what differs from the layout of the tree's own leaves and of vertices. */
-static void name(const bb_layout *layout, uint32_t leaf, uint32_t form, bb_layout_data *data)
+static void name(const bb_layout *layout, uint32_t leaf, uint32_t format, bb_layout_data *data)
 {
     const char *separator = ":";
     size_t capacity = sizeof data->name;
@@ -44,7 +44,7 @@ static void name(const bb_layout *layout, uint32_t leaf, uint32_t form, bb_layou
         length += snprintf(data->name + length, capacity - (size_t)length, ":leaf=%u", leaf);
         separator = ",";
     }
-    if (form == BB_RECORD_AFFINE)
+    if (format == BB_FORMAT_AFFINE)
         snprintf(data->name + length, capacity - (size_t)length, "%striangles=affine", separator);
 }
 
@@ -94,7 +94,7 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
 }
 
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
-                               uint32_t leaf, uint32_t form, bb_layout_data *data)
+                               uint32_t leaf, uint32_t format, bb_layout_data *data)
 {
     if (leaf > 1 && maker->collapse == NULL)
         BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
@@ -103,7 +103,7 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
     data->bytes = 0;
     data->ends = bb_scene_ends(scene);
     data->kinds = scene->kinds;
-    data->form = form;
+    data->format = format;
     data->scale = scene->scale;
     bb_tree *traced;
     bb_stopwatch watch;
@@ -120,8 +120,8 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
         }
         data->keeps_shape = false;
     }
-    name(maker->layout, leaf, scene->prims[BB_TRIANGLE].count > 0 ? data->form : BB_RECORD_VERTICES,
-         data);
+    name(maker->layout, leaf,
+         scene->prims[BB_TRIANGLE].count > 0 ? data->format : BB_FORMAT_VERTICES, data);
     return BB_OK;
 }
 

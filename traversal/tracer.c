@@ -27,7 +27,7 @@ struct bb_tracer {
     bool counting;
     bool persistent;
     bb_buffer taken; /* u32: rays that groups have taken; of the persistent form */
-    bb_u32 form;     /* of the records that it reads */
+    bb_u32 format;   /* of the triangles that it reads */
     cl_program program;
     cl_kernel kernel;
 };
@@ -158,7 +158,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
     tracer->stack_size = stack_size;
     tracer->counting = request->counting;
     tracer->persistent = persistent;
-    tracer->form = bb_intersector_form(request->intersector);
+    tracer->format = bb_intersector_format(request->intersector);
     const bb_source *source = bb_source_find(request->kernel->source);
     bb_status status = source != NULL ? bb_program_build(device, source, defines, &tracer->program)
                                       : bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s",
@@ -208,7 +208,7 @@ uint64_t bb_tracer_launched(const bb_tracer *tracer)
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
                            uint32_t count, bb_buffer *results, bb_buffer *counts)
 {
-    assert(layout->form == tracer->form);
+    assert(layout->format == tracer->format);
     bb_device *device = tracer->device;
     tracer->launched += count;
     bb_arg args[BB_LAYOUT_BUFFERS_MAX + 8];

@@ -35,7 +35,7 @@ typedef struct bb_layout_data {
     bb_u32 root;                              /* link to start from, as the kernel reads links */
     bb_prim_ends ends;                        /* of the scene's kinds */
     uint32_t kinds;                           /* of the scene's primitives */
-    bb_u32 form;                              /* of the triangles' records: BB_RECORD_... */
+    bb_u32 format;                            /* of triangles: BB_FORMAT_... */
     float scale;                              /* the scene's */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
     uint32_t levels; /* inner nodes on the longest path, as the kernel sees them; an upper bound */
@@ -60,7 +60,7 @@ typedef struct bb_layout {
         uint32_t stride;
     } array;
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
-    /* Makes the layout of `source` with triangles in the form data->form and lengths times
+    /* Makes the layout of `source` with triangles in the format data->format and lengths times
      * data->scale: buffers, root, stack_need, levels, keeps_shape; adds to data->bytes. May enqueue
      * and return. The rest is bb_layout_maker_make()'s. */
     bb_status (*make)(void *self, const bb_layout_source *source, bb_layout_data *data);
@@ -86,10 +86,10 @@ bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,
 void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed */
 
 /* Makes the layout of `tree`, on the device, with leaves of up to `leaf` references (1: those of the tree) and triangles in the form
- * `form` (BB_RECORD_...). Waits for it, and times it. `data` may hold an earlier one, whose memory is
+ * `format` (BB_FORMAT_...). Waits for it, and times it. `data` may hold an earlier one, whose memory is
  * used again. */
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
-                               uint32_t leaf, uint32_t form, bb_layout_data *data);
+                               uint32_t leaf, uint32_t format, bb_layout_data *data);
 
 /* An intersector: ray against triangle and box, with its rounding rules. A named point between careless and exact, by the values of
  * bb_intersector_options, each of which a specification may change: "exact:slab=sign". */
@@ -107,8 +107,8 @@ const bb_intersector *bb_intersector_find(const char *name);
 /* The point that `text` names, changed by its options. BB_INVALID for an unknown name, option or value. */
 bb_status bb_intersector_parse(const char *text, bb_intersector *intersector);
 
-/* What it reads of triangles: BB_RECORD_.... */
-bb_u32 bb_intersector_form(const bb_intersector *intersector);
+/* What it reads of triangles: BB_FORMAT_.... */
+bb_u32 bb_intersector_format(const bb_intersector *intersector);
 
 /* Never wrong: counts for the exit status of `run`. */
 bool bb_intersector_is_exact(const bb_intersector *intersector);
@@ -165,7 +165,7 @@ uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t bb_tracer_stack_size(const bb_tracer *tracer); /* 0: it needs none of the tree's size */
 uint64_t bb_tracer_launched(const bb_tracer *tracer);   /* rays, in all its launches */
 
-/* Enqueues the traversal of rays[0..count); does not wait. The layout has the form of records that the intersector reads. `counts`
+/* Enqueues the traversal of rays[0..count); does not wait. The layout has the format of triangles that the intersector reads. `counts`
  * (bb_count[count]) only for counting tracers, else NULL. */
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
                            uint32_t count, bb_buffer *results, bb_buffer *counts);

@@ -171,7 +171,7 @@ static void order_axes(walk *w, const double direction[3])
     memcpy(w->order, order.axis, sizeof w->order);
 }
 
-static void deal_bits(walk *w, bb_code_layout *layout)
+static void deal_bits(walk *w, bb_code_pattern *layout)
 {
     while (w->bit < w->choice->bits) {
         uint32_t axis = w->choice->next(w);
@@ -190,7 +190,7 @@ static void deal_bits(walk *w, bb_code_layout *layout)
 
 /* Where the lane's bits go, and the moves that bring them there: its bit j, counted from the lowest, travels up to its place in
  * steps of 32, 16 ... 1 ("expand" by parallel moves; Warren, Hacker's Delight, section 7-5). */
-static void plan_moves(bb_code_layout *layout, uint32_t lane)
+static void plan_moves(bb_code_pattern *layout, uint32_t lane)
 {
     bb_code_plan *plan = &layout->plan;
     uint32_t rank = layout->count[lane];
@@ -229,7 +229,7 @@ static double size_of(const bb_code_choice *choice, const double side[3])
 /* The bits of the size. linear: of size / scene. root: of its square root, since a step of six halvings quarters the cell
  * while one of the code halves the size (section 4.2). cell: 1 where the primitive is at least as large as the cell that the bits
  * above it leave. Lengths in the longest side of the scene. */
-static void plan_sizes(const bb_code_choice *choice, bb_code_layout *layout, double unit,
+static void plan_sizes(const bb_code_choice *choice, bb_code_pattern *layout, double unit,
                        const double whole[3])
 {
     bb_code_plan *plan = &layout->plan;
@@ -255,7 +255,7 @@ static void plan_sizes(const bb_code_choice *choice, bb_code_layout *layout, dou
 }
 
 void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
-                     const double direction[3], bb_code_layout *layout)
+                     const double direction[3], bb_code_pattern *layout)
 {
     const bb_box *box = &bounds[choice->by_centroids ? 1 : 0];
     double whole[3], all = 0;
@@ -266,7 +266,7 @@ void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
     }
     for (uint32_t k = 0; k < 3; k++)
         w.side[k] = whole[k] = choice->cube ? all : whole[k];
-    *layout = (bb_code_layout){0};
+    *layout = (bb_code_pattern){0};
     order_axes(&w, direction);
     deal_bits(&w, layout);
     bb_code_plan *plan = &layout->plan;
@@ -287,7 +287,7 @@ void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
         plan_sizes(choice, layout, unit, whole);
 }
 
-void bb_code_letters(const bb_code_layout *layout, char *text, size_t capacity)
+void bb_code_letters(const bb_code_pattern *layout, char *text, size_t capacity)
 {
     uint32_t i = 0;
     for (; i < layout->bits && i + 1 < capacity; i++) {

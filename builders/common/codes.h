@@ -80,13 +80,13 @@ typedef struct bb_code_choice {
 } bb_code_choice;
 
 /* A scene's code: what describes it, and what the device needs. */
-typedef struct bb_code_layout {
+typedef struct bb_code_pattern {
     uint32_t bits;                     /* in use; may be fewer than asked for */
     uint8_t axes[BB_CODE_BITS_MAX];    /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
     double sides[BB_CODE_BITS_MAX][3]; /* of the cell that the bits up to and with this one leave */
     uint32_t count[4];                 /* bits per axis, and of the size */
     bb_code_plan plan;
-} bb_code_layout;
+} bb_code_pattern;
 
 /* Reads the options. `options` is the builder's table. BB_INVALID for what is out of range. */
 bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_choice *choice);
@@ -95,10 +95,10 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
  * `direction` is where the view looks, zero for none. Does not fail: an axis without extent gets no bits in a code of variable
  * counts, and one cell in others. */
 void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
-                     const double direction[3], bb_code_layout *layout);
+                     const double direction[3], bb_code_pattern *layout);
 
 /* The layout as letters from the top: "xzxzxyszxy..."; capitals are negated. `capacity` beyond BB_CODE_BITS_MAX. */
-void bb_code_letters(const bb_code_layout *layout, char *text, size_t capacity);
+void bb_code_letters(const bb_code_pattern *layout, char *text, size_t capacity);
 
 /* ---- on the device ---- */
 
@@ -117,7 +117,7 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
                         bb_buffer *keys, bb_buffer *values, bb_phases *phases);
 
 /* Of the last bb_codes_make(). */
-const bb_code_layout *bb_codes_layout(const bb_codes *codes);
+const bb_code_pattern *bb_codes_pattern(const bb_codes *codes);
 
 #ifdef __cplusplus
 }

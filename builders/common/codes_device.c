@@ -12,7 +12,7 @@ struct bb_codes {
     bb_account *account;
     const char *builder;
     bb_code_choice choice;
-    bb_code_layout layout;
+    bb_code_pattern layout;
     uint32_t lanes; /* boxes per work-item */
     cl_program program;
     cl_kernel keys;
@@ -75,7 +75,7 @@ uint32_t bb_codes_key_bytes(const bb_codes *codes)
     return codes->choice.bits > 32 ? 8 : 4;
 }
 
-const bb_code_layout *bb_codes_layout(const bb_codes *codes)
+const bb_code_pattern *bb_codes_pattern(const bb_codes *codes)
 {
     return &codes->layout;
 }
@@ -83,7 +83,7 @@ const bb_code_layout *bb_codes_layout(const bb_codes *codes)
 /* Tables of each lane's bits, as section 4.5 of the paper has them; in chunks that the first-level cache holds. */
 static bb_status write_tables(bb_codes *codes)
 {
-    const bb_code_layout *layout = &codes->layout;
+    const bb_code_pattern *layout = &codes->layout;
     uint64_t places[4][BB_CODE_CHUNKS * BB_CODE_CHUNK_BITS] = {{0}};
     uint64_t tables[BB_CODE_CHUNKS][4][VALUES];
     uint32_t rank[4];

@@ -72,7 +72,7 @@ bb_status bb_linear_build(void *opaque, const bb_scene *scene, const bb_tree *in
     BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
     BB_TRY(bb_phase(phases, "sort"));
     BB_TRY(bb_sort_keys(self->primitives, bb_codes_key_bytes(self->codes), &self->keys,
-                        &self->values, count, bb_codes_layout(self->codes)->bits));
+                        &self->values, count, bb_codes_pattern(self->codes)->bits));
     BB_TRY(bb_phase(phases, "link"));
     BB_TRY(bb_radix_tree_link(self->radix, &self->keys, NULL, &self->values,
                               &scene->on_device.boxes, count, tree));
@@ -95,7 +95,7 @@ bb_status bb_linear_describe(void *opaque, const bb_scene *scene, char *text, si
     (void)scene;
     linear_bvh *self = opaque;
     char letters[BB_CODE_BITS_MAX + 1];
-    const bb_code_layout *layout = bb_codes_layout(self->codes);
+    const bb_code_pattern *layout = bb_codes_pattern(self->codes);
     bb_code_letters(layout, letters, sizeof letters);
     snprintf(text, capacity, "code of %u bits: %s", layout->bits, letters);
     return BB_OK;

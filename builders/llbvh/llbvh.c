@@ -96,7 +96,7 @@ static bb_status require_octree(const bb_builder_context *context)
     static const bb_box bounds[2] = {{.hi = {4, 2, 1}}, {.hi = {4, 2, 1}}};
     static const double direction[3] = {1, 2, 3};
     bb_code_choice choice;
-    bb_code_layout layout;
+    bb_code_pattern layout;
     BB_TRY(bb_code_choose(context->spec, context->options, &choice));
     bb_code_lay_out(&choice, bounds, direction, &layout);
     bool octree = layout.bits % 3 == 0 && layout.bits <= 3 * LEVELS_MAX;
@@ -205,7 +205,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 /* Key and node of each primitive, from its code. */
 static bb_status place_primitives(llbvh *self, const bb_scene *scene)
 {
-    const bb_code_layout *layout = bb_codes_layout(self->codes);
+    const bb_code_pattern *layout = bb_codes_pattern(self->codes);
     cl_float4 reach = {{0}}, low = {{0}}, scale = {{0}};
     for (int k = 0; k < 3; k++) {
         low.s[k] = layout->plan.low[k];

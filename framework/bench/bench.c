@@ -405,7 +405,7 @@ static bb_status start_buffers(bb_bench *bench)
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
                             const bb_intersector *intersector)
 {
-    return bench->kernels[kernel].layouts[bb_intersector_form(intersector)];
+    return bench->kernels[kernel].layouts[bb_intersector_format(intersector)];
 }
 
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel)
@@ -421,20 +421,20 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
 }
 
 /* The layout that the kernel reads, with triangles in `form`: one that is there already, or a new one. */
-static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_t form)
+static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_t format)
 {
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
     for (uint32_t i = 0; i < bench->layout_count; i++) {
         const bb_layout_choice *l = &bench->layouts[i];
-        if (l->maker.layout == layout && l->form == form && l->leaf == choice->leaf) {
-            choice->layouts[form] = i;
+        if (l->maker.layout == layout && l->format == format && l->leaf == choice->leaf) {
+            choice->layouts[format] = i;
             return BB_OK;
         }
     }
-    choice->layouts[form] = bench->layout_count++;
-    bb_layout_choice *wanted = &bench->layouts[choice->layouts[form]];
+    choice->layouts[format] = bench->layout_count++;
+    bb_layout_choice *wanted = &bench->layouts[choice->layouts[format]];
     wanted->leaf = choice->leaf;
-    wanted->form = form;
+    wanted->format = format;
     return bb_layout_maker_create(layout, bench->device, &wanted->maker);
 }
 
@@ -448,7 +448,7 @@ static bb_status start_kernel(bb_bench *bench, const char *text, bool native_onl
     choice->native_only = native_only;
     bench->kernel_count++;
     for (uint32_t i = 0; i < bench->request->intersector_count; i++)
-        BB_TRY(start_layout(bench, choice, bb_intersector_form(&bench->intersectors[i])));
+        BB_TRY(start_layout(bench, choice, bb_intersector_format(&bench->intersectors[i])));
     return BB_OK;
 }
 

@@ -14,7 +14,7 @@
 enum {
     BB_ENTRANTS_MAX = 64,
     BB_KERNELS_MAX =
-        BB_LAYOUTS_MAX / BB_RECORD_FORMS, /* a build's record has room for their layouts */
+        BB_LAYOUTS_MAX / BB_FORMAT_COUNT, /* a build's record has room for their layouts */
     /* rays per launch: their buffers stay small beside trees, and a set of any size can be traced */
     BB_BATCH = 1 << 22,
     /* rays that the counting variant traces: a mean over so many is sure to half a percent */
@@ -27,7 +27,7 @@ typedef struct bb_kernel_choice {
     bb_spec spec;
     uint32_t leaf;
     uint32_t layouts
-        [BB_RECORD_FORMS]; /* what it reads, in bb_bench.layouts, with triangles in each form */
+        [BB_FORMAT_COUNT]; /* what it reads, in bb_bench.layouts, with triangles in each format */
     bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
 } bb_kernel_choice;
 
@@ -35,7 +35,7 @@ typedef struct bb_kernel_choice {
 typedef struct bb_layout_choice {
     bb_layout_maker maker;
     uint32_t leaf;
-    uint32_t form; /* BB_RECORD_... */
+    uint32_t format; /* BB_FORMAT_... */
 } bb_layout_choice;
 
 /* A builder on the scene: what it has in memory at present, and its record. */

@@ -135,7 +135,7 @@ static bb_status check_kernel(bb_conformance *c, bb_tree *tree, const char *buil
     if (status == BB_OK)
         status = bb_tree_upload(tree, c->device, NULL);
     if (status == BB_OK)
-        status = bb_layout_maker_make(&maker, c->scene, tree, 1, BB_RECORD_VERTICES, &data);
+        status = bb_layout_maker_make(&maker, c->scene, tree, 1, BB_FORMAT_VERTICES, &data);
     for (uint32_t i = 0; i < c->set_count && status == BB_OK; i++)
         if ((kernel->queries & c->sets[i].rays->query->way) != 0) {
             status = check_set(c, &c->sets[i], builder, kernel, &data);

@@ -21,7 +21,7 @@ static bb_status open_counter(counter *c, const bb_scene *scene, bb_tree *tree)
         return bb_fail(BB_FAILED, "no kernel takes every tree: nothing counts tests");
     c->kernel = *kernel;
     BB_TRY(bb_layout_maker_create(bb_layout_find(c->kernel->layout), c->device, &c->maker));
-    BB_TRY(bb_layout_maker_make(&c->maker, scene, tree, 1, BB_RECORD_VERTICES, &c->layout));
+    BB_TRY(bb_layout_maker_make(&c->maker, scene, tree, 1, BB_FORMAT_VERTICES, &c->layout));
     BB_TRY(bb_buffer_reserve(c->device, NULL, SAMPLE * sizeof(bb_ray), "sample", &c->rays));
     BB_TRY(bb_buffer_reserve(c->device, NULL, SAMPLE * BB_RESULT_BYTES_MAX, "sample", &c->answers));
     return bb_buffer_reserve(c->device, NULL, SAMPLE * sizeof(bb_count), "sample", &c->counts);

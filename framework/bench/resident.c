@@ -84,7 +84,7 @@ static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
     bb_layout_data *data = &entrant->layouts[layout];
     bb_tree *tree = &entrant->instance.tree;
     BB_TRY(bb_tree_upload(tree, bench->device, NULL));
-    return bb_layout_maker_make(&choice->maker, bench->scene, tree, choice->leaf, choice->form,
+    return bb_layout_maker_make(&choice->maker, bench->scene, tree, choice->leaf, choice->format,
                                 data);
 }
 

@@ -106,7 +106,7 @@ static bb_status make_layout(rendering *r, const char *builder)
     BB_TRY(bb_spec_u64(&r->kernel_spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
     BB_TRY(bb_layout_maker_create(bb_layout_find(r->kernel->layout), r->device, &r->maker));
     return bb_layout_maker_make(&r->maker, r->scene, &r->instance.tree, (uint32_t)leaf,
-                                bb_intersector_form(&r->intersector), &r->layout);
+                                bb_intersector_format(&r->intersector), &r->layout);
 }
 
 static bb_status trace(rendering *r)

@@ -1,0 +1,26 @@
+/* Leaf primitives, for the layouts: what a kernel needs of a leaf's primitives lies in one place, in the order of the leaves.
+ *
+ *   leaf_prims[i] = what its kind keeps of primitive refs[i] (prims.clh), in the layout's units; then
+ *               refs[i] itself, with its last-bit
+ *
+ * Pro: one stream of memory per leaf, no indirection. Con: a primitive that several leaves reference is stored that often.
+ * Limits: 2^31 - 1 leaf primitives.
+ */
+#include "bb_device.h"
+
+#include "prims.clh"
+
+kernel void make_leaf_prims(global const uint *refs, uint count, global const float *vertices,
+                         global const uint *data, bb_prim_ends ends, float scale, uint format,
+                         uint words, uint id_word, global uint *leaf_prims)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    uint prim = refs[i] & BB_INDEX_MASK;
+    global uint *leaf_prim = leaf_prims + (ulong)i * words;
+    for (uint w = 0; w < words; w++)
+        leaf_prim[w] = 0;
+    bb_prim_write(leaf_prim, 1, format, prim, data, vertices, &ends, scale);
+    leaf_prim[id_word] = refs[i];
+}
