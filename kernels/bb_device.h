@@ -1,7 +1,7 @@
 /* What every kernel includes first: no contraction, the shared types, small helpers.
  *
- * Contraction (a*b+c fused behind the writer's back) loses hits at box and triangle edges, so it is off
- * everywhere; where fusion is meant, fma() is written.
+ * Contraction (a*b+c fused behind the writer's back) loses hits at box and triangle edges, so it is
+ * off everywhere; where fusion is meant, fma() is written.
  */
 #ifndef BB_DEVICE_CL_H
 #define BB_DEVICE_CL_H
@@ -12,8 +12,8 @@
 
 #include "bb_shared.h"
 
-/* OpenCL's fmin and fmax must handle NaN in both arguments, which costs three instructions on CPUs. These are one, and
- * return the second argument when the first is NaN. */
+/* OpenCL's fmin and fmax must handle NaN in both arguments, which costs three instructions on CPUs.
+ * These are one, and return the second argument when the first is NaN. */
 #define BB_MIN(a, b) ((a) < (b) ? (a) : (b))
 #define BB_MAX(a, b) ((a) > (b) ? (a) : (b))
 

@@ -31,9 +31,9 @@ typedef uint8_t bb_u8;
  * as poison after a launch was never written. */
 #define BB_POISON 0xDEADBEEFu
 
-/* Kinds of primitives, in the order in which a scene numbers them, with the 32-bit words of one: of its
- * data in the scene, and of what a layout keeps of it (triangles: their vertices). A kind is a row here,
- * framework/scene/prim_NAME.c and, named in prims.clh, kernels/prim_NAME.clh. */
+/* Kinds of primitives, in the order in which a scene numbers them, with the 32-bit words of one: of
+ * its data in the scene, and of what a layout keeps of it (triangles: their vertices). A kind is a
+ * row here, framework/scene/prim_NAME.c and, named in prims.clh, kernels/prim_NAME.clh. */
 #define BB_PRIM_KINDS(X)                                                                           \
     X(TRIANGLE, triangle, 3, 9)                                                                    \
     X(SPHERE, sphere, 4, 4)                                                                        \
@@ -45,8 +45,8 @@ enum {
 #undef BB_KIND_NUMBER
 };
 
-/* Primitives are numbered through: those of kind k end before end[k] and begin where the kind before
- * ends. */
+/* Primitives are numbered through: those of kind k end before end[k] and begin where the kind
+ * before ends. */
 typedef struct bb_prim_ends {
     bb_u32 end[BB_KIND_COUNT];
 } bb_prim_ends;
@@ -109,30 +109,32 @@ typedef struct bb_hit {
     bb_u32 prim;
 } bb_hit;
 
-/* First and last hit: distances as in bb_hit, and primitives. A miss is t = (+inf, -inf) and prims =
- * BB_NONE. 16 bytes. */
+/* First and last hit: distances as in bb_hit, and primitives. A miss is t = (+inf, -inf) and prims
+ * = BB_NONE. 16 bytes. */
 typedef struct bb_interval {
     float t[2];
     bb_u32 prims[2];
 } bb_interval;
 
-/* Node of the `pair` layout: both children's boxes side by side, each plane of both as a pair, so that the planes of
- * either sign of a direction are two words apart. Axis a: planes[4a] lo and planes[4a + 2] hi, of child 0, then child 1. A
- * link is a pair node or BB_LEAF_BIT | first leaf primitive. 64 bytes. */
+/* Node of the `pair` layout: both children's boxes side by side, each plane of both as a pair, so
+ * that the planes of either sign of a direction are two words apart. Axis a: planes[4a] lo and
+ * planes[4a + 2] hi, of child 0, then child 1. A link is a pair node or BB_LEAF_BIT | first leaf
+ * primitive. 64 bytes. */
 typedef struct bb_pair {
     float planes[12];
     bb_u32 links[2];
     bb_u32 pad[2];
 } bb_pair;
 
-/* What layouts hold of a triangle, as the intersector wants it: its vertices, or the affine map from the scene to where it is
- * (0, 0), (1, 0), (0, 1) in the plane z = 0: three rows of four, that of z first. */
+/* What layouts hold of a triangle, as the intersector wants it: its vertices, or the affine map
+ * from the scene to where it is (0, 0), (1, 0), (0, 1) in the plane z = 0: three rows of four, that
+ * of z first. */
 #define BB_FORMAT_VERTICES 0u
 #define BB_FORMAT_AFFINE 1u
 #define BB_FORMAT_COUNT 2
 
-/* Words that a leaf primitive has besides its number, as many as the largest of these kinds (bits) needs.
- * Then comes its number, with BB_LAST_BIT on the last of a leaf. */
+/* Words that a leaf primitive has besides its number, as many as the largest of these kinds (bits)
+ * needs. Then comes its number, with BB_LAST_BIT on the last of a leaf. */
 static inline bb_u32 bb_leaf_prim_payload(bb_u32 kinds, bb_u32 format)
 {
     bb_u32 most = 0;
@@ -150,9 +152,9 @@ static inline bb_u32 bb_leaf_prim_words(bb_u32 kinds, bb_u32 format)
     return bb_leaf_prim_payload(kinds, format) / 4 * 4 + 4;
 }
 
-/* Block of the wide layouts: BB_BLOCK_LANES primitives of one kind, each word of the record above for all of them side by side,
- * then their numbers. Lanes without a primitive come last; they have the number BB_NONE and nothing can hit them. BB_LAST_BIT on the first
- * number closes the leaf. */
+/* Block of the wide layouts: BB_BLOCK_LANES primitives of one kind, each word of the record above
+ * for all of them side by side, then their numbers. Lanes without a primitive come last; they have
+ * the number BB_NONE and nothing can hit them. BB_LAST_BIT on the first number closes the leaf. */
 #define BB_BLOCK_LANES 4
 
 static inline bb_u32 bb_block_words(bb_u32 kinds, bb_u32 format)
@@ -160,9 +162,10 @@ static inline bb_u32 bb_block_words(bb_u32 kinds, bb_u32 format)
     return (bb_leaf_prim_payload(kinds, format) + 1) * BB_BLOCK_LANES;
 }
 
-/* Nodes of the wide layouts: the boxes of up to 4 or 8 children side by side. Axis a: planes[2aW ..] lo and planes[(2a + 1)W ..]
- * hi, of child 0 to W - 1. A link is a node or BB_LEAF_BIT | first block. A place without a child has an empty box and, since a ray
- * of NaNs meets that too, a link to a block without primitives. 128 and 256 bytes. */
+/* Nodes of the wide layouts: the boxes of up to 4 or 8 children side by side. Axis a: planes[2aW
+ * ..] lo and planes[(2a + 1)W ..] hi, of child 0 to W - 1. A link is a node or BB_LEAF_BIT | first
+ * block. A place without a child has an empty box and, since a ray of NaNs meets that too, a link
+ * to a block without primitives. 128 and 256 bytes. */
 typedef struct bb_wide4 {
     float planes[24];
     bb_u32 links[4];
@@ -177,9 +180,9 @@ typedef struct bb_wide8 {
     bb_u32 pad[7];
 } bb_wide8;
 
-/* The same with 8 bits per plane: plane p of axis a is base[a] + p * scale[a], scale a power of two. The
- * boxes hold the exact ones. From far away even a box turned inside out is met, since distances are
- * padded: so places without a child are told apart by a bit. 128 bytes. */
+/* The same with 8 bits per plane: plane p of axis a is base[a] + p * scale[a], scale a power of
+ * two. The boxes hold the exact ones. From far away even a box turned inside out is met, since
+ * distances are padded: so places without a child are told apart by a bit. 128 bytes. */
 typedef struct bb_quant8 {
     bb_u8 planes[48];
     float base[3];
@@ -190,8 +193,8 @@ typedef struct bb_quant8 {
     bb_u32 pad[4];
 } bb_quant8;
 
-/* How a pair is best made part of wide nodes: its cost as up to 1, 2, ... children, times area, and, 4 bits each, how many of
- * these its left side gets; 0: one less is as good. 32 bytes. */
+/* How a pair is best made part of wide nodes: its cost as up to 1, 2, ... children, times area,
+ * and, 4 bits each, how many of these its left side gets; 0: one less is as good. 32 bytes. */
 typedef struct bb_wide_plan {
     float cost[7];
     bb_u32 splits;

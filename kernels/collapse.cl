@@ -1,16 +1,22 @@
-/* Leaf collapse by the surface area heuristic, one pass for all builders and layouts, from tree to tree.
+/* Leaf collapse by the surface area heuristic, one pass for all builders and layouts, from tree to
+ * tree.
  *
  *   parent of each node                                                   (collapse_parents)
- *   bottom-up from the leaves; the last of a node's children to come hands over to it (handover.clh):
- *     a leaf costs Ci A per block of references that it begins; an inner node Ct children/2 A and what its children cost
- *     if its subtree has at most max_leaf references and a leaf of them costs no more: collapse     (collapse_decide, or collapse_leaves and collapse_level)
+ *   bottom-up from the leaves; the last of a node's children to come hands over to it
+ *   (handover.clh):
+ *     a leaf costs Ci A per block of references that it begins; an inner node Ct children/2 A and
+ *     what its children cost
+ *     if its subtree has at most max_leaf references and a leaf of them costs no more: collapse
+ *     (collapse_decide, or collapse_leaves and collapse_level)
  *   kept: nodes without a collapsed ancestor; their references, each once (collapse_mark)
- *   places = exclusive scans of both                                      (framework/device/primitives.h)
+ *   places = exclusive scans of both
+ *   (framework/device/primitives.h)
  *   write                                                                 (collapse_write)
  *
- * MacDonald and Booth 1990 (the heuristic); Wald, Benthin and Boulos 2008 (leaves in blocks of the vector's length). Nodes and references
- * keep their order in memory. Reads any tree. A primitive that several leaves of a collapsed subtree reference is referenced
- * once. Costs are floats: they decide between two trees that are both right.
+ * MacDonald and Booth 1990 (the heuristic); Wald, Benthin and Boulos 2008 (leaves in blocks of the
+ * vector's length). Nodes and references keep their order in memory. Reads any tree. A primitive
+ * that several leaves of a collapsed subtree reference is referenced once. Costs are floats: they
+ * decide between two trees that are both right.
  */
 #include "bb_device.h"
 #include "handover.clh"
@@ -30,8 +36,8 @@ kernel void collapse_parents(global const bb_node *nodes, uint count, uint root,
     missing[n] = children;
 }
 
-/* In the layout's units: those of the scene may be so small or large that products leave the range of
- * floats. */
+/* In the layout's units: those of the scene may be so small or large that products leave the range
+ * of floats. */
 float half_area(global const bb_node *node, float scale)
 {
     return bb_half_area((node->hi[0] - node->lo[0]) * scale, (node->hi[1] - node->lo[1]) * scale,
@@ -160,14 +166,17 @@ kernel void collapse_level(global const bb_node *nodes, float scale, float trave
     }
 }
 
-/* The references below node n, each once if `duplicated`: counted, and written to `out` unless that is NULL. */
+/* The references below node n, each once if `duplicated`: counted, and written to `out` unless that
+ * is NULL. */
 uint gather(global const bb_node *nodes, global const uint *refs, uint n, uint duplicated,
             global uint *out)
 {
     uint end = nodes[n].skip, written = 0;
-    uint own[BB_LEAF_MAX]; /* those found so far: needed only where a collapsed node has several leaves */
+    /* those found so far: needed only where a collapsed node has several leaves */
+    uint own[BB_LEAF_MAX];
     bool several = (nodes[n].first & BB_LEAF_BIT) == 0;
-    for (uint c = n; c != end; c = (nodes[c].first & BB_LEAF_BIT) != 0 ? nodes[c].skip : nodes[c].first) {
+    for (uint c = n; c != end;
+         c = (nodes[c].first & BB_LEAF_BIT) != 0 ? nodes[c].skip : nodes[c].first) {
         if ((nodes[c].first & BB_LEAF_BIT) == 0)
             continue;
         uint first = nodes[c].first & BB_INDEX_MASK, length = run_length(refs, first);

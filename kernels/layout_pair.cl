@@ -2,14 +2,16 @@
  *
  *   extra[n] = children(n) - 1 for inner nodes, 0 for leaves     (pair_extra)
  *   base = exclusive scan of extra                                (framework/device/primitives.h)
- *   inner node n with k children owns pair nodes base[n] .. base[n] + k - 2, one per gap between two children: a balanced
+ *   inner node n with k children owns pair nodes base[n] .. base[n] + k - 2, one per gap between
+ *   two children: a balanced
  *   binary tree over them, whose root is the gap in the middle    (pair_nodes)
  *
  *   boxes are scaled and padded (padding.clh)
  *
- * Aila and Laine 2009 (both children's boxes in the parent). Reads any tree of any arity; a binary tree keeps its shape and
- * its order in memory; a node with one child is passed through. Limits: 2^31 - 1 pair nodes; one work-item
- * writes all pair nodes of a node, in time that grows with the square of its children, so the host refuses more than 4096.
+ * Aila and Laine 2009 (both children's boxes in the parent). Reads any tree of any arity; a binary
+ * tree keeps its shape and its order in memory; a node with one child is passed through. Limits:
+ * 2^31 - 1 pair nodes; one work-item writes all pair nodes of a node, in time that grows with the
+ * square of its children, so the host refuses more than 4096.
  */
 #include "bb_device.h"
 #include "padding.clh"
@@ -29,7 +31,8 @@ kernel void pair_extra(global const bb_node *nodes, uint count, global uint *ext
     extra[n] = children - 1u; /* extra[count] is 0: its place in the scan is the total */
 }
 
-/* Link to node n: a leaf, or the pair node in the middle of its children. A node with one child is passed through. */
+/* Link to node n: a leaf, or the pair node in the middle of its children. A node with one child is
+ * passed through. */
 uint pair_link(global const bb_node *nodes, global const uint *base, uint n)
 {
     for (;;) {
@@ -43,8 +46,8 @@ uint pair_link(global const bb_node *nodes, global const uint *base, uint n)
     }
 }
 
-/* Box, reach and link of children [from, to) of node n: a child, or the pair node of the gap in their
- * middle. `reach` may be NULL. */
+/* Box, reach and link of children [from, to) of node n: a child, or the pair node of the gap in
+ * their middle. `reach` may be NULL. */
 void pair_side(global const bb_node *nodes, global const uint *base, global const float *reach,
                uint n, uint from, uint to, float *lo, float *hi, float *longest, uint *link)
 {

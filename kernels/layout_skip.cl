@@ -1,15 +1,22 @@
-/* The `skip` layout: the common tree's nodes in preorder, the order in which the stackless traversal reads them.
+/* The `skip` layout: the common tree's nodes in preorder, the order in which the stackless
+ * traversal reads them.
  *
  *   next(n) = first(n) of an inner node, skip(n) of a leaf: a list of all nodes, in preorder
  *   position(n) = place of n in that list:
- *       every stride-th node, and the root, is a splitter; each walks to the next one and counts   (skip_walk)
- *       the splitters' own places, one after the other                                             (skip_rank)
- *       each walks again and numbers the nodes that it passes                                      (skip_place)
- *   out[position(n)] = node n, its links renumbered, its box scaled and padded (padding.clh)       (skip_nodes)
+ *       every stride-th node, and the root, is a splitter; each walks to the next one and counts
+ *       (skip_walk)
+ *       the splitters' own places, one after the other
+ *       (skip_rank)
+ *       each walks again and numbers the nodes that it passes
+ *       (skip_place)
+ *   out[position(n)] = node n, its links renumbered, its box scaled and padded (padding.clh)
+ *   (skip_nodes)
  *
- * Smits 1998, "Efficiency Issues for Ray Tracing" (the order); Helman, JaJa 1999, "Designing Practical Efficient Algorithms for
- * Symmetric Multiprocessors" (the ranking of the list). Takes any tree of any arity; nodes with one child stay. Limits: the work is that of
- * two walks over the list, whatever its order, but a numbering made to keep all splitters together leaves it to one work-item.
+ * Smits 1998, "Efficiency Issues for Ray Tracing" (the order); Helman, JaJa 1999, "Designing
+ * Practical Efficient Algorithms for Symmetric Multiprocessors" (the ranking of the list). Takes
+ * any tree of any arity; nodes with one child stay. Limits: the work is that of two walks over the
+ * list, whatever its order, but a numbering made to keep all splitters together leaves it to one
+ * work-item.
  */
 #include "bb_device.h"
 #include "padding.clh"
@@ -43,7 +50,8 @@ kernel void skip_walk(global const bb_node *nodes,
         return;
     uint n = skip_start(s, root, stride, splitters);
     uint length = 0, next = BB_NONE;
-    if (skip_splitter(n, root, stride, splitters) == s) /* else it is the root, which has a splitter of its own */
+    /* else it is the root, which has a splitter of its own */
+    if (skip_splitter(n, root, stride, splitters) == s)
         do {
             length++;
             n = skip_next(nodes, n);

@@ -1,18 +1,24 @@
-/* The wide layouts: from pair nodes (layout_pair.cl) to nodes of up to BB_WIDTH children, and from references to blocks of primitives.
+/* The wide layouts: from pair nodes (layout_pair.cl) to nodes of up to BB_WIDTH children, and from
+ * references to blocks of primitives.
  *
  *   plan, bottom-up; the last of a pair's two sides to come hands over to it (handover.clh)
- *                                                (wide_parents, wide_plan, or plan_leaves and plan_level)
+ *                                                (wide_parents, wide_plan, or plan_leaves and
+ *                                                plan_level)
  *     cost(p, 1) = A(p) + cost(p as BB_WIDTH)               p becomes a node
- *     cost(p, n) = min over k of cost(left, k) + cost(right, n - k), or cost(p, n - 1)      p makes way for up to n of those below it
- *   level by level from the root: open the pair by its plan, mark it; those of its children that are pairs are the next
+ *     cost(p, n) = min over k of cost(left, k) + cost(right, n - k), or cost(p, n - 1)      p makes
+ *     way for up to n of those below it
+ *   level by level from the root: open the pair by its plan, mark it; those of its children that
+ *   are pairs are the next
  *     level                                                (wide_open)
- *   index = exclusive scan of the marks                    (framework/device/primitives.h): nodes keep the order of the tree in memory
+ *   index = exclusive scan of the marks                    (framework/device/primitives.h): nodes
+ *   keep the order of the tree in memory
  *   for each marked pair: open it again; write the node    (wide_nodes)
  *   first[i] = exclusive scan of the blocks that the leaf at reference i needs     (wide_count)
  *   for each leaf: write its blocks                        (wide_blocks)
  *
- * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.1 (the plan: of all
- * collapses the one with the least area, leaves being given), 3.2 (8 bits per plane), 3.4 (places by octant). Reads any tree.
+ * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
+ * BVHs", section 3.1 (the plan: of all collapses the one with the least area, leaves being given),
+ * 3.2 (8 bits per plane), 3.4 (places by octant). Reads any tree.
  */
 #include "bb_device.h"
 
@@ -178,9 +184,9 @@ void opened_of(global const bb_pair *pairs, global const bb_wide_plan *plans, ui
 }
 
 #if BB_WIDTH == 8
-/* Puts the children in places such that place ^ octant is roughly the order in which rays of that octant meet them: bit a of an octant
- * is set where rays go down axis a, bit a of a place where its child should lie high on axis a. The pair of child and
- * place that fits best first. */
+/* Puts the children in places such that place ^ octant is roughly the order in which rays of that
+ * octant meet them: bit a of an octant is set where rays go down axis a, bit a of a place where its
+ * child should lie high on axis a. The pair of child and place that fits best first. */
 void opened_arrange(bb_opened *opened)
 {
     float fit[BB_WIDTH][BB_WIDTH]; /* of child and place */
@@ -237,7 +243,8 @@ kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *pl
 }
 
 #if BB_QUANTISED
-/* The largest step of up to 8 bits whose plane is not above `plane`, which is not below that of step 0. */
+/* The largest step of up to 8 bits whose plane is not above `plane`, which is not below that of
+ * step 0. */
 uint step_below(global const bb_wide *node, uint axis, float plane)
 {
     float guess = (plane - node->base[axis]) / node->scale[axis];
@@ -265,7 +272,8 @@ void write_boxes(const bb_opened *opened, global bb_wide *node)
             lo = BB_MIN(los[c], lo);
             hi = BB_MAX(his[c], hi);
         }
-        /* the least power of two of which 255 reach from lo to hi; a box far away may need more than its extent says */
+        /* the least power of two of which 255 reach from lo to hi; a box far away may need more
+         * than its extent says */
         float extent = BB_MIN(hi - lo, FLT_MAX);
         float scale = as_float(as_uint(extent / 255.0f) & 0x7F800000u);
         scale = hi > lo ? BB_MAX(scale, FLT_MIN) : 0.0f;
@@ -293,7 +301,8 @@ void write_boxes(const bb_opened *opened, global bb_wide *node)
 #endif
 
 /* first[] and index[] are the scans. */
-kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_wide_plan *plans, global const uint *index,
+kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_wide_plan *plans,
+                       global const uint *index,
                        global const uint *first, uint ref_count, global bb_wide *nodes)
 {
     uint p = get_global_id(0);
@@ -324,7 +333,8 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_
 /* ---- primitives ---- */
 
 /* Primitives of each kind in the leaf that starts at reference i. */
-void leaf_kinds(global const uint *refs, uint i, const bb_prim_ends *ends, uint counts[BB_KIND_COUNT])
+void leaf_kinds(global const uint *refs, uint i, const bb_prim_ends *ends,
+                uint counts[BB_KIND_COUNT])
 {
     for (uint kind = 0; kind < BB_KIND_COUNT; kind++)
         counts[kind] = 0;
@@ -368,7 +378,8 @@ kernel void wide_blocks(global const uint *refs, uint count, global const float 
 {
     uint i = get_global_id(0);
     uint id_word = words - BB_BLOCK_LANES;
-    if (i == count) /* what the links of places without a child lead to, whatever the scene's kinds */
+    /* what the links of places without a child lead to, whatever the scene's kinds */
+    if (i == count)
         block_empty(blocks + (ulong)first[i] * words, words, id_word, BB_KIND_COUNT);
     if (i >= count || (i > 0u && (refs[i - 1u] & BB_LAST_BIT) == 0))
         return;
@@ -385,7 +396,8 @@ kernel void wide_blocks(global const uint *refs, uint count, global const float 
         last = (refs[i] & BB_LAST_BIT) != 0;
         uint prim = refs[i] & BB_INDEX_MASK;
         uint place = next[bb_prim_kind(prim, &ends)]++;
-        global uint *lane = blocks + (ulong)(place / BB_BLOCK_LANES) * words + place % BB_BLOCK_LANES;
+        global uint *lane =
+            blocks + (ulong)(place / BB_BLOCK_LANES) * words + place % BB_BLOCK_LANES;
         bb_prim_write(lane, BB_BLOCK_LANES, format, prim, data, vertices, &ends, scale);
         lane[id_word] = prim;
     }

@@ -1,10 +1,12 @@
-/* Leaf primitives, for the layouts: what a kernel needs of a leaf's primitives lies in one place, in the order of the leaves.
+/* Leaf primitives, for the layouts: what a kernel needs of a leaf's primitives lies in one place,
+ * in the order of the leaves.
  *
- *   leaf_prims[i] = what its kind keeps of primitive refs[i] (prims.clh), in the layout's units; then
+ *   leaf_prims[i] = what its kind keeps of primitive refs[i] (prims.clh), in the layout's units;
+ *   then
  *               refs[i] itself, with its last-bit
  *
- * Pro: one stream of memory per leaf, no indirection. Con: a primitive that several leaves reference is stored that often.
- * Limits: 2^31 - 1 leaf primitives.
+ * Pro: one stream of memory per leaf, no indirection. Con: a primitive that several leaves
+ * reference is stored that often. Limits: 2^31 - 1 leaf primitives.
  */
 #include "bb_device.h"
 

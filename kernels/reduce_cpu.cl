@@ -1,8 +1,11 @@
-/* Union of boxes and of their centroids, form for CPU devices: one work-item per chunk, no local memory, no barriers.
+/* Union of boxes and of their centroids, form for CPU devices: one work-item per chunk, no local
+ * memory, no barriers.
  *
- * Source: the blocked reduction of Blelloch, Prefix Sums and Their Applications (CMU-CS-90-190, 1990), section 1.2.
+ * Source: the blocked reduction of Blelloch, Prefix Sums and Their Applications (CMU-CS-90-190,
+ * 1990), section 1.2.
  *
- *     reduce_boxes:     for each chunk: partials[chunk] = union of its boxes, union of their centroids
+ *     reduce_boxes:     for each chunk: partials[chunk] = union of its boxes, union of their
+ *                       centroids
  *     reduce_partials:  one item: out = union of the partials
  *
  * Limits: at least one box; boxes are finite.

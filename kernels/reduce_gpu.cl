@@ -1,12 +1,16 @@
-/* Union of boxes and of their centroids, form for GPU devices: work-groups co-operate through local memory.
+/* Union of boxes and of their centroids, form for GPU devices: work-groups co-operate through local
+ * memory.
  *
- * Source: Harris, Optimizing Parallel Reduction in CUDA (NVIDIA 2007), without its unsynchronised last steps.
+ * Source: Harris, Optimizing Parallel Reduction in CUDA (NVIDIA 2007), without its unsynchronised
+ * last steps.
  *
  *     reduce_boxes:     each item: bounds = union of boxes[item], boxes[item + items], ...
- *                       each group: halve the number of bounds, through local memory, until one is left: partials[group]
+ *                       each group: halve the number of bounds, through local memory, until one is
+ *                       left: partials[group]
  *     reduce_partials:  one group does the same with the partials
  *
- * Limits: BB_GROUP (the local size) is any power of two; at least one box; boxes are finite; no group waits for another.
+ * Limits: BB_GROUP (the local size) is any power of two; at least one box; boxes are finite; no
+ * group waits for another.
  */
 #include "bb_device.h"
 #include "scene_bounds.clh"

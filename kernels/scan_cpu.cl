@@ -1,10 +1,13 @@
-/* Exclusive prefix sum of u32, form for CPU devices: one work-item per chunk, no local memory, no barriers.
+/* Exclusive prefix sum of u32, form for CPU devices: one work-item per chunk, no local memory, no
+ * barriers.
  *
- * Source: the blocked scan of Blelloch, Prefix Sums and Their Applications (CMU-CS-90-190, 1990), section 1.2.
+ * Source: the blocked scan of Blelloch, Prefix Sums and Their Applications (CMU-CS-90-190, 1990),
+ * section 1.2.
  *
  *     scan_sums:    for each chunk: sums[chunk] = sum of in[chunk]
  *     scan_serial:  one item: sums = exclusive prefix sum of sums
- *     scan_chunks:  for each chunk: running = sums[chunk]; for i in chunk: out[i] = running, running += in[i]
+ *     scan_chunks:  for each chunk: running = sums[chunk]; for i in chunk: out[i] = running,
+ *                   running += in[i]
  *
  * Short inputs take scan_serial alone.
  * Limits: in and out may be the same buffer; sums wrap modulo 2^32; the input is read twice.

@@ -1,15 +1,18 @@
 /* Exclusive prefix sum of u32, form for GPU devices: work-groups co-operate through local memory.
  *
- * Source: reduce-then-scan over blocks, Blelloch, Prefix Sums and Their Applications (CMU-CS-90-190, 1990);
- * Sengupta, Harris, Zhang, Owens, Scan Primitives for GPU Computing (Graphics Hardware 2007).
+ * Source: reduce-then-scan over blocks, Blelloch, Prefix Sums and Their Applications
+ * (CMU-CS-90-190, 1990); Sengupta, Harris, Zhang, Owens, Scan Primitives for GPU Computing
+ * (Graphics Hardware 2007).
  *
- *     scan_tiles:  for each tile (one group): load it; each item sums its SCAN_ITEMS neighbours; scan those sums over
- *                  the group; out[tile] = prefix sums inside the tile; sums[tile] = sum of the tile
- *     the host:    sums = exclusive prefix sum of sums, by the same kernels, until there is one tile
+ *     scan_tiles:  for each tile (one group): load it; each item sums its SCAN_ITEMS neighbours;
+ *                  scan those sums over the group; out[tile] = prefix sums inside the tile;
+ *                  sums[tile] = sum of the tile
+ *     the host:    sums = exclusive prefix sum of sums, by the same kernels, until there is one
+ *                  tile
  *     scan_add:    out[i] += sums[tile of i]
  *
- * Limits: BB_GROUP (the local size) is any power of two; in and out may be the same buffer; sums wrap modulo 2^32;
- * no group waits for another.
+ * Limits: BB_GROUP (the local size) is any power of two; in and out may be the same buffer; sums
+ * wrap modulo 2^32; no group waits for another.
  */
 #include "bb_device.h"
 #include "group_scan.clh"

@@ -5,16 +5,17 @@
  *             met = the children that the ray meets, nearest first
  *             at = level < retrace ? place(level) : 0
  *             at is past the last of them: go to next
- *             push met[at + 1 ...], the farthest first; place(level) = at, open(level) = is there one after it?
- *             node = met[at], level = level + 1
+ *             push met[at + 1 ...], the farthest first; place(level) = at, open(level) = is there
+ *             one after it? node = met[at], level = level + 1
  *         test the primitives of the leaf
  *   next: l = the deepest open level, its place moved on by one; none: done
- *         the stack is not empty: node = what it has, level = l + 1, retrace = 0; again if that is farther than the hit
- *         it is empty: node = root, level = 0, retrace = l + 1
+ *         the stack is not empty: node = what it has, level = l + 1, retrace = 0; again if that is
+ *         farther than the hit it is empty: node = root, level = 0, retrace = l + 1
  *
- * Vaidyanathan, Woop, Benthin 2019, "Wide BVH Traversal with a Short Stack"; without entries Laine 2010, "Restart Trail for Stackless BVH
- * Traversal". Pro: children in order, with a few words of state per ray. Con: what the stack has dropped is found again by a
- * walk from the root, whose boxes are tested again. Limits: trees of up to BB_LEVELS levels; in a deeper one the hit is left
+ * Vaidyanathan, Woop, Benthin 2019, "Wide BVH Traversal with a Short Stack"; without entries Laine
+ * 2010, "Restart Trail for Stackless BVH Traversal". Pro: children in order, with a few words of
+ * state per ray. Con: what the stack has dropped is found again by a walk from the root, whose
+ * boxes are tested again. Limits: trees of up to BB_LEVELS levels; in a deeper one the hit is left
  * poisoned and counted as overflown, as the full stack does.
  *
  *   -D: those of wide.clh, trail.clh and search.clh
@@ -32,7 +33,8 @@
 #include "trail.clh"
 
 /* The children of a node that the ray meets, nearest first, the first of equals first; how many. */
-uint short_children(const bb_search *search, const bb_slab *slab, global const bb_wide *node, uint *met,
+uint short_children(const bb_search *search, const bb_slab *slab, global const bb_wide *node,
+                    uint *met,
                     float *distances)
 {
     bb_boxes entry, exit;

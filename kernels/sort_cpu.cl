@@ -1,15 +1,18 @@
-/* Stable radix sort of key-value pairs, one digit of at most 8 bits per pass from the lowest up (LSD); form for CPU
- * devices: one work-item per chunk, no local memory, no barriers.
+/* Stable radix sort of key-value pairs, one digit of at most 8 bits per pass from the lowest up
+ * (LSD); form for CPU devices: one work-item per chunk, no local memory, no barriers.
  *
  * Source: Zagha and Blelloch, Radix Sort for Vector Multiprocessors (Supercomputing 1991).
  *
  *     for each digit:
- *         sort_count:    for each chunk: counts[digit value][chunk] = how many of the chunk's keys have it
- *         the scan:      counts = exclusive prefix sum of counts, digit-major: where each chunk's keys of a value go
- *         sort_scatter:  for each chunk, in order: place = counts[digit value of key]++; out[place] = key, value
+ *         sort_count:    for each chunk: counts[digit value][chunk] = how many of the chunk's keys
+ *                        have it
+ *         the scan:      counts = exclusive prefix sum of counts, digit-major: where each chunk's
+ *                        keys of a value go
+ *         sort_scatter:  for each chunk, in order: place = counts[digit value of key]++; out[place]
+ *                        = key, value
  *
- * Limits: BB_KEY is uint or ulong. 8 bits because the 2 x 256 lines being written then fit the nearest cache: wider
- * digits save passes and lose more in each.
+ * Limits: BB_KEY is uint or ulong. 8 bits because the 2 x 256 lines being written then fit the
+ * nearest cache: wider digits save passes and lose more in each.
  */
 #include "bb_device.h"
 

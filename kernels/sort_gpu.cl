@@ -1,19 +1,23 @@
-/* Stable radix sort of key-value pairs, one digit of at most 4 bits per pass from the lowest up (LSD); form for GPU
- * devices: work-groups co-operate through local memory.
+/* Stable radix sort of key-value pairs, one digit of at most 4 bits per pass from the lowest up
+ * (LSD); form for GPU devices: work-groups co-operate through local memory.
  *
- * Source: Satish, Harris, Garland, Designing Efficient Sorting Algorithms for Manycore GPUs (IPDPS 2009), section IV;
- * the ranks inside a tile by counters per item and digit value, as in its references, instead of four 1-bit splits.
+ * Source: Satish, Harris, Garland, Designing Efficient Sorting Algorithms for Manycore GPUs (IPDPS
+ * 2009), section IV; the ranks inside a tile by counters per item and digit value, as in its
+ * references, instead of four 1-bit splits.
  *
  *     for each digit:
- *         sort_count:    for each tile (one group): counts[digit value][tile] = how many of the tile's keys have it
- *         the scan:      counts = exclusive prefix sum of counts, digit-major: where each tile's keys of a value go
+ *         sort_count:    for each tile (one group): counts[digit value][tile] = how many of the
+ *                        tile's keys have it
+ *         the scan:      counts = exclusive prefix sum of counts, digit-major: where each tile's
+ *                        keys of a value go
  *         sort_scatter:  for each tile (one group):
  *                            each item counts the digit values of its SORT_ITEMS neighbours
- *                            ranks = exclusive prefix sum of those counts, digit-major: places inside the sorted tile
- *                            sort the tile in local memory, then write it out run by run (neighbours to neighbours)
+ *                            ranks = exclusive prefix sum of those counts, digit-major: places
+ *                            inside the sorted tile sort the tile in local memory, then write it
+ *                            out run by run (neighbours to neighbours)
  *
- * Limits: BB_KEY is uint or ulong; BB_GROUP (the local size) is any power of two whose tile fits in local memory; no
- * group waits for another.
+ * Limits: BB_KEY is uint or ulong; BB_GROUP (the local size) is any power of two whose tile fits in
+ * local memory; no group waits for another.
  */
 #include "bb_device.h"
 #include "group_scan.clh"

@@ -1,17 +1,20 @@
-/* Stack traversal of wide nodes: all children's boxes at once, primitives in blocks of BB_BLOCK_LANES.
+/* Stack traversal of wide nodes: all children's boxes at once, primitives in blocks of
+ * BB_BLOCK_LANES.
  *
  *   link = root
- *   loop: while link is a node: test its boxes; none met: pop. Go to the nearest, push the others, the farthest first
+ *   loop: while link is a node: test its boxes; none met: pop. Go to the nearest, push the others,
+ *   the farthest first
  *         test the blocks of the leaf; pop until an entry is nearer than the hit
  *
- * Wald, Benthin, Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-Branching BVHs"; Dammertz,
- * Hanika, Keller 2008, "Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays". Pro: vector units are busy
- * with one ray, so rays need not be coherent. Con: on devices that run work-items in lockstep the vectors are unrolled.
+ * Wald, Benthin, Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
+ * Multi-Branching BVHs"; Dammertz, Hanika, Keller 2008, "Shallow Bounding Volume Hierarchies for
+ * Fast SIMD Ray Tracing of Incoherent Rays". Pro: vector units are busy with one ray, so rays need
+ * not be coherent. Con: on devices that run work-items in lockstep the vectors are unrolled.
  * Overflow and equal distances as in stack.cl.
  *
  *   BB_WIDTH, BB_QUANTISED  the node: wide.clh
- *   BB_ORDER        sorted: children by distance; octant: by their places, which the layout gives them for this, which saves the sorting
- *                   but is only roughly right (nodes of 8)
+ *   BB_ORDER        sorted: children by distance; octant: by their places, which the layout gives
+ *                   them for this, which saves the sorting but is only roughly right (nodes of 8)
  *   BB_STACK_SIZE   entries
  *   and those of search.clh
  */

@@ -6,10 +6,11 @@
  *                               yes, inner: node = first(node)
  *                               yes, leaf: test its primitives; node = skip(node)
  *
- * Smits 1998, "Efficiency Issues for Ray Tracing" (skip pointers); Gu, Jendersie, Grosch 2018, "Fast and Dynamic Construction of
- * Bounding Volume Hierarchies based on Loose Octrees" (first and next pointers, nodes of any number of children). Pro: no state but one link, any arity,
- * any depth. Con: children come in the tree's order, not the ray's, so that a far hit culls little of what comes before
- * the near one; one box at a time.
+ * Smits 1998, "Efficiency Issues for Ray Tracing" (skip pointers); Gu, Jendersie, Grosch 2018,
+ * "Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees" (first and
+ * next pointers, nodes of any number of children). Pro: no state but one link, any arity, any
+ * depth. Con: children come in the tree's order, not the ray's, so that a far hit culls little of
+ * what comes before the near one; one box at a time.
  *
  *   -D: those of search.clh
  */

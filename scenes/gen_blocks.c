@@ -1,7 +1,7 @@
-/* A heap of axis-aligned boxes, as voxel worlds and bricks of volumes are: cells of a grid, of which half are
- * filled by a box that shares its faces with its neighbours, bit for bit; others hold a plate without
- * thickness, a rod, a small box or nothing. `mixed` puts spheres and octahedra into some of the empty
- * ones, so that all kinds of primitives lie in one tree.
+/* A heap of axis-aligned boxes, as voxel worlds and bricks of volumes are: cells of a grid, of
+ * which half are filled by a box that shares its faces with its neighbours, bit for bit; others
+ * hold a plate without thickness, a rod, a small box or nothing. `mixed` puts spheres and octahedra
+ * into some of the empty ones, so that all kinds of primitives lie in one tree.
  */
 #include "framework/base/random.h"
 #include "scenes/shapes.h"

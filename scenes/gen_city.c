@@ -1,6 +1,7 @@
-/* A large flat city: streets and pavements of triangles as long as the city or a block, houses and towers of very different heights,
- * walls that are one quad or a grid of windows, and trees, lamps and cars in the streets. Many more cells of a regular code lie
- * above each other than beside each other in it, and large triangles touch small ones everywhere.
+/* A large flat city: streets and pavements of triangles as long as the city or a block, houses and
+ * towers of very different heights, walls that are one quad or a grid of windows, and trees, lamps
+ * and cars in the streets. Many more cells of a regular code lie above each other than beside each
+ * other in it, and large triangles touch small ones everywhere.
  */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
@@ -52,7 +53,8 @@ static void put_ball(city *c, double x, double y, double z, double radius, uint3
     c->mesh.triangle_count += (uint32_t)bb_shape_sphere_triangles(cuts);
 }
 
-/* A parallelogram from `at` along u and v, cut into columns * rows quads; seen from the side that u x v points to. */
+/* A parallelogram from `at` along u and v, cut into columns * rows quads; seen from the side that u
+ * x v points to. */
 static void put_grid(city *c, const double at[3], const double u[3], const double v[3],
                      uint32_t columns, uint32_t rows)
 {
@@ -111,7 +113,8 @@ static uint32_t bays(double length, double width)
     return count < 1 ? 1 : (uint32_t)count;
 }
 
-/* Window panes stand out of the wall as thin boxes, or the wall itself is a grid, or it is one quad. */
+/* Window panes stand out of the wall as thin boxes, or the wall itself is a grid, or it is one
+ * quad. */
 static void put_house(city *c, bb_random *random, const plan *p, uint32_t fineness)
 {
     uint32_t nx = bays(p->dx, 3.5), nz = bays(p->dz, 3.5), rows = bays(p->dy, storey);
@@ -277,7 +280,8 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_spec_double(spec, options, "flatness", 0.005, 1, &flatness));
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
     city c = {.seed = seed};
-    /* higher towers have more windows, so that a block's triangles depend on the number of blocks */
+    /* higher towers have more windows, so that a block's triangles depend on the number of
+     * blocks */
     double blocks = sqrt((double)n / TRIANGLES_PER_BLOCK);
     for (int i = 0; i <= CORRECTIONS; i++) {
         count_city(&c, flatness, blocks);

@@ -1,7 +1,9 @@
-/* Triangles whose centres halve their distance to a corner, axis by axis: by Morton codes, and by most other measures, the tree is a
- * chain. Seen from that corner the rest of the chain is always nearer than the triangle that leaves it, so that an ordered traversal
- * pushes once per level and fills a stack of rungs - 1 entries to the last; 17 rungs fill the smallest that the host makes. Every
- * second triangle points the other way: some rays miss the first that is tested and must hit the one pushed last. */
+/* Triangles whose centres halve their distance to a corner, axis by axis: by Morton codes, and by
+ * most other measures, the tree is a chain. Seen from that corner the rest of the chain is always
+ * nearer than the triangle that leaves it, so that an ordered traversal pushes once per level and
+ * fills a stack of rungs - 1 entries to the last; 17 rungs fill the smallest that the host makes.
+ * Every second triangle points the other way: some rays miss the first that is tested and must hit
+ * the one pushed last. */
 #include "scenes/shapes.h"
 
 enum { RUNGS_MAX = 48 }; /* the centres of more are not told apart by floats */

@@ -1,9 +1,10 @@
-/* A sheet in strips that moves: it ripples, its strips slide against each other, and half of it folds
- * over the rest. What is near each other in frame 0 is so no longer in the last one: a tree that is
- * only fitted to it again gets worse from frame to frame.
+/* A sheet in strips that moves: it ripples, its strips slide against each other, and half of it
+ * folds over the rest. What is near each other in frame 0 is so no longer in the last one: a tree
+ * that is only fitted to it again gets worse from frame to frame.
  *
  * Everything is computed in doubles from + - * / alone and rounded once, so that it is the same on
- * every machine: a ripple is made of parabolas, and a fold is turned by the tangent of half its angle. */
+ * every machine: a ripple is made of parabolas, and a fold is turned by the tangent of half its
+ * angle. */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
 

@@ -1,4 +1,5 @@
-/* For tests of a builder's tree against its definition: scenes that are boxes alone, and trees of them. */
+/* For tests of a builder's tree against its definition: scenes that are boxes alone, and trees of
+ * them. */
 #ifndef BB_TEST_BOX_FIXTURE_H
 #define BB_TEST_BOX_FIXTURE_H
 

@@ -1,5 +1,5 @@
-/* What tests on a device share: the device, which BVHBENCH_TEST_DEVICE names (as --device does; the first
- * there is otherwise), and the seed of their inputs. */
+/* What tests on a device share: the device, which BVHBENCH_TEST_DEVICE names (as --device does; the
+ * first there is otherwise), and the seed of their inputs. */
 #ifndef BB_TEST_DEVICE_FIXTURE_H
 #define BB_TEST_DEVICE_FIXTURE_H
 
@@ -40,8 +40,8 @@ static inline void check(bb_status status, const char *what)
         fail_msg("%s (seed %llu): %s", what, (unsigned long long)seed, bb_message());
 }
 
-/* For walks of the registry: false, and said by name, if the builder does not take what it was given.
- * Counts what it took in *ran: a walk that ran nothing has shown nothing. */
+/* For walks of the registry: false, and said by name, if the builder does not take what it was
+ * given. Counts what it took in *ran: a walk that ran nothing has shown nothing. */
 static inline bool is_taken(bb_status status, const char *builder, uint32_t *ran)
 {
     if (status == BB_UNSUPPORTED) {

@@ -1,7 +1,7 @@
 /* For tests that run on a device in each of its forms.
  *
- * BVHBENCH_TEST_LEVELS=1 takes the last form only: in it no work-group hands over to another inside a
- * launch, so that a tool may look for data races.
+ * BVHBENCH_TEST_LEVELS=1 takes the last form only: in it no work-group hands over to another inside
+ * a launch, so that a tool may look for data races.
  */
 #ifndef BB_TEST_DEVICE_FORMS_H
 #define BB_TEST_DEVICE_FORMS_H

@@ -1,5 +1,6 @@
-/* The extended tree over nodes of a binary tree, by slow recursion from its definition (Gu, Jendersie, Grosch 2018, section
- * 3.3.2), without keys, prefixes or sorting: walk down the binary tree, partition the primitives on the way. */
+/* The extended tree over nodes of a binary tree, by slow recursion from its definition (Gu,
+ * Jendersie, Grosch 2018, section 3.3.2), without keys, prefixes or sorting: walk down the binary
+ * tree, partition the primitives on the way. */
 #ifndef LOOSE_REFERENCE_H
 #define LOOSE_REFERENCE_H
 
@@ -9,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A node of a complete binary tree of `length` levels below the root: the steps to it as the top `level` of `length` bits, 0 left,
- * 1 right; the bits below are 0. */
+/* A node of a complete binary tree of `length` levels below the root: the steps to it as the top
+ * `level` of `length` bits, 0 left, 1 right; the bits below are 0. */
 typedef struct loose_node {
     uint64_t path;
     uint32_t level;
@@ -53,7 +54,8 @@ static inline void loose_close(loose_reference *r, uint32_t n)
         loose_join(node, r->nodes[c].lo, r->nodes[c].hi);
 }
 
-/* Leaves from <= i < to of the tree, leaf i holding cuts[i] .. cuts[i + 1] - 1 of prims; told apart by i. */
+/* Leaves from <= i < to of the tree, leaf i holding cuts[i] .. cuts[i + 1] - 1 of prims; told apart
+ * by i. */
 static inline void loose_leaves(loose_reference *r, const uint32_t *prims, const uint32_t *cuts,
                                 uint32_t from, uint32_t to, uint32_t depth)
 {

@@ -1,5 +1,5 @@
-/* What tests of the program from outside share: a folder of their own, programs run in it, what they
- * wrote. */
+/* What tests of the program from outside share: a folder of their own, programs run in it, what
+ * they wrote. */
 #ifndef BB_TEST_PROGRAM_FIXTURE_H
 #define BB_TEST_PROGRAM_FIXTURE_H
 
@@ -43,8 +43,8 @@ static inline void write_file(const char *name, const void *data, size_t size)
     assert_int_equal(fclose(file), 0);
 }
 
-/* Runs a program with `arguments` (as the shell splits them) in the folder, after `before` (variables,
- * say). */
+/* Runs a program with `arguments` (as the shell splits them) in the folder, after `before`
+ * (variables, say). */
 static inline const outcome *run_program(const char *before, const char *program,
                                          const char *arguments)
 {

@@ -1,5 +1,5 @@
-/* The audit: each figure that contradicts another is complained of, and what was measured rightly is not.
- * The clocks that run wrong here are those that somebody might write by mistake.
+/* The audit: each figure that contradicts another is complained of, and what was measured rightly
+ * is not. The clocks that run wrong here are those that somebody might write by mistake.
  */
 #include "framework/base/clock.h"
 #include "framework/base/random.h"
@@ -159,7 +159,8 @@ static void totals_are_sums(void **state)
 
 /* ---- real clocks ---- */
 
-/* Rays through a room, launched as a run does; the wall time ends before or after the queue is done. */
+/* Rays through a room, launched as a run does; the wall time ends before or after the queue is
+ * done. */
 static bb_timing time_trace(bed *b, const bb_buffer *rays, bb_buffer *hits, bool too_early)
 {
     bb_tracer_request request = {

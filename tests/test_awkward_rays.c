@@ -1,5 +1,6 @@
-/* Rays that are awkward, with every kernel: along the axes in box faces, from and through vertices, from surfaces, with empty
- * intervals, with components that are zero, denormal, infinite or no number. Seed: BVHBENCH_TEST_SEED. */
+/* Rays that are awkward, with every kernel: along the axes in box faces, from and through vertices,
+ * from surfaces, with empty intervals, with components that are zero, denormal, infinite or no
+ * number. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/queries.h"

@@ -91,7 +91,8 @@ static void winners_are_the_fastest(void **state)
     assert_int_equal(bb_time_winners(NULL, 0, &none), 0);
 }
 
-/* By hand: 10 + 3n, 40 + 1n meet at 15; 25 + 2n passes through the same point and never wins alone. */
+/* By hand: 10 + 3n, 40 + 1n meet at 15; 25 + 2n passes through the same point and never wins
+ * alone. */
 static void crossings_are_where_lines_meet(void **state)
 {
     (void)state;

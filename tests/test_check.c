@@ -1,4 +1,5 @@
-/* `check` from outside: both forms, the slowest builds, progress; and plug-ins from the environment. */
+/* `check` from outside: both forms, the slowest builds, progress; and plug-ins from the
+ * environment. */
 #include "tests/program_fixture.h"
 
 #define ROGUE "--plugin " BB_TEST_PLUGIN_DIR "/rogue.so --builder rogue"

@@ -264,7 +264,7 @@ static cJSON *read_document(const char *name)
 {
     char path[600];
     static char text[4 << 20];
-    snprintf(path, sizeof path, "%s/%s/results.json", folder, name);
+    snprintf(path, sizeof path, "%s/results.json", name);
     read_file(path, text, sizeof text);
     cJSON *document = cJSON_Parse(text);
     assert_non_null(document);
@@ -319,8 +319,8 @@ static void same_measurement(const cJSON *before, const cJSON *after, const char
         fail_msg("%s: another accuracy", key);
 }
 
-/* A cell's key, from a file, measures that cell and no other. A scene's path may hold anything that a shell
- * would take for its own. */
+/* A cell's key, from a file, measures that cell and no other. A scene's path may hold anything that
+ * a shell would take for its own. */
 static void cells_are_measured_again_by_their_keys(void **state)
 {
     (void)state;
@@ -362,7 +362,8 @@ static void cells_are_measured_again_by_their_keys(void **state)
         same_measurement(before, after, keys[i]);
         cJSON_Delete(after);
     }
-    /* several: what they share is done once, and nothing beside them; one of another size, and a build */
+    /* several: what they share is done once, and nothing beside them; one of another size, and a
+     * build */
     const char *build = key_of(cJSON_GetObjectItem(before, "builds")->child);
     snprintf(command, sizeof command,
              "run --cell %s --cell %s --cell %s --cell %s --cell %s "
@@ -420,7 +421,8 @@ static void cells_that_cannot_be_are_refused(void **state)
     }
 }
 
-/* Right, but not what the other kernels say: then one of them loses boxes, and chance has hidden it. */
+/* Right, but not what the other kernels say: then one of them loses boxes, and chance has hidden
+ * it. */
 static void unlike_answers_give_exit_status_1(void **state)
 {
     (void)state;
@@ -462,8 +464,8 @@ static void without_rays_there_are_builds_only(void **state)
     const outcome *o = expect(0,
                               "run --scene cube --builder lbvh --rays none --kernel stack "
                               "--repeats 2 --no-pictures --out bare",
-                              "layout ms");
-    assert_null(strstr(o->out, "wrong ppm"));
+                              "Layout ms");
+    assert_null(strstr(o->out, "Wrong ppm"));
     cJSON *json = read_results("bare/results.json");
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(json, "traces")), 0);
     const cJSON *build = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "builds"), 0);
@@ -625,7 +627,8 @@ static void rounds_decide_what_is_said_of_medians(void **state)
     }
 }
 
-/* With a device that has room for one builder at a time, the others are built again when their turn comes. */
+/* With a device that has room for one builder at a time, the others are built again when their turn
+ * comes. */
 static void what_does_not_fit_together_is_built_again(void **state)
 {
     (void)state;
@@ -648,7 +651,8 @@ static void what_does_not_fit_together_is_built_again(void **state)
 static void a_scene_too_big_is_refused_with_its_bytes(void **state)
 {
     (void)state;
-    /* 12,000,000 boxes of 32 bytes are more than a quarter of a GiB, the largest buffer of such a device */
+    /* 12,000,000 boxes of 32 bytes are more than a quarter of a GiB, the largest buffer of such a
+     * device */
     refuses("POCL_MEMORY_LIMIT=1", "run --scene spheres:n=12000000 --builder lbvh --rays primary",
             "384000000 bytes");
 }

@@ -1,6 +1,6 @@
-/* Codes: their layouts against the definition, and the keys that the device makes against a bit-by-bit reference, for all codes
- * and ingredients, in both forms, with shifts and with tables. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs
- * small (for oclgrind). */
+/* Codes: their layouts against the definition, and the keys that the device makes against a
+ * bit-by-bit reference, for all codes and ingredients, in both forms, with shifts and with tables.
+ * Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
 #include "builders/common/codes.h"
 #include "framework/base/random.h"
 #include "tests/device_forms.h"
@@ -65,7 +65,8 @@ static void layouts_are_those_of_the_paper(void **state)
     expect_letters("c:code=emc64-cell,bits=23", flat, none, "xysxysxysxysxysxysxyzsx");
     expect_letters("c:view=0.1/-3/2,bits=6", cube, down, "YzxYzx");
     expect_letters("c:view=0.1/-3/2,axes=xyz,bits=6", cube, down, "xYzxYz");
-    /* an axis without extent gets no bits of a variable code, and no axis more than a float tells apart */
+    /* an axis without extent gets no bits of a variable code, and no axis more than a float tells
+     * apart */
     expect_letters("c:count=variable,bits=64", box_of(1, 0, 0), none, "xxxxxxxxxxxxxxxxxxxxxxxx");
     expect_letters("c:count=variable,bits=8", box_of(0, 0, 0), none, "");
     expect_letters("c:bits=6", box_of(0, 0, 0), none, "xyzxyz");
@@ -110,7 +111,8 @@ static bool fills_cell(const bb_code_choice *choice, const double side[3], doubl
     return squared >= (float)(root * root);
 }
 
-/* In the order of the definition, one bit after the other; floats are rounded where the device rounds. */
+/* In the order of the definition, one bit after the other; floats are rounded where the device
+ * rounds. */
 static uint64_t reference_key(const bb_code_choice *choice, const bb_code_pattern *layout,
                               const bb_box *bounds, const bb_box *box, uint32_t flips)
 {
@@ -238,7 +240,8 @@ static void compare(bb_device *device, const char *text, const bb_box *boxes, ui
     free(values);
 }
 
-/* Boxes of all kinds of extremes: points, flat, as large as the scene, denormal, huge, all in one place. */
+/* Boxes of all kinds of extremes: points, flat, as large as the scene, denormal, huge, all in one
+ * place. */
 static void fill(bb_random *random, uint32_t kind, uint32_t count, bb_box *boxes)
 {
     for (uint32_t i = 0; i < count; i++) {

@@ -1,5 +1,5 @@
-/* What `check` says of builders that break a rule (tests/plugin/rogue), and that it does not pass what it
- * could not check. */
+/* What `check` says of builders that break a rule (tests/plugin/rogue), and that it does not pass
+ * what it could not check. */
 #include "framework/bench/conformance.h"
 #include "tests/tree_fixture.h"
 
@@ -196,7 +196,8 @@ static void undeclared_input_is_withheld(void **state)
     ASSERT_OK(check_on("cube", "rogue:kind=nosy,view=front", &found));
 }
 
-/* Stacks do not hold this chain; the other kernels are checked all the same, and the note says who refuses. */
+/* Stacks do not hold this chain; the other kernels are checked all the same, and the note says who
+ * refuses. */
 static void refusing_kernels_are_named(void **state)
 {
     (void)state;

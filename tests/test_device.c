@@ -230,7 +230,8 @@ static void a_folder_overrides_embedded_sources(void **state)
 
 /* ---- hand-over ---- */
 
-/* A litmus test in which every message comes late: the device must not use the fence, and must say so. */
+/* A litmus test in which every message comes late: the device must not use the fence, and must say
+ * so. */
 static void a_fence_that_fails_is_not_used(void **state)
 {
     (void)state;

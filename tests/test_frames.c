@@ -1,5 +1,5 @@
-/* Moving scenes: frames are what they say, in the memory that is there, on both sides; and instances
- * follow them, by the builder's update() or by another build. */
+/* Moving scenes: frames are what they say, in the memory that is there, on both sides; and
+ * instances follow them, by the builder's update() or by another build. */
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
 #include "framework/scene/prim.h"
@@ -248,8 +248,8 @@ static void instances_say_how_they_followed(void **state)
     }
 }
 
-/* The shape stays, so that a tree that has been elsewhere is the tree of frame 0 again; on the way its SAH
- * rises above that of a new one, which is what the scene is there for. */
+/* The shape stays, so that a tree that has been elsewhere is the tree of frame 0 again; on the way
+ * its SAH rises above that of a new one, which is what the scene is there for. */
 static void a_refitted_tree_gets_worse_and_comes_back(void **state)
 {
     (void)state;

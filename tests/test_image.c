@@ -60,7 +60,8 @@ static void need_exr(void)
     skip();
 }
 
-/* What a float can be beside a number: both zeros, the smallest, infinities, NaNs that carry bits. */
+/* What a float can be beside a number: both zeros, the smallest, infinities, NaNs that carry
+ * bits. */
 static void fill_oddly(float *values, size_t count)
 {
     static const uint32_t odd[] = {0x80000000, 1,          0x80000001, 0x007fffff, 0x7f7fffff,

@@ -1,5 +1,6 @@
-/* The tests of triangles and boxes by themselves, as a kernel calls them, against exact arithmetic: all named intersectors, one and four
- * lanes, random and adversarial floats. Seed: BVHBENCH_TEST_SEED. */
+/* The tests of triangles and boxes by themselves, as a kernel calls them, against exact arithmetic:
+ * all named intersectors, one and four lanes, random and adversarial floats. Seed:
+ * BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "framework/exact/exact.h"
 #include "tests/device_fixture.h"
@@ -118,8 +119,9 @@ static void make_case(bb_random *random, float *vertices, bb_ray *ray)
     }
 }
 
-/* How far inside (> 0) or outside the ray passes the triangle, as the least barycentric coordinate, times the cosine between ray and
- * normal: below some 2^-24 times the ray's distance a float cannot tell. */
+/* How far inside (> 0) or outside the ray passes the triangle, as the least barycentric coordinate,
+ * times the cosine between ray and normal: below some 2^-24 times the ray's distance a float cannot
+ * tell. */
 static double clearance(const bb_ray *ray, const float *v)
 {
     double a[3][3], n[3], sides[3], sum = 0, normal = 0, along = 0;
@@ -197,7 +199,8 @@ static void all_tests_agree_away_from_edges(void **state)
 
 /* ---- at edges and vertices ---- */
 
-/* The four faces of a tetrahedron around the origin of the ray, which is aimed at an edge or a vertex. */
+/* The four faces of a tetrahedron around the origin of the ray, which is aimed at an edge or a
+ * vertex. */
 static void make_edge_case(bb_random *random, const double offset[3], float *vertices, bb_ray *ray)
 {
     static const int faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
@@ -304,7 +307,8 @@ static void triangles_without_area_are_never_hit(void **state)
             rays[i].o[k] = (float)((int)bb_random_below(&random, 64) - 32);
         }
         rays[i].tmax = INFINITY;
-        /* along an axis, so that nothing is rounded; or at a corner: then lines may seem to have an area */
+        /* along an axis, so that nothing is rounded; or at a corner: then lines may seem to have an
+         * area */
         for (int k = 0; k < 3; k++)
             rays[i].d[k] = i % 2 ? (k == (int)(i / 2 % 3) ? 1.0f : 0.0f)
                                  : v[3 * (i / 2 % 3) + k] - rays[i].o[k];
@@ -371,10 +375,8 @@ static void affine_maps_take_vertices_to_the_unit_triangle(void **state)
     ASSERT_OK(bb_buffer_read(&d_maps, 0, 12 * COUNT * sizeof *maps, maps));
     for (uint32_t i = 0; i < COUNT; i++) {
         const float *map = maps + 12 * i;
-        double
-            longest = 0,
-            reach =
-                0; /* of the corners; of a row: how often the triangle is as long as high, and more */
+        /* of the corners; of a row: how often the triangle is as long as high, and more */
+        double longest = 0, reach = 0;
         for (int corner = 0; corner < 3; corner++)
             longest = fmax(longest, length(vertices + 9 * i + 3 * corner));
         for (int row = 1; row < 3; row++)
@@ -383,7 +385,8 @@ static void affine_maps_take_vertices_to_the_unit_triangle(void **state)
             for (int row = 0; row < 3; row++) {
                 const float *m = map + 4 * row, *v = vertices + 9 * i + 3 * corner;
                 double at = m[3] + (double)m[0] * v[0] + (double)m[1] * v[1] + (double)m[2] * v[2];
-                /* rows: z, x, y. A row is off by some 2^-24 of itself, and of the edges by as much of their height */
+                /* rows: z, x, y. A row is off by some 2^-24 of itself, and of the edges by as much
+                 * of their height */
                 double expected = (row == 1 && corner == 1) || (row == 2 && corner == 2) ? 1 : 0;
                 double tolerance = 8 * 0x1p-24 * (1 + reach) * length(m) * longest;
                 if (!(fabs(at - expected) <= tolerance))

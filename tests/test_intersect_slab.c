@@ -1,5 +1,6 @@
-/* The tests of boxes by themselves, as a kernel calls them, against exact arithmetic (MPFR with enough bits that nothing is rounded):
- * adversarial floats, and the known weak spots of the careless ones. Seed: BVHBENCH_TEST_SEED. */
+/* The tests of boxes by themselves, as a kernel calls them, against exact arithmetic (MPFR with
+ * enough bits that nothing is rounded): adversarial floats, and the known weak spots of the
+ * careless ones. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "tests/device_fixture.h"
 #include "traversal/traversal.h"
@@ -46,7 +47,8 @@ static void upload(bb_buffer *buffer, const void *data, size_t bytes)
         ASSERT_OK(bb_buffer_write(buffer, 0, bytes, data));
 }
 
-/* Does ray i meet box i? All places of the node must say the same, and so must the test of one box. */
+/* Does ray i meet box i? All places of the node must say the same, and so must the test of one
+ * box. */
 static void test_boxes(const char *intersector, uint32_t width, const bb_ray *rays,
                        const bb_node *boxes, uint32_t count, bool *met)
 {
@@ -97,7 +99,8 @@ static void test_boxes(const char *intersector, uint32_t width, const bb_ray *ra
 
 static mpfr_t near_distance[3], far_distance[3], speed[3], left, right;
 
-/* Does the ray meet the closed box at some t >= 0? Plane distances are fractions over the direction: compared crosswise. */
+/* Does the ray meet the closed box at some t >= 0? Plane distances are fractions over the
+ * direction: compared crosswise. */
 static bool meets_exactly(const bb_ray *ray, const bb_node *box)
 {
     for (int k = 0; k < 3; k++) {
@@ -136,8 +139,8 @@ static float magnitude(bb_random *random, int low, int high)
     return (float)ldexp(bb_random_range(random, -1, 1), exponent);
 }
 
-/* A box of any size, a ray that about touches it: through a corner or an edge of it, in the plane of a face, with components of the
- * direction that are zero, denormal or large. */
+/* A box of any size, a ray that about touches it: through a corner or an edge of it, in the plane
+ * of a face, with components of the direction that are zero, denormal or large. */
 static void make_case(bb_random *random, uint32_t family, bb_ray *ray, bb_node *box)
 {
     static const float odd[] = {0.0f,      -0.0f,    0x1p-149f, -0x1p-149f,
@@ -211,7 +214,8 @@ static void padded_slabs_lose_no_box(void **state)
     free(exact);
 }
 
-/* k * (1 / k) is below 1 for some k, 41 the first: a ray through the edge of the box leaves one slab before it enters the other. */
+/* k * (1 / k) is below 1 for some k, 41 the first: a ray through the edge of the box leaves one
+ * slab before it enters the other. */
 static void sign_ordered_slabs_lose_a_box_by_rounding(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* A judge that trusts nobody: oracles that are wrong, or lie; margins that would hide what lies in front
- * of them; answers that were judged before. Seed: BVHBENCH_TEST_SEED. A few seconds. */
+/* A judge that trusts nobody: oracles that are wrong, or lie; margins that would hide what lies in
+ * front of them; answers that were judged before. Seed: BVHBENCH_TEST_SEED. A few seconds. */
 #include "framework/judge/judge.h"
 #include "framework/judge/open_way.h"
 #include "framework/judge/oracle_private.h"
@@ -58,8 +58,8 @@ static void close_court(court *c)
 
 /* ---- Embree is wrong ---- */
 
-/* From inside a tetrahedron of size 10^-20 Embree, which flushes denormals, sees nothing; nor does a
- * tracer that answers "miss" to every ray. Both are wrong. */
+/* From inside a tetrahedron of size 10^-20 Embree, which flushes denormals, sees nothing; nor does
+ * a tracer that answers "miss" to every ray. Both are wrong. */
 static void who_agrees_with_a_blind_oracle_is_wrong(void **state)
 {
     (void)state;
@@ -94,8 +94,9 @@ static void who_agrees_with_a_blind_oracle_is_wrong(void **state)
 
 /* ---- what is lost between primitives ---- */
 
-/* Two triangles, side by side, hide what is behind them; a huge one beside the ray, which some of the copies
- * that are moved by its own large margin hit, opens no way through: whichever comes first. */
+/* Two triangles, side by side, hide what is behind them; a huge one beside the ray, which some of
+ * the copies that are moved by its own large margin hit, opens no way through: whichever comes
+ * first. */
 static void a_huge_neighbour_opens_no_way(void **state)
 {
     (void)state;
@@ -275,9 +276,9 @@ static void a_large_margin_hides_nothing_before_it(void **state)
     close_court(&c);
 }
 
-/* Behind an edge that the ray just meets lies a plane that it grazes. A float may miss what has the edge,
- * and report the plane. Half of the nine hit the plane far nearer: which does not show that anything
- * lies before it. */
+/* Behind an edge that the ray just meets lies a plane that it grazes. A float may miss what has the
+ * edge, and report the plane. Half of the nine hit the plane far nearer: which does not show that
+ * anything lies before it. */
 static void a_grazed_plane_is_no_witness_against_itself(void **state)
 {
     (void)state;
@@ -316,9 +317,9 @@ static void put_sector(float v[9], const double r[3], const int sector[3], int s
     }
 }
 
-/* Around the ray, seen from afar: a sliver that the ray just meets, in a disc as large as the margin, in a
- * ring of that radius, or in a disc with a narrow sector left out. The nine hit something each, but
- * through the ring and the sector the way is open. */
+/* Around the ray, seen from afar: a sliver that the ray just meets, in a disc as large as the
+ * margin, in a ring of that radius, or in a disc with a narrow sector left out. The nine hit
+ * something each, but through the ring and the sector the way is open. */
 static void an_open_way_between_the_nine_is_found(void **state)
 {
     (void)state;
@@ -353,7 +354,8 @@ static bool count_and_say_no(void *context, double x, double y)
     return false;
 }
 
-/* At a corner of n triangles their 2 n sides cross each other in n (2 n - 1) pairs; all of it is one place. */
+/* At a corner of n triangles their 2 n sides cross each other in n (2 n - 1) pairs; all of it is
+ * one place. */
 static void a_corner_of_many_is_looked_at_once(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The layout and traversal kernels on scenes of a few primitives, against brute force in double precision on the host. Small enough for
- * oclgrind, under which this program runs as well. */
+/* The layout and traversal kernels on scenes of a few primitives, against brute force in double
+ * precision on the host. Small enough for oclgrind, under which this program runs as well. */
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
@@ -267,7 +267,8 @@ static void kernels_agree_with_brute_force(void **state)
     }
 }
 
-/* Away from edges all intersectors are right: with every kernel, for triangles, spheres and both. */
+/* Away from edges all intersectors are right: with every kernel, for triangles, spheres and
+ * both. */
 static void every_kernel_takes_every_intersector(void **state)
 {
     (void)state;
@@ -335,7 +336,8 @@ static void answers_depend_on_neither_groups_nor_order(void **state)
 
 /* ---- trees of any shape ---- */
 
-/* A tree over the primitives [from, to): nodes with 1 to 6 children, leaves of 1 to 3 primitives; preorder. */
+/* A tree over the primitives [from, to): nodes with 1 to 6 children, leaves of 1 to 3 primitives;
+ * preorder. */
 static void add_node(bb_tree *tree, const bb_scene *scene, bb_random *random, uint32_t from,
                      uint32_t to, uint32_t depth)
 {

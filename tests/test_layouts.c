@@ -1,5 +1,6 @@
-/* Layouts against walks over the tree on the host, on random trees whose nodes lie in random order; and which kernels a tree is
- * traced by. Small enough for oclgrind, under which this program runs as well. */
+/* Layouts against walks over the tree on the host, on random trees whose nodes lie in random order;
+ * and which kernels a tree is traced by. Small enough for oclgrind, under which this program runs
+ * as well. */
 #include "framework/bench/bench_private.h"
 #include "tests/device_fixture.h"
 #include "tests/padding_reference.h"
@@ -182,7 +183,8 @@ static void layouts_say_whether_they_keep_the_shape(void **state)
     free_triangles(scene);
 }
 
-/* A kernel that was not asked for is taken where no other one traces the tree as it was built, and there only. */
+/* A kernel that was not asked for is taken where no other one traces the tree as it was built, and
+ * there only. */
 static void the_native_pairing_is_never_left_out(void **state)
 {
     (void)state;

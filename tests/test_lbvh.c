@@ -1,5 +1,6 @@
-/* LBVH against a slow recursive construction from the definition, in both forms, both ways of linking, both code lengths; bit
- * for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
+/* LBVH against a slow recursive construction from the definition, in both forms, both ways of
+ * linking, both code lengths; bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the
+ * inputs small (for oclgrind). */
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "tests/box_fixture.h"
@@ -53,7 +54,8 @@ static uint64_t reference_code(const bb_box *box, const float low[3], const floa
     return code;
 }
 
-/* The first of the items that has the highest differing bit set; codes are told apart by position. */
+/* The first of the items that has the highest differing bit set; codes are told apart by
+ * position. */
 static uint32_t split_of(const item *items, uint32_t from, uint32_t to)
 {
     uint64_t differ = items[from].code ^ items[to - 1].code;

@@ -17,9 +17,9 @@ static void expect(const bb_tree *tree, double exact)
     assert_true(isnan(depth.half));
 }
 
-/* Root { A, N { B, C } }. A: [0,1]^3, half area 3, depth 1. B: [2,4] x [0,1]^2, half area 2 + 1 + 2 =
- * 5, and C: [4,5] x [0,1] x [0,0], half area 1, both at depth 2. (3 + 10 + 2) / 9 = 15/9. The inner
- * nodes' areas do not count. */
+/* Root { A, N { B, C } }. A: [0,1]^3, half area 3, depth 1. B: [2,4] x [0,1]^2, half area 2 + 1 + 2
+ * = 5, and C: [4,5] x [0,1] x [0,0], half area 1, both at depth 2. (3 + 10 + 2) / 9 = 15/9. The
+ * inner nodes' areas do not count. */
 static void test_weighted_by_area(void **state)
 {
     (void)state;

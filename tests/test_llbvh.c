@@ -1,6 +1,6 @@
-/* LLBVH against a slow recursive construction from the definition: levels found by trying all of them, cells bit by bit; in both
- * forms, by both ways of linking, each option; bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small
- * (for oclgrind). */
+/* LLBVH against a slow recursive construction from the definition: levels found by trying all of
+ * them, cells bit by bit; in both forms, by both ways of linking, each option; bit for bit. Seed:
+ * BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "tests/box_fixture.h"
@@ -65,7 +65,8 @@ static const way ways[] = {
     {"box=scene,view=-1/-3/-2,link=search", .box = SCENE, .order = {1, 2, 0}, .flips = 7},
 };
 
-/* The fit test: only where a box is sure to fit at the level of eq. 1 does it give the deepest level that fits. */
+/* The fit test: only where a box is sure to fit at the level of eq. 1 does it give the deepest
+ * level that fits. */
 static const way fits[] = {
     {"box=cube,side=largest", .box = CUBE, .side = LARGEST, .fit = true},
     {"box=cube,side=largest,loose=3", .box = CUBE, .side = LARGEST, .fit = true, .loose = 3},

@@ -1,6 +1,6 @@
-/* LOBVH against a slow recursive construction from the definition, in both forms, at each level; levels against brute-force fit
- * tests; next pointers against a recursive walk. Bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small
- * (for oclgrind). */
+/* LOBVH against a slow recursive construction from the definition, in both forms, at each level;
+ * levels against brute-force fit tests; next pointers against a recursive walk. Bit for bit. Seed:
+ * BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
 #include "builders/common/view_order.h"
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
@@ -31,8 +31,9 @@ static bool small;
 /* ---- levels and cells ---- */
 
 typedef struct item {
-    uint64_t
-        path; /* three bits per level, from the root's children down to the deepest level; 0 below its own level */
+    /* three bits per level, from the root's children down to the deepest level; 0 below its own
+     * level */
+    uint64_t path;
     uint32_t level;
     uint32_t prim;
 } item;
@@ -477,7 +478,8 @@ static void options_mean_what_they_say(void **state)
     }
 }
 
-/* Boxes on a grid of 2^-12 in the unit cube, sides of whole 2^-7: all arithmetic is exact, whatever the order. */
+/* Boxes on a grid of 2^-12 in the unit cube, sides of whole 2^-7: all arithmetic is exact, whatever
+ * the order. */
 static void fill_exact(bb_random *random, uint32_t i, bb_box *box)
 {
     *box = (bb_box){0};
@@ -502,8 +504,8 @@ static bool fits_exactly(const bb_box *box, double a, uint32_t level)
     return true;
 }
 
-/* Section 3.1: with the largest side as measure and a >= 2, equation 1 and one fit test find the deepest level at which the box
- * fits into the enlarged cell of its centroid. */
+/* Section 3.1: with the largest side as measure and a >= 2, equation 1 and one fit test find the
+ * deepest level at which the box fits into the enlarged cell of its centroid. */
 static void levels_are_those_of_brute_force(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Kernels without a full stack against the stack: the same answers, bit for bit, on the trees of all
- * builders; trees that are very deep; trails that are too short. Seed: BVHBENCH_TEST_SEED. */
+/* Kernels without a full stack against the stack: the same answers, bit for bit, on the trees of
+ * all builders; trees that are very deep; trails that are too short. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "framework/builder/registry.h"
 #include "framework/judge/queries.h"
@@ -101,7 +101,8 @@ static bb_scene *make_layers(uint32_t count)
     return scene;
 }
 
-/* A chain over the layers, which takes one off per level. Node 2i holds [0, count - i), its children are node 2i + 2, which goes on, and the leaf 2i + 1 of the last layer. */
+/* A chain over the layers, which takes one off per level. Node 2i holds [0, count - i), its
+ * children are node 2i + 2, which goes on, and the leaf 2i + 1 of the last layer. */
 static void make_chain(const bb_scene *scene, bb_tree *tree)
 {
     uint32_t count = scene->prim_count;
@@ -158,7 +159,8 @@ static void trees_of_depth_200_are_traced_by_every_kernel(void **state)
     close_bed(&b);
 }
 
-/* A tree that is deeper than a trail's levels is refused, and one that is deeper than it was said to be overflows. */
+/* A tree that is deeper than a trail's levels is refused, and one that is deeper than it was said
+ * to be overflows. */
 static void a_trail_that_is_too_short_is_never_silent(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* Rays out, hits in, from outside: `bvhbench rays`, the example of an outside tracer, `bvhbench judge`. */
+/* Rays out, hits in, from outside: `bvhbench rays`, the example of an outside tracer, `bvhbench
+ * judge`. */
 #include "framework/exchange/exchange.h"
 #include "tests/program_fixture.h"
 
@@ -35,7 +36,8 @@ static bool exists(const char *name)
     return stat(path, &info) == 0;
 }
 
-/* The example is right on all workloads and both kinds of primitives, and has no margin to thank for it. */
+/* The example is right on all workloads and both kinds of primitives, and has no margin to thank
+ * for it. */
 static void the_example_is_right(void **state)
 {
     (void)state;
@@ -331,7 +333,7 @@ static void forged_labels_are_refused(void **state)
     changed.version = 1;
     forge("h.rays", "f.rays", &changed, 0);
     refuses("", "judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits",
-            "f.rays is of version 1, this program reads 2: make rays and hits anew");
+            "f.rays is of version 1, this program reads 2 and 3: make rays and hits anew");
 }
 
 /* They are judged under a name of their own, and record and report say what they are. */

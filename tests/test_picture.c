@@ -1,4 +1,5 @@
-/* Pictures of tests per ray and of wrong rays: colours where they belong, scales that say what they show, words that are not cut. */
+/* Pictures of tests per ray and of wrong rays: colours where they belong, scales that say what they
+ * show, words that are not cut. */
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 #include "framework/picture/exr.h"
@@ -40,7 +41,8 @@ static bool same(const float *a, const float *b)
 
 static const float white[3] = {1, 1, 1};
 
-/* Words that were cut would touch the edge: beside and below the picture the outermost pixels are white. */
+/* Words that were cut would touch the edge: beside and below the picture the outermost pixels are
+ * white. */
 static void expect_margin(const bb_canvas *canvas, const bb_rays *rays)
 {
     uint32_t ink = 0;
@@ -290,7 +292,8 @@ static void what_lies_outside_of_a_canvas_is_left_out(void **state)
     assert_true(bb_text_width("tests per ray", 1) > bb_text_width("tests", 1));
 }
 
-/* By the program, read back: the picture with its room for words, and a careless intersector's wrong rays in colour. */
+/* By the program, read back: the picture with its room for words, and a careless intersector's
+ * wrong rays in colour. */
 static void pictures_come_from_the_program(void **state)
 {
     (void)state;

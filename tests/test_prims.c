@@ -1,7 +1,9 @@
-/* Kinds of primitives: axis-aligned boxes against MPFR with enough bits that nothing is rounded, and for
- * every kind what the harness relies on: points of its surface are in its box, in what is left of a
- * region around them, and where an exact line says. A few seconds. */
+/* Kinds of primitives: axis-aligned boxes against MPFR with enough bits that nothing is rounded,
+ * and for every kind what the harness relies on: points of its surface are in its box, in what is
+ * left of a region around them, and where an exact line says. A few seconds. */
 #include "framework/base/random.h"
+#include "framework/judge/arbiter.h"
+#include "framework/judge/queries.h"
 #include "framework/scene/prim.h"
 
 #include <math.h>
@@ -32,8 +34,9 @@ static bb_scene *one_box(const float box[6])
 
 static mpfr_t entry, leave, time, direction;
 
-/* Whether the line meets the box; it enters at `entry` and leaves at `leave`, but for rounding at the
- * 2400th bit, which no tie here reaches: ties are equal quotients, and these are rounded alike. */
+/* Whether the line meets the box; it enters at `entry` and leaves at `leave`, but for rounding at
+ * the 2400th bit, which no tie here reaches: ties are equal quotients, and these are rounded
+ * alike. */
 static bool reference(const float b[6], const double o[3], const float d[3])
 {
     mpfr_set_inf(entry, -1);
@@ -254,6 +257,36 @@ static void bad_boxes_are_refused(void **state)
     bb_scene_free(scene);
 }
 
+/* ---- the arbiter ---- */
+
+/* Close to a box's silhouette some of the nine miss it: t must be near where the ray enters or
+ * leaves all the same, not anywhere between. */
+static void silhouettes_hide_no_wrong_distance(void **state)
+{
+    (void)state;
+    bb_scene *scene = one_box((const float[6]){0, 0, 0, 1000, 1, 1});
+    assert_int_equal(bb_scene_finish(scene), BB_OK);
+    bb_arbiter arbiter;
+    assert_int_equal(bb_arbiter_create(scene, &arbiter), BB_OK);
+    const float heights[] = {0.5f, 0.9999f, 1.0f, 1.0004f};
+    for (int h = 0; h < 4; h++) {
+        const bb_ray ray = {{-5, heights[h], 0.5f}, 0, {1, 0, 0}, INFINITY};
+        const bb_hit entered = {5, 0}, within = {500, 0}, left = {1005, 0},
+                     none = {INFINITY, BB_NONE};
+        assert_int_equal(bb_arbiter_judge(&arbiter, &ray, &entered, &bb_query_closest, false),
+                         BB_RIGHT);
+        assert_int_equal(bb_arbiter_judge(&arbiter, &ray, &within, &bb_query_any, false),
+                         BB_WRONG_T);
+        if (h == 0)
+            assert_int_equal(bb_arbiter_judge(&arbiter, &ray, &left, &bb_query_closest, false),
+                             BB_WRONG_T);
+        assert_int_equal(bb_arbiter_judge(&arbiter, &ray, &none, &bb_query_closest, false),
+                         h == 0 ? BB_MISSED : BB_RIGHT);
+    }
+    bb_arbiter_destroy(&arbiter);
+    bb_scene_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -263,6 +296,7 @@ int main(void)
         cmocka_unit_test(regions_inside_a_box_hold_none_of_it),
         cmocka_unit_test(samples_are_even_over_the_faces),
         cmocka_unit_test(bad_boxes_are_refused),
+        cmocka_unit_test(silhouettes_hide_no_wrong_distance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

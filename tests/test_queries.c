@@ -1,4 +1,5 @@
-/* The query interval: what exact arithmetic finds is right, and each way of being wrong is found. A second. */
+/* The query interval: what exact arithmetic finds is right, and each way of being wrong is found. A
+ * second. */
 #include "framework/judge/arbiter.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/queries.h"

@@ -1,6 +1,6 @@
-/* Linking of nodes of a binary tree: preorder index, prefixes and trees against the definition; and what the formulas of Gu,
- * Jendersie, Grosch 2018 give, as printed and as corrected. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL: fewer inputs (for
- * oclgrind). */
+/* Linking of nodes of a binary tree: preorder index, prefixes and trees against the definition; and
+ * what the formulas of Gu, Jendersie, Grosch 2018 give, as printed and as corrected. Seed:
+ * BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL: fewer inputs (for oclgrind). */
 #include "builders/common/radix_tree.h"
 #include "framework/base/random.h"
 #include "tests/device_forms.h"
@@ -93,7 +93,8 @@ static int compare_nodes(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Dense: most nodes of a small tree, with parents and children; else chains of ancestors here and there. */
+/* Dense: most nodes of a small tree, with parents and children; else chains of ancestors here and
+ * there. */
 static void make_input(bb_random *random, uint32_t length, uint32_t want, input *in)
 {
     *in = (input){.length = length};
@@ -130,7 +131,8 @@ typedef struct split {
     uint32_t at, left_end, right_end;
 } split;
 
-/* Lines 2 to 20 for inner node i, theta corrected or as printed; line 17 counts from sigma, which is printed l. */
+/* Lines 2 to 20 for inner node i, theta corrected or as printed; line 17 counts from sigma, which
+ * is printed l. */
 static split algorithm_1(const input *in, int64_t i, bool printed)
 {
     int64_t d = theta(in, i, i + 1, printed) >= theta(in, i, i - 1, printed) ? 1 : -1;
@@ -154,7 +156,8 @@ static split algorithm_1(const input *in, int64_t i, bool printed)
     return (split){(uint32_t)(i + s * d + (d < 0 ? -1 : 0)), (uint32_t)low, (uint32_t)high};
 }
 
-/* Follows the splits from the root and compares with the reference's preorder. `r` at the node that covers `from` to `to`. */
+/* Follows the splits from the root and compares with the reference's preorder. `r` at the node that
+ * covers `from` to `to`. */
 static bool follows(const input *in, bool printed, const loose_reference *r, uint32_t n,
                     uint32_t inner, uint32_t from, uint32_t to)
 {

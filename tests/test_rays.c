@@ -350,8 +350,8 @@ static void test_bad_input(void **state)
     hand_free(scene);
 }
 
-/* Crofton: of lines through a ball the share that meets a convex body within is that of their areas; Cauchy:
- * the mean length inside is 4 volumes over the area. */
+/* Crofton: of lines through a ball the share that meets a convex body within is that of their
+ * areas; Cauchy: the mean length inside is 4 volumes over the area. */
 static void test_lines(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* Records: schema, nulls, exact numbers, atomic writing. (Reading and merging: test_record_read.c.) */
+/* Records: schema, nulls, exact numbers, atomic writing. (Reading and merging:
+ * test_record_read.c.) */
 #include "tests/record_fixture.h"
 
 #include "framework/base/file.h"

@@ -1,5 +1,5 @@
-/* Result files that others wrote: truncated, damaged, of other types, too deep; and merging, older files
- * included. */
+/* Result files that others wrote: truncated, damaged, of other types, too deep; and merging, older
+ * files included. */
 #include "tests/record_fixture.h"
 
 #include "framework/base/file.h"

@@ -1,5 +1,5 @@
-/* builders/common/refit: the boxes of a plain reference, on the host and on the device, in each form; of
- * trees of any shape, with links and references left alone; and what it refuses. */
+/* builders/common/refit: the boxes of a plain reference, on the host and on the device, in each
+ * form; of trees of any shape, with links and references left alone; and what it refuses. */
 #include "builders/common/refit.h"
 #include "tests/device_forms.h"
 #include "tests/tree_fixture.h"

@@ -90,7 +90,8 @@ static void table_names_what_was_skipped(void **state)
     bb_results_destroy(results);
 }
 
-/* Brute force traces the first rays of a set only: the set's size heads the rows, the row says so. */
+/* Brute force traces the first rays of a set only: the set's size heads the rows, the row says
+ * so. */
 static void table_notes_partly_traced_sets(void **state)
 {
     (void)state;
@@ -370,8 +371,8 @@ static void command_makes_a_report(void **state)
     bb_results_destroy(results);
 }
 
-/* Charts where gnuplot is; without it a page all the same and a line that says so, unless that was asked
- * for. */
+/* Charts where gnuplot is; without it a page all the same and a line that says so, unless that was
+ * asked for. */
 static void command_draws_charts(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Papers reproduced: look-ups and claims on made-up results whose answers are known, the form in the result file, and the command
- * from outside. */
+/* Papers reproduced: look-ups and claims on made-up results whose answers are known, the form in
+ * the result file, and the command from outside. */
 #include "tests/paper_fixture.h"
 #include "tests/report_sample.h"
 

@@ -1,5 +1,6 @@
-/* Trail arithmetic (kernels/trail.clh) against recursion: for every number of children and size of the short stack, the leaves of random
- * trees are visited in the same order, under a limit that shrinks on the way. Small enough for oclgrind. */
+/* Trail arithmetic (kernels/trail.clh) against recursion: for every number of children and size of
+ * the short stack, the leaves of random trees are visited in the same order, under a limit that
+ * shrinks on the way. Small enough for oclgrind. */
 #include "framework/base/file.h"
 #include "framework/base/random.h"
 #include "kernels/bb_shared.h"
@@ -26,8 +27,9 @@ typedef struct forest {
     uint32_t visited[TREES];
 } forest;
 
-/* A random tree below nodes[n], of up to `children` per node and `levels` levels; on the way down only one child in a while
- * goes on, so that it gets deep. Distances are few, so that there are ties. */
+/* A random tree below nodes[n], of up to `children` per node and `levels` levels; on the way down
+ * only one child in a while goes on, so that it gets deep. Distances are few, so that there are
+ * ties. */
 static void grow(walk_node *nodes, uint32_t *count, uint32_t n, uint32_t children, uint32_t levels,
                  bb_random *random)
 {

@@ -1,5 +1,6 @@
-/* Kernels against the oracle: every builder with every kernel on small scenes, closed meshes, and scenes that are scaled, moved and
- * permuted. (Awkward rays: test_awkward_rays.c.) Seed: BVHBENCH_TEST_SEED. */
+/* Kernels against the oracle: every builder with every kernel on small scenes, closed meshes, and
+ * scenes that are scaled, moved and permuted. (Awkward rays: test_awkward_rays.c.) Seed:
+ * BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "framework/bench/conformance.h"
 #include "framework/builder/registry.h"
@@ -57,7 +58,8 @@ static void every_builder_with_every_kernel_is_right(void **state)
             check(bb_spec_list(all, variants, 16, &count), all);
             for (size_t v = 0; v < count; v++) {
                 bb_status status = bb_conformance_check(conformance, variants[v], &found);
-                /* no builder may refuse but for the kinds of primitives that it says it does not take */
+                /* no builder may refuse but for the kinds of primitives that it says it does not
+                 * take */
                 bool takes = (scene->kinds & ~builder->kinds) == 0;
                 if (status != (takes ? BB_OK : BB_UNSUPPORTED))
                     fail_msg("bvhbench check --scene %s --builder %s --seed %llu: %s", scenes[s],
@@ -137,7 +139,8 @@ static void careless_intersector_is_found_out(void **state)
 static void an_overflow_is_never_silent(void **state)
 {
     (void)state;
-    /* squares at distances 2^-i: each split takes one off, and a ray along the axis from the dense side pushes at each */
+    /* squares at distances 2^-i: each split takes one off, and a ray along the axis from the dense
+     * side pushes at each */
     enum { LAYERS = 21 };
     bb_scene *scene = load("single");
     check(bb_host_alloc(NULL, 9 * LAYERS * sizeof(float), "v", &scene->vertices), "v");

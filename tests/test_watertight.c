@@ -1,7 +1,7 @@
-/* The box test and the triangle test together: whatever the triangle test accepts is in the triangle's
- * own box, at the distance that it computes (kernels/ERROR_BUDGET.md), also with quotients that are
- * off by 2.5 ulp; and the constants of that budget are not much too large. Then whole walls, seen
- * along long triangles, by every kernel. Seed: BVHBENCH_TEST_SEED. */
+/* The box test and the triangle test together: whatever the triangle test accepts is in the
+ * triangle's own box, at the distance that it computes (kernels/ERROR_BUDGET.md), also with
+ * quotients that are off by 2.5 ulp; and the constants of that budget are not much too large. Then
+ * whole walls, seen along long triangles, by every kernel. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "framework/judge/queries.h"
 #include "tests/device_fixture.h"
@@ -146,9 +146,9 @@ static void make_frame(bb_random *random, double frame[3][3])
                       frame[0][(k + 2) % 3] * frame[1][(k + 1) % 3];
 }
 
-/* A long triangle in the plane z = 1 of the frame, one of whose edges runs along its x; the ray starts
- * near the origin of the frame and is aimed near that edge, or at any place of the triangle. Then all
- * of it is moved and scaled. */
+/* A long triangle in the plane z = 1 of the frame, one of whose edges runs along its x; the ray
+ * starts near the origin of the frame and is aimed near that edge, or at any place of the triangle.
+ * Then all of it is moved and scaled. */
 static void make_case(bb_random *random, float *vertices, bb_ray *ray)
 {
     double frame[3][3], move[3], scale = ldexp(1, (int)bb_random_below(random, 61) - 30);
@@ -288,8 +288,8 @@ static void aim_at_wall(float reach, bb_ray *rays)
     }
 }
 
-/* Takes a bed over the tree without a node, and one over another tree: whether all kernels answer on the
- * other as brute force does, bit for bit. `hits` gets the answers. */
+/* Takes a bed over the tree without a node, and one over another tree: whether all kernels answer
+ * on the other as brute force does, bit for bit. `hits` gets the answers. */
 static void compare_with_brute_force(bed *brute, bed *b, const bb_ray *rays, uint32_t count,
                                      const char *what, bb_hit *hits)
 {
@@ -336,8 +336,8 @@ static void no_ray_passes_a_wall(void **state)
 
 enum { FAR_RAYS = 20000 };
 
-/* Distances are padded in proportion to themselves: from far enough each box is as wide as the scene, and
- * even places without a child would be met. */
+/* Distances are padded in proportion to themselves: from far enough each box is as wide as the
+ * scene, and even places without a child would be met. */
 /* Spheres whose radius is down to the last place of their centre: rays at the centre must hit. */
 static void spheres_small_beside_their_place_are_hit(void **state)
 {

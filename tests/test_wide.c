@@ -1,4 +1,5 @@
-/* Leaf collapse and the wide layouts, read back and taken apart on the host: random trees of any arity, floats biased to extremes. */
+/* Leaf collapse and the wide layouts, read back and taken apart on the host: random trees of any
+ * arity, floats biased to extremes. */
 #include "tests/padding_reference.h"
 #include "tests/tree_fixture.h"
 
@@ -62,8 +63,8 @@ static void collapsed_trees_are_valid_and_cost_no_more(void **state)
     assert_int_equal(account.bytes, 0);
 }
 
-/* Two leaves of equal boxes: a leaf of both costs 2 A, or A as a block, the inner node 1.2 A + 2 A. Far apart, the inner node is
- * kept. */
+/* Two leaves of equal boxes: a leaf of both costs 2 A, or A as a block, the inner node 1.2 A + 2 A.
+ * Far apart, the inner node is kept. */
 static void collapse_decides_by_cost(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* What the tests of traversal share: a scene, a builder's tree of it, the layout that a kernel reads, and traces. */
+/* What the tests of traversal share: a scene, a builder's tree of it, the layout that a kernel
+ * reads, and traces. */
 #ifndef BB_TRACE_FIXTURE_H
 #define BB_TRACE_FIXTURE_H
 
@@ -32,7 +33,8 @@ static inline void choose_kernel(bed *b, const char *kernel, uint32_t leaf)
           kernel);
 }
 
-/* Takes the scene, also where the builder does not take its primitives: then there is nothing to close. */
+/* Takes the scene, also where the builder does not take its primitives: then there is nothing to
+ * close. */
 static inline bool open_bed_if_taken(bed *b, bb_scene *scene, const char *builder,
                                      const char *kernel, uint32_t leaf, uint32_t *ran)
 {

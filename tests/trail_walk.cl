@@ -1,5 +1,5 @@
-/* Walks trees by kernels/trail.clh, as kernels/short.cl does, but over a plain tree of nodes with a distance each and with every step
- * written down. One work-item per tree. */
+/* Walks trees by kernels/trail.clh, as kernels/short.cl does, but over a plain tree of nodes with a
+ * distance each and with every step written down. One work-item per tree. */
 #include "bb_device.h"
 #include "trail.clh"
 

@@ -1,7 +1,8 @@
 /* The short stack: kernels/short.cl. */
 #include "traversal/traversal.h"
 
-/* With 4 entries 2 to 14 % more boxes are tested than with a full stack; 8 save most of these, but no time that could be measured. */
+/* With 4 entries 2 to 14 % more boxes are tested than with a full stack; 8 save most of these, but
+ * no time that could be measured. */
 static const bb_option options[] = {
     {"entries", "4", "1|2|4|8|16",
      "entries of the stack; what it drops is found again by the trail"},

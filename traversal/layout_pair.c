@@ -1,5 +1,5 @@
-/* The `pair` layout: both children's boxes in the parent (kernels/layout_pair.cl). Binary trees keep their shape; wider ones
- * are made binary over the order of their children. */
+/* The `pair` layout: both children's boxes in the parent (kernels/layout_pair.cl). Binary trees
+ * keep their shape; wider ones are made binary over the order of their children. */
 #include "traversal/leaf_prims.h"
 #include "traversal/pairs.h"
 

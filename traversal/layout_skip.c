@@ -1,4 +1,5 @@
-/* The `skip` layout: the tree's own nodes in preorder (kernels/layout_skip.cl), whatever their arity. */
+/* The `skip` layout: the tree's own nodes in preorder (kernels/layout_skip.cl), whatever their
+ * arity. */
 #include "traversal/traversal.h"
 
 #include "traversal/leaf_prims.h"

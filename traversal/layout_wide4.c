@@ -1,4 +1,5 @@
-/* The `wide4` layout: nodes of up to 4 children, their boxes side by side, and blocks of primitives. */
+/* The `wide4` layout: nodes of up to 4 children, their boxes side by side, and blocks of
+ * primitives. */
 #include "traversal/wide.h"
 
 static bb_status create(bb_device *device, bb_account *account, void **self)

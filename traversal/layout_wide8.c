@@ -1,4 +1,5 @@
-/* The `wide8` layout: nodes of up to 8 children, their boxes side by side, and blocks of primitives. */
+/* The `wide8` layout: nodes of up to 8 children, their boxes side by side, and blocks of
+ * primitives. */
 #include "traversal/wide.h"
 
 static bb_status create(bb_device *device, bb_account *account, void **self)

@@ -58,7 +58,8 @@ bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buff
                      BB_VALUE(has_reach), BB_MEM(*nodes));
 }
 
-/* Those of a balanced binary tree over up to `arity` children at each of `depth` levels: an upper bound that needs no walk. */
+/* Those of a balanced binary tree over up to `arity` children at each of `depth` levels: an upper
+ * bound that needs no walk. */
 uint64_t bb_pairs_levels(const bb_tree_info *info)
 {
     uint64_t levels = 0;

@@ -1,4 +1,5 @@
-/* Pair nodes of a tree, on the device (kernels/layout_pair.cl): the `pair` layout itself, and what wide layouts are collapsed from. */
+/* Pair nodes of a tree, on the device (kernels/layout_pair.cl): the `pair` layout itself, and what
+ * wide layouts are collapsed from. */
 #ifndef BB_PAIRS_H
 #define BB_PAIRS_H
 
@@ -19,8 +20,8 @@ typedef struct bb_pairs {
 bb_status bb_pairs_create(bb_device *device, bb_account *account, bb_pairs *pairs);
 void bb_pairs_destroy(bb_pairs *pairs);
 
-/* Pair nodes (bb_pair) of the source's tree into `nodes`; their number; and the link to start from: a
- * pair node, or the tree's only leaf. Leaves are linked as in bb_node. Waits for the device once.
+/* Pair nodes (bb_pair) of the source's tree into `nodes`; their number; and the link to start from:
+ * a pair node, or the tree's only leaf. Leaves are linked as in bb_node. Waits for the device once.
  * BB_UNSUPPORTED for nodes of more than 4096 children. */
 bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buffer *nodes,
                         uint32_t *count, uint32_t *root);

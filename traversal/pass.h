@@ -1,5 +1,5 @@
-/* One way through: rays by a tracer through a layout to answers. Whoever traces goes this way, the clock's holder
- * included. */
+/* One way through: rays by a tracer through a layout to answers. Whoever traces goes this way, the
+ * clock's holder included. */
 #ifndef BB_PASS_H
 #define BB_PASS_H
 

@@ -34,7 +34,8 @@ struct bb_tracer {
 
 static bb_tracer *cache;
 
-/* Groups of the persistent form per compute unit: enough to hide memory on the GPUs there are; more only find no rays left. */
+/* Groups of the persistent form per compute unit: enough to hide memory on the GPUs there are; more
+ * only find no rays left. */
 enum { GROUPS_PER_UNIT = 16 };
 
 const bb_kernel *bb_kernel_find(const char *name)
@@ -59,7 +60,8 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     return bb_spec_validate(spec, all, what);
 }
 
-/* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private memory of each work-item. */
+/* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private
+ * memory of each work-item. */
 enum { STACK_MAX = 1024 };
 
 static uint32_t round_stack(uint32_t need)

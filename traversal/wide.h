@@ -1,4 +1,5 @@
-/* What the wide layouts share (kernels/layout_wide.cl): each is declared in its own layout_NAME.c by width. */
+/* What the wide layouts share (kernels/layout_wide.cl): each is declared in its own layout_NAME.c
+ * by width. */
 #ifndef BB_WIDE_H
 #define BB_WIDE_H
 

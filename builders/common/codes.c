@@ -49,8 +49,8 @@ static uint32_t interleaved(const walk *w)
     return w->count[axis] < AXIS_BITS_MAX ? axis : BB_CODE_END;
 }
 
-/* The longest side of the cell (Vinkler et al. 2017, section 4.4 and algorithm 2, without its shifts by 3, 2, 1, 0, which belong
- * to algorithm 1); an axis without extent gets no bits. */
+/* The longest side of the cell (Vinkler et al. 2017, section 4.4 and algorithm 2, without its
+ * shifts by 3, 2, 1, 0, which belong to algorithm 1); an axis without extent gets no bits. */
 static uint32_t longest(const walk *w)
 {
     if (is_size_bit(w))
@@ -65,8 +65,9 @@ static uint32_t longest(const walk *w)
     return found;
 }
 
-/* As `longest`, and a size bit each time the cell's longest side has been halved: after three bits while the cell is a cube, after
- * two while it is flat, so that what is told apart by its size is as large against its cell in all scenes. */
+/* As `longest`, and a size bit each time the cell's longest side has been halved: after three bits
+ * while the cell is a cube, after two while it is flat, so that what is told apart by its size is
+ * as large against its cell in all scenes. */
 static uint32_t halved(const walk *w)
 {
     double now = 0, whole = 0;
@@ -188,8 +189,9 @@ static void deal_bits(walk *w, bb_code_pattern *layout)
     memcpy(layout->count, w->count, sizeof w->count);
 }
 
-/* Where the lane's bits go, and the moves that bring them there: its bit j, counted from the lowest, travels up to its place in
- * steps of 32, 16 ... 1 ("expand" by parallel moves; Warren, Hacker's Delight, section 7-5). */
+/* Where the lane's bits go, and the moves that bring them there: its bit j, counted from the
+ * lowest, travels up to its place in steps of 32, 16 ... 1 ("expand" by parallel moves; Warren,
+ * Hacker's Delight, section 7-5). */
 static void plan_moves(bb_code_pattern *layout, uint32_t lane)
 {
     bb_code_plan *plan = &layout->plan;
@@ -217,7 +219,8 @@ static float cells_per_unit(uint32_t bits, double extent)
     return extent > 0 && bits > 0 && scale <= FLT_MAX ? (float)scale : 0.0f;
 }
 
-/* The size measure of a box with these sides, a length: its diagonal, the square root of its area or its longest side. */
+/* The size measure of a box with these sides, a length: its diagonal, the square root of its area
+ * or its longest side. */
 static double size_of(const bb_code_choice *choice, const double side[3])
 {
     double x = side[0], y = side[1], z = side[2];
@@ -226,9 +229,10 @@ static double size_of(const bb_code_choice *choice, const double side[3])
                                            : sqrt(x * x + y * y + z * z);
 }
 
-/* The bits of the size. linear: of size / scene. root: of its square root, since a step of six halvings quarters the cell
- * while one of the code halves the size (section 4.2). cell: 1 where the primitive is at least as large as the cell that the bits
- * above it leave. Lengths in the longest side of the scene. */
+/* The bits of the size. linear: of size / scene. root: of its square root, since a step of six
+ * halvings quarters the cell while one of the code halves the size (section 4.2). cell: 1 where the
+ * primitive is at least as large as the cell that the bits above it leave. Lengths in the longest
+ * side of the scene. */
 static void plan_sizes(const bb_code_choice *choice, bb_code_pattern *layout, double unit,
                        const double whole[3])
 {

@@ -1,4 +1,5 @@
-/* Codes of all boxes: see codes.h for what a code is, codes.clh for how a key is made and for the -D.
+/* Codes of all boxes: see codes.h for what a code is, codes.clh for how a key is made and for the
+ * -D.
  *
  *   for each BB_CODE_LANES primitives i, in parallel: key[i] = code(box[i]), value[i] = i
  *

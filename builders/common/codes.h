@@ -1,9 +1,10 @@
 /* Morton codes and extended Morton codes, for any builder that sorts by a code.
  *
- * A code is a list that says, for each of its bits from the top, which axis the bit halves the cell on, or that it tells large
- * primitives from small ones (Vinkler, Bittner, Havran 2017, "Extended Morton Codes for High Performance Bounding Volume
- * Hierarchy Construction", section 4). A code is a row of BB_CODE_TABLE and the function that deals out its bits; what its
- * ingredients are by default is in the row, and each is an option of its own.
+ * A code is a list that says, for each of its bits from the top, which axis the bit halves the cell
+ * on, or that it tells large primitives from small ones (Vinkler, Bittner, Havran 2017, "Extended
+ * Morton Codes for High Performance Bounding Volume Hierarchy Construction", section 4). A code is
+ * a row of BB_CODE_TABLE and the function that deals out its bits; what its ingredients are by
+ * default is in the row, and each is an option of its own.
  */
 #ifndef BB_CODES_H
 #define BB_CODES_H
@@ -19,7 +20,8 @@
 extern "C" {
 #endif
 
-/* name, function that deals out the bits, bits, axes, size bit every, size bits at most, sizes, summary */
+/* name, function that deals out the bits, bits, axes, size bit every, size bits at most, sizes,
+ * summary */
 #define BB_CODE_TABLE(ROW)                                                                         \
     ROW("mc32", interleaved, 30, XYZ, 0, 0, LINEAR, "Morton code of 10 bits per axis")             \
     ROW("mc64", interleaved, 63, XYZ, 0, 0, LINEAR, "Morton code of 21 bits per axis")             \
@@ -35,7 +37,8 @@ extern "C" {
 #define BB_CODE_BOX_HELP                                                                           \
     "what is cut into cells; cube: of the scene's longest side, from its low corner"
 
-/* Options of codes, for a builder's table, which may have a part of them only. Those without a default come from the code. */
+/* Options of codes, for a builder's table, which may have a part of them only. Those without a
+ * default come from the code. */
 #define BB_CODE_OPTIONS(preset)                                                                    \
     {"code", preset, BB_CODE_NAMES, "the code: what the options below are unless given"},          \
         {"bits", NULL, NULL, "bits of the code, 3 to 64"},                                         \
@@ -91,13 +94,14 @@ typedef struct bb_code_pattern {
 /* Reads the options. `options` is the builder's table. BB_INVALID for what is out of range. */
 bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_choice *choice);
 
-/* Lays the code out for a scene whose primitives' boxes, and their centroids, lie in these two boxes (bb_reduce_boxes).
- * `direction` is where the view looks, zero for none. Does not fail: an axis without extent gets no bits in a code of variable
- * counts, and one cell in others. */
+/* Lays the code out for a scene whose primitives' boxes, and their centroids, lie in these two
+ * boxes (bb_reduce_boxes). `direction` is where the view looks, zero for none. Does not fail: an
+ * axis without extent gets no bits in a code of variable counts, and one cell in others. */
 void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
                      const double direction[3], bb_code_pattern *layout);
 
-/* The layout as letters from the top: "xzxzxyszxy..."; capitals are negated. `capacity` beyond BB_CODE_BITS_MAX. */
+/* The layout as letters from the top: "xzxzxyszxy..."; capitals are negated. `capacity` beyond
+ * BB_CODE_BITS_MAX. */
 void bb_code_letters(const bb_code_pattern *layout, char *text, size_t capacity);
 
 /* ---- on the device ---- */
@@ -111,8 +115,8 @@ void bb_codes_destroy(bb_codes *codes); /* NULL is allowed */
 uint32_t bb_codes_bits(const bb_codes *codes);      /* of a key that may be set */
 uint32_t bb_codes_key_bytes(const bb_codes *codes); /* 4 up to 32 bits, else 8 */
 
-/* Phases "bounds" and "codes": keys[i] = code of the scene's i-th box, values[i] = i. Waits once, for the scene's bounds. Buffers
- * have room for scene->prim_count keys and u32. */
+/* Phases "bounds" and "codes": keys[i] = code of the scene's i-th box, values[i] = i. Waits once,
+ * for the scene's bounds. Buffers have room for scene->prim_count keys and u32. */
 bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
                         bb_buffer *keys, bb_buffer *values, bb_phases *phases);
 

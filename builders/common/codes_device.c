@@ -80,7 +80,8 @@ const bb_code_pattern *bb_codes_pattern(const bb_codes *codes)
     return &codes->layout;
 }
 
-/* Tables of each lane's bits, as section 4.5 of the paper has them; in chunks that the first-level cache holds. */
+/* Tables of each lane's bits, as section 4.5 of the paper has them; in chunks that the first-level
+ * cache holds. */
 static bb_status write_tables(bb_codes *codes)
 {
     const bb_code_pattern *layout = &codes->layout;

@@ -1,8 +1,8 @@
 /* LBVH with any code: codes, sort, radix tree; one primitive per leaf, on the device.
  *
- * Lauterbach et al. 2009 (the idea), Karras 2012 (the tree; equal codes are told apart by their index), Apetrei 2014 (linking
- * and boxes in one bottom-up pass). Builders that are this with a code of their own declare options and defaults and pass the
- * hooks on.
+ * Lauterbach et al. 2009 (the idea), Karras 2012 (the tree; equal codes are told apart by their
+ * index), Apetrei 2014 (linking and boxes in one bottom-up pass). Builders that are this with a
+ * code of their own declare options and defaults and pass the hooks on.
  */
 #ifndef BB_LINEAR_BVH_H
 #define BB_LINEAR_BVH_H
@@ -21,7 +21,8 @@ extern "C" {
         "link", "apetrei", "apetrei|karras", "how the tree is linked; the tree is the same"        \
     }
 
-/* The hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and BB_UPDATE_OPTION. */
+/* The hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and
+ * BB_UPDATE_OPTION. */
 bb_status bb_linear_create(const bb_builder_context *context, void **self);
 bb_status bb_linear_prepare(void *self, const bb_scene *scene, bb_tree *tree);
 bb_status bb_linear_build(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,

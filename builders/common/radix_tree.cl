@@ -1,9 +1,10 @@
 /* The binary radix tree over sorted keys, with boxes.
  *
- * common(i, j) is the length of the common prefix of keys i and j; equal keys go on with their indices. level(i) counts from the
- * other end, longest - common(i, i + 1), and is "infinite" outside. Node [l, r] is the left child of the split at r if level(r) <
- * level(l - 1), else the right child of the split at l - 1. From its range follow the node's place, its children's places (2s + 1
- * and 2s + 2 below split s) and its skip (the right child of split r).
+ * common(i, j) is the length of the common prefix of keys i and j; equal keys go on with their
+ * indices. level(i) counts from the other end, longest - common(i, i + 1), and is "infinite"
+ * outside. Node [l, r] is the left child of the split at r if level(r) < level(l - 1), else the
+ * right child of the split at l - 1. From its range follow the node's place, its children's places
+ * (2s + 1 and 2s + 2 below split s) and its skip (the right child of split r).
  *
  * Apetrei 2014 (link_climb; one work-item per leaf):
  *   node = leaf i
@@ -11,28 +12,31 @@
  *         first to come: stop. second: node = parent = [l, r] with the union of both boxes
  *
  * The same, for CPUs (link_chunks; one work-item per chunk of leaves, in order):
- *   left children wait on a private stack; a right child whose sibling is on the stack joins it without an atomic; what
- *   has its sibling in another chunk goes the atomic way. Most of the tree is made in the chunk's own cache.
+ *   left children wait on a private stack; a right child whose sibling is on the stack joins it
+ *   without an atomic; what has its sibling in another chunk goes the atomic way. Most of the tree
+ *   is made in the chunk's own cache.
  *
  * Karras 2012, sections 3 and 4 (link_ranges, link_boxes):
- *   for each inner node i: direction, range by exponential and binary search, split by binary search; link
- *   for each leaf: climb; the second to come joins the boxes of both children
+ *   for each inner node i: direction, range by exponential and binary search, split by binary
+ *   search; link for each leaf: climb; the second to come joins the boxes of both children
  *
- * -DBB_KEY_NODES: keys are nodes of a binary tree, any of which may be an ancestor of others: the steps from the root (0 left, 1
- * right) from the top bit, then a 1, then zeros; sorted in preorder. Such a node stands for the string that has a bit before
- * each step, 1 to go on, and a 0 at its end. Strings of nodes are in preorder when sorted, and the radix tree over them is the
- * extended tree of Gu, Jendersie, Grosch 2018, section 3.3.2: a node with descendants becomes a leaf beside the subtree that
- * holds them. Common prefixes follow from the nodes themselves: where i < j and l is the level of node i, d the number of first
- * steps that both share, it is 2 l bits if l <= d (i is an ancestor of j), else 2 d + 1. Hence the minimum over adjacent pairs of a
- * range is met once, and none of the cases for ties of the paper's algorithm 1 (lines 2, 3 and 13) is needed.
+ * -DBB_KEY_NODES: keys are nodes of a binary tree, any of which may be an ancestor of others: the
+ * steps from the root (0 left, 1 right) from the top bit, then a 1, then zeros; sorted in preorder.
+ * Such a node stands for the string that has a bit before each step, 1 to go on, and a 0 at its
+ * end. Strings of nodes are in preorder when sorted, and the radix tree over them is the extended
+ * tree of Gu, Jendersie, Grosch 2018, section 3.3.2: a node with descendants becomes a leaf beside
+ * the subtree that holds them. Common prefixes follow from the nodes themselves: where i < j and l
+ * is the level of node i, d the number of first steps that both share, it is 2 l bits if l <= d (i
+ * is an ancestor of j), else 2 d + 1. Hence the minimum over adjacent pairs of a range is met once,
+ * and none of the cases for ties of the paper's algorithm 1 (lines 2, 3 and 13) is needed.
  *
- * -DBB_LEAF_RUNS: leaf i holds the references of values[starts[i]] to values[starts[i + 1] - 1], and leaves are counted on the
- * device, in totals[0].
+ * -DBB_LEAF_RUNS: leaf i holds the references of values[starts[i]] to values[starts[i + 1] - 1],
+ * and leaves are counted on the device, in totals[0].
  *
- * Where a device has no fence for that (handover.clh), in launches by levels (link_ranges, link_leaves,
- * link_level):
- *   for each inner node: link; for each leaf: write it; the second child to come puts the parent on the list
- *   level by level: join the boxes of both children; the second to come ...
+ * Where a device has no fence for that (handover.clh), in launches by levels (link_ranges,
+ * link_leaves, link_level):
+ *   for each inner node: link; for each leaf: write it; the second child to come puts the parent on
+ *   the list level by level: join the boxes of both children; the second to come ...
  *
  * No work-item waits for another. Limits: count <= 2^30, so that 2s + 2 stays below the leaf bit;
  * -DBB_KEY64 for ulong keys.
@@ -48,7 +52,8 @@ typedef uint bb_key;
 #define BB_KEY_BITS 32u
 #endif
 
-/* The longest common prefix of two different keys is shorter than BB_PREFIX_BITS; that of their indices than 32. */
+/* The longest common prefix of two different keys is shorter than BB_PREFIX_BITS; that of their
+ * indices than 32. */
 #ifdef BB_KEY_NODES
 #define BB_PREFIX_BITS (2u * BB_KEY_BITS)
 #else
@@ -98,7 +103,8 @@ uint place_of(const bb_work *w, bool is_left)
 void write_node(global bb_node *nodes, uint place, const bb_work *w, uint count)
 {
     uint skip = w->r + 1u < count ? 2u * w->r + 2u : BB_NONE;
-    /* as integers: a device may flush links, which look like denormals, or quiet them, which look like NaNs */
+    /* as integers: a device may flush links, which look like denormals, or quiet them, which look
+     * like NaNs */
     global uint *words = (global uint *)(nodes + place);
     vstore4((uint4)(as_uint4(w->lo).xyz, w->first), 0, words);
     vstore4((uint4)(as_uint4(w->hi).xyz, skip), 1, words);
@@ -170,8 +176,9 @@ void start_leaf(bb_work *w, uint i, global const uint *starts, global const uint
     refs[last] = prim | BB_LAST_BIT;
 }
 
-/* Boxes lie in the order of the primitives, not of the references: a work-item that does many leaves asks for those of the next
- * references all at once, and so waits for memory once, not once per leaf. */
+/* Boxes lie in the order of the primitives, not of the references: a work-item that does many
+ * leaves asks for those of the next references all at once, and so waits for memory once, not once
+ * per leaf. */
 #define BB_AHEAD 128u
 typedef struct bb_ahead {
     float4 lo[BB_AHEAD], hi[BB_AHEAD];
@@ -214,7 +221,8 @@ void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global cons
 }
 
 #if BB_HANDOVER
-/* Meets the sibling at split s. False: it is not there yet, the other side will go on. True: w has become the parent. */
+/* Meets the sibling at split s. False: it is not there yet, the other side will go on. True: w has
+ * become the parent. */
 bool meet(bb_work *w, bool is_left, uint s, volatile global uint *ends,
           volatile global uchar *heights, volatile global bb_node *nodes)
 {

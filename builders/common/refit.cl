@@ -2,7 +2,8 @@
  *
  *   parent of each node, and how many children it has                     (refit_parents)
  *   leaf: union of its primitives' boxes
- *   up: the last of a node's children to come joins all of them           (refit_climb, or refit_leaves and refit_level)
+ *   up: the last of a node's children to come joins all of them           (refit_climb, or
+ *   refit_leaves and refit_level)
  *
  * Last to come goes on: Karras 2012, section 4; how the children's boxes reach it: handover.clh. No
  * work-item waits for another. Limits: a node's children are joined by one work-item.

@@ -1,8 +1,9 @@
-/* Ordering by the direction of a view: along it, Morton codes of any builder enumerate what is nearer first.
+/* Ordering by the direction of a view: along it, Morton codes of any builder enumerate what is
+ * nearer first.
  *
- * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees), section 3.4:
- * the bits of an axis are negated where the direction is negative, and the axis with the largest |direction| gets the first bit
- * of each triple.
+ * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
+ * Loose Octrees), section 3.4: the bits of an axis are negated where the direction is negative, and
+ * the axis with the largest |direction| gets the first bit of each triple.
  */
 #ifndef BB_VIEW_ORDER_H
 #define BB_VIEW_ORDER_H
@@ -18,9 +19,10 @@ extern "C" {
 #define BB_VIEW_ORDER_HELP                                                                         \
     "order nodes along a view: none, its name or number, or a direction X/Y/Z"
 
-/* The direction that `text` names: "none" gives (0, 0, 0); the name of one of the scene's views, or its number from 0, gives
- * target - eye; "X/Y/Z" is a direction itself. Any length; each component is finite. BB_INVALID, starting with `what` (such as
- * "builder lobvh"), for anything else; the message lists the views there are. */
+/* The direction that `text` names: "none" gives (0, 0, 0); the name of one of the scene's views, or
+ * its number from 0, gives target - eye; "X/Y/Z" is a direction itself. Any length; each component
+ * is finite. BB_INVALID, starting with `what` (such as "builder lobvh"), for anything else; the
+ * message lists the views there are. */
 bb_status bb_view_order(const bb_scene *scene, const char *text, const char *what,
                         double direction[3]);
 
@@ -30,8 +32,8 @@ typedef struct bb_axis_order {
     uint32_t flips;   /* bit a: the cells of axis a are counted from the far end */
 } bb_axis_order;
 
-/* The order for a direction: axes by falling |direction|, equal ones x before y before z, so that (0, 0, 0) gives the plain
- * Morton code. */
+/* The order for a direction: axes by falling |direction|, equal ones x before y before z, so that
+ * (0, 0, 0) gives the plain Morton code. */
 bb_axis_order bb_axis_order_of(const double direction[3]);
 
 #ifdef __cplusplus

@@ -1,17 +1,21 @@
-/* LLBVH: a binary tree over the non-empty nodes of a loose octree, on the device; large primitives lie near the root.
+/* LLBVH: a binary tree over the non-empty nodes of a loose octree, on the device; large primitives
+ * lie near the root.
  *
- * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees), sections 3.1
- * and 3.3. What is chosen where the paper leaves it open:
- * - s0, where the scene's box is no cube: a cube of its longest side. Cells that are cubes make the better tree (SAH against
- *   cells of the box's proportions: hammer 0.70, sthelens 0.77, kitchen 0.91; at worst, interior, 1.04). box=scene and
- *   box=centroids have cells of those proportions, and sizes count per axis (loose_octree.clh).
- * - The fit test of section 3.1 is made whatever the measure. Spheres gain by it (SAH 0.91 and 0.95 in their two states);
- *   with the smallest side of triangles it hardly ever finds one that fits.
- * - "size information every two levels (6 bits) up to a specific level" (end of section 2): sizes=yes takes levels down to even
- *   ones, so that a size is told after every 6 bits of the code and not after every 3; upto=L is the level.
- * - Primitives of one octree node share a leaf, as in the paper, but no more than about `merge` of them, so that a pile of
- *   duplicates does not become one long list; merge=0 is the paper's.
- * The tree is not linked by algorithm 1 but, to the same result, as a radix tree over the nodes: radix_tree.cl says why that is it.
+ * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
+ * Loose Octrees), sections 3.1 and 3.3. What is chosen where the paper leaves it open:
+ * - s0, where the scene's box is no cube: a cube of its longest side. Cells that are cubes make the
+ *   better tree (SAH against cells of the box's proportions: hammer 0.70, sthelens 0.77, kitchen
+ *   0.91; at worst, interior, 1.04). box=scene and box=centroids have cells of those proportions,
+ *   and sizes count per axis (loose_octree.clh).
+ * - The fit test of section 3.1 is made whatever the measure. Spheres gain by it (SAH 0.91 and 0.95
+ *   in their two states); with the smallest side of triangles it hardly ever finds one that fits.
+ * - "size information every two levels (6 bits) up to a specific level" (end of section 2):
+ *   sizes=yes takes levels down to even ones, so that a size is told after every 6 bits of the code
+ *   and not after every 3; upto=L is the level.
+ * - Primitives of one octree node share a leaf, as in the paper, but no more than about `merge` of
+ *   them, so that a pile of duplicates does not become one long list; merge=0 is the paper's.
+ * The tree is not linked by algorithm 1 but, to the same result, as a radix tree over the nodes:
+ * radix_tree.cl says why that is it.
  */
 #include "builders/common/codes.h"
 #include "builders/common/radix_tree.h"
@@ -89,8 +93,8 @@ static void destroy(void *opaque)
     free(self);
 }
 
-/* Each three bits halve all three axes, and no bit tells a size: levels do. Whether that is so depends on the code, not on the
- * scene: any box of three different sides shows it. */
+/* Each three bits halve all three axes, and no bit tells a size: levels do. Whether that is so
+ * depends on the code, not on the scene: any box of three different sides shows it. */
 static bb_status require_octree(const bb_builder_context *context)
 {
     static const bb_box bounds[2] = {{.hi = {4, 2, 1}}, {.hi = {4, 2, 1}}};

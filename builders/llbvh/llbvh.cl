@@ -1,22 +1,28 @@
-/* LLBVH, all but the linking: from boxes to the non-empty nodes of a loose octree, in preorder, with their primitives.
+/* LLBVH, all but the linking: from boxes to the non-empty nodes of a loose octree, in preorder,
+ * with their primitives.
  *
- * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees), section 3.3:
+ * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
+ * Loose Octrees), section 3.3:
  *
- *   for each primitive:                                                                                    (llbvh_nodes)
- *       m = Morton code of its centroid (codes.cl), l = 3 * level by its size; m' = m with all but the first l bits set to 0
- *       key = preorder index of node (m', l) in the complete binary tree
+ *   for each primitive (llbvh_nodes):
+ *       m = Morton code of its centroid (codes.cl), l = 3 * level by its size; m' = m with all but
+ *       the first l bits set to 0 key = preorder index of node (m', l) in the complete binary tree
  *   sort primitives by key
- *   for each chunk: count those that have another key than the one before, where leaves begin              (llbvh_heads)
- *   scan; for each leaf: its node and where its primitives start                                           (llbvh_leaves)
- *   link: builders/common/radix_tree.cl, which takes the place of the paper's algorithm 1
+ *   for each chunk: count those that have another key than the one before, where leaves begin
+ *   (llbvh_heads)
+ *   scan; for each leaf: its node and where its primitives start
+ *   (llbvh_leaves) link: builders/common/radix_tree.cl, which takes the place of the paper's
+ *   algorithm 1
  *
- * The preorder index. From the root each step left is 1 further, each step right past the left subtree: at level d (of L')
- * 1 + (2^(L' - d) - 1) = 2^(L' - d), that is twice the bit of m' that the step sets. So the index is l plus, for each 1 in m', twice
- * its value minus 1: 2 m' - popcount(m') + l. Equation 4 prints - l, which puts a child before its parent and gives different
+ * The preorder index. From the root each step left is 1 further, each step right past the left
+ * subtree: at level d (of L') 1 + (2^(L' - d) - 1) = 2^(L' - d), that is twice the bit of m' that
+ * the step sets. So the index is l plus, for each 1 in m', twice its value minus 1: 2 m' -
+ * popcount(m') + l. Equation 4 prints - l, which puts a child before its parent and gives different
  * nodes one key. The index is at most 2^(L' + 1) - 2: it has L' + 1 bits.
  *
- * -DBB_KEY64: more than 30 bits. -DBB_FIT: a box goes one level deeper if it fits there. -DBB_EVERY_OTHER: even levels only. For the
- * size measure see loose_octree.clh. Limits: 2^31 - 1 primitives; codes of at most 30 or 63 bits.
+ * -DBB_KEY64: more than 30 bits. -DBB_FIT: a box goes one level deeper if it fits there.
+ * -DBB_EVERY_OTHER: even levels only. For the size measure see loose_octree.clh. Limits: 2^31 - 1
+ * primitives; codes of at most 30 or 63 bits.
  */
 #include "bb_device.h"
 #include "loose_octree.clh"
@@ -28,8 +34,9 @@ typedef uint bb_key;
 #endif
 #define BB_KEY_BITS ((uint)sizeof(bb_key) * 8u)
 
-/* keys: codes, of 3 bits per level, in; preorder indices out. Levels deeper than `upto` are not told apart: such boxes go to the
- * deepest. reach: loose_octree.clh; low, scale: the root cell's corner, and cells of the deepest level per unit; loose: a. */
+/* keys: codes, of 3 bits per level, in; preorder indices out. Levels deeper than `upto` are not
+ * told apart: such boxes go to the deepest. reach: loose_octree.clh; low, scale: the root cell's
+ * corner, and cells of the deepest level per unit; loose: a. */
 kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count, float4 reach, float4 low,
                         float4 scale, float loose, uint deepest, uint upto,
                         global bb_key *restrict keys, global bb_key *restrict nodes)
@@ -60,8 +67,8 @@ kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count, float4 
     nodes[i] = path << (BB_KEY_BITS - 1u - 3u * deepest);
 }
 
-/* Does a leaf begin at i? Runs of equal keys are cut so that no leaf has twice `merge` primitives, a power of two, or 0 for any
- * number; those of up to `merge` are not. */
+/* Does a leaf begin at i? Runs of equal keys are cut so that no leaf has twice `merge` primitives,
+ * a power of two, or 0 for any number; those of up to `merge` are not. */
 bool is_head(global const bb_key *keys, uint i, uint merge)
 {
     if (i == 0u || keys[i] != keys[i - 1u])

@@ -1,15 +1,22 @@
-/* LOBVH: primitives inserted into a dense loose octree by centroid and size, which is compacted into an 8-ary tree.
+/* LOBVH: primitives inserted into a dense loose octree by centroid and size, which is compacted
+ * into an 8-ary tree.
  *
- * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees), sections
- * 3.1, 3.2 and 3.4. The algorithm and its arrays: lobvh.cl. What the paper leaves open, and where this departs from it:
+ * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
+ * Loose Octrees), sections 3.1, 3.2 and 3.4. The algorithm and its arrays: lobvh.cl. What the paper
+ * leaves open, and where this departs from it:
  *
- * - The root cell is a cube, as long as the longest side of the scene's box, at its low corner. Cells in the proportions of the
- *   box gave trees of 27 to 39 % higher cost in flat scenes, and up to 10 % lower cost in others.
- * - A measure of 0 gives an infinite level: it is clamped to the deepest. A scene that is one point is all on level 0.
- * - A node with children and primitives gets a leaf with its primitives as its first child; one without children is a leaf.
- * - A node that has nothing but one child is replaced by it; `chains=keep` leaves it, as the paper does. Its box is its child's,
- *   so a ray that tests both learns nothing (SAH cost of real scenes without: up to 17 % lower).
- * - The dense octree is kept in bits, so 8 to 10 levels are affordable, of which the paper reaches 8.
+ * - The root cell is a cube, as long as the longest side of the scene's box, at its low corner.
+ *   Cells in the proportions of the box gave trees of 27 to 39 % higher cost in flat scenes, and up
+ *   to 10 % lower cost in others.
+ * - A measure of 0 gives an infinite level: it is clamped to the deepest. A scene that is one point
+ *   is all on level 0.
+ * - A node with children and primitives gets a leaf with its primitives as its first child; one
+ *   without children is a leaf.
+ * - A node that has nothing but one child is replaced by it; `chains=keep` leaves it, as the paper
+ *   does. Its box is its child's, so a ray that tests both learns nothing (SAH cost of real scenes
+ *   without: up to 17 % lower).
+ * - The dense octree is kept in bits, so 8 to 10 levels are affordable, of which the paper reaches
+ *   8.
  * - Spheres are measured by their box, whose sides are the diameter, rounded outwards.
  */
 #include "builders/common/view_order.h"
@@ -164,8 +171,8 @@ static bool has_room(const lobvh *self, uint32_t levels)
            dense_bytes(levels) <= device->global_bytes - device->bytes + held;
 }
 
-/* The level of the median primitive by equation 1, taking it for a cube: below it the octree only tells few and small primitives
- * apart. A median of 0 asks for the deepest. */
+/* The level of the median primitive by equation 1, taking it for a cube: below it the octree only
+ * tells few and small primitives apart. A median of 0 asks for the deepest. */
 static uint32_t level_of_median(const lobvh *self, const bb_scene *scene)
 {
     double longest = 0;
@@ -178,8 +185,9 @@ static uint32_t level_of_median(const lobvh *self, const bb_scene *scene)
     return level;
 }
 
-/* auto: as deep as the median primitive's size asks for, or as it takes to have a cell for each primitive. But no deeper than it
- * takes to tell the centroids apart, and the arrays no larger than a binary tree over the primitives. */
+/* auto: as deep as the median primitive's size asks for, or as it takes to have a cell for each
+ * primitive. But no deeper than it takes to tell the centroids apart, and the arrays no larger than
+ * a binary tree over the primitives. */
 static uint32_t choose_levels(const lobvh *self, const bb_scene *scene)
 {
     const uint64_t count = scene->prim_count;
@@ -216,7 +224,8 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* The most nodes that the tree can have: a leaf per octree node with primitives, and the nodes above them. */
+/* The most nodes that the tree can have: a leaf per octree node with primitives, and the nodes
+ * above them. */
 static uint64_t tree_nodes_max(const lobvh *self, uint64_t count)
 {
     uint64_t leaves = least(count, nodes_above(self->levels + 1)), inner = 0;

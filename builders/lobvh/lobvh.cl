@@ -1,33 +1,39 @@
 /* LOBVH: an octree of dense numbering over the loose octree's cells, compacted into an 8-ary tree.
  *
- * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees), sections 3.1
- * and 3.2. A dense octree node has number k in breadth-first order: the root is 0, the children of k are 8k + 1 .. 8k + 8, its
- * parent is (k - 1) / 8, and level l begins at D(l) = (8^l - 1) / 7.
+ * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
+ * Loose Octrees), sections 3.1 and 3.2. A dense octree node has number k in breadth-first order:
+ * the root is 0, the children of k are 8k + 1 .. 8k + 8, its parent is (k - 1) / 8, and level l
+ * begins at D(l) = (8^l - 1) / 7.
  *
- *   lobvh_keys     initialization: for each primitive, level l by equation 1 and the fit test, key k = D(l) + morton(cell at l)
- *                  (sort the primitives by key)
- *   lobvh_mark     pointer setup: where the key changes a node's primitives end: mark the node, close its leaf
- *   lobvh_vacancy  per level, bottom-up: a node is vacant if it has no primitive and all its children are vacant
- *   lobvh_sizes    compaction: for each node the children that stay, and a leaf if it has primitives besides children
- *                  (scan the sizes: where each node's children go)
+ *   lobvh_keys     initialization: for each primitive, level l by equation 1 and the fit test, key
+ *                  k = D(l) + morton(cell at l) (sort the primitives by key)
+ *   lobvh_mark     pointer setup: where the key changes a node's primitives end: mark the node,
+ *                  close its leaf
+ *   lobvh_vacancy  per level, bottom-up: a node is vacant if it has no primitive and all its
+ *                  children are vacant
+ *   lobvh_sizes    compaction: for each node the children that stay, and a leaf if it has
+ *                  primitives besides children (scan the sizes: where each node's children go)
  *   lobvh_leaves   for each node with primitives: its leaf, with box and next pointer
  *   lobvh_inner    per level, bottom-up: first-child pointer, next pointer, box of the children
  *
- * The paper keeps box, first child, next, first and last primitive for every dense node: 40 bytes. Here it is 1.6 bits, so that
- * deeper octrees fit. occupied: a bit per node, set if it is not vacant; the bits of k's children are byte k + 7, so it is also
- * F(k). own: a bit per node above the deepest level, set if it has primitives; the bits of k's children are byte k + 1. The
- * eight siblings below p are ulong word p + 1 of the masks, byte p + 1 of own, entry p + 1 of offsets; the root is the last of
- * eight in entry 0. N(k) and the place after compaction are computed from these where they are needed. The last primitive of a
- * node is marked in the references (BB_LAST_BIT), the first is where its leaf points.
+ * The paper keeps box, first child, next, first and last primitive for every dense node: 40 bytes.
+ * Here it is 1.6 bits, so that deeper octrees fit. occupied: a bit per node, set if it is not
+ * vacant; the bits of k's children are byte k + 7, so it is also F(k). own: a bit per node above
+ * the deepest level, set if it has primitives; the bits of k's children are byte k + 1. The eight
+ * siblings below p are ulong word p + 1 of the masks, byte p + 1 of own, entry p + 1 of offsets;
+ * the root is the last of eight in entry 0. N(k) and the place after compaction are computed from
+ * these where they are needed. The last primitive of a node is marked in the references
+ * (BB_LAST_BIT), the first is where its leaf points.
  *
- * As printed N(k) never ends at the root and on paths of all sevens; here the walk ends at the root.
+ * As printed N(k) never ends at the root and on paths of all sevens; here the walk ends at the
+ * root.
  *
  * Kernels with `chunk` go through that many elements per work-item: on CPUs hundreds, on GPUs one.
- * -DBB_SIDE: the size measure; -DBB_FIT: with the fit test; -DBB_CHAINS: nodes that only have one child stay; -DBB_FETCH: boxes
- * that a work-item fetches at once.
+ * -DBB_SIDE: the size measure; -DBB_FIT: with the fit test; -DBB_CHAINS: nodes that only have one
+ * child stay; -DBB_FETCH: boxes that a work-item fetches at once.
  *
- * Limits: 10 levels (32-bit keys); 2^31 - 1 primitives; little-endian devices. One work-item joins the boxes of one node's
- * primitives, however many.
+ * Limits: 10 levels (32-bit keys); 2^31 - 1 primitives; little-endian devices. One work-item joins
+ * the boxes of one node's primitives, however many.
  */
 #include "bb_device.h"
 #include "morton.clh"
@@ -56,9 +62,10 @@ uint pick(uint4 v, uint axis)
     return axis == 0u ? v.x : axis == 1u ? v.y : v.z;
 }
 
-/* Equation 1, the length of the root cell being 1: the deepest level l at which the measure is at most (a - 1) / 2^l. The difference
- * of two positive floats' bits, cut to the exponent, is the whole part of the logarithm of their ratio. Three times that for a
- * volume, which is compared with the cube of (a - 1). A measure of 0 is below all limits. */
+/* Equation 1, the length of the root cell being 1: the deepest level l at which the measure is at
+ * most (a - 1) / 2^l. The difference of two positive floats' bits, cut to the exponent, is the
+ * whole part of the logarithm of their ratio. Three times that for a volume, which is compared with
+ * the cube of (a - 1). A measure of 0 is below all limits. */
 uint level_of(float4 sides, float looseness, uint levels)
 {
 #if BB_SIDE == BB_SIDE_SMALLEST
@@ -78,7 +85,8 @@ uint level_of(float4 sides, float looseness, uint levels)
     return (uint)clamp(level, 0, (int)levels);
 }
 
-/* Does the box fit into the enlarged cell of its centroid at `level`? cells are those at `levels`. */
+/* Does the box fit into the enlarged cell of its centroid at `level`? cells are those at
+ * `levels`. */
 bool fits(float4 lo, float4 hi, uint4 cells, float looseness, uint level, uint levels)
 {
     float per_unit = (float)(1u << level), margin = 0.5f * looseness;
@@ -88,8 +96,9 @@ bool fits(float4 lo, float4 hi, uint4 cells, float looseness, uint level, uint l
     return BB_MAX(BB_MAX(out.x, out.y), out.z) <= margin;
 }
 
-/* bounds[0] is the box of the boxes (bb_reduce_boxes). The root cell is a cube at its low corner, as long as its longest side.
- * Halves of coordinates are subtracted, so that no difference overflows. axes, flips: bb_axis_order. */
+/* bounds[0] is the box of the boxes (bb_reduce_boxes). The root cell is a cube at its low corner,
+ * as long as its longest side. Halves of coordinates are subtracted, so that no difference
+ * overflows. axes, flips: bb_axis_order. */
 kernel void lobvh_keys(global const bb_box *restrict boxes, global const bb_box *restrict bounds,
                        uint count, uint levels, float looseness, /* a - 1 */
                        uint first_axis, uint second_axis, uint third_axis, uint flips,
@@ -127,7 +136,8 @@ kernel void lobvh_keys(global const bb_box *restrict boxes, global const bb_box 
 
 /* ---- pointer setup ---- */
 
-/* `inner` is D(levels): nodes above the deepest level. Bits are gathered per word, as neighbours in the order share words. */
+/* `inner` is D(levels): nodes above the deepest level. Bits are gathered per word, as neighbours in
+ * the order share words. */
 kernel void lobvh_mark(global const uint *restrict keys, global const uint *restrict values,
                        uint count, uint inner, uint chunk, volatile global uint *occupied,
                        volatile global uint *own, global uint *restrict refs)
@@ -197,8 +207,8 @@ ulong count_bits_of_bytes(ulong v)
     return (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0Ful;
 }
 
-/* Of eight siblings: a byte each with how many nodes go below them after compaction. A node that only has one child is
- * replaced by that child, unless chains stay: nothing goes below it. */
+/* Of eight siblings: a byte each with how many nodes go below them after compaction. A node that
+ * only has one child is replaced by that child, unless chains stay: nothing goes below it. */
 ulong block_sizes(ulong children, uint own_bits)
 {
     ulong own = spread_bits(own_bits) & nonzero_bytes(children);
@@ -218,7 +228,8 @@ uint sum_bytes(ulong bytes, uint c)
 
 /* ---- vacancy and compaction ---- */
 
-/* On the `nodes` nodes from `first` on, all of one level: the children's bits are in, those of the node's grandchildren join. */
+/* On the `nodes` nodes from `first` on, all of one level: the children's bits are in, those of the
+ * node's grandchildren join. */
 kernel void lobvh_vacancy(global uchar *masks, global const ulong *words, uint first, uint nodes)
 {
     uint n = get_global_id(0);
@@ -290,7 +301,8 @@ uint place_of(const dense *octree, uint k)
     return 0u;
 }
 
-/* Place of the node after node k: the next sibling that is not vacant, of k or of its nearest ancestor that has one. */
+/* Place of the node after node k: the next sibling that is not vacant, of k or of its nearest
+ * ancestor that has one. */
 uint next_of(const dense *octree, uint k)
 {
     while (k > 0u) {
@@ -316,7 +328,8 @@ uint2 place_and_next(const dense *octree, const family *siblings, uint parent, u
 
 void write_node(global bb_node *nodes, uint place, float4 lo, float4 hi, uint first, uint skip)
 {
-    /* as integers: a device may flush links, which look like denormals, or quiet them, which look like NaNs */
+    /* as integers: a device may flush links, which look like denormals, or quiet them, which look
+     * like NaNs */
     global uint *words = (global uint *)(nodes + place);
     vstore4((uint4)(as_uint4(lo).xyz, first), 0, words);
     vstore4((uint4)(as_uint4(hi).xyz, skip), 1, words);
@@ -324,14 +337,16 @@ void write_node(global bb_node *nodes, uint place, float4 lo, float4 hi, uint fi
 
 /* ---- link ---- */
 
-/* Boxes of the next primitives in order. On CPUs many are fetched at once, in a loop without branches, so that the cache misses
- * overlap: the order of the keys is not that of the boxes in memory. */
+/* Boxes of the next primitives in order. On CPUs many are fetched at once, in a loop without
+ * branches, so that the cache misses overlap: the order of the keys is not that of the boxes in
+ * memory. */
 typedef struct fetched {
     uint begin, end;
     float4 lo[BB_FETCH], hi[BB_FETCH];
 } fetched;
 
-void fetch(fetched *f, global const uint *values, global const bb_box *boxes, uint begin, uint count)
+void fetch(fetched *f, global const uint *values, global const bb_box *boxes, uint begin,
+           uint count)
 {
     f->begin = begin;
     f->end = BB_MIN(begin + BB_FETCH, count);
@@ -342,7 +357,8 @@ void fetch(fetched *f, global const uint *values, global const bb_box *boxes, ui
     }
 }
 
-/* A node's primitives are joined by the work-item in whose chunk they begin. info: zeroed before. */
+/* A node's primitives are joined by the work-item in whose chunk they begin. info: zeroed
+ * before. */
 kernel void lobvh_leaves(global const uint *restrict keys, global const uint *restrict values,
                          global const bb_box *restrict boxes, uint count, uint inner, uint chunk,
                          global const ulong *words, global const uchar *own,
@@ -392,7 +408,8 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
         atomic_add(&info->leaf_count, leaves);
 }
 
-/* On the sibling words first .. first + count - 1, those of the nodes of one level; their children are there. */
+/* On the sibling words first .. first + count - 1, those of the nodes of one level; their children
+ * are there. */
 kernel void lobvh_inner(global const ulong *words, global const uchar *own,
                         global const uint *offsets, global const uint *total,
                         uint prims, uint first, uint count, uint chunk, global bb_node *nodes,

@@ -7,8 +7,8 @@
  *
  * Ernst, Greiner 2007 (Early Split Clipping for Bounding Volume Hierarchies), whose recursion by a
  * threshold is a heap here, so that the room goes to the largest boxes first, and a budget holds
- * whatever the threshold. Size is the surface area, as theirs. Triangles are clipped; of any other
- * kind the halves of the box hold all there is.
+ * whatever the threshold. Size is the surface area, as theirs. Triangles are clipped, spheres stay
+ * whole, and of any other kind the halves of the box hold all there is.
  *
  * `saves` is of our own: half of a wall's box is as full as the whole, so halving it makes the tree
  * larger and no better, while the boxes of a long triangle that lies askew shrink to half.
@@ -138,6 +138,9 @@ static bool halve(const presplit *self, const bb_scene *scene, bb_references *re
                   uint32_t index)
 {
     bb_box *box = &references->boxes[index], halves[2] = {*box, *box};
+    const bb_prims *spheres = &scene->prims[BB_SPHERE];
+    if (references->prims[index] - spheres->first < spheres->count)
+        return false; /* the kernels' test of a sphere is proven for boxes that hold it whole */
     int axis = longest_axis(box);
     float middle = 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
     if (!(box->lo[axis] < middle && middle < box->hi[axis]))

@@ -1,13 +1,15 @@
-/* A tracer that is no plug-in of bvhbench: brute force, every ray against every primitive, in double precision.
+/* A tracer that is no plug-in of bvhbench: brute force, every ray against every primitive, in
+ * double precision.
  *
  *     outside_tracer RAYS HITS [careless]
  *
- * reads the rays file that `bvhbench rays` wrote, writes the hits file that `bvhbench judge` takes, and
- * prints its speed. It needs the C library and framework/exchange/exchange.h, which is the format of both files. A real
- * tracer would build its tree over the primitives where this one begins to trace.
+ * reads the rays file that `bvhbench rays` wrote, writes the hits file that `bvhbench judge` takes,
+ * and prints its speed. It needs the C library and framework/exchange/exchange.h, which is the
+ * format of both files. A real tracer would build its tree over the primitives where this one
+ * begins to trace.
  *
- * With `careless` it does what many a tutorial does: the same test in single precision, with an absolute epsilon on the
- * determinant. The judge finds out.
+ * With `careless` it does what many a tutorial does: the same test in single precision, with an
+ * absolute epsilon on the determinant. The judge finds out.
  */
 #include "framework/exchange/exchange.h"
 

@@ -28,7 +28,8 @@ bb_status bb_input_open(const char *path, const char *what, bb_input *input)
     return BB_OK;
 }
 
-/* The size is that of the opening: fewer bytes mean that the file shrank, or that the caller asks for more than there are. */
+/* The size is that of the opening: fewer bytes mean that the file shrank, or that the caller asks
+ * for more than there are. */
 bb_status bb_input_read(bb_input *input, void *data, size_t size)
 {
     size_t done = 0;

@@ -1,4 +1,5 @@
-/* Progress of long work, on standard error: a bar that is redrawn on a terminal, else a line per stage. */
+/* Progress of long work, on standard error: a bar that is redrawn on a terminal, else a line per
+ * stage. */
 #ifndef BB_PROGRESS_H
 #define BB_PROGRESS_H
 

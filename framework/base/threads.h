@@ -18,8 +18,8 @@ bb_status bb_pool_create(uint32_t threads, bb_pool **out);
 void bb_pool_destroy(bb_pool *pool); /* NULL is allowed */
 uint32_t bb_pool_threads(const bb_pool *pool);
 
-/* Wall time of the last bb_parallel_for(), as the threads that worked saw it: from the first that began to
- * the last that ended, in ms. */
+/* Wall time of the last bb_parallel_for(), as the threads that worked saw it: from the first that
+ * began to the last that ended, in ms. */
 double bb_pool_span_ms(const bb_pool *pool);
 
 /* Calls function(context, begin, end, thread) for [0, count) in chunks of at most `chunk`, taken

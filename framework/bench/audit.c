@@ -69,7 +69,8 @@ static void audit_median(bb_audit *audit, const cJSON *entry, bb_field_id field)
                  bb_fields[field].name, shown, seen);
 }
 
-/* From the document itself, so that nothing between the clock and the printed figure is left out. */
+/* From the document itself, so that nothing between the clock and the printed figure is left
+ * out. */
 void bb_audit_rates(bb_audit *audit, bb_results *results)
 {
     const cJSON *trace;

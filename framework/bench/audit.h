@@ -1,5 +1,5 @@
-/* Holds the figures of a run against each other, so that a clock that runs wrong, or a rate of what was not
- * traced, is found out by the run itself.
+/* Holds the figures of a run against each other, so that a clock that runs wrong, or a rate of what
+ * was not traced, is found out by the run itself.
  *
  *   each timing      the kernels' own times (a host builder's phases, a reference's threads) within
  *                    the wall time, and more than nothing where there is such a clock
@@ -26,8 +26,8 @@ typedef struct bb_audit {
     char texts[BB_COMPLAINTS_MAX][256];
 } bb_audit;
 
-/* `what` says what was timed, such as "trace of coffee by stack on lbvh"; `seen`: a second clock must have
- * seen some of the work. */
+/* `what` says what was timed, such as "trace of coffee by stack on lbvh"; `seen`: a second clock
+ * must have seen some of the work. */
 void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing, bool seen);
 
 /* A time of which the only other witness is the clock of who called: `ms` of `outer_ms`. */

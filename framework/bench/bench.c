@@ -214,6 +214,9 @@ static bb_status record_builds(bb_bench *bench)
         bb_entrant *entrant = &bench->entrants[i];
         if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
             bench->outcome->wrong++;
+        for (uint32_t b = 0; b < bench->request->builder_count; b++)
+            if (entrant->text == bench->request->builders[b] && entrant->record.status == BB_OK)
+                bench->built[b] = true;
         BB_TRY(bb_results_add_build(bench->results, &entrant->record));
     }
     return BB_OK;
@@ -347,7 +350,8 @@ static bb_status run_scene(bb_bench *bench, const char *name)
     return status;
 }
 
-/* A scene that can't be loaded shall be found out before hours of work, not after them. The first is loaded at once anyway. */
+/* A scene that can't be loaded shall be found out before hours of work, not after them. The first
+ * is loaded at once anyway. */
 static bb_status try_scenes(bb_bench *bench)
 {
     bb_step step = bb_bench_begin(bench);
@@ -420,7 +424,8 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
     return entrant->record.has_tree;
 }
 
-/* The layout that the kernel reads, with triangles in `form`: one that is there already, or a new one. */
+/* The layout that the kernel reads, with triangles in `form`: one that is there already, or a new
+ * one. */
 static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_t format)
 {
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
@@ -484,6 +489,7 @@ void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more)
 {
     sum->wrong += more->wrong;
     sum->unjudged += more->unjudged;
+    sum->unbuilt += more->unbuilt;
     sum->times.build_ms += more->times.build_ms;
     sum->times.trace_ms += more->times.trace_ms;
     sum->times.total_ms += more->times.total_ms;
@@ -519,8 +525,14 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     if (status == BB_OK)
         status = start_kernels(bench);
     status = bb_bench_end(bench, step, "compile kernels", status);
+    bench->built = calloc(request->builder_count + 1, sizeof *bench->built);
+    if (bench->built == NULL)
+        status = bb_fail(BB_FAILED, "out of memory");
     for (uint32_t i = 0; i < request->scene_count && status == BB_OK; i++)
         status = run_scene(bench, request->scenes[i]);
+    for (uint32_t i = 0; i < request->builder_count && status == BB_OK; i++)
+        outcome->unbuilt += !bench->built[i];
+    free(bench->built);
     bb_progress_end(&progress);
     bb_buffer_release(&bench->rays);
     bb_buffer_release(&bench->answers);

@@ -1,4 +1,5 @@
-/* The comparison: every builder on every scene, traced by every kernel with the same rays, judged, recorded. */
+/* The comparison: every builder on every scene, traced by every kernel with the same rays, judged,
+ * recorded. */
 #ifndef BB_BENCH_H
 #define BB_BENCH_H
 
@@ -16,8 +17,8 @@ typedef struct bb_bench_request {
     uint32_t builder_count;
     char *const *kernels;
     uint32_t kernel_count;
-    bool
-        native; /* with trees whose shape none of `kernels` keeps, also those that keep any tree's */
+    /* with trees whose shape none of `kernels` keeps, also those that keep any tree's */
+    bool native;
     char *const *intersectors;
     uint32_t intersector_count;
     char *const *workloads;
@@ -42,17 +43,18 @@ typedef struct bb_bench_times {
 } bb_bench_times;
 
 typedef struct bb_bench_outcome {
-    /* cells of ours with the intersector `exact` that have more wrong answers than max_wrong_ppm, or
-     * answers unlike those of other such cells, or failed; builds that failed */
+    /* cells of ours with the intersector `exact` that have more wrong answers than max_wrong_ppm,
+     * or answers unlike those of other such cells, or failed; builds that failed */
     uint32_t wrong;
+    uint32_t unbuilt;  /* builders of which there is no tree of any scene */
     uint32_t unjudged; /* scenes of which not a single answer was judged */
     bb_bench_times times;
     bb_audit audit;
 } bb_bench_outcome;
 
-/* Runs the comparison into `results`, which may hold others already. A cell that fails becomes a record
- * with status and reason; only what makes the whole comparison impossible (a scene that can't be
- * loaded, a device that fails) ends it; what was measured until then is in `results`. */
+/* Runs the comparison into `results`, which may hold others already. A cell that fails becomes a
+ * record with status and reason; only what makes the whole comparison impossible (a scene that
+ * can't be loaded, a device that fails) ends it; what was measured until then is in `results`. */
 bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
                        bb_bench_outcome *outcome);
 

@@ -240,8 +240,8 @@ static double sah_of_tree(const bb_entrant *entrant)
     return entrant->record.metrics[bb_metric_find("sah")].value;
 }
 
-/* Makes it some times more, for its time, when it is the first of its name. The one that is there paid for
- * fresh memory: it is kept, and left out of the median. */
+/* Makes it some times more, for its time, when it is the first of its name. The one that is there
+ * paid for fresh memory: it is kept, and left out of the median. */
 static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     bb_build_record *record = &entrant->record;
@@ -265,8 +265,8 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
     return BB_OK;
 }
 
-/* A layout that is refused is the trace's failure, not the build's: bb_resident_layout() will say so
- * again. */
+/* A layout that is refused is the trace's failure, not the build's: bb_resident_layout() will say
+ * so again. */
 static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
 {
     for (uint32_t k = 0; k < bench->kernel_count; k++)

@@ -15,7 +15,8 @@ enum {
     BB_ENTRANTS_MAX = 64,
     BB_KERNELS_MAX =
         BB_LAYOUTS_MAX / BB_FORMAT_COUNT, /* a build's record has room for their layouts */
-    /* rays per launch: their buffers stay small beside trees, and a set of any size can be traced */
+    /* rays per launch: their buffers stay small beside trees, and a set of any size can be
+     * traced */
     BB_BATCH = 1 << 22,
     /* rays that the counting variant traces: a mean over so many is sure to half a percent */
     BB_COUNTED_RAYS = 1 << 16,
@@ -31,7 +32,8 @@ typedef struct bb_kernel_choice {
     bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
 } bb_kernel_choice;
 
-/* A layout of leaves with up to `leaf` references and triangles in one form; all kernels and intersectors that read the same share it. */
+/* A layout of leaves with up to `leaf` references and triangles in one form; all kernels and
+ * intersectors that read the same share it. */
 typedef struct bb_layout_choice {
     bb_layout_maker maker;
     uint32_t leaf;
@@ -70,6 +72,7 @@ typedef struct bb_bench {
     uint32_t layout_count;
     bb_entrant *entrants;
     uint32_t entrant_count;
+    bool *built;         /* of each builder that was asked for: on some scene so far */
     uint32_t next_id;    /* of builds, over all scenes */
     uint32_t judged;     /* cells of the scene at hand */
     bb_samples boxes_ms; /* of it */
@@ -86,8 +89,8 @@ typedef struct bb_bench {
     bb_account account; /* of the buffers above and of the rays */
 } bb_bench;
 
-/* A step: the time from begin to end, less what was booked meanwhile (by steps within it, builds and
- * traces), so that no millisecond is booked twice. */
+/* A step: the time from begin to end, less what was booked meanwhile (by steps within it, builds
+ * and traces), so that no millisecond is booked twice. */
 typedef struct bb_step {
     double start;
     double booked; /* when it began */
@@ -108,7 +111,8 @@ bb_status bb_bench_builds(bb_bench *bench);
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
                             const bb_intersector *intersector);
 
-/* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for have been made. */
+/* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for
+ * have been made. */
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);
 
 /* The parts of cells that all of the scene at hand share, made by the request. */
@@ -118,7 +122,8 @@ void bb_bench_key(const bb_cell *cell, char key[BB_CELL_KEY]);
 /* Is a cell with these parts among those that are to be measured? "" stands for any. */
 bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts);
 
-/* BB_INVALID if cells that are to be measured name a view that `scene`, asked for as `text`, lacks. */
+/* BB_INVALID if cells that are to be measured name a view that `scene`, asked for as `text`,
+ * lacks. */
 bb_status bb_bench_check_views(const bb_bench *bench, const bb_scene *scene, const char *text);
 
 /* All cells of one ray set, interleaved; adds their records. */
@@ -126,13 +131,13 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);
 
 /* ---- what is on the device (resident.c) ---- */
 
-/* Makes sure that the entrant's tree exists: builds it, untimed but for the first, cold time; in the
- * others' place where it does not fit beside them. */
+/* Makes sure that the entrant's tree exists: builds it, untimed but for the first, cold time; in
+ * the others' place where it does not fit beside them. */
 bb_status bb_resident_tree(bb_bench *bench, bb_entrant *entrant);
 
 /* Makes sure that layout `layout` of the entrant is on the device; evicts other entrants and builds
- * again, untimed, where memory asks for it. BB_FAILED if what was built again has another shape than
- * what was recorded. */
+ * again, untimed, where memory asks for it. BB_FAILED if what was built again has another shape
+ * than what was recorded. */
 bb_status bb_resident_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
 
 /* Makes a layout that is there once more, in its place; if that fails, it is gone. */

@@ -72,7 +72,8 @@ static bb_status trace_batch(trace_set *set, const bb_pass *pass, uint32_t count
     return status != BB_OK ? status : stopped;
 }
 
-/* The reference reads the device's ray buffer and writes its hit buffer where the host can reach them, else copies of them. */
+/* The reference reads the device's ray buffer and writes its hit buffer where the host can reach
+ * them, else copies of them. */
 static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_t count,
                                  bb_timing *timing)
 {
@@ -101,8 +102,8 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     return status != BB_OK ? status : unmapped[0] != BB_OK ? unmapped[0] : unmapped[1];
 }
 
-/* Traces the cell's rays once, in batches; set->results gets the answer. The reference's event time is what
- * its threads saw. */
+/* Traces the cell's rays once, in batches; set->results gets the answer. The reference's event time
+ * is what its threads saw. */
 static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
 {
     bool reference = c->entrant->reference;
@@ -173,7 +174,8 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     return bb_bench_end(bench, step, "compile kernels", BB_OK);
 }
 
-/* Judges set->results unless the same answer has been judged before. Of two different answers of one cell the worse one counts. */
+/* Judges set->results unless the same answer has been judged before. Of two different answers of
+ * one cell the worse one counts. */
 static bb_status judge_cell(trace_set *set, cell *c)
 {
     bb_step step = bb_bench_begin(set->bench);
@@ -192,8 +194,8 @@ static bb_status judge_cell(trace_set *set, cell *c)
     return bb_bench_end(set->bench, step, "judge answers", BB_OK);
 }
 
-/* `exact` answers do not depend on builder, layout and kernel (kernels/ERROR_BUDGET.md). A cell whose
- * answers differ from those of another is wrong, or that other one is. */
+/* `exact` answers do not depend on builder, layout and kernel (kernels/ERROR_BUDGET.md). A cell
+ * whose answers differ from those of another is wrong, or that other one is. */
 static bb_status compare_cell(trace_set *set, cell *c)
 {
     bb_trace_record *r = &c->record;

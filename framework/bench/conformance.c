@@ -22,9 +22,9 @@ static const char *const workloads[] = {"primary",
                                         "lines:query=interval"};
 _Static_assert(sizeof workloads / sizeof workloads[0] == BB_CONFORMANCE_SETS, "sets");
 
-/* Tests of boxes and primitives that a set may take by one kernel, of which there are many; without a
- * tree, once. A kernel that restarts from the root meets all levels of a chain again and again, which the
- * kernel that counts tests does not. */
+/* Tests of boxes and primitives that a set may take by one kernel, of which there are many; without
+ * a tree, once. A kernel that restarts from the root meets all levels of a chain again and again,
+ * which the kernel that counts tests does not. */
 static const double most_tests = 1.5e6, most_brute_tests = 4e7, most_levels = 1e8;
 
 bb_status bb_conformance_choose_counts(bb_conformance *c, bb_tree *tree)
@@ -211,8 +211,8 @@ static bb_status add_set(bb_conformance *c, const char *workload)
     return bb_answers_make(c->oracle, set->rays, &set->answers);
 }
 
-/* The first and the last stay, if others can change places: who knows a scene by a glance shall not see that
- * it is another. */
+/* The first and the last stay, if others can change places: who knows a scene by a glance shall not
+ * see that it is another. */
 static uint32_t opposite(uint32_t i, uint32_t count)
 {
     bool stays = count > 3 && (i == 0 || i == count - 1);
@@ -325,8 +325,8 @@ static bb_status check_tree(bb_instance *instance, const bb_scene *scene, uint64
     return bb_tree_hash(&instance->tree, hash);
 }
 
-/* A builder that keeps what it made before would give the tree of the other order again. The last build
- * is of the scene itself, whose tree stays. */
+/* A builder that keeps what it made before would give the tree of the other order again. The last
+ * build is of the scene itself, whose tree stays. */
 static bb_status check_trees(bb_conformance *c, bb_instance *instance, uint64_t hashes[BUILDS],
                              double *ms)
 {

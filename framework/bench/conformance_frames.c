@@ -1,12 +1,12 @@
-/* Conformance on scenes that move. The tree of frame 0 is brought to others and back, and held there to
- * what is right there: each frame has an oracle, rays and answers of its own. */
+/* Conformance on scenes that move. The tree of frame 0 is brought to others and back, and held
+ * there to what is right there: each frame has an oracle, rays and answers of its own. */
 #include "framework/bench/conformance_private.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Of the kernels in a frame: the shape of the tree is frame 0's or an ordinary build's, which all of
- * them are held to. */
+/* Of the kernels in a frame: the shape of the tree is frame 0's or an ordinary build's, which all
+ * of them are held to. */
 enum { KERNELS = 2 };
 
 /* Spread evenly, the last among them; fewer where there are not as many. */

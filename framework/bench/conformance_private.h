@@ -7,7 +7,8 @@
 /* Kinds of rays; frames beside frame 0 that a tree is brought to. */
 enum { BB_CONFORMANCE_SETS = 6, BB_FRAMES_MAX = 3 };
 
-/* A ray set, the oracle's answers, and the first full answer by a kernel, which all others must equal. */
+/* A ray set, the oracle's answers, and the first full answer by a kernel, which all others must
+ * equal. */
 typedef struct bb_ray_set {
     bb_rays *rays;
     bb_answers answers;
@@ -39,15 +40,15 @@ bb_status bb_conformance_prepare_rays(bb_conformance *c);
 /* As many rays of each set as there is time for on this tree, which is then on the device. */
 bb_status bb_conformance_choose_counts(bb_conformance *c, bb_tree *tree);
 
-/* The answers of `most` kernels that take the tree, the first in the table's order; those before them
- * that refuse it are named in `refusing`, which may be NULL. `builder` is whose tree it is. BB_FAILED
- * with the first wrong answer, or if no kernel takes it. */
+/* The answers of `most` kernels that take the tree, the first in the table's order; those before
+ * them that refuse it are named in `refusing`, which may be NULL. `builder` is whose tree it is.
+ * BB_FAILED with the first wrong answer, or if no kernel takes it. */
 bb_status bb_conformance_check_kernels(bb_conformance *c, bb_tree *tree, const char *builder,
                                        uint32_t most, char *refusing, size_t capacity);
 
-/* Brings an instance that was built at frame 0 to other frames and back: each of its trees is valid, and
- * traced rightly. The scene is at frame 0 again afterwards, whatever happens. `note` gets how many frames
- * and how, such as "; 4 frames: updated"; "" for a scene that stays still. */
+/* Brings an instance that was built at frame 0 to other frames and back: each of its trees is
+ * valid, and traced rightly. The scene is at frame 0 again afterwards, whatever happens. `note`
+ * gets how many frames and how, such as "; 4 frames: updated"; "" for a scene that stays still. */
 bb_status bb_conformance_check_frames(bb_conformance *c, bb_instance *instance, char *note,
                                       size_t capacity);
 

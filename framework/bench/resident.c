@@ -40,8 +40,9 @@ static bb_status create_and_build(bb_bench *bench, bb_entrant *entrant, double *
     return BB_OK;
 }
 
-/* A first build, on fresh memory. Drivers may compile a kernel when it is first enqueued; so that this is no part of the cold
- * time, the very first build on a device is thrown away, memory and all. */
+/* A first build, on fresh memory. Drivers may compile a kernel when it is first enqueued; so that
+ * this is no part of the cold time, the very first build on a device is thrown away, memory and
+ * all. */
 static bb_status first_build(bb_bench *bench, bb_entrant *entrant, double *cold_ms)
 {
     bb_step step = bb_bench_begin(bench);
@@ -88,8 +89,8 @@ static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
                                 data);
 }
 
-/* Makes room for one layout: other builders' trees, the entrant's other layouts, and the scratch that made those. All of it is made
- * again when its turn comes. */
+/* Makes room for one layout: other builders' trees, the entrant's other layouts, and the scratch
+ * that made those. All of it is made again when its turn comes. */
 static bb_status make_room(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     evict_others(bench, entrant);

@@ -5,10 +5,11 @@
  * its tree: `presplit+sah+rotate`. All three are declared by the same struct: a splitter has
  * split() in place of build(), an optimiser declares BB_INPUT_TREE.
  *
- * A builder is one constant struct, `const bb_builder bb_builder_NAME`, in builders/NAME/NAME.c. Its
- * device code lies with it: .cl files, the .clh that they include, and the _shared.h that both sides
- * include. CMake finds the folder; nothing else has to be touched. Outside this tree the same files
- * make a shared object by `bvhbench_add_builder(NAME)`, which exports `bb_plugin`, see BB_PLUGIN.
+ * A builder is one constant struct, `const bb_builder bb_builder_NAME`, in builders/NAME/NAME.c.
+ * Its device code lies with it: .cl files, the .clh that they include, and the _shared.h that both
+ * sides include. CMake finds the folder; nothing else has to be touched. Outside this tree the same
+ * files make a shared object by `bvhbench_add_builder(NAME)`, which exports `bb_plugin`, see
+ * BB_PLUGIN.
  */
 #ifndef BB_BUILDER_H
 #define BB_BUILDER_H
@@ -122,16 +123,16 @@ struct bb_builder {
     bb_status (*split)(void *self, const bb_scene *scene, bb_references *references,
                        bb_phases *phases);
 
-    /* Brings `tree`, which this object has built, up to date after `changed` (BB_CHANGED_...) of the
-     * same primitives; timed like build(), and after restore() like it. A valid tree of what is there
-     * now, not the one that build() would make. BB_UNSUPPORTED before it has touched the tree, if it
-     * cannot follow: the harness builds again. Not called in a pipeline of several stages. Optional:
-     * default, the harness builds again. */
+    /* Brings `tree`, which this object has built, up to date after `changed` (BB_CHANGED_...) of
+     * the same primitives; timed like build(), and after restore() like it. A valid tree of what is
+     * there now, not the one that build() would make. BB_UNSUPPORTED before it has touched the
+     * tree, if it cannot follow: the harness builds again. Not called in a pipeline of several
+     * stages. Optional: default, the harness builds again. */
     bb_status (*update)(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                         bb_phases *phases);
 
-    /* Restores what build() may have used up of its input, before each build or update; not part of the
-     * build's time, but recorded. Optional: default none. */
+    /* Restores what build() may have used up of its input, before each build or update; not part of
+     * the build's time, but recorded. Optional: default none. */
     bb_status (*restore)(void *self, const bb_scene *scene);
 
     /* Says in one line, without a newline, what there is to know of the last build beyond its
@@ -154,8 +155,8 @@ typedef struct bb_registration {
 
 #define BB_PLUGIN_MAGIC "BVHBPLUG"
 
-/* Exports a builder from a shared object. bvhbench_add_builder() writes this line; a plug-in made by
- * other means has it at the end of its NAME.c. */
+/* Exports a builder from a shared object. bvhbench_add_builder() writes this line; a plug-in made
+ * by other means has it at the end of its NAME.c. */
 #define BB_PLUGIN(builder, files)                                                                  \
     extern const bb_registration bb_plugin;                                                        \
     __attribute__((visibility("default"))) const bb_registration bb_plugin = {                     \

@@ -72,13 +72,13 @@ typedef enum bb_update_way { BB_KEPT, BB_UPDATED, BB_REBUILT } bb_update_way;
 /* As words: "kept", "updated", "rebuilt". */
 const char *bb_update_word(bb_update_way way);
 
-/* Brings the tree up to date after `changed` (BB_CHANGED_...) of `scene`, by the builder's update() if
- * it has one that can follow, else by a build; `way` says which. Positions that changed since this
- * tree was made are found out by the scene's hash as well, so that several instances may follow one
- * scene. Nothing is done if nothing changed.
- * Timed and booked like a build: bb_instance_build(). What has not been built for this scene, with as
- * many primitives, is built. So is every pipeline of several stages: what is between stages, pieces of
- * a splitter among it, would have to follow as well, and no hook says how. */
+/* Brings the tree up to date after `changed` (BB_CHANGED_...) of `scene`, by the builder's update()
+ * if it has one that can follow, else by a build; `way` says which. Positions that changed since
+ * this tree was made are found out by the scene's hash as well, so that several instances may
+ * follow one scene. Nothing is done if nothing changed.
+ * Timed and booked like a build: bb_instance_build(). What has not been built for this scene, with
+ * as many primitives, is built. So is every pipeline of several stages: what is between stages,
+ * pieces of a splitter among it, would have to follow as well, and no hook says how. */
 bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint32_t changed,
                              bool exact_phases, bb_update_way *way, bb_build_timing *timing);
 

@@ -45,8 +45,8 @@ static bb_status check_file(const char *path)
     return BB_OK;
 }
 
-/* What the object exports as bb_plugin; NULL if nothing. Whether it is ours is not known yet: the size is
- * what the object's symbol table says, so that nothing beyond it is read. */
+/* What the object exports as bb_plugin; NULL if nothing. Whether it is ours is not known yet: the
+ * size is what the object's symbol table says, so that nothing beyond it is read. */
 static const void *find_export(void *object, size_t *bytes)
 {
     Dl_info where;

@@ -12,12 +12,12 @@ uint32_t bb_builder_count(void);
 const bb_builder *bb_builder_at(uint32_t index);
 const bb_builder *bb_builder_find(const char *name); /* NULL if there is none */
 
-/* The device source or header of this name, of kernels/, builders/common or any builder; NULL if there
- * is none. */
+/* The device source or header of this name, of kernels/, builders/common or any builder; NULL if
+ * there is none. */
 const bb_source *bb_device_file_find(const char *name);
 
-/* Adds a builder for the life of the process. BB_INVALID if its struct is not in order, or if its name,
- * or that of one of its device files, is taken. */
+/* Adds a builder for the life of the process. BB_INVALID if its struct is not in order, or if its
+ * name, or that of one of its device files, is taken. */
 bb_status bb_builder_add(const bb_registration *registration);
 
 /* Checks a builder's struct: names, required hooks, options. */

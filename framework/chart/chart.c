@@ -112,8 +112,9 @@ static uint32_t group_size(const entry *entries, uint32_t count, uint32_t first)
     return end - first;
 }
 
-/* Milliseconds before the first ray. What a build does not need, or was not measured, costs nothing: a
- * reference makes its boxes and its layout inside its build, and is on the host already. */
+/* Milliseconds before the first ray. What a build does not need, or was not measured, costs
+ * nothing: a reference makes its boxes and its layout inside its build, and is on the host
+ * already. */
 static double fixed_of(const cJSON *build, double layout_ms)
 {
     double boxes = bb_get_number(build, BB_F_BUILD_BOXES_MS);

@@ -1,6 +1,6 @@
-/* What the charts show, computed from the records: cells over all views of a ray set, how wrong they
- * may be, who beats whom, and who wins for how many rays. The report's page and the pictures draw
- * the same figures.
+/* What the charts show, computed from the records: cells over all views of a ray set, how wrong
+ * they may be, who beats whom, and who wins for how many rays. The report's page and the pictures
+ * draw the same figures.
  */
 #ifndef BB_CHART_H
 #define BB_CHART_H
@@ -47,8 +47,8 @@ typedef struct bb_charts {
  * unchanged. */
 bb_status bb_charts_make(bb_results *results, bb_charts *out);
 void bb_charts_free(bb_charts *charts);
-/* The sets as JSON for the page (members as in bb_chart_cell; NAN is null), for cJSON_free(); NULL if
- * there is no memory. */
+/* The sets as JSON for the page (members as in bb_chart_cell; NAN is null), for cJSON_free(); NULL
+ * if there is no memory. */
 char *bb_charts_json(const bb_charts *charts);
 
 /* The number of the run in a merged document; 0 is the first. */

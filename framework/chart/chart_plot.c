@@ -7,8 +7,8 @@
 
 enum { COLOURS = 12, SHAPES = 6 };
 
-/* Those of the page on white; marks by gnuplot's numbers: circle, triangle, square, diamond, triangle
- * on its head, pentagon. */
+/* Those of the page on white; marks by gnuplot's numbers: circle, triangle, square, diamond,
+ * triangle on its head, pentagon. */
 static const unsigned colours[COLOURS] = {0x0b62b0, 0xb8420f, 0x17734a, 0x8a3a9b,
                                           0x7a5a00, 0x00727a, 0xb0103e, 0x5a5f66,
                                           0x4b6b00, 0x4f46c4, 0x9c4668, 0x2b2b2b};

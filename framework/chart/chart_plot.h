@@ -100,7 +100,8 @@ void bb_plot_end(bb_plot *p, const bb_frame *frame);
 
 /* ---- marks ---- */
 
-/* Filled, or hollow if none of the cell's rays was wrong; by intersector, a cross for references. */
+/* Filled, or hollow if none of the cell's rays was wrong; by intersector, a cross for
+ * references. */
 int bb_plot_shape(const bb_plot *p, const bb_chart_cell *cell);
 /* The cell's speed as the mark's y, and either its interval or its range; both onto the axis. */
 void bb_plot_speed(bb_mark *mark, bb_axis *y);
@@ -120,7 +121,8 @@ void bb_plot_legend_shapes(const bb_plot *p);
 
 enum { BB_DRAWINGS_MAX = 2 }; /* of a file */
 
-/* What a file draw_NAME.c, which CMake finds, draws of p->set: nothing where there is nothing to draw. */
+/* What a file draw_NAME.c, which CMake finds, draws of p->set: nothing where there is nothing to
+ * draw. */
 typedef struct bb_drawing {
     void (*draw[BB_DRAWINGS_MAX])(bb_plot *p); /* NULL for none */
 } bb_drawing;

@@ -5,8 +5,8 @@
 
 enum { SAMPLES = 200 };
 
-/* The cells of one builder (NULL: of all that are not references) whose answers are within the limit
- * and whose times are known, with their lines. */
+/* The cells of one builder (NULL: of all that are not references) whose answers are within the
+ * limit and whose times are known, with their lines. */
 static uint32_t lines_of(bb_plot *p, const bb_chart_cell *builder)
 {
     uint32_t count = 0;

@@ -11,8 +11,8 @@
             false                                                                                  \
     }
 
-/* Whether charts are to be drawn; BB_INVALID if they are asked for and gnuplot is missing: to be called
- * before the work. */
+/* Whether charts are to be drawn; BB_INVALID if they are asked for and gnuplot is missing: to be
+ * called before the work. */
 bb_status bb_charts_wanted(const bb_cli *cli, bool *wanted);
 /* Where none were drawn: says so on standard error, and why, unless that was asked for. */
 void bb_charts_note(const bb_cli *cli);

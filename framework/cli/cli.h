@@ -1,4 +1,5 @@
-/* The command line: commands with declared options, parsed by getopt_long; help is made from the same table. */
+/* The command line: commands with declared options, parsed by getopt_long; help is made from the
+ * same table. */
 #ifndef BB_CLI_H
 #define BB_CLI_H
 
@@ -33,7 +34,8 @@ typedef struct bb_command {
     const char *details;   /* further lines of help */
     void (*more_help)(FILE *out); /* what generated tables add to it; NULL: nothing */
     const bb_cli_option *options; /* ends with name NULL */
-    /* Anything but BB_OK ends the program with its message and BB_EXIT_CANNOT; else *exit_status does. */
+    /* Anything but BB_OK ends the program with its message and BB_EXIT_CANNOT; else *exit_status
+     * does. */
     bb_status (*run)(const bb_cli *cli, int *exit_status);
 } bb_command;
 
@@ -65,7 +67,8 @@ char *bb_cli_command_line(const bb_cli *cli);
 /* One per cmd_NAME.c. */
 extern const bb_command *const bb_commands[]; /* generated; ends with NULL */
 
-/* The program: parses and runs, returns the exit status. All that its main() takes of the library. */
+/* The program: parses and runs, returns the exit status. All that its main() takes of the
+ * library. */
 __attribute__((visibility("default"))) int bb_main(int argc, char **argv);
 
 #endif

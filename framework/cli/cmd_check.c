@@ -1,7 +1,7 @@
-/* bvhbench check: conformance of builders, and of splitters and optimisers beside one, by small scenes
- * before large ones. Each tree is held to the promises of the common tree, must come out the same bit for bit
- * when built again (by the same object, and by a fresh one), and must be traced rightly: by every
- * kernel as by brute force, bit for bit. */
+/* bvhbench check: conformance of builders, and of splitters and optimisers beside one, by small
+ * scenes before large ones. Each tree is held to the promises of the common tree, must come out the
+ * same bit for bit when built again (by the same object, and by a fresh one), and must be traced
+ * rightly: by every kernel as by brute force, bit for bit. */
 #include "framework/base/progress.h"
 #include "framework/bench/conformance.h"
 #include "framework/cli/choice.h"

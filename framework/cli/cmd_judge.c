@@ -1,4 +1,5 @@
-/* bvhbench judge: classifies the hits of a tracer that is no plug-in, by the oracle and the arbiter of `run`. */
+/* bvhbench judge: classifies the hits of a tracer that is no plug-in, by the oracle and the arbiter
+ * of `run`. */
 #include "framework/base/clock.h"
 #include "framework/base/statistics.h"
 #include "framework/base/threads.h"

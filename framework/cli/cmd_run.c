@@ -90,7 +90,8 @@ static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
     return BB_OK;
 }
 
-/* `none` of the rays: no workloads, and no kernels but those that were asked for, whose layouts are made. */
+/* `none` of the rays: no workloads, and no kernels but those that were asked for, whose layouts are
+ * made. */
 static bb_status choose_traces(const bb_cli *cli, bb_names *kernels, bb_names *workloads)
 {
     uint32_t rays_given, kernels_given;

@@ -10,7 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The file first: it is what must not be lost. It is written again with the time that the page and the charts took. */
+/* The file first: it is what must not be lost. It is written again with the time that the page and
+ * the charts took. */
 static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench_outcome *outcome)
 {
     const bb_bench_times *times = &outcome->times;
@@ -55,6 +56,10 @@ static bool blame(const bb_bench_outcome *outcome)
                 "bvhbench: %u cells or builds are wrong: see the rows marked WRONG, unlike or "
                 "failed\n",
                 outcome->wrong);
+    if (outcome->unbuilt > 0)
+        fprintf(stderr,
+                "bvhbench: %u of the builders took none of the scenes: their rows say why\n",
+                outcome->unbuilt);
     if (outcome->unjudged > 0)
         fprintf(stderr, "bvhbench: of %u scenes no answer was judged: see why cells were refused\n",
                 outcome->unjudged);
@@ -63,10 +68,12 @@ static bool blame(const bb_bench_outcome *outcome)
     if (audit->complaints > 0)
         fprintf(stderr, "bvhbench: %u figures contradict each other: do not trust this run\n",
                 audit->complaints);
-    return outcome->wrong > 0 || outcome->unjudged > 0 || audit->complaints > 0;
+    return outcome->wrong > 0 || outcome->unbuilt > 0 || outcome->unjudged > 0 ||
+           audit->complaints > 0;
 }
 
-/* Returns `status` with its message, which then says where what was measured lies, if anything was. */
+/* Returns `status` with its message, which then says where what was measured lies, if anything
+ * was. */
 static bb_status keep(bb_results *results, const char *folder, bb_status status)
 {
     char reason[1024], json[1100];

@@ -1,4 +1,5 @@
-/* A comparison from an open device to the folder that it leaves: results.json, report.html and pictures. */
+/* A comparison from an open device to the folder that it leaves: results.json, report.html and
+ * pictures. */
 #ifndef BB_OUTPUT_H
 #define BB_OUTPUT_H
 
@@ -20,9 +21,10 @@ typedef struct bb_comparison {
     bb_status (*print)(bb_results *results, FILE *out); /* the text on standard output */
 } bb_comparison;
 
-/* Makes the folder, opens the device, compares, writes results.json and report.html, draws the charts, prints, and says on standard
- * error what is wrong: then *exit_status is BB_EXIT_WRONG. Of a comparison that could not be finished, what was measured is kept, and
- * the message says where. A chart that can't be drawn is said when all else is done. */
+/* Makes the folder, opens the device, compares, writes results.json and report.html, draws the
+ * charts, prints, and says on standard error what is wrong: then *exit_status is BB_EXIT_WRONG. Of
+ * a comparison that could not be finished, what was measured is kept, and the message says where. A
+ * chart that can't be drawn is said when all else is done. */
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status);
 
 #endif

@@ -10,8 +10,8 @@ bb_status bb_finish(bb_device *device)
     return BB_OK;
 }
 
-/* Large buffers of devices that share memory with the host are put on huge pages: traversal jumps through them, and a
- * build touches them whole. */
+/* Large buffers of devices that share memory with the host are put on huge pages: traversal jumps
+ * through them, and a build touches them whole. */
 static const size_t huge_page = (size_t)2 << 20;
 
 static void CL_CALLBACK free_host_pages(cl_mem mem, void *pages)

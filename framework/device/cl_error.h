@@ -7,7 +7,8 @@
 const char *bb_cl_error(
     cl_int error); /* such as "CL_OUT_OF_RESOURCES"; valid until the next call of the thread */
 
-/* Returns BB_FAILED from the calling function when the OpenCL `call` fails; the rest says what was being done. */
+/* Returns BB_FAILED from the calling function when the OpenCL `call` fails; the rest says what was
+ * being done. */
 #define BB_CL_TRY(call, ...)                                                                       \
     do {                                                                                           \
         cl_int bb_cl_status_ = (call);                                                             \

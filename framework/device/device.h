@@ -62,8 +62,8 @@ typedef struct bb_device {
     char sources[16];          /* "embedded" or "folder": the record says which */
 } bb_device;
 
-/* Does the device round quotients and roots rightly, if asked to? Then kernels that take the same steps
- * get the same bits. */
+/* Does the device round quotients and roots rightly, if asked to? Then kernels that take the same
+ * steps get the same bits. */
 bool bb_device_divides_exactly(const bb_device *device);
 
 /* What programs that include handover.clh are compiled with; 96 characters are enough. */
@@ -107,16 +107,17 @@ typedef struct bb_source {
                                        NULL. NULL: kernels/ and builders/common */
 } bb_source;
 
-/* Declares FILE.cl of the builder's own folder: bb_source_FILE, with '_' for what C has no names of. */
+/* Declares FILE.cl of the builder's own folder: bb_source_FILE, with '_' for what C has no names
+ * of. */
 #define BB_DEVICE_SOURCE(file) extern const bb_source bb_source_##file
 /* A source of kernels/ or builders/common; NULL if there is none. */
 const bb_source *bb_source_find(const char *name);
 
-/* Compiles `source` with `defines` ("-DX=1 -DY", or ""), or returns what was compiled of it before with
- * the same. `#include "x.h"` resolves by name: among the headers of kernels/ and builders/common, and
- * the .clh and _shared.h of the source's own folder. OpenCL C 1.2 unless `defines` say otherwise
- * (-cl-std=...). Every program gets FP_CONTRACT OFF from "bb_device.h". BB_FAILED carries
- * the first line of the build log. */
+/* Compiles `source` with `defines` ("-DX=1 -DY", or ""), or returns what was compiled of it before
+ * with the same. `#include "x.h"` resolves by name: among the headers of kernels/ and
+ * builders/common, and the .clh and _shared.h of the source's own folder. OpenCL C 1.2 unless
+ * `defines` say otherwise (-cl-std=...). Every program gets FP_CONTRACT OFF from "bb_device.h".
+ * BB_FAILED carries the first line of the build log. */
 bb_status bb_program_build(bb_device *device, const bb_source *source, const char *defines,
                            cl_program *program);
 bb_status bb_kernel_get(cl_program program, const char *name, cl_kernel *kernel);
@@ -134,8 +135,8 @@ typedef struct bb_arg {
 #define BB_VALUE(variable) ((bb_arg){sizeof(variable), &(variable)})
 
 /* Sets the arguments and enqueues; does not wait. `global` is rounded up to a multiple of `local`:
- * kernels compare their id with a count. BB_FAILED, with the kernel's name, if there are more or fewer
- * arguments than it takes, one has the wrong size, or the driver refuses the launch. */
+ * kernels compare their id with a count. BB_FAILED, with the kernel's name, if there are more or
+ * fewer arguments than it takes, one has the wrong size, or the driver refuses the launch. */
 bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, size_t local,
                          const bb_arg *args, uint32_t count);
 #define bb_launch(device, kernel, global, local, ...)                                              \

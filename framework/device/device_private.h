@@ -9,18 +9,18 @@ bb_status bb_device_count(uint32_t *count);
 bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);
 
 /* Opens the device that `selector` names: NULL (the first there is), an index, or part of a device
- * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c). BB_INVALID when
- * there is none: the message says what to install. Close with bb_device_close(). */
+ * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c).
+ * BB_INVALID when there is none: the message says what to install. Close with bb_device_close(). */
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
                          bb_device **device);
 void bb_device_close(bb_device *device);
 
-/* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence that
- * the device has not, or that failed the litmus test. */
+/* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence
+ * that the device has not, or that failed the litmus test. */
 bb_status bb_device_set_handover(bb_device *device, bb_handover handover);
 
-/* Threads for the host's share of the work on this device: all cores; for a device that is the host's own
- * processor no more than its compute units. */
+/* Threads for the host's share of the work on this device: all cores; for a device that is the
+ * host's own processor no more than its compute units. */
 uint32_t bb_host_threads(const bb_device *device);
 
 /* ---- programs and launches ---- */
@@ -32,7 +32,8 @@ extern const bb_source bb_embedded_sources[];
 /* Forgets all compiled programs (those in use live on). */
 void bb_programs_clear(bb_device *device);
 
-/* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read device->event_ms. */
+/* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read
+ * device->event_ms. */
 void bb_device_clear_events(bb_device *device);
 bb_status bb_device_collect_events(bb_device *device);
 

@@ -1,5 +1,5 @@
-/* A fence is used where the device documents one (OpenCL C 3.0 with the features for it, or 2.x, where they
- * are required) and passes the litmus test (kernels/litmus.cl); else launches by levels.
+/* A fence is used where the device documents one (OpenCL C 3.0 with the features for it, or 2.x,
+ * where they are required) and passes the litmus test (kernels/litmus.cl); else launches by levels.
  */
 #define CL_TARGET_OPENCL_VERSION 300
 #include "framework/device/handover.h"

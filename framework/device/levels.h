@@ -1,5 +1,5 @@
-/* Bottom-up passes over a tree in launches by levels, for devices without a fence between work-groups
- * (kernels/handover.clh): two lists of nodes, and how many each level has.
+/* Bottom-up passes over a tree in launches by levels, for devices without a fence between
+ * work-groups (kernels/handover.clh): two lists of nodes, and how many each level has.
  */
 #ifndef BB_LEVELS_H
 #define BB_LEVELS_H
@@ -17,7 +17,8 @@ typedef struct bb_levels {
     uint32_t most;
 } bb_levels;
 
-/* Room for `nodes` inner nodes on at most `most` levels above the leaves. A zeroed object is empty. */
+/* Room for `nodes` inner nodes on at most `most` levels above the leaves. A zeroed object is
+ * empty. */
 bb_status bb_levels_reserve(bb_levels *levels, bb_device *device, bb_account *account,
                             uint32_t nodes, uint32_t most, const char *what);
 void bb_levels_release(bb_levels *levels);
@@ -25,11 +26,13 @@ void bb_levels_release(bb_levels *levels);
 /* Before the launch over the leaves, which puts nodes on lists[1] and counts them in counts[1]. */
 bb_status bb_levels_start(bb_levels *levels);
 
-/* Work-items of a launch over one level, which share its nodes: how many is known on the device only. */
+/* Work-items of a launch over one level, which share its nodes: how many is known on the device
+ * only. */
 uint32_t bb_levels_items(const bb_levels *levels);
 
-/* Calls launch(context, levels, n) for n = 1, 2, ... until a level is empty: it enqueues a kernel over
- * lists[n % 2], counts[n] of them, that puts nodes on lists[(n + 1) % 2]. Asks the device now and then. */
+/* Calls launch(context, levels, n) for n = 1, 2, ... until a level is empty: it enqueues a kernel
+ * over lists[n % 2], counts[n] of them, that puts nodes on lists[(n + 1) % 2]. Asks the device now
+ * and then. */
 bb_status bb_levels_run(bb_levels *levels,
                         bb_status (*launch)(void *context, const bb_levels *levels, uint32_t n),
                         void *context);

@@ -1,4 +1,5 @@
-/* Finding and opening an OpenCL device. Its buffers are in buffer.c, its programs and launches in program.c. */
+/* Finding and opening an OpenCL device. Its buffers are in buffer.c, its programs and launches in
+ * program.c. */
 #include "framework/device/device_private.h"
 
 #include "framework/base/threads.h"

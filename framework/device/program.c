@@ -22,7 +22,8 @@ static bool has_ending(const char *name, const char *ending)
     return length >= size && strcmp(name + length - size, ending) == 0;
 }
 
-/* Text of FOLDER/NAME if the device has an edit-and-run folder and the file is there; else NULL. Freed by the caller. */
+/* Text of FOLDER/NAME if the device has an edit-and-run folder and the file is there; else NULL.
+ * Freed by the caller. */
 static char *read_override(bb_device *device, const char *name)
 {
     if (device->kernel_folder == NULL)

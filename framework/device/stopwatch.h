@@ -1,8 +1,9 @@
-/* Times a span of work on a device, by three clocks: wall, process CPU, and the device's own events.
+/* Times a span of work on a device, by three clocks: wall, process CPU, and the device's own
+ * events.
  *
- * The three check each other: in an in-order queue the kernels' own times can't add up to more than the
- * wall time around them. A wall clock that stops before the queue is finished, or starts after the
- * first launch, breaks that (audit.h).
+ * The three check each other: in an in-order queue the kernels' own times can't add up to more than
+ * the wall time around them. A wall clock that stops before the queue is finished, or starts after
+ * the first launch, breaks that (audit.h).
  */
 #ifndef BB_STOPWATCH_H
 #define BB_STOPWATCH_H

@@ -2,8 +2,8 @@
  * with rtcIntersect1 / rtcOccluded1.
  *
  * Spheres are RTC_GEOMETRY_TYPE_SPHERE_POINT: the nearest root in the interval counts, so a ray
- * from inside hits the far side. Kinds that Embree does not know are its user geometry, met in exact
- * arithmetic. Embree counts hits in the closed interval [tmin, tmax], bb_ray's
+ * from inside hits the far side. Kinds that Embree does not know are its user geometry, met in
+ * exact arithmetic. Embree counts hits in the closed interval [tmin, tmax], bb_ray's
  * is open; the difference is one value of t, within the margin of the arbiter.
  */
 #include "framework/embree/embree.h"
@@ -136,13 +136,19 @@ static RTCGeometry spheres_of(bb_embree *embree, const bb_scene *scene)
 
 /* ---- kinds that Embree does not know ---- */
 
+/* A few units in the last place larger: Embree's own traversal of such boxes rounds. */
 static void user_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const user_kind *user = arguments->geometryUserPtr;
     const bb_scene *scene = user->scene;
     const bb_box *box = &scene->boxes[scene->prims[user->kind].first + arguments->primID];
-    *arguments->bounds_o = (struct RTCBounds){box->lo[0], box->lo[1], box->lo[2], 0,
-                                              box->hi[0], box->hi[1], box->hi[2], 0};
+    float lo[3], hi[3];
+    for (int k = 0; k < 3; k++) {
+        float pad = 0x1p-20f * fmaxf(fabsf(box->lo[k]), fabsf(box->hi[k]));
+        lo[k] = box->lo[k] - pad;
+        hi[k] = box->hi[k] + pad;
+    }
+    *arguments->bounds_o = (struct RTCBounds){lo[0], lo[1], lo[2], 0, hi[0], hi[1], hi[2], 0};
 }
 
 /* The first t in the ray's interval at which it meets the primitive; INFINITY for none. */
@@ -322,7 +328,8 @@ static inline struct RTCRay convert(const bb_ray *ray)
                            .mask = 0xFFFFFFFFu};
 }
 
-/* Embree takes no larger numbers of a ray (FLT_LARGE of its source), and some builds of it abort. */
+/* Embree takes no larger numbers of a ray (FLT_LARGE of its source), and some builds of it
+ * abort. */
 static bool is_too_large(const bb_ray *ray)
 {
     float largest = 0.0f;

@@ -17,10 +17,10 @@ extern const bb_option bb_embree_options[]; /* quality=low|medium|high, mode=fas
 /* Version of the Embree that is loaded, such as "3.13.5". BB_FAILED if it gives no device. */
 bb_status bb_embree_version(char *text, size_t capacity);
 
-/* Builds Embree's own scene; `threads` threads build and trace. `spec` gives quality and mode; NULL:
- * medium, robust. *build_ms gets the wall time of the first build on fresh memory (may be NULL). A build
- * is rtcCommitGeometry and rtcCommitScene: from geometry in Embree's buffers to a scene that can be
- * traced, primitive boxes and leaf data included. Threads sleep between calls. */
+/* Builds Embree's own scene; `threads` threads build and trace. `spec` gives quality and mode;
+ * NULL: medium, robust. *build_ms gets the wall time of the first build on fresh memory (may be
+ * NULL). A build is rtcCommitGeometry and rtcCommitScene: from geometry in Embree's buffers to a
+ * scene that can be traced, primitive boxes and leaf data included. Threads sleep between calls. */
 bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t threads,
                            bb_embree **out, double *build_ms);
 void bb_embree_destroy(bb_embree *embree);
@@ -34,9 +34,10 @@ uint64_t bb_embree_bytes(const bb_embree *embree);
 /* Wall time of the last bb_embree_trace(), as its threads saw it, in ms. */
 double bb_embree_span_ms(const bb_embree *embree);
 
-/* Traces with rtcIntersect1 / rtcOccluded1 on all threads, which take chunks from one counter. A ray that hits has t and
- * primitive of the scene's numbering. For any-hit queries a hit is (0, BB_UNNAMED): Embree does not say which.
- * A ray with a number beyond 1.8e18 is one that Embree does not take: it misses, and is judged so. */
+/* Traces with rtcIntersect1 / rtcOccluded1 on all threads, which take chunks from one counter. A
+ * ray that hits has t and primitive of the scene's numbering. For any-hit queries a hit is (0,
+ * BB_UNNAMED): Embree does not say which. A ray with a number beyond 1.8e18 is one that Embree does
+ * not take: it misses, and is judged so. */
 bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count,
                           const bb_query *query, bb_hit *hits);
 

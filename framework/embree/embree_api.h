@@ -1,6 +1,6 @@
-/* Embree's own header, for the two files that call it, framework/embree/embree.c and builders/embree; and
- * the few calls whose form Embree 4 changed, by names of our own. CMake says which of the two it
- * found (BB_EMBREE_MAJOR).
+/* Embree's own header, for the two files that call it, framework/embree/embree.c and
+ * builders/embree; and the few calls whose form Embree 4 changed, by names of our own. CMake says
+ * which of the two it found (BB_EMBREE_MAJOR).
  */
 #ifndef BB_EMBREE_API_H
 #define BB_EMBREE_API_H

@@ -1,5 +1,5 @@
-/* Expansions: sums of doubles that do not overlap, in increasing magnitude; the sign of the last one is the
- * sign of the sum.
+/* Expansions: sums of doubles that do not overlap, in increasing magnitude; the sign of the last
+ * one is the sign of the sum.
  *
  * Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates,
  * Discrete & Computational Geometry 18 (1997): two-sum (section 2.2), grow-expansion with zero

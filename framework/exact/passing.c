@@ -1,6 +1,6 @@
 /* Seen along the ray a polygon is flat and the ray is the point (0, 0). What of it lies outside the
- * interval is cut off first (Sutherland and Hodgman 1974): a surface on which a ray starts is near the
- * ray's line, and behind its origin.
+ * interval is cut off first (Sutherland and Hodgman 1974): a surface on which a ray starts is near
+ * the ray's line, and behind its origin.
  */
 #include "framework/exact/passing.h"
 

@@ -1,4 +1,5 @@
-/* How far a ray passes a primitive, and what it sees of it, in doubles: only ever compared with a margin. */
+/* How far a ray passes a primitive, and what it sees of it, in doubles: only ever compared with a
+ * margin. */
 #ifndef BB_PASSING_H
 #define BB_PASSING_H
 
@@ -27,7 +28,8 @@ typedef struct bb_outline {
     uint32_t count;
 } bb_outline;
 
-/* The least distance of the ray from the polygon's part at t in [from, to]; corners[i] points to x, y, z. */
+/* The least distance of the ray from the polygon's part at t in [from, to]; corners[i] points to x,
+ * y, z. */
 bb_passing bb_pass_polygon(const bb_frame *frame, const float *const *corners, uint32_t count,
                            double from, double to);
 

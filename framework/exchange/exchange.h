@@ -1,9 +1,10 @@
-/* The files by which rays go out to tracers that are no plug-ins, and by which their hits come back.
+/* The files by which rays go out to tracers that are no plug-ins, and by which their hits come
+ * back.
  *
- * `bvhbench rays` writes a rays file: a scene's primitives and a ray set. A tracer answers it with a
- * hits file, which `bvhbench judge` classes. This header is the format; a tracer needs nothing else
- * (examples/outside-tracer is one). Numbers are little-endian, floats IEEE 754 binary32. The parts
- * follow each other without padding:
+ * `bvhbench rays` writes a rays file: a scene's primitives and a ray set. A tracer answers it with
+ * a hits file, which `bvhbench judge` classes. This header is the format; a tracer needs nothing
+ * else (examples/outside-tracer is one). Numbers are little-endian, floats IEEE 754 binary32. The
+ * parts follow each other without padding:
  *
  *   rays file   bb_rays_header
  *               bb_ray   rays[ray_count]              o, tmin, d, tmax: 32 bytes each
@@ -12,32 +13,34 @@
  *               float    spheres[sphere_count][4]     centre, radius
  *               float    boxes[more_counts[0]][6]     lower corner, upper corner; version 3 only
  *   hits file   bb_hits_header
- *               bb_hit   hits[hit_count]              t, primitive: 8 bytes each, hits[i] of rays[i]
+ *               bb_hit   hits[hit_count]              t, primitive: 8 bytes each, hits[i] of
+ *                        rays[i]
  *
- * Primitives are numbered through: the triangles first, then the spheres, then the boxes, of which rays meet
- * the surface. A scene of other kinds than triangles and spheres makes files of version 3, all others of
- * version 2. t is in units of |d|, which
+ * Primitives are numbered through: the triangles first, then the spheres, then the boxes, of which
+ * rays meet the surface. A scene of other kinds than triangles and spheres makes files of version
+ * 3, all others of version 2. t is in units of |d|, which
  * need not be 1. Hits count in the open interval tmin < t < tmax; tmax may be +inf. Triangles have
- * two sides; a ray that starts in a sphere or a box hits its far side. Nothing has a default: a tracer that
- * cannot do what a header asks for (another version, another interval) must say so and stop.
+ * two sides; a ray that starts in a sphere or a box hits its far side. Nothing has a default: a
+ * tracer that cannot do what a header asks for (another version, another interval) must say so and
+ * stop.
  *
  *   closest hit   the nearest hit, and which primitive that is
  *   any hit       some hit; BB_UNNAMED for the primitive says "one of them", and t is not looked at
  *   no hit        t = +inf, prim = BB_NONE
  *
- * The hits may be fewer than the rays: then they are those of the first rays. More of them, a t that is
- * no number, a primitive that the scene does not have, or a miss whose t is not +inf are no answers: such
- * a file is refused, with the first ray of which it is true. A t outside the interval is an answer, and
- * judged.
+ * The hits may be fewer than the rays: then they are those of the first rays. More of them, a t
+ * that is no number, a primitive that the scene does not have, or a miss whose t is not +inf are no
+ * answers: such a file is refused, with the first ray of which it is true. A t outside the interval
+ * is an answer, and judged.
  *
  * The header names the workload and all that the rays were made by: `bvhbench judge` makes them
  * again and refuses a file that holds others. Rays made by hand have a name of their own, which is
  * no workload's, and 0 for seed, primary_width, primary_height, max_rays and must_hit; `bvhbench
  * judge --verify no` takes them, and its record says so.
  *
- * Hashes are XXH3 of 64 bits, seed 0 (https://xxhash.com). A checksum is that of the whole file with
- * its own eight bytes taken as 0. A tracer may take the hashes as names that it repeats, and leave
- * the checksum of its hits 0, "none"; what is damaged then is judged as it stands.
+ * Hashes are XXH3 of 64 bits, seed 0 (https://xxhash.com). A checksum is that of the whole file
+ * with its own eight bytes taken as 0. A tracer may take the hashes as names that it repeats, and
+ * leave the checksum of its hits 0, "none"; what is damaged then is judged as it stands.
  */
 #ifndef BB_EXCHANGE_H
 #define BB_EXCHANGE_H
@@ -84,12 +87,13 @@ typedef struct bb_rays_header {
     uint32_t primary_width; /* of the primary rays: these rays, or those at whose hits they start */
     uint32_t primary_height;
     uint32_t max_rays;
-    uint32_t reserved;   /* 0 */
-    char scene[256];     /* as given to `bvhbench rays` */
-    char rays[128];      /* the workload, with its parameters */
-    char view[48];       /* "": made over all views, or without one */
-    char generator[424]; /* version and command line of the program that wrote the file */
-    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* of boxes; 0 for kinds to come. Version 2: 0 */
+    uint32_t reserved; /* 0 */
+    char scene[256];   /* as given to `bvhbench rays` */
+    char rays[128];    /* the workload, with its parameters */
+    char view[48];     /* "": made over all views, or without one */
+    char generator
+        [424]; /* version and command line of the program that wrote the file; 472 in version 2 */
+    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* version 3: of boxes; 0 for kinds to come */
 } bb_rays_header;
 
 /* 128 bytes. */

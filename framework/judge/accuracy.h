@@ -1,5 +1,5 @@
-/* What judging says: of one ray its class, of many their counts. Definitions: `wrong ppm` in the README
- * ("What the figures mean") and arbiter.h.
+/* What judging says: of one ray its class, of many their counts. Definitions: `wrong ppm` in the
+ * README ("What the figures mean") and arbiter.h.
  */
 #ifndef BB_ACCURACY_H
 #define BB_ACCURACY_H
@@ -15,6 +15,9 @@ typedef enum bb_class {
     BB_WRONG_T,
     BB_UNWRITTEN, /* still poison, or no number: counts as missed, and is named in the message */
 } bb_class;
+
+/* A count that was not made: null in records. */
+#define BB_UNCOUNTED UINT64_MAX
 
 typedef struct bb_accuracy {
     uint64_t checked; /* rays judged */

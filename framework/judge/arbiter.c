@@ -164,19 +164,29 @@ static void widen(spread *s, int root, double t)
     s->high[root] = fmax(s->high[root], t);
 }
 
-/* t of the copies that pass the primitive by: that of its plane, within the primitive's own extent; of one
- * that is not flat, all of that extent. */
+static int nearby(const trial *trial, uint32_t prim, const double o[3], double eps, double t[2])
+{
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(trial->scene, prim, &i);
+    return kind->nearby(trial->scene, i, o, trial->ray->d, eps, t);
+}
+
+/* t of the copies that pass the primitive by: where each is near it, else all of its extent. A copy
+ * that is farther away than eps adds nothing where others are near. */
 static void widen_by_passing(const trial *trial, uint32_t prim, double eps, spread *s)
 {
     bb_passing p = pass(trial, prim, -INFINITY, INFINITY);
+    bool two = false;
     for (int copy = 0; copy < NINE; copy++) {
         double o[3], t[2];
         moved_origin(trial, copy, eps, o);
-        if (extended_hits(trial->scene, o, trial->ray->d, prim, t) == 1) {
+        int count = nearby(trial, prim, o, eps, t);
+        if (count == 1)
             widen(s, 0, fmin(fmax(t[0], p.t_low), p.t_high));
-            continue;
-        }
-        for (int root = 0; root < 2; root++) {
+        for (int root = 0; root < 2 && count == 2; root++)
+            widen(s, root, t[root]);
+        two = two || count == 2;
+        for (int root = 0; root < 2 && count == 0 && !two; root++) {
             widen(s, root, p.t_low);
             widen(s, root, p.t_high);
         }
@@ -284,7 +294,8 @@ typedef struct gap {
     bool scaled_alike; /* outlines by the common eps, else by each primitive's own */
 } gap;
 
-/* In the unit disc, which stands for the nine's; so large that what is not seen of it does no matter. */
+/* In the unit disc, which stands for the nine's; so large that what is not seen of it does no
+ * matter. */
 static bool add_outline(void *context, uint32_t prim)
 {
     gap *g = context;
@@ -339,8 +350,8 @@ static bool has_gap(const bb_arbiter *arbiter, const search *search, double comm
     return false;
 }
 
-/* Closed all over the disc: at smaller and smaller distances, and between sides. All by one `common`, or,
- * where all primitives count, each by its own eps. */
+/* Closed all over the disc: at smaller and smaller distances, and between sides. All by one
+ * `common`, or, where all primitives count, each by its own eps. */
 static bool is_closed(const bb_arbiter *arbiter, search search, double common)
 {
     for (int halvings = 0; halvings <= HALVINGS; halvings++) {
@@ -374,14 +385,14 @@ static bool add_own_hit(void *context, uint32_t prim)
     return own->count == NEAR_MAX;
 }
 
-/* Whether all of the nine hit something nearer than the search's limit by more than its margin. The margin
- * of what was reported is no matter: a kernel that finds both by its own arithmetic takes the one that
- * it finds nearer, and it is held to the t that it gave. The ray itself goes first: in most cases it
- * hits nothing there, and the eight need not be asked.
+/* Whether all of the nine hit something nearer than the search's limit by more than its margin. The
+ * margin of what was reported is no matter: a kernel that finds both by its own arithmetic takes
+ * the one that it finds nearer, and it is held to the t that it gave. The ray itself goes first: in
+ * most cases it hits nothing there, and the eight need not be asked.
  *
- * All nine may hit something each, and the way between them be open: where the primitives are no larger
- * than eps, or near a corner. And a primitive of large eps that is hit as well must not make a way open that
- * those of smaller eps close among themselves, so these are asked alone, too. */
+ * All nine may hit something each, and the way between them be open: where the primitives are no
+ * larger than eps, or near a corner. And a primitive of large eps that is hit as well must not make
+ * a way open that those of smaller eps close among themselves, so these are asked alone, too. */
 static bool nine_hit(const bb_arbiter *arbiter, search search)
 {
     if (!all_found(arbiter, &search, 1, 0.0, 1.0))
@@ -436,8 +447,8 @@ static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
     return search.wanted == 0 ? BB_RIGHT : BB_FALSE_HIT;
 }
 
-/* Where the ray itself hits the primitive within eps of the reported t, as the first or second root: then
- * the eight copies can only widen what is allowed, and need not be asked. Else -1. */
+/* Where the ray itself hits the primitive within eps of the reported t, as the first or second
+ * root: then the eight copies can only widen what is allowed, and need not be asked. Else -1. */
 static int root_hit(const trial *trial, const bb_hit *hit, double e)
 {
     double t[2];

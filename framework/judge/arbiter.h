@@ -11,30 +11,31 @@
  *   false    none of the nine hits that primitive within the interval grown by eps, and the ray
  *            itself passes it, within that interval, at more than eps (the nine are a sample of the
  *            disc of radius eps: a needle may lie between them).
- *   wrong t  each of the nine hits something else that is nearer than the reported t by more than that
- *            nearer primitive's own eps (closest hit only; else: on a plane that the ray grazes, a copy
- *            is nearer by more than eps, and says nothing of what lies before it; of a sphere, where
- *            the ray leaves it is not where it enters); or t lies outside the range of the nine's own t
- *            on that primitive, grown by eps, or outside the interval grown by eps. Where some of the
- *            nine pass the primitive by, their t is that of its plane, clamped to the triangle's own
- *            extent along the ray, or the sphere's point nearest to the ray.
+ *   wrong t  each of the nine hits something else that is nearer than the reported t by more than
+ *            that nearer primitive's own eps (closest hit only; else: on a plane that the ray
+ *            grazes, a copy is nearer by more than eps, and says nothing of what lies before it; of
+ *            a sphere, where the ray leaves it is not where it enters); or t lies outside the range
+ *            of the nine's own t on that primitive, grown by eps, or outside the interval grown by
+ *            eps. Where some of the nine pass the primitive by, their t is that of its plane,
+ *            clamped to the triangle's own extent along the ray, or the sphere's point nearest to
+ *            the ray, or where the copy enters and leaves the box grown by eps.
  *   right    all else.
  *
  * eps belongs to a primitive, so a copy is moved by as much as the primitive's own eps when it is
  * tested against that. Across an edge between primitives of different eps this could leave a gap
  * that is none; therefore the nine count as hitting something also if they all do when moved by one
- * common eps, the largest of those that any of the nine hits; or by that of something that the ray itself
- * hits, where only what has no larger eps counts.
+ * common eps, the largest of those that any of the nine hits; or by that of something that the ray
+ * itself hits, where only what has no larger eps counts.
  *
- * The nine stand for the disc of radius eps. If no one primitive is hit by all of them, the way between may
- * be open: so all eight must hit something at eps/2, eps/4, ... eps/32 as well, and so must copies that
- * pass between the primitives' sides and corners (open_way.h).
+ * The nine stand for the disc of radius eps. If no one primitive is hit by all of them, the way
+ * between may be open: so all eight must hit something at eps/2, eps/4, ... eps/32 as well, and so
+ * must copies that pass between the primitives' sides and corners (open_way.h).
  *
  * A triangle in a plane with the ray, and so one of zero area, is never hit and never required; to
  * report it is right if the ray passes within eps of it, at a t in its extent. Rays that must hit
  * (edges of a closed mesh, from inside) have no margin for a miss; their hits are judged as usual.
- * An any-hit answer of BB_UNNAMED does not say which primitive it hit: it is false if none of the nine
- * hits anything, and the ray passes everything at more than eps.
+ * An any-hit answer of BB_UNNAMED does not say which primitive it hit: it is false if none of the
+ * nine hits anything, and the ray passes everything at more than eps.
  */
 #ifndef BB_ARBITER_H
 #define BB_ARBITER_H
@@ -59,8 +60,8 @@ bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb
                           const bb_query *query, bool must_hit);
 
 /* Whether an answer that is right here would be wrong by the letter of the definitions, which know
- * neither a margin at the ends of the ray's interval, nor a needle or an open way between the nine, nor
- * that a primitive is no witness against itself. Such answers are counted apart. */
+ * neither a margin at the ends of the ray's interval, nor a needle or an open way between the nine,
+ * nor that a primitive is no witness against itself. Such answers are counted apart. */
 bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
                          const bb_query *query);
 

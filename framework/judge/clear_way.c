@@ -1,12 +1,13 @@
 /* Traversal of the arbiter's boxes, four at a time, in doubles.
  *
  *   nodes of up to four children: the binary nodes whose children have most area make way for them
- *   stack: test the four boxes; push those that the ray meets; ask exact.c about the primitives of leaves
+ *   stack: test the four boxes; push those that the ray meets; ask exact.c about the primitives of
+ *   leaves
  *
- * Planes are floats and so are the ray's numbers: their differences are off by 2^-53 at most, distances
- * by three times that, which reciprocals padded by 2^-50 cover, as in kernels/slab.clh. A ray parallel
- * to a slab is in it or not, by comparison. Boxes need no other padding: what the ray itself hits lies
- * in them exactly.
+ * Planes are floats and so are the ray's numbers: their differences are off by 2^-53 at most,
+ * distances by three times that, which reciprocals padded by 2^-50 cover, as in kernels/slab.clh. A
+ * ray parallel to a slab is in it or not, by comparison. Boxes need no other padding: what the ray
+ * itself hits lies in them exactly.
  */
 #include "framework/judge/clear_way.h"
 
@@ -63,7 +64,8 @@ static uint32_t open_node(const bb_box_node *nodes, uint32_t root, uint32_t chil
     return count;
 }
 
-/* Wide nodes are made in the order in which their binary roots come up; roots[i] is that of node i. */
+/* Wide nodes are made in the order in which their binary roots come up; roots[i] is that of node
+ * i. */
 static void collapse(bb_way *way, const bb_box_node *nodes, uint32_t *roots)
 {
     uint32_t made = 1;

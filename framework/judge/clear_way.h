@@ -1,5 +1,5 @@
-/* Is the way of a ray clear? An exact answer for the ray itself, without any margin, and fast: it is
- * asked once for every ray that is judged. The arbiter's boxes, four at a time (clear_way.c).
+/* Is the way of a ray clear? An exact answer for the ray itself, without any margin, and fast: it
+ * is asked once for every ray that is judged. The arbiter's boxes, four at a time (clear_way.c).
  */
 #ifndef BB_CLEAR_WAY_H
 #define BB_CLEAR_WAY_H
@@ -19,9 +19,9 @@ typedef enum bb_way_state {
     BB_WAY_UNSURE,  /* something is hit as near as that to an end */
 } bb_way_state;
 
-/* What the ray hits at a t between its tmin and `limit`, other than primitive `except` (BB_NONE: any).
- * Edges and vertices count; a triangle in a plane with the ray is not hit. May be called from many
- * threads. */
+/* What the ray hits at a t between its tmin and `limit`, other than primitive `except` (BB_NONE:
+ * any). Edges and vertices count; a triangle in a plane with the ray is not hit. May be called from
+ * many threads. */
 bb_way_state bb_way_ask(const bb_way *way, const bb_ray *ray, double limit, uint32_t except);
 
 #endif

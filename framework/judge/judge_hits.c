@@ -78,7 +78,8 @@ static bool is_limited(const job *job, const bb_ray *ray, const bb_hit *hit)
                                      0.25 * (double)job->oracle->heights[hit->prim];
 }
 
-/* Notes the error of a right t: in units of the last place of a float at `exact`, and whether it is large. */
+/* Notes the error of a right t: in units of the last place of a float at `exact`, and whether it is
+ * large. */
 static void note_error(verdict *v, float t, double exact)
 {
     int exponent;

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SIDES_MAX = 256, PLACES_MAX = 1024 };
+enum { SIDES_MAX = 48 * BB_OUTLINE_CORNERS, PLACES_MAX = 1024 };
 
 static const double together = 1e-6;             /* what counts as meeting there */
 static const double same = 1e-9;                 /* what counts as one place */

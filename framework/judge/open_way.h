@@ -1,5 +1,6 @@
-/* Is there a way between primitives that lie side by side? Seen along a ray they are convex outlines; what
- * they leave open of the unit disc is looked for where it must begin: at corners, crossings and sides.
+/* Is there a way between primitives that lie side by side? Seen along a ray they are convex
+ * outlines; what they leave open of the unit disc is looked for where it must begin: at corners,
+ * crossings and sides.
  */
 #ifndef BB_OPEN_WAY_H
 #define BB_OPEN_WAY_H
@@ -9,9 +10,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Whether is_open() says so of some point of the unit disc. It is asked about points close to each place in
- * which sides of the outlines meet or cross, one in each of the angles between them, and on both sides
- * of each side. An opening that is bounded by anything else may be overlooked. */
+/* Whether is_open() says so of some point of the unit disc. It is asked about points close to each
+ * place in which sides of the outlines meet or cross, one in each of the angles between them, and
+ * on both sides of each side. An opening that is bounded by anything else may be overlooked. */
 bool bb_find_open_way(const bb_outline *outlines, uint32_t count,
                       bool (*is_open)(void *context, double x, double y), void *context);
 

@@ -1,8 +1,8 @@
 /* Embree's answers, and which of them are shown to be right.
  *
- * Nearly always one question to the ray's own way, exact and fast, is enough: what was reported is hit,
- * and nothing before it. Only where that cannot tell is the answer taken through all of the arbiter's
- * definitions.
+ * Nearly always one question to the ray's own way, exact and fast, is enough: what was reported is
+ * hit, and nothing before it. Only where that cannot tell is the answer taken through all of the
+ * arbiter's definitions.
  */
 #include "framework/judge/oracle_private.h"
 
@@ -74,8 +74,8 @@ bb_status bb_oracle_prepare(bb_oracle *oracle)
 
 /* ---- showing ---- */
 
-/* Whether the ray itself hits the reported primitive, near the reported t, and nothing else before the
- * end of its margin. */
+/* Whether the ray itself hits the reported primitive, near the reported t, and nothing else before
+ * the end of its margin. */
 static bool is_sure(const bb_oracle *oracle, const bb_ray *ray, const bb_hit *hit)
 {
     double t, margin = bb_t_margin(oracle->scene, ray, hit->prim);

@@ -1,5 +1,5 @@
-/* The first and the last hit along a ray. Of meshes only: a ray meets a triangle once, a body twice, and the
- * tests of bodies tell the nearer.
+/* The first and the last hit along a ray. Of meshes only: a ray meets a triangle once, a body
+ * twice, and the tests of bodies tell the nearer.
  *
  * Right are a first hit that is right as a closest hit, and a last one that is right as any hit and
  * beyond which, on the rest of the ray, no hit is missed (arbiter.h). Embree is not asked.
@@ -96,6 +96,7 @@ static void count_classes(const job *job, uint32_t count, bb_accuracy *accuracy)
     accuracy->checked = accuracy->arbitrated = count;
     accuracy->wrong_ppm = count > 0 ? 1e6 * (double)(count - accuracy->right) / count : 0.0;
     accuracy->t_ulp_max = accuracy->t_ulp_p99 = NAN;
+    accuracy->ties = accuracy->t_off = accuracy->forgiven = accuracy->oracle_wrong = BB_UNCOUNTED;
 }
 
 static bb_status judge(bb_oracle *oracle, bb_answers *answers, const bb_verdict_request *request,

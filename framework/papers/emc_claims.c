@@ -1,13 +1,13 @@
-/* Claims of Vinkler, Bittner, Havran 2017 (sections 4.1, 5.2 to 5.4), each with what was measured, and where it did not hold, the
- * figures that tell more. */
+/* Claims of Vinkler, Bittner, Havran 2017 (sections 4.1, 5.2 to 5.4), each with what was measured,
+ * and where it did not hold, the figures that tell more. */
 #include "framework/papers/emc_figures.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <string.h>
 
-/* A scene is flat here if its shortest side is less than a quarter of its longest: what the paper calls terrain-like, and four splits
- * come before the first of that side. */
+/* A scene is flat here if its shortest side is less than a quarter of its longest: what the paper
+ * calls terrain-like, and four splits come before the first of that side. */
 static bool is_flat(const bb_findings *f, const char *scene)
 {
     return bb_found_scene(f, scene, BB_F_PROFILE_FLATNESS) < 0.25;
@@ -74,7 +74,8 @@ static void claim_cost(const bb_findings *all, bb_reproduction *r)
              &ours, &why);
 }
 
-/* A claim on flat scenes and on others: `flat_below` and `others_within` are what holds of the two means. */
+/* A claim on flat scenes and on others: `flat_below` and `others_within` are what holds of the two
+ * means. */
 static void claim_flat(const bb_findings *all, bb_reproduction *r, const char *builder,
                        const char *claim, const char *paper, double others_within)
 {

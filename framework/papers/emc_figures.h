@@ -1,4 +1,5 @@
-/* What the tables and the claims of the extended Morton codes share: the codes' names, and figures of them. */
+/* What the tables and the claims of the extended Morton codes share: the codes' names, and figures
+ * of them. */
 #ifndef BB_EMC_FIGURES_H
 #define BB_EMC_FIGURES_H
 

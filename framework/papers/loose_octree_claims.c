@@ -1,4 +1,5 @@
-/* Claims of Gu, Jendersie, Grosch 2018, each with what was measured, and where it did not hold, the figures that tell more. */
+/* Claims of Gu, Jendersie, Grosch 2018, each with what was measured, and where it did not hold, the
+ * figures that tell more. */
 #include "framework/papers/loose_octree_figures.h"
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
-/* What the tables and the claims of the loose octrees share: the builders' names, and figures of them. */
+/* What the tables and the claims of the loose octrees share: the builders' names, and figures of
+ * them. */
 #ifndef BB_LOOSE_OCTREE_FIGURES_H
 #define BB_LOOSE_OCTREE_FIGURES_H
 

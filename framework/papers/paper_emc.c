@@ -1,8 +1,9 @@
-/* Vinkler, Bittner, Havran: Extended Morton Codes for High Performance Bounding Volume Hierarchy Construction. HPG 2017.
+/* Vinkler, Bittner, Havran: Extended Morton Codes for High Performance Bounding Volume Hierarchy
+ * Construction. HPG 2017.
  *
- * Table 2's LBVH rows (cost, trace performance, build time) and the influence of each ingredient (section 5.3), as ratios to the
- * plain code of 63 bits on the same builder. The cost's constants are the paper's. Codes are compared on the builder `emc`, so that
- * nothing but the code differs.
+ * Table 2's LBVH rows (cost, trace performance, build time) and the influence of each ingredient
+ * (section 5.3), as ratios to the plain code of 63 bits on the same builder. The cost's constants
+ * are the paper's. Codes are compared on the builder `emc`, so that nothing but the code differs.
  */
 #include "framework/papers/emc_figures.h"
 
@@ -95,7 +96,8 @@ static const bb_experiment experiments[] = {
     {.name = NULL},
 };
 
-/* ---- the paper's table 2, LBVH: MC-64 as it is, then the ratios of EMC-64-sort and EMC-64-var ---- */
+/* ---- the paper's table 2, LBVH: MC-64 as it is, then the ratios of EMC-64-sort and EMC-64-var
+ * ---- */
 
 typedef enum figure { COST, SPEED, BUILD } figure;
 static const struct {

@@ -1,10 +1,13 @@
-/* Gu, Jendersie, Grosch: Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees. VMV 2018.
+/* Gu, Jendersie, Grosch: Fast and Dynamic Construction of Bounding Volume Hierarchies based on
+ * Loose Octrees. VMV 2018.
  *
- * Build, trace and build + trace of one frame of primary rays, and memory, of LBVH, LLBVH and LOBVH, on mixtures of spheres (section
- * 4.1, figure 5) and on triangles (section 4.2, figure 6); the size that a box's level is taken from (section 3.1), and the order by
- * the view's direction (section 3.4). The figures' bars have no numbers in the text: of the paper there are its words, and
- * their ratios where it gives some. As there, codes have 30 bits, LOBVH is ordered by the view that is traced, and is traced without a
- * stack, the binary trees with one. The frame has 1024x768 pixels, from each scene's first view.
+ * Build, trace and build + trace of one frame of primary rays, and memory, of LBVH, LLBVH and
+ * LOBVH, on mixtures of spheres (section 4.1, figure 5) and on triangles (section 4.2, figure 6);
+ * the size that a box's level is taken from (section 3.1), and the order by the view's direction
+ * (section 3.4). The figures' bars have no numbers in the text: of the paper there are its words,
+ * and their ratios where it gives some. As there, codes have 30 bits, LOBVH is ordered by the view
+ * that is traced, and is traced without a stack, the binary trees with one. The frame has 1024x768
+ * pixels, from each scene's first view.
  */
 #include "framework/papers/loose_octree_figures.h"
 
@@ -96,7 +99,8 @@ static void add_frame(const bb_findings *f, bb_reproduction *r, bb_selection cel
     bb_table_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES_PEAK) * mib, 1);
 }
 
-/* A builder that was refused has one row without times; a pair that is no part of the comparison has none. */
+/* A builder that was refused has one row without times; a pair that is no part of the comparison
+ * has none. */
 static void add_frames(const bb_findings *f, bb_reproduction *r, const char *title)
 {
     static const char *const columns[] = {
@@ -113,7 +117,8 @@ static void add_frames(const bb_findings *f, bb_reproduction *r, const char *tit
         }
 }
 
-/* What each method's frame takes in the paper's configuration, as ratios to LBVH: per scene and on average. */
+/* What each method's frame takes in the paper's configuration, as ratios to LBVH: per scene and on
+ * average. */
 static void add_averages(const bb_findings *all, bb_reproduction *r)
 {
     static const char *const columns[] = {

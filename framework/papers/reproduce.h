@@ -1,7 +1,8 @@
-/* Papers and what becomes of their results here: their experiments are run as ordinary comparisons, and their tables and claims are
- * set beside what was measured.
+/* Papers and what becomes of their results here: their experiments are run as ordinary comparisons,
+ * and their tables and claims are set beside what was measured.
  *
- * A paper is one constant struct, `const bb_paper bb_paper_NAME`, in framework/papers/paper_NAME.c; CMake finds the file.
+ * A paper is one constant struct, `const bb_paper bb_paper_NAME`, in framework/papers/paper_NAME.c;
+ * CMake finds the file.
  */
 #ifndef BB_REPRODUCE_H
 #define BB_REPRODUCE_H
@@ -68,10 +69,12 @@ typedef struct bb_reproduce_request {
     bool quiet;
 } bb_reproduce_request;
 
-/* Checks that all builders, kernels and rays that the paper needs are there and take these parameters, and loads no scene. */
+/* Checks that all builders, kernels and rays that the paper needs are there and take these
+ * parameters, and loads no scene. */
 bb_status bb_reproduce_check(const bb_reproduce_request *request);
 
-/* Runs all experiments into `results` and adds the reproduction to it. *outcome as bb_bench_run(). */
+/* Runs all experiments into `results` and adds the reproduction to it. *outcome as
+ * bb_bench_run(). */
 bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
                        bb_bench_outcome *outcome);
 
@@ -184,7 +187,8 @@ typedef struct bb_words {
 } bb_words;
 __attribute__((format(printf, 2, 3))) void bb_say(bb_words *words, const char *format, ...);
 
-/* "WHAT 0.83 on average, 0.56 (city) to 1.02 (scorpion)", after "; " if there is something before it. */
+/* "WHAT 0.83 on average, 0.56 (city) to 1.02 (scorpion)", after "; " if there is something before
+ * it. */
 void bb_say_range(bb_words *words, const char *what, const bb_figures *s);
 
 /* "1.20 [95 %: 1.10 to 1.30]", with the range, or without brackets, where there is no interval. */

@@ -1,4 +1,5 @@
-/* A picture with room for words: a canvas, text in a small font, a legend. For labels of pictures, not for typesetting. */
+/* A picture with room for words: a canvas, text in a small font, a legend. For labels of pictures,
+ * not for typesetting. */
 #ifndef BB_CANVAS_H
 #define BB_CANVAS_H
 
@@ -20,7 +21,8 @@ void bb_canvas_free(bb_canvas *canvas);
 void bb_canvas_fill(bb_canvas *canvas, int64_t x, int64_t y, int64_t width, int64_t height,
                     const float rgb[3]);
 
-/* Pixels per pixel of the font for a picture of that size: its lines are then about 1/30 of the shorter side. */
+/* Pixels per pixel of the font for a picture of that size: its lines are then about 1/30 of the
+ * shorter side. */
 uint32_t bb_text_scale(uint32_t width, uint32_t height);
 /* Size of one line of ASCII text, in pixels. */
 uint32_t bb_text_width(const char *text, uint32_t scale);
@@ -34,7 +36,8 @@ typedef struct bb_legend_item {
     const float *rgb; /* NULL: no patch */
 } bb_legend_item;
 
-/* The width that the widest item needs, and the height of all, side by side where they fit into `width`. */
+/* The width that the widest item needs, and the height of all, side by side where they fit into
+ * `width`. */
 uint32_t bb_legend_width(const bb_legend_item *items, uint32_t count, uint32_t scale);
 uint32_t bb_legend_height(const bb_legend_item *items, uint32_t count, uint32_t scale,
                           uint32_t width);

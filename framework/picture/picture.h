@@ -9,8 +9,8 @@
 #include "framework/record/record.h"
 #include "framework/scene/scene.h"
 
-/* Shades hits[0 .. width * height) into rgb (linear, 3 floats per pixel): by the angle between ray and surface normal, and
- * by the direction of the normal. Misses are a light grey. */
+/* Shades hits[0 .. width * height) into rgb (linear, 3 floats per pixel): by the angle between ray
+ * and surface normal, and by the direction of the normal. Misses are a light grey. */
 void bb_picture_normals(const bb_scene *scene, const bb_rays *rays, const bb_hit *hits, float *rgb);
 
 /* Distance to the eye: near is light, far is dark, by the rank of the distances that there are. */
@@ -30,13 +30,15 @@ typedef struct bb_heat {
     double top; /* upper end of the colours; more than 99.9 % of the rays are not above it */
 } bb_heat;
 
-/* Box and primitive tests of each ray on bb_colour_map(), from 0 to heat->top; a labelled colour bar on the right, the means below. The
- * rays' picture is the upper left of the canvas, which must be zeroed; bb_canvas_free() frees it. */
+/* Box and primitive tests of each ray on bb_colour_map(), from 0 to heat->top; a labelled colour
+ * bar on the right, the means below. The rays' picture is the upper left of the canvas, which must
+ * be zeroed; bb_canvas_free() frees it. */
 bb_status bb_picture_heat(const bb_rays *rays, const bb_count *counts, bb_canvas *canvas,
                           bb_heat *heat);
 
-/* Classes (bb_class) over the scene in faint grey: missed dark red, false amber, wrong t violet, ties light blue; what is wrong is drawn
- * with its neighbours so that a single ray can be seen. A legend with the counts lies below. The canvas as above. */
+/* Classes (bb_class) over the scene in faint grey: missed dark red, false amber, wrong t violet,
+ * ties light blue; what is wrong is drawn with its neighbours so that a single ray can be seen. A
+ * legend with the counts lies below. The canvas as above. */
 bb_status bb_picture_diff(const bb_scene *scene, const bb_rays *rays, const bb_hit *hits,
                           const uint8_t *classes, const bb_accuracy *accuracy, bb_canvas *canvas);
 

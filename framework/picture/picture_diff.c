@@ -1,4 +1,5 @@
-/* Where rays are wrong: their classes as colours over the scene in faint grey, with a legend that counts them. */
+/* Where rays are wrong: their classes as colours over the scene in faint grey, with a legend that
+ * counts them. */
 #include "framework/base/memory.h"
 #include "framework/picture/picture.h"
 
@@ -38,8 +39,9 @@ static void draw_scene(bb_canvas *canvas, const bb_rays *rays, const float *norm
     }
 }
 
-/* Wrong pixels are drawn with their neighbours, so that a single one can be seen: first the ties, then what is wrong, then each
- * pixel once more in its own colour, so that none is painted over by its neighbour. */
+/* Wrong pixels are drawn with their neighbours, so that a single one can be seen: first the ties,
+ * then what is wrong, then each pixel once more in its own colour, so that none is painted over by
+ * its neighbour. */
 static void draw_classes(bb_canvas *canvas, const bb_rays *rays, const uint8_t *classes,
                          uint32_t scale)
 {

@@ -1,5 +1,5 @@
-/* What is asked of a ray: one constant struct per query, bb_query_NAME in framework/judge/query_NAME.c, which
- * CMake finds, beside kernels/query_NAME.clh. */
+/* What is asked of a ray: one constant struct per query, bb_query_NAME in
+ * framework/judge/query_NAME.c, which CMake finds, beside kernels/query_NAME.clh. */
 #ifndef BB_QUERY_H
 #define BB_QUERY_H
 

@@ -1,4 +1,5 @@
-/* Ray sets: made once per scene and view, hashed, and replayed for every cell. How they are made: framework/workload/. */
+/* Ray sets: made once per scene and view, hashed, and replayed for every cell. How they are made:
+ * framework/workload/. */
 #ifndef BB_RAYS_H
 #define BB_RAYS_H
 
@@ -26,9 +27,9 @@ typedef struct bb_rays {
     bb_buffer on_device; /* bb_ray[count] */
 } bb_rays;
 
-/* Whether all rays are ones that kernels can trace in this scene: finite, 0 <= tmin < tmax, the largest
- * component of the direction between 2^-120 and 2^120, the origin's coordinates at most 2^92 in the
- * layouts' units (kernels/ERROR_BUDGET.md, "Domain"). bb_rays_make() has made sure.
+/* Whether all rays are ones that kernels can trace in this scene: finite, 0 <= tmin < tmax, the
+ * largest component of the direction between 2^-120 and 2^120, the origin's coordinates at most
+ * 2^92 in the layouts' units (kernels/ERROR_BUDGET.md, "Domain"). bb_rays_make() has made sure.
  * BB_INVALID names the first that is not. */
 bb_status bb_rays_check(const bb_scene *scene, const bb_rays *rays);
 /* Room for `count` rays; sets rays->count. */

@@ -49,7 +49,8 @@ static void respell(const bb_spec *spec, const bb_option *options, bool defaults
         strcpy(out, t.text);
 }
 
-/* A stage among others: a `+` in a value is told from one between stages as bb_spec_stages() does. */
+/* A stage among others: a `+` in a value is told from one between stages as bb_spec_stages()
+ * does. */
 static void append_stage(text *t, const char *stage)
 {
     append(t, t->length > 0 ? "+" : "", "", "", "");

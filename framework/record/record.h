@@ -97,8 +97,8 @@ typedef struct bb_trace_record {
     uint64_t overflowed; /* of the counted rays: those that needed more stack than there is. In the
                              timed run such a ray's hit stays poisoned: it is judged as unwritten,
                              thus missed */
-    uint32_t
-        unlike; /* rays answered otherwise than by the first `exact` cell of the set; `exact` only */
+    /* rays answered otherwise than by the first `exact` cell of the set; `exact` only */
+    uint32_t unlike;
     char unlike_whom[256]; /* that cell; "" if this one was not compared */
     bool counts_for_exit;  /* an `exact` cell of ours */
     bool wrong; /* above the limit; marked WRONG if it counts for the exit, else `wrong` */

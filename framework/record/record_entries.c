@@ -89,8 +89,8 @@ bool bb_put_views(cJSON *object, const char *name, const void *record, const voi
 
 /* ---- builds ---- */
 
-/* All parameters: as given, else the declared default; those without either are null. `stage` stands
- * before their names. */
+/* All parameters: as given, else the declared default; those without either are null. `stage`
+ * stands before their names. */
 static bool add_params(cJSON *params, const char *stage, const bb_spec *spec,
                        const bb_option *options)
 {

@@ -165,7 +165,9 @@ static bool put_field(cJSON *object, bb_field_id id, const void *record, const v
     case U32:
         return bb_put_number(object, name, *(const uint32_t *)at);
     case U64:
-        return bb_put_number(object, name, (double)*(const uint64_t *)at);
+        return bb_put_number(object, name,
+                             *(const uint64_t *)at == BB_UNCOUNTED ? (double)NAN
+                                                                   : (double)*(const uint64_t *)at);
     case SIZE:
         return put_size(object, name, *(const uint32_t *)at);
     case SIZE64:

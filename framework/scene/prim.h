@@ -1,7 +1,7 @@
-/* Kinds of primitives. All that the harness has to know of a kind is one constant struct, bb_prim_NAME in
- * prim_NAME.c, and beside it kernels/prim_NAME.clh; the list of kinds is BB_PRIM_KINDS in
- * kernels/bb_shared.h. In all functions `i` counts within the kind, from 0, and o + t d is a line whose
- * numbers are as framework/exact/exact.h wants them.
+/* Kinds of primitives. All that the harness has to know of a kind is one constant struct,
+ * bb_prim_NAME in prim_NAME.c, and beside it kernels/prim_NAME.clh; the list of kinds is
+ * BB_PRIM_KINDS in kernels/bb_shared.h. In all functions `i` counts within the kind, from 0, and o
+ * + t d is a line whose numbers are as framework/exact/exact.h wants them.
  */
 #ifndef BB_PRIM_H
 #define BB_PRIM_H
@@ -17,11 +17,11 @@ typedef struct bb_prim_kind {
     const char *plural; /* "triangles": in records and messages */
     bool is_mesh;       /* the data are indices of vertices; else they are floats */
 
-    /* The tight box, rounded outwards; its pads are the caller's. BB_INVALID for numbers that are none of a
-     * primitive, or no box of floats holds. */
+    /* The tight box, rounded outwards; its pads are the caller's. BB_INVALID for numbers that are
+     * none of a primitive, or no box of floats holds. */
     bb_status (*bounds)(const bb_scene *scene, uint32_t i, bb_box *box);
-    /* The least magnitude, in scene units squared, on which the sign of the device's test hangs: see
-     * bb_scene_choose_scale(). 0: none, or nothing can be hit. */
+    /* The least magnitude, in scene units squared, on which the sign of the device's test hangs:
+     * see bb_scene_choose_scale(). 0: none, or nothing can be hit. */
     double (*product)(const bb_scene *scene, uint32_t i);
     /* Whether its area is exactly 0. */
     bool (*is_flat)(const bb_scene *scene, uint32_t i);
@@ -37,13 +37,20 @@ typedef struct bb_prim_kind {
     double (*reach)(const bb_scene *scene, uint32_t i, const double o[3]);
     /* Its smallest height; 0 if it has no area. */
     float (*height)(const bb_scene *scene, uint32_t i);
-    /* t at which the line meets it, in order, to 2^-32: 0, 1 or 2 of them. Closed: edges belong to it. */
+    /* t at which the line meets it, in order, to 2^-32: 0, 1 or 2 of them. Closed: edges belong to
+     * it. */
     int (*hits)(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
                 double t[2]);
     /* The same of the surface that it is a part of: a triangle's plane. */
     int (*extended)(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
                     double t[2]);
-    /* How far the line passes it, and its flat parts as the line sees them (how many; none of a curved one). */
+    /* Where a line that may pass it by at up to `eps` is near it, in order: 1 on its plane, to be
+     * kept within the extent that pass() says; 2 where it enters and leaves what is within eps; 0:
+     * at that extent. */
+    int (*nearby)(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
+                  double eps, double t[2]);
+    /* How far the line passes it, and its flat parts as the line sees them (how many; none of a
+     * curved one). */
     bb_passing (*pass)(const bb_scene *scene, uint32_t i, const bb_frame *frame, double from,
                        double to);
     uint32_t (*outlines)(const bb_scene *scene, uint32_t i, const bb_frame *frame, double from,
@@ -63,7 +70,8 @@ static inline const bb_prim_kind *bb_prim_of(const bb_scene *scene, uint32_t pri
     return bb_prim_kinds[kind];
 }
 
-/* Numbers the primitives through, from the counts of their kinds: sets first, prim_count and kinds. */
+/* Numbers the primitives through, from the counts of their kinds: sets first, prim_count and
+ * kinds. */
 void bb_scene_number_kinds(bb_scene *scene);
 
 /* Bytes of the data of one. */

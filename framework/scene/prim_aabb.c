@@ -131,8 +131,8 @@ static float height(const bb_scene *scene, uint32_t i)
     return is_flat(scene, i) ? 0.0f : (float)least;
 }
 
-/* The sign of (p - o_j) |d_k| sign(d_j) - (q - o_k) |d_j| sign(d_k): of the time at which plane p of axis
- * j is crossed less that of plane q of axis k. */
+/* The sign of (p - o_j) |d_k| sign(d_j) - (q - o_k) |d_j| sign(d_k): of the time at which plane p
+ * of axis j is crossed less that of plane q of axis k. */
 static double order(const double o[3], const float d[3], int j, float p, int k, float q)
 {
     double a = d[j] < 0 ? -fabs((double)d[k]) : fabs((double)d[k]);
@@ -150,8 +150,8 @@ static double order(const double o[3], const float d[3], int j, float p, int k, 
     return value_of(&sum);
 }
 
-/* The line meets the box if it enters no pair of planes after it has left another. Of t itself each step
- * rounds once: differences, then quotients. */
+/* The line meets the box if it enters no pair of planes after it has left another. Of t itself each
+ * step rounds once: differences, then quotients. */
 static int hits(const bb_scene *scene, uint32_t i, const double o[3], const float d[3], double t[2])
 {
     const float *aabb = aabb_of(scene, i);
@@ -174,6 +174,25 @@ static int hits(const bb_scene *scene, uint32_t i, const double o[3], const floa
                 return 0;
     t[0] = fmin(t[0], t[1]); /* each is rounded */
     return 2;
+}
+
+/* As if it were larger by eps; rounded, as all that is compared with a margin. */
+static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
+                  double eps, double t[2])
+{
+    const float *b = aabb_of(scene, i);
+    t[0] = -(double)INFINITY;
+    t[1] = (double)INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double lo = b[k] - eps - o[k], hi = b[k + 3] + eps - o[k];
+        if (d[k] == 0 && (lo > 0.0 || hi < 0.0))
+            return 0;
+        if (d[k] == 0)
+            continue;
+        t[0] = fmax(t[0], fmin(lo / (double)d[k], hi / (double)d[k]));
+        t[1] = fmin(t[1], fmax(lo / (double)d[k], hi / (double)d[k]));
+    }
+    return t[0] <= t[1] ? 2 : 0;
 }
 
 /* The corners of a face, around it. */
@@ -203,22 +222,27 @@ static bb_passing pass(const bb_scene *scene, uint32_t i, const bb_frame *frame,
     return all;
 }
 
-/* The faces turned towards the line's beginning; if it begins behind them, the others. */
+/* The faces turned towards the line's beginning; all of them, if that is inside. */
 static uint32_t outlines(const bb_scene *scene, uint32_t i, const bb_frame *frame, double from,
                          double to, bb_outline out[BB_OUTLINES_MAX])
 {
+    const float *b = aabb_of(scene, i);
     uint32_t count = 0;
-    for (int side = 0; side < 2 && count == 0; side++)
-        for (int axis = 0; axis < 3; axis++) {
-            float c[4][3];
-            const float *const corners[4] = {c[0], c[1], c[2], c[3]};
-            bool lower = (frame->d[axis] > 0.0) == (side == 0);
-            if (frame->d[axis] == 0.0)
-                continue;
-            face_of(aabb_of(scene, i), 2 * axis + (lower ? 0 : 1), c);
-            bb_see_polygon(frame, corners, 4, from, to, &out[count]);
-            count += out[count].count > 0;
-        }
+    bool inside = true;
+    for (int k = 0; k < 3; k++) {
+        double at = frame->o[k] + from * frame->d[k];
+        inside = inside && at >= (double)b[k] && at <= (double)b[k + 3];
+    }
+    for (int face = 0; face < FACES; face++) {
+        float c[4][3];
+        const float *const corners[4] = {c[0], c[1], c[2], c[3]};
+        double d = frame->d[face / 2];
+        if (d == 0.0 || ((d > 0.0) != (face % 2 == 0) && !inside))
+            continue;
+        face_of(b, face, c);
+        bb_see_polygon(frame, corners, 4, from, to, &out[count]);
+        count += out[count].count > 0;
+    }
     return count;
 }
 
@@ -237,6 +261,7 @@ const bb_prim_kind bb_prim_aabb = {
     .height = height,
     .hits = hits,
     .extended = hits,
+    .nearby = nearby,
     .pass = pass,
     .outlines = outlines,
 };

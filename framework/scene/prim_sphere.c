@@ -72,8 +72,8 @@ static void sample(const bb_scene *scene, uint32_t i, bb_random *random, double 
         point[k] = (double)s[k] + (double)s[3] * out[k];
 }
 
-/* Whether the distances from the centre to the nearest and the farthest point of the box say so; it is
- * left as it is. */
+/* Whether the distances from the centre to the nearest and the farthest point of the box say so; it
+ * is left as it is. */
 static bool shrink(const bb_scene *scene, uint32_t i, double lo[3], double hi[3])
 {
     const float *s = sphere_of(scene, i);
@@ -114,6 +114,14 @@ static int hits(const bb_scene *scene, uint32_t i, const double o[3], const floa
     return bb_exact_meets_sphere(o, d, sphere_of(scene, i)) ? extended(scene, i, o, d, t) : 0;
 }
 
+/* At the point that is nearest to the line. */
+static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
+                  double eps, double t[2])
+{
+    (void)scene, (void)i, (void)o, (void)d, (void)eps, (void)t;
+    return 0;
+}
+
 static bb_passing pass(const bb_scene *scene, uint32_t i, const bb_frame *frame, double from,
                        double to)
 {
@@ -142,6 +150,7 @@ const bb_prim_kind bb_prim_sphere = {
     .height = height,
     .hits = hits,
     .extended = extended,
+    .nearby = nearby,
     .pass = pass,
     .outlines = outlines,
 };

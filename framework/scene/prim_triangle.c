@@ -109,7 +109,8 @@ static void sample(const bb_scene *scene, uint32_t i, bb_random *random, double 
 
 enum { POLYGON_MAX = 16 }; /* a triangle cut by six planes has at most nine corners */
 
-/* Keeps the part of the polygon with sign * x[axis] <= sign * plane; returns the number of corners left. */
+/* Keeps the part of the polygon with sign * x[axis] <= sign * plane; returns the number of corners
+ * left. */
 static int clip(double (*polygon)[3], int count, int axis, double plane, double sign)
 {
     double kept[POLYGON_MAX][3];
@@ -195,6 +196,13 @@ static int extended(const bb_scene *scene, uint32_t i, const double o[3], const 
     return bb_exact_plane_t(o, d, v[0], v[1], v[2], &t[0]) ? 1 : 0;
 }
 
+static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
+                  double eps, double t[2])
+{
+    (void)eps;
+    return extended(scene, i, o, d, t);
+}
+
 static int hits(const bb_scene *scene, uint32_t i, const double o[3], const float d[3], double t[2])
 {
     const float *v[3];
@@ -238,6 +246,7 @@ const bb_prim_kind bb_prim_triangle = {
     .height = height,
     .hits = hits,
     .extended = extended,
+    .nearby = nearby,
     .pass = pass,
     .outlines = outlines,
 };

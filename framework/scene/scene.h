@@ -1,7 +1,8 @@
-/* A scene: primitives of one or more kinds, their boxes, their views; on the host and on the device.
+/* A scene: primitives of one or more kinds, their boxes, their views; on the host and on the
+ * device.
  *
- * Primitives are numbered through: the triangles first, then the spheres. A later kind gets the next
- * range. Everything is float, in scene units, as loaded; nothing is merged or dropped.
+ * Primitives are numbered through: the triangles first, then the spheres. A later kind gets the
+ * next range. Everything is float, in scene units, as loaded; nothing is merged or dropped.
  */
 #ifndef BB_SCENE_H
 #define BB_SCENE_H
@@ -69,9 +70,9 @@ struct bb_scene_motion;
 /* The primitives of one kind: numbers first .. first + count - 1 of the scene. */
 typedef struct bb_prims {
     uint32_t first, count;
-    void *
-        data; /* triangles: u32[3 * count], indices of vertices; spheres: float[4 * count], centre and
-                 * radius >= 0; boxes: float[6 * count], lower and upper corner */
+    /* triangles: u32[3 * count], indices of vertices; spheres: float[4 * count], centre and
+     * radius >= 0; boxes: float[6 * count], lower and upper corner */
+    void *data;
 } bb_prims;
 
 /* How many of each kind. */
@@ -96,8 +97,8 @@ typedef struct bb_scene {
     uint32_t view_count;
     bb_view views[BB_VIEWS_MAX];
     bb_profile profile;
-    bool
-        closed_from_inside; /* a closed mesh whose inside holds `inside_point` (generators say so) */
+    /* a closed mesh whose inside holds `inside_point` (generators say so) */
+    bool closed_from_inside;
     double inside_point[3];
     uint32_t frame_count; /* states of a moving scene; 1 of one that stays still */
     uint32_t frame;       /* the current one, see bb_scene_set_frame(); BB_NONE: none, it failed */
@@ -129,22 +130,24 @@ extern const bb_generator *const bb_generators[]; /* generated table; ends with 
 typedef struct bb_scene_format {
     const char *name;           /* as records name it */
     const char *const *endings; /* of files, in small letters with the dot; ends with NULL */
-    /* Reads the file's primitives into the scene; bb_scene_finish() comes after. BB_INVALID for a bad file. */
+    /* Reads the file's primitives into the scene; bb_scene_finish() comes after. BB_INVALID for a
+     * bad file. */
     bb_status (*load)(const char *path, bb_scene *scene);
 } bb_scene_format;
 
 extern const bb_scene_format *const bb_scene_formats[]; /* generated table; ends with NULL */
 
-/* Loads what `text` names: an existing file (.gltf, .glb), a shipped scene (coffee, scorpion, ...: see
- * bb_shipped_scenes), or a generator with parameters. Finishes it and takes its views: from
- * `NAME.views` beside the file, from the generator, or derived from the profile. BB_INVALID with one
- * clear line for everything that is wrong with the input. Owned by the caller: bb_scene_free(). */
+/* Loads what `text` names: an existing file (.gltf, .glb), a shipped scene (coffee, scorpion, ...:
+ * see bb_shipped_scenes), or a generator with parameters. Finishes it and takes its views: from
+ * `NAME.views` beside the file, from the generator, or derived from the profile. BB_INVALID with
+ * one clear line for everything that is wrong with the input. Owned by the caller:
+ * bb_scene_free(). */
 bb_status bb_scene_load(const char *text, bb_scene **scene);
 void bb_scene_free(bb_scene *scene); /* NULL is allowed; releases the device side too */
 
-/* Sets counts and kinds of an empty scene and allocates its vertices and primitives, not cleared; for loaders and
- * generators. BB_REFUSED, with the bytes that the scene needs, if it has more than 2^31 - 1 primitives or 2^32 - 1
- * vertices, or does not fit into the host's memory. */
+/* Sets counts and kinds of an empty scene and allocates its vertices and primitives, not cleared;
+ * for loaders and generators. BB_REFUSED, with the bytes that the scene needs, if it has more than
+ * 2^31 - 1 primitives or 2^32 - 1 vertices, or does not fit into the host's memory. */
 bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, const bb_prim_counts *counts);
 
 /* The same for triangles alone. */
@@ -161,43 +164,46 @@ enum {
     BB_CHANGED_TRANSFER = 1u << 2, /* the transfer function of a volume */
 };
 
-/* Brings the scene to `frame`, in the memory that it has: vertices, data of primitives, boxes, bounds,
- * scale, out_of_range and hash are that frame's, and so is the copy on the device, if there is one
- * (waited for). Profile, views and closed_from_inside stay frame 0's: cameras stand still, and what is
- * chosen from the profile is chosen once. Frame 0 is what was loaded, bit for bit. `changed` gets
- * BB_CHANGED_POSITIONS, or 0 if nothing moved; may be NULL. BB_INVALID if there is no such frame: the
- * scene stays as it is. After another failure the scene is at no frame, until a call succeeds. */
+/* Brings the scene to `frame`, in the memory that it has: vertices, data of primitives, boxes,
+ * bounds, scale, out_of_range and hash are that frame's, and so is the copy on the device, if there
+ * is one (waited for). Profile, views and closed_from_inside stay frame 0's: cameras stand still,
+ * and what is chosen from the profile is chosen once. Frame 0 is what was loaded, bit for bit.
+ * `changed` gets BB_CHANGED_POSITIONS, or 0 if nothing moved; may be NULL. BB_INVALID if there is
+ * no such frame: the scene stays as it is. After another failure the scene is at no frame, until a
+ * call succeeds. */
 bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed);
 
-/* Sets scene->scale and scene->out_of_range from its primitives and bounds; bb_scene_finish() does it.
+/* Sets scene->scale and scene->out_of_range from its primitives and bounds; bb_scene_finish() does
+ * it.
  *
- * The kernels' edge functions are products of two lengths. They keep their sign where the doubled area
- * of a triangle (for a sphere, its radius squared) is at least 2^-100 and lengths are at most 2^60, in
- * the layout's units. The scale takes the scene's largest coordinate to about 2^32; higher, up to
- * 2^58, where the smallest primitive asks for it. Primitives that are too small even then are counted:
- * rays may miss them. BB_INVALID if the largest coordinate is below 2^-100. */
+ * The kernels' edge functions are products of two lengths. They keep their sign where the doubled
+ * area of a triangle (for a sphere, its radius squared) is at least 2^-100 and lengths are at most
+ * 2^60, in the layout's units. The scale takes the scene's largest coordinate to about 2^32;
+ * higher, up to 2^58, where the smallest primitive asks for it. Primitives that are too small even
+ * then are counted: rays may miss them. BB_INVALID if the largest coordinate is below 2^-100. */
 bb_status bb_scene_choose_scale(bb_scene *scene);
 
 /* Measures scene->profile; bb_scene_load() has done it. */
 bb_status bb_scene_profile(bb_scene *scene);
 
-/* Three views or more, by name, derived from box and profile; deterministic. Does nothing if the scene
- * has views. */
+/* Three views or more, by name, derived from box and profile; deterministic. Does nothing if the
+ * scene has views. */
 void bb_scene_derive_views(bb_scene *scene);
 
 /* Reads views from a text file (format: scenes/README.md). */
 bb_status bb_views_read(const char *path, bb_view *views, uint32_t capacity, uint32_t *count);
 
-/* Puts the scene on the device (once; a second call with the same device does nothing), where its boxes
- * are made anew. Refuses, with the bytes it needs, what does not fit. */
+/* Puts the scene on the device (once; a second call with the same device does nothing), where its
+ * boxes are made anew. Refuses, with the bytes it needs, what does not fit. */
 bb_status bb_scene_upload(bb_scene *scene, bb_device *device);
 
-/* Makes on_device.boxes from the geometry on the device (kernels/boxes.cl). Enqueued, not waited for. */
+/* Makes on_device.boxes from the geometry on the device (kernels/boxes.cl). Enqueued, not waited
+ * for. */
 bb_status bb_scene_make_boxes(bb_scene *scene);
 
-/* Names of the shipped scenes, ends with NULL, and the folder they are read from: BVHBENCH_SCENES in
- * the environment, the share folder of the installation that the library lies in, or the source tree,
- * the first that exists. */
+/* Names of the shipped scenes, ends with NULL, and the folder they are read from: BVHBENCH_SCENES
+ * in the environment, the share folder of the installation that the library lies in, or the source
+ * tree, the first that exists. */
 extern const char *const bb_shipped_scenes[];
 const char *bb_scene_folder(void);
 

@@ -59,8 +59,8 @@ static bb_status make_boxes(bb_scene *scene)
 
 /* ---- finishing ---- */
 
-/* Of the counts and the arrays. Kinds that came after spheres are left out where there are none, so that
- * a scene keeps its hash as kinds are added. */
+/* Of the counts and the arrays. Kinds that came after spheres are left out where there are none, so
+ * that a scene keeps its hash as kinds are added. */
 static bb_status hash_geometry(bb_scene *scene)
 {
     XXH3_state_t *state = XXH3_createState();

@@ -25,7 +25,8 @@ static bool exists(const char *path)
     return stat(path, &info) == 0;
 }
 
-/* The share folder of the installation that the loaded library belongs to, wherever that was moved. */
+/* The share folder of the installation that the loaded library belongs to, wherever that was
+ * moved. */
 static char installed[PATH_MAX + 64];
 
 static void find_installed(void)

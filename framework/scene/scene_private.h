@@ -10,17 +10,17 @@ typedef struct bb_scene_motion {
     bb_spec spec; /* its strings lie in it: it does not move */
 } bb_scene_motion;
 
-/* The part of bb_scene_finish() that follows from positions, in memory that is there: -0, boxes, bounds,
- * scale and hash. */
+/* The part of bb_scene_finish() that follows from positions, in memory that is there: -0, boxes,
+ * bounds, scale and hash. */
 bb_status bb_scene_finish_frame(bb_scene *scene);
 
-/* Remembers how the generator moves the scene that it has just made; does nothing for one that stays
- * still. BB_FAILED if the generator claims frames that it cannot make. */
+/* Remembers how the generator moves the scene that it has just made; does nothing for one that
+ * stays still. BB_FAILED if the generator claims frames that it cannot make. */
 bb_status bb_scene_remember_motion(const bb_generator *generator, const char *text,
                                    bb_scene *scene);
 
-/* Writes vertices and data of primitives to the device again, where bb_scene_upload() has made room,
- * and makes the boxes anew. Does nothing if the scene is on no device. */
+/* Writes vertices and data of primitives to the device again, where bb_scene_upload() has made
+ * room, and makes the boxes anew. Does nothing if the scene is on no device. */
 bb_status bb_scene_upload_again(bb_scene *scene);
 
 #endif

@@ -7,9 +7,9 @@
  *       else if a box overlaps R: cut R along the box, keep the up to six pieces outside
  *       else: what is left of the primitive in R is covered by nobody
  *
- * What of a primitive is in R its kind knows (shrink() of prim.h). All in double; the boxes are grown by 2^-40 of the largest coordinate, so that rounding here
- * (2^-53) can't open a gap between boxes that abut. A gap in the floats of a leaf is 2^-24 of its
- * coordinate.
+ * What of a primitive is in R its kind knows (shrink() of prim.h). All in double; the boxes are
+ * grown by 2^-40 of the largest coordinate, so that rounding here (2^-53) can't open a gap between
+ * boxes that abut. A gap in the floats of a leaf is 2^-24 of its coordinate.
  */
 #include "framework/tree/tree_cover.h"
 

@@ -15,7 +15,8 @@ typedef struct bb_surface_point {
 typedef bb_status bb_surface_maker(void *context, const bb_surface_point *point, bb_random *random,
                                    bb_ray *rays);
 
-/* Makes `per_hit` rays for each of as many primary hits as the request allows. BB_UNSUPPORTED if there is none. */
+/* Makes `per_hit` rays for each of as many primary hits as the request allows. BB_UNSUPPORTED if
+ * there is none. */
 bb_status bb_surface_rays(bb_rays_job *job, uint32_t per_hit, bb_surface_maker *make,
                           void *context);
 

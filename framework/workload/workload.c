@@ -1,5 +1,6 @@
-/* From a specification to a ray set. Rays are made in doubles and rounded to float once. They depend on scene,
- * view, picture size, options and seed only, secondary ones also on Embree's primary hits. */
+/* From a specification to a ray set. Rays are made in doubles and rounded to float once. They
+ * depend on scene, view, picture size, options and seed only, secondary ones also on Embree's
+ * primary hits. */
 #include "framework/workload/workload.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Workloads: the ray sets that can be asked for. Each is one file, workload_NAME.c, which CMake finds: its options, and how its
- * rays are made. */
+/* Workloads: the ray sets that can be asked for. Each is one file, workload_NAME.c, which CMake
+ * finds: its options, and how its rays are made. */
 #ifndef BB_WORKLOAD_H
 #define BB_WORKLOAD_H
 
@@ -23,8 +23,9 @@ const bb_workload *bb_workload_find(const char *name);
 /* Whether each of these rays must hit something: they are aimed at a closed mesh from inside. */
 bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, const bb_spec *spec);
 
-/* Makes the rays of `request`. Secondary rays start at primary hits of the oracle, so that they do not depend on any
- * builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges` without triangles). Owned by the caller. */
+/* Makes the rays of `request`. Secondary rays start at primary hits of the oracle, so that they do
+ * not depend on any builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges`
+ * without triangles). Owned by the caller. */
 bb_status bb_rays_make(const bb_scene *scene, bb_oracle *oracle, const bb_rays_request *request,
                        bb_rays **rays);
 

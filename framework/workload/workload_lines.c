@@ -1,10 +1,11 @@
-/* Lines: uniform in position and direction through a ball around the scene's box, as integral geometry takes
- * them. The chance that such a line meets a convex body is in proportion to its area (Crofton; Santalo 1976,
- * Integral Geometry and Geometric Probability, section II.12.7), which is what the surface area
- * heuristic assumes of rays; that nothing stops them (MacDonald and Booth 1990) is the query `interval`.
+/* Lines: uniform in position and direction through a ball around the scene's box, as integral
+ * geometry takes them. The chance that such a line meets a convex body is in proportion to its area
+ * (Crofton; Santalo 1976, Integral Geometry and Geometric Probability, section II.12.7), which is
+ * what the surface area heuristic assumes of rays; that nothing stops them (MacDonald and Booth
+ * 1990) is the query `interval`.
  *
- * A direction uniform on the sphere, then a point uniform in the disc across it through the ball's centre; the ray
- * starts on the ball and ends on it.
+ * A direction uniform on the sphere, then a point uniform in the disc across it through the ball's
+ * centre; the ray starts on the ball and ends on it.
  */
 #include "framework/base/random.h"
 #include "framework/workload/workload.h"

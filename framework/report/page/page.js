@@ -12,10 +12,11 @@ function head() {
   const missing = traces.concat(builds).filter(row => row.status !== 'ok').length, skipped = data.skipped.length;
   $('summary').append(
     `${plural(data.scenes.length, 'scene')}, ${plural(builds.length, 'build')}, ${plural(done, 'cell')} traced; `,
-    el('span', { class: bad ? 'bad' : null },
+    done === 0 ? '' : el('span', { class: bad ? 'bad' : null },
        bad ? `${plural(bad, 'cell')} WRONG above the limit` : 'no cell above the limit for wrong answers'),
     (inexact ? `; ${plural(inexact, 'other cell')} with wrong answers (references, inexact, or within the limit)` : '') +
     (missing ? `; ${plural(missing, 'row')} without a result` : '') + (skipped ? `; ${skipped} skipped` : '') + '.');
+  for (const id of ['charts', 'traces']) $(id).hidden = $(id + '-link').hidden = traces.length === 0;
   const texts = {
     date: c.date && c.date.replace('T', ' ').replace('Z', ' UTC'),
     cpu: c.cpu && c.cpu_threads ? `${c.cpu}, ${c.cpu_threads} threads` : c.cpu,

@@ -1,5 +1,5 @@
-/* rogue: halves the primitives in their given order, and breaks one rule of builders, as told. For the tests
- * of what finds that out; kind=right breaks none.
+/* rogue: halves the primitives in their given order, and breaks one rule of builders, as told. For
+ * the tests of what finds that out; kind=right breaks none.
  */
 #include "builders/common/refit.h"
 #include "framework/builder/builder.h"

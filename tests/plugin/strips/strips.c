@@ -1,6 +1,6 @@
-/* strips: triangles in runs of 64, in the order of their numbers; a tree of two levels. An example of a
- * builder with several device files, a header that host and device share, and primitives that it does
- * not take.
+/* strips: triangles in runs of 64, in the order of their numbers; a tree of two levels. An example
+ * of a builder with several device files, a header that host and device share, and primitives that
+ * it does not take.
  */
 #include "framework/builder/builder.h"
 #include "strips_shared.h"
