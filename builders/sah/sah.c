@@ -2,8 +2,8 @@
  *
  *   take a range of primitives off the stack, make its node
  *   if it has one primitive, or at most `leaf` and no split is cheaper than a leaf: it is a leaf
- *   else find the cheapest split (sah_binned.c or sah_sweep.c), reorder the range, push both
- * halves, the left one on top: nodes come out in preorder
+ *   else find the cheapest split (sah_binned.c or sah_sweep.c), reorder the range and push both
+ *   halves, the left one on top: nodes come out in preorder
  *
  * A range whose centroids are all equal is halved by index, so that its depth stays logarithmic.
  * Nothing recurses.

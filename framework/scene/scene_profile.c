@@ -9,11 +9,11 @@
  * - a centroid is 0.5f * lo + 0.5f * hi, as the builders compute it; -0 equals +0;
  * - size_median is the lower median;
  * - closed: every edge, told by the exact positions of its ends, belongs to an even number of
- * triangle sides, so that the surface has no boundary (a cycle modulo 2; winding does not matter).
- * An edge whose ends coincide counts for nothing.
+ *   triangle sides, so that the surface has no boundary (a cycle modulo 2; winding does not
+ *   matter). An edge whose ends coincide counts for nothing;
  * - code_bits: the centroids' box is cut into 2^b cells per axis (zero extent: one cell), and the
- * code of n bits is the first n bits of the interleaved cell numbers, longest axis first, so 32
- * bits are 11 + 11 + 10. The least n for which there are as many codes as distinct centroids;
+ *   code of n bits is the first n bits of the interleaved cell numbers, longest axis first, so 32
+ *   bits are 11 + 11 + 10. The least n for which there are as many codes as distinct centroids;
  * - octree_depth: likewise the least number of levels of 3 bits, 21 if that is not enough.
  */
 #include "framework/base/random.h"

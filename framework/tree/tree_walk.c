@@ -1,8 +1,10 @@
 /* The walk along first/skip, and what follows from it directly: preorder form, hash, stack need.
  *
- *   visit n; if n is inner, go to first(n), a child of n
- *   else next = skip(n); while next is also the skip of the parent: the parent is done, take its
- * parent next is a child of the parent that remains; the walk ends when none does
+ *   visit n
+ *   if n is inner: go to first(n), a child of n
+ *   else: next = skip(n)
+ *         while the parent has the same skip: it is done too, climb to its parent
+ *         next is the next child of the parent that is left; the walk ends when none is
  *
  * Parents are kept as positions in an array, so climbing needs no stack.
  */
