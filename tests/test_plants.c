@@ -108,6 +108,12 @@ static void each_bug_is_found(void **state)
         for (int i = 0; i < count; i++) {
             const plant *p = &plants[i];
             char path[512];
+            int seen = 0; /* without a bug one run of a scene and a kernel tells for all */
+            for (int k = 0; k < i && !planted; k++)
+                seen = seen ||
+                       (plants[k].scene == p->scene && strcmp(plants[k].kernels, p->kernels) == 0);
+            if (seen)
+                continue;
             write_planted(p, planted);
             int status = run(p, out, sizeof out);
             int said = strstr(out, "cells or builds are wrong") != NULL;

@@ -16,6 +16,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Where and by how much two images differ. */
 typedef struct bb_exr_difference {
@@ -33,6 +34,7 @@ int bb_exr_compare(const float *a, const float *b, uint32_t channel_count, uint3
                    uint32_t height, float *difference, bb_exr_difference *found, char *message,
                    size_t capacity);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif
