@@ -634,11 +634,11 @@ static void what_does_not_fit_together_is_built_again(void **state)
     (void)state;
     if (is_small())
         return;
-    const outcome *o = run_with("POCL_MEMORY_LIMIT=1",
-                                "run --scene spheres:n=2500000 --builder "
-                                "lbvh,lbvh:bits=63,embree-native:quality=low "
-                                "--kernel stack,stackless --rays primary --size 64x64 --repeats 1 "
-                                "--no-pictures --out tight");
+    const outcome *o =
+        run_with("POCL_MEMORY_LIMIT=1", "run --scene spheres:n=2500000 --builder "
+                                        "lbvh,lbvh:bits=63,embree-native:quality=low "
+                                        "--kernel stack --rays primary --size 64x64 --repeats 1 "
+                                        "--no-pictures --out tight");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     cJSON *json = read_results("tight/results.json");

@@ -192,6 +192,39 @@ static void headers_resolve_within_a_folder(void **state)
     assert_non_null(strstr(bb_message(), "mine_shared.h"));
 }
 
+static void expect_error(const bb_source *source, const char *words)
+{
+    cl_program program = NULL;
+    assert_int_equal(bb_program_build(device, source, "", &program), BB_FAILED);
+    if (strstr(bb_message(), words) == NULL)
+        fail_msg("expected '%s' in '%s'", words, bb_message());
+}
+
+/* The compiler sees one text, and speaks of files and their lines. */
+static void errors_name_the_file_and_its_line(void **state)
+{
+    (void)state;
+    static const char above[] = "#include \"bb_device.h\"\n\n\t#  include \"mine.clh\" /* both\n"
+                                "*/ kernel void mine(global uint *v) { v[0] = MINE; }\n"
+                                "wrong";
+    static const char within[] = "#include \"mine.clh\"\nkernel void mine(void) {}\n";
+    static const bb_source files[] = {{"mine.cl", above, files},
+                                      {"within.cl", within, files},
+                                      {"mine.clh", "#define MINE 42", files},
+                                      {.name = NULL}};
+    static const bb_source bad[] = {
+        {"within.cl", within, bad}, {"mine.clh", "\n\nwrong", bad}, {.name = NULL}};
+    static const bb_source circle[] = {
+        {"within.cl", within, circle}, {"mine.clh", within, circle}, {.name = NULL}};
+    cl_program program = NULL;
+    expect_error(&files[0], "mine.cl:5:1: ");
+    assert_int_equal(bb_program_build(device, &files[1], "", &program), BB_OK);
+    bb_program_release(program);
+    bb_programs_clear(device);
+    expect_error(&bad[0], "mine.clh:3:1: ");
+    expect_error(&circle[0], "compiling within.cl: mine.clh includes itself");
+}
+
 static void a_folder_overrides_embedded_sources(void **state)
 {
     (void)state;
@@ -313,6 +346,7 @@ int main(void)
         cmocka_unit_test(build_errors_are_one_line),
         cmocka_unit_test(launch_errors_name_the_kernel),
         cmocka_unit_test(headers_resolve_within_a_folder),
+        cmocka_unit_test(errors_name_the_file_and_its_line),
         cmocka_unit_test(a_folder_overrides_embedded_sources),
         cmocka_unit_test(a_fence_that_fails_is_not_used),
         cmocka_unit_test(closing_waits_for_what_was_enqueued),

@@ -132,9 +132,11 @@ static bb_status load_scene(bb_bench *bench, const char *name)
     bench->scene_text = name;
     bb_progress_stage(bench->progress, 0, "%s: loading", name);
     bb_step step = bb_bench_begin(bench);
-    BB_TRY(bb_scene_load(name, &bench->scene));
+    bench->scene = bench->first;
+    bench->first = NULL;
+    if (bench->scene == NULL)
+        BB_TRY(bb_scene_load(name, &bench->scene));
     BB_TRY(bb_bench_end(bench, step, "load and profile scenes", BB_OK));
-    BB_TRY(bb_bench_check_views(bench, bench->scene, name));
     step = bb_bench_begin(bench);
     BB_TRY(bb_scene_upload(bench->scene, bench->device));
     BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
@@ -350,17 +352,20 @@ static bb_status run_scene(bb_bench *bench, const char *name)
     return status;
 }
 
-/* A scene that can't be loaded shall be found out before hours of work, not after them. The first
- * is loaded at once anyway. */
+/* A scene that can't be loaded shall be found out before hours of work, and before minutes of
+ * compiling. The first is kept. */
 static bb_status try_scenes(bb_bench *bench)
 {
     bb_step step = bb_bench_begin(bench);
-    for (uint32_t i = 1; i < bench->request->scene_count; i++) {
+    for (uint32_t i = 0; i < bench->request->scene_count; i++) {
         bb_scene *scene = NULL;
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
         BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
         bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
-        bb_scene_free(scene);
+        if (i == 0)
+            bench->first = scene;
+        else
+            bb_scene_free(scene);
         BB_TRY(status);
     }
     return bb_bench_end(bench, step, "load and profile scenes", BB_OK);
@@ -514,9 +519,9 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->random = request->seed;
     bench->progress = &progress;
     bench->start = bb_wall_ms();
-    bb_status status = try_builders(bench);
+    bb_status status = try_scenes(bench);
     if (status == BB_OK)
-        status = try_scenes(bench);
+        status = try_builders(bench);
     bb_step step = bb_bench_begin(bench);
     if (status == BB_OK)
         status = start_buffers(bench);
@@ -533,6 +538,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     for (uint32_t i = 0; i < request->builder_count && status == BB_OK; i++)
         outcome->unbuilt += !bench->built[i];
     free(bench->built);
+    bb_scene_free(bench->first);
     bb_progress_end(&progress);
     bb_buffer_release(&bench->rays);
     bb_buffer_release(&bench->answers);

@@ -63,6 +63,7 @@ typedef struct bb_bench {
     bb_device *device;
     bb_results *results;
     bb_scene *scene;
+    bb_scene *first;        /* loaded before its turn, or NULL */
     const char *scene_text; /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];

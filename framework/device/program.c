@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEADERS_MAX = 128 };
-
 const bb_source *bb_source_find(const char *name)
 {
     for (const bb_source *source = bb_embedded_sources; source->name != NULL; source++)
@@ -49,17 +47,6 @@ static char *read_override(bb_device *device, const char *name)
     return text;
 }
 
-static bb_status create_program(bb_device *device, const bb_source *source, cl_program *program)
-{
-    char *override = read_override(device, source->name);
-    const char *text = override != NULL ? override : source->text;
-    cl_int error;
-    *program = clCreateProgramWithSource(device->context, 1, &text, NULL, &error);
-    free(override);
-    BB_CL_TRY(error, "making a program of %s", source->name);
-    return BB_OK;
-}
-
 /* The first error of a build log, as the one line that the message has room for. */
 static bb_status fail_with_log(bb_device *device, cl_program program, const char *name,
                                cl_int error)
@@ -81,55 +68,126 @@ static bb_status fail_with_log(bb_device *device, cl_program program, const char
     return status;
 }
 
-/* The headers that a source may include. */
-typedef struct header_list {
-    cl_uint count;
-    cl_program programs[HEADERS_MAX];
-    const char *names[HEADERS_MAX];
-} header_list;
+/* ---- one text of a source and what it includes ---- */
 
-static bb_status add_headers(bb_device *device, const bb_source *files, header_list *headers)
+typedef struct text {
+    char *chars;
+    size_t length, capacity;
+} text;
+
+static bb_status append(text *whole, const char *chars, size_t length)
 {
-    for (const bb_source *file = files; file != NULL && file->name != NULL; file++) {
-        if (!has_ending(file->name, ".h") && !has_ending(file->name, ".clh"))
-            continue;
-        if (headers->count == HEADERS_MAX)
-            return bb_fail(BB_FAILED, "more than %d device headers", HEADERS_MAX);
-        BB_TRY(create_program(device, file, &headers->programs[headers->count]));
-        headers->names[headers->count++] = file->name;
+    if (whole->length + length + 1 > whole->capacity) {
+        size_t capacity = 2 * (whole->length + length + 1);
+        char *grown = realloc(whole->chars, capacity);
+        if (grown == NULL)
+            return bb_fail(BB_FAILED, "out of memory");
+        whole->chars = grown;
+        whole->capacity = capacity;
     }
+    memcpy(whole->chars + whole->length, chars, length);
+    whole->length += length;
+    whole->chars[whole->length] = '\0';
     return BB_OK;
 }
 
+static const bb_source *find_header(const bb_source *source, const char *name, size_t length)
+{
+    const bb_source *const places[2] = {bb_embedded_sources, source->folder};
+    for (int i = 0; i < 2; i++)
+        for (const bb_source *file = places[i]; file != NULL && file->name != NULL; file++)
+            if (strlen(file->name) == length && memcmp(file->name, name, length) == 0 &&
+                (has_ending(file->name, ".h") || has_ending(file->name, ".clh")))
+                return file;
+    return NULL;
+}
+
+static const char *skip_blanks(const char *at)
+{
+    return at + strspn(at, " \t");
+}
+
+/* NAME, and its length, of a line `#include "NAME"`; NULL of any other line. */
+static const char *included_name(const char *line, size_t *length)
+{
+    line = skip_blanks(line);
+    if (*line != '#')
+        return NULL;
+    line = skip_blanks(line + 1);
+    if (strncmp(line, "include", 7) != 0)
+        return NULL;
+    line = skip_blanks(line + 7);
+    if (*line != '"')
+        return NULL;
+    *length = strcspn(line + 1, "\"\n");
+    return line[1 + *length] == '"' ? line + 1 : NULL;
+}
+
+enum { DEPTH_MAX = 32 };
+
+/* What the compiler says of the lines that follow. */
+static bb_status append_mark(text *whole, uint32_t line, const char *name)
+{
+    char mark[300];
+    int length = snprintf(mark, sizeof mark, "#line %u \"%.200s\"\n", line, name);
+    return append(whole, mark, (size_t)length);
+}
+
+/* Appends a file, and in place of each `#include "NAME"` the file NAME: headers guard themselves.
+ * A NAME that there is not stays, for the compiler to complain of. */
+static bb_status append_file(bb_device *device, const bb_source *source, const bb_source *file,
+                             uint32_t depth, text *whole)
+{
+    if (depth > DEPTH_MAX)
+        return bb_fail(BB_FAILED, "compiling %s: %s includes itself", source->name, file->name);
+    char *override = read_override(device, file->name);
+    const char *line = override != NULL ? override : file->text;
+    bb_status status = append_mark(whole, 1, file->name);
+    for (uint32_t number = 1; status == BB_OK && *line != '\0'; number++) {
+        size_t length = strcspn(line, "\n"), name_length = 0;
+        const char *name = included_name(line, &name_length), *rest = line;
+        const bb_source *header = name != NULL ? find_header(source, name, name_length) : NULL;
+        if (header != NULL) {
+            status = append_file(device, source, header, depth + 1, whole);
+            if (status == BB_OK)
+                status = append_mark(whole, number, file->name);
+            rest = name + name_length + 1;
+        }
+        if (status == BB_OK)
+            status = append(whole, rest, (size_t)(line + length - rest));
+        if (status == BB_OK)
+            status = append(whole, "\n", 1);
+        line += length + (line[length] == '\n');
+    }
+    free(override);
+    return status;
+}
+
+/* All in one text, not clCompileProgram and clLinkProgram with a program for each header: of that,
+ * PoCL 3.1 finds nothing but the kernels in its cache, and compiles and links the rest each time. */
 static bb_status compile(bb_device *device, const bb_source *source, const char *options,
                          cl_program *program)
 {
-    cl_program main = NULL;
-    header_list headers = {.count = 0};
-    bb_status status = create_program(device, source, &main);
-    if (status == BB_OK)
-        status = add_headers(device, bb_embedded_sources, &headers);
-    if (status == BB_OK)
-        status = add_headers(device, source->folder, &headers);
-    if (status != BB_OK)
-        goto out;
-
-    cl_int error = clCompileProgram(main, 1, &device->id, options, headers.count, headers.programs,
-                                    headers.names, NULL, NULL);
-    if (error != CL_SUCCESS) {
-        status = fail_with_log(device, main, source->name, error);
-        goto out;
+    text whole = {0};
+    cl_int error;
+    *program = NULL;
+    bb_status status = append_file(device, source, source, 0, &whole);
+    if (status == BB_OK) {
+        *program = clCreateProgramWithSource(device->context, 1, (const char **)&whole.chars, NULL,
+                                             &error);
+        if (error != CL_SUCCESS)
+            status =
+                bb_fail(BB_FAILED, "making a program of %s: %s", source->name, bb_cl_error(error));
     }
-    *program = clLinkProgram(device->context, 1, &device->id, "", 1, &main, NULL, NULL, &error);
+    free(whole.chars);
+    if (status != BB_OK)
+        return status;
+    error = clBuildProgram(*program, 1, &device->id, options, NULL, NULL);
     if (error != CL_SUCCESS) {
-        status = fail_with_log(device, *program != NULL ? *program : main, source->name, error);
+        status = fail_with_log(device, *program, source->name, error);
         bb_program_release(*program);
         *program = NULL;
     }
-out:
-    for (cl_uint i = 0; i < headers.count; i++)
-        clReleaseProgram(headers.programs[i]);
-    bb_program_release(main);
     return status;
 }
 
