@@ -15,6 +15,9 @@
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
      false},
+    {"table", NULL, "print the full tables, and write nothing but what --out names", false},
+    {"markdown", NULL, "the same with the summary as Markdown", false},
+    {"csv", NULL, "the same with all traces as comma-separated values", false},
     BB_CHARTS_OPTION,
     {NULL, NULL, NULL, false},
 };
@@ -71,14 +74,45 @@ static bb_status read_input(const char *argument, bb_results **results, char **f
     return locate_pictures(*results, *folder);
 }
 
-static bb_status write_charts(bb_results *results, const char *page)
+static bb_status write_charts(bb_results *results, const char *page, bool said)
 {
     char folder[PATH_MAX];
     uint32_t pictures;
     BB_TRY(bb_report_charts_folder(page, folder, sizeof folder));
     BB_TRY(bb_report_charts(results, folder, &pictures));
-    printf("%s: %u charts, each as SVG and PNG\n", folder, pictures);
+    if (said)
+        printf(" charts  %s: %u, each as SVG and PNG\n", folder, pictures);
     return BB_OK;
+}
+
+/* The page, and its charts; what was written is said, unless a table is all that is wanted. */
+static bb_status write_page(const bb_cli *cli, bb_results *results, const char *page, bool said,
+                            bool charts)
+{
+    BB_TRY(bb_report_html(results, NULL, page));
+    if (said)
+        printf("\n report  %s\n", page);
+    if (!charts && said)
+        bb_charts_note(cli);
+    return charts ? write_charts(results, page, said) : BB_OK;
+}
+
+/* What goes to standard output: the summary, if nothing else is asked for. */
+static bb_status print(const bb_cli *cli, bb_results *results, bool *only)
+{
+    bb_status status = BB_OK;
+    *only = true;
+    if (bb_cli_value(cli, "table") != NULL)
+        status = bb_report_table(results, stdout);
+    else if (bb_cli_value(cli, "markdown") != NULL)
+        status = bb_report_markdown(results, stdout);
+    else if (bb_cli_value(cli, "csv") != NULL)
+        status = bb_report_csv(results, stdout);
+    else {
+        *only = false;
+        status = bb_report_verdict(results, stdout);
+    }
+    return status;
 }
 
 static bb_status run(const bb_cli *cli, int *exit_status)
@@ -101,18 +135,15 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         more = NULL;
         other = NULL;
     }
-    if (status == BB_OK && out == NULL) {
+    bool only = false;
+    if (status == BB_OK)
+        status = print(cli, all, &only);
+    if (status == BB_OK && out == NULL && !only) {
         status = join(beside, folder, "report.html");
         out = beside;
     }
-    if (status == BB_OK)
-        status = bb_report_html(all, NULL, out);
-    if (status == BB_OK)
-        printf("%s\n", out);
-    if (status == BB_OK && charts)
-        status = write_charts(all, out);
-    else if (status == BB_OK)
-        bb_charts_note(cli);
+    if (status == BB_OK && out != NULL)
+        status = write_page(cli, all, out, !only, charts);
     bb_results_destroy(all);
     free(folder);
     *exit_status = BB_EXIT_OK;
@@ -122,7 +153,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_report;
 const bb_command bb_command_report = {
     .name = "report",
-    .summary = "makes the HTML report of one or several result files, and its charts as pictures",
+    .summary = "summary, tables and HTML report of one or several result files",
     .arguments = "FILE|DIR...",
     .details = "A folder stands for its results.json. Several inputs become one report; scenes of "
                "the same\n"

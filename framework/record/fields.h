@@ -27,6 +27,8 @@ FIELD(CONTEXT_THREADS, CONTEXT, "cpu_threads", "", NUMBER | NONE, C(SIZE, cpu_th
       NULL, NULL)
 FIELD(CONTEXT_LOAD, CONTEXT, "load", "", NUMBERS | NUMBER | NONE, BY(bb_put_load), AS_FIGURE,
       "Load (1, 5, 15 min)", NULL)
+FIELD(CONTEXT_OTHERS, CONTEXT, "others_cpu", "", NUMBER | NONE, LATER, AS_FIGURE,
+      "Other programs", "processors that they kept busy during the run, on average")
 FIELD(CONTEXT_DEVICE, CONTEXT, "device", "", TEXT | NONE, C(STRING, device), AS_TEXT, "Device",
       NULL)
 FIELD(CONTEXT_DRIVER, CONTEXT, "driver", "", TEXT | NONE, C(STRING, driver), AS_TEXT, "Driver",

@@ -193,6 +193,14 @@ bb_status bb_results_add_step(bb_results *results, const char *name, double ms)
     return BB_OK;
 }
 
+bb_status bb_results_set_others(bb_results *results, double processors)
+{
+    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
+    const char *name = bb_fields[BB_F_CONTEXT_OTHERS].name;
+    cJSON_DeleteItemFromObjectCaseSensitive(context, name);
+    return bb_put_number(context, name, processors) ? BB_OK : no_memory();
+}
+
 bb_status bb_results_set_total(bb_results *results, double build_ms, double trace_ms,
                                double total_ms)
 {

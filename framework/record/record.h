@@ -134,6 +134,8 @@ bb_status bb_results_add_step(bb_results *results, const char *name, double ms);
  * account for is written as "other". To be called after the last step; a later call replaces it. */
 bb_status bb_results_set_total(bb_results *results, double build_ms, double trace_ms,
                                double total_ms);
+/* Processors that other programs kept busy meanwhile; NAN: not known. A later call replaces it. */
+bb_status bb_results_set_others(bb_results *results, double processors);
 /* A ray set that the scene does not have, and why: no hole goes unsaid. */
 bb_status bb_results_add_skipped(bb_results *results, const char *scene, const char *rays,
                                  const char *view, const char *reason);

@@ -6,6 +6,13 @@
 
 #include <stdio.h>
 
+/* One screen of at most 100 columns: builders by merit, what is best, what cannot be told apart. */
+bb_status bb_report_verdict(const bb_results *results, FILE *out);
+
+/* The same as Markdown; all traces as comma-separated values. */
+bb_status bb_report_markdown(const bb_results *results, FILE *out);
+bb_status bb_report_csv(const bb_results *results, FILE *out);
+
 /* Text table of builds and traces, speeds beside wrong-answer rates, wrong cells marked. */
 bb_status bb_report_table(bb_results *results, FILE *out);
 

@@ -1,0 +1,100 @@
+/* All traces as comma-separated values (RFC 4180): one line each, with what its build took. */
+#include "framework/report/report.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <string.h>
+
+/* Of a trace's build. */
+static const bb_field_id of_build[] = {BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_RATE,  BB_F_TREE_NODES,
+                                       BB_F_TREE_DEPTH,      BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK};
+enum { OF_BUILD = sizeof of_build / sizeof of_build[0] };
+
+static bool is_column(const bb_field *field)
+{
+    const unsigned lists = BB_JSON_OBJECT | BB_JSON_NUMBERS | BB_JSON_TEXTS | BB_JSON_FIGURES;
+    bool trace = field->part == BB_IN_TRACE || field->part == BB_IN_ACCURACY;
+    return trace && (field->types & lists) == 0;
+}
+
+static void print_text(FILE *out, const char *text)
+{
+    if (strpbrk(text, ",\"\r\n") == NULL) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text != '\0'; text++)
+        fputs(*text == '"' ? "\"\"" : (char[]){*text, '\0'}, out);
+    fputc('"', out);
+}
+
+static void print_number(FILE *out, double value)
+{
+    if (isfinite(value))
+        fprintf(out, "%.17g", value);
+}
+
+/* Nothing for what was not measured. */
+static void print_item(FILE *out, const cJSON *item)
+{
+    if (cJSON_IsString(item))
+        print_text(out, item->valuestring);
+    else if (cJSON_IsNumber(item))
+        print_number(out, item->valuedouble);
+    else if (cJSON_IsBool(item))
+        fputs(cJSON_IsTrue(item) ? "true" : "false", out);
+}
+
+static void print_head(FILE *out)
+{
+    const char *before = "";
+    for (size_t i = 0; i < BB_FIELDS; i++)
+        if (is_column(&bb_fields[i])) {
+            fprintf(out, "%s%s", before, bb_fields[i].name);
+            before = ",";
+        }
+    for (size_t i = 0; i < OF_BUILD; i++)
+        fprintf(out, ",%s%s", bb_fields[of_build[i]].part == BB_IN_TREE ? "tree_" : "",
+                bb_fields[of_build[i]].name);
+    fputs(",layout_ms", out);
+    for (uint32_t i = 0; i < bb_metric_count(); i++)
+        fprintf(out, ",tree_%s", bb_metrics[i]->name);
+    fputs("\r\n", out);
+}
+
+static void print_trace(FILE *out, const cJSON *trace, const cJSON *build)
+{
+    bool first = true;
+    for (size_t i = 0; i < BB_FIELDS; i++) {
+        if (!is_column(&bb_fields[i]))
+            continue;
+        fputs(first ? "" : ",", out);
+        first = false;
+        print_item(out, bb_get(trace, (bb_field_id)i));
+    }
+    for (size_t i = 0; i < OF_BUILD; i++) {
+        fputc(',', out);
+        print_item(out, bb_get(build, of_build[i]));
+    }
+    fputc(',', out);
+    print_number(out, bb_get_named(build, BB_F_BUILD_LAYOUTS_MS,
+                                   bb_get_text(trace, BB_F_TRACE_LAYOUT)));
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        fputc(',', out);
+        print_number(out, bb_get_metric(build, bb_metrics[i]));
+    }
+    fputs("\r\n", out);
+}
+
+bb_status bb_report_csv(const bb_results *results, FILE *out)
+{
+    const cJSON *trace;
+    print_head(out);
+    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
+    {
+        double id = bb_get_number(trace, BB_F_TRACE_BUILD);
+        print_trace(out, trace, id >= 0 ? bb_results_build(results, (uint32_t)id) : NULL);
+    }
+    return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
+}

@@ -1,0 +1,189 @@
+/* The answer on one screen: builders by merit over all scenes and rays, what is best and what this
+ * run cannot tell apart, in a table and in sentences. At most 100 columns. */
+#include "framework/report/columns.h"
+#include "framework/report/report.h"
+#include "framework/summary/summary.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COLUMNS = 100, LABEL = 17 };
+
+/* Numbers of rays that have a column: of bb_summary_counts. */
+static const uint32_t shown_counts[] = {0, 1, 3, 4, 5};
+enum { SHOWN = sizeof shown_counts / sizeof shown_counts[0] };
+
+/* ---- the head ---- */
+
+static void print_minutes(FILE *out, double ms)
+{
+    if (ms >= 60e3)
+        fprintf(out, "%.0f min %.0f s", floor(ms / 60e3), floor(fmod(ms, 60e3) / 1e3));
+    else
+        fprintf(out, "%.1f s", ms / 1e3);
+}
+
+static void print_count(FILE *out, const char *before, uint32_t count, const char *name)
+{
+    fprintf(out, "%s%u %s%s", before, count, name, count == 1 ? "" : "s");
+}
+
+static void print_head(FILE *out, const bb_results *results, const bb_summary *s)
+{
+    const cJSON *context = bb_results_section(results, "context");
+    double ms = bb_json_number(bb_results_section(results, "time_ms"), "total");
+    char device[60];
+    fputs("bvhbench ", out);
+    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_REVISION), 0);
+    print_count(out, ": ", s->scenes, "scene");
+    print_count(out, ", ", s->sets, "ray set");
+    print_count(out, ", ", s->builder_count, "builder");
+    print_count(out, ", ", s->rounds, "round");
+    if (isfinite(ms)) {
+        fputs(", ", out);
+        print_minutes(out, ms);
+    }
+    fputc('\n', out);
+    snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    bb_print_text(out, device, 0);
+    if (isfinite(s->noise))
+        fprintf(out, "; noise %.1f %%, worst tenth %.1f %%", 100 * s->noise, 100 * s->noise_worst);
+    fputc('\n', out);
+}
+
+/* ---- the table ---- */
+
+/* Best, or tied with the best. */
+static char mark_of(const bb_standing *standing)
+{
+    return standing->best ? '*' : standing->tied ? '~' : ' ';
+}
+
+static void print_figure(FILE *out, double value, int width)
+{
+    if (!isfinite(value))
+        fprintf(out, "%*s", width, "-");
+    else
+        fprintf(out, "%*.*f", width, value < 9.995 ? 2 : value < 99.95 ? 1 : 0, value);
+}
+
+/* A bracket around the rows that this run can't tell apart. */
+static char bracket_of(const bb_summary *s, uint32_t i)
+{
+    const bb_summary_row *row = &s->rows[i];
+    bool above = i > 0 && s->rows[i - 1].group == row->group;
+    bool below = i + 1 < s->builder_count && s->rows[i + 1].group == row->group;
+    if (row->reference || row->group == UINT32_MAX || (!above && !below))
+        return ' ';
+    return above && below ? '|' : above ? '/' : '\\';
+}
+
+static void print_row(FILE *out, const bb_summary *s, uint32_t i)
+{
+    const bb_summary_row *row = &s->rows[i];
+    char wrong[BB_ENTRY] = "-";
+    fputc(' ', out);
+    bb_print_text(out, row->name, 27);
+    print_figure(out, row->trace.value, 6);
+    fprintf(out, "%c%c", row->trace.best ? '*' : ' ', bracket_of(s, i));
+    print_figure(out, row->build.value, 6);
+    fputc(mark_of(&row->build), out);
+    print_figure(out, row->ready.value, 7);
+    fputc(mark_of(&row->ready), out);
+    for (uint32_t k = 0; k < SHOWN; k++) {
+        print_figure(out, row->image[shown_counts[k]].value, 5);
+        fputc(mark_of(&row->image[shown_counts[k]]), out);
+    }
+    print_figure(out, row->sah.value, 5);
+    fputc(mark_of(&row->sah), out);
+    print_figure(out, row->peak / (1 << 20), 6);
+    if (row->checked > 0)
+        snprintf(wrong, sizeof wrong, row->wrong == 0 ? "none" : "%.0f", row->wrong);
+    fprintf(out, "%7s\n", wrong);
+}
+
+static void print_rows(FILE *out, const bb_summary *s)
+{
+    fprintf(out, "\n %-26s%7s  %6s %7s    %-27s%5s %6s%7s\n", "", "trace", "build", "+layout",
+            "time to image, by the best", "SAH", "peak", "wrong");
+    fprintf(out, " %-26s%7s  %6s %7s ", "builder", s->referenced ? "/Embree" : "/best", "M/s",
+            "M/s");
+    static const char *const counts[] = {"0.1 M", "1 M", "10 M", "100 M", "1 G", "10 G"};
+    for (uint32_t k = 0; k < SHOWN; k++)
+        fprintf(out, "%5s ", counts[shown_counts[k]]);
+    fprintf(out, "%5s %6s%7s\n", "/best", "MiB", "rays");
+    for (uint32_t i = 0; i < s->row_count; i++)
+        print_row(out, s, i);
+}
+
+static void print_legend(FILE *out, const bb_summary *s)
+{
+    fputs(" geometric means; M/s: million primitives; * best, ~ tied with it", out);
+    fputs(s->rounds >= BB_INTERVAL_ROUNDS
+              ? "; \\|/ this run can't tell apart\n"
+              : "; too few rounds to know ties (--repeats 6)\n",
+          out);
+    for (uint32_t i = 0, said = 0; i < s->row_count; i++) {
+        if (s->rows[i].sets == s->sets)
+            continue;
+        fprintf(out, "%s%s %u of %u", said++ == 0 ? " ray sets of " : ", ", s->rows[i].name,
+                s->rows[i].sets, s->sets);
+        if (said == 3 || i + 1 == s->row_count) {
+            fputs(i + 1 < s->row_count ? " ...\n" : "\n", out);
+            break;
+        }
+    }
+}
+
+/* ---- sentences ---- */
+
+/* Words of `text` in lines, behind a label. */
+static void print_wrapped(FILE *out, const char *label, const char *text)
+{
+    int column = fprintf(out, " %-*s", LABEL - 1, label);
+    const int start = column;
+    while (*text != '\0') {
+        int length = (int)strcspn(text, " ");
+        if (column + length > COLUMNS && column > start) {
+            fprintf(out, "\n%*s", start, "");
+            column = start;
+        }
+        char word[128];
+        snprintf(word, sizeof word, "%.*s", length < 127 ? length : 127, text);
+        bb_print_text(out, word, 0);
+        column += length;
+        text += length;
+        if (*text == ' ') {
+            if (column < COLUMNS) {
+                fputc(' ', out);
+                column++;
+            }
+            text++;
+        }
+    }
+    fputc('\n', out);
+}
+
+bb_status bb_report_verdict(const bb_results *results, FILE *out)
+{
+    bb_summary summary;
+    char busy[256];
+    BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
+    bool is_busy = bb_summary_busy(results, busy);
+    if (is_busy)
+        print_wrapped(out, "WARNING", busy);
+    print_head(out, results, &summary);
+    if (summary.row_count > 0) {
+        print_rows(out, &summary);
+        print_legend(out, &summary);
+        fputc('\n', out);
+    }
+    for (uint32_t i = 0; i < summary.sentence_count; i++)
+        print_wrapped(out, summary.sentences[i].label, summary.sentences[i].text);
+    if (is_busy)
+        print_wrapped(out, "WARNING", busy);
+    bb_summary_free(&summary);
+    return ferror(out) ? bb_fail(BB_FAILED, "cannot write the summary") : BB_OK;
+}

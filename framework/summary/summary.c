@@ -1,0 +1,615 @@
+/* Rows and their order: geometric means of ratios over scenes and ray sets, and what this run can
+ * tell apart. */
+#include "framework/summary/summary_private.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const double bb_summary_counts[BB_SUMMARY_COUNTS] = {1e5, 1e6, 1e7, 1e8, 1e9, 1e10};
+
+double bb_summary_curve_count(uint32_t i)
+{
+    return pow(10, 3 + 0.25 * i);
+}
+
+bool bb_choice_takes(const bb_summary_choice *choice, const char *scene, const char *rays)
+{
+    return (choice->scene == NULL || strcmp(choice->scene, scene) == 0) &&
+           (choice->rays == NULL || strcmp(choice->rays, rays) == 0);
+}
+
+/* ---- costs: the lower the better ---- */
+
+enum { FASTEST_REFERENCE = UINT32_MAX - 1, NOBODY = UINT32_MAX };
+
+typedef enum quantity {
+    TRACE, /* ns of a ray, per ray set */
+    BUILD, /* ms of a primitive, per scene */
+    READY, /* the same of build and layout */
+    IMAGE, /* ms for build, layout and some rays, per ray set */
+    SAH,   /* per scene */
+} quantity;
+
+typedef struct measure {
+    quantity quantity;
+    double rays; /* of IMAGE */
+} measure;
+
+typedef struct cost {
+    double median; /* NAN: none */
+    bb_samples all;
+} cost;
+
+typedef struct view {
+    const bb_numbers *n;
+    bool *sets, *scenes;      /* that enter */
+    const char **favourites;  /* of each entrant: the kernel that is fastest most often, or NULL */
+} view;
+
+static const bb_built *built(const view *v, uint32_t e, uint32_t scene)
+{
+    return &v->n->builds[(size_t)e * v->n->scene_count + scene];
+}
+
+/* a + factor * b, from the last round back. Layouts have one round less, without the first, which
+ * counts for nothing: the earliest stands for it. Empty if one has none. */
+static bb_samples sum(const bb_samples *a, double factor, const bb_samples *b)
+{
+    bb_samples all = {0};
+    uint32_t count = a->count > b->count ? a->count : b->count;
+    if (a->count == 0 || b->count == 0)
+        return all;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t before_a = count - a->count, before_b = count - b->count;
+        bb_samples_add(&all, a->values[i > before_a ? i - before_a : 0] +
+                                 factor * b->values[i > before_b ? i - before_b : 0]);
+    }
+    return all;
+}
+
+/* Build and layout, in ms. A layout that nothing is known of, a reference's, costs nothing. */
+static double ready_ms(const view *v, const bb_candidate *c, bb_samples *all)
+{
+    const bb_built *b = built(v, c->entrant, c->scene);
+    if (!b->ok)
+        return NAN;
+    bool made = isfinite(c->layout_ms) && c->layout_ms > 0;
+    if (all != NULL)
+        *all = made ? sum(&b->fixed_all, 1, &c->layout_all) : b->fixed_all;
+    return b->fixed_ms + (made ? c->layout_ms : 0);
+}
+
+static double image_ms(const view *v, const bb_candidate *c, double rays)
+{
+    return ready_ms(v, c, NULL) + rays * c->ns * 1e-6;
+}
+
+/* The entrant's candidate of least cost for `rays` rays (0: by the trace alone); NULL if it has
+ * none. */
+static const bb_candidate *fastest(const view *v, uint32_t e, uint32_t set, double rays)
+{
+    const bb_candidate *best = NULL;
+    const uint32_t *start = &v->n->starts[(size_t)e * v->n->set_count + set];
+    for (uint32_t i = start[0]; i < start[1]; i++) {
+        const bb_candidate *c = &v->n->candidates[i];
+        if (rays == 0 ? best == NULL || c->ns < best->ns
+                      : isfinite(image_ms(v, c, rays)) &&
+                            (best == NULL || image_ms(v, c, rays) < image_ms(v, best, rays)))
+            best = c;
+    }
+    return best;
+}
+
+static const bb_candidate *fastest_reference(const view *v, uint32_t set)
+{
+    const bb_candidate *best = NULL;
+    for (uint32_t e = 0; e < v->n->entrant_count; e++) {
+        const bb_candidate *c = v->n->entrants[e].reference ? fastest(v, e, set, 0) : NULL;
+        if (c != NULL && (best == NULL || c->ns < best->ns))
+            best = c;
+    }
+    return best;
+}
+
+/* A candidate of the kernel that is the builder's fastest most often. */
+static const bb_candidate *favourite(const view *v, uint32_t e, uint32_t scene)
+{
+    for (uint32_t i = 0; i < v->n->candidate_count; i++) {
+        const bb_candidate *c = &v->n->candidates[i];
+        if (c->entrant == e && c->scene == scene && v->favourites[e] != NULL &&
+            strcmp(c->kernel, v->favourites[e]) == 0)
+            return c;
+    }
+    return NULL;
+}
+
+static bool per_scene(const measure *m)
+{
+    return m->quantity == BUILD || m->quantity == READY || m->quantity == SAH;
+}
+
+/* Of an entrant on a scene or a ray set. */
+static cost cost_on_scene(const view *v, uint32_t e, uint32_t scene, const measure *m)
+{
+    const bb_built *b = built(v, e, scene);
+    cost found = {.median = NAN};
+    if (!b->ok)
+        return found;
+    if (m->quantity == SAH) {
+        found.median = b->sah;
+        return found;
+    }
+    found.median = b->build_ms;
+    found.all = b->build_all;
+    if (m->quantity == READY) {
+        const bb_candidate *c = favourite(v, e, scene);
+        found.median = c != NULL ? ready_ms(v, c, &found.all) : NAN;
+    }
+    found.median /= b->prims;
+    for (uint32_t i = 0; i < found.all.count; i++)
+        found.all.values[i] /= b->prims;
+    return found;
+}
+
+static cost cost_on_rays(const view *v, uint32_t e, uint32_t set, const measure *m)
+{
+    cost found = {.median = NAN};
+    const bb_candidate *c =
+        e == FASTEST_REFERENCE ? fastest_reference(v, set)
+                               : fastest(v, e, set, m->quantity == IMAGE ? m->rays : 0);
+    if (c == NULL)
+        return found;
+    if (m->quantity == TRACE) {
+        found.median = c->ns;
+        found.all = c->ns_all;
+        return found;
+    }
+    bb_samples ready;
+    found.median = ready_ms(v, c, &ready) + m->rays * c->ns * 1e-6;
+    found.all = sum(&ready, m->rays * 1e-6, &c->ns_all);
+    return found;
+}
+
+static uint32_t unit_count(const view *v, const measure *m)
+{
+    return per_scene(m) ? v->n->scene_count : v->n->set_count;
+}
+
+static cost cost_of(const view *v, uint32_t e, uint32_t unit, const measure *m)
+{
+    bool enters = per_scene(m) ? v->scenes[unit] : v->sets[unit];
+    if (!enters)
+        return (cost){.median = NAN};
+    return per_scene(m) ? cost_on_scene(v, e, unit, m) : cost_on_rays(v, e, unit, m);
+}
+
+/* ---- means ---- */
+
+/* Geometric mean of a's cost by b's over what both have; by rounds too. b NOBODY: of a's cost. */
+typedef struct mean {
+    double value; /* NAN: nothing in common */
+    bb_estimate rounds;
+    uint32_t units;
+} mean;
+
+static mean mean_ratio(const view *v, uint32_t a, uint32_t b, const measure *m)
+{
+    mean result = {.value = 0, .rounds = bb_not_measured};
+    bb_samples logs = {0};
+    bool rounds = true;
+    for (uint32_t u = 0; u < unit_count(v, m); u++) {
+        cost x = cost_of(v, a, u, m), y = {.median = 1};
+        if (b != NOBODY)
+            y = cost_of(v, b, u, m);
+        if (!(x.median > 0) || !(y.median > 0))
+            continue;
+        result.value += log(x.median / y.median);
+        bb_samples ratios = b != NOBODY ? bb_samples_ratio(&x.all, &y.all) : x.all;
+        if (result.units++ == 0)
+            logs.count = ratios.count;
+        rounds = rounds && ratios.count == logs.count && ratios.count > 0;
+        for (uint32_t i = 0; rounds && i < ratios.count; i++)
+            logs.values[i] += log(ratios.values[i]);
+    }
+    if (result.units == 0)
+        result.value = NAN;
+    else
+        result.value = exp(result.value / result.units);
+    if (!rounds || result.units == 0)
+        return result;
+    for (uint32_t i = 0; i < logs.count; i++)
+        logs.values[i] = exp(logs.values[i] / result.units);
+    result.rounds = bb_samples_estimate(&logs);
+    return result;
+}
+
+/* Whether this run can't tell them apart: the interval of their ratio has 1 in it. */
+static bool is_tie(const view *v, uint32_t a, uint32_t b, const measure *m)
+{
+    bb_estimate e = mean_ratio(v, a, b, m).rounds;
+    return isfinite(e.low) && e.low <= 1 && e.high >= 1;
+}
+
+/* The builder of least mean cost among those that have it in most places. */
+static uint32_t best_builder(const view *v, const bool *enters, const measure *m)
+{
+    uint32_t best = NOBODY, most = 0;
+    double least = INFINITY;
+    for (uint32_t e = 0; e < v->n->entrant_count; e++) {
+        if (!enters[e] || v->n->entrants[e].reference)
+            continue;
+        mean own = mean_ratio(v, e, NOBODY, m);
+        if (own.units > most || (own.units == most && own.value < least)) {
+            best = e;
+            most = own.units;
+            least = own.value;
+        }
+    }
+    return most > 0 ? best : NOBODY;
+}
+
+/* ---- rows ---- */
+
+/* The row's cost by the best builder's, and whether it is that, or tied with it. */
+static bb_standing stand(const view *v, uint32_t e, uint32_t best, const measure *m)
+{
+    bb_standing s = {NAN, NAN, NAN, false, false};
+    if (best == NOBODY)
+        return s;
+    mean ratio = mean_ratio(v, e, best, m);
+    s.value = ratio.value;
+    s.low = ratio.rounds.low;
+    s.high = ratio.rounds.high;
+    s.best = e == best;
+    s.tied = !s.best && !v->n->entrants[e].reference && is_tie(v, e, best, m);
+    return s;
+}
+
+/* The same as a speed of its own, in millions per second, of costs in ms. */
+static bb_standing stand_as_rate(const view *v, uint32_t e, uint32_t best, const measure *m)
+{
+    bb_standing s = stand(v, e, best, m);
+    s.value = 1e-3 / mean_ratio(v, e, NOBODY, m).value;
+    s.low = s.high = NAN;
+    return s;
+}
+
+/* "name:key=value,key=value" shorter, so that a table has room: without its keys; cut, if need
+ * be. */
+static void shorten(const char *text, double run, char name[BB_SUMMARY_NAME])
+{
+    enum { ROOM = 27 };
+    char whole[BB_SUMMARY_NAME * 4];
+    size_t length = 0;
+    snprintf(whole, sizeof whole, "%.240s", text);
+    if (strlen(whole) > ROOM) {
+        for (const char *at = text; *at != '\0' && length + 1 < sizeof whole;) {
+            const char *key = at;
+            while ((*key >= 'a' && *key <= 'z') || *key == '-' || *key == '_' ||
+                   (*key >= '0' && *key <= '9'))
+                key++;
+            bool starts = at != text && (at[-1] == ':' || at[-1] == ',');
+            if (starts && *key == '=')
+                at = key + 1;
+            else
+                whole[length++] = *at++;
+        }
+        whole[length] = '\0';
+    }
+    char number[24] = "";
+    if (run > 0)
+        snprintf(number, sizeof number, " #%.0f", run + 1);
+    int room = ROOM - (int)strlen(number), size = (int)strlen(whole);
+    if (size > room)
+        snprintf(name, BB_SUMMARY_NAME, "%.*s..%s%s", room - 10, whole, whole + size - 8, number);
+    else
+        snprintf(name, BB_SUMMARY_NAME, "%s%s", whole, number);
+}
+
+/* The kernel that is this entrant's fastest on most ray sets. */
+static const char *find_favourite(const view *v, uint32_t e)
+{
+    const char *best = NULL;
+    uint32_t most = 0;
+    for (uint32_t s = 0; s < v->n->set_count; s++) {
+        const bb_candidate *c = v->sets[s] ? fastest(v, e, s, 0) : NULL;
+        uint32_t times = 0;
+        for (uint32_t t = 0; c != NULL && t < v->n->set_count; t++) {
+            const bb_candidate *other = v->sets[t] ? fastest(v, e, t, 0) : NULL;
+            times += other != NULL && strcmp(other->kernel, c->kernel) == 0;
+        }
+        if (times > most) {
+            most = times;
+            best = c->kernel;
+        }
+    }
+    return best;
+}
+
+static void add_peak(const view *v, uint32_t e, bb_summary_row *row)
+{
+    row->peak = NAN;
+    for (uint32_t s = 0; s < v->n->scene_count; s++)
+        if (v->scenes[s] && built(v, e, s)->ok)
+            row->peak = fmax(row->peak, built(v, e, s)->peak);
+}
+
+/* Best builders of each column. */
+typedef struct best {
+    uint32_t build, ready, sah, image[BB_SUMMARY_COUNTS], curve[BB_SUMMARY_CURVE];
+    uint32_t base; /* of traces: a builder or FASTEST_REFERENCE */
+} best;
+
+static void fill_row(const view *v, uint32_t e, const best *of, bb_summary_row *row)
+{
+    const measure trace = {TRACE, 0}, build = {BUILD, 0}, ready = {READY, 0}, sah = {SAH, 0};
+    const bb_entrant_row *entrant = &v->n->entrants[e];
+    *row = (bb_summary_row){.builder = entrant->builder,
+                            .run = entrant->run,
+                            .reference = entrant->reference,
+                            .group = UINT32_MAX,
+                            .wrong = NAN};
+    shorten(entrant->builder, entrant->run, row->name);
+    if (v->favourites[e] != NULL)
+        snprintf(row->kernel, sizeof row->kernel, "%s", v->favourites[e]);
+    mean own = mean_ratio(v, e, NOBODY, &trace), speed = {.value = NAN, .rounds = bb_not_measured};
+    row->sets = own.units;
+    row->mrays_s = 1e3 / own.value;
+    if (of->base != NOBODY)
+        speed = mean_ratio(v, of->base, e, &trace);
+    row->trace = (bb_standing){speed.value, speed.rounds.low, speed.rounds.high, false, false};
+    row->scenes = mean_ratio(v, e, NOBODY, &build).units;
+    row->build = stand_as_rate(v, e, of->build, &build);
+    row->ready = stand_as_rate(v, e, of->ready, &ready);
+    row->sah = stand(v, e, of->sah, &sah);
+    for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
+        row->image[k] = stand(v, e, of->image[k], &(measure){IMAGE, bb_summary_counts[k]});
+    for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
+        row->curve[i] =
+            of->curve[i] == NOBODY
+                ? (double)NAN
+                : mean_ratio(v, e, of->curve[i], &(measure){IMAGE, bb_summary_curve_count(i)})
+                      .value;
+    add_peak(v, e, row);
+}
+
+/* References last; what has no figure after what has one. */
+static int by_merit(const void *a, const void *b)
+{
+    const bb_summary_row *x = a, *y = b;
+    if (x->reference != y->reference)
+        return x->reference ? 1 : -1;
+    double p = isfinite(x->trace.value) ? x->trace.value : -1;
+    double q = isfinite(y->trace.value) ? y->trace.value : -1;
+    if (p != q)
+        return p > q ? -1 : 1;
+    p = isfinite(x->build.value) ? x->build.value : -1;
+    q = isfinite(y->build.value) ? y->build.value : -1;
+    if (p != q)
+        return p > q ? -1 : 1;
+    int order = strcmp(x->builder, y->builder);
+    return order != 0 ? order : (x->run > y->run) - (x->run < y->run);
+}
+
+static uint32_t entrant_of(const view *v, const bb_summary_row *row)
+{
+    for (uint32_t e = 0; e < v->n->entrant_count; e++)
+        if (v->n->entrants[e].builder == row->builder && v->n->entrants[e].run == row->run)
+            return e;
+    return NOBODY;
+}
+
+/* Builders that this run can't tell from the first of their group, which is the fastest of it. */
+static void group_rows(const view *v, bb_summary *s)
+{
+    const measure trace = {TRACE, 0};
+    uint32_t first = NOBODY, group = 0;
+    for (uint32_t i = 0; i < s->builder_count; i++) {
+        bb_summary_row *row = &s->rows[i];
+        if (!isfinite(row->trace.value))
+            break;
+        uint32_t e = entrant_of(v, row);
+        if (first == NOBODY) {
+            first = e;
+        } else if (!is_tie(v, e, first, &trace)) {
+            first = e;
+            group++;
+        }
+        row->group = group;
+        row->trace.best = i == 0;
+        row->trace.tied = i > 0 && group == 0;
+    }
+}
+
+/* ---- what was wrong, and how sure it is ---- */
+
+static bb_summary_row *find_row(bb_summary *s, const cJSON *entry, bb_field_id builder)
+{
+    for (uint32_t i = 0; i < s->row_count; i++)
+        if (s->rows[i].run == bb_run_of(entry) &&
+            strcmp(s->rows[i].builder, bb_get_text(entry, builder)) == 0)
+            return &s->rows[i];
+    return NULL;
+}
+
+static void count_wrong(const bb_numbers *n, const bb_summary_choice *choice, bb_summary *s)
+{
+    const cJSON *entry;
+    cJSON_ArrayForEach(entry, bb_results_section(n->results, "traces"))
+    {
+        bb_summary_row *row = find_row(s, entry, BB_F_TRACE_BUILDER);
+        bool ours = bb_get_true(entry, BB_F_TRACE_COUNTS);
+        if (row == NULL || !bb_choice_takes(choice, bb_get_text(entry, BB_F_TRACE_SCENE),
+                                            bb_get_text(entry, BB_F_TRACE_RAYS)))
+            continue;
+        row->failed += !bb_is_ok(entry);
+        double checked = bb_get_number(entry, BB_F_ACCURACY_CHECKED);
+        double ppm = bb_get_number(entry, BB_F_ACCURACY_WRONG_PPM);
+        double unlike = bb_get_number(entry, BB_F_TRACE_UNLIKE);
+        if (!(ours || row->reference) || !(checked > 0) || !isfinite(ppm))
+            continue;
+        double wrong = round(ppm * checked / 1e6) + (unlike > 0 ? unlike : 0);
+        row->wrong = (isfinite(row->wrong) ? row->wrong : 0) + wrong;
+        row->checked += checked;
+        s->checked += row->reference ? 0 : checked;
+        s->wrong += row->reference ? 0 : wrong;
+    }
+    cJSON_ArrayForEach(entry, bb_results_section(n->results, "builds"))
+    {
+        bb_summary_row *row = find_row(s, entry, BB_F_BUILD_BUILDER);
+        if (row != NULL && !bb_is_ok(entry) &&
+            (choice->scene == NULL ||
+             strcmp(choice->scene, bb_get_text(entry, BB_F_BUILD_SCENE)) == 0))
+            row->failed++;
+    }
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Median and worst tenth of the intervals, and the fewest rounds. */
+static bb_status find_noise(const view *v, bb_summary *s)
+{
+    double *widths = calloc(v->n->candidate_count + 1, sizeof *widths);
+    uint32_t count = 0;
+    if (widths == NULL)
+        return bb_fail(BB_FAILED, "summary: no memory");
+    s->noise = s->noise_worst = NAN;
+    s->rounds = UINT32_MAX;
+    for (uint32_t i = 0; i < v->n->candidate_count; i++) {
+        const bb_candidate *c = &v->n->candidates[i];
+        uint32_t rounds = c->ns_all.count > 1 ? c->ns_all.count - 1 : c->ns_all.count;
+        if (!v->sets[c->set])
+            continue;
+        s->rounds = rounds < s->rounds ? rounds : s->rounds;
+        if (isfinite(c->low) && isfinite(c->high))
+            widths[count++] = 0.5 * (c->high - c->low) * c->ns * 1e-3;
+    }
+    if (s->rounds == UINT32_MAX)
+        s->rounds = 0;
+    qsort(widths, count, sizeof *widths, by_value);
+    if (count > 0) {
+        s->noise = widths[count / 2];
+        s->noise_worst = widths[(uint64_t)count * 9 / 10];
+    }
+    free(widths);
+    return BB_OK;
+}
+
+/* ---- a summary ---- */
+
+/* Ray sets of the choice that at least half of its builders traced; who takes part. */
+static void choose_sets(view *v, const bb_summary_choice *choice, bool *enters, bb_summary *s)
+{
+    const bb_numbers *n = v->n;
+    uint32_t builders = 0;
+    for (uint32_t c = 0; c < n->scene_count; c++)
+        for (uint32_t e = 0; e < n->entrant_count; e++)
+            if ((choice->scene == NULL || strcmp(choice->scene, n->scenes[c]) == 0) &&
+                built(v, e, c)->ok)
+                enters[e] = true;
+    for (uint32_t e = 0; e < n->entrant_count; e++)
+        builders += enters[e] && !n->entrants[e].reference;
+    for (uint32_t i = 0; i < n->set_count; i++) {
+        uint32_t traced = 0;
+        if (!bb_choice_takes(choice, n->scenes[n->sets[i].scene], n->sets[i].rays))
+            continue;
+        for (uint32_t e = 0; e < n->entrant_count; e++)
+            traced += !n->entrants[e].reference && fastest(v, e, i, 0) != NULL;
+        v->sets[i] = 2 * traced >= builders;
+        s->sets += v->sets[i];
+        s->sets_aside += !v->sets[i];
+    }
+    /* of the scenes: those of the sets, or all that were built if nothing was traced */
+    for (uint32_t c = 0; c < n->scene_count; c++) {
+        bool chosen = choice->scene == NULL || strcmp(choice->scene, n->scenes[c]) == 0;
+        v->scenes[c] = chosen && s->sets == 0;
+        for (uint32_t i = 0; i < n->set_count; i++)
+            v->scenes[c] = v->scenes[c] || (v->sets[i] && n->sets[i].scene == c);
+        s->scenes += v->scenes[c];
+    }
+}
+
+static void find_best(const view *v, const bool *enters, bool referenced, best *of)
+{
+    of->build = best_builder(v, enters, &(measure){BUILD, 0});
+    of->ready = best_builder(v, enters, &(measure){READY, 0});
+    of->sah = best_builder(v, enters, &(measure){SAH, 0});
+    for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
+        of->image[k] = best_builder(v, enters, &(measure){IMAGE, bb_summary_counts[k]});
+    for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
+        of->curve[i] = best_builder(v, enters, &(measure){IMAGE, bb_summary_curve_count(i)});
+    of->base = referenced ? FASTEST_REFERENCE : best_builder(v, enters, &(measure){TRACE, 0});
+}
+
+static bb_status make_rows(view *v, const bb_summary_choice *choice, bool *enters, bb_summary *s)
+{
+    best of;
+    choose_sets(v, choice, enters, s);
+    for (uint32_t i = 0; i < v->n->set_count; i++)
+        s->referenced = s->referenced || (v->sets[i] && fastest_reference(v, i) != NULL);
+    for (uint32_t e = 0; e < v->n->entrant_count; e++)
+        v->favourites[e] = find_favourite(v, e);
+    find_best(v, enters, s->referenced, &of);
+    for (uint32_t e = 0; e < v->n->entrant_count; e++) {
+        if (!enters[e])
+            continue;
+        s->builder_count += !v->n->entrants[e].reference;
+        fill_row(v, e, &of, &s->rows[s->row_count++]);
+    }
+    qsort(s->rows, s->row_count, sizeof *s->rows, by_merit);
+    group_rows(v, s);
+    count_wrong(v->n, choice, s);
+    return find_noise(v, s);
+}
+
+bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choice,
+                        bb_summary *summary)
+{
+    memset(summary, 0, sizeof *summary);
+    view v = {.n = numbers};
+    v.sets = calloc(numbers->set_count + 1, sizeof *v.sets);
+    v.scenes = calloc(numbers->scene_count + 1, sizeof *v.scenes);
+    v.favourites = calloc(numbers->entrant_count + 1, sizeof *v.favourites);
+    bool *enters = calloc(numbers->entrant_count + 1, sizeof *enters);
+    summary->rows = calloc(numbers->entrant_count + 1, sizeof *summary->rows);
+    bb_status status = BB_OK;
+    if (v.sets == NULL || v.scenes == NULL || v.favourites == NULL || enters == NULL ||
+        summary->rows == NULL)
+        status = bb_fail(BB_FAILED, "summary: no memory");
+    if (status == BB_OK)
+        status = make_rows(&v, choice, enters, summary);
+    if (status == BB_OK)
+        status = bb_summary_accuracies(numbers->results, choice, summary);
+    if (status == BB_OK)
+        bb_summary_say(summary);
+    else
+        bb_summary_free(summary);
+    free(v.sets);
+    free(v.scenes);
+    free(v.favourites);
+    free(enters);
+    return status;
+}
+
+bb_status bb_summary_make(const bb_results *results, const bb_summary_choice *choice,
+                          bb_summary *summary)
+{
+    bb_numbers numbers;
+    BB_TRY(bb_numbers_read(results, &numbers));
+    bb_status status = bb_summary_of(&numbers, choice, summary);
+    bb_numbers_free(&numbers);
+    return status;
+}
+
+void bb_summary_free(bb_summary *summary)
+{
+    free(summary->rows);
+    free(summary->accuracy);
+    memset(summary, 0, sizeof *summary);
+}

@@ -1,0 +1,245 @@
+/* What follows from the rows, in sentences. */
+#include "framework/summary/summary_private.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static bb_sentence *begin(bb_summary *s, const char *label)
+{
+    if (s->sentence_count == BB_SUMMARY_SENTENCES)
+        return NULL;
+    bb_sentence *sentence = &s->sentences[s->sentence_count++];
+    snprintf(sentence->label, sizeof sentence->label, "%s", label);
+    sentence->text[0] = '\0';
+    return sentence;
+}
+
+/* Longer sentences than there is room for are cut. */
+static void say(bb_sentence *sentence, const char *format, ...)
+{
+    if (sentence == NULL)
+        return;
+    size_t length = strlen(sentence->text);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(sentence->text + length, sizeof sentence->text - length, format, args);
+    va_end(args);
+}
+
+/* 560000 -> "560 k", 3.2e9 -> "3.2 G" */
+static const char *rays_text(double rays, char text[32])
+{
+    static const struct {
+        double unit;
+        const char *name;
+    } units[] = {{1e9, " G"}, {1e6, " M"}, {1e3, " k"}, {1, ""}};
+    size_t i = 0;
+    while (i < 3 && rays < 0.9995 * units[i].unit)
+        i++;
+    snprintf(text, 32, rays / units[i].unit < 9.95 ? "%.2g%s" : "%.0f%s", rays / units[i].unit,
+             units[i].name);
+    return text;
+}
+
+/* The names of the first `count` of these, as "A, B and 2 more". */
+static void say_names(bb_sentence *sentence, const bb_summary_row *const *rows, uint32_t count)
+{
+    enum { NAMED = 5 };
+    uint32_t named = count > NAMED ? NAMED - 1 : count;
+    for (uint32_t i = 0; i < named; i++)
+        say(sentence, "%s%s", i > 0 ? ", " : "", rows[i]->name);
+    if (count > named)
+        say(sentence, " and %u more", count - named);
+}
+
+static void say_traces(bb_summary *s)
+{
+    const bb_summary_row *tied[64];
+    uint32_t count = 0;
+    while (count < s->builder_count && count < 64 && s->rows[count].group == 0) {
+        tied[count] = &s->rows[count];
+        count++;
+    }
+    if (count == 0)
+        return;
+    bb_sentence *sentence = begin(s, "Fastest trace");
+    say_names(sentence, tied, count);
+    if (s->referenced && count > 1)
+        say(sentence, ": %.2f to %.2f of Embree, a tie", tied[count - 1]->trace.value,
+            tied[0]->trace.value);
+    else if (s->referenced)
+        say(sentence, ": %.2f of Embree", tied[0]->trace.value);
+    else if (count > 1)
+        say(sentence, ": a tie");
+    if (count < s->builder_count && isfinite(s->rows[count].trace.value))
+        say(sentence, "; %s is %.0f %% slower", s->rows[count].name,
+            100 * (1 - s->rows[count].trace.value / tied[0]->trace.value));
+}
+
+/* A figure of a row by which rows are compared. */
+typedef const bb_standing *(*pick)(const bb_summary_row *, uint32_t);
+
+static const bb_standing *pick_build(const bb_summary_row *row, uint32_t k)
+{
+    (void)k;
+    return &row->build;
+}
+
+static const bb_standing *pick_image(const bb_summary_row *row, uint32_t k)
+{
+    return &row->image[k];
+}
+
+/* The builder that is best, those it is tied with, and the first behind them. */
+typedef struct podium {
+    const bb_summary_row *best, *next;
+    const bb_summary_row *tied[64];
+    uint32_t tied_count;
+} podium;
+
+/* `sign` 1: larger figures are better; -1: smaller ones. */
+static podium find_podium(const bb_summary *s, pick figure, uint32_t k, double sign)
+{
+    podium p = {0};
+    for (uint32_t i = 0; i < s->builder_count; i++) {
+        const bb_summary_row *row = &s->rows[i];
+        const bb_standing *standing = figure(row, k);
+        if (!isfinite(standing->value))
+            continue;
+        if (standing->best)
+            p.best = row;
+        else if (standing->tied && p.tied_count < 64)
+            p.tied[p.tied_count++] = row;
+        else if (p.next == NULL || sign * standing->value > sign * figure(p.next, k)->value)
+            p.next = row;
+    }
+    return p;
+}
+
+static void say_builds(bb_summary *s)
+{
+    podium p = find_podium(s, pick_build, 0, 1);
+    const bb_summary_row *last = NULL;
+    if (p.best == NULL)
+        return;
+    for (uint32_t i = 0; i < s->builder_count; i++)
+        if (isfinite(s->rows[i].build.value) &&
+            (last == NULL || s->rows[i].build.value < last->build.value))
+            last = &s->rows[i];
+    double rate = p.best->build.value;
+    bb_sentence *sentence = begin(s, "Fastest build");
+    say(sentence, "%s, %.3g Mprims/s", p.best->name, rate);
+    if (p.tied_count > 0) {
+        say(sentence, ", tied with ");
+        say_names(sentence, p.tied, p.tied_count);
+    }
+    if (p.next != NULL)
+        say(sentence, "; %.3gx %s", rate / p.next->build.value, p.next->name);
+    if (last != NULL && last != p.next && last != p.best)
+        say(sentence, ", %.3gx %s", rate / last->build.value, last->name);
+}
+
+static void say_image_at(bb_summary *s, uint32_t k, const char *label)
+{
+    podium p = find_podium(s, pick_image, k, -1);
+    if (p.best == NULL)
+        return;
+    bb_sentence *sentence = begin(s, label);
+    say(sentence, "%s", p.best->name);
+    if (p.tied_count > 0) {
+        say(sentence, ", tied with ");
+        say_names(sentence, p.tied, p.tied_count);
+    }
+    if (p.next != NULL)
+        say(sentence, "; %s takes %.3gx the time", p.next->name, p.next->image[k].value);
+}
+
+/* Who is first for how many rays. One that is within 1 % of the first stays in its place. */
+static void say_crossings(bb_summary *s)
+{
+    const double near = 1.01;
+    const bb_summary_row *holder = NULL;
+    bb_sentence *sentence = NULL;
+    char text[32];
+    for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++) {
+        const bb_summary_row *first = NULL;
+        for (uint32_t r = 0; r < s->builder_count; r++)
+            if (isfinite(s->rows[r].curve[i]) &&
+                (first == NULL || s->rows[r].curve[i] < first->curve[i]))
+                first = &s->rows[r];
+        if (first == NULL)
+            return;
+        if (holder == NULL) {
+            holder = first;
+            sentence = begin(s, "Fastest image");
+        } else if (first != holder && holder->curve[i] > near * first->curve[i]) {
+            say(sentence, "%s to %s rays; ", holder->name,
+                rays_text(bb_summary_curve_count(i), text));
+            holder = first;
+        }
+    }
+    if (holder != NULL)
+        say(sentence, sentence->text[0] != '\0' ? "beyond, %s" : "%s for any number of rays",
+            holder->name);
+}
+
+static void say_answers(bb_summary *s)
+{
+    char text[32];
+    uint32_t named = 0, failed = 0;
+    bb_sentence *sentence = begin(s, "Right answers");
+    for (uint32_t i = 0; i < s->builder_count; i++)
+        failed += s->rows[i].failed;
+    if (!(s->checked > 0)) {
+        say(sentence, "no answer was judged");
+    } else if (s->wrong == 0) {
+        say(sentence, "no wrong ray in %s judged, whichever builder and kernel (below %.2g per "
+                      "million, 95 %%)",
+            rays_text(s->checked, text), bb_wrong_rate_of(0, s->checked).high);
+    } else {
+        say(sentence, "WRONG: ");
+        for (uint32_t i = 0; i < s->builder_count; i++)
+            if (s->rows[i].wrong > 0 && named++ < 6)
+                say(sentence, "%s%s lost %.0f of %s", named > 1 ? ", " : "", s->rows[i].name,
+                    s->rows[i].wrong, rays_text(s->rows[i].checked, text));
+        say(sentence, " rays");
+    }
+    if (failed > 0)
+        say(sentence, "; %u builds or cells were refused or failed (--table says why)", failed);
+    for (uint32_t i = s->builder_count; i < s->row_count; i++)
+        if (s->rows[i].wrong > 0)
+            say(sentence, "; %s lost %.0f of %s", s->rows[i].name, s->rows[i].wrong,
+                rays_text(s->rows[i].checked, text));
+}
+
+static void say_accuracy(bb_summary *s)
+{
+    char text[32];
+    if (s->accuracy_count < 2)
+        return;
+    bb_sentence *sentence = begin(s, "Speed or accuracy");
+    for (uint32_t i = 0; i < s->accuracy_count; i++) {
+        const bb_summary_accuracy *a = &s->accuracy[i];
+        double ppm = bb_wrong_rate_of(a->wrong, a->checked).ppm;
+        say(sentence, "%s%s ", i > 0 ? "; " : "", a->intersector);
+        if (a->wrong == 0)
+            say(sentence, "0 wrong");
+        else
+            say(sentence, "%.3g wrong per million", ppm);
+        say(sentence, " at %.2fx the speed", a->speed);
+    }
+    say(sentence, " (%s of the rays that tell them apart)",
+        rays_text(s->accuracy[0].checked, text));
+}
+
+void bb_summary_say(bb_summary *summary)
+{
+    say_traces(summary);
+    say_builds(summary);
+    say_crossings(summary);
+    say_image_at(summary, 1, "For 1 M rays");
+    say_image_at(summary, 4, "For 1 G rays");
+    say_answers(summary);
+    say_accuracy(summary);
+}
