@@ -16,13 +16,13 @@ static double all_ms(void)
     if (file == NULL)
         return NAN;
     int read = fscanf(file, "cpu %lf %lf %lf %lf %lf %lf %lf %lf", &ticks[USER], &ticks[NICE],
-                      &ticks[SYSTEM], &ticks[IDLE], &ticks[IO_WAIT], &ticks[IRQ],
-                      &ticks[SOFT_IRQ], &ticks[STEAL]);
+                      &ticks[SYSTEM], &ticks[IDLE], &ticks[IO_WAIT], &ticks[IRQ], &ticks[SOFT_IRQ],
+                      &ticks[STEAL]);
     fclose(file);
     if (read != COUNTS)
         return NAN;
-    double busy = ticks[USER] + ticks[NICE] + ticks[SYSTEM] + ticks[IRQ] + ticks[SOFT_IRQ] +
-                  ticks[STEAL];
+    double busy =
+        ticks[USER] + ticks[NICE] + ticks[SYSTEM] + ticks[IRQ] + ticks[SOFT_IRQ] + ticks[STEAL];
     return busy * 1e3 / (double)sysconf(_SC_CLK_TCK);
 }
 

@@ -2,6 +2,7 @@
 
 #include "framework/base/clock.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <unistd.h>
@@ -10,7 +11,8 @@ enum { BAR_WIDTH = 24 };
 
 void bb_progress_start(bb_progress *progress, bool quiet)
 {
-    *progress = (bb_progress){.quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1};
+    *progress = (bb_progress){
+        .quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1, .start = bb_wall_ms()};
 }
 
 static void clear_line(const bb_progress *progress)
@@ -23,6 +25,8 @@ void bb_progress_stage(bb_progress *progress, uint32_t total, const char *format
 {
     progress->done = 0;
     progress->total = total;
+    progress->past += progress->weight;
+    progress->weight = 0;
     if (progress->quiet || (total == 0 && !progress->terminal))
         return;
     clear_line(progress);
@@ -47,6 +51,42 @@ void bb_progress_note(bb_progress *progress, const char *format, ...)
     fputc('\n', stderr);
 }
 
+void bb_progress_plan(bb_progress *progress, double work)
+{
+    progress->plan = work;
+}
+
+void bb_progress_weigh(bb_progress *progress, double work)
+{
+    progress->weight = work;
+}
+
+static void draw_bar(const bb_progress *progress, double share)
+{
+    int filled = (int)(share * BAR_WIDTH);
+    fprintf(stderr, "\r\033[K  [");
+    for (int i = 0; i < BAR_WIDTH; i++)
+        fputc(i < filled ? '=' : ' ', stderr);
+    fprintf(stderr, "] ");
+    if (progress->plan > 0)
+        fprintf(stderr, "%.0f %%", 100 * share);
+    else
+        fprintf(stderr, "%u/%u", progress->done, progress->total);
+}
+
+/* What is left takes as long as what was done, in proportion. */
+static void draw_time_left(const bb_progress *progress, double share, double now)
+{
+    const double told_from = 0.03; /* a share from which the past tells of the future */
+    if (!(progress->plan > 0) || share < told_from)
+        return;
+    double left = (now - progress->start) * (1 - share) / share / 1e3;
+    if (left >= 60)
+        fprintf(stderr, ", about %.0f min %.0f s left", floor(left / 60), fmod(left, 60));
+    else
+        fprintf(stderr, ", about %.0f s left", left);
+}
+
 void bb_progress_step(bb_progress *progress)
 {
     progress->done++;
@@ -55,11 +95,11 @@ void bb_progress_step(bb_progress *progress)
         now - progress->shown < 100)
         return;
     progress->shown = now;
-    uint32_t filled = progress->done * BAR_WIDTH / progress->total;
-    fprintf(stderr, "\r  [");
-    for (uint32_t i = 0; i < BAR_WIDTH; i++)
-        fputc(i < filled ? '=' : ' ', stderr);
-    fprintf(stderr, "] %u/%u", progress->done, progress->total);
+    double share = fmin(1, (double)progress->done / progress->total);
+    if (progress->plan > 0)
+        share = fmin(1, (progress->past + progress->weight * share) / progress->plan);
+    draw_bar(progress, share);
+    draw_time_left(progress, share, now);
     fflush(stderr);
 }
 

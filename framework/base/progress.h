@@ -1,5 +1,5 @@
-/* Progress of long work, on standard error: a bar that is redrawn on a terminal, else a line per
- * stage. */
+/* Progress of long work, on standard error: a bar with the time left that is redrawn on a terminal,
+ * else a line per stage. */
 #ifndef BB_PROGRESS_H
 #define BB_PROGRESS_H
 
@@ -11,12 +11,19 @@ typedef struct bb_progress {
     bool terminal;
     uint32_t done, total;
     double shown; /* when the bar was last drawn */
+    double start;
+    double plan;         /* work of all stages; 0: not known */
+    double past, weight; /* work of the stages before, and of this one */
 } bb_progress;
 
 void bb_progress_start(bb_progress *progress, bool quiet);
 /* A new stage of `total` steps; of 0 steps: something short, named on a terminal only. */
 void bb_progress_stage(bb_progress *progress, uint32_t total, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* What all stages together will take, in any unit; and in that unit what of it the present stage
+ * takes. With both, the bar is that of all stages, and has the time left. */
+void bb_progress_plan(bb_progress *progress, double work);
+void bb_progress_weigh(bb_progress *progress, double work);
 /* A line of its own, for something to be known. */
 void bb_progress_note(bb_progress *progress, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

@@ -214,6 +214,8 @@ static bb_status record_builds(bb_bench *bench)
 {
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
+        if (entrant->record.status == BB_OK && entrant->record.build_ms.count == 0)
+            continue; /* its turn had not come when the run was interrupted */
         if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
             bench->outcome->wrong++;
         for (uint32_t b = 0; b < bench->request->builder_count; b++)
@@ -222,6 +224,33 @@ static bb_status record_builds(bb_bench *bench)
         BB_TRY(bb_results_add_build(bench->results, &entrant->record));
     }
     return BB_OK;
+}
+
+/* At most: of all kernels, where a tree has no need of some. */
+uint32_t bb_bench_cells_of_set(const bb_bench *bench)
+{
+    uint32_t cells = 0;
+    for (uint32_t i = 0; i < bench->request->builder_count; i++)
+        cells += bb_is_reference(bench->request->builders[i])
+                     ? 1
+                     : bench->kernel_count * bench->request->intersector_count;
+    return cells;
+}
+
+/* Ray sets of a scene with so many views. */
+static uint32_t sets_of(const bb_bench *bench, uint32_t views)
+{
+    const bb_bench_request *request = bench->request;
+    uint32_t sets = 0;
+    for (uint32_t w = 0; w < request->workload_count; w++) {
+        bb_spec spec;
+        const bb_workload *workload = NULL;
+        if (parse_workload(request->workloads[w], &spec, &workload) != BB_OK)
+            continue;
+        bool few = request->max_views > 0 && request->max_views < views;
+        sets += !workload->per_view ? 1 : few ? request->max_views : views;
+    }
+    return sets;
 }
 
 static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
@@ -273,7 +302,7 @@ static bb_status try_workloads(bb_bench *bench)
 
 static bb_status trace_workloads(bb_bench *bench)
 {
-    for (uint32_t w = 0; w < bench->request->workload_count; w++) {
+    for (uint32_t w = 0; w < bench->request->workload_count && !bb_interrupted(); w++) {
         bb_spec spec;
         const bb_workload *workload;
         BB_TRY(parse_workload(bench->request->workloads[w], &spec, &workload));
@@ -281,7 +310,7 @@ static bb_status trace_workloads(bb_bench *bench)
             BB_TRY(trace_rays(bench, &spec, NULL));
         uint32_t views = bench->scene->view_count, most = bench->request->max_views;
         views = most > 0 && most < views ? most : views;
-        for (uint32_t v = 0; workload->per_view && v < views; v++)
+        for (uint32_t v = 0; workload->per_view && v < views && !bb_interrupted(); v++)
             BB_TRY(trace_rays(bench, &spec, &bench->scene->views[v]));
     }
     return BB_OK;
@@ -291,7 +320,7 @@ static bb_status trace_workloads(bb_bench *bench)
 static bb_status make_pictures(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
-    if (request->picture_folder == NULL)
+    if (request->picture_folder == NULL || bb_interrupted())
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     for (uint32_t v = 0; v < bench->scene->view_count; v++) {
@@ -341,7 +370,7 @@ static bb_status run_scene(bb_bench *bench, const char *name)
     bench->judged = 0;
     if (status == BB_OK)
         status = trace_workloads(bench);
-    bool traced = bench->request->workload_count > 0;
+    bool traced = bench->request->workload_count > 0 && !bb_interrupted();
     if (status == BB_OK && traced && bench->judged == 0) {
         bench->outcome->unjudged++;
         bb_progress_note(bench->progress, "%s: no answer was judged", name);
@@ -362,6 +391,7 @@ static bb_status try_scenes(bb_bench *bench)
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
         BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
         bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
+        bench->sets += sets_of(bench, scene->view_count);
         if (i == 0)
             bench->first = scene;
         else
@@ -533,9 +563,12 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->built = calloc(request->builder_count + 1, sizeof *bench->built);
     if (bench->built == NULL)
         status = bb_fail(BB_FAILED, "out of memory");
-    for (uint32_t i = 0; i < request->scene_count && status == BB_OK; i++)
+    const uint32_t rounds = request->repeats + 1;
+    bb_progress_plan(&progress, (double)rounds * (request->scene_count * request->builder_count +
+                                                  bench->sets * bb_bench_cells_of_set(bench)));
+    for (uint32_t i = 0; i < request->scene_count && status == BB_OK && !bb_interrupted(); i++)
         status = run_scene(bench, request->scenes[i]);
-    for (uint32_t i = 0; i < request->builder_count && status == BB_OK; i++)
+    for (uint32_t i = 0; i < request->builder_count && status == BB_OK && !bb_interrupted(); i++)
         outcome->unbuilt += !bench->built[i];
     free(bench->built);
     bb_scene_free(bench->first);

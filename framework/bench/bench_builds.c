@@ -285,9 +285,10 @@ bb_status bb_bench_builds(bb_bench *bench)
 {
     uint32_t order[BB_ENTRANTS_MAX];
     uint32_t rounds = bench->request->repeats + 1;
-    bb_progress_stage(bench->progress, bench->entrant_count * rounds, "%s: building",
-                      bench->scene->name);
-    for (uint32_t round = 0; round < rounds + PHASE_BUILDS; round++) {
+    bb_progress_stage(bench->progress, bench->entrant_count * (rounds + PHASE_BUILDS),
+                      "%s: building", bench->scene->name);
+    bb_progress_weigh(bench->progress, (double)bench->entrant_count * rounds);
+    for (uint32_t round = 0; round < rounds + PHASE_BUILDS && !bb_interrupted(); round++) {
         bool exact = round >= rounds;
         bb_bench_shuffle(bench, order, bench->entrant_count);
         for (uint32_t i = 0; i < bench->entrant_count; i++) {
@@ -302,7 +303,7 @@ bb_status bb_bench_builds(bb_bench *bench)
     }
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
-        if (entrant->record.status != BB_OK || entrant->reference)
+        if (entrant->record.status != BB_OK || entrant->reference || bb_interrupted())
             continue;
         finish_phases(entrant);
         bb_status status = bb_resident_tree(bench, entrant);

@@ -3,6 +3,7 @@
 #ifndef BB_BENCH_PRIVATE_H
 #define BB_BENCH_PRIVATE_H
 
+#include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
 #include "framework/bench/bench.h"
 #include "framework/builder/instance.h"
@@ -19,7 +20,7 @@ enum {
      * traced */
     BB_BATCH = 1 << 22,
     /* rays that the counting variant traces: a mean over so many is sure to half a percent */
-    BB_COUNTED_RAYS = 1 << 16,
+    BB_COUNTED_RAYS = 1 << 14,
 };
 
 /* A kernel that was asked for. */
@@ -64,6 +65,7 @@ typedef struct bb_bench {
     bb_results *results;
     bb_scene *scene;
     bb_scene *first;        /* loaded before its turn, or NULL */
+    uint32_t sets;          /* ray sets of all scenes, planned */
     const char *scene_text; /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
@@ -107,6 +109,9 @@ void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);
 
 /* Builds of all entrants, interleaved; fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
+
+/* Cells that a ray set has, at most. */
+uint32_t bb_bench_cells_of_set(const bb_bench *bench);
 
 /* The layout that the kernel reads with this intersector. */
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,

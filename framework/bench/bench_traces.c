@@ -381,7 +381,7 @@ static bb_status start_set(trace_set *set)
 static void run_round(trace_set *set)
 {
     bb_bench_shuffle(set->bench, set->order, set->count);
-    for (uint32_t i = 0; i < set->count; i++) {
+    for (uint32_t i = 0; i < set->count && !bb_interrupted(); i++) {
         cell *c = &set->cells[set->order[i]];
         bb_progress_step(set->bench->progress);
         if (c->record.status != BB_OK)
@@ -405,7 +405,9 @@ static bb_status record_cell(trace_set *set, cell *c)
 {
     bb_bench *bench = set->bench;
     bb_trace_record *r = &c->record;
-    if (r->status == BB_OK) {
+    if (r->status == BB_OK && r->ms.count == 0)
+        return BB_OK; /* its turn had not come when the run was interrupted */
+    if (r->status == BB_OK && !bb_interrupted()) {
         bb_status status = count_tests(set, c);
         if (status != BB_OK)
             note_failure(c, status);
@@ -429,14 +431,15 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
     bb_progress_stage(bench->progress, set.count * rounds, "%s: %s%s%s, %u rays",
                       bench->scene->name, rays->name, rays->view[0] != '\0' ? " from " : "",
                       rays->view, rays->count);
+    bb_progress_weigh(bench->progress, (double)bb_bench_cells_of_set(bench) * rounds);
     for (uint32_t i = 0; i < set.count; i++) {
-        if (set.cells[i].record.status != BB_OK)
+        if (set.cells[i].record.status != BB_OK || bb_interrupted())
             continue;
         bb_status prepared = prepare_cell(&set, &set.cells[i]);
         if (prepared != BB_OK)
             note_failure(&set.cells[i], prepared);
     }
-    for (uint32_t round = 0; round < rounds; round++)
+    for (uint32_t round = 0; round < rounds && !bb_interrupted(); round++)
         run_round(&set);
     for (uint32_t i = 0; i < set.count && status == BB_OK; i++)
         status = record_cell(&set, &set.cells[i]);

@@ -13,9 +13,10 @@ enum { BB_CLI_OPTIONS_MAX = 24, BB_CLI_VALUES_MAX = 256 };
 
 /* The program's exit statuses. */
 enum {
-    BB_EXIT_OK = 0,     /* done and nothing wrong */
-    BB_EXIT_WRONG = 1,  /* done, and a check or comparison failed */
-    BB_EXIT_CANNOT = 2, /* it could not be done */
+    BB_EXIT_OK = 0,            /* done and nothing wrong */
+    BB_EXIT_WRONG = 1,         /* done, and a check or comparison failed */
+    BB_EXIT_CANNOT = 2,        /* it could not be done */
+    BB_EXIT_INTERRUPTED = 130, /* by Ctrl-C; what was measured is written */
 };
 
 typedef struct bb_cli_option {

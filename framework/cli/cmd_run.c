@@ -1,5 +1,6 @@
 /* bvhbench run: the comparison. */
 #include "framework/base/clock.h"
+#include "framework/base/interrupt.h"
 #include "framework/bench/bench.h"
 #include "framework/cli/cells_option.h"
 #include "framework/cli/charts_option.h"
@@ -30,8 +31,10 @@ static const bb_cli_option options[] = {
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
     {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
-    {"size", "WxH", "of the primary rays' picture; default: 512x512", false},
-    {"max-rays", "N", "per scene and workload that samples; default: 1048576", false},
+    {"size", "WxH", "of the primary rays' picture; default: 512x512, 256x256 if nothing is chosen",
+     false},
+    {"max-rays", "N",
+     "per scene and workload that samples; default: 1048576, 65536 if nothing is chosen", false},
     {"repeats", "N",
      "rounds that count, after a first one; default: 6, the least that give a 95 % interval; 2 to "
      "5 "
@@ -43,6 +46,8 @@ static const bb_cli_option options[] = {
     {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
     {"out", "DIR", "folder of results.json, report.html and pictures; default: out", false},
+    {"table", NULL, "print the full tables in place of the summary", false},
+    {"quick", NULL, "a first look: one view, few rays, two rounds", false},
     {"no-pictures", NULL, "make no pictures", false},
     BB_CHARTS_OPTION,
     {"quiet", NULL, "no progress", false},
@@ -74,13 +79,31 @@ static bb_status choose_scenes(const bb_cli *cli, bb_names *names)
     return BB_OK;
 }
 
+/* Nothing was chosen: the default comparison, which is to take two minutes, with fewer rays, and
+ * which compares accuracy too. */
+static bool is_default(const bb_cli *cli)
+{
+    static const char *const choices[] = {"scene", "builder", "kernel",
+                                          "rays",  "cell",    "intersector"};
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
+        uint32_t count;
+        bb_cli_values(cli, choices[i], &count);
+        if (count > 0)
+            return false;
+    }
+    return true;
+}
+
 static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
 {
     uint64_t max_rays, repeats;
-    request->width = request->height = 512;
+    const bool quick = bb_cli_value(cli, "quick") != NULL, few = quick || is_default(cli);
+    request->width = request->height = few ? 256 : 512;
+    request->max_views = quick ? 1 : 0;
     BB_TRY(bb_cli_size(cli, "size", &request->width, &request->height));
-    BB_TRY(bb_cli_u64(cli, "max-rays", 1 << 20, 1, 1u << 30, &max_rays));
-    BB_TRY(bb_cli_u64(cli, "repeats", BB_INTERVAL_ROUNDS, 1, BB_SAMPLES_MAX - 1, &repeats));
+    BB_TRY(bb_cli_u64(cli, "max-rays", few ? 1 << 16 : 1 << 20, 1, 1u << 30, &max_rays));
+    BB_TRY(bb_cli_u64(cli, "repeats", quick ? 2 : BB_INTERVAL_ROUNDS, 1, BB_SAMPLES_MAX - 1,
+                      &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
     BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &request->max_wrong_ppm));
     request->metrics = bb_cli_values(cli, "metrics", &request->metric_count);
@@ -135,8 +158,32 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
     return bb_bench_check(request);
 }
 
+/* Where speed is paid for with wrong answers: beside what was chosen, one builder and kernel with
+ * intersectors from careless to exact, on rays that tell them apart. */
+static char *const telling_scenes[] = {"sphere-mesh:n=64", "boards:length=1e3"};
+static char *const telling_rays[] = {"edges:jitter=64"};
+static char *const telling_intersectors[] = {"exact", "watertight", "pluecker", "fast"};
+
+static bb_bench_request telling_request(const bb_bench_request *of)
+{
+    bb_bench_request request = *of;
+    request.scenes = telling_scenes;
+    request.scene_count = sizeof telling_scenes / sizeof telling_scenes[0];
+    request.builder_count = 1;
+    request.kernel_count = 1;
+    request.native = false;
+    request.workloads = telling_rays;
+    request.workload_count = sizeof telling_rays / sizeof telling_rays[0];
+    request.intersectors = telling_intersectors;
+    request.intersector_count = sizeof telling_intersectors / sizeof telling_intersectors[0];
+    request.max_rays = of->max_rays < 1 << 18 ? of->max_rays : 1 << 18;
+    request.picture_folder = NULL;
+    return request;
+}
+
 typedef struct comparison {
     bb_bench_request request;
+    bool telling;   /* accuracy is compared too */
     bb_cells cells; /* if there are any, one run for each of their groups */
 } comparison;
 
@@ -144,11 +191,18 @@ static bb_status compare(void *user, bb_device *device, bb_results *results,
                          bb_bench_outcome *outcome)
 {
     comparison *c = user;
+    bb_bench_outcome more;
     c->request.device = device;
-    if (c->cells.group_count == 0)
-        return bb_bench_run(&c->request, results, outcome);
-    for (uint32_t i = 0; i < c->cells.group_count; i++) {
-        bb_bench_outcome more;
+    if (c->cells.group_count == 0) {
+        BB_TRY(bb_bench_run(&c->request, results, outcome));
+        if (!c->telling || bb_interrupted())
+            return BB_OK;
+        const bb_bench_request telling = telling_request(&c->request);
+        BB_TRY(bb_bench_run(&telling, results, &more));
+        bb_bench_outcome_add(outcome, &more);
+        return BB_OK;
+    }
+    for (uint32_t i = 0; i < c->cells.group_count && !bb_interrupted(); i++) {
         bb_cells_request(&c->cells.groups[i], &c->request);
         BB_TRY(bb_bench_run(&c->request, results, &more));
         bb_bench_outcome_add(outcome, &more);
@@ -163,6 +217,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     comparison wanted = {.request.picture_folder =
                              bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL};
     bool charts = false;
+    wanted.telling = is_default(cli);
     BB_TRY(bb_charts_wanted(cli, &charts));
     BB_TRY(bb_load_plugins(cli));
     bb_status status = bb_cells_read(cli, &wanted.cells);
@@ -179,7 +234,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
             .quiet = wanted.request.quiet,
             .compare = compare,
             .request = &wanted,
-            .print = bb_report_table,
+            .print = bb_cli_value(cli, "table") != NULL ? bb_report_table : bb_report_verdict,
         };
         status = bb_output_compare(&all, exit_status);
     }

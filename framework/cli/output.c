@@ -1,50 +1,134 @@
 #include "framework/cli/output.h"
 
+#include "framework/base/bystanders.h"
 #include "framework/base/clock.h"
+#include "framework/base/file.h"
+#include "framework/base/interrupt.h"
 #include "framework/cli/charts_option.h"
 #include "framework/cli/choice.h"
+#include "framework/cli/earlier.h"
 #include "framework/device/device_private.h"
 #include "framework/report/report.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-/* The file first: it is what must not be lost. It is written again with the time that the page and
- * the charts took. */
-static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench_outcome *outcome)
+/* Where a run's files go. */
+typedef struct places {
+    char json[1100], html[1100], tables[1100], pictures[1100];
+} places;
+
+static bb_status set_places(const char *folder, places *p)
+{
+    snprintf(p->json, sizeof p->json, "%s/results.json", folder);
+    snprintf(p->html, sizeof p->html, "%s/report.html", folder);
+    snprintf(p->tables, sizeof p->tables, "%s/tables.txt", folder);
+    return bb_report_charts_folder(p->html, p->pictures, sizeof p->pictures);
+}
+
+static bb_status write_tables(const bb_results *results, const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL)
+        return bb_fail(BB_FAILED, "tables: no memory");
+    bb_status status = bb_report_table(results, out);
+    if (fclose(out) != 0 && status == BB_OK)
+        status = bb_fail(BB_FAILED, "tables: no memory");
+    if (status == BB_OK)
+        status = bb_file_write(path, text, size, "tables");
+    free(text);
+    return status;
+}
+
+/* Page, tables and charts, all that can be; the first failure is returned. */
+static bb_status write_views(const bb_comparison *c, bb_results *results, const places *p,
+                             uint32_t *charts)
+{
+    char reason[1024] = "";
+    bb_status first = BB_OK;
+    for (int i = 0; i < 3; i++) {
+        bb_status status = BB_OK;
+        if (i == 0)
+            status = bb_report_html(results, c->folder, p->html);
+        else if (i == 1)
+            status = write_tables(results, p->tables);
+        else if (c->charts && !bb_interrupted())
+            status = bb_report_charts(results, p->pictures, charts);
+        if (status != BB_OK && first == BB_OK) {
+            first = status;
+            snprintf(reason, sizeof reason, "%s", bb_message());
+        }
+    }
+    return first == BB_OK ? BB_OK
+                          : bb_fail(first,
+                                    "%.700s (the results are in %.200s: once that is mended, "
+                                    "bvhbench report %.80s)",
+                                    reason, p->json, c->folder);
+}
+
+static bb_status set_totals(bb_results *results, bb_bench_outcome *outcome)
 {
     const bb_bench_times *times = &outcome->times;
     bb_audit *audit = &outcome->audit;
-    const char *folder = c->folder;
-    char json[1100], html[1100], pictures[1100], reason[1024] = "";
-    uint32_t chart_count = 0;
-    snprintf(json, sizeof json, "%s/results.json", folder);
-    snprintf(html, sizeof html, "%s/report.html", folder);
-    BB_TRY(bb_report_charts_folder(html, pictures, sizeof pictures));
-    double start = bb_wall_ms();
     BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
     const cJSON *all = cJSON_GetObjectItem(bb_results_json(results), "time_ms");
     bb_audit_total(audit, times->build_ms, times->trace_ms,
                    cJSON_GetNumberValue(cJSON_GetObjectItem(all, "steps")), times->total_ms);
     bb_audit_rates(audit, results);
-    BB_TRY(bb_results_add_audit(results, audit));
-    BB_TRY(bb_results_write(results, json));
-    BB_TRY(bb_report_html(results, folder, html));
-    bb_status drawn = c->charts ? bb_report_charts(results, pictures, &chart_count) : BB_OK;
-    if (drawn != BB_OK)
-        snprintf(reason, sizeof reason, "%s", bb_message());
-    double ms = bb_wall_ms() - start;
-    BB_TRY(bb_results_add_step(results, "report", ms));
-    BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms + ms));
-    BB_TRY(bb_report_html(results, folder, html));
-    BB_TRY(bb_results_write(results, json));
-    if (!c->quiet)
-        fprintf(stderr, "wrote %s and %s\n", json, html);
-    if (!c->quiet && drawn == BB_OK && chart_count > 0)
-        fprintf(stderr, "wrote %u charts, each as SVG and PNG, into %s\n", chart_count, pictures);
+    return bb_results_add_audit(results, audit);
+}
+
+/* On standard output the answer, and where all else is: last, so that it is what stays on the
+ * screen. */
+static bb_status print(const bb_comparison *c, bb_results *results, const places *p,
+                       uint32_t charts)
+{
     BB_TRY(c->print(results, stdout));
-    return drawn == BB_OK ? BB_OK : bb_fail(drawn, "%s (all else is written)", reason);
+    if (c->quiet)
+        return BB_OK;
+    printf("\n report  %s   tables  %s   results  %s\n", p->html, p->tables, p->json);
+    if (charts > 0)
+        printf(" charts  %s/: %u, each as SVG and PNG\n", p->pictures, charts);
+    return BB_OK;
+}
+
+/* The file first: it is what must not be lost. It is written again with the time that the page and
+ * the charts took. Whatever cannot be written, the answer is printed. */
+static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench_outcome *outcome)
+{
+    places p;
+    char kept[1200], reason[1024];
+    uint32_t charts = 0;
+    const bb_bench_times *times = &outcome->times;
+    double start = bb_wall_ms();
+    BB_TRY(set_places(c->folder, &p));
+    BB_TRY(set_totals(results, outcome));
+    bb_status status = bb_keep_earlier(c->folder, kept, sizeof kept);
+    if (kept[0] != '\0' && !c->quiet)
+        fprintf(stderr, "moved the results that were in %s to %s\n", c->folder, kept);
+    if (status == BB_OK)
+        status = bb_results_write(results, p.json);
+    if (status == BB_OK) {
+        status = write_views(c, results, &p, &charts);
+        double ms = bb_wall_ms() - start;
+        if (status == BB_OK)
+            status = bb_results_add_step(results, "report", ms);
+        if (status == BB_OK)
+            status = bb_results_set_total(results, times->build_ms, times->trace_ms,
+                                          times->total_ms + ms);
+        if (status == BB_OK)
+            status = bb_report_html(results, c->folder, p.html);
+        if (status == BB_OK)
+            status = bb_results_write(results, p.json);
+    }
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    bb_status printed = print(c, results, &p, charts);
+    return status != BB_OK ? bb_fail(status, "%s", reason) : printed;
 }
 
 /* A line each; true if anything is wrong. */
@@ -79,10 +163,29 @@ static bb_status keep(bb_results *results, const char *folder, bb_status status)
     char reason[1024], json[1100];
     snprintf(reason, sizeof reason, "%s", bb_message());
     snprintf(json, sizeof json, "%s/results.json", folder);
+    char kept[1200];
     const cJSON *builds = cJSON_GetObjectItem(bb_results_json(results), "builds");
-    if (cJSON_GetArraySize(builds) == 0 || bb_results_write(results, json) != BB_OK)
+    if (cJSON_GetArraySize(builds) == 0 || bb_keep_earlier(folder, kept, sizeof kept) != BB_OK ||
+        bb_results_write(results, json) != BB_OK)
         return bb_fail(status, "%s", reason);
     return bb_fail(status, "%s (what was measured before is in %s)", reason, json);
+}
+
+/* Other programs on the machine are said before the work, which is then better put off. */
+static void warn_of_bystanders(const bb_comparison *c)
+{
+    bb_bystanders watch;
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    if (c->quiet)
+        return;
+    bb_bystanders_start(&watch);
+    usleep(300 * 1000);
+    double share = bb_bystanders_share(&watch);
+    if (share > 0.25 * (double)processors)
+        fprintf(stderr,
+                "bvhbench: WARNING: other programs keep %.2g of %ld processors busy: times will be "
+                "noisy\n",
+                share, processors);
 }
 
 static bb_status compare(const bb_comparison *c, const char *command, bb_device *device,
@@ -90,12 +193,26 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
 {
     bb_bench_outcome outcome = {0};
     bb_results *results = NULL;
+    bb_bystanders watch;
     BB_TRY(bb_results_create(&(bb_context){device, c->seed, command}, &results));
+    bb_interrupt_catch();
+    bb_bystanders_start(&watch);
     bb_status status = c->compare(c->request, device, results, &outcome);
+    bool measured = bb_results_section(results, "builds")->child != NULL;
+    (void)bb_results_set_others(results, bb_bystanders_share(&watch));
+    if (bb_interrupted() && status == BB_OK) {
+        *exit_status = BB_EXIT_INTERRUPTED;
+        status = bb_results_set_interrupted(results);
+        if (status == BB_OK && !measured) {
+            fprintf(stderr, "bvhbench: interrupted before anything was measured\n");
+            bb_results_destroy(results);
+            return BB_OK;
+        }
+    }
     status = status == BB_OK ? write_all(c, results, &outcome) : keep(results, c->folder, status);
     if (status == BB_OK && !c->charts)
         bb_charts_note(c->cli);
-    if (status == BB_OK && blame(&outcome))
+    if (status == BB_OK && blame(&outcome) && *exit_status == BB_EXIT_OK)
         *exit_status = BB_EXIT_WRONG;
     bb_results_destroy(results);
     return status;
@@ -104,12 +221,17 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
 {
     bb_device *device = NULL;
+    struct stat info;
+    bool there = stat(comparison->folder, &info) == 0;
     BB_TRY(bb_make_folder(comparison->folder));
     char *command = bb_cli_command_line(comparison->cli);
+    warn_of_bystanders(comparison);
     bb_status status = bb_open_device(comparison->cli, &device);
     if (status == BB_OK)
         status = compare(comparison, command, device, exit_status);
     bb_device_close(device);
+    if (!there)
+        (void)rmdir(comparison->folder); /* if nothing was put into it */
     free(command);
     return status;
 }

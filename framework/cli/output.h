@@ -18,7 +18,7 @@ typedef struct bb_comparison {
     bb_status (*compare)(void *request, bb_device *device, bb_results *results,
                          bb_bench_outcome *outcome);
     void *request;
-    bb_status (*print)(bb_results *results, FILE *out); /* the text on standard output */
+    bb_status (*print)(const bb_results *results, FILE *out); /* the text on standard output */
 } bb_comparison;
 
 /* Makes the folder, opens the device, compares, writes results.json and report.html, draws the

@@ -83,7 +83,7 @@ bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings
                               bb_results *results);
 
 /* Prints the reproductions of the document: tables, then claims. */
-bb_status bb_reproduction_print(bb_results *results, FILE *out);
+bb_status bb_reproduction_print(const bb_results *results, FILE *out);
 
 /* ---- for papers: what was measured; NAN, or NULL, where it was not ---- */
 

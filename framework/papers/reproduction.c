@@ -237,7 +237,7 @@ static void print_claim(const cJSON *claim, FILE *out)
     print_paragraph("why", bb_get_text(claim, BB_F_CLAIM_WHY), out);
 }
 
-bb_status bb_reproduction_print(bb_results *results, FILE *out)
+bb_status bb_reproduction_print(const bb_results *results, FILE *out)
 {
     const cJSON *item, *part;
     const cJSON *context = bb_results_section(results, "context");

@@ -55,6 +55,7 @@ FIELD(CONTEXT_SEED, CONTEXT, "seed", "", NUMBER | TEXT | NONE, BY(bb_put_seed), 
       NULL)
 FIELD(CONTEXT_COMMAND, CONTEXT, "command", "", TEXT | NONE, C(STRING, command), AS_TEXT, "Command",
       NULL)
+FIELD(CONTEXT_INTERRUPTED, CONTEXT, "interrupted", "", BOOLEAN | NONE, LATER, AS_TEXT, NULL, NULL)
 
 /* ---- scenes ---- */
 FIELD(SCENE_NAME, SCENE, "name", "", TEXT, S(CHARS, name), AS_TEXT, "Scene", NULL)

@@ -14,7 +14,7 @@ bb_status bb_report_markdown(const bb_results *results, FILE *out);
 bb_status bb_report_csv(const bb_results *results, FILE *out);
 
 /* Text table of builds and traces, speeds beside wrong-answer rates, wrong cells marked. */
-bb_status bb_report_table(bb_results *results, FILE *out);
+bb_status bb_report_table(const bb_results *results, FILE *out);
 
 /* Writes one self-contained HTML file (charts, sortable tables, pictures embedded from
  * `picture_folder`). */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* Of a trace's build. */
-static const bb_field_id of_build[] = {BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_RATE,  BB_F_TREE_NODES,
+static const bb_field_id of_build[] = {BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_RATE, BB_F_TREE_NODES,
                                        BB_F_TREE_DEPTH,      BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK};
 enum { OF_BUILD = sizeof of_build / sizeof of_build[0] };
 
@@ -78,8 +78,8 @@ static void print_trace(FILE *out, const cJSON *trace, const cJSON *build)
         print_item(out, bb_get(build, of_build[i]));
     }
     fputc(',', out);
-    print_number(out, bb_get_named(build, BB_F_BUILD_LAYOUTS_MS,
-                                   bb_get_text(trace, BB_F_TRACE_LAYOUT)));
+    print_number(out,
+                 bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, bb_get_text(trace, BB_F_TRACE_LAYOUT)));
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         fputc(',', out);
         print_number(out, bb_get_metric(build, bb_metrics[i]));

@@ -21,7 +21,10 @@ static void print_standing(FILE *out, const bb_standing *standing)
     if (!isfinite(standing->value))
         fputs(" - |", out);
     else
-        fprintf(out, standing->best ? " **%.3g** |" : standing->tied ? " %.3g ~ |" : " %.3g |",
+        fprintf(out,
+                standing->best   ? " **%.3g** |"
+                : standing->tied ? " %.3g ~ |"
+                                 : " %.3g |",
                 standing->value);
 }
 

@@ -390,7 +390,7 @@ static void print_legend(FILE *out, bool traced)
               out);
 }
 
-bb_status bb_report_table(bb_results *results, FILE *out)
+bb_status bb_report_table(const bb_results *results, FILE *out)
 {
     const cJSON *scene;
     const cJSON *context = bb_results_section(results, "context");

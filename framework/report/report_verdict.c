@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = 100, LABEL = 17 };
+enum { COLUMNS = 100, LABEL = 16 };
 
 /* Numbers of rays that have a column: of bb_summary_counts. */
 static const uint32_t shown_counts[] = {0, 1, 3, 4, 5};
@@ -121,10 +121,10 @@ static void print_rows(FILE *out, const bb_summary *s)
 static void print_legend(FILE *out, const bb_summary *s)
 {
     fputs(" geometric means; M/s: million primitives; * best, ~ tied with it", out);
-    fputs(s->rounds >= BB_INTERVAL_ROUNDS
-              ? "; \\|/ this run can't tell apart\n"
-              : "; too few rounds to know ties (--repeats 6)\n",
-          out);
+    if (s->rounds >= BB_INTERVAL_ROUNDS)
+        fputs("; \\|/ this run can't tell apart\n", out);
+    else
+        fprintf(out, "; ties take %d rounds to know\n", BB_INTERVAL_ROUNDS);
     for (uint32_t i = 0, said = 0; i < s->row_count; i++) {
         if (s->rows[i].sets == s->sets)
             continue;
@@ -145,23 +145,19 @@ static void print_wrapped(FILE *out, const char *label, const char *text)
     int column = fprintf(out, " %-*s", LABEL - 1, label);
     const int start = column;
     while (*text != '\0') {
+        char word[128];
         int length = (int)strcspn(text, " ");
-        if (column + length > COLUMNS && column > start) {
+        int blank = column > start;
+        if (blank && column + 1 + length > COLUMNS) {
             fprintf(out, "\n%*s", start, "");
             column = start;
+            blank = 0;
         }
-        char word[128];
         snprintf(word, sizeof word, "%.*s", length < 127 ? length : 127, text);
+        fprintf(out, "%*s", blank, "");
         bb_print_text(out, word, 0);
-        column += length;
-        text += length;
-        if (*text == ' ') {
-            if (column < COLUMNS) {
-                fputc(' ', out);
-                column++;
-            }
-            text++;
-        }
+        column += blank + length;
+        text += length + (text[length] == ' ');
     }
     fputc('\n', out);
 }
@@ -174,6 +170,8 @@ bb_status bb_report_verdict(const bb_results *results, FILE *out)
     bool is_busy = bb_summary_busy(results, busy);
     if (is_busy)
         print_wrapped(out, "WARNING", busy);
+    if (bb_get_true(bb_results_section(results, "context"), BB_F_CONTEXT_INTERRUPTED))
+        print_wrapped(out, "INTERRUPTED", "not all that was asked for was measured");
     print_head(out, results, &summary);
     if (summary.row_count > 0) {
         print_rows(out, &summary);

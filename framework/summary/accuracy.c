@@ -96,8 +96,9 @@ bb_status bb_summary_accuracies(const bb_results *results, const bb_summary_choi
         double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
         a->wrong += round(bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM) * checked / 1e6);
         a->checked += checked;
-        a->speed += log(bb_get_number(trace, BB_F_TRACE_RATE) /
-                        bb_get_number(exact, BB_F_TRACE_RATE));
+        a->wrong_t += bb_get_number(trace, BB_F_ACCURACY_WRONG_T);
+        a->speed +=
+            log(bb_get_number(trace, BB_F_TRACE_RATE) / bb_get_number(exact, BB_F_TRACE_RATE));
         a->cells++;
     }
     for (uint32_t i = 0; i < summary->accuracy_count; i++)

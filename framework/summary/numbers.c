@@ -142,8 +142,7 @@ static bb_status read_builds(bb_numbers *n, const cJSON *builds)
         return bb_fail(BB_FAILED, "summary: no memory");
     cJSON_ArrayForEach(build, builds)
     {
-        uint32_t e =
-            find_entrant(n, bb_get_text(build, BB_F_BUILD_BUILDER), bb_run_of(build));
+        uint32_t e = find_entrant(n, bb_get_text(build, BB_F_BUILD_BUILDER), bb_run_of(build));
         uint32_t s = find_scene(n, bb_get_text(build, BB_F_BUILD_SCENE));
         read_build(n->results, build, &n->builds[(size_t)e * n->scene_count + s]);
     }

@@ -44,8 +44,8 @@ typedef struct cost {
 
 typedef struct view {
     const bb_numbers *n;
-    bool *sets, *scenes;      /* that enter */
-    const char **favourites;  /* of each entrant: the kernel that is fastest most often, or NULL */
+    bool *sets, *scenes;     /* that enter */
+    const char **favourites; /* of each entrant: the kernel that is fastest most often, or NULL */
 } view;
 
 static const bb_built *built(const view *v, uint32_t e, uint32_t scene)
@@ -156,9 +156,9 @@ static cost cost_on_scene(const view *v, uint32_t e, uint32_t scene, const measu
 static cost cost_on_rays(const view *v, uint32_t e, uint32_t set, const measure *m)
 {
     cost found = {.median = NAN};
-    const bb_candidate *c =
-        e == FASTEST_REFERENCE ? fastest_reference(v, set)
-                               : fastest(v, e, set, m->quantity == IMAGE ? m->rays : 0);
+    const bb_candidate *c = e == FASTEST_REFERENCE
+                                ? fastest_reference(v, set)
+                                : fastest(v, e, set, m->quantity == IMAGE ? m->rays : 0);
     if (c == NULL)
         return found;
     if (m->quantity == TRACE) {

@@ -32,15 +32,15 @@ typedef struct bb_summary_choice {
 
 /* A figure of a row. */
 typedef struct bb_standing {
-    double value; /* NAN: not measured */
+    double value;     /* NAN: not measured */
     double low, high; /* 95 % interval over the rounds; NAN: too few of them */
     bool best;        /* among the builders that are no reference */
     bool tied;        /* not the best, and this run cannot tell it from the best */
 } bb_standing;
 
 typedef struct bb_summary_row {
-    const char *builder; /* as in the file, whose it is */
-    double run;          /* of a merged file */
+    const char *builder;        /* as in the file, whose it is */
+    double run;                 /* of a merged file */
     char name[BB_SUMMARY_NAME]; /* short, for tables */
     bool reference;
     uint32_t sets, scenes; /* that it has figures of */
@@ -54,11 +54,11 @@ typedef struct bb_summary_row {
     /* Time to image, build + layout + n rays, by that of the best builder. */
     bb_standing image[BB_SUMMARY_COUNTS];
     double curve[BB_SUMMARY_CURVE];
-    bb_standing sah;  /* by the least of all builders */
-    double peak;      /* bytes, of the scene that takes most */
-    double wrong;     /* rays, and builds that failed count as none; NAN: nothing was judged */
-    double checked;   /* rays judged */
-    uint32_t failed;  /* builds and cells that failed or were refused */
+    bb_standing sah; /* by the least of all builders */
+    double peak;     /* bytes, of the scene that takes most */
+    double wrong;    /* rays, and builds that failed count as none; NAN: nothing was judged */
+    double checked;  /* rays judged */
+    uint32_t failed; /* builds and cells that failed or were refused */
     char kernel[BB_SUMMARY_NAME]; /* that is fastest most often */
 } bb_summary_row;
 
@@ -66,6 +66,7 @@ typedef struct bb_summary_row {
 typedef struct bb_summary_accuracy {
     const char *intersector;
     double wrong, checked; /* rays */
+    double wrong_t;        /* of the wrong ones: the right primitive at a wrong distance */
     double speed;          /* by that of `exact`, geometric mean; NAN: not beside it */
     uint32_t cells;
 } bb_summary_accuracy;
@@ -80,10 +81,12 @@ typedef struct bb_summary {
     uint32_t row_count, builder_count;
     uint32_t scenes, sets; /* that enter */
     uint32_t sets_aside;   /* ray sets that too few builders traced to compare them */
-    uint32_t rounds;       /* that count, the fewest of a cell; below BB_INTERVAL_ROUNDS no ties are known */
-    bool referenced;       /* ratios of traces are to the fastest reference */
-    double noise, noise_worst; /* half width of a rate's interval by the rate: median, worst tenth; NAN */
-    double checked, wrong;     /* rays of all rows that are no reference */
+    uint32_t
+        rounds; /* that count, the fewest of a cell; below BB_INTERVAL_ROUNDS no ties are known */
+    bool referenced; /* ratios of traces are to the fastest reference */
+    double noise,
+        noise_worst; /* half width of a rate's interval by the rate: median, worst tenth; NAN */
+    double checked, wrong; /* rays of all rows that are no reference */
     bb_summary_accuracy *accuracy;
     uint32_t accuracy_count;
     bb_sentence sentences[BB_SUMMARY_SENTENCES];

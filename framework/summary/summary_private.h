@@ -19,7 +19,7 @@ typedef struct bb_candidate {
 
 typedef struct bb_built {
     bool ok;
-    double fixed_ms;     /* before the layout: build, boxes, transfer; median */
+    double fixed_ms; /* before the layout: build, boxes, transfer; median */
     bb_samples fixed_all;
     double build_ms;
     bb_samples build_all;

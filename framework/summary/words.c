@@ -42,6 +42,13 @@ static const char *rays_text(double rays, char text[32])
     return text;
 }
 
+/* 1.062 -> "1.06x", 37.2 -> "37x" */
+static const char *times_text(double ratio, char text[32])
+{
+    snprintf(text, 32, ratio < 9.995 ? "%.2fx" : "%.0fx", ratio);
+    return text;
+}
+
 /* The names of the first `count` of these, as "A, B and 2 more". */
 static void say_names(bb_sentence *sentence, const bb_summary_row *const *rows, uint32_t count)
 {
@@ -128,6 +135,7 @@ static void say_builds(bb_summary *s)
             (last == NULL || s->rows[i].build.value < last->build.value))
             last = &s->rows[i];
     double rate = p.best->build.value;
+    char text[32];
     bb_sentence *sentence = begin(s, "Fastest build");
     say(sentence, "%s, %.3g Mprims/s", p.best->name, rate);
     if (p.tied_count > 0) {
@@ -135,14 +143,15 @@ static void say_builds(bb_summary *s)
         say_names(sentence, p.tied, p.tied_count);
     }
     if (p.next != NULL)
-        say(sentence, "; %.3gx %s", rate / p.next->build.value, p.next->name);
+        say(sentence, "; %s %s", times_text(rate / p.next->build.value, text), p.next->name);
     if (last != NULL && last != p.next && last != p.best)
-        say(sentence, ", %.3gx %s", rate / last->build.value, last->name);
+        say(sentence, ", %s %s", times_text(rate / last->build.value, text), last->name);
 }
 
 static void say_image_at(bb_summary *s, uint32_t k, const char *label)
 {
     podium p = find_podium(s, pick_image, k, -1);
+    char text[32];
     if (p.best == NULL)
         return;
     bb_sentence *sentence = begin(s, label);
@@ -152,7 +161,8 @@ static void say_image_at(bb_summary *s, uint32_t k, const char *label)
         say_names(sentence, p.tied, p.tied_count);
     }
     if (p.next != NULL)
-        say(sentence, "; %s takes %.3gx the time", p.next->name, p.next->image[k].value);
+        say(sentence, "; %s takes %s the time", p.next->name,
+            times_text(p.next->image[k].value, text));
 }
 
 /* Who is first for how many rays. One that is within 1 % of the first stays in its place. */
@@ -194,8 +204,9 @@ static void say_answers(bb_summary *s)
     if (!(s->checked > 0)) {
         say(sentence, "no answer was judged");
     } else if (s->wrong == 0) {
-        say(sentence, "no wrong ray in %s judged, whichever builder and kernel (below %.2g per "
-                      "million, 95 %%)",
+        say(sentence,
+            "no wrong ray in %s judged, whichever builder and kernel (below %.2g per "
+            "million, 95 %%)",
             rays_text(s->checked, text), bb_wrong_rate_of(0, s->checked).high);
     } else {
         say(sentence, "WRONG: ");
@@ -218,18 +229,19 @@ static void say_accuracy(bb_summary *s)
     char text[32];
     if (s->accuracy_count < 2)
         return;
-    bb_sentence *sentence = begin(s, "Speed or accuracy");
+    bb_sentence *sentence = begin(s, "Accuracy");
     for (uint32_t i = 0; i < s->accuracy_count; i++) {
         const bb_summary_accuracy *a = &s->accuracy[i];
         double ppm = bb_wrong_rate_of(a->wrong, a->checked).ppm;
+        const char *kind = a->wrong_t > 0.9 * a->wrong ? " in distance" : "";
         say(sentence, "%s%s ", i > 0 ? "; " : "", a->intersector);
         if (a->wrong == 0)
-            say(sentence, "0 wrong");
+            say(sentence, "none");
         else
-            say(sentence, "%.3g wrong per million", ppm);
-        say(sentence, " at %.2fx the speed", a->speed);
+            say(sentence, ppm < 100 ? "%.2g%s" : "%.0f%s", ppm, kind);
+        say(sentence, " at %.2fx", a->speed);
     }
-    say(sentence, " (%s of the rays that tell them apart)",
+    say(sentence, " the speed: wrong per million of %s rays that tell them apart",
         rays_text(s->accuracy[0].checked, text));
 }
 

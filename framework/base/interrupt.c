@@ -1,0 +1,37 @@
+#include "framework/base/interrupt.h"
+
+#include <signal.h>
+#include <string.h>
+#include <unistd.h>
+
+static volatile sig_atomic_t noted;
+
+static void note(int signal_number)
+{
+    static const char words[] = "\ninterrupted: ending with what was measured; once more ends it "
+                                "at once\n";
+    noted = 1;
+    signal(signal_number, SIG_DFL);
+    ssize_t written = write(STDERR_FILENO, words, sizeof words - 1);
+    (void)written;
+}
+
+void bb_interrupt_catch(void)
+{
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = note;
+    action.sa_flags = SA_RESTART;
+    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
+        struct sigaction before;
+        /* who starts a program with nohup wants it to stay deaf */
+        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, NULL);
+    }
+}
+
+bool bb_interrupted(void)
+{
+    return noted != 0;
+}
