@@ -111,8 +111,13 @@ static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench
     bb_status status = bb_keep_earlier(c->folder, kept, sizeof kept);
     if (kept[0] != '\0' && !c->quiet)
         fprintf(stderr, "moved the results that were in %s to %s\n", c->folder, kept);
-    if (status == BB_OK)
+    if (status == BB_OK) {
         status = bb_results_write(results, p.json);
+        snprintf(reason, sizeof reason, "%s", bb_message());
+        if (status != BB_OK)
+            bb_fail(status, "%s (nothing is kept but what was printed: take another --out)",
+                    reason);
+    }
     if (status == BB_OK) {
         status = write_views(c, results, &p, &charts);
         double ms = bb_wall_ms() - start;

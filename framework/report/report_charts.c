@@ -5,6 +5,7 @@
 #include "framework/chart/chart_script.h"
 #include "framework/report/report.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -18,6 +19,7 @@
 extern char **environ;
 
 static const char script_name[] = "charts.gp";
+enum { PICTURE_BYTES_MAX = 64 << 20 };
 
 bool bb_report_can_draw(void)
 {
@@ -138,18 +140,92 @@ static bb_status draw(const char *folder)
     return BB_OK;
 }
 
+static bool ends_with(const char *text, size_t length, const char *end)
+{
+    size_t size = strlen(end);
+    return length >= size && memcmp(text + length - size, end, size) == 0;
+}
+
+/* gnuplot does not say when a disk is full: a picture that lacks its end is none. */
+static bool is_whole(const char *path)
+{
+    static const char png_end[] = "IEND\xAE\x42\x60\x82", svg_end[] = "</svg>";
+    size_t name = strlen(path), size = 0;
+    bool png = ends_with(path, name, ".png");
+    char *data = NULL;
+    if (!png && !ends_with(path, name, ".svg"))
+        return true;
+    if (bb_file_read(path, PICTURE_BYTES_MAX, "chart", &data, &size) != BB_OK)
+        return false;
+    while (!png && size > 0 && (data[size - 1] == '\n' || data[size - 1] == '\r'))
+        size--;
+    bool whole = ends_with(data, size, png ? png_end : svg_end);
+    free(data);
+    return whole;
+}
+
+/* Each file of `from` into `to`, or away where `to` is NULL; then `from` itself. */
+static bb_status empty_folder(const char *from, const char *to)
+{
+    DIR *entries = opendir(from);
+    struct dirent *entry;
+    bb_status status = BB_OK;
+    if (entries == NULL)
+        return bb_fail(BB_FAILED, "charts: cannot read %s: %s", from, strerror(errno));
+    while ((entry = readdir(entries)) != NULL) {
+        char source[PATH_MAX], target[PATH_MAX];
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0 ||
+            snprintf(source, sizeof source, "%s/%s", from, entry->d_name) >= (int)sizeof source)
+            continue;
+        if (to != NULL && !is_whole(source)) {
+            closedir(entries);
+            return bb_fail(BB_FAILED, "charts: %s is not whole: is there room on the disk?",
+                           source);
+        }
+        bool fits = to != NULL && snprintf(target, sizeof target, "%s/%s", to, entry->d_name) <
+                                      (int)sizeof target;
+        if (fits && rename(source, target) != 0)
+            status = bb_fail(BB_FAILED, "charts: cannot make %s: %s", target, strerror(errno));
+        if (!fits)
+            remove(source);
+    }
+    closedir(entries);
+    rmdir(from);
+    return status;
+}
+
+/* Writes the script and draws in a folder beside, whose files are moved when all are there: what
+ * fails leaves what was there before. */
+static bb_status draw_beside(const char *folder, const char *script, size_t size, bool any)
+{
+    char part[PATH_MAX], path[PATH_MAX];
+    if (snprintf(part, sizeof part, "%s.part", folder) >= (int)sizeof part ||
+        snprintf(path, sizeof path, "%s/%s", part, script_name) >= (int)sizeof path)
+        return bb_fail(BB_INVALID, "%s: the path is too long", folder);
+    if (mkdir(part, 0777) != 0 && errno != EEXIST)
+        return bb_fail(BB_INVALID, "charts: cannot make %s: %s", part, strerror(errno));
+    bb_status status = bb_file_write(path, script, size, "charts");
+    if (status == BB_OK && any)
+        status = draw(part);
+    if (status == BB_OK)
+        status = empty_folder(part, folder);
+    if (status == BB_OK)
+        return BB_OK;
+    char reason[1024];
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    (void)empty_folder(part, NULL);
+    return bb_fail(status, "%s", reason);
+}
+
 bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pictures)
 {
     bb_charts charts = {0};
     char *script = NULL;
     size_t size = 0;
-    char path[PATH_MAX];
     *pictures = 0;
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         return bb_fail(BB_INVALID, "cannot make the folder of the charts %s: %s", folder,
                        strerror(errno));
-    if (snprintf(path, sizeof path, "%s/%s", folder, script_name) >= (int)sizeof path)
-        return bb_fail(BB_INVALID, "%s/%s: the path is too long", folder, script_name);
     BB_TRY(bb_charts_make(results, &charts));
     FILE *out = open_memstream(&script, &size);
     bb_status status = out != NULL ? bb_charts_script(&charts, out, pictures)
@@ -157,9 +233,7 @@ bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pi
     if (out != NULL && (ferror(out) | fclose(out)) != 0 && status == BB_OK)
         status = bb_fail(BB_FAILED, "charts: no memory for the script");
     if (status == BB_OK)
-        status = bb_file_write(path, script, size, "charts");
-    if (status == BB_OK && *pictures > 0)
-        status = draw(folder);
+        status = draw_beside(folder, script, size, *pictures > 0);
     free(script);
     bb_charts_free(&charts);
     return status;

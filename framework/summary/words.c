@@ -230,19 +230,19 @@ static void say_accuracy(bb_summary *s)
     if (s->accuracy_count < 2)
         return;
     bb_sentence *sentence = begin(s, "Accuracy");
+    say(sentence, "wrong per million of %s rays that tell them apart, and speed: ",
+        rays_text(s->accuracy[0].checked, text));
     for (uint32_t i = 0; i < s->accuracy_count; i++) {
         const bb_summary_accuracy *a = &s->accuracy[i];
         double ppm = bb_wrong_rate_of(a->wrong, a->checked).ppm;
-        const char *kind = a->wrong_t > 0.9 * a->wrong ? " in distance" : "";
         say(sentence, "%s%s ", i > 0 ? "; " : "", a->intersector);
         if (a->wrong == 0)
             say(sentence, "none");
         else
-            say(sentence, ppm < 100 ? "%.2g%s" : "%.0f%s", ppm, kind);
-        say(sentence, " at %.2fx", a->speed);
+            say(sentence, ppm < 100 ? "%.2g" : "%.0f", ppm);
+        say(sentence, "%s, %.2fx", a->wrong > 0 && a->wrong_t > 0.9 * a->wrong ? " (distance)" : "",
+            a->speed);
     }
-    say(sentence, " the speed: wrong per million of %s rays that tell them apart",
-        rays_text(s->accuracy[0].checked, text));
 }
 
 void bb_summary_say(bb_summary *summary)
