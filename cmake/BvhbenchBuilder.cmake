@@ -196,7 +196,7 @@ function(bvhbench_embed_report target)
     # The script in parts, in this order: what a part uses stands in it or before it.
     set(html report.html)
     set(css report.css)
-    set(js data.js series.js draw.js tables.js charts.js page.js)
+    set(js data.js series.js draw.js tables.js charts.js verdict.js page.js)
     foreach(part html css js)
         list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/)
         set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_report_${part}.c)

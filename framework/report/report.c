@@ -6,6 +6,7 @@
 #include "framework/base/file.h"
 #include "framework/chart/chart.h"
 #include "framework/record/schema.h"
+#include "framework/summary/summary.h"
 
 #include <cjson/cJSON.h>
 #include <stdint.h>
@@ -178,7 +179,9 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
     char *pictures = pictures_json(bb_results_json(results), picture_folder);
     char *charts = charts_json(results);
     char *schema = bb_schema_json();
-    if (schema == NULL || records == NULL || pictures == NULL || charts == NULL) {
+    char *summary = bb_summary_json(results);
+    if (schema == NULL || summary == NULL || records == NULL || pictures == NULL ||
+        charts == NULL) {
         status = bb_fail(BB_FAILED, "report %s: no memory", path);
         goto out;
     }
@@ -186,6 +189,7 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         {"@BB_CSS@", bb_text_report_css, false},
         {"@BB_DATA@", records, true},
         {"@BB_SCHEMA@", schema, true},
+        {"@BB_SUMMARY@", summary, true},
         {"@BB_CHARTS@", charts, true},
         {"@BB_PICTURES@", pictures, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
@@ -197,6 +201,7 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
 out:
     free(page.data);
     cJSON_free(schema);
+    cJSON_free(summary);
     cJSON_free(charts);
     cJSON_free(pictures);
     cJSON_free(records);

@@ -31,6 +31,9 @@ function head() {
   (data.merged || []).forEach((m, i) => contextList($('more-context').querySelector('dl'), [
     [`Run ${i + 2}`, [m.date, m.revision, m.host, m.device].filter(Boolean).join(', ')],
     [`Command of run ${i + 2}`, m.command]]));
+  $('where').textContent = [texts.cpu, c.device, c.revision, texts.date].filter(Boolean).join(' \u00b7 ');
+  for (const [id, rows] of [['traces', traces], ['builds', builds], ['scenes', data.scenes]])
+    $(`${id}-fold`).textContent = `The table: ${plural(rows.length, 'row')}`;
   $('version').textContent = [c.version, c.revision].filter(Boolean).join(', revision ');
   document.title = `bvhbench report, ${data.scenes.map(s => s.name).join(', ')}`;
 }
@@ -118,12 +121,33 @@ function redraw() {
   drawAll(current);
 }
 
-for (const part of [head, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid, metricTexts]) part();
+/* What a link leads to is unfolded. */
+function unfold() {
+  const target = location.hash.length > 1 && !location.hash.startsWith('#choice:') && $(location.hash.slice(1));
+  for (const details of target ? target.querySelectorAll('details.fold') : []) details.open = true;
+}
+
+readAddress();
+for (const part of [head, startVerdict, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid, metricTexts]) part();
 Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
 redraw();
 for (const [id, key] of [['pick-scene', 'scene'], ['pick-rays', 'rays'], ['pick-view', 'view']])
-  $(id).addEventListener('change', event => { picked[key] = event.target.value; redraw(); });
+  $(id).addEventListener('change', event => { picked[key] = event.target.value; redraw(); writeAddress(); });
 for (const id of ['pick-tree', 'pick-metric']) $(id).addEventListener('change', () => drawAll(current));
-dark.addEventListener('change', redraw);
-window.addEventListener('beforeprint', () => { printing = true; redraw(); });
-window.addEventListener('afterprint', () => { printing = false; redraw(); });
+const redrawAll = () => { drawVerdict(); redraw(); };
+dark.addEventListener('change', redrawAll);
+window.addEventListener('hashchange', unfold);
+unfold();
+/* On paper nothing is folded. */
+let folded = [];
+window.addEventListener('beforeprint', () => {
+  printing = true;
+  folded = [...document.querySelectorAll('details.fold:not([open])')];
+  for (const details of folded) details.open = true;
+  redrawAll();
+});
+window.addEventListener('afterprint', () => {
+  printing = false;
+  for (const details of folded) details.open = false;
+  redrawAll();
+});

@@ -101,7 +101,7 @@ const minor = columns => columns.map(column => Object.assign(column, { minor: tr
 const statusText = row => row.status === 'ok' ? 'ok' : row.reason ? `${row.status}: ${row.reason}` : row.status;
 
 function traceTable() {
-  addTable($('traces'), 'Traces. Press a heading to sort; the table scrolls sideways.', [
+  addTable($('traces-tables'), 'Traces. Press a heading to sort; the table scrolls sideways.', [
     field('trace', 'builder'), ...runColumn, field('trace', 'scene'), field('trace', 'rays', { text: raysName }),
     ...fields('trace', ['view', 'kernel']),
     field('trace', 'native', { text: t => ({ true: 'native', false: 'reshaped' })[t.native] || dash }),
@@ -118,7 +118,7 @@ function traceTable() {
   ], traces, { tools: true, css: t => t.reference ? 'reference' : null,
                odd: t => t.status !== 'ok' || t.acc.wrong_ppm > 0 || t.acc.overflowed > 0 });
   if (data.skipped.length > 0)
-    addTable($('traces'), 'Skipped: what was asked for and not traced, and why', [
+    addTable($('traces-tables'), 'Skipped: what was asked for and not traced, and why', [
       field('skipped', 'scene'), ...runColumn, ...fields('skipped', ['rays', 'view']),
       field('skipped', 'reason', { wide: true }),
     ], data.skipped, {});
@@ -131,7 +131,7 @@ function pairs(object) {
 
 function buildTable() {
   const treeBytes = b => isNumber(b.bytes_native) ? b.bytes_native : (b.tree || {}).bytes_tree;
-  addTable($('builds'), 'Builds. Press a heading to sort; the table scrolls sideways.', [
+  addTable($('builds-tables'), 'Builds. Press a heading to sort; the table scrolls sideways.', [
     field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s']),
     medianColumn('build', 'build_ms_median', builds, 'build_ms'),
     ...minor(fields('build', ['cold_ms', 'boxes_ms', 'transfer_ms', 'prepare_ms', 'restore_ms', 'outside_ms', 'inputs'])),
@@ -151,7 +151,7 @@ function sceneTable() {
     const { lo, hi } = s.bounds || {};
     return Array.isArray(lo) && Array.isArray(hi) ? lo.map((v, i) => figure(hi[i] - v)).join(' \u00d7 ') : dash;
   };
-  addTable($('scenes'), 'Scenes and their profiles', [
+  addTable($('scenes-tables'), 'Scenes and their profiles', [
     ...fields('scene', ['name', 'kind', 'prims']), field('scene', 'bounds', { text: size }),
     ...fields('profile', ['flatness', 'size_min', 'size_median', 'size_max', 'overlap', 'zero_area', 'duplicate_centroids',
                           'code_bits']),

@@ -1,0 +1,169 @@
+/* The first screen: what the result says of its builders, over all scenes and rays or a choice of them. Rows, ties and sentences
+ * were computed with the results (framework/summary/summary.h); this shows them. */
+const summaries = JSON.parse($('summary-data').textContent);
+const chosen = { scene: '', rays: '' };
+const summaryOf = (scene, rays) => summaries.choices.find(s => s.scene === scene && s.rays === rays);
+const everything = summaryOf('', '') || { rows: [], sentences: [] };
+const rowColour = row => row.reference ? theme().muted
+  : colourAt(everything.rows.filter(r => !r.reference).findIndex(r => r.builder === row.builder && r.run === row.run));
+
+/* 0.97, 12.3, 154: as on the terminal. */
+const ratio = value => isNumber(value) ? value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0) : dash;
+const withBounds = s => isNumber(s.low) && isNumber(s.high) ? `95 %: ${ratio(s.low)} to ${ratio(s.high)}` : null;
+const standingText = s => `${ratio(s.value)}${s.best ? ' best' : s.tied ? ' tie' : ''}`;
+
+/* ---- bars ---- */
+
+/* A bar of `share` of the cell's width, with its figure; `heading` stands before it where there is no room for columns. */
+function barCell(heading, standing, share, row, extra) {
+  const bar = el('i', { class: 'bar', 'aria-hidden': 'true' });
+  bar.style.width = `${100 * Math.max(0, Math.min(1, share || 0))}%`;
+  bar.style.background = rowColour(row);
+  const css = ['bars', standing.best && 'best', extra].filter(Boolean).join(' ');
+  return el('td', { class: css, title: withBounds(standing), 'data-heading': heading },
+            el('span', { class: 'value' }, standingText(standing)), el('span', { class: 'track' }, bar));
+}
+
+const largest = (rows, get) => Math.max(0, ...rows.map(get).filter(isNumber));
+
+/* Build speeds differ by powers of ten: their bars are logarithmic, from a tenth of the slowest. */
+function logShare(value, all) {
+  const seen = all.filter(v => v > 0), low = Math.min(...seen) / 2, high = Math.max(...seen);
+  return value > 0 ? Math.log(value / low) / Math.log(high / low) : 0;
+}
+
+/* How the rows of a group that can't be told apart begin and end. */
+function tieClass(rows, i) {
+  const same = j => rows[j] && isNumber(rows[i].group) && rows[j].group === rows[i].group && !rows[j].reference;
+  return same(i - 1) || same(i + 1) ? `tie${same(i - 1) ? '' : ' first'}${same(i + 1) ? '' : ' last'}` : '';
+}
+
+function barRow(summary, row, i) {
+  const { rows } = summary;
+  const [million, billion] = [1, 4].map(k => row.image[k]), builds = rows.map(r => r.build.value);
+  const wrong = !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
+  const name = el('th', { scope: 'row', title: row.builder }, row.name, row.reference ? el('span', { class: 'note' }, '\u00a0ref.') : null);
+  const least = k => Math.min(...rows.map(r => r.image[k].value).filter(isNumber));
+  const time = (s, k) => isNumber(s.value) ? least(k) / s.value : 0;
+  return el('tr', { class: row.reference ? 'reference' : null }, name,
+    barCell(summary.referenced ? 'trace, of Embree' : 'trace, of the best', row.trace, row.trace.value / largest(rows, r => r.trace.value),
+            row, tieClass(rows, i)),
+    barCell('build, Mprims/s', row.build, logShare(row.build.value, builds), row),
+    barCell('time for 1 M rays', million, time(million, 1), row), barCell('time for 1 G rays', billion, time(billion, 4), row),
+    el('td', { class: row.wrong > 0 ? 'wrong' : null, 'data-heading': 'wrong rays' }, wrong));
+}
+
+function drawBars(summary) {
+  const heading = (text, title) => el('th', { scope: 'col', title }, text);
+  $('verdict-bars').replaceChildren(el('table', { class: 'verdict-table' },
+    el('thead', {}, el('tr', {}, heading('Builder'),
+      heading(`Trace speed, of ${summary.referenced ? 'Embree' : 'the best'}`, 'geometric mean over the ray sets; a bracket: this run cannot tell them apart'),
+      heading('Build, Mprims/s (log)', 'geometric mean over the scenes'),
+      heading('Time for 1 M rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
+      heading('Time for 1 G rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
+      heading('Wrong rays'))),
+    el('tbody', {}, ...summary.rows.map((row, i) => barRow(summary, row, i)))));
+}
+
+/* ---- time to image, by the best ---- */
+const svg = (tag, attributes, ...children) => {
+  const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  node.append(...children);
+  return node;
+};
+
+/* Curves from 1, the best, up to `top`; above, they leave the picture. */
+function drawCurves(summary) {
+  const counts = summaries.curve_counts, top = 2, [w, h, left, bottom, above, right] = [640, 250, 34, 34, 10, 24];
+  const x = n => left + (w - left - right) * Math.log10(n / counts[0]) / Math.log10(counts[counts.length - 1] / counts[0]);
+  const y = v => above + (h - bottom - above) * (top - v) / (top - 1 + 0.06);
+  const own = summary.rows.filter(r => r.curve.some(isNumber));
+  const t = theme(), picture = svg('svg', { viewBox: `0 0 ${w} ${h}`, role: 'img',
+    'aria-label': `Time to image by that of the best builder, for ${brief(counts[0])} to ${brief(counts[counts.length - 1])} rays` });
+  const text = (px, py, words, anchor) => svg('text', { x: px, y: py, fill: t.muted, 'font-size': 12, 'text-anchor': anchor }, words);
+  for (const v of [1, 1.25, 1.5, 1.75, 2])
+    picture.append(svg('line', { x1: left, x2: w - right, y1: y(v), y2: y(v), stroke: t.line }), text(left - 4, y(v) + 4, v.toFixed(2), 'end'));
+  for (let n = counts[0]; n <= counts[counts.length - 1] * 1.01; n *= 100)
+    picture.append(svg('line', { x1: x(n), x2: x(n), y1: above, y2: h - bottom, stroke: t.line }), text(x(n), h - bottom + 16, brief(n), 'middle'));
+  picture.append(text((left + w) / 2, h - 4, 'rays to trace', 'middle'));
+  for (const row of own) {
+    const points = counts.map((n, i) => [n, row.curve[i]]).filter(([, v]) => isNumber(v));
+    const path = points.map(([n, v], i) => `${i ? 'L' : 'M'}${x(n).toFixed(1)} ${Math.max(-40, y(v)).toFixed(1)}`).join('');
+    const curve = svg('path', { d: path, fill: 'none', stroke: rowColour(row), 'stroke-width': row.reference ? 1 : 2,
+                                'stroke-dasharray': row.reference ? '3 3' : 'none', 'clip-path': 'url(#curve-clip)' });
+    curve.append(svg('title', {}, row.name));
+    picture.append(curve);
+  }
+  picture.prepend(svg('clipPath', { id: 'curve-clip' }, svg('rect', { x: left, y: above, width: w - left - right, height: h - bottom - above + 3 })));
+  const first = own.filter(r => !r.reference && r.curve.some(v => v === Math.min(...own.filter(o => !o.reference).map(o => o.curve[r.curve.indexOf(v)]))));
+  $('verdict-curves').replaceChildren(picture, el('div', { class: 'legend' }, ...own.map(row => {
+    const chip = el('i', { 'aria-hidden': 'true' });
+    chip.style.background = rowColour(row);
+    return el('span', { class: first.includes(row) ? 'winner' : null }, chip, row.name);
+  })));
+}
+
+/* ---- sentences and figures ---- */
+function drawSentences(summary) {
+  const sentence = s => el('div', {}, el('dt', {}, s.label), el('dd', { class: /^WRONG/.test(s.text) ? 'bad' : null }, s.text));
+  $('verdict-sentences').replaceChildren(...summary.sentences.map(sentence));
+  const noise = isNumber(summary.noise) ? `; noise of a rate ${(100 * summary.noise).toFixed(1)} %, of the worst tenth ${(100 * summary.noise_worst).toFixed(1)} %` : '';
+  $('verdict-scope').textContent = `${plural(summary.scenes, 'scene')}, ${plural(summary.sets, 'ray set')}, ${plural(summary.rounds, 'round')}: geometric means${noise}` +
+    (summary.sets_aside ? `; ${plural(summary.sets_aside, 'ray set')} aside, traced by too few builders` : '') + '.';
+}
+
+function drawSummaryTable(summary) {
+  const standing = (name, get, title) => ({ name, number: true, value: r => get(r).value, text: r => standingText(get(r)), title });
+  $('verdict-table').replaceChildren();
+  addTable($('verdict-table'), 'All figures; press a heading to sort.', [
+    { name: 'Builder', text: r => r.builder, wide: true }, { name: 'Kernel', text: r => r.kernel || dash },
+    standing(`Trace /${summary.referenced ? 'Embree' : 'best'}`, r => r.trace), num('Mrays/s', r => r.mrays_s),
+    standing('Build Mprims/s', r => r.build), standing('+ layout', r => r.ready, 'build and layout of its kernel'),
+    ...summaries.counts.map((n, k) => standing(`${brief(n)} rays`, r => r.image[k], 'time to image, by the best')),
+    standing('SAH /best', r => r.sah), num('Peak', r => r.peak, null, bytes), num('Wrong', r => r.wrong, 'rays', whole),
+    num('Judged', r => r.checked, 'rays', whole), num('Failed', r => r.failed, 'cells and builds', whole), num('Ray sets', r => r.sets, null, whole),
+  ], summary.rows, { css: r => r.reference ? 'reference' : null });
+}
+
+/* ---- the choice, also in the address ---- */
+function drawVerdict() {
+  const summary = summaryOf(chosen.scene, chosen.rays) || everything;
+  for (const part of [drawBars, drawCurves, drawSentences, drawSummaryTable]) part(summary);
+}
+
+function writeAddress() {
+  const words = new URLSearchParams([['scene', chosen.scene], ['rays', chosen.rays], ['chart-scene', picked.scene],
+    ['chart-rays', picked.rays], ['chart-view', picked.view]].filter(([, value]) => value !== ''));
+  history.replaceState(null, '', `#choice:${words}`);
+}
+
+function readAddress() {
+  if (!location.hash.startsWith('#choice:')) return;
+  const words = new URLSearchParams(location.hash.slice('#choice:'.length));
+  for (const key of ['scene', 'rays']) {
+    chosen[key] = words.get(key) ?? '';
+    picked[key] = words.get(`chart-${key}`) ?? '';
+  }
+  picked.view = words.get('chart-view') ?? '';
+  if (!summaryOf(chosen.scene, chosen.rays)) Object.assign(chosen, { scene: '', rays: '' });
+}
+
+function startVerdict() {
+  const warnings = [summaries.busy && `The times are not to be trusted: ${summaries.busy}.`,
+    data.context.interrupted && 'The run was interrupted: not all that was asked for was measured.'].filter(Boolean);
+  $('verdict-warnings').replaceChildren(...warnings.map(text => el('p', { class: 'warning' }, text)));
+  for (const [id, key] of [['verdict-scene', 'scene'], ['verdict-rays', 'rays']]) {
+    const values = unique(summaries.choices.map(s => s[key]));
+    $(id).replaceChildren(...values.map(v => el('option', { value: v }, v || `all ${key === 'scene' ? 'scenes' : 'rays'}`)));
+    $(id).value = chosen[key];
+    $(id).addEventListener('change', event => {
+      const before = chosen[key];
+      chosen[key] = event.target.value;
+      if (!summaryOf(chosen.scene, chosen.rays)) chosen[key] = event.target.value = before; /* nothing was measured of that */
+      drawVerdict();
+      writeAddress();
+    });
+  }
+  drawVerdict();
+}

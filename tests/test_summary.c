@@ -1,0 +1,367 @@
+/* What is said of a result document: means, order, ties, best, sentences. Documents are made here,
+ * with times that are known. */
+#include "framework/summary/summary.h"
+#include "tests/fixture.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { ROUNDS = 7 }; /* the first counts for nothing */
+
+typedef struct document {
+    cJSON *root, *scenes, *builds, *traces;
+    int next;
+} document;
+
+static document make_document(void)
+{
+    document d = {.root = cJSON_CreateObject()};
+    cJSON_AddStringToObject(d.root, "schema", "bvhbench-results/1");
+    cJSON *context = cJSON_AddObjectToObject(d.root, "context");
+    cJSON_AddNumberToObject(context, "cpu_threads", 4);
+    d.scenes = cJSON_AddArrayToObject(d.root, "scenes");
+    d.builds = cJSON_AddArrayToObject(d.root, "builds");
+    d.traces = cJSON_AddArrayToObject(d.root, "traces");
+    return d;
+}
+
+static void add_scene(document *d, const char *name, double prims)
+{
+    cJSON *scene = cJSON_CreateObject();
+    cJSON_AddStringToObject(scene, "name", name);
+    cJSON_AddNumberToObject(scene, "prims", prims);
+    cJSON_AddItemToArray(d->scenes, scene);
+}
+
+/* `ms` around its value by `spread`, in turn above and below; sample 0 is far off. */
+static cJSON *samples(double ms, double spread)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (int i = 0; i < ROUNDS; i++)
+        cJSON_AddItemToArray(list,
+                             cJSON_CreateNumber(i == 0   ? 50 * ms
+                                                : i == 1 ? ms
+                                                         : ms * (1 + (i % 2 ? spread : -spread))));
+    return list;
+}
+
+/* Returns its id. */
+static int add_build(document *d, const char *scene, const char *builder, double ms, bool reference)
+{
+    cJSON *build = cJSON_CreateObject();
+    cJSON_AddNumberToObject(build, "id", d->next);
+    cJSON_AddStringToObject(build, "scene", scene);
+    cJSON_AddStringToObject(build, "builder", builder);
+    cJSON_AddStringToObject(build, "status", "ok");
+    cJSON_AddItemToObject(build, "build_ms", samples(ms, 0.01));
+    cJSON_AddNumberToObject(build, "build_ms_median", ms);
+    cJSON_AddBoolToObject(build, "reference", reference);
+    cJSON_AddItemToArray(d->builds, build);
+    return d->next++;
+}
+
+typedef struct traced {
+    const char *scene, *builder, *rays, *kernel, *intersector;
+    int build;
+    double ms, spread, wrong_ppm;
+    bool reference;
+} traced;
+
+static void add_trace(document *d, const traced *t)
+{
+    const double count = 1e6;
+    cJSON *trace = cJSON_CreateObject();
+    bool exact = strcmp(t->intersector, "exact") == 0;
+    cJSON_AddNumberToObject(trace, "build", t->build);
+    cJSON_AddStringToObject(trace, "scene", t->scene);
+    cJSON_AddStringToObject(trace, "builder", t->builder);
+    cJSON_AddStringToObject(trace, "kernel", t->kernel);
+    cJSON_AddStringToObject(trace, "intersector", t->intersector);
+    cJSON_AddStringToObject(trace, "rays", t->rays);
+    cJSON_AddStringToObject(trace, "rays_hash", t->rays);
+    cJSON_AddNumberToObject(trace, "count", count);
+    cJSON_AddStringToObject(trace, "status", "ok");
+    cJSON_AddItemToObject(trace, "ms", samples(t->ms, t->spread));
+    cJSON_AddNumberToObject(trace, "mrays_s", count / t->ms / 1e3);
+    cJSON_AddBoolToObject(trace, "counts_for_exit", exact && !t->reference);
+    cJSON_AddBoolToObject(trace, "wrong", t->wrong_ppm > 0);
+    cJSON_AddBoolToObject(trace, "reference", t->reference);
+    cJSON *accuracy = cJSON_AddObjectToObject(trace, "accuracy");
+    cJSON_AddNumberToObject(accuracy, "checked", count);
+    cJSON_AddNumberToObject(accuracy, "wrong_ppm", t->wrong_ppm);
+    cJSON_AddItemToArray(d->traces, trace);
+}
+
+static bb_results *read_back(document *d)
+{
+    const char *folder = getenv("BVHBENCH_TEST_DIR");
+    char path[600];
+    bb_results *results = NULL;
+    folder = folder != NULL ? folder : "/tmp";
+    mkdir(folder, 0777);
+    snprintf(path, sizeof path, "%s/summary.json", folder);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    char *text = cJSON_Print(d->root);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+    cJSON_free(text);
+    cJSON_Delete(d->root);
+    if (bb_results_read(path, &results) != BB_OK)
+        fail_msg("%s", bb_message());
+    remove(path);
+    return results;
+}
+
+static const bb_summary_row *row_of(const bb_summary *s, const char *builder)
+{
+    for (uint32_t i = 0; i < s->row_count; i++)
+        if (strcmp(s->rows[i].builder, builder) == 0)
+            return &s->rows[i];
+    fail_msg("no row of %s", builder);
+    return NULL;
+}
+
+static const char *sentence_of(const bb_summary *s, const char *label)
+{
+    for (uint32_t i = 0; i < s->sentence_count; i++)
+        if (strcmp(s->sentences[i].label, label) == 0)
+            return s->sentences[i].text;
+    return "";
+}
+
+static void expect_words(const bb_summary *s, const char *label, const char *words)
+{
+    if (strstr(sentence_of(s, label), words) == NULL)
+        fail_msg("%s: expected '%s' in '%s'", label, words, sentence_of(s, label));
+}
+
+#define assert_near(value, expected) assert_true(fabs((value) / (expected)-1) < 1e-9)
+
+/* Two scenes of a million primitives, one set of rays each; a reference at 100 ms for them. Slow to
+ * build and fast to trace, the other way round, and one that can't be told from the first. */
+static document three_builders(void)
+{
+    static const char *const scenes[] = {"a", "b"};
+    static const struct {
+        const char *builder;
+        double build, trace[2], spread;
+    } builders[] = {{"slow", 1000, {100, 50}, 0.001},
+                    {"fast", 10, {400, 100}, 0.001},
+                    {"alike", 1000, {101, 50}, 0.05}};
+    document d = make_document();
+    for (int s = 0; s < 2; s++) {
+        add_scene(&d, scenes[s], 1e6);
+        for (int b = 0; b < 3; b++) {
+            traced t = {.scene = scenes[s],
+                        .builder = builders[b].builder,
+                        .rays = "random",
+                        .kernel = "stack",
+                        .intersector = "exact",
+                        .ms = builders[b].trace[s],
+                        .spread = builders[b].spread};
+            t.build = add_build(&d, scenes[s], t.builder, builders[b].build, false);
+            add_trace(&d, &t);
+            t.kernel = "slower";
+            t.ms *= 3;
+            add_trace(&d, &t);
+        }
+        traced t = {.scene = scenes[s],
+                    .builder = "other:mode=fast",
+                    .rays = "random",
+                    .kernel = "own",
+                    .intersector = "own",
+                    .ms = 100,
+                    .reference = true};
+        t.build = add_build(&d, scenes[s], t.builder, 100, true);
+        add_trace(&d, &t);
+    }
+    return d;
+}
+
+static void means_are_geometric_and_over_all_sets(void **state)
+{
+    (void)state;
+    document d = three_builders();
+    bb_results *results = read_back(&d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_int_equal(s.builder_count, 3);
+    assert_int_equal(s.row_count, 4);
+    assert_int_equal(s.scenes, 2);
+    assert_int_equal(s.sets, 2);
+    assert_int_equal(s.rounds, ROUNDS - 1);
+    const bb_summary_row *slow = row_of(&s, "slow"), *fast = row_of(&s, "fast");
+    assert_near(slow->trace.value, sqrt(1.0 * 2.0));
+    assert_near(fast->trace.value, sqrt(0.25 * 1.0));
+    assert_near(slow->build.value, 1);
+    assert_near(fast->build.value, 100);
+    assert_string_equal(slow->kernel, "stack");
+    /* 10^5 rays take a tenth of the times above, 10^10 ten thousand times these */
+    assert_near(slow->image[0].value, sqrt(1010.0 / 50 * 1005.0 / 20));
+    assert_true(fast->image[0].best && !slow->image[0].best);
+    assert_true(slow->image[5].best);
+    assert_near(fast->image[5].value, sqrt((10 + 4e6) / (1000 + 1e6) * (10 + 1e6) / (1000 + 5e5)));
+    assert_true(s.rows[3].reference);
+    assert_near(s.rows[3].trace.value, 1);
+    expect_words(&s, "Fastest build", "fast, 100 Mprims/s");
+    expect_words(&s, "Fastest image", "fast to ");
+    expect_words(&s, "Fastest image", "beyond, slow");
+    expect_words(&s, "For 1 G rays", "slow, tied with alike; fast takes ");
+    expect_words(&s, "Right answers", "no wrong ray in 12 M judged");
+    bb_summary_free(&s);
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){"b", NULL}, &s), BB_OK);
+    assert_near(row_of(&s, "slow")->trace.value, 2);
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
+static void ties_are_what_rounds_cannot_tell(void **state)
+{
+    (void)state;
+    document d = three_builders();
+    bb_results *results = read_back(&d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    const bb_summary_row *slow = row_of(&s, "slow"), *alike = row_of(&s, "alike");
+    assert_int_equal(slow->group, 0);
+    assert_int_equal(alike->group, 0);
+    assert_int_equal(row_of(&s, "fast")->group, 1);
+    assert_true(slow->trace.best && alike->trace.tied && !slow->trace.tied);
+    assert_true(alike->trace.low < slow->trace.value && alike->trace.high > slow->trace.value);
+    expect_words(&s, "Fastest trace", "a tie; fast is ");
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
+/* A builder whose answers are wrong on some rays has no rank by them, and is named. */
+static void wrong_answers_win_nothing(void **state)
+{
+    (void)state;
+    document d = three_builders();
+    const traced t = {.scene = "a",
+                      .builder = "fast",
+                      .rays = "random",
+                      .kernel = "wrong",
+                      .intersector = "exact",
+                      .build = 1,
+                      .ms = 1,
+                      .wrong_ppm = 3};
+    add_trace(&d, &t);
+    bb_results *results = read_back(&d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_near(row_of(&s, "fast")->trace.value, 0.5);
+    assert_true(row_of(&s, "fast")->wrong == 3);
+    expect_words(&s, "Right answers", "WRONG: fast lost 3 of 5 M rays");
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
+/* Rays that one of three builders traced do not compare them. */
+static void lonely_sets_are_left_aside(void **state)
+{
+    (void)state;
+    document d = three_builders();
+    traced t = {.scene = "a",
+                .builder = "slow",
+                .rays = "edges",
+                .kernel = "stack",
+                .intersector = "exact",
+                .build = 0,
+                .ms = 1};
+    add_trace(&d, &t);
+    t.intersector = "careless";
+    t.wrong_ppm = 40;
+    t.ms = 0.5;
+    add_trace(&d, &t);
+    bb_results *results = read_back(&d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_int_equal(s.sets, 2);
+    assert_int_equal(s.sets_aside, 1);
+    assert_near(row_of(&s, "slow")->trace.value, sqrt(2));
+    assert_int_equal(s.accuracy_count, 2);
+    assert_string_equal(s.accuracy[0].intersector, "exact");
+    assert_near(s.accuracy[1].speed, 2);
+    assert_near(s.accuracy[1].wrong, 40);
+    expect_words(&s, "Accuracy", "exact none, 1.00x; careless 40, 2.00x");
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
+static void nothing_to_say_is_no_error(void **state)
+{
+    (void)state;
+    document empty = make_document();
+    bb_results *results = read_back(&empty);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_int_equal(s.row_count, 0);
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+
+    document builds = make_document(); /* as with --rays none */
+    add_scene(&builds, "a", 1e6);
+    add_build(&builds, "a", "one", 10, false);
+    add_build(&builds, "a", "two", 20, false);
+    results = read_back(&builds);
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_string_equal(s.rows[0].builder, "one");
+    assert_true(isnan(s.rows[0].trace.value) && s.rows[0].build.best);
+    expect_words(&s, "Fastest build", "one, 100 Mprims/s; 2.00x two");
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
+static void a_busy_machine_is_said(void **state)
+{
+    (void)state;
+    static const double others[] = {0.2, 0.9};
+    for (int i = 0; i < 2; i++) {
+        document d = make_document();
+        char text[256];
+        cJSON_AddNumberToObject(cJSON_GetObjectItem(d.root, "context"), "others_cpu", others[i]);
+        bb_results *results = read_back(&d);
+        assert_int_equal(bb_summary_busy(results, text), i == 1);
+        if (i == 1)
+            assert_non_null(strstr(text, "0.9 of its 4 threads"));
+        bb_results_destroy(results);
+    }
+}
+
+/* Names fit their column, and say which run of several. */
+static void long_names_are_shortened(void **state)
+{
+    (void)state;
+    document d = make_document();
+    add_scene(&d, "a", 1e6);
+    add_build(&d, "a", "tree:quality=medium,mode=robust", 10, false);
+    add_build(&d, "a", "a-tree-with-a-name-that-is-much-too-long-for-a-column", 10, false);
+    bb_results *results = read_back(&d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_string_equal(row_of(&s, "tree:quality=medium,mode=robust")->name, "tree:medium,robust");
+    for (uint32_t i = 0; i < s.row_count; i++)
+        assert_true(strlen(s.rows[i].name) <= 27);
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(means_are_geometric_and_over_all_sets),
+        cmocka_unit_test(ties_are_what_rounds_cannot_tell),
+        cmocka_unit_test(wrong_answers_win_nothing),
+        cmocka_unit_test(lonely_sets_are_left_aside),
+        cmocka_unit_test(nothing_to_say_is_no_error),
+        cmocka_unit_test(a_busy_machine_is_said),
+        cmocka_unit_test(long_names_are_shortened),
+    };
+    return cmocka_run_group_tests_name("summary", tests, NULL, NULL);
+}
