@@ -208,9 +208,10 @@ static void a_small_run_leaves_results_report_and_pictures(void **state)
 static void careless_cells_are_marked_but_not_counted(void **state)
 {
     (void)state;
-    const outcome *o = run("run --scene sphere-mesh:n=32 --builder lbvh --rays edges --max-rays "
-                           "50000 --intersector fast "
-                           "--size 32x32 --repeats 1 --no-pictures --out careless");
+    const outcome *o =
+        run("run --table --scene sphere-mesh:n=32 --builder lbvh --rays edges --max-rays "
+            "50000 --intersector fast "
+            "--size 32x32 --repeats 1 --no-pictures --out careless");
     assert_int_equal(o->exit_status, 0);
     assert_non_null(strstr(o->out, " wrong  "));
     cJSON *json = read_results("careless/results.json");
@@ -237,8 +238,8 @@ static void wrong_answers_give_exit_status_1(void **state)
              folder, folder);
     assert_int_equal(system(command), 0);
     const outcome *o =
-        run("run --scene cube --builder lbvh --rays primary --size 16x16 --repeats 1 --no-pictures "
-            "--kernels-from kernels --out wrong");
+        run("run --table --scene cube --builder lbvh --rays primary --size 16x16 --repeats 1 "
+            "--no-pictures --kernels-from kernels --out wrong");
     assert_int_equal(o->exit_status, 1);
     assert_non_null(strstr(o->out, "WRONG"));
     assert_int_equal(run("check --scene cube --builder lbvh --kernels-from kernels")->exit_status,
@@ -433,8 +434,9 @@ static void unlike_answers_give_exit_status_1(void **state)
              "/kernels/search.clh >%s/odd/search.clh",
              folder, folder);
     assert_int_equal(system(command), 0);
-    const outcome *o = run("run --scene cube --builder lbvh --kernel stack,stack4 --rays primary "
-                           "--size 16x16 --repeats 1 --no-pictures --kernels-from odd --out odd");
+    const outcome *o =
+        run("run --table --scene cube --builder lbvh --kernel stack,stack4 --rays primary "
+            "--size 16x16 --repeats 1 --no-pictures --kernels-from odd --out odd");
     assert_int_equal(o->exit_status, 1);
     assert_null(strstr(o->out, "WRONG"));
     assert_non_null(strstr(o->out, "unlike"));
@@ -462,7 +464,7 @@ static void without_rays_there_are_builds_only(void **state)
     (void)state;
     refuses("", "run --scene cube --rays none,primary --out x", "--rays none leaves all rays out");
     const outcome *o = expect(0,
-                              "run --scene cube --builder lbvh --rays none --kernel stack "
+                              "run --table --scene cube --builder lbvh --rays none --kernel stack "
                               "--repeats 2 --no-pictures --out bare",
                               "Layout ms");
     assert_null(strstr(o->out, "Wrong ppm"));
@@ -568,27 +570,125 @@ static void check_of_stages_is_not_empty(void **state)
     assert_non_null(strstr(o->err, "write BUILDER+rotate"));
 }
 
-static void an_interrupted_run_leaves_no_half_written_file(void **state)
+/* Starts a run, sends it `signal_number` after `ms`, and returns its exit status, as a shell has
+ * it. */
+static int interrupt_run(int signal_number, unsigned ms)
 {
-    (void)state;
     pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
-        if (chdir(folder) != 0 || freopen("/dev/null", "w", stderr) == NULL)
+        if (chdir(folder) != 0 || freopen("killed.err", "w", stderr) == NULL ||
+            freopen("killed.out", "w", stdout) == NULL)
             _exit(99);
-        execl(BB_TEST_BINARY, BB_TEST_BINARY, "run", "--scene", "interior:n=50000", "--builder",
-              "lbvh", "--repeats", "50", "--out", "killed", (char *)NULL);
+        execl(BB_TEST_BINARY, BB_TEST_BINARY, "run", "--scene", "cube", "--builder", "lbvh",
+              "--kernel", "stack", "--rays", "primary", "--repeats", "255", "--size", "512x512",
+              "--no-pictures", "--charts", "no", "--out", "killed", (char *)NULL);
         _exit(99);
     }
-    sleep(2);
-    kill(child, SIGINT);
+    usleep(ms * 1000);
+    kill(child, signal_number);
     int status;
     waitpid(child, &status, 0);
-    assert_true(WIFSIGNALED(status));
-    char path[512];
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+/* Whenever it comes: what was measured is whole and is printed, and that it is not all is said. */
+static void an_interrupted_run_leaves_what_it_has(void **state)
+{
+    (void)state;
+    static const unsigned times[] = {100, 700, 1500, 3000};
+    for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
+        char path[512], text[4096];
+        struct stat info;
+        assert_int_equal(interrupt_run(i % 2 ? SIGTERM : SIGINT, times[i]), 130);
+        snprintf(path, sizeof path, "%s/killed/results.json", folder);
+        if (stat(path, &info) != 0) {
+            read_file("killed.err", text, sizeof text);
+            /* before the program was ready to listen it ends without a word */
+            assert_true(text[0] == '\0' ||
+                        strstr(text, "interrupted before anything was measured") != NULL);
+            continue;
+        }
+        cJSON *json = read_results("killed/results.json");
+        const cJSON *context = cJSON_GetObjectItem(json, "context");
+        assert_true(cJSON_IsTrue(cJSON_GetObjectItem(context, "interrupted")));
+        cJSON_Delete(json);
+        read_file("killed.out", text, sizeof text);
+        assert_non_null(strstr(text, "INTERRUPTED"));
+        assert_non_null(strstr(text, " lbvh "));
+    }
+    expect(0, "report killed --out killed/again.html --charts no", "INTERRUPTED");
+}
+
+/* One screen: who is best, and where the rest is. */
+static void a_run_ends_with_its_answer(void **state)
+{
+    (void)state;
+    const outcome *o = expect(0,
+                              "run --scene cube,single --builder lbvh,sah --kernel stack,stack8 "
+                              "--rays primary,random --size 32x32 --max-rays 4000 --no-pictures "
+                              "--charts no --out answer",
+                              "Fastest trace");
+    int lines = 0;
+    for (const char *line = o->out; *line != '\0'; lines++) {
+        size_t length = strcspn(line, "\n");
+        if (length > 100)
+            fail_msg("%zu columns: %.*s", length, (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    assert_true(lines <= 45);
+    static const char *const words[] = {"Fastest build", "For 1 M rays",       "For 1 G rays",
+                                        "Right answers", "answer/report.html", "answer/tables.txt"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        assert_non_null(strstr(o->out, words[i]));
+    expect(0, "report answer --table", "where the time went");
+    expect(0, "report answer --markdown", "| builder | trace / Embree |");
+    o = expect(0, "report answer --csv", "build,cell,scene,view,builder,kernel");
+    lines = 0;
+    for (const char *at = o->out; (at = strchr(at, '\n')) != NULL; at++)
+        lines++;
+    cJSON *json = read_results("answer/results.json");
+    assert_int_equal(lines, 1 + cJSON_GetArraySize(cJSON_GetObjectItem(json, "traces")));
+    cJSON_Delete(json);
+}
+
+/* What an earlier run left is moved, not lost. */
+static void earlier_results_are_kept(void **state)
+{
+    (void)state;
+    static const char command[] = "run --scene cube --builder lbvh --kernel stack --rays primary "
+                                  "--size 16x16 --repeats 1 --no-pictures --charts no --out twice";
+    expect(0, command, "twice/results.json");
+    const outcome *o = expect(0, command, "twice/results.json");
+    const char *place = strstr(o->err, "to twice/earlier/");
+    assert_non_null(place);
+    char path[600];
+    snprintf(path, sizeof path, "%.*s/results.json", (int)strcspn(place + 3, "\n"), place + 3);
+    cJSON_Delete(read_results(path));
+    /* what fails beforehand moves nothing, and leaves no empty folder */
+    refuses("", "run --scene missing.glb --out twice", "missing.glb");
+    cJSON_Delete(read_results("twice/results.json"));
     struct stat info;
-    snprintf(path, sizeof path, "%s/killed/results.json", folder);
+    refuses("", "run --scene missing.glb --out never", "missing.glb");
+    snprintf(path, sizeof path, "%s/never", folder);
     assert_int_not_equal(stat(path, &info), 0);
+}
+
+/* Where nothing can be written to, the answer is printed all the same. */
+static void a_full_device_costs_no_answer(void **state)
+{
+    (void)state;
+    char path[600];
+    snprintf(path, sizeof path, "%s/full", folder);
+    assert_int_equal(mkdir(path, 0777), 0);
+    snprintf(path, sizeof path, "%s/full/report.html", folder);
+    assert_int_equal(mkdir(path, 0777), 0); /* where the page would go there is a folder */
+    const outcome *o = run("run --scene cube --builder lbvh --kernel stack --rays primary --size "
+                           "16x16 --repeats 1 --no-pictures --charts no --out full");
+    assert_int_equal(o->exit_status, 2);
+    assert_non_null(strstr(o->out, "Fastest build"));
+    assert_non_null(strstr(o->err, "the results are in full/results.json"));
+    cJSON_Delete(read_results("full/results.json"));
 }
 
 /* The default gives intervals; two rounds give a range, which is called so; one gives neither. */
@@ -604,10 +704,11 @@ static void rounds_decide_what_is_said_of_medians(void **state)
                  {"--repeats 1", "Mrays/s ", 2, false, false}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char arguments[512];
-        snprintf(arguments, sizeof arguments,
-                 "run --scene cube --builder lbvh --kernel stack --rays primary --size 16x16 "
-                 "--no-pictures --charts no --out rounds %s",
-                 cases[i].option);
+        snprintf(
+            arguments, sizeof arguments,
+            "run --table --scene cube --builder lbvh --kernel stack --rays primary --size 16x16 "
+            "--no-pictures --charts no --out rounds %s",
+            cases[i].option);
         const outcome *o = run(arguments);
         if (o->exit_status != 0)
             fail_msg("%s: exit %d: %s", arguments, o->exit_status, o->err);
@@ -721,7 +822,10 @@ int main(void)
         cmocka_unit_test(work_outside_the_clock_is_recorded),
         cmocka_unit_test(a_pipeline_is_recorded_by_stages),
         cmocka_unit_test(check_of_stages_is_not_empty),
-        cmocka_unit_test(an_interrupted_run_leaves_no_half_written_file),
+        cmocka_unit_test(an_interrupted_run_leaves_what_it_has),
+        cmocka_unit_test(a_run_ends_with_its_answer),
+        cmocka_unit_test(earlier_results_are_kept),
+        cmocka_unit_test(a_full_device_costs_no_answer),
         cmocka_unit_test(rounds_decide_what_is_said_of_medians),
         cmocka_unit_test(what_does_not_fit_together_is_built_again),
         cmocka_unit_test(a_scene_too_big_is_refused_with_its_bytes),

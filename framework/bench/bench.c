@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static double booked_ms(const bb_bench *bench)
 {
@@ -356,6 +357,24 @@ static void end_scene(bb_bench *bench)
     (void)bb_bench_end(bench, step, "free scenes", BB_OK);
 }
 
+/* Said before the work, which is then better put off. What is known is from the time of loading and
+ * compiling. */
+static void warn_of_bystanders(bb_bench *bench)
+{
+    const bb_bystanders *watch = &bench->bystanders;
+    const double share = bb_bystanders_share(watch);
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const double shortest_ms = 200; /* that ticks of 10 ms tell anything of */
+    if (bench->warned)
+        return;
+    bench->warned = true;
+    if (bb_wall_ms() - watch->wall_ms > shortest_ms && share > 0.25 * (double)processors)
+        bb_progress_note(bench->progress,
+                         "WARNING: the machine is busy: other programs keep %.2g of %ld processors "
+                         "at work, and times will be noisy",
+                         share, processors);
+}
+
 static bb_status run_scene(bb_bench *bench, const char *name)
 {
     bb_status status = load_scene(bench, name);
@@ -363,8 +382,10 @@ static bb_status run_scene(bb_bench *bench, const char *name)
         status = try_workloads(bench);
     if (status == BB_OK)
         status = start_entrants(bench);
-    if (status == BB_OK)
+    if (status == BB_OK) {
+        warn_of_bystanders(bench);
         status = bb_bench_builds(bench);
+    }
     if (status == BB_OK)
         status = record_builds(bench);
     bench->judged = 0;
@@ -549,6 +570,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->random = request->seed;
     bench->progress = &progress;
     bench->start = bb_wall_ms();
+    bb_bystanders_start(&bench->bystanders);
     bb_status status = try_scenes(bench);
     if (status == BB_OK)
         status = try_builders(bench);

@@ -3,6 +3,7 @@
 #ifndef BB_BENCH_PRIVATE_H
 #define BB_BENCH_PRIVATE_H
 
+#include "framework/base/bystanders.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
 #include "framework/bench/bench.h"
@@ -64,9 +65,11 @@ typedef struct bb_bench {
     bb_device *device;
     bb_results *results;
     bb_scene *scene;
-    bb_scene *first;        /* loaded before its turn, or NULL */
-    uint32_t sets;          /* ray sets of all scenes, planned */
-    const char *scene_text; /* as asked for; scene->name may be its end only */
+    bb_scene *first;          /* loaded before its turn, or NULL */
+    uint32_t sets;            /* ray sets of all scenes, planned */
+    bb_bystanders bystanders; /* since the start */
+    bool warned;              /* of them, if there was need */
+    const char *scene_text;   /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
     uint32_t kernel_count;

@@ -176,23 +176,6 @@ static bb_status keep(bb_results *results, const char *folder, bb_status status)
     return bb_fail(status, "%s (what was measured before is in %s)", reason, json);
 }
 
-/* Other programs on the machine are said before the work, which is then better put off. */
-static void warn_of_bystanders(const bb_comparison *c)
-{
-    bb_bystanders watch;
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    if (c->quiet)
-        return;
-    bb_bystanders_start(&watch);
-    usleep(300 * 1000);
-    double share = bb_bystanders_share(&watch);
-    if (share > 0.25 * (double)processors)
-        fprintf(stderr,
-                "bvhbench: WARNING: other programs keep %.2g of %ld processors busy: times will be "
-                "noisy\n",
-                share, processors);
-}
-
 static bb_status compare(const bb_comparison *c, const char *command, bb_device *device,
                          int *exit_status)
 {
@@ -200,7 +183,6 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
     bb_results *results = NULL;
     bb_bystanders watch;
     BB_TRY(bb_results_create(&(bb_context){device, c->seed, command}, &results));
-    bb_interrupt_catch();
     bb_bystanders_start(&watch);
     bb_status status = c->compare(c->request, device, results, &outcome);
     bool measured = bb_results_section(results, "builds")->child != NULL;
@@ -230,7 +212,7 @@ bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
     bool there = stat(comparison->folder, &info) == 0;
     BB_TRY(bb_make_folder(comparison->folder));
     char *command = bb_cli_command_line(comparison->cli);
-    warn_of_bystanders(comparison);
+    bb_interrupt_catch();
     bb_status status = bb_open_device(comparison->cli, &device);
     if (status == BB_OK)
         status = compare(comparison, command, device, exit_status);

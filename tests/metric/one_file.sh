@@ -71,7 +71,7 @@ cmake -S . -B "$work/build" -G "$generator" -DCMAKE_BUILD_TYPE=Debug >"$work/log
 program=$work/build/bvhbench
 run()
 {
-    "$program" run --scene cube --builder lbvh,embree-native --kernel stack --rays primary --size 16x16 --repeats 1 \
+    "$program" run --table --scene cube --builder lbvh,embree-native --kernel stack --rays primary --size 16x16 --repeats 1 \
         --no-pictures --quiet --out "$work/$1" "${@:2}" >"$work/$1.txt" 2>"$work/$1.err" ||
         fail "run $1: $(cat "$work/$1.err")"
 }
@@ -86,7 +86,7 @@ grep -qE '"dropped_in":[[:space:]]*null,?$' "$work/without/results.json" || fail
 grep -q '^  Builder .* DROP ' "$work/with.txt" || fail "the table has no column for it"
 grep -q "^  lbvh .* $value" "$work/with.txt" || fail "the table lacks its value"
 ! grep -q DROP "$work/without.txt" || fail "the table has a column for what nobody measured"
-! "$program" run --scene cube --metrics dropped --out "$work/bad" 2>"$work/err" || fail "a metric that is none is taken"
+! "$program" run --table --scene cube --metrics dropped --out "$work/bad" 2>"$work/err" || fail "a metric that is none is taken"
 grep -q "unknown metric 'dropped'" "$work/err" || fail "what is wrong is not said: $(cat "$work/err")"
 # an earlier file, and one whose value is no number
 sed 's/"dropped_in":.*/"dropped_in": "much",/' "$work/with/results.json" >"$work/broken.json"
