@@ -11,6 +11,7 @@
 #include "framework/embree/embree.h"
 #include "framework/judge/judge.h"
 #include "framework/rays/rays.h"
+#include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
 enum {
@@ -110,9 +111,20 @@ bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_statu
 /* order[0..count) = a random permutation of 0..count-1. */
 void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);
 
+/* A scene from loading it, unless it is bench->first, to its pictures (bench_scene.c). */
+bb_status bb_bench_scene(bb_bench *bench, const char *name);
+
 /* Builds of all entrants, interleaved; fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
+/* ---- what was asked for (bench_request.c) ---- */
+
+bb_status bb_bench_parse_reference(const char *text, bb_spec *spec);
+bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice);
+bb_status bb_bench_parse_workload(const char *text, bb_spec *spec, const bb_workload **workload);
+
+/* Ray sets of a scene with so many views. */
+uint32_t bb_bench_sets_of(const bb_bench *bench, uint32_t views);
 /* Cells that a ray set has, at most. */
 uint32_t bb_bench_cells_of_set(const bb_bench *bench);
 

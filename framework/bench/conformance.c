@@ -25,7 +25,7 @@ _Static_assert(sizeof workloads / sizeof workloads[0] == BB_CONFORMANCE_SETS, "s
 /* Tests of boxes and primitives that a set may take by one kernel, of which there are many; without
  * a tree, once. A kernel that restarts from the root meets all levels of a chain again and again,
  * which the kernel that counts tests does not. */
-static const double most_tests = 1.5e6, most_brute_tests = 4e7, most_levels = 1e8;
+static const double most_tests = 1.5e6, most_brute_tests = 1.5e7, most_levels = 1e8;
 
 bb_status bb_conformance_choose_counts(bb_conformance *c, bb_tree *tree)
 {

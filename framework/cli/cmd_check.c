@@ -23,7 +23,7 @@ static const bb_cli_option options[] = {
     {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
     {"kernels-from", "DIR", "read device code from here first", false},
     {"seed", "N", "of the rays; default: 1", false},
-    {"side", "N", "N x N rays of a kind, N from 6; few for slow tools; default: 128", false},
+    {"side", "N", "N x N rays of a kind, N from 6; few for slow tools; default: 64", false},
     {"quiet", NULL, "no progress", false},
     {.name = NULL},
 };
@@ -265,7 +265,7 @@ static bb_status run_check(check *c, const bb_cli *cli, bb_names *scenes)
     bb_cli_values(cli, "scene", &scenes_given);
     BB_TRY(bb_load_plugins(cli));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &c->seed));
-    BB_TRY(bb_cli_u64(cli, "side", 128, 6, 1024, &c->side));
+    BB_TRY(bb_cli_u64(cli, "side", 64, 6, 1024, &c->side));
     BB_TRY(bb_choose_builders(cli, true, &c->builders));
     BB_TRY(complete(c));
     BB_TRY(scenes_given > 0 ? bb_choose(cli, "scene", "", scenes) : default_scenes(scenes));

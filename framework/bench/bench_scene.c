@@ -1,0 +1,279 @@
+/* A scene of the comparison: load, oracle, builds, ray sets, traces, pictures. */
+#include "framework/bench/bench_private.h"
+
+#include "framework/base/clock.h"
+#include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
+#include "framework/picture/picture.h"
+#include "framework/workload/workload.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The boxes are every builder's input, and no builder's work: what they cost is told apart. */
+static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
+{
+    char what[256];
+    bb_step step = bb_bench_begin(bench);
+    snprintf(what, sizeof what, "boxes of %.200s", bench->scene->name);
+    for (int i = 0; i <= 5; i++) { /* the first is left out of the median */
+        bb_stopwatch watch;
+        bb_timing timing;
+        BB_TRY(bb_stopwatch_start(bench->device, &watch));
+        bb_status status = bb_scene_make_boxes(bench->scene);
+        bb_status stopped = bb_stopwatch_stop(&watch, &timing);
+        BB_TRY(status);
+        BB_TRY(stopped);
+        bb_audit_timing(&bench->outcome->audit, what, &timing, true);
+        bb_samples_add(ms, timing.ms);
+    }
+    return bb_bench_end(bench, step, "make boxes", BB_OK);
+}
+
+static bb_status load_scene(bb_bench *bench, const char *name)
+{
+    bench->scene_text = name;
+    bb_progress_stage(bench->progress, 0, "%s: loading", name);
+    bb_step step = bb_bench_begin(bench);
+    bench->scene = bench->first;
+    bench->first = NULL;
+    if (bench->scene == NULL)
+        BB_TRY(bb_scene_load(name, &bench->scene));
+    BB_TRY(bb_bench_end(bench, step, "load and profile scenes", BB_OK));
+    step = bb_bench_begin(bench);
+    BB_TRY(bb_scene_upload(bench->scene, bench->device));
+    BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
+    step = bb_bench_begin(bench);
+    BB_TRY(bb_oracle_create(bench->scene, bb_host_threads(bench->device), &bench->oracle));
+    BB_TRY(bb_bench_end(bench, step, "oracle: build", BB_OK));
+    memset(&bench->boxes_ms, 0, sizeof bench->boxes_ms);
+    BB_TRY(measure_boxes(bench, &bench->boxes_ms));
+    if (bench->scene->out_of_range > 0)
+        bb_progress_note(bench->progress,
+                         "%s: %u of %u primitives are too small beside the scene for floats: they "
+                         "may be missed",
+                         name, bench->scene->out_of_range, bench->scene->prim_count);
+    return bb_results_add_scene(bench->results, bench->scene, &bench->boxes_ms);
+}
+
+/* What its record says of a builder: its parameters, or those of all its stages. */
+static void start_pipeline(bb_entrant *entrant, const char *text)
+{
+    bb_build_record *record = &entrant->record;
+    const bb_pipeline *pipeline = &entrant->pipeline;
+    bb_pipeline_parse(text, &entrant->pipeline); /* checked by bb_bench_check() */
+    if (pipeline->count == 1) {
+        bb_spec_parse(pipeline->stages[0].spec.text, &entrant->spec);
+        record->options = pipeline->stages[0].builder->options;
+        return;
+    }
+    snprintf(entrant->spec.text, sizeof entrant->spec.text, "%s", text);
+    record->stage_count = pipeline->count;
+    for (uint32_t i = 0; i < pipeline->count; i++) {
+        record->stages[i].label = pipeline->stages[i].label;
+        record->stages[i].spec = &pipeline->stages[i].spec;
+        record->stages[i].options = pipeline->stages[i].builder->options;
+    }
+}
+
+static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text)
+{
+    entrant->text = text;
+    entrant->reference = bb_is_reference(text);
+    bb_build_record *record = &entrant->record;
+    bb_build_record_init(record);
+    record->id = bench->next_id++;
+    record->reference = entrant->reference;
+    snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
+    bb_cell cell = bb_bench_cell(bench);
+    snprintf(cell.builder, sizeof cell.builder, "%s", text);
+    bb_bench_key(&cell, record->cell);
+    record->spec = &entrant->spec;
+    if (entrant->reference) {
+        bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
+        record->options = bb_embree_options;
+    } else {
+        start_pipeline(entrant, text);
+    }
+}
+
+static bb_status start_entrants(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bench->entrants = calloc(request->builder_count, sizeof *bench->entrants);
+    if (bench->entrants == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    bench->entrant_count = 0;
+    for (uint32_t i = 0; i < request->builder_count; i++) {
+        bb_cell parts = bb_bench_cell(bench);
+        snprintf(parts.builder, sizeof parts.builder, "%s", request->builders[i]);
+        if (bb_bench_wants(bench, &parts))
+            start_entrant(bench, &bench->entrants[bench->entrant_count++], request->builders[i]);
+    }
+    return BB_OK;
+}
+
+static bb_status record_builds(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_entrant *entrant = &bench->entrants[i];
+        if (entrant->record.status == BB_OK && entrant->record.build_ms.count == 0)
+            continue; /* its turn had not come when the run was interrupted */
+        if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
+            bench->outcome->wrong++;
+        for (uint32_t b = 0; b < bench->request->builder_count; b++)
+            if (entrant->text == bench->request->builders[b] && entrant->record.status == BB_OK)
+                bench->built[b] = true;
+        BB_TRY(bb_results_add_build(bench->results, &entrant->record));
+    }
+    return BB_OK;
+}
+static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
+{
+    const bb_bench_request *request = bench->request;
+    bb_cell parts = bb_bench_cell(bench);
+    snprintf(parts.rays, sizeof parts.rays, "%s", spec->text);
+    snprintf(parts.view, sizeof parts.view, "%s", view != NULL ? view->name : "");
+    if (!bb_bench_wants(bench, &parts))
+        return BB_OK;
+    bb_rays_request wanted = {
+        spec, view, request->width, request->height, request->max_rays, request->seed};
+    bb_rays *rays = NULL;
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
+    status = bb_bench_end(bench, step, "make rays", status);
+    if (status == BB_UNSUPPORTED) {
+        bb_progress_note(bench->progress, "%s: %s skipped: %s", bench->scene->name, spec->text,
+                         bb_message());
+        return bb_results_add_skipped(bench->results, bench->scene->name, spec->text,
+                                      view != NULL ? view->name : "", bb_message());
+    }
+    if (status == BB_OK)
+        status = bb_bench_traces(bench, rays);
+    bb_rays_free(rays);
+    return status;
+}
+
+/* Parameters of rays that make no sense shall be found out before the builds, not after them. */
+static bb_status try_workloads(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t w = 0; w < request->workload_count; w++) {
+        bb_spec spec;
+        const bb_workload *workload;
+        bb_rays *rays = NULL;
+        BB_TRY(bb_bench_parse_workload(request->workloads[w], &spec, &workload));
+        bb_rays_request wanted = {
+            &spec, workload->per_view ? &bench->scene->views[0] : NULL, 8,
+            8,     request->max_rays < 1024 ? request->max_rays : 1024, request->seed};
+        bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
+        bb_rays_free(rays);
+        if (status == BB_INVALID)
+            return status;
+    }
+    return bb_bench_end(bench, step, "make rays", BB_OK);
+}
+
+static bb_status trace_workloads(bb_bench *bench)
+{
+    for (uint32_t w = 0; w < bench->request->workload_count && !bb_interrupted(); w++) {
+        bb_spec spec;
+        const bb_workload *workload;
+        BB_TRY(bb_bench_parse_workload(bench->request->workloads[w], &spec, &workload));
+        if (!workload->per_view)
+            BB_TRY(trace_rays(bench, &spec, NULL));
+        uint32_t views = bench->scene->view_count, most = bench->request->max_views;
+        views = most > 0 && most < views ? most : views;
+        for (uint32_t v = 0; workload->per_view && v < views && !bb_interrupted(); v++)
+            BB_TRY(trace_rays(bench, &spec, &bench->scene->views[v]));
+    }
+    return BB_OK;
+}
+
+/* One picture per view, of the surface normals that the oracle sees. */
+static bb_status make_pictures(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    if (request->picture_folder == NULL || bb_interrupted())
+        return BB_OK;
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t v = 0; v < bench->scene->view_count; v++) {
+        const bb_view *view = &bench->scene->views[v];
+        bb_status status =
+            bb_picture_of_view(bench->scene, bench->oracle, view, request->width, request->height,
+                               request->picture_folder, bench->results);
+        if (status == BB_OK)
+            continue;
+        /* no picture is worth losing the measurements */
+        bb_progress_note(bench->progress, "%s: no picture of %s: %s", bench->scene->name,
+                         view->name, bb_message());
+        BB_TRY(bb_results_add_skipped(bench->results, bench->scene->name, "picture", view->name,
+                                      bb_message()));
+    }
+    return bb_bench_end(bench, step, "pictures", BB_OK);
+}
+
+static void end_scene(bb_bench *bench)
+{
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_resident_evict(&bench->entrants[i]);
+        bb_embree_destroy(bench->entrants[i].embree);
+    }
+    free(bench->entrants);
+    bench->entrants = NULL;
+    bench->entrant_count = 0;
+    bb_oracle_destroy(bench->oracle);
+    bench->oracle = NULL;
+    bb_scene_free(bench->scene);
+    bench->scene = NULL;
+    (void)bb_bench_end(bench, step, "free scenes", BB_OK);
+}
+
+/* Said before the work, which is then better put off. What is known is from the time of loading and
+ * compiling. */
+static void warn_of_bystanders(bb_bench *bench)
+{
+    const bb_bystanders *watch = &bench->bystanders;
+    const double share = bb_bystanders_share(watch);
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const double shortest_ms = 200; /* that ticks of 10 ms tell anything of */
+    if (bench->warned)
+        return;
+    bench->warned = true;
+    if (bb_wall_ms() - watch->wall_ms > shortest_ms && share > 0.25 * (double)processors)
+        bb_progress_note(bench->progress,
+                         "WARNING: the machine is busy: other programs keep %.2g of %ld processors "
+                         "at work, and times will be noisy",
+                         share, processors);
+}
+
+bb_status bb_bench_scene(bb_bench *bench, const char *name)
+{
+    bb_status status = load_scene(bench, name);
+    if (status == BB_OK)
+        status = try_workloads(bench);
+    if (status == BB_OK)
+        status = start_entrants(bench);
+    if (status == BB_OK) {
+        warn_of_bystanders(bench);
+        status = bb_bench_builds(bench);
+    }
+    if (status == BB_OK)
+        status = record_builds(bench);
+    bench->judged = 0;
+    if (status == BB_OK)
+        status = trace_workloads(bench);
+    bool traced = bench->request->workload_count > 0 && !bb_interrupted();
+    if (status == BB_OK && traced && bench->judged == 0) {
+        bench->outcome->unjudged++;
+        bb_progress_note(bench->progress, "%s: no answer was judged", name);
+    }
+    if (status == BB_OK)
+        status = make_pictures(bench);
+    end_scene(bench);
+    return status;
+}
