@@ -455,7 +455,7 @@ const bb_builder bb_builder_embree = {
     .place = BB_ON_HOST,
     .deterministic = true,
     .options = options,
-    .compared = "embree:quality=low,embree:quality=medium,embree:quality=high",
+    .compared = "embree:quality=low,embree:quality=medium",
     .create = create,
     .prepare = prepare,
     .build = build,

@@ -102,11 +102,14 @@ static const bb_candidate *fastest(const view *v, uint32_t e, uint32_t set, doub
     return best;
 }
 
-static const bb_candidate *fastest_reference(const view *v, uint32_t set)
+/* Of this run: another one had another machine, or another hour of it. */
+static const bb_candidate *fastest_reference(const view *v, uint32_t set, double run)
 {
     const bb_candidate *best = NULL;
     for (uint32_t e = 0; e < v->n->entrant_count; e++) {
-        const bb_candidate *c = v->n->entrants[e].reference ? fastest(v, e, set, 0) : NULL;
+        const bb_entrant_row *entrant = &v->n->entrants[e];
+        bool takes_part = entrant->reference && entrant->run == run;
+        const bb_candidate *c = takes_part ? fastest(v, e, set, 0) : NULL;
         if (c != NULL && (best == NULL || c->ns < best->ns))
             best = c;
     }
@@ -153,11 +156,11 @@ static cost cost_on_scene(const view *v, uint32_t e, uint32_t scene, const measu
     return found;
 }
 
-static cost cost_on_rays(const view *v, uint32_t e, uint32_t set, const measure *m)
+static cost cost_on_rays(const view *v, uint32_t e, uint32_t set, const measure *m, double run)
 {
     cost found = {.median = NAN};
     const bb_candidate *c = e == FASTEST_REFERENCE
-                                ? fastest_reference(v, set)
+                                ? fastest_reference(v, set, run)
                                 : fastest(v, e, set, m->quantity == IMAGE ? m->rays : 0);
     if (c == NULL)
         return found;
@@ -177,12 +180,13 @@ static uint32_t unit_count(const view *v, const measure *m)
     return per_scene(m) ? v->n->scene_count : v->n->set_count;
 }
 
-static cost cost_of(const view *v, uint32_t e, uint32_t unit, const measure *m)
+/* `run`: that of the fastest reference. */
+static cost cost_of(const view *v, uint32_t e, uint32_t unit, const measure *m, double run)
 {
     bool enters = per_scene(m) ? v->scenes[unit] : v->sets[unit];
     if (!enters)
         return (cost){.median = NAN};
-    return per_scene(m) ? cost_on_scene(v, e, unit, m) : cost_on_rays(v, e, unit, m);
+    return per_scene(m) ? cost_on_scene(v, e, unit, m) : cost_on_rays(v, e, unit, m, run);
 }
 
 /* ---- means ---- */
@@ -199,10 +203,11 @@ static mean mean_ratio(const view *v, uint32_t a, uint32_t b, const measure *m)
     mean result = {.value = 0, .rounds = bb_not_measured};
     bb_samples logs = {0};
     bool rounds = true;
+    const double run = v->n->entrants[a == FASTEST_REFERENCE ? b : a].run;
     for (uint32_t u = 0; u < unit_count(v, m); u++) {
-        cost x = cost_of(v, a, u, m), y = {.median = 1};
+        cost x = cost_of(v, a, u, m, run), y = {.median = 1};
         if (b != NOBODY)
-            y = cost_of(v, b, u, m);
+            y = cost_of(v, b, u, m, run);
         if (!(x.median > 0) || !(y.median > 0))
             continue;
         result.value += log(x.median / y.median);
@@ -552,7 +557,9 @@ static bb_status make_rows(view *v, const bb_summary_choice *choice, bool *enter
     best of;
     choose_sets(v, choice, enters, s);
     for (uint32_t i = 0; i < v->n->set_count; i++)
-        s->referenced = s->referenced || (v->sets[i] && fastest_reference(v, i) != NULL);
+        for (uint32_t e = 0; e < v->n->entrant_count; e++)
+            s->referenced = s->referenced || (v->sets[i] && v->n->entrants[e].reference &&
+                                              fastest(v, e, i, 0) != NULL);
     for (uint32_t e = 0; e < v->n->entrant_count; e++)
         v->favourites[e] = find_favourite(v, e);
     find_best(v, enters, s->referenced, &of);
