@@ -20,263 +20,29 @@ bool bb_choice_takes(const bb_summary_choice *choice, const char *scene, const c
            (choice->rays == NULL || strcmp(choice->rays, rays) == 0);
 }
 
-/* ---- costs: the lower the better ---- */
-
-enum { FASTEST_REFERENCE = UINT32_MAX - 1, NOBODY = UINT32_MAX };
-
-typedef enum quantity {
-    TRACE, /* ns of a ray, per ray set */
-    BUILD, /* ms of a primitive, per scene */
-    READY, /* the same of build and layout */
-    IMAGE, /* ms for build, layout and some rays, per ray set */
-    SAH,   /* per scene */
-} quantity;
-
-typedef struct measure {
-    quantity quantity;
-    double rays; /* of IMAGE */
-} measure;
-
-typedef struct cost {
-    double median; /* NAN: none */
-    bb_samples all;
-} cost;
-
-typedef struct view {
-    const bb_numbers *n;
-    bool *sets, *scenes;     /* that enter */
-    const char **favourites; /* of each entrant: the kernel that is fastest most often, or NULL */
-} view;
-
-static const bb_built *built(const view *v, uint32_t e, uint32_t scene)
-{
-    return &v->n->builds[(size_t)e * v->n->scene_count + scene];
-}
-
-/* a + factor * b, from the last round back. Layouts have one round less, without the first, which
- * counts for nothing: the earliest stands for it. Empty if one has none. */
-static bb_samples sum(const bb_samples *a, double factor, const bb_samples *b)
-{
-    bb_samples all = {0};
-    uint32_t count = a->count > b->count ? a->count : b->count;
-    if (a->count == 0 || b->count == 0)
-        return all;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t before_a = count - a->count, before_b = count - b->count;
-        bb_samples_add(&all, a->values[i > before_a ? i - before_a : 0] +
-                                 factor * b->values[i > before_b ? i - before_b : 0]);
-    }
-    return all;
-}
-
-/* Build and layout, in ms. A layout that nothing is known of, a reference's, costs nothing. */
-static double ready_ms(const view *v, const bb_candidate *c, bb_samples *all)
-{
-    const bb_built *b = built(v, c->entrant, c->scene);
-    if (!b->ok)
-        return NAN;
-    bool made = isfinite(c->layout_ms) && c->layout_ms > 0;
-    if (all != NULL)
-        *all = made ? sum(&b->fixed_all, 1, &c->layout_all) : b->fixed_all;
-    return b->fixed_ms + (made ? c->layout_ms : 0);
-}
-
-static double image_ms(const view *v, const bb_candidate *c, double rays)
-{
-    return ready_ms(v, c, NULL) + rays * c->ns * 1e-6;
-}
-
-/* The entrant's candidate of least cost for `rays` rays (0: by the trace alone); NULL if it has
- * none. */
-static const bb_candidate *fastest(const view *v, uint32_t e, uint32_t set, double rays)
-{
-    const bb_candidate *best = NULL;
-    const uint32_t *start = &v->n->starts[(size_t)e * v->n->set_count + set];
-    for (uint32_t i = start[0]; i < start[1]; i++) {
-        const bb_candidate *c = &v->n->candidates[i];
-        if (rays == 0 ? best == NULL || c->ns < best->ns
-                      : isfinite(image_ms(v, c, rays)) &&
-                            (best == NULL || image_ms(v, c, rays) < image_ms(v, best, rays)))
-            best = c;
-    }
-    return best;
-}
-
-/* Of this run: another one had another machine, or another hour of it. */
-static const bb_candidate *fastest_reference(const view *v, uint32_t set, double run)
-{
-    const bb_candidate *best = NULL;
-    for (uint32_t e = 0; e < v->n->entrant_count; e++) {
-        const bb_entrant_row *entrant = &v->n->entrants[e];
-        bool takes_part = entrant->reference && entrant->run == run;
-        const bb_candidate *c = takes_part ? fastest(v, e, set, 0) : NULL;
-        if (c != NULL && (best == NULL || c->ns < best->ns))
-            best = c;
-    }
-    return best;
-}
-
-/* A candidate of the kernel that is the builder's fastest most often. */
-static const bb_candidate *favourite(const view *v, uint32_t e, uint32_t scene)
-{
-    for (uint32_t i = 0; i < v->n->candidate_count; i++) {
-        const bb_candidate *c = &v->n->candidates[i];
-        if (c->entrant == e && c->scene == scene && v->favourites[e] != NULL &&
-            strcmp(c->kernel, v->favourites[e]) == 0)
-            return c;
-    }
-    return NULL;
-}
-
-static bool per_scene(const measure *m)
-{
-    return m->quantity == BUILD || m->quantity == READY || m->quantity == SAH;
-}
-
-/* Of an entrant on a scene or a ray set. */
-static cost cost_on_scene(const view *v, uint32_t e, uint32_t scene, const measure *m)
-{
-    const bb_built *b = built(v, e, scene);
-    cost found = {.median = NAN};
-    if (!b->ok)
-        return found;
-    if (m->quantity == SAH) {
-        found.median = b->sah;
-        return found;
-    }
-    found.median = b->build_ms;
-    found.all = b->build_all;
-    if (m->quantity == READY) {
-        const bb_candidate *c = favourite(v, e, scene);
-        found.median = c != NULL ? ready_ms(v, c, &found.all) : NAN;
-    }
-    found.median /= b->prims;
-    for (uint32_t i = 0; i < found.all.count; i++)
-        found.all.values[i] /= b->prims;
-    return found;
-}
-
-static cost cost_on_rays(const view *v, uint32_t e, uint32_t set, const measure *m, double run)
-{
-    cost found = {.median = NAN};
-    const bb_candidate *c = e == FASTEST_REFERENCE
-                                ? fastest_reference(v, set, run)
-                                : fastest(v, e, set, m->quantity == IMAGE ? m->rays : 0);
-    if (c == NULL)
-        return found;
-    if (m->quantity == TRACE) {
-        found.median = c->ns;
-        found.all = c->ns_all;
-        return found;
-    }
-    bb_samples ready;
-    found.median = ready_ms(v, c, &ready) + m->rays * c->ns * 1e-6;
-    found.all = sum(&ready, m->rays * 1e-6, &c->ns_all);
-    return found;
-}
-
-static uint32_t unit_count(const view *v, const measure *m)
-{
-    return per_scene(m) ? v->n->scene_count : v->n->set_count;
-}
-
-/* `run`: that of the fastest reference. */
-static cost cost_of(const view *v, uint32_t e, uint32_t unit, const measure *m, double run)
-{
-    bool enters = per_scene(m) ? v->scenes[unit] : v->sets[unit];
-    if (!enters)
-        return (cost){.median = NAN};
-    return per_scene(m) ? cost_on_scene(v, e, unit, m) : cost_on_rays(v, e, unit, m, run);
-}
-
-/* ---- means ---- */
-
-/* Geometric mean of a's cost by b's over what both have; by rounds too. b NOBODY: of a's cost. */
-typedef struct mean {
-    double value; /* NAN: nothing in common */
-    bb_estimate rounds;
-    uint32_t units;
-} mean;
-
-static mean mean_ratio(const view *v, uint32_t a, uint32_t b, const measure *m)
-{
-    mean result = {.value = 0, .rounds = bb_not_measured};
-    bb_samples logs = {0};
-    bool rounds = true;
-    const double run = v->n->entrants[a == FASTEST_REFERENCE ? b : a].run;
-    for (uint32_t u = 0; u < unit_count(v, m); u++) {
-        cost x = cost_of(v, a, u, m, run), y = {.median = 1};
-        if (b != NOBODY)
-            y = cost_of(v, b, u, m, run);
-        if (!(x.median > 0) || !(y.median > 0))
-            continue;
-        result.value += log(x.median / y.median);
-        bb_samples ratios = b != NOBODY ? bb_samples_ratio(&x.all, &y.all) : x.all;
-        if (result.units++ == 0)
-            logs.count = ratios.count;
-        rounds = rounds && ratios.count == logs.count && ratios.count > 0;
-        for (uint32_t i = 0; rounds && i < ratios.count; i++)
-            logs.values[i] += log(ratios.values[i]);
-    }
-    if (result.units == 0)
-        result.value = NAN;
-    else
-        result.value = exp(result.value / result.units);
-    if (!rounds || result.units == 0)
-        return result;
-    for (uint32_t i = 0; i < logs.count; i++)
-        logs.values[i] = exp(logs.values[i] / result.units);
-    result.rounds = bb_samples_estimate(&logs);
-    return result;
-}
-
-/* Whether this run can't tell them apart: the interval of their ratio has 1 in it. */
-static bool is_tie(const view *v, uint32_t a, uint32_t b, const measure *m)
-{
-    bb_estimate e = mean_ratio(v, a, b, m).rounds;
-    return isfinite(e.low) && e.low <= 1 && e.high >= 1;
-}
-
-/* The builder of least mean cost among those that have it in most places. */
-static uint32_t best_builder(const view *v, const bool *enters, const measure *m)
-{
-    uint32_t best = NOBODY, most = 0;
-    double least = INFINITY;
-    for (uint32_t e = 0; e < v->n->entrant_count; e++) {
-        if (!enters[e] || v->n->entrants[e].reference)
-            continue;
-        mean own = mean_ratio(v, e, NOBODY, m);
-        if (own.units > most || (own.units == most && own.value < least)) {
-            best = e;
-            most = own.units;
-            least = own.value;
-        }
-    }
-    return most > 0 ? best : NOBODY;
-}
-
 /* ---- rows ---- */
 
 /* The row's cost by the best builder's, and whether it is that, or tied with it. */
-static bb_standing stand(const view *v, uint32_t e, uint32_t best, const measure *m)
+static bb_standing stand(const bb_summary_view *v, uint32_t e, uint32_t best, const bb_measure *m)
 {
     bb_standing s = {NAN, NAN, NAN, false, false};
-    if (best == NOBODY)
+    if (best == BB_NOBODY)
         return s;
-    mean ratio = mean_ratio(v, e, best, m);
+    bb_mean ratio = bb_mean_ratio(v, e, best, m);
     s.value = ratio.value;
     s.low = ratio.rounds.low;
     s.high = ratio.rounds.high;
     s.best = e == best;
-    s.tied = !s.best && !v->n->entrants[e].reference && is_tie(v, e, best, m);
+    s.tied = !s.best && !v->n->entrants[e].reference && bb_is_tie(v, e, best, m);
     return s;
 }
 
 /* The same as a speed of its own, in millions per second, of costs in ms. */
-static bb_standing stand_as_rate(const view *v, uint32_t e, uint32_t best, const measure *m)
+static bb_standing stand_as_rate(const bb_summary_view *v, uint32_t e, uint32_t best,
+                                 const bb_measure *m)
 {
     bb_standing s = stand(v, e, best, m);
-    s.value = 1e-3 / mean_ratio(v, e, NOBODY, m).value;
+    s.value = 1e-3 / bb_mean_ratio(v, e, BB_NOBODY, m).value;
     s.low = s.high = NAN;
     return s;
 }
@@ -314,15 +80,15 @@ static void shorten(const char *text, double run, char name[BB_SUMMARY_NAME])
 }
 
 /* The kernel that is this entrant's fastest on most ray sets. */
-static const char *find_favourite(const view *v, uint32_t e)
+static const char *find_favourite(const bb_summary_view *v, uint32_t e)
 {
     const char *best = NULL;
     uint32_t most = 0;
     for (uint32_t s = 0; s < v->n->set_count; s++) {
-        const bb_candidate *c = v->sets[s] ? fastest(v, e, s, 0) : NULL;
+        const bb_candidate *c = v->sets[s] ? bb_fastest(v, e, s, 0) : NULL;
         uint32_t times = 0;
         for (uint32_t t = 0; c != NULL && t < v->n->set_count; t++) {
-            const bb_candidate *other = v->sets[t] ? fastest(v, e, t, 0) : NULL;
+            const bb_candidate *other = v->sets[t] ? bb_fastest(v, e, t, 0) : NULL;
             times += other != NULL && strcmp(other->kernel, c->kernel) == 0;
         }
         if (times > most) {
@@ -333,23 +99,24 @@ static const char *find_favourite(const view *v, uint32_t e)
     return best;
 }
 
-static void add_peak(const view *v, uint32_t e, bb_summary_row *row)
+static void add_peak(const bb_summary_view *v, uint32_t e, bb_summary_row *row)
 {
     row->peak = NAN;
     for (uint32_t s = 0; s < v->n->scene_count; s++)
-        if (v->scenes[s] && built(v, e, s)->ok)
-            row->peak = fmax(row->peak, built(v, e, s)->peak);
+        if (v->scenes[s] && bb_built_of(v, e, s)->ok)
+            row->peak = fmax(row->peak, bb_built_of(v, e, s)->peak);
 }
 
 /* Best builders of each column. */
 typedef struct best {
     uint32_t build, ready, sah, image[BB_SUMMARY_COUNTS], curve[BB_SUMMARY_CURVE];
-    uint32_t base; /* of traces: a builder or FASTEST_REFERENCE */
+    uint32_t base; /* of traces: a builder or BB_FASTEST_REFERENCE */
 } best;
 
-static void fill_row(const view *v, uint32_t e, const best *of, bb_summary_row *row)
+static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_summary_row *row)
 {
-    const measure trace = {TRACE, 0}, build = {BUILD, 0}, ready = {READY, 0}, sah = {SAH, 0};
+    const bb_measure trace = {BB_OF_TRACE, 0}, build = {BB_OF_BUILD, 0}, ready = {BB_OF_READY, 0},
+                     sah = {BB_OF_SAH, 0};
     const bb_entrant_row *entrant = &v->n->entrants[e];
     *row = (bb_summary_row){.builder = entrant->builder,
                             .run = entrant->run,
@@ -359,24 +126,25 @@ static void fill_row(const view *v, uint32_t e, const best *of, bb_summary_row *
     shorten(entrant->builder, entrant->run, row->name);
     if (v->favourites[e] != NULL)
         snprintf(row->kernel, sizeof row->kernel, "%s", v->favourites[e]);
-    mean own = mean_ratio(v, e, NOBODY, &trace), speed = {.value = NAN, .rounds = bb_not_measured};
+    bb_mean own = bb_mean_ratio(v, e, BB_NOBODY, &trace),
+            speed = {.value = NAN, .rounds = bb_not_measured};
     row->sets = own.units;
     row->mrays_s = 1e3 / own.value;
-    if (of->base != NOBODY)
-        speed = mean_ratio(v, of->base, e, &trace);
+    if (of->base != BB_NOBODY)
+        speed = bb_mean_ratio(v, of->base, e, &trace);
     row->trace = (bb_standing){speed.value, speed.rounds.low, speed.rounds.high, false, false};
-    row->scenes = mean_ratio(v, e, NOBODY, &build).units;
+    row->scenes = bb_mean_ratio(v, e, BB_NOBODY, &build).units;
     row->build = stand_as_rate(v, e, of->build, &build);
     row->ready = stand_as_rate(v, e, of->ready, &ready);
     row->sah = stand(v, e, of->sah, &sah);
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
-        row->image[k] = stand(v, e, of->image[k], &(measure){IMAGE, bb_summary_counts[k]});
+        row->image[k] = stand(v, e, of->image[k], &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        row->curve[i] =
-            of->curve[i] == NOBODY
-                ? (double)NAN
-                : mean_ratio(v, e, of->curve[i], &(measure){IMAGE, bb_summary_curve_count(i)})
-                      .value;
+        row->curve[i] = of->curve[i] == BB_NOBODY
+                            ? (double)NAN
+                            : bb_mean_ratio(v, e, of->curve[i],
+                                            &(bb_measure){BB_OF_IMAGE, bb_summary_curve_count(i)})
+                                  .value;
     add_peak(v, e, row);
 }
 
@@ -398,27 +166,27 @@ static int by_merit(const void *a, const void *b)
     return order != 0 ? order : (x->run > y->run) - (x->run < y->run);
 }
 
-static uint32_t entrant_of(const view *v, const bb_summary_row *row)
+static uint32_t entrant_of(const bb_summary_view *v, const bb_summary_row *row)
 {
     for (uint32_t e = 0; e < v->n->entrant_count; e++)
         if (v->n->entrants[e].builder == row->builder && v->n->entrants[e].run == row->run)
             return e;
-    return NOBODY;
+    return BB_NOBODY;
 }
 
 /* Builders that this run can't tell from the first of their group, which is the fastest of it. */
-static void group_rows(const view *v, bb_summary *s)
+static void group_rows(const bb_summary_view *v, bb_summary *s)
 {
-    const measure trace = {TRACE, 0};
-    uint32_t first = NOBODY, group = 0;
+    const bb_measure trace = {BB_OF_TRACE, 0};
+    uint32_t first = BB_NOBODY, group = 0;
     for (uint32_t i = 0; i < s->builder_count; i++) {
         bb_summary_row *row = &s->rows[i];
         if (!isfinite(row->trace.value))
             break;
         uint32_t e = entrant_of(v, row);
-        if (first == NOBODY) {
+        if (first == BB_NOBODY) {
             first = e;
-        } else if (!is_tie(v, e, first, &trace)) {
+        } else if (!bb_is_tie(v, e, first, &trace)) {
             first = e;
             group++;
         }
@@ -478,7 +246,7 @@ static int by_value(const void *a, const void *b)
 }
 
 /* Median and worst tenth of the intervals, and the fewest rounds. */
-static bb_status find_noise(const view *v, bb_summary *s)
+static bb_status find_noise(const bb_summary_view *v, bb_summary *s)
 {
     double *widths = calloc(v->n->candidate_count + 1, sizeof *widths);
     uint32_t count = 0;
@@ -509,14 +277,15 @@ static bb_status find_noise(const view *v, bb_summary *s)
 /* ---- a summary ---- */
 
 /* Ray sets of the choice that at least half of its builders traced; who takes part. */
-static void choose_sets(view *v, const bb_summary_choice *choice, bool *enters, bb_summary *s)
+static void choose_sets(bb_summary_view *v, const bb_summary_choice *choice, bool *enters,
+                        bb_summary *s)
 {
     const bb_numbers *n = v->n;
     uint32_t builders = 0;
     for (uint32_t c = 0; c < n->scene_count; c++)
         for (uint32_t e = 0; e < n->entrant_count; e++)
             if ((choice->scene == NULL || strcmp(choice->scene, n->scenes[c]) == 0) &&
-                built(v, e, c)->ok)
+                bb_built_of(v, e, c)->ok)
                 enters[e] = true;
     for (uint32_t e = 0; e < n->entrant_count; e++)
         builders += enters[e] && !n->entrants[e].reference;
@@ -525,7 +294,7 @@ static void choose_sets(view *v, const bb_summary_choice *choice, bool *enters, 
         if (!bb_choice_takes(choice, n->scenes[n->sets[i].scene], n->sets[i].rays))
             continue;
         for (uint32_t e = 0; e < n->entrant_count; e++)
-            traced += !n->entrants[e].reference && fastest(v, e, i, 0) != NULL;
+            traced += !n->entrants[e].reference && bb_fastest(v, e, i, 0) != NULL;
         v->sets[i] = 2 * traced >= builders;
         s->sets += v->sets[i];
         s->sets_aside += !v->sets[i];
@@ -540,26 +309,29 @@ static void choose_sets(view *v, const bb_summary_choice *choice, bool *enters, 
     }
 }
 
-static void find_best(const view *v, const bool *enters, bool referenced, best *of)
+static void find_best(const bb_summary_view *v, const bool *enters, bool referenced, best *of)
 {
-    of->build = best_builder(v, enters, &(measure){BUILD, 0});
-    of->ready = best_builder(v, enters, &(measure){READY, 0});
-    of->sah = best_builder(v, enters, &(measure){SAH, 0});
+    of->build = bb_best_builder(v, enters, &(bb_measure){BB_OF_BUILD, 0});
+    of->ready = bb_best_builder(v, enters, &(bb_measure){BB_OF_READY, 0});
+    of->sah = bb_best_builder(v, enters, &(bb_measure){BB_OF_SAH, 0});
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
-        of->image[k] = best_builder(v, enters, &(measure){IMAGE, bb_summary_counts[k]});
+        of->image[k] = bb_best_builder(v, enters, &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        of->curve[i] = best_builder(v, enters, &(measure){IMAGE, bb_summary_curve_count(i)});
-    of->base = referenced ? FASTEST_REFERENCE : best_builder(v, enters, &(measure){TRACE, 0});
+        of->curve[i] =
+            bb_best_builder(v, enters, &(bb_measure){BB_OF_IMAGE, bb_summary_curve_count(i)});
+    of->base = referenced ? BB_FASTEST_REFERENCE
+                          : bb_best_builder(v, enters, &(bb_measure){BB_OF_TRACE, 0});
 }
 
-static bb_status make_rows(view *v, const bb_summary_choice *choice, bool *enters, bb_summary *s)
+static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, bool *enters,
+                           bb_summary *s)
 {
     best of;
     choose_sets(v, choice, enters, s);
     for (uint32_t i = 0; i < v->n->set_count; i++)
         for (uint32_t e = 0; e < v->n->entrant_count; e++)
             s->referenced = s->referenced || (v->sets[i] && v->n->entrants[e].reference &&
-                                              fastest(v, e, i, 0) != NULL);
+                                              bb_fastest(v, e, i, 0) != NULL);
     for (uint32_t e = 0; e < v->n->entrant_count; e++)
         v->favourites[e] = find_favourite(v, e);
     find_best(v, enters, s->referenced, &of);
@@ -579,7 +351,7 @@ bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choi
                         bb_summary *summary)
 {
     memset(summary, 0, sizeof *summary);
-    view v = {.n = numbers};
+    bb_summary_view v = {.n = numbers};
     v.sets = calloc(numbers->set_count + 1, sizeof *v.sets);
     v.scenes = calloc(numbers->scene_count + 1, sizeof *v.scenes);
     v.favourites = calloc(numbers->entrant_count + 1, sizeof *v.favourites);

@@ -52,6 +52,53 @@ typedef struct bb_numbers {
 bb_status bb_numbers_read(const bb_results *results, bb_numbers *numbers);
 void bb_numbers_free(bb_numbers *numbers);
 
+/* ---- costs, the lower the better, and their means (means.c) ---- */
+
+enum { BB_FASTEST_REFERENCE = UINT32_MAX - 1, BB_NOBODY = UINT32_MAX };
+
+typedef enum bb_quantity {
+    BB_OF_TRACE, /* ns of a ray, per ray set */
+    BB_OF_BUILD, /* ms of a primitive, per scene */
+    BB_OF_READY, /* the same of build and layout */
+    BB_OF_IMAGE, /* ms for build, layout and some rays, per ray set */
+    BB_OF_SAH,   /* per scene */
+} bb_quantity;
+
+typedef struct bb_measure {
+    bb_quantity quantity;
+    double rays; /* of BB_OF_IMAGE */
+} bb_measure;
+
+typedef struct bb_summary_view {
+    const bb_numbers *n;
+    bool *sets, *scenes;     /* that enter */
+    const char **favourites; /* of each entrant: the kernel that is fastest most often, or NULL */
+} bb_summary_view;
+
+/* Geometric mean of a's cost by b's over what both have; by rounds too. b BB_NOBODY: of a's cost. */
+typedef struct bb_mean {
+    double value; /* NAN: nothing in common */
+    bb_estimate rounds;
+    uint32_t units;
+} bb_mean;
+
+/* The entrant's build on a scene. */
+const bb_built *bb_built_of(const bb_summary_view *v, uint32_t e, uint32_t scene);
+
+/* The entrant's candidate of least cost for `rays` rays (0: by the trace alone); NULL if it has
+ * none. */
+const bb_candidate *bb_fastest(const bb_summary_view *v, uint32_t e, uint32_t set, double rays);
+
+bb_mean bb_mean_ratio(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m);
+
+/* Whether this run can't tell them apart: the interval of their ratio has 1 in it. */
+bool bb_is_tie(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m);
+
+/* The builder of least mean cost among those that have it in most places; BB_NOBODY. */
+uint32_t bb_best_builder(const bb_summary_view *v, const bool *enters, const bb_measure *m);
+
+/* ---- the summary ---- */
+
 /* The summary of a choice. */
 bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choice,
                         bb_summary *summary);

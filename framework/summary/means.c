@@ -1,0 +1,212 @@
+/* Costs of builders on scenes and ray sets, their geometric means, and whether rounds tell two
+ * apart. */
+#include "framework/summary/summary_private.h"
+
+#include <string.h>
+
+typedef struct cost {
+    double median; /* NAN: none */
+    bb_samples all;
+} cost;
+
+const bb_built *bb_built_of(const bb_summary_view *v, uint32_t e, uint32_t scene)
+{
+    return &v->n->builds[(size_t)e * v->n->scene_count + scene];
+}
+
+/* a + factor * b, from the last round back. Layouts have one round less, without the first, which
+ * counts for nothing: the earliest stands for it. Empty if one has none. */
+static bb_samples sum(const bb_samples *a, double factor, const bb_samples *b)
+{
+    bb_samples all = {0};
+    uint32_t count = a->count > b->count ? a->count : b->count;
+    if (a->count == 0 || b->count == 0)
+        return all;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t before_a = count - a->count, before_b = count - b->count;
+        bb_samples_add(&all, a->values[i > before_a ? i - before_a : 0] +
+                                 factor * b->values[i > before_b ? i - before_b : 0]);
+    }
+    return all;
+}
+
+/* Build and layout, in ms. A layout that nothing is known of, a reference's, costs nothing. */
+static double ready_ms(const bb_summary_view *v, const bb_candidate *c, bb_samples *all)
+{
+    const bb_built *b = bb_built_of(v, c->entrant, c->scene);
+    if (!b->ok)
+        return NAN;
+    bool made = isfinite(c->layout_ms) && c->layout_ms > 0;
+    if (all != NULL)
+        *all = made ? sum(&b->fixed_all, 1, &c->layout_all) : b->fixed_all;
+    return b->fixed_ms + (made ? c->layout_ms : 0);
+}
+
+static double image_ms(const bb_summary_view *v, const bb_candidate *c, double rays)
+{
+    return ready_ms(v, c, NULL) + rays * c->ns * 1e-6;
+}
+
+/* The entrant's candidate of least cost for `rays` rays (0: by the trace alone); NULL if it has
+ * none. */
+const bb_candidate *bb_fastest(const bb_summary_view *v, uint32_t e, uint32_t set, double rays)
+{
+    const bb_candidate *best = NULL;
+    const uint32_t *start = &v->n->starts[(size_t)e * v->n->set_count + set];
+    for (uint32_t i = start[0]; i < start[1]; i++) {
+        const bb_candidate *c = &v->n->candidates[i];
+        if (rays == 0 ? best == NULL || c->ns < best->ns
+                      : isfinite(image_ms(v, c, rays)) &&
+                            (best == NULL || image_ms(v, c, rays) < image_ms(v, best, rays)))
+            best = c;
+    }
+    return best;
+}
+
+/* Of this run: another one had another machine, or another hour of it. */
+static const bb_candidate *fastest_reference(const bb_summary_view *v, uint32_t set, double run)
+{
+    const bb_candidate *best = NULL;
+    for (uint32_t e = 0; e < v->n->entrant_count; e++) {
+        const bb_entrant_row *entrant = &v->n->entrants[e];
+        bool takes_part = entrant->reference && entrant->run == run;
+        const bb_candidate *c = takes_part ? bb_fastest(v, e, set, 0) : NULL;
+        if (c != NULL && (best == NULL || c->ns < best->ns))
+            best = c;
+    }
+    return best;
+}
+
+/* A candidate of the kernel that is the builder's fastest most often. */
+static const bb_candidate *favourite(const bb_summary_view *v, uint32_t e, uint32_t scene)
+{
+    for (uint32_t i = 0; i < v->n->candidate_count; i++) {
+        const bb_candidate *c = &v->n->candidates[i];
+        if (c->entrant == e && c->scene == scene && v->favourites[e] != NULL &&
+            strcmp(c->kernel, v->favourites[e]) == 0)
+            return c;
+    }
+    return NULL;
+}
+
+static bool per_scene(const bb_measure *m)
+{
+    return m->quantity == BB_OF_BUILD || m->quantity == BB_OF_READY || m->quantity == BB_OF_SAH;
+}
+
+/* Of an entrant on a scene or a ray set. */
+static cost cost_on_scene(const bb_summary_view *v, uint32_t e, uint32_t scene, const bb_measure *m)
+{
+    const bb_built *b = bb_built_of(v, e, scene);
+    cost found = {.median = NAN};
+    if (!b->ok)
+        return found;
+    if (m->quantity == BB_OF_SAH) {
+        found.median = b->sah;
+        return found;
+    }
+    found.median = b->build_ms;
+    found.all = b->build_all;
+    if (m->quantity == BB_OF_READY) {
+        const bb_candidate *c = favourite(v, e, scene);
+        found.median = c != NULL ? ready_ms(v, c, &found.all) : NAN;
+    }
+    found.median /= b->prims;
+    for (uint32_t i = 0; i < found.all.count; i++)
+        found.all.values[i] /= b->prims;
+    return found;
+}
+
+static cost cost_on_rays(const bb_summary_view *v, uint32_t e, uint32_t set, const bb_measure *m,
+                         double run)
+{
+    cost found = {.median = NAN};
+    const bb_candidate *c = e == BB_FASTEST_REFERENCE
+                                ? fastest_reference(v, set, run)
+                                : bb_fastest(v, e, set, m->quantity == BB_OF_IMAGE ? m->rays : 0);
+    if (c == NULL)
+        return found;
+    if (m->quantity == BB_OF_TRACE) {
+        found.median = c->ns;
+        found.all = c->ns_all;
+        return found;
+    }
+    bb_samples ready;
+    found.median = ready_ms(v, c, &ready) + m->rays * c->ns * 1e-6;
+    found.all = sum(&ready, m->rays * 1e-6, &c->ns_all);
+    return found;
+}
+
+static uint32_t unit_count(const bb_summary_view *v, const bb_measure *m)
+{
+    return per_scene(m) ? v->n->scene_count : v->n->set_count;
+}
+
+/* `run`: that of the fastest reference. */
+static cost cost_of(const bb_summary_view *v, uint32_t e, uint32_t unit, const bb_measure *m,
+                    double run)
+{
+    bool enters = per_scene(m) ? v->scenes[unit] : v->sets[unit];
+    if (!enters)
+        return (cost){.median = NAN};
+    return per_scene(m) ? cost_on_scene(v, e, unit, m) : cost_on_rays(v, e, unit, m, run);
+}
+
+/* ---- means ---- */
+
+bb_mean bb_mean_ratio(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m)
+{
+    bb_mean result = {.value = 0, .rounds = bb_not_measured};
+    bb_samples logs = {0};
+    bool rounds = true;
+    const double run = v->n->entrants[a == BB_FASTEST_REFERENCE ? b : a].run;
+    for (uint32_t u = 0; u < unit_count(v, m); u++) {
+        cost x = cost_of(v, a, u, m, run), y = {.median = 1};
+        if (b != BB_NOBODY)
+            y = cost_of(v, b, u, m, run);
+        if (!(x.median > 0) || !(y.median > 0))
+            continue;
+        result.value += log(x.median / y.median);
+        bb_samples ratios = b != BB_NOBODY ? bb_samples_ratio(&x.all, &y.all) : x.all;
+        if (result.units++ == 0)
+            logs.count = ratios.count;
+        rounds = rounds && ratios.count == logs.count && ratios.count > 0;
+        for (uint32_t i = 0; rounds && i < ratios.count; i++)
+            logs.values[i] += log(ratios.values[i]);
+    }
+    if (result.units == 0)
+        result.value = NAN;
+    else
+        result.value = exp(result.value / result.units);
+    if (!rounds || result.units == 0)
+        return result;
+    for (uint32_t i = 0; i < logs.count; i++)
+        logs.values[i] = exp(logs.values[i] / result.units);
+    result.rounds = bb_samples_estimate(&logs);
+    return result;
+}
+
+/* Whether this run can't tell them apart: the interval of their ratio has 1 in it. */
+bool bb_is_tie(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m)
+{
+    bb_estimate e = bb_mean_ratio(v, a, b, m).rounds;
+    return isfinite(e.low) && e.low <= 1 && e.high >= 1;
+}
+
+/* The builder of least mean cost among those that have it in most places. */
+uint32_t bb_best_builder(const bb_summary_view *v, const bool *enters, const bb_measure *m)
+{
+    uint32_t best = BB_NOBODY, most = 0;
+    double least = INFINITY;
+    for (uint32_t e = 0; e < v->n->entrant_count; e++) {
+        if (!enters[e] || v->n->entrants[e].reference)
+            continue;
+        bb_mean own = bb_mean_ratio(v, e, BB_NOBODY, m);
+        if (own.units > most || (own.units == most && own.value < least)) {
+            best = e;
+            most = own.units;
+            least = own.value;
+        }
+    }
+    return most > 0 ? best : BB_NOBODY;
+}
