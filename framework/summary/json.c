@@ -53,6 +53,21 @@ static cJSON *row_json(const bb_summary_row *row)
     return made;
 }
 
+static cJSON *accuracy_json(const bb_summary_accuracy *accuracy)
+{
+    const bb_wrong_rate rate = bb_wrong_rate_of(accuracy->wrong, accuracy->checked);
+    cJSON *made = cJSON_CreateObject();
+    cJSON_AddStringToObject(made, "intersector", accuracy->intersector);
+    add(made, "wrong", accuracy->wrong);
+    add(made, "wrong_t", accuracy->wrong_t);
+    add(made, "checked", accuracy->checked);
+    add(made, "ppm", rate.ppm);
+    add(made, "ppm_lo", rate.low);
+    add(made, "ppm_hi", rate.high);
+    add(made, "speed", accuracy->speed);
+    return made;
+}
+
 static cJSON *summary_json(const bb_summary *s, const bb_summary_choice *choice)
 {
     cJSON *made = cJSON_CreateObject();
@@ -70,6 +85,9 @@ static cJSON *summary_json(const bb_summary *s, const bb_summary_choice *choice)
     cJSON *rows = cJSON_AddArrayToObject(made, "rows");
     for (uint32_t i = 0; i < s->row_count; i++)
         cJSON_AddItemToArray(rows, row_json(&s->rows[i]));
+    cJSON *accuracy = cJSON_AddArrayToObject(made, "accuracy");
+    for (uint32_t i = 0; i < s->accuracy_count; i++)
+        cJSON_AddItemToArray(accuracy, accuracy_json(&s->accuracy[i]));
     cJSON *sentences = cJSON_AddArrayToObject(made, "sentences");
     for (uint32_t i = 0; i < s->sentence_count; i++) {
         cJSON *sentence = cJSON_CreateObject();

@@ -3,7 +3,7 @@
 const summaries = JSON.parse($('summary-data').textContent);
 const chosen = { scene: '', rays: '' };
 const summaryOf = (scene, rays) => summaries.choices.find(s => s.scene === scene && s.rays === rays);
-const everything = summaryOf('', '') || { rows: [], sentences: [] };
+const everything = summaryOf('', '') || { rows: [], sentences: [], accuracy: [], scenes: 0, sets: 0, rounds: 0 };
 const rowColour = row => row.reference ? theme().muted
   : colourAt(everything.rows.filter(r => !r.reference).findIndex(r => r.builder === row.builder && r.run === row.run));
 
@@ -104,6 +104,35 @@ function drawCurves(summary) {
   })));
 }
 
+/* ---- what accuracy costs: intersectors on the same rays, trees and kernels ---- */
+function drawIntersectors(summary) {
+  const found = summary.accuracy.filter(a => isNumber(a.ppm) && isNumber(a.speed));
+  $('verdict-accuracy').hidden = found.length < 2;
+  if (found.length < 2) return;
+  const [w, h, left, bottom, above, right] = [640, 220, 44, 34, 12, 24], t = theme();
+  const { min, max } = decades(found.flatMap(a => [a.ppm / 1.5, a.ppm * 4])), speeds = found.map(a => a.speed);
+  const low = Math.min(0.9, ...speeds) - 0.05, high = Math.max(1.1, ...speeds) + 0.05;
+  const x = v => left + (w - left - right) * Math.log(v / min) / Math.log(max / min);
+  const y = v => above + (h - bottom - above) * (high - v) / (high - low);
+  const text = (px, py, words, anchor, colour) =>
+    svg('text', { x: px, y: py, fill: colour || t.muted, 'font-size': 12, 'text-anchor': anchor }, words);
+  const picture = svg('svg', { viewBox: `0 0 ${w} ${h}`, role: 'img', 'aria-label': 'Speed of intersectors against their wrong answers' });
+  for (let v = min; v <= max * 1.01; v *= 10)
+    picture.append(svg('line', { x1: x(v), x2: x(v), y1: above, y2: h - bottom, stroke: t.line }), text(x(v), h - bottom + 16, brief(v), 'middle'));
+  for (let v = Math.ceil(low * 5) / 5; v <= high; v += 0.2)
+    picture.append(svg('line', { x1: left, x2: w - right, y1: y(v), y2: y(v), stroke: t.line }), text(left - 4, y(v) + 4, v.toFixed(1), 'end'));
+  picture.append(text((left + w) / 2, h - 4, 'wrong rays per million (log scale)', 'middle'));
+  for (const a of found) {
+    const none = a.wrong === 0, far = x(a.ppm) > w * 0.7;
+    picture.append(svg('line', { x1: Math.max(left, x(Math.max(a.ppm_lo, min))), x2: Math.min(w - right, x(Math.min(a.ppm_hi, max))),
+                                 y1: y(a.speed), y2: y(a.speed), stroke: t.muted }),
+      svg('circle', { cx: x(a.ppm), cy: y(a.speed), r: 5, fill: none ? t.page : t.text, stroke: t.text, 'stroke-width': 2 }),
+      text(x(a.ppm) + (far ? -10 : 10), y(a.speed) - 6, `${a.intersector}${none ? ': none found' : a.wrong_t > 0.9 * a.wrong ? ' (distances)' : ''}`,
+           far ? 'end' : 'start', t.text));
+  }
+  $('verdict-intersectors').replaceChildren(picture);
+}
+
 /* ---- sentences and figures ---- */
 function drawSentences(summary) {
   const sentence = s => el('div', {}, el('dt', {}, s.label), el('dd', { class: /^WRONG/.test(s.text) ? 'bad' : null }, s.text));
@@ -129,7 +158,7 @@ function drawSummaryTable(summary) {
 /* ---- the choice, also in the address ---- */
 function drawVerdict() {
   const summary = summaryOf(chosen.scene, chosen.rays) || everything;
-  for (const part of [drawBars, drawCurves, drawSentences, drawSummaryTable]) part(summary);
+  for (const part of [drawBars, drawCurves, drawIntersectors, drawSentences, drawSummaryTable]) part(summary);
 }
 
 function writeAddress() {
