@@ -1,5 +1,5 @@
 /* glTF 2.0: what is read is in scenes/README.md, the reading in gltf*.cpp. */
-#include "framework/scene/scene.h"
+#include "framework/scene/camera.h"
 #include "scenes/gltf.h"
 
 static bb_status reserve(void *user, uint64_t vertex_count, uint64_t triangle_count,
@@ -12,9 +12,17 @@ static bb_status reserve(void *user, uint64_t vertex_count, uint64_t triangle_co
     return BB_OK;
 }
 
+/* Those that no picture can be made of are left out. */
+static void add_view(void *user, const char *name, const bb_view *view)
+{
+    bb_camera camera;
+    if (bb_camera_make(view, 1, 1, &camera) == BB_OK)
+        bb_scene_add_view(user, name, view);
+}
+
 static bb_status load(const char *path, bb_scene *scene)
 {
-    return bb_gltf_load(path, reserve, scene, &scene->ignored);
+    return bb_gltf_load(path, reserve, add_view, scene, &scene->ignored);
 }
 
 static const char *const endings[] = {".gltf", ".glb", NULL};

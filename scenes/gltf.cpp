@@ -7,10 +7,6 @@
 #include "scenes/gltf_accessors.hpp"
 #include "scenes/gltf_nodes.hpp"
 
-extern "C" {
-#include "scenes/gltf.h"
-}
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -50,7 +46,11 @@ class Loader
     }
     uint32_t ignored() const
     {
-        return static_cast<uint32_t>(std::min<uint64_t>(ignored_, UINT32_MAX));
+        return static_cast<uint32_t>(std::min<uint64_t>(no_surface_ + no_positions_, UINT32_MAX));
+    }
+    const Placement &placement() const
+    {
+        return placement_;
     }
 
   private:
@@ -68,7 +68,8 @@ class Loader
     std::vector<Part> parts_;
     uint64_t vertex_count_ = 0;
     uint64_t triangle_count_ = 0;
-    uint64_t ignored_ = 0;
+    uint64_t no_surface_ = 0; /* primitives left out: points and lines */
+    uint64_t no_positions_ = 0;
 };
 
 std::string Loader::name_of(const Part &part) const
@@ -95,8 +96,12 @@ void Loader::plan_part(const Part &place, std::map<int, uint64_t> &bases)
     const tinygltf::Primitive &primitive = model_.meshes[static_cast<size_t>(part.mesh)]
                                                .primitives[static_cast<size_t>(part.primitive)];
     const auto position = primitive.attributes.find("POSITION");
-    if (primitive.mode < TINYGLTF_MODE_TRIANGLES || position == primitive.attributes.end()) {
-        ignored_++;
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
+        no_surface_++;
+        return;
+    }
+    if (position == primitive.attributes.end()) {
+        no_positions_++;
         return;
     }
     const std::string what = name_of(part);
@@ -132,9 +137,15 @@ void Loader::plan()
         for (size_t i = 0; i < count; i++)
             plan_part({node, mesh, static_cast<int>(i), 0, false, 0}, bases);
     }
-    if (triangle_count_ == 0)
-        fail(BB_INVALID, "%s: has no triangle in its scenes (%llu primitives of other kinds)",
-             path_, static_cast<unsigned long long>(ignored_));
+    if (triangle_count_ > 0)
+        return;
+    if (ignored() == 0)
+        fail(BB_INVALID, "%s: holds no triangles: no node of its scenes has a mesh", path_);
+    fail(BB_INVALID,
+         "%s: holds no triangles: of the primitives in its scenes, %llu are points or lines and "
+         "%llu lack positions",
+         path_, static_cast<unsigned long long>(no_surface_),
+         static_cast<unsigned long long>(no_positions_));
 }
 
 /* ---- second pass: fill ---- */
@@ -213,8 +224,8 @@ void Loader::fill(float *vertices, uint32_t *triangles) const
 } // namespace
 } // namespace bb_gltf
 
-extern "C" bb_status bb_gltf_load(const char *path, bb_gltf_reserve reserve, void *user,
-                                  uint32_t *ignored)
+extern "C" bb_status bb_gltf_load(const char *path, bb_gltf_reserve reserve,
+                                  bb_gltf_add_view add_view, void *user, uint32_t *ignored)
 {
     try {
         const bb_gltf::Document document = bb_gltf::read_document(path);
@@ -228,6 +239,7 @@ extern "C" bb_status bb_gltf_load(const char *path, bb_gltf_reserve reserve, voi
             return status;
         loader.fill(vertices, triangles);
         *ignored = loader.ignored();
+        bb_gltf::add_cameras(document, loader.placement(), add_view, user);
         return BB_OK;
     } catch (const bb_gltf::Failure &failure) {
         return failure.status;

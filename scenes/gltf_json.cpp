@@ -11,6 +11,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <strings.h>
 
 namespace bb_gltf
 {
@@ -51,6 +52,11 @@ struct Container {
     Span text;
     Span binary;
 };
+
+bool is_named_glb(const std::string &path)
+{
+    return path.size() >= 4 && strcasecmp(path.c_str() + path.size() - 4, ".glb") == 0;
+}
 
 Container split_glb(const char *path, const Span &file)
 {
@@ -118,6 +124,24 @@ void check_depth(const char *path, const Span &text)
     }
 }
 
+/* Says where the text is no JSON. `byte` is the last that was read, from 1. */
+[[noreturn]] void refuse_text(const char *path, const Span &text, size_t byte)
+{
+    const unsigned char *const last = text.data + std::min(byte, text.size);
+    size_t line = 1, column = 0;
+    for (const unsigned char *c = text.data; c < last; c++) {
+        column++;
+        if (*c == '\n' && c + 1 < last) {
+            line++;
+            column = 0;
+        }
+    }
+    if (byte > text.size)
+        fail(BB_INVALID, "%s: is not glTF, or truncated: its JSON breaks off in line %zu", path,
+             line);
+    fail(BB_INVALID, "%s: is not glTF: line %zu, column %zu is not JSON", path, line, column);
+}
+
 json parse(const char *path, const Span &text)
 {
     check_depth(path, text);
@@ -126,8 +150,10 @@ json parse(const char *path, const Span &text)
         if (!root.is_object())
             fail(BB_INVALID, "%s: is not glTF: its JSON is not an object", path);
         return root;
-    } catch (const json::exception &error) {
-        fail(BB_INVALID, "%s: is not glTF or damaged: %s", path, error.what());
+    } catch (const json::parse_error &error) {
+        refuse_text(path, text, error.byte);
+    } catch (const json::exception &) {
+        fail(BB_INVALID, "%s: is not glTF: its JSON holds a number that is too large", path);
     }
 }
 
@@ -287,6 +313,8 @@ Document read_document(const std::string &path)
     Container parts{{file.data.get(), file.size}, {}};
     if (memcmp(file.data.get(), "glTF", std::min<uint64_t>(file.size, 4)) == 0)
         parts = split_glb(path.c_str(), parts.text);
+    else if (is_named_glb(path))
+        fail(BB_INVALID, "%s: is not binary glTF: it does not begin with 'glTF'", path.c_str());
     Buffer chunk;
     if (parts.binary.data != nullptr) /* shares the file's bytes */
         chunk = {std::shared_ptr<const unsigned char>(file.data, parts.binary.data),
@@ -297,6 +325,7 @@ Document read_document(const std::string &path)
     check_asset(path.c_str(), root);
     check_schema(path.c_str(), root);
     check_required_extensions(path.c_str(), root);
+    document.cameras = find_cameras(root);
     document.buffers = read_buffers(path, file.size, list_buffers(path.c_str(), root, chunk));
     document.model = read_model(path.c_str(), parts.text, root);
     const std::vector<std::string> *lists[] = {&document.model.extensionsUsed,

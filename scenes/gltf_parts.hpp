@@ -1,16 +1,18 @@
 /* What the parts of the glTF loader share: gltf_json.cpp gets the model from tinygltf, after
- * gltf_schema.cpp has checked it; gltf_buffers.cpp reads files; gltf.cpp takes the triangles. */
+ * gltf_schema.cpp has checked it; gltf_buffers.cpp reads files; gltf.cpp takes the triangles,
+ * gltf_cameras.cpp the cameras. */
 #ifndef BB_GLTF_PARTS_HPP
 #define BB_GLTF_PARTS_HPP
 
 extern "C" {
-#include "framework/base/status.h"
+#include "scenes/gltf.h"
 }
 
 #include <nlohmann/json_fwd.hpp>
 #include <tiny_gltf.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -48,19 +50,33 @@ Buffer read_file(const std::string &path);
 std::vector<Buffer> read_buffers(const std::string &path, uint64_t file_size,
                                  const std::vector<BufferRequest> &requests);
 
+struct Camera {
+    std::string name;
+    bool parallel;
+    double extent; /* as bb_view's fov_y; not checked */
+};
+
 /* A checked file: members are of the right type and references in range. The model holds only
  * what the triangles need; its buffers are here. */
 struct Document {
     tinygltf::Model model;
     std::vector<Buffer> buffers;
+    std::map<int, Camera> cameras; /* by node */
     bool quantised = false; /* KHR_mesh_quantization is used: integer positions are allowed */
 };
 
 /* Fails on what tinygltf would misunderstand. */
 void check_schema(const char *path, const nlohmann::json &root);
 
+std::map<int, Camera> find_cameras(const nlohmann::json &root);
+
 /* Reads and checks `path`, .gltf or .glb by content. */
 Document read_document(const std::string &path);
+
+/* Those of the default scene's nodes, in the order of the nodes. */
+struct Placement;
+void add_cameras(const Document &document, const Placement &placement, bb_gltf_add_view add,
+                 void *user);
 } // namespace bb_gltf
 
 #endif

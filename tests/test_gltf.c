@@ -383,6 +383,10 @@ static const refusal refusals[] = {
     {POSITIONS_AT("\"count\":3"),
      "{\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_draco_mesh_compression\":{}}}", NODES,
      BB_UNSUPPORTED, "KHR_draco_mesh_compression"},
+    {POSITIONS, "{\"attributes\":{\"POSITION\":0},\"mode\":0},{\"attributes\":{}}", NODES,
+     BB_INVALID,
+     "holds no triangles: of the primitives in its scenes, 1 are points or lines and 1 lack "
+     "positions"},
     {POSITIONS, PLAIN, ",\"nodes\":[{}],\"scenes\":[{\"nodes\":[0]}]", BB_INVALID, "no triangle"},
     {POSITIONS, PLAIN, ",\"nodes\":[{\"mesh\":1}]", BB_INVALID, "mesh is 1"},
     {POSITIONS, PLAIN, ",\"nodes\":[{\"mesh\":-1}]", BB_INVALID, "mesh is -1"},
@@ -473,13 +477,18 @@ static void test_bad_files(void **state)
         const char *words;
     } texts[] = {
         {"", "is empty"},
-        {"{", "not glTF"},
-        {"solid cube\nfacet", "not glTF"},
+        {"{", "is not glTF, or truncated: its JSON breaks off in line 1"},
+        {"{\"asset\":\n{\"version\":\"2", "breaks off in line 2"},
+        {"solid cube\nfacet", "is not glTF: line 1, column 1 is not JSON"},
+        {"{\"asset\":\n {\"version\" 2}}", "is not glTF: line 2, column 13 is not JSON"},
+        {"{\"asset\":1e999}", "is not glTF: its JSON holds a number that is too large"},
+        {"\xff\x01", "is not glTF: line 1, column 1 is not JSON"},
         {"[]", "not an object"},
         {"{}", "not glTF 2.0"},
         {"{\"asset\":{\"version\":\"1.0\"}}", "version '1.0'"},
         {"{\"asset\":{\"version\":\"2.0\",\"minVersion\":\"2.1\"}}", "version '2.1'"},
-        {"{\"asset\":{\"version\":\"2.0\"}}", "no triangle"},
+        {"{\"asset\":{\"version\":\"2.0\"}}",
+         "holds no triangles: no node of its scenes has a mesh"},
         {"{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":1e300,\"uri\":\"x\"}]}",
          "byteLength"},
         {"{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"gone.bin\"}]}",
@@ -499,8 +508,11 @@ static void test_bad_files(void **state)
         expect_failure(path, BB_INVALID, texts[i].words);
     }
     expect_failure(path_of("none.glb"), BB_INVALID, "no such file");
-    write_text(path_of("thing.obj"), "v 0 0 0");
-    expect_failure(path_of("thing.obj"), BB_INVALID, ".gltf, .glb");
+    write_text(path_of("text.GLB"), "{\"asset\":{\"version\":\"2.0\"}}");
+    expect_failure(path_of("text.GLB"), BB_INVALID,
+                   "is not binary glTF: it does not begin with 'glTF'");
+    write_text(path_of("thing.stl"), "solid");
+    expect_failure(path_of("thing.stl"), BB_INVALID, "one of .gltf, .glb, .obj, .ply");
     mkdir(path_of("folder.glb"), 0777);
     expect_failure(path_of("folder.glb"), BB_INVALID, "regular file");
 }

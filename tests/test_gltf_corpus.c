@@ -121,7 +121,7 @@ static void test_messages(void **state)
         const char *words;
     } cases[] = {
         {"gltf_validator/glb/empty_file.glb", "empty"},
-        {"gltf_validator/glb/no_header.glb", "not glTF"},
+        {"gltf_validator/glb/no_header.glb", "not binary glTF"},
         {"gltf_validator/glb/invalid_version.glb", "version"},
         {"gltf_validator/glb/truncated_chunk_data.glb", "truncated"},
         {"gltf_validator/glb/truncated_chunk_header.glb", "truncated"},

@@ -139,7 +139,8 @@ extern const bb_scene_format *const bb_scene_formats[]; /* generated table; ends
 
 /* Loads what `text` names: an existing file (.gltf, .glb), a shipped scene (coffee, scorpion, ...:
  * see bb_shipped_scenes), or a generator with parameters. Finishes it and takes its views: from
- * `NAME.views` beside the file, from the generator, or derived from the profile. BB_INVALID with
+ * `NAME.views` beside the file, from the generator, or derived from the profile, behind the cameras
+ * of the file if it has any. BB_INVALID with
  * one clear line for everything that is wrong with the input. Owned by the caller:
  * bb_scene_free(). */
 bb_status bb_scene_load(const char *text, bb_scene **scene);
@@ -185,6 +186,10 @@ bb_status bb_scene_choose_scale(bb_scene *scene);
 
 /* Measures scene->profile; bb_scene_load() has done it. */
 bb_status bb_scene_profile(bb_scene *scene);
+
+/* Adds a view, named `name` with '-' for all that is no letter, digit, '.' or '_', shortened, and
+ * numbered if a view of that name is there. Does nothing if there are BB_VIEWS_MAX. */
+void bb_scene_add_view(bb_scene *scene, const char *name, const bb_view *view);
 
 /* Three views or more, by name, derived from box and profile; deterministic. Does nothing if the
  * scene has views. */

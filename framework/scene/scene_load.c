@@ -86,8 +86,8 @@ static bool looks_like_file(const char *text)
 
 /* ---- files ---- */
 
-/* NAME.views beside NAME.glb, if there is one. */
-static bb_status read_views_beside(const char *path, bb_scene *scene)
+/* NAME.views beside NAME.glb, if there is one, in place of the file's own cameras. */
+static bb_status read_views_beside(const char *path, bb_scene *scene, bool *given)
 {
     const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
     size_t stem =
@@ -96,10 +96,12 @@ static bb_status read_views_beside(const char *path, bb_scene *scene)
     int length = snprintf(views, sizeof views, "%.*s.views", (int)stem, path);
     if (length < 0 || (size_t)length >= sizeof views || !exists(views))
         return BB_OK;
+    *given = true;
     return bb_views_read(views, scene->views, BB_VIEWS_MAX, &scene->view_count);
 }
 
-static bb_status load_file(const char *path, bb_scene *scene)
+/* *given: its views are all that it shall have. */
+static bb_status load_file(const char *path, bb_scene *scene, bool *given)
 {
     if (!exists(path))
         return bb_fail(BB_INVALID, "%s: there is no such file: check the path", path);
@@ -111,10 +113,10 @@ static bb_status load_file(const char *path, bb_scene *scene)
                        list_endings(endings, sizeof endings));
     BB_TRY(format->load(path, scene));
     snprintf(scene->source, sizeof scene->source, "%s", format->name);
-    return read_views_beside(path, scene);
+    return read_views_beside(path, scene, given);
 }
 
-static bb_status load_shipped(const bb_spec *spec, bb_scene *scene)
+static bb_status load_shipped(const bb_spec *spec, bb_scene *scene, bool *given)
 {
     BB_TRY(bb_spec_validate(spec, NULL, spec->name));
     char path[4096];
@@ -122,7 +124,7 @@ static bb_status load_shipped(const bb_spec *spec, bb_scene *scene)
     if (length < 0 || (size_t)length >= sizeof path)
         return bb_fail(BB_INVALID, "the path of the scenes folder is too long: %.80s...",
                        bb_scene_folder());
-    return load_file(path, scene);
+    return load_file(path, scene, given);
 }
 
 /* ---- names ---- */
@@ -156,12 +158,12 @@ static bb_status unknown(const char *text)
                    list_endings(endings, sizeof endings), names);
 }
 
-static bb_status load_named(const char *text, bb_scene *scene)
+static bb_status load_named(const char *text, bb_scene *scene, bool *given)
 {
     bb_spec spec;
     BB_TRY(bb_spec_parse(text, &spec));
     if (is_shipped(spec.name))
-        return load_shipped(&spec, scene);
+        return load_shipped(&spec, scene, given);
     const bb_generator *generator = find_generator(spec.name);
     if (generator == NULL)
         return unknown(text);
@@ -170,6 +172,7 @@ static bb_status load_named(const char *text, bb_scene *scene)
     BB_TRY(bb_spec_validate(&spec, generator->options, what));
     snprintf(scene->source, sizeof scene->source, "%s", generator->name);
     BB_TRY(generator->make(&spec, generator->options, scene));
+    *given = scene->view_count > 0;
     return bb_scene_remember_motion(generator, text, scene);
 }
 
@@ -182,14 +185,16 @@ static void set_name(bb_scene *scene, const char *text)
 
 static bb_status load(const char *text, bb_scene *scene)
 {
+    bool given = false;
     set_name(scene, text);
     if ((exists(text) && !is_folder(text)) || looks_like_file(text))
-        BB_TRY(load_file(text, scene));
+        BB_TRY(load_file(text, scene, &given));
     else
-        BB_TRY(load_named(text, scene));
+        BB_TRY(load_named(text, scene, &given));
     BB_TRY(bb_scene_finish(scene));
     BB_TRY(bb_scene_profile(scene));
-    bb_scene_derive_views(scene);
+    if (!given)
+        bb_scene_add_derived_views(scene);
     return BB_OK;
 }
 

@@ -19,6 +19,9 @@ bb_status bb_scene_finish_frame(bb_scene *scene);
 bb_status bb_scene_remember_motion(const bb_generator *generator, const char *text,
                                    bb_scene *scene);
 
+/* As bb_scene_derive_views(), but behind the views that there are. */
+void bb_scene_add_derived_views(bb_scene *scene);
+
 /* Writes vertices and data of primitives to the device again, where bb_scene_upload() has made
  * room, and makes the boxes anew. Does nothing if the scene is on no device. */
 bb_status bb_scene_upload_again(bb_scene *scene);

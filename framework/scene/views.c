@@ -1,4 +1,5 @@
-/* Views from a text file: one per line, `name key=value ...` (format: scenes/README.md). */
+/* Views from a text file: one per line, `name key=value ...` (format: scenes/README.md); and names
+ * of those from elsewhere. */
 #include "framework/scene/scene.h"
 
 #include <errno.h>
@@ -151,4 +152,46 @@ bb_status bb_views_read(const char *path, bb_view *views, uint32_t capacity, uin
         *count = 0;
     fclose(file);
     return status;
+}
+
+/* ---- names ---- */
+
+/* What keys, options and names of files can hold. */
+static void make_safe(const char *name, char *out, size_t capacity)
+{
+    size_t used = 0;
+    for (; *name != '\0' && used + 1 < capacity; name++) {
+        bool plain = (*name >= '0' && *name <= '9') || (*name >= 'A' && *name <= 'Z') ||
+                     (*name >= 'a' && *name <= 'z') || *name == '_' || (*name == '.' && used > 0);
+        if (plain)
+            out[used++] = *name;
+        else if (used > 0 && out[used - 1] != '-')
+            out[used++] = '-';
+    }
+    while (used > 0 && out[used - 1] == '-')
+        used--;
+    out[used] = '\0';
+}
+
+static bool is_taken(const bb_scene *scene, const char *name)
+{
+    for (uint32_t i = 0; i < scene->view_count; i++)
+        if (strcmp(scene->views[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+void bb_scene_add_view(bb_scene *scene, const char *name, const bb_view *view)
+{
+    char plain[sizeof view->name - 4]; /* room for -2 to -16 */
+    if (scene->view_count == BB_VIEWS_MAX)
+        return;
+    make_safe(name, plain, sizeof plain);
+    bb_view named = *view;
+    memset(named.name, 0, sizeof named.name);
+    const char *base = plain[0] != '\0' ? plain : "view";
+    strcpy(named.name, base);
+    for (unsigned n = 2; is_taken(scene, named.name); n++)
+        snprintf(named.name, sizeof named.name, "%s-%u", base, n);
+    scene->views[scene->view_count++] = named;
 }

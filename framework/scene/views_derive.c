@@ -15,6 +15,7 @@
  */
 #include "framework/base/random.h"
 #include "framework/scene/prim.h"
+#include "framework/scene/scene_private.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -169,13 +170,11 @@ static double trace(const sketch *sketch, const double eye[3], const double dire
 static void set_view(const sketch *sketch, const char *name, const double eye[3],
                      const double target[3], double fov, bb_scene *scene)
 {
-    bb_view *view = &scene->views[scene->view_count++];
-    memset(view, 0, sizeof *view);
-    strcpy(view->name, name);
-    memcpy(view->eye, eye, sizeof view->eye);
-    memcpy(view->target, target, sizeof view->target);
-    view->up[sketch->up] = 1;
-    view->fov_y = fov;
+    bb_view view = {.fov_y = fov};
+    memcpy(view.eye, eye, sizeof view.eye);
+    memcpy(view.target, target, sizeof view.target);
+    view.up[sketch->up] = 1;
+    bb_scene_add_view(scene, name, &view);
 }
 
 /* Right and upward in the picture of a camera that looks along `ahead` (not along up). */
@@ -448,8 +447,12 @@ static void look_inside(const sketch *sketch, place *places, uint32_t count, bb_
 
 void bb_scene_derive_views(bb_scene *scene)
 {
-    if (scene->view_count > 0)
-        return;
+    if (scene->view_count == 0)
+        bb_scene_add_derived_views(scene);
+}
+
+void bb_scene_add_derived_views(bb_scene *scene)
+{
     disc discs[DISCS];
     place places[PLACES];
     sketch sketch = {.discs = discs};
