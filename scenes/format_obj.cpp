@@ -83,6 +83,16 @@ bool is_corner(std::string_view word)
            word.find_first_not_of("0123456789+-/", end) == std::string_view::npos;
 }
 
+/* For messages: the first of it, in ASCII, in whatever encoding it is. */
+std::string quote(std::string_view word)
+{
+    std::string text(word.substr(0, 40));
+    for (char &c : text)
+        if (c < ' ' || c > '~')
+            c = '?';
+    return text;
+}
+
 /* ---- lines ---- */
 
 /* The stream that tinyobjloader reads: of the file, line by line, vertices and faces. */
@@ -197,9 +207,8 @@ size_t Lines::check_words(std::string_view words, bool (*good)(std::string_view)
         end = std::min(words.find_first_of(spaces, at), words.size());
         const std::string_view word = words.substr(at, end - at);
         if (!good(word))
-            fail(BB_INVALID, "%s: line %llu: '%.*s' is no %s", path_,
-                 static_cast<unsigned long long>(number_),
-                 static_cast<int>(std::min<size_t>(word.size(), 40)), word.data(), what);
+            fail(BB_INVALID, "%s: line %llu: '%s' is no %s", path_,
+                 static_cast<unsigned long long>(number_), quote(word).c_str(), what);
     }
     return count;
 }

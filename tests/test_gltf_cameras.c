@@ -86,21 +86,22 @@ static void test_orthographic(void **state)
 static void test_names(void **state)
 {
     (void)state;
-    bb_scene *scene =
-        load_with(
-            "[" PERSPECTIVE(",\"name\":\"Cam.001\"") "," PERSPECTIVE("") "," PERSPECTIVE(",\"name\""
-                                                                                         ":\"../a "
-                                                                                         "b,c=d:e+"
-                                                                                         "f/"
-                                                                                         "\xc3\xa4"
-                                                                                         "\"") "," PERSPECTIVE(
-                ",\"name\":\"back\"") "," PERSPECTIVE(",\"name\":"
-                                                      "\"012345678901234567890123456789012345678901"
-                                                      "2345678901234567890123\"") "]",
-            "{\"camera\":0},{\"camera\":0},{\"camera\":1,\"name\":\"of node\"},{\"camera\":1},"
-            "{\"camera\":2},{\"camera\":3},{\"camera\":4},{\"camera\":4},{\"camera\":2,\"name\":"
-            "\"x\"}",
-            "");
+    bb_scene *scene = load_with(
+        "[" PERSPECTIVE(",\"name\":\"Cam.001\"") "," PERSPECTIVE("") "," PERSPECTIVE(
+            ",\"name\""
+            ":\"../a "
+            "b,c=d:e+"
+            "f/"
+            "\xc3\xa4"
+            "\"") "," PERSPECTIVE(",\"name\":\"back\"") "," PERSPECTIVE(",\"name\":"
+                                                                        "\"01234567890123456789"
+                                                                        "0123456789012345678901"
+                                                                        "2345678901234567890123"
+                                                                        "\"") "]",
+        "{\"camera\":0},{\"camera\":0},{\"camera\":1,\"name\":\"of node\"},{\"camera\":1},"
+        "{\"camera\":2},{\"camera\":3},{\"camera\":4},{\"camera\":4},{\"camera\":2,\"name\":"
+        "\"x\"}",
+        "");
     static const char *const names[] = {"Cam.001",
                                         "Cam.001-2",
                                         "of-node",

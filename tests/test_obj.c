@@ -102,6 +102,8 @@ static void test_refused(void **state)
         {"v 0 0 -\n", "line 1: '-' is no finite number"},
         {"v 0 0 0x10\n", "line 1: '0x10' is no finite number"},
         {"v 0 0 1.2.3\n", "line 1: '1.2.3' is no finite number"},
+        {"v 0 0 1\xff\xc3\n", "line 1: '1?"
+                              "?' is no finite number"},
         {"v 0 0 0\n\x7f"
          "ELF\x02\n",
          "line 2 is no text: the file is not OBJ"},
