@@ -216,6 +216,8 @@ size_t Lines::check_words(std::string_view words, bool (*good)(std::string_view)
 /* Checks the line; without its comment. */
 bool Lines::is_wanted()
 {
+    if (number_ == 1 && line_.compare(0, 3, "\xef\xbb\xbf") == 0)
+        line_.erase(0, 3); /* the byte order mark of UTF-8 */
     line_.resize(std::min(line_.find('#'), line_.size()));
     const std::string_view line = line_;
     const size_t at = std::min(line.find_first_not_of(" \t"), line.size());

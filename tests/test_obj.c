@@ -62,6 +62,7 @@ static void test_order_and_ends_of_lines(void **state)
     (void)state;
     static const uint32_t one[] = {0, 1, 2};
     expect_triangles("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", one, 1, 0);
+    expect_triangles("\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", one, 1, 0);
     expect_triangles("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r", one, 1, 0);
     expect_triangles("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\n\r\nf -3 -2 -1\r\n", one, 1, 0);
 }
