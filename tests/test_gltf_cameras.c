@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#define NAMED(name) PERSPECTIVE(",\"name\":\"" name "\"")
+#define LONG "0123456789012345678901234567890123456789012" /* as long as a name may be */
 #define PERSPECTIVE(more) "{\"type\":\"perspective\",\"perspective\":{\"yfov\":1}" more "}"
 
 /* One triangle as node 0 of `nodes`, which brackets enclose. */
@@ -38,8 +40,8 @@ static void expect_vector(const double v[3], double x, double y, double z)
     ASSERT_NEAR(v[2], z, 1e-12);
 }
 
-/* By hand: translated by (5, 0, 0), then, in its parent, turned by 90 degrees about y and doubled. A
- * turn takes x to -z, and -z to -x. */
+/* By hand: translated by (5, 0, 0), then, in its parent, turned by 90 degrees about y and doubled.
+ * The turn takes x to -z, and -z to -x. */
 static void test_place(void **state)
 {
     (void)state;
@@ -86,31 +88,16 @@ static void test_orthographic(void **state)
 static void test_names(void **state)
 {
     (void)state;
+    static const char cameras[] = "[" NAMED("Cam.001") "," PERSPECTIVE("") "," NAMED(
+        "../a b,c=d:e+f/\xc3\xa4") "," NAMED("back") "," NAMED(LONG "0123456789") "]";
     bb_scene *scene = load_with(
-        "[" PERSPECTIVE(",\"name\":\"Cam.001\"") "," PERSPECTIVE("") "," PERSPECTIVE(
-            ",\"name\""
-            ":\"../a "
-            "b,c=d:e+"
-            "f/"
-            "\xc3\xa4"
-            "\"") "," PERSPECTIVE(",\"name\":\"back\"") "," PERSPECTIVE(",\"name\":"
-                                                                        "\"01234567890123456789"
-                                                                        "0123456789012345678901"
-                                                                        "2345678901234567890123"
-                                                                        "\"") "]",
+        cameras,
         "{\"camera\":0},{\"camera\":0},{\"camera\":1,\"name\":\"of node\"},{\"camera\":1},"
-        "{\"camera\":2},{\"camera\":3},{\"camera\":4},{\"camera\":4},{\"camera\":2,\"name\":"
-        "\"x\"}",
+        "{\"camera\":2},{\"camera\":3},{\"camera\":4},{\"camera\":4},{\"camera\":2}",
         "");
-    static const char *const names[] = {"Cam.001",
-                                        "Cam.001-2",
-                                        "of-node",
-                                        "camera",
-                                        "a-b-c-d-e-f",
-                                        "back",
-                                        "0123456789012345678901234567890123456789012",
-                                        "0123456789012345678901234567890123456789012-2",
-                                        "a-b-c-d-e-f-2"};
+    static const char *const names[] = {"Cam.001", "Cam.001-2",   "of-node",
+                                        "camera",  "a-b-c-d-e-f", "back",
+                                        LONG,      LONG "-2",     "a-b-c-d-e-f-2"};
     expect_cameras(scene, names, 9);
     assert_string_equal(scene->views[10].name, "back-2");
     bb_scene_free(scene);
