@@ -7,6 +7,10 @@
 #include "scenes/gltf_accessors.hpp"
 #include "scenes/gltf_nodes.hpp"
 
+extern "C" {
+#include "scenes/gltf.h"
+}
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -239,7 +243,8 @@ extern "C" bb_status bb_gltf_load(const char *path, bb_gltf_reserve reserve,
             return status;
         loader.fill(vertices, triangles);
         *ignored = loader.ignored();
-        bb_gltf::add_cameras(document, loader.placement(), add_view, user);
+        for (const bb_gltf::NamedView &one : bb_gltf::find_views(document, loader.placement()))
+            add_view(user, one.name.c_str(), &one.view);
         return BB_OK;
     } catch (const bb_gltf::Failure &failure) {
         return failure.status;

@@ -93,17 +93,18 @@ std::map<int, Camera> find_cameras(const json &root)
     return cameras;
 }
 
-void add_cameras(const Document &document, const Placement &placement, bb_gltf_add_view add,
-                 void *user)
+std::vector<NamedView> find_views(const Document &document, const Placement &placement)
 {
+    std::vector<NamedView> views;
     if (document.cameras.empty())
-        return;
+        return views;
     for (const int node : shown_nodes(document.model, placement)) {
         const auto camera = document.cameras.find(node);
         bb_view view = {};
         if (camera != document.cameras.end() &&
             place(camera->second, placement.transform[static_cast<size_t>(node)], view))
-            add(user, camera->second.name.c_str(), &view);
+            views.push_back({camera->second.name, view});
     }
+    return views;
 }
 } // namespace bb_gltf

@@ -5,7 +5,7 @@
 #define BB_GLTF_PARTS_HPP
 
 extern "C" {
-#include "scenes/gltf.h"
+#include "framework/scene/scene.h"
 }
 
 #include <nlohmann/json_fwd.hpp>
@@ -73,10 +73,14 @@ std::map<int, Camera> find_cameras(const nlohmann::json &root);
 /* Reads and checks `path`, .gltf or .glb by content. */
 Document read_document(const std::string &path);
 
-/* Those of the default scene's nodes, in the order of the nodes. */
+struct NamedView {
+    std::string name;
+    bb_view view; /* but for its name */
+};
+
+/* The cameras of the default scene's nodes, in the order of the nodes. */
 struct Placement;
-void add_cameras(const Document &document, const Placement &placement, bb_gltf_add_view add,
-                 void *user);
+std::vector<NamedView> find_views(const Document &document, const Placement &placement);
 } // namespace bb_gltf
 
 #endif
