@@ -12,10 +12,9 @@ complain() {
     bad=1
 }
 
-# Tests that ctest skipped, and cases that cmocka did, of the run in folder $1.
-skipped() {
-    sed -n 's/.*<testcase name="\([^"]*\)".* status="notrun".*/\1/p' "$1/tests.xml"
-    sed -n 's/^\[  SKIPPED \] \([A-Za-z_][A-Za-z_0-9]*\)$/\1/p' "$1/Testing/Temporary/LastTest.log"
+# Whether test $1 has status $2 in the run of $build.
+listed() {
+    grep -q "<testcase name=\"$1\".* status=\"$2\"" "$build/tests.xml"
 }
 
 # The file whose absence allows that $1 is skipped; nothing if none does.
@@ -26,6 +25,12 @@ allowed_without() {
     }' "$here/may_skip.txt"
 }
 
+may_skip() {
+    local needed
+    needed=$(allowed_without "$1")
+    [ -n "$needed" ] && [ ! -e "$root/$needed" ]
+}
+
 [ $# -gt 0 ] || complain "usage: tests/check_run.sh BUILD..."
 for build in "$@"; do
     if [ ! -f "$build/tests.xml" ] || [ ! -f "$build/Testing/Temporary/LastTest.log" ]; then
@@ -34,17 +39,16 @@ for build in "$@"; do
     fi
     for source in "$here"/test_*.c; do
         name=$(basename "$source" .c)
-        grep -q "<testcase name=\"$name\".* status=\"run\"" "$build/tests.xml" ||
+        listed "$name" run || { listed "$name" notrun && may_skip "$name"; } ||
             complain "$build: $name did not run"
     done
-    while IFS= read -r name; do
-        needed=$(allowed_without "$name")
-        if [ -n "$needed" ] && [ ! -e "$root/$needed" ]; then
-            echo "check_run: $build: $name was skipped: no $needed"
+    while read -r _ name; do
+        if may_skip "$name"; then
+            echo "check_run: $build: $name was skipped: no $(allowed_without "$name")"
         else
             complain "$build: $name was skipped"
         fi
-    done < <(skipped "$build" | sort -u)
+    done < <("$here/skipped.sh" "$build")
     ran=$(grep -c '<testcase .* status="run"' "$build/tests.xml" || true)
     echo "check_run: $build: $ran tests ran"
 done

@@ -153,6 +153,7 @@ static void no_device_is_said(void **state)
     (void)state;
     refuses("OCL_ICD_VENDORS=/nonexistent", "run --scene cube", "no OpenCL device");
     refuses("OCL_ICD_VENDORS=/nonexistent", "check --scene cube", "no OpenCL device");
+    refuses("POCL_CACHE_DIR=/proc/none", "render --scene cube --out a.png", "set POCL_CACHE_DIR");
 }
 
 static cJSON *read_results(const char *name)

@@ -123,6 +123,15 @@ static void unknown_devices_are_refused(void **state)
     assert_null(none);
 }
 
+static void a_system_without_sysfs_is_refused(void **state)
+{
+    (void)state;
+    ASSERT_OK(bb_device_check_system("/sys/devices/system/cpu"));
+    assert_int_equal(bb_device_check_system("/nonexistent/cpu"), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "no /nonexistent/cpu"));
+    assert_non_null(strstr(bb_message(), "mount sysfs"));
+}
+
 static void build_errors_are_one_line(void **state)
 {
     (void)state;
@@ -343,6 +352,7 @@ int main(void)
         cmocka_unit_test(accounts_keep_book),
         cmocka_unit_test(refuses_before_the_driver_is_asked),
         cmocka_unit_test(unknown_devices_are_refused),
+        cmocka_unit_test(a_system_without_sysfs_is_refused),
         cmocka_unit_test(build_errors_are_one_line),
         cmocka_unit_test(launch_errors_name_the_kernel),
         cmocka_unit_test(headers_resolve_within_a_folder),

@@ -4,6 +4,10 @@
 
 #include "framework/device/device.h"
 
+/* BB_INVALID where there is no `folder`, in which Linux describes its processors
+ * (/sys/devices/system/cpu): PoCL ends the process without it. */
+bb_status bb_device_check_system(const char *folder);
+
 /* Number of OpenCL devices of all platforms, and description of the i-th for `list devices`. */
 bb_status bb_device_count(uint32_t *count);
 bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);

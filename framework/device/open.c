@@ -19,11 +19,23 @@ typedef struct found_device {
     cl_device_id id;
 } found_device;
 
+bb_status bb_device_check_system(const char *folder)
+{
+    struct stat info;
+    if (stat(folder, &info) == 0 && S_ISDIR(info.st_mode))
+        return BB_OK;
+    return bb_fail(BB_INVALID,
+                   "there is no %s, which OpenCL drivers need: mount sysfs (in a container or "
+                   "chroot: mount -t sysfs none /sys)",
+                   folder);
+}
+
 static bb_status find_devices(found_device *found, uint32_t *count)
 {
     cl_platform_id platforms[16];
     cl_uint platform_count = 0;
     *count = 0;
+    BB_TRY(bb_device_check_system("/sys/devices/system/cpu"));
     cl_int error = clGetPlatformIDs(16, platforms, &platform_count);
     if (error != CL_SUCCESS)
         return BB_OK; /* the ICD loader reports "no platform" as an error: there is no device */
@@ -68,15 +80,28 @@ bb_status bb_device_describe(uint32_t index, char *text, size_t capacity)
     return BB_OK;
 }
 
+/* Why there is none: no driver, or PoCL, which has no device where it cannot write its cache. */
+static bb_status no_device(void)
+{
+    cl_platform_id platform;
+    char name[128] = "";
+    if (clGetPlatformIDs(1, &platform, NULL) != CL_SUCCESS)
+        return bb_fail(BB_INVALID, "no OpenCL device: install a driver (Debian: pocl-opencl-icd "
+                                   "for the CPU, or the vendor's ICD)");
+    clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name, name, NULL);
+    return bb_fail(BB_INVALID,
+                   "no OpenCL device: the platform '%s' has none (PoCL needs a folder that it can "
+                   "write its cache to: set POCL_CACHE_DIR)",
+                   name);
+}
+
 static bb_status select_device(const char *selector, found_device *selected)
 {
     found_device found[DEVICES_MAX];
     uint32_t count;
     BB_TRY(find_devices(found, &count));
     if (count == 0)
-        return bb_fail(BB_INVALID,
-                       "no OpenCL device: install a driver (Debian: pocl-opencl-icd for "
-                       "the CPU, or the vendor's ICD) and check with `clinfo -l`");
+        return no_device();
     if (selector == NULL) {
         *selected = found[0];
         return BB_OK;

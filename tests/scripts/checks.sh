@@ -23,9 +23,9 @@ expect() {
 # ---- runs of ctest ----
 tree=$work/tree
 mkdir -p "$tree/tests" "$tree/build/Testing/Temporary"
-cp "$source/tests/check_run.sh" "$tree/tests/"
+cp "$source/tests/check_run.sh" "$source/tests/skipped.sh" "$tree/tests/"
 touch "$tree/tests/test_one.c" "$tree/tests/test_two.c"
-echo 'big_case | ../data | a reason' >"$tree/tests/may_skip.txt"
+printf '%s | ../data | a reason\n' big_case test_two >"$tree/tests/may_skip.txt"
 
 # run STATUS-OF-TWO SKIPPED-CASE: what ctest leaves of a run.
 run() {
@@ -46,18 +46,20 @@ expect 1 'usage' "$tree/tests/check_run.sh"
 check_run 1 'no tests ran'
 run run ''
 check_run 0 '2 tests ran'
-run '' ''
-check_run 1 'test_two did not run'
-run fail ''
-check_run 1 'test_two did not run'
-run notrun ''
-check_run 1 'test_two did not run'
+for two in '' fail; do
+    run "$two" ''
+    check_run 1 'test_two did not run'
+done
+run notrun big_case
+check_run 0 'test_two was skipped: no ../data'
 run run other_case
 check_run 1 'other_case was skipped'
 run run big_case
 check_run 0 'big_case was skipped: no ../data'
 mkdir "$work/data"
 check_run 1 'big_case was skipped'
+run notrun ''
+check_run 1 'test_two did not run'
 
 # ---- results ----
 out=$work/out

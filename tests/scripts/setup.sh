@@ -21,7 +21,7 @@ machine() {
     rm -rf "$work/bin" "$work/calls"
     mkdir "$work/bin"
     local tool
-    for tool in bash dirname sed mktemp rm env cat; do
+    for tool in bash dirname sed tr mktemp rm env cat; do
         ln -s "$(command -v "$tool")" "$work/bin/$tool"
     done
     stub dpkg-query 'case "$4" in '"${1-}"') printf installed ;; *) exit 1 ;; esac'
@@ -70,33 +70,61 @@ case="neither root nor sudo"
 machine 'c*|l*'
 setup 1 test
 says 'oclgrind'
+says 'as root, run: apt-get install'
 grep -q 'libembree-dev' "$work/errors" && fail "$case: names what is installed"
 [ ! -e "$work/calls" ] || fail "$case: called $(cat "$work/calls")"
 
 case="sudo that refuses"
 machine
 stub sudo 'echo "a password is required" >&2; exit 1'
-setup 2 bench
+setup 3 bench
 says 'going on'
+says 'as root, run: apt-get install'
 
 case="root, no network"
 machine
 stub id 'echo 0'
-setup 2 bench
+setup 3 bench
 says 'going on'
-log=$(sed -n 's/.*(log: \([^)]*\)).*/\1/p' "$work/errors")
+log=$(sed -n 's/.*failed (log: \([^)]*\)).*/\1/p' "$work/errors")
 grep -q noise "$log" || fail "$case: the log is not at '$log'"
-called install,update,
+called install,update,install,install,update,
+
+# What apt says beforehand, in its own words.
+knows='case " $* " in *" --print-uris "*)
+    echo "0 upgraded, 152 newly installed, 0 to remove and 1 not upgraded."
+    echo "Need to get 12.3 MB/186 MB of archives."
+    echo "After this operation, 844 MB of additional disk space will be used."
+    echo "a URI" ;; esac'
+
+case="root, all is well"
+machine
+stub id 'echo 0'
+stub apt-get "echo \"\$1\" >>$work/calls; $knows"
+setup 1 bench
+says 'installing build-essential'
+says '152 packages, 186 MB to download, 844 MB on disk'
+called install,install,
+[ -z "$(find "$work" -name 'bvhbench-setup.*' -newer "$work/bin")" ] || fail "$case: left its log"
+
+case="a user with sudo"
+machine
+stub sudo "echo sudo >>$work/calls; shift; exec \"\$@\""
+stub apt-get "echo \"\$1\" >>$work/calls; $knows"
+setup 1 bench
+called install,sudo,install,
 
 case="root, lists that are old"
 machine
 stub id 'echo 0'
-stub apt-get 'echo "$1" >>'"$work/calls"'; [ "$1" = update ] || grep -q update '"$work/calls"
 ln -s "$(command -v grep)" "$work/bin/grep"
-setup 1 bench
-says 'installing build-essential'
-called install,update,install,
-[ -z "$(find "$work" -name 'bvhbench-setup.*' -newer "$work/calls")" ] || fail "$case: left its log"
+stub apt-get "echo \"\$1\" >>$work/calls
+[ \"\$1\" = update ] || grep -q update $work/calls || exit 100; $knows"
+setup 2 bench
+says "fetching Debian's package lists"
+says '152 packages'
+called install,update,install,install,
+[ -z "$(find "$work" -name 'bvhbench-setup.*' -newer "$work/bin")" ] || fail "$case: left its log"
 
 case="no such set"
 status=0
