@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# The commands of README.md run as they stand: readme.sh SOURCE PROGRAM. Those of its `sh` blocks
+# run in a copy of the checkout's top, around a program that adds options to be quick; of what the
+# other blocks call, the scripts must be there.
+set -euo pipefail
+source=$1
+program=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+    echo "readme.sh: $1" >&2
+    exit 1
+}
+
+mkdir -p "$work/build/release" "$work/out"
+ln -s "$source/examples" "$source/framework" "$source/kernels" "$work/"
+# The last of two equal options would be refused: none of those added here is in README.md. Papers
+# and checks of all scenes take minutes: of a paper only the options are read.
+cat >"$work/build/release/bvhbench" <<END
+#!/bin/bash
+case \$1 in
+run) case "\$*" in *--help*) ;; *--cell*) set -- "\$@" --repeats 1 --charts no --no-pictures ;;
+    *) set -- "\$@" --repeats 1 --size 16x16 --max-rays 64 --charts no --no-pictures ;; esac ;;
+check) set -- "\$@" --scene cube --side 6 ;;
+render) set -- "\$@" --size 16x16 ;;
+report) set -- "\$@" --charts no ;;
+reproduce) "$program" list papers | grep -q "^  \$2 " || exit 3; set -- "\$@" --help ;;
+esac
+exec "$program" "\$@"
+END
+chmod +x "$work/build/release/bvhbench"
+
+# The lines of blocks that begin with ```$1, without comments.
+lines() {
+    awk -v fence="\`\`\`$1" '/^```/ { inside = !inside && $0 == fence; next } inside' \
+        "$source/README.md" | sed 's/ *#.*//'
+}
+
+cd "$work"
+ran=0
+while IFS= read -r command; do
+    [ -n "$command" ] || continue
+    bash -c "$command" >"$work/said" 2>&1 </dev/null ||
+        fail "exit status $? of: $command: $(cat "$work/said")"
+    ran=$((ran + 1))
+done < <(lines sh)
+[ $ran -ge 10 ] || fail "only $ran commands"
+for file in out/results.json out/report.html out/scorpion.png; do
+    [ -s $file ] || fail "$file was not written"
+done
+while read -r script _; do
+    case $script in
+    scripts/*) [ -x "$source/$script" ] || fail "there is no $script" ;;
+    esac
+done < <(lines '')
+echo "readme: ok, $ran commands"
