@@ -63,7 +63,7 @@ static void the_careless_one_is_caught(void **state)
     make_rays("sphere-mesh:n=16", "primary", "c.rays");
     trace("c.rays c.hits careless");
     const outcome *o = expect(1, "judge --scene sphere-mesh:n=16 --rays-file c.rays --hits c.hits",
-                              "the first wrong one is ray ");
+                              "first wrong ray: ");
     const char *ppm = strstr(o->out, "wrong ppm");
     double value, low, high;
     assert_int_equal(sscanf(ppm, "wrong ppm %lf [%lf, %lf]", &value, &low, &high), 3);
@@ -179,7 +179,8 @@ static void several_files_are_one_record(void **state)
     assert_true(cJSON_GetNumberValue(
                     cJSON_GetObjectItem(trace_of(json, "outside", "back"), "mrays_s")) == 2);
     cJSON_Delete(json);
-    refuses("", "judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits", "as many of each");
+    refuses("", "judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits",
+            "same number of both");
     refuses("", "judge --scene cube --rays-file m0.rays,m0.rays --hits m0.hits,m0.hits",
             "same rays");
     refuses("", "judge --scene cube --rays-file m0.rays,m1.rays --hits m1.hits,m0.hits",

@@ -13,8 +13,7 @@ static bb_status check_alone(const bb_cli *cli)
                                            "intersector", "size",    "max-rays", "seed"};
     for (size_t i = 0; i < sizeof replaced / sizeof replaced[0]; i++)
         if (bb_cli_value(cli, replaced[i]) != NULL)
-            return bb_fail(BB_INVALID,
-                           "--cell and --%s: a cell's key says that itself: leave --%s out",
+            return bb_fail(BB_INVALID, "--cell and --%s: the key already says that: drop --%s",
                            replaced[i], replaced[i]);
     return BB_OK;
 }
@@ -27,8 +26,8 @@ static bb_status check_rays(const char *key, const bb_cell *cell)
         return BB_OK;
     if (cell->known_by_hash)
         return bb_fail(BB_INVALID,
-                       "cell '%.80s...': its rays are known by their hash alone: they cannot be "
-                       "made again",
+                       "cell '%.80s...': only a hash of its rays is known: they cannot be "
+                       "generated again",
                        key);
     if ((uint64_t)cell->width * cell->height > BB_PIXELS_MAX)
         return bb_fail(BB_INVALID, "cell '%.80s...': at most %u pixels at once", key,

@@ -28,5 +28,5 @@ void bb_charts_note(const bb_cli *cli)
 {
     const char *when = bb_cli_value(cli, "charts");
     if (when == NULL || strcmp(when, "auto") == 0)
-        fprintf(stderr, "bvhbench: no charts as SVG and PNG: %s\n", advice);
+        fprintf(stderr, "bvhbench: charts were not written as SVG and PNG: %s\n", advice);
 }

@@ -7,8 +7,7 @@
 /* For a command's table of options. */
 #define BB_CHARTS_OPTION                                                                           \
     {                                                                                              \
-        "charts", "WHEN", "SVG and PNG beside the report: yes, no, or auto: if gnuplot is there",  \
-            false                                                                                  \
+        "charts", "WHEN", "also as SVG and PNG: yes, no, or auto (if gnuplot is installed)", false \
     }
 
 /* Whether charts are to be drawn; BB_INVALID if they are asked for and gnuplot is missing: to be

@@ -29,7 +29,8 @@ void bb_names_free(bb_names *names)
 static bb_status add_item(bb_names *names, const char *item)
 {
     if (names->count == BB_NAMES_MAX)
-        return bb_fail(BB_INVALID, "more than %d names, up to '%.80s'", BB_NAMES_MAX, item);
+        return bb_fail(BB_INVALID, "more than %d names: '%.80s' is one too many", BB_NAMES_MAX,
+                       item);
     names->items[names->count] = strdup(item);
     if (names->items[names->count] == NULL)
         return bb_fail(BB_FAILED, "out of memory");
@@ -129,8 +130,8 @@ static bb_status check_folder(const char *path)
         found++;
         if (bb_device_file_find(e->d_name) == NULL)
             status = bb_fail(BB_INVALID,
-                             "--kernels-from %s: nothing reads %s: give it the name of a file of "
-                             "kernels/, or of a builder's",
+                             "--kernels-from %s: %s would not be used: give it the name of a "
+                             "file in kernels/ or in a builder's folder",
                              path, e->d_name);
     }
     closedir(folder);
@@ -169,8 +170,8 @@ bb_status bb_open_device_as(const bb_cli *cli, bb_form form, bb_device **device)
     BB_TRY(bb_device_open(bb_cli_value(cli, "device"), form, folder, device));
     if ((*device)->litmus_stale > 0)
         fprintf(stderr,
-                "bvhbench: the fence of %s fails: %u words of %u messages between work-groups came "
-                "late; bottom-up passes are launches by levels\n",
+                "bvhbench: the fence of %s is unreliable: %u words of %u messages between "
+                "work-groups came late; bottom-up passes use one launch per level instead\n",
                 (*device)->name, (*device)->litmus_stale, (*device)->litmus_pairs);
     bb_status status = bb_device_set_handover(*device, handover);
     if (status == BB_OK)

@@ -80,7 +80,7 @@ bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint
         return bb_fail(BB_INVALID, "--%s is '%s', must be WIDTHxHEIGHT, such as 512x512", name,
                        value);
     if ((uint64_t)w * h > BB_PIXELS_MAX)
-        return bb_fail(BB_INVALID, "--%s is '%s': at most %u pixels at once", name, value,
+        return bb_fail(BB_INVALID, "--%s is '%s': at most %u pixels in all", name, value,
                        (unsigned)BB_PIXELS_MAX);
     *width = w;
     *height = h;
@@ -129,8 +129,10 @@ static void print_overview(const bb_command *const *commands)
         printf("  %-10s %s\n", (*c)->name, (*c)->summary);
     printf(
         "\n`bvhbench COMMAND --help` shows a command's options; `bvhbench --version` the version.\n"
-        "exit status: 0 done and nothing wrong; 1 done, and a check or comparison failed;\n"
-        "2 it could not be done (one line on standard error says why)\n");
+        "exit status: 0 done, nothing wrong; 1 done, but a check or comparison failed;\n"
+        "2 it could not be done (one line on standard error says why)\n"
+        "environment: BVHBENCH_PLUGINS=A.so:B.so loads builders for every command;\n"
+        "BVHBENCH_SCENES=DIR is the folder of the shipped scenes\n");
 }
 
 /* ---- parsing ---- */
@@ -174,7 +176,7 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
                            command->name, given, command->name);
         if (got == '?' && optopt > 0 && given[0] == '-' && given[1] == '-')
             return bb_fail(BB_INVALID,
-                           "%s: '%s': this option takes no value: see `bvhbench %s --help`",
+                           "%s: '%s': this option does not take a value: see `bvhbench %s --help`",
                            command->name, given, command->name);
         if (got == '?' && optopt > 0)
             return bb_fail(BB_INVALID, "%s: unknown option '-%c': see `bvhbench %s --help`",

@@ -13,18 +13,19 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"builder", "B",
-     "name:key=value,...; A+B; `all`; default: every builder, in the variants that it names", true},
+    {"builder", "B", "name:key=value,...; A+B; `all`; default: all, in the variants to compare",
+     true},
     {"scene", "S", "default: small procedural scenes, then the shipped ones", true},
-    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
-    {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
-    {"form", "F",
-     "of the parallel primitives: auto, cpu, gpu, or both, which must give the same trees", false},
-    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
-    {"kernels-from", "DIR", "read device code from here first", false},
-    {"seed", "N", "of the rays; default: 1", false},
-    {"side", "N", "N x N rays of a kind, N from 6; few for slow tools; default: 64", false},
-    {"quiet", NULL, "no progress", false},
+    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
+    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    {"form", "F", "variant of sort and scan: auto, cpu, gpu, or both (must give equal trees)",
+     false},
+    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
+     false},
+    {"kernels-from", "DIR", "take device code from here first", false},
+    {"seed", "N", "random seed of the rays; default: 1", false},
+    {"side", "N", "N x N rays of each kind, from 6 (for slow tools); default: 64", false},
+    {"quiet", NULL, "do not show progress", false},
     {.name = NULL},
 };
 
@@ -154,7 +155,8 @@ static void say_of_scene(check *c, const bb_scene *scene, bb_conformance *confor
 {
     char text[1200];
     if (scene->out_of_range > 0) {
-        snprintf(text, sizeof text, "%u of %u primitives are too small beside the scene for floats",
+        snprintf(text, sizeof text,
+                 "%u of %u primitives are too small, relative to the scene, for floats",
                  scene->out_of_range, scene->prim_count);
         say(c, "note", scene->name, "", text);
     }
@@ -215,7 +217,7 @@ static void find_unchecked(check *c)
         if (c->taken[i] == 0) {
             c->failed++;
             say(c, "FAILED", "", c->builders.items[i],
-                "takes none of the scenes: it was not checked");
+                "supports none of the scenes: it was not checked");
         }
 }
 
@@ -282,10 +284,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         return bb_fail(BB_FAILED, "out of memory");
     bb_status status = run_check(c, cli, &scenes);
     if (status == BB_OK) {
-        printf("%zu builders on %zu scenes, %u trees checked, %u checks failed\n",
+        printf("builders: %zu, scenes: %zu; %u trees checked, %u checks failed\n",
                c->builders.count, scenes.count, c->checked, c->failed);
         if (c->checked == 0)
-            fprintf(stderr, "bvhbench: no builder takes any of the scenes: nothing was checked\n");
+            fprintf(stderr,
+                    "bvhbench: no builder supports any of the scenes: nothing was checked\n");
         *exit_status = c->failed > 0 || c->checked == 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
     }
     for (uint32_t form = 0; form < FORMS_MAX; form++)
@@ -299,7 +302,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_check;
 const bb_command bb_command_check = {
     .name = "check",
-    .summary = "conformance of builders: valid trees, the same tree twice, right answers",
+    .summary = "check that builders make valid, repeatable trees that trace correctly",
     .options = options,
     .run = run,
 };

@@ -17,15 +17,15 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "the scene of the rays", false},
-    {"rays-file", "FILE", "what `bvhbench rays` wrote", true},
-    {"hits", "FILE", "what the tracer answered to it", true},
-    {"mrays-s", "X", "its speed with it in million rays per second, for the record", true},
-    {"name", "TEXT", "its name; default: as in the file of hits, else `outside`", false},
-    {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
-    {"verify", "yes|no", "make the rays again and compare; no: for rays made by hand; default: yes",
+    {"scene", "S", "scene of the rays", false},
+    {"rays-file", "FILE", "file written by `bvhbench rays`", true},
+    {"hits", "FILE", "the tracer's answers to it", true},
+    {"mrays-s", "X", "its speed in million rays per second, for the record", true},
+    {"name", "TEXT", "its name; default: the one in the hits file, else `outside`", false},
+    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated; default: 0", false},
+    {"verify", "yes|no", "generate the rays again and compare; no: rays made by hand; default: yes",
      false},
-    {"out", "DIR", "folder of results.json and report.html; default: none are written", false},
+    {"out", "DIR", "folder for results.json and report.html; default: not written", false},
     {.name = NULL},
 };
 
@@ -58,7 +58,7 @@ static bb_status read_speeds(const bb_cli *cli, job *j)
     uint32_t count;
     char *const *speeds = bb_cli_values(cli, "mrays-s", &count);
     if (count > 0 && count != j->set_count)
-        return bb_fail(BB_INVALID, "%u --mrays-s for %u files: give one for each, or none", count,
+        return bb_fail(BB_INVALID, "%u --mrays-s for %u files: give one per file, or none", count,
                        j->set_count);
     for (uint32_t i = 0; i < count; i++) {
         char *end;
@@ -89,7 +89,8 @@ static bb_status read_options(const bb_cli *cli, job *j)
         return bb_fail(BB_INVALID, "judge needs --scene, --rays-file and --hits: see `bvhbench "
                                    "judge --help`");
     if (rays_count != hits_count || rays_count > SETS_MAX)
-        return bb_fail(BB_INVALID, "%u --rays-file and %u --hits: give as many of each, up to %d",
+        return bb_fail(BB_INVALID,
+                       "%u --rays-file but %u --hits: give the same number of both, at most %d",
                        rays_count, hits_count, SETS_MAX);
     j->set_count = rays_count;
     for (uint32_t i = 0; i < rays_count; i++) {
@@ -109,7 +110,7 @@ static bb_status check_new(const job *j, uint32_t set)
 {
     for (uint32_t i = 0; i < set; i++)
         if (j->sets[i].rays->hash == j->sets[set].rays->hash)
-            return bb_fail(BB_INVALID, "rays files %s and %s hold the same rays: give them once",
+            return bb_fail(BB_INVALID, "rays files %s and %s hold the same rays: drop one of them",
                            j->sets[i].rays_path, j->sets[set].rays_path);
     return BB_OK;
 }
@@ -163,7 +164,7 @@ static void print_first_wrong(const ray_set *set)
     const bb_ray *ray = &set->rays->rays[i];
     const bb_hit *hits[] = {&set->outside.hits[i], &set->answers.hits[i]};
     static const char *const names[] = {"the tracer", "Embree"};
-    printf("the first wrong one is ray %u: o %.9g %.9g %.9g, d %.9g %.9g %.9g, t from %.9g to "
+    printf("first wrong ray: %u, o %.9g %.9g %.9g, d %.9g %.9g %.9g, t from %.9g to "
            "%.9g\n",
            i, (double)ray->o[0], (double)ray->o[1], (double)ray->o[2], (double)ray->d[0],
            (double)ray->d[1], (double)ray->d[2], (double)ray->tmin, (double)ray->tmax);
@@ -345,17 +346,19 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_judge;
 const bb_command bb_command_judge = {
     .name = "judge",
-    .summary = "class the hits that a tracer from outside made for the rays of `rays`",
+    .summary = "judge the hits that an external tracer found for the rays from `bvhbench rays`",
     .details =
-        "A hit is a primitive and a t; framework/exchange/exchange.h is the format of both files.\n"
-        "Classes and margins are those of `run`; [ , ] is a 95 % interval. Fewer hits than\n"
-        "rays are those of the first rays. The rays are made again from scene and header, and\n"
-        "must be those of the file; with --verify no they are judged as given, under a name\n"
-        "that is no workload's, and the record says so. Files of several views or workloads\n"
-        "become one record: as many --hits, and --mrays-s, as --rays-file, in the same order.\n"
-        "With --out, `bvhbench report DIR OTHER...` puts the tracer into one report with\n"
-        "other results. Exit status 1: more wrong rays than --max-wrong-ppm; 2: a file that\n"
-        "is damaged, of another scene or other rays, or holds what is no answer.",
+        "A hit is a primitive and a t; framework/exchange/exchange.h has the format of both "
+        "files.\n"
+        "Answers are judged as in `run`; [ , ] is a 95 % interval. If there are fewer hits than\n"
+        "rays, they belong to the first rays. The rays are generated again from scene and header\n"
+        "and must equal those in the file; with --verify no they are judged as given, under a "
+        "name\n"
+        "that is not a workload's, and the record says so. Files of several views or workloads\n"
+        "become one record: give --hits, and --mrays-s, once per --rays-file, in the same order.\n"
+        "With --out, `bvhbench report DIR OTHER...` makes one report of the tracer and other\n"
+        "results. Exit status 1: more wrong rays than --max-wrong-ppm; 2: a file is damaged,\n"
+        "belongs to another scene or other rays, or holds something that is not an answer.",
     .options = options,
     .run = run,
 };

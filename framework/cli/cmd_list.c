@@ -16,7 +16,7 @@
 
 static const bb_cli_option options[] = {
     {"json", NULL, "as JSON", false},
-    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
+    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {.name = NULL},
 };
 
@@ -181,7 +181,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     BB_TRY(bb_load_plugins(cli));
     const char *wanted = cli->positional_count > 0 ? cli->positional[0] : NULL;
     if (cli->positional_count > 1)
-        return bb_fail(BB_INVALID, "list takes one kind, not '%s' as well", cli->positional[1]);
+        return bb_fail(BB_INVALID, "list takes one kind: drop '%s'", cli->positional[1]);
     cJSON *all = cJSON_CreateObject();
     bb_status status = BB_OK;
     bool found = false;
@@ -193,7 +193,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     }
     if (status == BB_OK && !found)
         status = bb_fail(BB_INVALID,
-                         "nothing is called '%s': list takes builders, kernels, layouts, "
+                         "unknown kind '%s': list takes builders, kernels, layouts, "
                          "intersectors, scenes, rays, metrics, papers or devices",
                          wanted);
     if (status == BB_OK && bb_cli_value(cli, "json") != NULL) {
@@ -211,7 +211,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_list;
 const bb_command bb_command_list = {
     .name = "list",
-    .summary = "builders, kernels, layouts, intersectors, scenes, rays, metrics, papers, devices",
+    .summary =
+        "list builders, kernels, layouts, intersectors, scenes, rays, metrics, papers, devices",
     .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|devices]",
     .options = options,
     .run = run,

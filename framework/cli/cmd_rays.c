@@ -13,13 +13,13 @@
 extern const char bb_build_version[], bb_build_revision[];
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "a file, a shipped or a procedural scene", false},
-    {"rays", "R", "workload, with its parameters: `bvhbench list rays`", false},
-    {"out", "FILE", "where to write them", false},
-    {"view", "V", "of primary rays: which of the scene's views; default: the first", false},
-    {"size", "WxH", "of the primary rays' picture; default: 512x512", false},
-    {"max-rays", "N", "of a workload that samples; default: 1048576", false},
-    {"seed", "N", "of all that is random; default: 1", false},
+    {"scene", "S", "file, shipped or procedural scene", false},
+    {"rays", "R", "workload and its parameters: see `bvhbench list rays`", false},
+    {"out", "FILE", "file to write", false},
+    {"view", "V", "camera for primary rays: a view of the scene; default: the first", false},
+    {"size", "WxH", "image size for primary rays; default: 512x512", false},
+    {"max-rays", "N", "most rays of a workload that samples; default: 1048576", false},
+    {"seed", "N", "random seed; default: 1", false},
     {.name = NULL},
 };
 
@@ -44,7 +44,7 @@ static bb_status read_options(const bb_cli *cli, job *j)
         return bb_fail(BB_INVALID, "unknown rays '%s': `bvhbench list rays` shows them",
                        j->spec.name);
     if (!j->workload->per_view && bb_cli_value(cli, "view") != NULL)
-        return bb_fail(BB_INVALID, "rays %s are made over all views: leave out --view",
+        return bb_fail(BB_INVALID, "rays %s are made from all views at once: drop --view",
                        j->workload->name);
     BB_TRY(bb_file_check(bb_cli_value(cli, "out"), "rays file"));
     uint64_t max_rays;
@@ -103,11 +103,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_rays;
 const bb_command bb_command_rays = {
     .name = "rays",
-    .summary = "write a scene and a ray set to a file, for tracers that are no plug-ins",
+    .summary = "write a scene and a ray set to a file, for external tracers",
     .details =
-        "With the same scene, size, max-rays and seed these are the rays that `run` traces.\n"
-        "framework/exchange/exchange.h is the format of the file, and of the file of hits that\n"
-        "`bvhbench judge` takes back; examples/outside-tracer is a complete tracer.",
+        "With the same scene, size, max-rays and seed, these are the rays that `run` traces.\n"
+        "framework/exchange/exchange.h has the format of this file and of the hits file that\n"
+        "`bvhbench judge` takes; examples/outside-tracer is a complete tracer.",
     .options = options,
     .run = run,
 };

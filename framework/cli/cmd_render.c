@@ -16,21 +16,21 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "a file, a shipped or a procedural scene", false},
-    {"builder", "B", "default: the first that `list builders` shows and `run` compares", false},
-    {"kernel", "K", "default: the first there is", false},
+    {"scene", "S", "file, shipped or procedural scene", false},
+    {"builder", "B", "default: the first that `run` compares", false},
+    {"kernel", "K", "default: the first in `list kernels`", false},
     {"intersector", "I", "default: exact", false},
     {"view", "V", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
      false},
-    {"camera", "NAME", "which of the scene's views; default: the first", false},
-    {"size", "WxH", "of the scene's picture, to which heat and diff add a legend; default: 512x512",
+    {"camera", "NAME", "view of the scene; default: the first", false},
+    {"size", "WxH", "image size, to which heat and diff add a legend; default: 512x512", false},
+    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
+    {"kernels-from", "DIR", "take device code from here first", false},
+    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
-    {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
-    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
-    {"kernels-from", "DIR", "read device code from here first", false},
-    {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
-    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
-    {"out", "FILE", "FILE.png: a picture; FILE.exr: its numbers (float)", false},
+    {"out", "FILE", "FILE.png: a picture; FILE.exr: the numbers behind it", false},
     {.name = NULL},
 };
 
@@ -67,7 +67,7 @@ static bb_status choose_builder(const bb_cli *cli, char *whole, size_t capacity)
         if (builder->compared == NULL || builder->compared[0] != '\0')
             return bb_pipeline_complete(builder->name, whole, capacity, NULL);
     }
-    return bb_fail(BB_INVALID, "there is no builder that `run` compares: name one by --builder");
+    return bb_fail(BB_INVALID, "`run` compares no builder by default: give --builder");
 }
 
 static bb_status choose_kernel(const bb_cli *cli, rendering *r)
@@ -282,17 +282,14 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_render;
 const bb_command bb_command_render = {
     .name = "render",
-    .summary = "a picture of one view: depth, normals, tests per ray, or where rays are wrong",
+    .summary = "make a picture of a view: depth, normals, tests per ray, or wrong rays",
     .details =
-        "heat: box and primitive tests of each ray, by the counting variant of the kernel, on a "
-        "map\n"
-        "that is even in lightness (in OKLab); the colours end where 99.9 % of the rays do.\n"
-        "diff: classes of the answers, judged as in `run`. --intersector fast makes wrong ones.\n"
-        "EXR holds 32-bit floats, without legends: the distance t in channel Z (infinite for a "
-        "miss),\n"
-        "unit normals in R, G, B, the number of tests in Y, and for diff in Y by how much the "
-        "depth\n"
-        "differs from the oracle's (a miss having depth 0).",
+        "heat: box and primitive tests per ray, counted by a variant of the kernel, on a map of\n"
+        "even lightness (OKLab) whose range covers 99.9 % of the rays.\n"
+        "diff: the answers, judged as in `run`; try --intersector fast for wrong ones.\n"
+        "EXR files hold 32-bit floats and no legend: distance t in Z (infinite for a miss), unit\n"
+        "normals in R, G, B, number of tests in Y, and for diff the depth error in Y (against\n"
+        "the oracle's depth; a miss has depth 0).",
     .options = options,
     .run = run,
 };

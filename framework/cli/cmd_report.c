@@ -15,9 +15,9 @@
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
      false},
-    {"table", NULL, "print the full tables, and write nothing but what --out names", false},
-    {"markdown", NULL, "the same with the summary as Markdown", false},
-    {"csv", NULL, "the same with all traces as comma-separated values", false},
+    {"table", NULL, "print the full tables; write no report unless --out is given", false},
+    {"markdown", NULL, "the same, with the summary as Markdown", false},
+    {"csv", NULL, "the same, with all traces as comma-separated values", false},
     BB_CHARTS_OPTION,
     {NULL, NULL, NULL, false},
 };
@@ -118,7 +118,7 @@ static bb_status print(const bb_cli *cli, bb_results *results, bool *only)
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     if (cli->positional_count == 0)
-        return bb_fail(BB_INVALID, "report: name a result file, or the folder of a run");
+        return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
     bb_results *all = NULL, *more = NULL;
     char *folder = NULL, *other = NULL;
     char beside[PATH_MAX];
@@ -153,7 +153,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_report;
 const bb_command bb_command_report = {
     .name = "report",
-    .summary = "summary, tables and HTML report of one or several result files",
+    .summary = "make summary, tables and HTML report of one or more result files",
     .arguments = "FILE|DIR...",
     .details = "A folder stands for its results.json. Several inputs become one report; scenes of "
                "the same\n"

@@ -8,23 +8,23 @@
 #include <stdlib.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "instead of the paper's default scenes, where an experiment takes any", true},
+    {"scene", "S", "instead of the default scenes, where an experiment allows it", true},
     {"repeats", "N",
-     "rounds that count; default: as each experiment says, 6 or more where times are compared; "
-     "below 6 claims on times are undecided",
+     "measured rounds; default: each experiment's own; fewer than 6 decide no claim on times",
      false},
-    {"max-prims", "N", "most primitives where their number is varied; default: 1000000", false},
-    {"quick", NULL,
-     "small scenes, few rays, two rounds: shows that it works, decides no claim on times", false},
-    {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
-    {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
-    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
-    {"seed", "N", "of all that is random; default: 1", false},
-    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
-    {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
-    {"out", "DIR", "folder of results.json and report.html; default: out", false},
+    {"max-prims", "N", "most primitives, where their number varies; default: 1000000", false},
+    {"quick", NULL, "small scenes, few rays, two rounds: a trial that decides no claim on times",
+     false},
+    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
+     false},
+    {"seed", "N", "random seed; default: 1", false},
+    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
+    {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
+    {"out", "DIR", "folder for results.json and report.html; default: out", false},
     BB_CHARTS_OPTION,
-    {"quiet", NULL, "no progress", false},
+    {"quiet", NULL, "do not show progress", false},
     {.name = NULL},
 };
 
@@ -32,7 +32,7 @@ static bb_status fill_request(const bb_cli *cli, bb_reproduce_request *request)
 {
     uint64_t repeats;
     if (cli->positional_count != 1)
-        return bb_fail(BB_INVALID, "reproduce: name one paper: `bvhbench list papers` shows them");
+        return bb_fail(BB_INVALID, "reproduce: give one paper: `bvhbench list papers` shows them");
     BB_TRY(bb_paper_find(cli->positional[0], &request->paper));
     BB_TRY(bb_cli_u64(cli, "repeats", 0, 1, BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(cli, "max-prims", 1000000, 10000, 100000000, &request->max_prims));
@@ -41,7 +41,7 @@ static bb_status fill_request(const bb_cli *cli, bb_reproduce_request *request)
     request->quick = bb_cli_value(cli, "quick") != NULL;
     request->quiet = bb_cli_value(cli, "quiet") != NULL;
     if (request->quick && bb_cli_value(cli, "repeats") != NULL)
-        return bb_fail(BB_INVALID, "reproduce: --quick has its own rounds: drop --repeats");
+        return bb_fail(BB_INVALID, "reproduce: --quick sets the number of rounds: drop --repeats");
     if (request->quick && bb_cli_value(cli, "max-prims") == NULL)
         request->max_prims = 10000;
     request->scenes = bb_cli_values(cli, "scene", &request->scene_count);
@@ -80,10 +80,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_reproduce;
 const bb_command bb_command_reproduce = {
     .name = "reproduce",
-    .summary = "a paper's experiments, its tables and claims beside ours",
+    .summary = "repeat a paper's experiments; show its tables and claims beside ours",
     .arguments = "PAPER",
-    .details = "`bvhbench list papers` shows the papers. Exit status 1: a cell has a wrong answer, "
-               "or a builder or\nkernel failed. That a claim did not hold is no failure.",
+    .details =
+        "`bvhbench list papers` shows the papers. Exit status 1: an answer is wrong, or a builder\n"
+        "or kernel failed. A claim that does not hold is not a failure.",
     .options = options,
     .run = run,
 };

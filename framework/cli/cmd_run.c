@@ -16,41 +16,36 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S",
-     "a file (.gltf, .glb), a shipped or a procedural scene; default: the shipped ones", true},
-    {"builder", "B", "name:key=value,...; A+B; `all`; default: what each builder names for it",
+    {"scene", "S", "file (.gltf, .glb), shipped or procedural scene; default: the shipped ones",
      true},
-    {"kernel", "K",
-     "traversal kernel; `all`; default: those for the comparison, and what keeps a tree's shape",
+    {"builder", "B", "name:key=value,...; A+B; `all`; default: the variants to compare", true},
+    {"kernel", "K", "kernel; `all`; default: those to compare, and those that keep a tree's shape",
      true},
     {"rays", "R", "workload; `none`: builds only; default: primary, ao, diffuse, shadow, random",
      true},
-    {"intersector", "I", "rounding rules of the tests; default: exact", true},
-    {"cell", "KEY", "measure exactly the cell of this key, in place of all of the above",
-     BB_CLI_REPEATED},
-    {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
-    {"form", "F", "of the parallel primitives: auto, cpu or gpu; default: auto", false},
-    {"handover", "H", "between work-groups: auto, fence or levels; default: auto", false},
-    {"size", "WxH", "of the primary rays' picture; default: 512x512, 256x256 if nothing is chosen",
+    {"intersector", "I", "intersection tests: see `list intersectors`; default: exact", true},
+    {"cell", "KEY", "measure exactly this cell, instead of all of the above", BB_CLI_REPEATED},
+    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
+    {"size", "WxH",
+     "image size for primary rays; default: 512x512, or 256x256 if nothing is chosen", false},
     {"max-rays", "N",
-     "per scene and workload that samples; default: 1048576, 65536 if nothing is chosen", false},
+     "most rays of a workload that samples, per scene; default: 1048576, or 65536 likewise", false},
     {"repeats", "N",
-     "rounds that count, after a first one; default: 6, the least that give a 95 % interval; 2 to "
-     "5 "
-     "give a range only, 1 neither",
-     false},
-    {"seed", "N", "of all that is random; default: 1", false},
-    {"metrics", "M", "further metrics of trees: see below", true},
-    {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
-    {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
-    {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
-    {"out", "DIR", "folder of results.json, report.html and pictures; default: out", false},
-    {"table", NULL, "print the full tables in place of the summary", false},
+     "measured rounds, after a discarded one; default: 6, the fewest for a 95 % interval", false},
+    {"seed", "N", "random seed; default: 1", false},
+    {"metrics", "M", "additional metrics of trees: see below", true},
+    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated; default: 0", false},
+    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
+    {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
+    {"out", "DIR", "folder for results.json, report.html and pictures; default: out", false},
+    {"table", NULL, "print the full tables instead of the summary", false},
     {"quick", NULL, "a first look: one view, few rays, two rounds", false},
     {"no-pictures", NULL, "make no pictures", false},
     BB_CHARTS_OPTION,
-    {"quiet", NULL, "no progress", false},
+    {"quiet", NULL, "do not show progress", false},
     {.name = NULL},
 };
 
@@ -124,7 +119,7 @@ static bb_status choose_traces(const bb_cli *cli, bb_names *kernels, bb_names *w
     for (uint32_t i = 0; i < rays_given; i++)
         none = none || strcmp(rays[i], "none") == 0;
     if (none && rays_given > 1)
-        return bb_fail(BB_INVALID, "--rays none leaves all rays out: give it alone");
+        return bb_fail(BB_INVALID, "--rays none means no rays: it cannot be combined with others");
     if (!none)
         BB_TRY(bb_choose(cli, "rays", "primary,ao,diffuse,shadow,random", workloads));
     return none && kernels_given == 0 ? BB_OK : bb_choose_kernels(cli, kernels);
@@ -249,7 +244,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 
 static void list_metrics(FILE *out)
 {
-    fputs("\nmetrics of trees that --metrics takes:\n", out);
+    fputs("\nmetrics of trees for --metrics:\n", out);
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         if (bb_metrics[i]->on_request)
             fprintf(out, "  %-14s %s\n", bb_metrics[i]->name, bb_metrics[i]->full_title);
@@ -260,16 +255,13 @@ const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
     .details =
-        "Unless an embree-native:... is among the builders, three of them are added as "
-        "reference rows.\n"
-        "--cell takes a key from `cell` of a build or trace in results.json and measures just "
-        "that again.\n"
-        "A comma starts a new item of a list unless what follows is key=value.\n"
-        "Exit status 1: a cell with the intersector `exact` has more wrong answers than "
-        "--max-wrong-ppm, or\n"
-        "others than the other cells; a builder or kernel failed; no answer of a scene was "
-        "judged; or figures\n"
-        "of the run contradict each other.",
+        "Three embree-native:... are added as reference rows unless one is among the builders.\n"
+        "--cell takes the key of a measurement: `cell` of a build or trace in results.json.\n"
+        "2 to 5 --repeats give a range instead of an interval, 1 gives neither.\n"
+        "A comma starts a new item of a list unless what follows it is key=value.\n"
+        "Exit status 1: a cell with the intersector `exact` has more wrong answers than\n"
+        "--max-wrong-ppm, or answers that differ from those of other cells; a builder or kernel\n"
+        "failed; no answer of a scene was judged; or figures of the run contradict each other.",
     .more_help = list_metrics,
     .options = options,
     .run = run,

@@ -115,8 +115,7 @@ static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench
         status = bb_results_write(results, p.json);
         snprintf(reason, sizeof reason, "%s", bb_message());
         if (status != BB_OK)
-            bb_fail(status, "%s (nothing is kept but what was printed: take another --out)",
-                    reason);
+            bb_fail(status, "%s (only what was printed is kept: choose another --out)", reason);
     }
     if (status == BB_OK) {
         status = write_views(c, results, &p, &charts);
@@ -146,11 +145,13 @@ static bool blame(const bb_bench_outcome *outcome)
                 "failed\n",
                 outcome->wrong);
     if (outcome->unbuilt > 0)
-        fprintf(stderr,
-                "bvhbench: %u of the builders took none of the scenes: their rows say why\n",
-                outcome->unbuilt);
+        fprintf(
+            stderr,
+            "bvhbench: %u of the builders could not build any of the scenes: their rows say why\n",
+            outcome->unbuilt);
     if (outcome->unjudged > 0)
-        fprintf(stderr, "bvhbench: of %u scenes no answer was judged: see why cells were refused\n",
+        fprintf(stderr,
+                "bvhbench: no answer was judged on %u scenes: see why their cells were refused\n",
                 outcome->unjudged);
     for (uint32_t i = 0; i < audit->complaints && i < BB_COMPLAINTS_MAX; i++)
         fprintf(stderr, "bvhbench: clocks: %s\n", audit->texts[i]);
@@ -173,7 +174,7 @@ static bb_status keep(bb_results *results, const char *folder, bb_status status)
     if (cJSON_GetArraySize(builds) == 0 || bb_keep_earlier(folder, kept, sizeof kept) != BB_OK ||
         bb_results_write(results, json) != BB_OK)
         return bb_fail(status, "%s", reason);
-    return bb_fail(status, "%s (what was measured before is in %s)", reason, json);
+    return bb_fail(status, "%s (earlier measurements are in %s)", reason, json);
 }
 
 static bb_status compare(const bb_comparison *c, const char *command, bb_device *device,
