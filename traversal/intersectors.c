@@ -17,17 +17,17 @@ const bb_intersector bb_intersectors[] = {
     {"woop", "Woop's affine test on precomputed maps, padded slabs, no contraction", "woop",
      "padded", "no"},
     {"fast", "Moeller-Trumbore test, sign-ordered slabs, contraction", "moeller", "sign", "yes"},
-    {"careless", "Moeller-Trumbore test, naive slabs, contraction: what is written first",
-     "moeller", "naive", "yes"},
+    {"careless", "Moeller-Trumbore test, naive slabs, contraction: a first attempt", "moeller",
+     "naive", "yes"},
     {.name = NULL},
 };
 
 /* In the words of BB_TRIANGLE_..., BB_SLAB_... */
 const bb_option bb_intersector_options[] = {
     {"triangle", NULL, "exact|watertight|pluecker|moeller|woop",
-     "test of triangles: kernels/triangle_*.clh"},
-    {"slab", NULL, "padded|sign|naive", "test of boxes: kernels/slab.clh"},
-    {"contract", NULL, "no|yes", "may the compiler fuse a * b + c into one rounding?"},
+     "triangle test: see kernels/triangle_*.clh"},
+    {"slab", NULL, "padded|sign|naive", "box test: see kernels/slab.clh"},
+    {"contract", NULL, "no|yes", "whether the compiler may fuse a * b + c"},
     {.name = NULL},
 };
 

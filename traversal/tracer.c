@@ -11,9 +11,10 @@
 
 const bb_option bb_kernel_common_options[] = {
     {"leaf", "1", NULL,
-     "collapse subtrees of up to this many references into one leaf, where SAH gains"},
+     "collapse subtrees of up to this many references into a leaf where that lowers SAH"},
     {"group", "64", NULL, "work-group size"},
-    {"persistent", "no", "no|yes", "as many groups as fit take rays from a counter: for GPUs"},
+    {"persistent", "no", "no|yes",
+     "as many groups as fit the device, which fetch rays from a counter: for GPUs"},
     {.name = NULL},
 };
 

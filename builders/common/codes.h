@@ -34,26 +34,25 @@ extern "C" {
 #define BB_CODE_WORD(name, ...) "|" name
 #define BB_CODE_NAMES (&(BB_CODE_TABLE(BB_CODE_WORD))[1])
 
-#define BB_CODE_BOX_HELP                                                                           \
-    "what is cut into cells; cube: of the scene's longest side, from its low corner"
+#define BB_CODE_BOX_HELP "box to divide; cube: with the scene's longest side, from its lower corner"
 
 /* Options of codes, for a builder's table, which may have a part of them only. Those without a
  * default come from the code. */
 #define BB_CODE_OPTIONS(preset)                                                                    \
-    {"code", preset, BB_CODE_NAMES, "the code: what the options below are unless given"},          \
+    {"code", preset, BB_CODE_NAMES, "code; it sets the defaults of the options below"},            \
         {"bits", NULL, NULL, "bits of the code, 3 to 64"},                                         \
-        {"axes", NULL, "xyz|extent|view", "order of the axes; view: as the view looks"},           \
-        {"count", NULL, "equal|variable", "bits per axis; variable: to the longest side"},         \
-        {"every", NULL, NULL, "each so many-th bit tells the size, 2 to 64; 0: none"},             \
-        {"size-bits", NULL, NULL, "size bits at most, 0 to 24"},                                   \
+        {"axes", NULL, "xyz|extent|view", "order of the axes; view: by the view's direction"},     \
+        {"count", NULL, "equal|variable", "bits per axis; variable: most for the longest side"},   \
+        {"every", NULL, NULL, "every N-th bit encodes the size, 2 to 64; 0: none"},                \
+        {"size-bits", NULL, NULL, "most size bits, 0 to 24"},                                      \
         {"size", NULL, "linear|root|cell",                                                         \
-         "how size is told: a fraction of the scene's, its "                                       \
-         "square root, or against the cell's own"},                                                \
-        {"large", "1", NULL, "size=cell: from which share of the cell's size on the bit is set"},  \
+         "how size is encoded: relative to the scene's, its "                                      \
+         "square root, or relative to the cell's"},                                                \
+        {"large", "1", NULL, "size=cell: ratio to the cell's size from which the bit is set"},     \
         {"measure", "diagonal", "diagonal|area|side",                                              \
-         "size: the box's diagonal, area or longest side"},                                        \
+         "measure of size: the box's diagonal, area or longest side"},                             \
         {"box", "centroids", "centroids|scene|cube", BB_CODE_BOX_HELP},                            \
-        {"expand", "shifts", "shifts|tables", "how bits get to their places; the same code"},      \
+        {"expand", "shifts", "shifts|tables", "how bits are spread; the code is the same"},        \
     {                                                                                              \
         "view", "none", NULL, BB_VIEW_ORDER_HELP                                                   \
     }

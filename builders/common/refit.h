@@ -29,7 +29,7 @@ extern "C" {
 #define BB_UPDATE_OPTION                                                                           \
     {                                                                                              \
         "update", NULL, "rebuild|refit",                                                           \
-            "once primitives have moved: rebuild (as without) or refit, which fits boxes anew"     \
+            "when primitives have moved: rebuild (the default), or refit the boxes"                \
     }
 
 /* Refits a tree on the host to boxes[0 .. prim_count). `order` is scratch, a u32 per node. One pass

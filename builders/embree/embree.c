@@ -39,8 +39,8 @@ static const bb_option options[] = {
     {"quality", "medium", "low|medium|high",
      "Morton codes, binned SAH, or SAH with spatial splits"},
     {"leaf", "1", NULL, "most primitives per leaf, 1 to 32"},
-    {"sah-block-size", "1", NULL, "leaves are costed in blocks of this many primitives, 1 to 32"},
-    {"splits", "1.2", NULL, "quality=high: references at most, in primitives of the scene, 1 to 8"},
+    {"sah-block-size", "1", NULL, "leaf cost counts blocks of this many primitives, 1 to 32"},
+    {"splits", "1.2", NULL, "quality=high: most references per primitive of the scene, 1 to 8"},
     {"depth", "512", NULL, "deepest tree allowed, 32 to 2048"},
     {NULL, NULL, NULL, NULL},
 };
@@ -447,7 +447,7 @@ static bb_status build(void *pointer, const bb_scene *scene, const bb_tree *inpu
 const bb_builder bb_builder_embree = {
     .abi_version = BB_ABI_VERSION,
     .name = "embree",
-    .summary = "Embree's builders by rtcBuildBVH: Morton, binned SAH, SAH with spatial splits",
+    .summary = "Embree's builders (rtcBuildBVH): Morton, binned SAH, SAH with spatial splits",
     .paper =
         "Wald et al., Embree: A Kernel Framework for Efficient CPU Ray Tracing, 2014, section 5",
     .kinds = BB_ALL_KINDS,

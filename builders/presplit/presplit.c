@@ -23,11 +23,11 @@
 #include <string.h>
 
 static const bb_option options[] = {
-    {"budget", "1.5", NULL, "references at most, in primitives of the scene, 1 to 16"},
+    {"budget", "1.5", NULL, "most references per primitive of the scene, 1 to 16"},
     {"above", "0.5", NULL,
-     "least area of a box that is halved, in mean areas of the primitives' boxes, 0 to 1e9"},
+     "smallest box to split: its area, relative to the mean of all boxes, 0 to 1e9"},
     {"saves", "0.3", NULL,
-     "least share of its area that the halves must be smaller by together, -1 to 0.9; -1: any"},
+     "least area that a split must save, as a share of the box's, -1 to 0.9; -1: any"},
     {.name = NULL},
 };
 
@@ -204,7 +204,7 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
 const bb_builder bb_builder_presplit = {
     .abi_version = BB_ABI_VERSION,
     .name = "presplit",
-    .summary = "splitter: large boxes halved and clipped to their primitives, on the host",
+    .summary = "splitter: halves large boxes and clips the parts to their primitives, on the host",
     .paper = "Ernst, Greiner 2007",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY,

@@ -20,9 +20,10 @@
 #include <string.h>
 
 static const bb_option options[] = {
-    {"passes", "3", NULL, "over all nodes, at most, 1 to 1000; ends where one changes nothing"},
+    {"passes", "3", NULL,
+     "most passes over all nodes, 1 to 1000; stops when a pass changes nothing"},
     {"order", "up", "up|down|random",
-     "of the nodes of a pass: children first, parents first, or by the seed"},
+     "order of nodes in a pass: children first, parents first, or random (by the seed)"},
     {.name = NULL},
 };
 
@@ -295,7 +296,7 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
 const bb_builder bb_builder_rotate = {
     .abi_version = BB_ABI_VERSION,
     .name = "rotate",
-    .summary = "optimiser: rotations of a binary tree by SAH, on the host",
+    .summary = "optimiser: rotates a binary tree to lower its SAH, on the host",
     .paper = "Kensler 2008",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_TREE,

@@ -19,7 +19,7 @@
 static const bb_option options[] = {
     {"method", "binned", "binned|sweep", "candidates: planes between bins, or every position"},
     {"bins", "16", NULL, "binned: number of bins per axis, 2 to 256"},
-    {"leaf", "1", NULL, "primitives that a leaf may have where that is cheaper, 1 to 255"},
+    {"leaf", "1", NULL, "most primitives per leaf, used where that is cheaper, 1 to 255"},
     BB_UPDATE_OPTION,
     {.name = NULL},
 };

@@ -66,7 +66,8 @@ static bb_status take(const char *path, void *object)
     const bb_registration *found = find_export(object, &bytes);
     if (found == NULL)
         return bb_fail(BB_INVALID,
-                       "plug-in %s: exports no bb_plugin: build it with bvhbench_add_builder()",
+                       "plug-in %s: is not a bvhbench builder (no symbol bb_plugin): build it with "
+                       "bvhbench_add_builder()",
                        path);
     /* Magic word, version and size come first, whatever follows: nothing else is read before they
      * agree. */

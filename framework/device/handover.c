@@ -100,13 +100,13 @@ bb_status bb_device_set_handover(bb_device *device, bb_handover handover)
 {
     if (handover == BB_HANDOVER_FENCE && device->fence[0] == '\0')
         return bb_fail(BB_INVALID,
-                       "%s has no fence between work-groups (OpenCL C 2.0 or 3.0): leave out the "
-                       "hand-over, or take levels",
+                       "%s has no fence between work-groups (OpenCL C 2.0 or 3.0): use "
+                       "--handover levels",
                        device->name);
     if (handover == BB_HANDOVER_FENCE && device->litmus_stale > 0)
         return bb_fail(BB_INVALID,
-                       "the fence of %s fails: %u words of %u messages between work-groups came "
-                       "late: leave out the hand-over, or take levels",
+                       "the fence of %s is unreliable: %u words of %u messages between "
+                       "work-groups came late: use --handover levels",
                        device->name, device->litmus_stale, device->litmus_pairs);
     if (handover != BB_HANDOVER_AUTO)
         device->handover = handover;

@@ -155,7 +155,7 @@ bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_
 {
     struct stat info;
     if (kernel_folder != NULL && (stat(kernel_folder, &info) != 0 || !S_ISDIR(info.st_mode)))
-        return bb_fail(BB_INVALID, "%s is no folder to read device code from", kernel_folder);
+        return bb_fail(BB_INVALID, "%s is not a folder of device code", kernel_folder);
     found_device selected = {0};
     BB_TRY(select_device(selector, &selected));
     bb_device *device = calloc(1, sizeof *device);

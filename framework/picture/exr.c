@@ -55,7 +55,7 @@ static bb_status exr_load(exr_module *module)
     void *decode = dlsym(module->library, "bb_exr_decode");
     void *compare = dlsym(module->library, "bb_exr_compare");
     if (encode == NULL || decode == NULL || compare == NULL)
-        return bb_fail(BB_FAILED, "EXR module %s is of another version: install both anew", path);
+        return bb_fail(BB_FAILED, "EXR module %s is of another version: reinstall both", path);
     memcpy(&module->encode, &encode, sizeof encode);
     memcpy(&module->decode, &decode, sizeof decode);
     memcpy(&module->compare, &compare, sizeof compare);

@@ -75,7 +75,7 @@ static bb_status png_decode(const char *path, const char *data, size_t size, flo
     unsigned char *bytes =
         stbi_load_from_memory((const unsigned char *)data, (int)size, &w, &h, &channels, 3);
     if (bytes == NULL)
-        return bb_fail(BB_INVALID, "picture %s is no PNG that can be read: %s", path,
+        return bb_fail(BB_INVALID, "picture %s cannot be read as PNG: %s", path,
                        stbi_failure_reason());
     size_t values = 3 * (size_t)w * (size_t)h;
     bb_status status = bb_host_alloc(NULL, values * sizeof(float), "picture", rgb);
@@ -107,8 +107,8 @@ bb_status bb_image_write(const char *path, const float *rgb, uint32_t width, uin
 {
     if (width < 1 || height < 1 || width > SIDE_MAX || height > SIDE_MAX ||
         3 * (uint64_t)width * height > PICTURE_BYTES_MAX)
-        return bb_fail(BB_INVALID, "picture %s: %ux%u pixels are none or too many", path, width,
-                       height);
+        return bb_fail(BB_INVALID, "picture %s: %ux%u pixels: the size is zero or too large", path,
+                       width, height);
     if (ends_with(path, ".png"))
         return png_write(path, rgb, width, height);
     if (bb_image_is_exr(path))

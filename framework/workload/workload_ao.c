@@ -5,7 +5,7 @@
 
 static const bb_option options_table[] = {
     {"per_hit", "32", NULL, "rays per hit"},
-    {"length", "0.1", NULL, "length of the rays in scene diagonals"},
+    {"length", "0.1", NULL, "length of the rays, in scene diagonals"},
     BB_OFFSET_OPTION,
     BB_TMIN_OPTION,
     BB_END_OPTION,

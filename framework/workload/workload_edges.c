@@ -27,7 +27,7 @@
 enum { TRIES = 1000 };
 
 static const bb_option options_table[] = {
-    {"count", NULL, NULL, "number of rays, also beyond what the run allows (which is the default)"},
+    {"count", NULL, NULL, "number of rays, even beyond the run's limit; default: that limit"},
     {"from", NULL, "inside|eyes|around",
      "origins: inside a closed mesh, where each ray must hit; near the eyes of the views; in the "
      "scene's box and around it (inside where the mesh is known to be closed, else eyes)"},

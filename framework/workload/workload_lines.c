@@ -16,7 +16,7 @@
 #include <string.h>
 
 static const bb_option options_table[] = {
-    {"count", NULL, NULL, "number of rays (as many as the run allows)"},
+    {"count", NULL, NULL, "number of rays; default: the run's limit"},
     {"query", "closest", "closest|any|interval",
      "what is asked of them; nothing stops them: interval"},
     BB_TMIN_OPTION,

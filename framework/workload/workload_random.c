@@ -8,8 +8,8 @@
 #include <math.h>
 
 static const bb_option options_table[] = {
-    {"count", NULL, NULL, "number of rays (as many as the run allows)"},
-    {"near", "0", NULL, "share that goes from close to a primitive to close to another"},
+    {"count", NULL, NULL, "number of rays; default: the run's limit"},
+    {"near", "0", NULL, "share of rays from close to one primitive to close to another"},
     BB_TMIN_OPTION,
     BB_END_OPTION,
 };

@@ -6,8 +6,8 @@
 #include <math.h>
 
 static const bb_option options_table[] = {
-    {"size", "0.25", NULL, "side of the square light in shares of the box's shorter side"},
-    {"drop", "0.01", NULL, "how far the light hangs under the box's top, in shares of its height"},
+    {"size", "0.25", NULL, "side of the square light, relative to the box's shorter side"},
+    {"drop", "0.01", NULL, "distance of the light below the box's top, relative to its height"},
     BB_OFFSET_OPTION,
     BB_TMIN_OPTION,
     BB_END_OPTION,
