@@ -1,8 +1,8 @@
 /* Accounted memory, on host and device.
  *
- * Every byte that a builder, layout or kernel takes goes through an account, so that `bytes_peak`
- * is measured by the same book for all, and so that what does not fit is refused, with the bytes it
- * needs, before the driver is asked (drivers overcommit).
+ * Every byte that a builder, layout or kernel uses is booked on an account, so that `bytes_peak` is
+ * measured in the same way for all, and so that requests that do not fit are refused, with the
+ * bytes they need, before the driver is asked (drivers overcommit).
  */
 #ifndef BB_MEMORY_H
 #define BB_MEMORY_H
@@ -19,17 +19,17 @@ extern "C" {
 
 typedef struct bb_account {
     uint64_t bytes; /* in use now, host and device together */
-    uint64_t peak;  /* the most there has been since bb_account_mark() */
+    uint64_t peak;  /* the maximum since bb_account_mark() */
 } bb_account;
 
-/* Restarts the peak at what is in use now. */
+/* Resets the peak to what is in use now. */
 void bb_account_mark(bb_account *account);
 void bb_account_add(bb_account *account, uint64_t bytes);
 void bb_account_subtract(bb_account *account, uint64_t bytes);
 
 /* Host memory, 64-byte aligned, not cleared; a size of 0 gives a valid pointer. BB_REFUSED names
- * `what` and the bytes if the host has not that much. `*out` must be NULL or come from here: it is
- * replaced (freed first), so the same call serves to make and to resize scratch. Account may be
+ * `what` and the bytes if the host does not have that much. `*out` must be NULL or come from here:
+ * it is freed and replaced, so the same call creates and resizes scratch memory. Account may be
  * NULL. */
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out);
 void bb_host_free(void *pointer); /* NULL is allowed; leaves the account */

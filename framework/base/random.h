@@ -1,4 +1,4 @@
-/* The random numbers of everything that is seeded on the host: SplitMix64 (Steele, Lea, Flood: Fast
+/* Random numbers for everything that is seeded on the host: SplitMix64 (Steele, Lea, Flood: Fast
  * Splittable Pseudorandom Number Generators, OOPSLA 2014). Integers only, so that one seed gives
  * the same numbers on every machine. */
 #ifndef BB_RANDOM_H

@@ -26,11 +26,11 @@ typedef enum bb_form {
     BB_FORM_GPU,  /* work-groups that co-operate through local memory */
 } bb_form;
 
-/* How bottom-up passes hand from one work-group to another: kernels/handover.clh. */
+/* How bottom-up passes hand data from one work-group to another: kernels/handover.clh. */
 typedef enum bb_handover {
-    BB_HANDOVER_AUTO,   /* by what the device documents, and a litmus test */
+    BB_HANDOVER_AUTO,   /* as the device documents, confirmed by a litmus test */
     BB_HANDOVER_FENCE,  /* inside a launch */
-    BB_HANDOVER_LEVELS, /* in launches by levels */
+    BB_HANDOVER_LEVELS, /* one launch per level */
 } bb_handover;
 
 typedef struct bb_device {
@@ -62,14 +62,14 @@ typedef struct bb_device {
     char sources[16];          /* "embedded" or "folder": the record says which */
 } bb_device;
 
-/* Does the device round quotients and roots rightly, if asked to? Then kernels that take the same
- * steps get the same bits. */
+/* Whether the device can round quotients and square roots correctly: kernels that take the same
+ * steps then get the same bits. */
 bool bb_device_divides_exactly(const bb_device *device);
 
-/* What programs that include handover.clh are compiled with; 96 characters are enough. */
+/* Compiler options for programs that include handover.clh; 96 characters are enough. */
 void bb_handover_defines(const bb_device *device, char *text, size_t capacity);
 
-/* Waits until all that was enqueued is done. */
+/* Waits until everything enqueued is done. */
 bb_status bb_finish(bb_device *device);
 
 /* ---- buffers ---- */
@@ -81,9 +81,9 @@ typedef struct bb_buffer {
     bb_account *account;
 } bb_buffer;
 
-/* Makes sure that the buffer has at least `bytes` (contents are lost if it grows). Refuses, with
- * name and bytes, what exceeds the device's memory or its largest allocation by our own account,
- * before the driver is asked. Account may be NULL. A zeroed bb_buffer is empty. */
+/* Makes sure that the buffer has at least `bytes` (contents are lost if it grows). Requests that,
+ * by our own accounting, exceed the device's memory or its largest allocation are refused, with
+ * name and bytes, before the driver is asked. Account may be NULL. A zeroed bb_buffer is empty. */
 bb_status bb_buffer_reserve(bb_device *device, bb_account *account, size_t bytes, const char *what,
                             bb_buffer *buffer);
 void bb_buffer_release(bb_buffer *buffer);
@@ -99,7 +99,7 @@ bb_status bb_buffer_unmap(const bb_buffer *buffer, void *pointer);
 
 /* ---- programs ---- */
 
-/* A device source or header by the name that #include and the build use, such as "lbvh.cl". */
+/* A device source or header, under the name that #include and the build use, such as "lbvh.cl". */
 typedef struct bb_source {
     const char *name;
     const char *text;
@@ -107,8 +107,8 @@ typedef struct bb_source {
                                        NULL. NULL: kernels/ and builders/common */
 } bb_source;
 
-/* Declares FILE.cl of the builder's own folder: bb_source_FILE, with '_' for what C has no names
- * of. */
+/* Declares FILE.cl of the builder's own folder as bb_source_FILE, with '_' for characters that C
+ * does not allow in names. */
 #define BB_DEVICE_SOURCE(file) extern const bb_source bb_source_##file
 /* A source of kernels/ or builders/common; NULL if there is none. */
 const bb_source *bb_source_find(const char *name);

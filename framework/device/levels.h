@@ -1,5 +1,5 @@
-/* Bottom-up passes over a tree in launches by levels, for devices without a fence between
- * work-groups (kernels/handover.clh): two lists of nodes, and how many each level has.
+/* Bottom-up passes over a tree with one launch per level, for devices without a fence between
+ * work-groups (kernels/handover.clh): two lists of nodes, and the number of nodes in each level.
  */
 #ifndef BB_LEVELS_H
 #define BB_LEVELS_H
@@ -26,8 +26,8 @@ void bb_levels_release(bb_levels *levels);
 /* Before the launch over the leaves, which puts nodes on lists[1] and counts them in counts[1]. */
 bb_status bb_levels_start(bb_levels *levels);
 
-/* Work-items of a launch over one level, which share its nodes: how many is known on the device
- * only. */
+/* Work-items of a launch over one level, which share its nodes: only the device knows how many
+ * nodes there are. */
 uint32_t bb_levels_items(const bb_levels *levels);
 
 /* Calls launch(context, levels, n) for n = 1, 2, ... until a level is empty: it enqueues a kernel

@@ -1,8 +1,9 @@
 /* A scene: primitives of one or more kinds, their boxes, their views; on the host and on the
  * device.
  *
- * Primitives are numbered through: the triangles first, then the spheres. A later kind gets the
- * next range. Everything is float, in scene units, as loaded; nothing is merged or dropped.
+ * Primitives are numbered consecutively: the triangles first, then the spheres. Each further kind
+ * gets the next range. Everything is float, in scene units, as loaded; nothing is merged or
+ * dropped.
  */
 #ifndef BB_SCENE_H
 #define BB_SCENE_H
@@ -40,7 +41,7 @@ typedef struct bb_view {
 
 enum { BB_VIEWS_MAX = 16 };
 
-/* What the harness measures of a scene, once; the parsimony choices are taken from it. */
+/* What the harness measures about a scene, once; views and other choices are derived from it. */
 typedef struct bb_profile {
     double flatness; /* shortest / longest side of the scene's box, 0..1 */
     double size_min; /* box diagonals of the primitives: smallest, median, largest */
@@ -49,7 +50,7 @@ typedef struct bb_profile {
     uint32_t zero_area;       /* triangles of exactly zero area, spheres of radius 0 */
     uint32_t duplicate_boxes; /* primitives whose box equals an earlier one's */
     uint32_t duplicate_centroids;
-    double overlap;     /* mean number of other boxes that hold a box's centroid, estimated */
+    double overlap;     /* mean number of other boxes that contain a box's centroid, estimated */
     int32_t closed;     /* 1: each edge of the triangles has two sides; 0: open; -1: no triangles */
     uint32_t code_bits; /* 30, 32, 63 or 64: the least that separates the centroids; 0: none does */
     uint32_t octree_depth; /* levels that separate the centroids, at most 21 */
@@ -112,14 +113,14 @@ typedef struct bb_generator {
     const char *name;
     const char *summary; /* one line */
     const bb_option *options;
-    /* Fills what bb_scene_reserve() gave it, and views if it has fixed ones,
-     * closed_from_inside. Finishing (boxes, bounds, hash, checks) is bb_scene_finish()'s. */
+    /* Fills what bb_scene_reserve() allocated, closed_from_inside, and views if it has fixed ones.
+     * bb_scene_finish() does the rest (boxes, bounds, hash, checks). */
     bb_status (*make)(const bb_spec *spec, const bb_option *options, bb_scene *scene);
-    /* Rewrites the vertices, or the primitives' data where they have none, to those of `frame`,
-     * 0 .. frame_count - 1, whichever frame was there before; counts and indices stay. make() has
-     * set frame_count and made frame 0, bit for bit as this does. What views, profile and
-     * closed_from_inside say is of frame 0, but closed_from_inside is only said if it holds for
-     * all. Optional: default, the scene stays still. */
+    /* Rewrites the vertices, or the data of primitives that have none, to those of `frame`,
+     * 0 .. frame_count - 1, from whichever frame is there; counts and indices stay the same. make()
+     * has set frame_count and made frame 0, bit for bit as this does. Views and profile describe
+     * frame 0; closed_from_inside is set only if it holds for all frames. Optional: without it, the
+     * scene does not move. */
     bb_status (*set_frame)(const bb_spec *spec, const bb_option *options, bb_scene *scene,
                            uint32_t frame);
 } bb_generator;
@@ -139,9 +140,9 @@ extern const bb_scene_format *const bb_scene_formats[]; /* generated table; ends
 
 /* Loads what `text` names: an existing file (.gltf, .glb), a shipped scene (coffee, scorpion, ...:
  * see bb_shipped_scenes), or a generator with parameters. Finishes it and takes its views: from
- * `NAME.views` beside the file, from the generator, or derived from the profile, behind the cameras
- * of the file if it has any. BB_INVALID with
- * one clear line for everything that is wrong with the input. Owned by the caller:
+ * `NAME.views` beside the file, from the generator, or derived from the profile, which are put
+ * after the cameras of the file if it has any. BB_INVALID, with one clear line, for anything that is
+ * wrong with the input. Owned by the caller:
  * bb_scene_free(). */
 bb_status bb_scene_load(const char *text, bb_scene **scene);
 void bb_scene_free(bb_scene *scene); /* NULL is allowed; releases the device side too */
@@ -165,41 +166,41 @@ enum {
     BB_CHANGED_TRANSFER = 1u << 2, /* the transfer function of a volume */
 };
 
-/* Brings the scene to `frame`, in the memory that it has: vertices, data of primitives, boxes,
- * bounds, scale, out_of_range and hash are that frame's, and so is the copy on the device, if there
- * is one (waited for). Profile, views and closed_from_inside stay frame 0's: cameras stand still,
- * and what is chosen from the profile is chosen once. Frame 0 is what was loaded, bit for bit.
+/* Brings the scene to `frame`, in place: vertices, data of primitives, boxes, bounds, scale,
+ * out_of_range and hash become that frame's, and so does the copy on the device, if there is one
+ * (waited for). Profile, views and closed_from_inside remain those of frame 0: cameras do not move,
+ * and choices based on the profile are made once. Frame 0 is what was loaded, bit for bit.
  * `changed` gets BB_CHANGED_POSITIONS, or 0 if nothing moved; may be NULL. BB_INVALID if there is
- * no such frame: the scene stays as it is. After another failure the scene is at no frame, until a
+ * no such frame: the scene is unchanged. After any other failure the scene is at no frame until a
  * call succeeds. */
 bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed);
 
-/* Sets scene->scale and scene->out_of_range from its primitives and bounds; bb_scene_finish() does
- * it.
+/* Sets scene->scale and scene->out_of_range from its primitives and bounds; called by
+ * bb_scene_finish().
  *
- * The kernels' edge functions are products of two lengths. They keep their sign where the doubled
- * area of a triangle (for a sphere, its radius squared) is at least 2^-100 and lengths are at most
- * 2^60, in the layout's units. The scale takes the scene's largest coordinate to about 2^32;
- * higher, up to 2^58, where the smallest primitive asks for it. Primitives that are too small even
- * then are counted: rays may miss them. BB_INVALID if the largest coordinate is below 2^-100. */
+ * The kernels' edge functions are products of two lengths. They keep their sign if twice the area
+ * of a triangle (for a sphere, its radius squared) is at least 2^-100 and lengths are at most 2^60,
+ * in the layout's units. The scale takes the scene's largest coordinate to about 2^32, or up to
+ * 2^58 if the smallest primitive requires it. Primitives that are too small even then are counted:
+ * rays may miss them. BB_INVALID if the largest coordinate is below 2^-100. */
 bb_status bb_scene_choose_scale(bb_scene *scene);
 
-/* Measures scene->profile; bb_scene_load() has done it. */
+/* Measures scene->profile; called by bb_scene_load(). */
 bb_status bb_scene_profile(bb_scene *scene);
 
-/* Adds a view, named `name` with '-' for all that is no letter, digit, '.' or '_', shortened, and
- * numbered if a view of that name is there. Does nothing if there are BB_VIEWS_MAX. */
+/* Adds a view called `name`, shortened, with '-' for anything but letters, digits, '.' and '_', and
+ * with a number if there is a view of that name already. Does nothing if there are BB_VIEWS_MAX. */
 void bb_scene_add_view(bb_scene *scene, const char *name, const bb_view *view);
 
-/* Three views or more, by name, derived from box and profile; deterministic. Does nothing if the
- * scene has views. */
+/* Derives three or more named views from box and profile; deterministic. Does nothing if the scene
+ * has views. */
 void bb_scene_derive_views(bb_scene *scene);
 
 /* Reads views from a text file (format: scenes/README.md). */
 bb_status bb_views_read(const char *path, bb_view *views, uint32_t capacity, uint32_t *count);
 
-/* Puts the scene on the device (once; a second call with the same device does nothing), where its
- * boxes are made anew. Refuses, with the bytes it needs, what does not fit. */
+/* Copies the scene to the device (once; a second call with the same device does nothing) and
+ * computes its boxes there. Refused, with the bytes needed, if it does not fit. */
 bb_status bb_scene_upload(bb_scene *scene, bb_device *device);
 
 /* Makes on_device.boxes from the geometry on the device (kernels/boxes.cl). Enqueued, not waited

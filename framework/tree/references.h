@@ -1,5 +1,5 @@
-/* References: boxes that stand for a primitive or a part of it. What a splitter makes in place of
- * the primitives' boxes, and what a builder then builds its tree over; on the host or on the
+/* References: boxes that stand for a primitive or a part of it. A splitter makes them, and a
+ * builder then builds its tree over them instead of the primitives' boxes; on the host or on the
  * device.
  */
 #ifndef BB_REFERENCES_H
@@ -14,9 +14,9 @@ extern "C" {
 #endif
 
 typedef struct bb_references {
-    bb_account *account; /* what reserving, and the copy on the other side, is booked on */
+    bb_account *account; /* books what is reserved, and the copy on the other side */
     bb_place place;      /* where the splitter left them */
-    uint32_t count;      /* the splitter sets it; at least one of each primitive */
+    uint32_t count;      /* set by the splitter; at least one per primitive */
     bool copied;         /* the other side holds an up-to-date copy */
 
     bb_box *boxes;   /* host side; NULL until reserved there or downloaded */
@@ -30,13 +30,13 @@ typedef struct bb_references {
 void bb_references_init(bb_references *references, bb_account *account);
 void bb_references_release(bb_references *references); /* empty, and may be used again */
 
-/* Room for up to `capacity` references at `place`, which becomes theirs. Contents are lost if it
- * grows; a copy on the other side is stale from now on. Refused beyond 2^31 - 1. */
+/* Makes room for up to `capacity` references at `place`, which becomes their place. Contents are
+ * lost if it grows; a copy on the other side becomes stale. Refused beyond 2^31 - 1. */
 bb_status bb_references_reserve(bb_references *references, bb_device *device, bb_place place,
                                 size_t capacity);
 
-/* device -> host and host -> device copies; `ms` gets the wall time (may be NULL). Do nothing if
- * the copy is there already. */
+/* device -> host and host -> device copies; `ms` gets the wall time (may be NULL). They do nothing
+ * if the copy is up to date. */
 bb_status bb_references_download(bb_references *references, double *ms);
 bb_status bb_references_upload(bb_references *references, bb_device *device, double *ms);
 

@@ -1,7 +1,7 @@
 /* The common tree: one node format for all builders, of any arity (bb_node in kernels/bb_shared.h).
  *
- * The harness owns it. A builder reserves room, fills nodes and references, on the host or on the
- * device, and says of the tree what bb_tree_info and the flags hold.
+ * The harness owns it. A builder reserves room, fills in nodes and references, on the host or on
+ * the device, and describes the tree in bb_tree_info and the flags.
  */
 #ifndef BB_TREE_H
 #define BB_TREE_H
@@ -20,22 +20,22 @@ typedef enum bb_place { BB_ON_HOST, BB_ON_DEVICE } bb_place;
 
 enum { BB_TREE_ARRAYS_MAX = 4 };
 
-/* A named side array: something per node or per reference that a layout asks for (boundary flags,
- * offsets ...). Its elements may be anything but numbers of nodes or references, since those change
- * where the tree is renumbered. */
+/* A named side array: data per node or per reference that a layout asks for (boundary flags,
+ * offsets ...). Its elements must not be indices of nodes or references, since these change when
+ * the tree is renumbered. */
 typedef struct bb_tree_array {
     const char *name;
     bool per_reference; /* else per node */
     uint32_t stride;    /* bytes per element, a multiple of 4 */
-    bool current;       /* the tree has it: false from the tree's next bb_tree_reserve() on */
+    bool current;       /* the tree has it; the next bb_tree_reserve() makes this false */
     bb_buffer buffer;
     void *host;
     size_t host_bytes; /* room there */
 } bb_tree_array;
 
 typedef struct bb_tree {
-    bb_account *account;      /* what reserving is booked on */
-    bb_account *copy_account; /* what copies on the other side are; NULL: not booked */
+    bb_account *account;      /* books what is reserved */
+    bb_account *copy_account; /* books copies on the other side; NULL: not booked */
     bb_place place;           /* where the builder left it */
     bb_tree_info info;        /* on the device: valid after bb_tree_fetch_info() */
     bool duplicated;          /* a primitive may be referenced more than once */
@@ -59,25 +59,25 @@ typedef struct bb_tree {
 void bb_tree_init(bb_tree *tree, bb_account *account);
 void bb_tree_release(bb_tree *tree); /* frees all; the tree is empty and may be used again */
 
-/* Room for this many nodes and references at `place`, which becomes the tree's. Contents are lost
- * if it grows; copies on the other side are stale from now on, and the tree has no side arrays
- * until they are reserved again. On the device, d_info is reserved too. Booked on tree->account;
- * refused beyond what there is. A tree has at most 2^31 - 1 nodes and references. */
+/* Makes room for this many nodes and references at `place`, which becomes the tree's place.
+ * Contents are lost if it grows; copies on the other side become stale, and side arrays have to be
+ * reserved again. On the device, d_info is reserved too. Booked on tree->account; refused if there
+ * is not enough memory. A tree has at most 2^31 - 1 nodes and references. */
 bb_status bb_tree_reserve(bb_tree *tree, bb_device *device, bb_place place, size_t nodes,
                           size_t refs);
 
-/* Room for a side array beside all nodes or references that the tree has room for, at its place and
- * on its account: in `*array`, `host` or `buffer`, for the builder to fill. `name` is a string
- * constant. After each bb_tree_reserve(); takes the memory of the last time. BB_FAILED if there is
- * no tree, or there are BB_TREE_ARRAYS_MAX others. */
+/* Makes room for a side array, one element for each node or reference that the tree has room for,
+ * at the tree's place and on its account; the builder fills `host` or `buffer` of `*array`. `name`
+ * is a string constant. To be called after each bb_tree_reserve(); reuses earlier memory. BB_FAILED
+ * if there is no tree, or there are BB_TREE_ARRAYS_MAX others. */
 bb_status bb_tree_reserve_array(bb_tree *tree, bb_device *device, const char *name,
                                 bool per_reference, uint32_t stride, bb_tree_array **array);
 
 /* The tree's side array of that name; NULL if it has none. */
 const bb_tree_array *bb_tree_find_array(const bb_tree *tree, const char *name);
 
-/* Says that nodes, references or side arrays were rewritten where the tree is: a copy on the other
- * side is stale. For update() hooks and builds that do not reserve. */
+/* Declares that nodes, references or side arrays were rewritten in place: a copy on the other side
+ * is stale. For update() hooks, and builds that do not reserve. */
 void bb_tree_changed(bb_tree *tree);
 
 /* Reads d_info of a tree built on the device; BB_FAILED if it claims more nodes or references than
@@ -85,7 +85,7 @@ void bb_tree_changed(bb_tree *tree);
 bb_status bb_tree_fetch_info(bb_tree *tree);
 
 /* device -> host and host -> device copies of what the tree holds, side arrays included; `ms` gets
- * the wall time (may be NULL). Do nothing if the copy is there already. Booked on
+ * the wall time (may be NULL). They do nothing if the copy is up to date. Booked on
  * tree->copy_account. */
 bb_status bb_tree_download(bb_tree *tree, double *ms);
 bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms);
@@ -125,9 +125,9 @@ bb_status bb_tree_hash(const bb_tree *tree, uint64_t *hash);
 /* Largest sum of children - 1 along a path: the entries that an ordered traversal's stack needs. */
 bb_status bb_tree_stack_need(const bb_tree *tree, uint32_t *entries);
 
-/* Holds the tree to what section "The common tree" of the README of framework/ promises; BB_FAILED
- * with the first violation, in words with node and primitive numbers. Never loops or reads out of
- * bounds on a corrupt tree. */
+/* Checks everything that "The common tree" in framework/README.md requires; BB_FAILED describes the
+ * first violation, with node and primitive numbers. Never loops forever or reads out of bounds on a
+ * corrupt tree. */
 bb_status bb_tree_check(const bb_tree *tree, const bb_scene *scene);
 
 /* Surface area heuristic, Ct = 1.2, Ci = 1 (metric_sah.c has the definition; further
