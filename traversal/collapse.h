@@ -12,13 +12,13 @@ typedef struct bb_collapse bb_collapse;
 bb_status bb_collapse_create(bb_device *device, bb_account *account, bb_collapse **out);
 void bb_collapse_destroy(bb_collapse *collapse); /* NULL is allowed */
 
-/* The tree, which is on the device, with each subtree of at most `max_leaf` references (1 to
- * BB_LEAF_MAX) made one leaf wherever that does not raise the SAH. A leaf costs Ci = 1 per started
- * block of `block` references; an inner node Ct = 1.2 * children / 2, times width / 2 / (width -
- * 1), since a node of `width` children replaces width - 1 binary ones. Areas are taken of boxes
- * times `scale`, the scene's. A primitive that several leaves of the subtree reference is
- * referenced once by the new leaf. *out lies on the device and belongs to `collapse`; it holds
- * until the next call. Its info is there when this returns. */
+/* Makes a copy of `tree`, which is on the device, in which each subtree of at most `max_leaf`
+ * references (1 to BB_LEAF_MAX) has become one leaf, wherever that does not raise the SAH. A leaf
+ * costs Ci = 1 per started block of `block` references; an inner node Ct = 1.2 * children / 2,
+ * times width / 2 / (width - 1), since a node of `width` children replaces width - 1 binary ones.
+ * Areas are those of boxes times `scale`, the scene's. If several leaves of a subtree reference the
+ * same primitive, the new leaf does so once. *out is on the device, belongs to `collapse` and is
+ * valid until the next call. Its info has been fetched. */
 bb_status bb_collapse_make(bb_collapse *collapse, const bb_tree *tree, float scale,
                            uint32_t max_leaf, uint32_t width, uint32_t block, bb_tree **out);
 

@@ -1,5 +1,5 @@
-/* Leaf primitives: what most layouts hand their kernels of the primitives, expanded in the order of
- * the leaves (bb_leaf_prim_words() in kernels/bb_shared.h; device code in
+/* Leaf primitives: the data of primitives for most kernels, expanded in the order of the leaves
+ * (bb_leaf_prim_words() in kernels/bb_shared.h; device code in
  * kernels/leaf_prims.cl). */
 #ifndef BB_LEAF_PRIMS_H
 #define BB_LEAF_PRIMS_H
@@ -12,9 +12,9 @@ typedef struct bb_leaf_prims bb_leaf_prims;
 bb_status bb_leaf_prims_create(bb_device *device, bb_account *account, bb_leaf_prims **out);
 void bb_leaf_prims_destroy(bb_leaf_prims *leaf_prims); /* NULL is allowed */
 
-/* Record i is of the primitive of refs[i] of the source's tree, its last-bit included; triangles in
- * the format BB_FORMAT_..., lengths times the scene's scale. Reserves `out` on the account and adds
- * its size to *bytes. Enqueued, not waited for. */
+/* Record i is for refs[i] of the source's tree, including its last-bit; triangles are in `format`
+ * (BB_FORMAT_...), lengths are multiplied by the scene's scale. Reserves `out` on the account and
+ * adds its size to *bytes. Enqueued, not waited for. */
 bb_status bb_leaf_prims_make(bb_leaf_prims *leaf_prims, const bb_layout_source *source,
                              uint32_t format, bb_buffer *out, uint64_t *bytes);
 

@@ -1,5 +1,5 @@
-/* Pair nodes of a tree, on the device (kernels/layout_pair.cl): the `pair` layout itself, and what
- * wide layouts are collapsed from. */
+/* Pair nodes of a tree, on the device (kernels/layout_pair.cl): the `pair` layout, and the input
+ * from which wide layouts are made. */
 #ifndef BB_PAIRS_H
 #define BB_PAIRS_H
 
@@ -16,23 +16,24 @@ typedef struct bb_pairs {
     bb_buffer found; /* also stands for the array that a source lacks */
 } bb_pairs;
 
-/* Compiles; scratch is booked on `account`. To be destroyed also after a failure. */
+/* Compiles; scratch is booked on `account`. Must be destroyed even after a failure. */
 bb_status bb_pairs_create(bb_device *device, bb_account *account, bb_pairs *pairs);
 void bb_pairs_destroy(bb_pairs *pairs);
 
-/* Pair nodes (bb_pair) of the source's tree into `nodes`; their number; and the link to start from:
- * a pair node, or the tree's only leaf. Leaves are linked as in bb_node. Waits for the device once.
+/* Writes the pair nodes (bb_pair) of the source's tree to `nodes`, their number to `count`, and the
+ * link to start from, a pair node or the tree's only leaf, to `root`. Leaves are linked as in
+ * bb_node. Waits for the device once.
  * BB_UNSUPPORTED for nodes of more than 4096 children. */
 bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buffer *nodes,
                         uint32_t *count, uint32_t *root);
 
-/* Entries that the stack of an ordered traversal needs at most. */
+/* Most entries that the stack of an ordered traversal needs. */
 uint32_t bb_pairs_stack_need(const bb_tree_info *info);
 
-/* Levels of pair nodes at most. */
+/* Most levels of pair nodes. */
 uint64_t bb_pairs_levels(const bb_tree_info *info);
 
-/* No wide nodes, and none with one child: pair nodes are the tree's own. */
+/* Whether the pair nodes are the tree's own: no node is wide or has a single child. */
 bool bb_pairs_keep_shape(const bb_tree_info *info);
 
 #endif

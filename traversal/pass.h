@@ -1,24 +1,24 @@
-/* One way through: rays by a tracer through a layout to answers. Whoever traces goes this way, the
- * clock's holder included. */
+/* The one way to trace: rays, a tracer and a layout give answers. Everything that traces goes
+ * through here, including what is timed. */
 #ifndef BB_PASS_H
 #define BB_PASS_H
 
 #include "traversal/traversal.h"
 
-/* All of it lives elsewhere and is on the device already. */
+/* Everything here is owned by others and already on the device. */
 typedef struct bb_pass {
     const bb_query *query;
-    bb_tracer *tracer; /* NULL for who only poisons */
+    bb_tracer *tracer; /* NULL if only poisoned */
     const bb_layout_data *layout;
     const bb_buffer *rays; /* bb_ray[count] */
     bb_buffer *results;    /* as the query has them: bb_hit[count] of closest and any hits */
     bb_buffer *counts;     /* bb_count[count], if the tracer counts; else NULL */
 } bb_pass;
 
-/* Fills the results with BB_POISON, so that those that nobody writes are found; waits. */
+/* Fills the results with BB_POISON, so that unwritten ones are detected; waits. */
 bb_status bb_pass_poison(const bb_pass *pass, uint32_t count);
 
-/* Enqueues the first `count` rays; does not wait. This alone is what a clock may hold. */
+/* Enqueues the first `count` rays; does not wait. Only this is timed. */
 bb_status bb_pass_launch(const bb_pass *pass, uint32_t count);
 
 /* Poisons, launches, and reads results and, if the tracer counts, counts. `counts` may be NULL. */

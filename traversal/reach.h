@@ -1,4 +1,4 @@
-/* The longest side of the primitives below each node, for trees whose leaves hold parts of
+/* The longest side of any primitive below each node, for trees whose leaves contain parts of
  * primitives (kernels/reach.cl). */
 #ifndef BB_REACH_H
 #define BB_REACH_H
@@ -13,7 +13,7 @@ bb_status bb_reach_create(bb_device *device, bb_account *account, bb_reach **out
 void bb_reach_destroy(bb_reach *reach); /* NULL is allowed */
 
 /* One float per node of `tree`, which is on the device, in the scene's units. Enqueued, not waited
- * for. *out stays the object's own. */
+ * for. The object keeps owning *out. */
 bb_status bb_reach_make(bb_reach *reach, const bb_scene *scene, const bb_tree *tree,
                         const bb_buffer **out);
 

@@ -1,5 +1,5 @@
-/* What the wide layouts share (kernels/layout_wide.cl): each is declared in its own layout_NAME.c
- * by width. */
+/* Shared by the wide layouts (kernels/layout_wide.cl), each of which is declared in its own
+ * layout_NAME.c. */
 #ifndef BB_WIDE_H
 #define BB_WIDE_H
 

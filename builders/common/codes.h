@@ -1,10 +1,10 @@
 /* Morton codes and extended Morton codes, for any builder that sorts by a code.
  *
- * A code is a list that says, for each of its bits from the top, which axis the bit halves the cell
- * on, or that it tells large primitives from small ones (Vinkler, Bittner, Havran 2017, "Extended
+ * A code is a list that says of each bit, from the top, which axis it halves the cell along, or
+ * that it separates large primitives from small ones (Vinkler, Bittner, Havran 2017, "Extended
  * Morton Codes for High Performance Bounding Volume Hierarchy Construction", section 4). A code is
- * a row of BB_CODE_TABLE and the function that deals out its bits; what its ingredients are by
- * default is in the row, and each is an option of its own.
+ * a row of BB_CODE_TABLE and the function that deals out its bits; the row has the defaults of its
+ * ingredients, each of which is also an option.
  */
 #ifndef BB_CODES_H
 #define BB_CODES_H
@@ -36,8 +36,8 @@ extern "C" {
 
 #define BB_CODE_BOX_HELP "box to divide; cube: with the scene's longest side, from its lower corner"
 
-/* Options of codes, for a builder's table, which may have a part of them only. Those without a
- * default come from the code. */
+/* Options of codes, for a builder's table, which may have only some of them. Those without a
+ * default take it from the code. */
 #define BB_CODE_OPTIONS(preset)                                                                    \
     {"code", preset, BB_CODE_NAMES, "code; it sets the defaults of the options below"},            \
         {"bits", NULL, NULL, "bits of the code, 3 to 64"},                                         \
@@ -66,7 +66,7 @@ typedef enum bb_code_sizes { BB_SIZES_LINEAR, BB_SIZES_ROOT, BB_SIZES_CELL } bb_
 
 typedef enum bb_code_measure { BB_BY_DIAGONAL, BB_BY_AREA, BB_BY_SIDE } bb_code_measure;
 
-/* What was asked for. */
+/* The options, parsed. */
 typedef struct bb_code_choice {
     const struct bb_code *code;
     uint32_t (*next)(const struct bb_code_walk *walk); /* deals out the bits */
@@ -74,28 +74,28 @@ typedef struct bb_code_choice {
     bb_code_order order;
     uint32_t every, size_bits;
     bb_code_sizes sizes;
-    double large; /* with sizes told by the cell: the share of its size that is large */
+    double large; /* with sizes relative to the cell: the ratio that is large */
     bb_code_measure measure;
     bool by_centroids, cube;
     bool tables;
     char view[64]; /* as bb_view_order() takes it */
 } bb_code_choice;
 
-/* A scene's code: what describes it, and what the device needs. */
+/* The code for a scene: its description, and what the device needs. */
 typedef struct bb_code_pattern {
     uint32_t bits;                     /* in use; may be fewer than asked for */
     uint8_t axes[BB_CODE_BITS_MAX];    /* of each bit, from the top: 0 to 2, or BB_CODE_SIZE_AXIS */
-    double sides[BB_CODE_BITS_MAX][3]; /* of the cell that the bits up to and with this one leave */
+    double sides[BB_CODE_BITS_MAX][3]; /* of the cell after this bit */
     uint32_t count[4];                 /* bits per axis, and of the size */
     bb_code_plan plan;
 } bb_code_pattern;
 
-/* Reads the options. `options` is the builder's table. BB_INVALID for what is out of range. */
+/* Reads the options. `options` is the builder's table. BB_INVALID if a value is out of range. */
 bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_choice *choice);
 
-/* Lays the code out for a scene whose primitives' boxes, and their centroids, lie in these two
- * boxes (bb_reduce_boxes). `direction` is where the view looks, zero for none. Does not fail: an
- * axis without extent gets no bits in a code of variable counts, and one cell in others. */
+/* Lays the code out for a scene whose primitives' boxes, and their centroids, are inside these two
+ * boxes (bb_reduce_boxes). `direction` is the view's; zero for none. Does not fail: an axis without
+ * extent gets no bits in a code with variable counts, and a single cell in others. */
 void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
                      const double direction[3], bb_code_pattern *layout);
 
@@ -111,7 +111,7 @@ typedef struct bb_codes bb_codes;
 bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out);
 void bb_codes_destroy(bb_codes *codes); /* NULL is allowed */
 
-uint32_t bb_codes_bits(const bb_codes *codes);      /* of a key that may be set */
+uint32_t bb_codes_bits(const bb_codes *codes);      /* of a key that are in use */
 uint32_t bb_codes_key_bytes(const bb_codes *codes); /* 4 up to 32 bits, else 8 */
 
 /* Phases "bounds" and "codes": keys[i] = code of the scene's i-th box, values[i] = i. Waits once,

@@ -1,6 +1,6 @@
-/* Compaction on the device: the values that are to be kept, in their order, one after the other; as
- * of nodes that are not empty, or of clusters that have not been merged. A scan of the marks says
- * where each one goes (Blelloch 1990, "Prefix Sums and Their Applications", section 1.5.1).
+/* Compaction on the device: moves the values to be kept to the front, in order; for example nodes
+ * that are not empty, or clusters that have not been merged. A scan of the marks says where each
+ * value goes (Blelloch 1990, "Prefix Sums and Their Applications", section 1.5.1).
  */
 #ifndef BB_COMPACT_H
 #define BB_COMPACT_H
@@ -23,10 +23,10 @@ void bb_compaction_destroy(bb_compaction *compaction); /* NULL is allowed */
 /* Reserves the scratch for up to `count` values, so that a timed build does not. */
 bb_status bb_compaction_reserve(bb_compaction *compaction, uint32_t count);
 
-/* values[i] of the i < count whose marks[i] is 1, not 0, to out[0], out[1], ...; `values` NULL: the
- * numbers i themselves. kept[0] gets how many there are. All are u32; `out`, which is none of the
- * others, has room for all that may be kept. Enqueued, not waited for. BB_INVALID: a buffer is too
- * small; BB_REFUSED: there is no memory for the scratch. */
+/* Writes values[i] of each i < count with marks[i] 1 (not 0) to out[0], out[1], ...; if `values` is
+ * NULL, the indices i themselves. kept[0] gets their number. All are u32; `out` must not be one of
+ * the other buffers, and has room for all that may be kept. Enqueued, not waited for. BB_INVALID: a
+ * buffer is too small; BB_REFUSED: there is no memory for the scratch. */
 bb_status bb_compact_u32(bb_compaction *compaction, const bb_buffer *marks, const bb_buffer *values,
                          uint32_t count, bb_buffer *out, bb_buffer *kept);
 

@@ -1,8 +1,8 @@
 /* LBVH with any code: codes, sort, radix tree; one primitive per leaf, on the device.
  *
  * Lauterbach et al. 2009 (the idea), Karras 2012 (the tree; equal codes are told apart by their
- * index), Apetrei 2014 (linking and boxes in one bottom-up pass). Builders that are this with a
- * code of their own declare options and defaults and pass the hooks on.
+ * index), Apetrei 2014 (linking and boxes in one bottom-up pass). Builders that differ only in
+ * their code declare options and defaults, and use these hooks.
  */
 #ifndef BB_LINEAR_BVH_H
 #define BB_LINEAR_BVH_H
@@ -18,7 +18,7 @@ extern "C" {
 /* An option for the builder's table. */
 #define BB_LINK_OPTION                                                                             \
     {                                                                                              \
-        "link", "apetrei", "apetrei|karras", "how the tree is linked; the tree is the same"        \
+        "link", "apetrei", "apetrei|karras", "how nodes are linked; the tree is the same"          \
     }
 
 /* The hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and

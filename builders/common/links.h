@@ -1,7 +1,7 @@
-/* Links of the common tree from what builders have: a node's first child and its next sibling.
+/* Links of the common tree, from what builders know: each node's first child and next sibling.
  *
- * A child's skip is its next sibling; the last child's is its parent's. So a builder that knows the
- * siblings writes those as skips, and the last ones' follow from the top down.
+ * A child's skip is its next sibling; the last child's is its parent's skip. So builders write the
+ * siblings as skips, and those of last children are filled in from the top down.
  */
 #ifndef BB_LINKS_H
 #define BB_LINKS_H
@@ -15,12 +15,12 @@
 extern "C" {
 #endif
 
-/* Finishes a tree on the host whose nodes have their boxes and, as `first`, their first child or
- * BB_LEAF_BIT | first reference; as `skip` their next sibling, BB_NONE for the last of a family and
- * for the root. Sets the last ones' skips, and leaf_count, arity and depth of tree->info; root,
- * node_count and ref_count are the caller's. `depths` is scratch, a u32 per node; NULL leaves the
- * depth to the caller. One pass in preorder, whatever the depth. BB_FAILED if a node is linked to
- * that does not exist, or more than node_count are met. */
+/* Finishes a tree on the host. Its nodes have their boxes; `first` is the first child, or
+ * BB_LEAF_BIT | first reference; `skip` is the next sibling, BB_NONE for a last child and for the
+ * root. Sets the skips of last children, and leaf_count, arity and depth of tree->info; the caller
+ * sets root, node_count and ref_count. `depths` is scratch, a u32 per node; if NULL, the caller
+ * sets the depth. One pass in preorder, whatever the depth. BB_FAILED if a link leads nowhere, or
+ * more than node_count nodes are found. */
 bb_status bb_links_finish(bb_tree *tree, uint32_t *depths);
 
 /* ---- the same on the device ---- */
@@ -34,10 +34,10 @@ void bb_links_destroy(bb_links *links); /* NULL is allowed */
 /* Scratch for trees of up to `nodes` nodes: 32 bytes each. */
 bb_status bb_links_reserve(bb_links *links, size_t nodes);
 
-/* Finishes a tree on the device, whose d_nodes are as bb_links_finish() takes them: sets the last
- * children's skips, and fills d_info from `known` (root, node_count, ref_count) and what it finds.
- * Waits for the device a few times, the more the deeper the tree. All nodes hang from the root, or
- * the result is no tree, which `bvhbench check` says. */
+/* Finishes a tree on the device, with d_nodes as for bb_links_finish(): sets the skips of last
+ * children, and fills d_info from `known` (root, node_count, ref_count) and what it finds. Waits
+ * for the device a few times, more often for deeper trees. All nodes must be reachable from the
+ * root, or the result is not a tree, as `bvhbench check` will report. */
 bb_status bb_links_finish_device(bb_links *links, const bb_tree_info *known, bb_tree *tree);
 
 #ifdef __cplusplus

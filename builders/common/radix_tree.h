@@ -1,12 +1,13 @@
-/* Linking: from sorted keys to the binary radix tree over them, with boxes, in the common format.
- * Shared by all Morton-based builders.
+/* Linking: makes the binary radix tree over sorted keys, with boxes, in the common format. Shared
+ * by all Morton-based builders.
  *
- * Leaf i of the tree is the i-th key; equal keys are told apart by their index. Keys are strings of
- * bits of one length (Morton codes), or nodes of a binary tree, some of which may lie below others
- * (those of a loose octree): radix_tree.cl says how nodes are written. A leaf has one reference, or
- * a run of them. Both ways of linking give the same tree, in the same places: the root at node 0,
- * and below the split between keys s and s + 1 the left child at 2s + 1, the right child at 2s + 2.
- * With that numbering first and skip follow from a node's range alone, in the same pass as its box.
+ * Leaf i of the tree is the i-th key; equal keys are distinguished by their index. Keys are bit
+ * strings of one length (Morton codes), or nodes of a binary tree, some of which may be below
+ * others (those of a loose octree): radix_tree.cl says how nodes are encoded. A leaf has one
+ * reference, or a run of them. Both ways of linking give the same tree, with the same node indices:
+ * the root at node 0, and below the split between keys s and s + 1 the left child at 2s + 1, the
+ * right child at 2s + 2. With that numbering first and skip follow from a node's range alone, in
+ * the same pass as its box.
  */
 #ifndef BB_RADIX_TREE_H
 #define BB_RADIX_TREE_H
@@ -48,8 +49,8 @@ void bb_radix_tree_destroy(bb_radix_tree *radix); /* NULL is allowed */
 bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *tree);
 
 /* Links sorted keys over `count` >= 1 references; values[] are their primitives, boxes[] the
- * primitives' boxes (bb_box). `runs` is NULL unless kind.runs: then there is a key for each
- * reference. Fills tree, d_info included. Enqueued, not waited for. */
+ * primitives' boxes (bb_box). `runs` is given if kind.runs, else NULL: then each reference has
+ * a key of its own. Fills tree, d_info included. Enqueued, not waited for. */
 bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_radix_runs *runs,
                              const bb_buffer *values, const bb_buffer *boxes, uint32_t count,
                              bb_tree *tree);

@@ -1,14 +1,14 @@
 /* Refit: new boxes for a tree whose primitives have moved. Links and references stay.
  *
- * Each leaf's box becomes the union of its primitives' boxes, each inner node's that of its
- * children, from the bottom up: the least boxes there are, in float, without rounding. Same tree
- * and boxes, same result, bit for bit, on the host and on the device. Terdiman 2001,
+ * From the bottom up, each leaf's box becomes the union of its primitives' boxes, and each inner
+ * node's that of its children: the tightest boxes, in float, without rounding. The same tree and
+ * boxes give the same result, bit for bit, on the host and on the device. Terdiman 2001,
  * "Memory-optimized bounding-volume hierarchies"; Wald, Boulos, Shirley 2007, "Ray Tracing
  * Deformable Scenes using Dynamic Bounding Volume Hierarchies". Trees of any arity and depth, nodes
  * in any order.
  *
- * A tree with duplicated references is BB_UNSUPPORTED: a leaf's box may hold a piece of a
- * primitive, and where the piece went does not follow from the primitive's box. Afterwards the tree
+ * A tree with duplicated references is BB_UNSUPPORTED: a leaf's box may contain only a piece of a
+ * primitive, and the primitive's new box does not say where that piece went. Afterwards the tree
  * is no longer declared `disjoint`, since siblings may have moved into each other; side arrays stay
  * as they are.
  */
@@ -34,7 +34,7 @@ extern "C" {
 
 /* Refits a tree on the host to boxes[0 .. prim_count). `order` is scratch, a u32 per node. One pass
  * in preorder and one back, whatever the depth. BB_FAILED, before any box is written, if a link or
- * a reference leads nowhere, or more than node_count nodes are met. */
+ * a reference leads nowhere, or more than node_count nodes are found. */
 bb_status bb_refit(bb_tree *tree, const bb_box *boxes, uint32_t prim_count, uint32_t *order);
 
 /* ---- the same on the device ---- */
@@ -45,12 +45,12 @@ typedef struct bb_refitter bb_refitter;
 bb_status bb_refitter_create(bb_device *device, bb_account *account, bb_refitter **out);
 void bb_refitter_destroy(bb_refitter *refitter); /* NULL is allowed */
 
-/* Scratch for trees of up to `nodes` nodes: 8 bytes each; 8 more, and 4 per level when it comes to
- * that, where work-groups hand over by levels. */
+/* Scratch for trees of up to `nodes` nodes: 8 bytes each; where work-groups hand over by levels, 8
+ * more, and 4 per level once they are needed. */
 bb_status bb_refitter_reserve(bb_refitter *refitter, size_t nodes);
 
 /* Refits a tree on the device, whose tree->info is fetched, to `boxes` (bb_box). Enqueued, not
- * waited for; by levels it asks the device now and then. Takes a valid tree: links are not
+ * waited for; by levels it asks the device now and then. The tree must be valid: links are not
  * checked. */
 bb_status bb_refit_device(bb_refitter *refitter, const bb_buffer *boxes, bb_tree *tree);
 

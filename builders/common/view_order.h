@@ -1,5 +1,5 @@
-/* Ordering by the direction of a view: along it, Morton codes of any builder enumerate what is
- * nearer first.
+/* Ordering along the direction of a view: the Morton codes of any builder then enumerate nearer
+ * primitives first.
  *
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
  * Loose Octrees), section 3.4: the bits of an axis are negated where the direction is negative, and

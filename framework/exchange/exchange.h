@@ -1,8 +1,7 @@
-/* The files by which rays go out to tracers that are no plug-ins, and by which their hits come
- * back.
+/* The file formats in which external tracers, which are not plug-ins, get rays and return hits.
  *
  * `bvhbench rays` writes a rays file: a scene's primitives and a ray set. A tracer answers it with
- * a hits file, which `bvhbench judge` classes. This header is the format; a tracer needs nothing
+ * a hits file, which `bvhbench judge` judges. This header is the format; a tracer needs nothing
  * else (examples/outside-tracer is one). Numbers are little-endian, floats IEEE 754 binary32. The
  * parts follow each other without padding:
  *
@@ -16,31 +15,30 @@
  *               bb_hit   hits[hit_count]              t, primitive: 8 bytes each, hits[i] of
  *                        rays[i]
  *
- * Primitives are numbered through: the triangles first, then the spheres, then the boxes, of which
- * rays meet the surface. A scene of other kinds than triangles and spheres makes files of version
- * 3, all others of version 2. t is in units of |d|, which
- * need not be 1. Hits count in the open interval tmin < t < tmax; tmax may be +inf. Triangles have
- * two sides; a ray that starts in a sphere or a box hits its far side. Nothing has a default: a
- * tracer that cannot do what a header asks for (another version, another interval) must say so and
- * stop.
+ * Primitives are numbered consecutively: the triangles first, then the spheres, then the boxes, of
+ * which rays hit the surface. Scenes with other kinds than triangles and spheres make files of
+ * version 3, all others of version 2. t is in units of |d|, which need not be 1. Hits count in the
+ * open interval tmin < t < tmax; tmax may be +inf. Triangles have two sides; a ray that starts in a
+ * sphere or a box hits its far side. There are no defaults: a tracer that cannot do what a header
+ * asks for (another version, another interval) must say so and stop.
  *
  *   closest hit   the nearest hit, and which primitive that is
- *   any hit       some hit; BB_UNNAMED for the primitive says "one of them", and t is not looked at
+ *   any hit       some hit; BB_UNNAMED for the primitive says "one of them"; t is ignored
  *   no hit        t = +inf, prim = BB_NONE
  *
- * The hits may be fewer than the rays: then they are those of the first rays. More of them, a t
- * that is no number, a primitive that the scene does not have, or a miss whose t is not +inf are no
- * answers: such a file is refused, with the first ray of which it is true. A t outside the interval
- * is an answer, and judged.
+ * There may be fewer hits than rays: then they belong to the first rays. A file is refused, naming
+ * the first ray concerned, if it has more hits than rays, a t that is not a number, a primitive
+ * that the scene does not have, or a miss whose t is not +inf. A t outside the interval is an
+ * answer, and is judged.
  *
- * The header names the workload and all that the rays were made by: `bvhbench judge` makes them
- * again and refuses a file that holds others. Rays made by hand have a name of their own, which is
- * no workload's, and 0 for seed, primary_width, primary_height, max_rays and must_hit; `bvhbench
- * judge --verify no` takes them, and its record says so.
+ * The header names the workload and everything else that determines the rays: `bvhbench judge`
+ * generates them again and refuses a file that contains others. Rays made by hand need a name that
+ * is not a workload's, and 0 for seed, primary_width, primary_height, max_rays and must_hit;
+ * `bvhbench judge --verify no` accepts them, and its record says so.
  *
  * Hashes are XXH3 of 64 bits, seed 0 (https://xxhash.com). A checksum is that of the whole file
- * with its own eight bytes taken as 0. A tracer may take the hashes as names that it repeats, and
- * leave the checksum of its hits 0, "none"; what is damaged then is judged as it stands.
+ * with its own eight bytes taken as 0. A tracer may simply copy the hashes, and leave the
+ * checksum of its hits 0, "none"; a damaged file is then judged as it is.
  */
 #ifndef BB_EXCHANGE_H
 #define BB_EXCHANGE_H
@@ -62,7 +60,7 @@ enum {
     BB_EXCHANGE_OPEN = 1, /* hits count where tmin < t < tmax */
 };
 
-/* 1024 bytes. Texts end with a 0 and are filled up with 0. */
+/* 1024 bytes. Texts end with a 0 and are padded with 0. */
 typedef struct bb_rays_header {
     char magic[8];
     uint32_t version;

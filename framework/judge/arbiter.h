@@ -1,10 +1,10 @@
-/* The arbiter: classifies one answer to one ray in exact arithmetic, without asking Embree.
+/* The arbiter: classifies one answer to one ray, in exact arithmetic and without asking Embree.
  *
  * eps = 16 * 2^-24 * max |v - o| over the coordinates of the primitive's vertices (sphere: centre
  * +- radius) and the ray's origin; t is in units of |d|, so the margin of t is eps / |d|. "The
- * nine" are the ray and eight copies of it, whose origin is moved by eps perpendicular to d in
- * steps of 45 degrees. Origins are rounded to doubles; from there on every decision "this ray meets
- * that primitive" is exact (exact.h), edges and vertices included.
+ * nine" are the ray and eight copies of it, with origins moved by eps perpendicular to d in steps
+ * of 45 degrees. Origins are rounded to doubles; from there on every decision "this ray hits that
+ * primitive" is exact (exact.h), edges and vertices included.
  *
  *   missed   no hit was reported, and each of the nine hits something at a t more than eps inside
  *            (tmin, tmax).
@@ -21,21 +21,21 @@
  *            the ray, or where the copy enters and leaves the box grown by eps.
  *   right    all else.
  *
- * eps belongs to a primitive, so a copy is moved by as much as the primitive's own eps when it is
- * tested against that. Across an edge between primitives of different eps this could leave a gap
- * that is none; therefore the nine count as hitting something also if they all do when moved by one
- * common eps, the largest of those that any of the nine hits; or by that of something that the ray
- * itself hits, where only what has no larger eps counts.
+ * eps is a property of the primitive, so a copy is moved by the eps of the primitive that it is
+ * tested against. Where primitives of different eps share an edge, this could open a gap that the
+ * scene does not have; so the nine also count as hitting something if they all do when moved by one
+ * common eps: the largest among the primitives hit by any of the nine, or that of a primitive hit
+ * by the ray itself, in which case only primitives with no larger eps count.
  *
- * The nine stand for the disc of radius eps. If no one primitive is hit by all of them, the way
- * between may be open: so all eight must hit something at eps/2, eps/4, ... eps/32 as well, and so
- * must copies that pass between the primitives' sides and corners (open_way.h).
+ * The nine stand for the disc of radius eps. If no single primitive is hit by all of them, there
+ * may be an opening between them: so all eight must also hit something at eps/2, eps/4, ... eps/32,
+ * and so must copies that pass between the primitives' sides and corners (open_way.h).
  *
- * A triangle in a plane with the ray, and so one of zero area, is never hit and never required; to
- * report it is right if the ray passes within eps of it, at a t in its extent. Rays that must hit
- * (edges of a closed mesh, from inside) have no margin for a miss; their hits are judged as usual.
- * An any-hit answer of BB_UNNAMED does not say which primitive it hit: it is false if none of the
- * nine hits anything, and the ray passes everything at more than eps.
+ * A triangle that is coplanar with the ray, as is one of zero area, is never hit and never
+ * required; reporting it is right if the ray passes within eps of it, at a t within its extent.
+ * Rays that must hit (edges of a closed mesh, from inside) have no margin for a miss; their hits
+ * are judged as usual. An any-hit answer of BB_UNNAMED does not say which primitive was hit: it is
+ * false if none of the nine hits anything, and the ray misses everything by more than eps.
  */
 #ifndef BB_ARBITER_H
 #define BB_ARBITER_H
@@ -59,9 +59,9 @@ void bb_arbiter_destroy(bb_arbiter *arbiter);
 bb_class bb_arbiter_judge(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
                           const bb_query *query, bool must_hit);
 
-/* Whether an answer that is right here would be wrong by the letter of the definitions, which know
- * neither a margin at the ends of the ray's interval, nor a needle or an open way between the nine,
- * nor that a primitive is no witness against itself. Such answers are counted apart. */
+/* Whether an answer that is right here would be wrong by the letter of the definitions, which have
+ * no margin at the ends of the ray's interval, no needles or openings between the nine, and let a
+ * primitive be a witness against itself. Such answers are counted separately. */
 bool bb_arbiter_forgives(const bb_arbiter *arbiter, const bb_ray *ray, const bb_hit *hit,
                          const bb_query *query);
 
@@ -82,7 +82,7 @@ int bb_exact_hits(const bb_scene *scene, const double o[3], const float d[3], ui
                   double t[2]);
 
 /* The first t, to 2^-32, at which the ray itself hits the primitive between tmin and tmax. False if
- * there is none, or one so near to an end that it can't be told on which side. */
+ * there is none, or if one is so near to an end that its side cannot be decided. */
 bool bb_exact_first(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double *t);
 
 #endif
