@@ -130,7 +130,7 @@ static void print_overview(const bb_command *const *commands)
     printf(
         "\n`bvhbench COMMAND --help` shows a command's options; `bvhbench --version` the version.\n"
         "exit status: 0 done, nothing wrong; 1 done, but a check or comparison failed;\n"
-        "2 it could not be done (one line on standard error says why)\n"
+        "2 it could not be done (one line on standard error says why); 130 interrupted\n"
         "environment: BVHBENCH_PLUGINS=A.so:B.so loads builders for every command;\n"
         "BVHBENCH_SCENES=DIR is the folder of the shipped scenes\n");
 }
