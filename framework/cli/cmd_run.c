@@ -16,7 +16,7 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "file (.gltf, .glb), shipped or procedural scene; default: the shipped ones",
+    {"scene", "S", "file (.gltf, .glb, .obj, .ply), shipped or procedural scene; default: shipped",
      true},
     {"builder", "B", "name:key=value,...; A+B; `all`; default: the variants to compare", true},
     {"kernel", "K", "kernel; `all`; default: those to compare, and those that keep a tree's shape",

@@ -141,9 +141,8 @@ extern const bb_scene_format *const bb_scene_formats[]; /* generated table; ends
 /* Loads what `text` names: an existing file (.gltf, .glb), a shipped scene (coffee, scorpion, ...:
  * see bb_shipped_scenes), or a generator with parameters. Finishes it and takes its views: from
  * `NAME.views` beside the file, from the generator, or derived from the profile, which are put
- * after the cameras of the file if it has any. BB_INVALID, with one clear line, for anything that is
- * wrong with the input. Owned by the caller:
- * bb_scene_free(). */
+ * after the cameras of the file if it has any. BB_INVALID, with one clear line, for anything that
+ * is wrong with the input. Owned by the caller: bb_scene_free(). */
 bb_status bb_scene_load(const char *text, bb_scene **scene);
 void bb_scene_free(bb_scene *scene); /* NULL is allowed; releases the device side too */
 
