@@ -164,7 +164,8 @@ static bb_status append_file(bb_device *device, const bb_source *source, const b
 }
 
 /* All in one text, not clCompileProgram and clLinkProgram with a program for each header: of that,
- * PoCL 3.1 finds nothing but the kernels in its cache, and compiles and links the rest each time. */
+ * PoCL 3.1 finds nothing but the kernels in its cache, and compiles and links the rest each time.
+ */
 static bb_status compile(bb_device *device, const bb_source *source, const char *options,
                          cl_program *program)
 {
