@@ -20,20 +20,14 @@
  */
 #include "bb_device.h"
 #include "handover.clh"
+#include "parents.clh"
 
 kernel void collapse_parents(global const bb_node *nodes, uint count, uint root,
                              global uint *parents, global uint *missing)
 {
     uint n = get_global_id(0);
-    if (n >= count)
-        return;
-    if (n == root)
-        parents[n] = BB_NONE;
-    uint children = 0;
-    if ((nodes[n].first & BB_LEAF_BIT) == 0)
-        for (uint c = nodes[n].first; c != nodes[n].skip; c = nodes[c].skip, children++)
-            parents[c] = n;
-    missing[n] = children;
+    if (n < count)
+        missing[n] = bb_make_parent(nodes, n, root, parents);
 }
 
 /* In the layout's units: those of the scene may be so small or large that products leave the range

@@ -13,6 +13,7 @@
  * with no less. Limits: none of its own.
  */
 #include "bb_device.h"
+#include "parents.clh"
 
 kernel void reach_parents(global const bb_node *nodes, uint count, uint root, global uint *parents,
                           global uint *reach)
@@ -21,11 +22,7 @@ kernel void reach_parents(global const bb_node *nodes, uint count, uint root, gl
     if (n >= count)
         return;
     reach[n] = 0;
-    if (n == root)
-        parents[n] = BB_NONE;
-    if ((nodes[n].first & BB_LEAF_BIT) == 0)
-        for (uint c = nodes[n].first; c != nodes[n].skip; c = nodes[c].skip)
-            parents[c] = n;
+    bb_make_parent(nodes, n, root, parents);
 }
 
 float longest_side(global const bb_box *box)

@@ -18,7 +18,7 @@
  * boxes are tested again. Limits: trees of up to BB_LEVELS levels; in a deeper one the hit is left
  * poisoned and counted as overflown, as the full stack does.
  *
- *   -D: those of wide.clh, trail.clh and search.clh
+ *   -D: those of wide.clh, trail.clh and trace.clh
  */
 #include "bb_device.h"
 #ifndef BB_WIDTH
@@ -58,17 +58,11 @@ uint short_children(const bb_search *search, const bb_slab *slab, global const b
     return many;
 }
 
-void trace_ray(uint id, global const bb_wide *nodes,
-               global const float *leaf_prims, /* of primitives, or blocks of them */
-               uint root,                   /* link */
-               const bb_prim_ends *ends, float scale, global const bb_ray *rays,
-               global bb_result *results BB_COUNTS_ARGUMENT)
+static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_slab *slab,
+                      global const bb_wide *nodes,
+                      global const float *leaf_prims, /* of primitives, or blocks of them */
+                      uint root, const bb_prim_ends *ends)
 {
-    bb_ray_setup setup;
-    bb_ray_setup_make(&setup, &rays[id], scale);
-    bb_slab slab = bb_slab_of(setup.o, setup.d);
-    bb_search search;
-    bb_search_start(&search, &setup, &rays[id]);
     bb_trail trail;
     bb_trail_start(&trail);
 #if BB_ENTRIES > 0
@@ -77,21 +71,18 @@ void trace_ray(uint id, global const bb_wide *nodes,
 #endif
 
     uint link = root, level = 0, retrace = 0;
-    bool overflow = false;
     for (;;) {
         while ((link & BB_LEAF_BIT) == 0) {
-            if (level == BB_LEVELS) {
-                overflow = true;
-                goto done;
-            }
+            if (level == BB_LEVELS)
+                return false;
             uint met[BB_CHILDREN];
             float distances[BB_CHILDREN];
-            uint many = short_children(&search, &slab, nodes + link, met, distances);
+            uint many = short_children(search, slab, nodes + link, met, distances);
             uint at = level < retrace ? bb_trail_place(&trail, level) : 0;
 #if BB_WIDTH == 2
-            search.boxes += 2;
+            search->boxes += 2;
 #else
-            search.boxes += nodes[link].count;
+            search->boxes += nodes[link].count;
 #endif
             if (at >= many)
                 goto next;
@@ -103,13 +94,13 @@ void trace_ray(uint id, global const bb_wide *nodes,
             link = met[at];
             level++;
         }
-        if (bb_search_leaf(&search, &setup, &slab, leaf_prims, link, ends))
-            goto done;
+        if (bb_search_leaf(search, setup, slab, leaf_prims, link, ends))
+            return true;
     next:
         for (;;) {
             uint open = bb_trail_next(&trail, level);
             if (open == BB_NONE)
-                goto done;
+                return true;
 #if BB_ENTRIES > 0
             if (stack.size > 0) {
                 float distance;
@@ -119,7 +110,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
                     bb_trail_close(&trail, open);
                 level = open + 1u;
                 retrace = 0;
-                if (distance > search.tmax)
+                if (distance > search->tmax)
                     continue;
                 break;
             }
@@ -130,12 +121,7 @@ void trace_ray(uint id, global const bb_wide *nodes,
             break;
         }
     }
-done:
-    if (!overflow)
-        bb_search_write(&search, &setup, &results[id]);
-#if BB_COUNTING
-    bb_search_count(&search, overflow, &counts[id]);
-#endif
 }
 
-BB_TRACE_KERNEL(bb_wide)
+#define BB_TRACE_NODE bb_wide
+#include "trace.clh"

@@ -16,7 +16,7 @@
  *   BB_ORDER        sorted: children by distance; octant: by their places, which the layout gives
  *                   them for this, which saves the sorting but is only roughly right (nodes of 8)
  *   BB_STACK_SIZE   entries
- *   and those of search.clh
+ *   and those of trace.clh
  */
 #include "bb_device.h"
 #include "wide.clh"
@@ -65,34 +65,26 @@ uint places_of(uint met, uint octant)
 }
 #endif
 
-void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks, /* of primitives */
-               uint root,                                                        /* link */
-               const bb_prim_ends *ends, float scale, global const bb_ray *rays,
-               global bb_result *results BB_COUNTS_ARGUMENT)
+static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_slab *slab,
+                      global const bb_wide *nodes, global const float *blocks, /* of primitives */
+                      uint root, const bb_prim_ends *ends)
 {
-    bb_ray_setup setup;
-    bb_ray_setup_make(&setup, &rays[id], scale);
-    bb_slab slab = bb_slab_of(setup.o, setup.d);
-    bb_search search;
-    bb_search_start(&search, &setup, &rays[id]);
-
     uint stack_links[BB_STACK_SIZE];
     float stack_entries[BB_STACK_SIZE];
     uint top = 0;
     uint link = root;
-    bool overflow = false;
 #if BB_BY_OCTANT
-    const float3 d = setup.d;
+    const float3 d = setup->d;
     uint octant = (d.x < 0.0f ? 1u : 0u) | (d.y < 0.0f ? 2u : 0u) | (d.z < 0.0f ? 4u : 0u);
 #endif
     for (;;) {
         while ((link & BB_LEAF_BIT) == 0) {
             global const bb_wide *node = nodes + link;
             bb_boxes entry, exit;
-            bb_box_distances(&slab, BB_NODE_OF(node), search.tmin, search.tmax, &entry, &exit);
+            bb_box_distances(slab, BB_NODE_OF(node), search->tmin, search->tmax, &entry, &exit);
             uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit) & BB_PLACES(node);
 #if BB_COUNTING
-            search.boxes += node->count;
+            search->boxes += node->count;
 #endif
             if (met == 0u)
                 goto pop;
@@ -101,10 +93,8 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
             met ^= 1u << child;
             if (met == 0u)
                 continue;
-            if (top + BB_WIDTH - 1u > BB_STACK_SIZE && top + popcount(met) > BB_STACK_SIZE) {
-                overflow = true;
-                goto done;
-            }
+            if (top + BB_WIDTH - 1u > BB_STACK_SIZE && top + popcount(met) > BB_STACK_SIZE)
+                return false;
             float entries[BB_WIDTH];
             BB_VECTOR(vstore, BB_WIDTH)(entry, 0, entries);
 #if BB_BY_OCTANT
@@ -146,22 +136,17 @@ void trace_ray(uint id, global const bb_wide *nodes, global const float *blocks,
             } while (met != 0u);
 #endif
         }
-        if (bb_search_leaf(&search, &setup, &slab, blocks, link, ends))
-            goto done;
+        if (bb_search_leaf(search, setup, slab, blocks, link, ends))
+            return true;
     pop:
         do {
             if (top == 0u)
-                goto done;
+                return true;
             top--;
-        } while (stack_entries[top] > search.tmax);
+        } while (stack_entries[top] > search->tmax);
         link = stack_links[top];
     }
-done:
-    if (!overflow)
-        bb_search_write(&search, &setup, &results[id]);
-#if BB_COUNTING
-    bb_search_count(&search, overflow, &counts[id]);
-#endif
 }
 
-BB_TRACE_KERNEL(bb_wide)
+#define BB_TRACE_NODE bb_wide
+#include "trace.clh"

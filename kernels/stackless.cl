@@ -12,42 +12,32 @@
  * depth. Con: children come in the tree's order, not the ray's, so that a far hit culls little of
  * what comes before the near one; one box at a time.
  *
- *   -D: those of search.clh
+ *   -D: those of trace.clh
  */
 #include "bb_device.h"
 #include "search.clh"
 
-void trace_ray(uint id, global const float *nodes, /* bb_node[], in preorder */
-               global const float *leaf_prims,        /* leaf primitives */
-               uint root,                          /* node */
-               const bb_prim_ends *ends, float scale, global const bb_ray *rays,
-               global bb_result *results BB_COUNTS_ARGUMENT)
+static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_slab *slab,
+                      global const float *nodes, /* bb_node[], in preorder */
+                      global const float *leaf_prims, uint root, const bb_prim_ends *ends)
 {
-    bb_ray_setup setup;
-    bb_ray_setup_make(&setup, &rays[id], scale);
-    bb_slab slab = bb_slab_of(setup.o, setup.d);
-    bb_search search;
-    bb_search_start(&search, &setup, &rays[id]);
-
     uint link = root;
     while (link != BB_NONE) {
         global const float *node = nodes + 8ul * link;
         uint first = as_uint(node[3]), skip = as_uint(node[7]);
-        search.boxes++;
-        if (!bb_meets_node(&slab, node, search.tmin, search.tmax)) {
+        search->boxes++;
+        if (!bb_meets_node(slab, node, search->tmin, search->tmax)) {
             link = skip;
         } else if ((first & BB_LEAF_BIT) == 0) {
             link = first;
         } else {
-            if (bb_search_leaf(&search, &setup, &slab, leaf_prims, first, ends))
+            if (bb_search_leaf(search, setup, slab, leaf_prims, first, ends))
                 break;
             link = skip;
         }
     }
-    bb_search_write(&search, &setup, &results[id]);
-#if BB_COUNTING
-    bb_search_count(&search, false, &counts[id]);
-#endif
+    return true;
 }
 
-BB_TRACE_KERNEL(float)
+#define BB_TRACE_NODE float
+#include "trace.clh"

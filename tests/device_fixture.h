@@ -40,6 +40,15 @@ static inline void check(bb_status status, const char *what)
         fail_msg("%s (seed %llu): %s", what, (unsigned long long)seed, bb_message());
 }
 
+/* A buffer of `bytes` bytes, with `data` in it unless that is NULL. */
+static inline void make_buffer(bb_buffer *buffer, const void *data, size_t bytes)
+{
+    *buffer = (bb_buffer){0};
+    ASSERT_OK(bb_buffer_reserve(device, NULL, bytes, "test", buffer));
+    if (data != NULL)
+        ASSERT_OK(bb_buffer_write(buffer, 0, bytes, data));
+}
+
 /* For walks of the registry: false, and said by name, if the builder does not take what it was
  * given. Counts what it took in *ran: a walk that ran nothing has shown nothing. */
 static inline bool is_taken(bb_status status, const char *builder, uint32_t *ran)

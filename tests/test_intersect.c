@@ -46,14 +46,6 @@ static const bb_source triangles_source = {
         "#endif\n"
         "}\n"};
 
-static void upload(bb_buffer *buffer, const void *data, size_t bytes)
-{
-    *buffer = (bb_buffer){0};
-    ASSERT_OK(bb_buffer_reserve(device, NULL, bytes, "test", buffer));
-    if (data != NULL)
-        ASSERT_OK(bb_buffer_write(buffer, 0, bytes, data));
-}
-
 /* Ray i against triangles LANES * i ..: t[LANES * i + k]. */
 static void test_triangles(const bb_intersector *intersector, uint32_t lanes, const float *vertices,
                            const bb_ray *rays, uint32_t count, float *t)
@@ -63,12 +55,13 @@ static void test_triangles(const bb_intersector *intersector, uint32_t lanes, co
     for (uint32_t i = 0; i < 3 * triangles; i++)
         order[i] = i;
     bb_buffer d_vertices, d_indices, d_rays, d_records, d_t;
-    upload(&d_vertices, vertices, 9 * (size_t)triangles * sizeof(float));
-    upload(&d_indices, order, 3 * (size_t)triangles * sizeof *order);
-    upload(&d_rays, rays, count * sizeof *rays);
-    upload(&d_records, NULL,
-           (size_t)triangles * bb_leaf_prim_words(BB_TRIANGLES, BB_FORMAT_AFFINE) * sizeof(float));
-    upload(&d_t, NULL, triangles * sizeof(float));
+    make_buffer(&d_vertices, vertices, 9 * (size_t)triangles * sizeof(float));
+    make_buffer(&d_indices, order, 3 * (size_t)triangles * sizeof *order);
+    make_buffer(&d_rays, rays, count * sizeof *rays);
+    make_buffer(&d_records, NULL,
+                (size_t)triangles * bb_leaf_prim_words(BB_TRIANGLES, BB_FORMAT_AFFINE) *
+                    sizeof(float));
+    make_buffer(&d_t, NULL, triangles * sizeof(float));
     char defines[160], lane_define[32];
     bb_intersector_defines(intersector, defines, sizeof defines);
     snprintf(lane_define, sizeof lane_define, " -DBB_LANES=%u", lanes);
@@ -363,9 +356,9 @@ static void affine_maps_take_vertices_to_the_unit_triangle(void **state)
         }
     }
     bb_buffer d_vertices, d_indices, d_maps;
-    upload(&d_vertices, vertices, 9 * COUNT * sizeof *vertices);
-    upload(&d_indices, indices, 3 * COUNT * sizeof *indices);
-    upload(&d_maps, NULL, 12 * COUNT * sizeof *maps);
+    make_buffer(&d_vertices, vertices, 9 * COUNT * sizeof *vertices);
+    make_buffer(&d_indices, indices, 3 * COUNT * sizeof *indices);
+    make_buffer(&d_maps, NULL, 12 * COUNT * sizeof *maps);
     cl_program program;
     cl_kernel write;
     ASSERT_OK(bb_program_build(device, &source, "", &program));

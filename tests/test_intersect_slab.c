@@ -39,14 +39,6 @@ static const bb_source source = {
             "                                   rays[i].tmin, rays[i].tmax);\n"
             "}\n"};
 
-static void upload(bb_buffer *buffer, const void *data, size_t bytes)
-{
-    *buffer = (bb_buffer){0};
-    ASSERT_OK(bb_buffer_reserve(device, NULL, bytes, "test", buffer));
-    if (data != NULL)
-        ASSERT_OK(bb_buffer_write(buffer, 0, bytes, data));
-}
-
 /* Does ray i meet box i? All places of the node must say the same, and so must the test of one
  * box. */
 static void test_boxes(const char *intersector, uint32_t width, const bb_ray *rays,
@@ -61,10 +53,10 @@ static void test_boxes(const char *intersector, uint32_t width, const bb_ray *ra
                 planes[6 * width * i + (2 * k + 1) * width + c] = boxes[i].hi[k];
             }
     bb_buffer d_rays, d_planes, d_nodes, d_met;
-    upload(&d_rays, rays, count * sizeof *rays);
-    upload(&d_planes, planes, 6 * (size_t)width * count * sizeof *planes);
-    upload(&d_nodes, boxes, count * sizeof *boxes);
-    upload(&d_met, NULL, 2 * (size_t)count * sizeof *found);
+    make_buffer(&d_rays, rays, count * sizeof *rays);
+    make_buffer(&d_planes, planes, 6 * (size_t)width * count * sizeof *planes);
+    make_buffer(&d_nodes, boxes, count * sizeof *boxes);
+    make_buffer(&d_met, NULL, 2 * (size_t)count * sizeof *found);
     bb_intersector parsed;
     ASSERT_OK(bb_intersector_parse(intersector, &parsed));
     char defines[160], width_define[32];

@@ -2,8 +2,6 @@
 #include "framework/tree/metric.h"
 #include "tests/tree_fixture.h"
 
-#define V(...) ((const float[3]){__VA_ARGS__})
-
 static bb_status measure(const bb_tree *tree, bb_metric_value *out)
 {
     return bb_metric_compute(bb_metrics[bb_metric_find("leaf_depth")], tree, NULL, 1, 1, out);
@@ -70,16 +68,8 @@ static void test_single_leaf(void **state)
 static void test_wide(void **state)
 {
     (void)state;
-    bb_node nodes[5] = {make_node(V(0, 0, 0), V(4, 1, 1), 1, BB_NONE)};
-    uint32_t refs[4];
-    for (uint32_t i = 0; i < 4; i++) {
-        float x = (float)i;
-        nodes[i + 1] =
-            make_node(V(x, 0, 0), V(x + 1, 1, 1), BB_LEAF_BIT | i, i < 3 ? i + 2 : BB_NONE);
-        refs[i] = i | BB_LAST_BIT;
-    }
     bb_tree tree;
-    make_tree(&tree, nodes, 5, refs, 4, 4, 1);
+    make_row(&tree);
     expect(&tree, 1);
     bb_tree_release(&tree);
 }

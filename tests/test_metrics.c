@@ -12,8 +12,6 @@ static bb_status measure(const char *name, const bb_tree *tree, const bb_scene *
 
 enum { SAMPLES = 200000 };
 
-#define V(...) ((const float[3]){__VA_ARGS__})
-
 /* Root [0,2] x [0,1] x [0,1], half area 2*1 + 1*1 + 1*2 = 5; two unit cubes of half area 3.
  * Inner: Ct 2/2 * 5 = 6. Leaves with 1 and 3 references: 3 + 9. (6 + 12) / 5 = 3.6 */
 static void test_sah_binary(void **state)
@@ -36,16 +34,8 @@ static void test_sah_binary(void **state)
 static void test_sah_wide(void **state)
 {
     (void)state;
-    bb_node nodes[5] = {make_node(V(0, 0, 0), V(4, 1, 1), 1, BB_NONE)};
-    uint32_t refs[4];
-    for (uint32_t i = 0; i < 4; i++) {
-        float x = (float)i;
-        nodes[i + 1] =
-            make_node(V(x, 0, 0), V(x + 1, 1, 1), BB_LEAF_BIT | i, i < 3 ? i + 2 : BB_NONE);
-        refs[i] = i | BB_LAST_BIT;
-    }
     bb_tree tree;
-    make_tree(&tree, nodes, 5, refs, 4, 4, 1);
+    make_row(&tree);
     ASSERT_NEAR(bb_tree_sah(&tree), 33.6 / 9, 1e-14);
     bb_tree_release(&tree);
 }

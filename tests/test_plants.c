@@ -31,9 +31,9 @@ static const plant plants[] = {
      "return fma(a, b, -cd) + error;", "return a * b - cd;", boards, "stack"},
     {"differences of products miss their error", "triangle_watertight.clh",
      "return fma(a, b, -cd) + error;", "return fma(a, b, -cd);", boards, "stack"},
-    {"a stack has one entry too few", "stack.cl", "if (top == BB_STACK_SIZE) {",
+    {"a stack has one entry too few", "stack.cl", "if (top == BB_STACK_SIZE)",
      "if (top + 1u == BB_STACK_SIZE) { link = entry.y < entry.x ? links.y : links.x; continue; }\n"
-     "if (top == BB_STACK_SIZE) {",
+     "if (top == BB_STACK_SIZE)",
      ladder, "stack"},
     {"quantised boxes start inside", "layout_wide.cl", "step_below(node, axis, los[c]);",
      "min(255u, step_below(node, axis, los[c]) + 1u);", boards, "stack8q"},

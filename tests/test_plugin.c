@@ -5,6 +5,8 @@
 #include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
 
+#include <elf.h>
+#include <stddef.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -34,6 +36,8 @@ static void test_refusals(void **state)
     expect_refusal(path_of("none.so"), "is not a bvhbench builder");
     expect_refusal(path_of("foreign.so"), "its bb_plugin is no builder of this bvhbench");
     expect_refusal(path_of("abi.so"), "ABI version 999, this bvhbench has 5");
+    expect_refusal(path_of("size.so"), "has 8 bytes, this bvhbench's 32");
+    expect_refusal(path_of("empty.so"), "has no builder");
     expect_refusal(path_of("invalid.so"), "builder invalid: build() is missing");
     expect_refusal(path_of("taken.so"), "there is a builder sah already");
     expect_refusal(path_of("file.so"), "there is a device file lanes.clh already");
@@ -58,6 +62,17 @@ static void test_truncated(void **state)
         assert_int_equal(fwrite(bytes, 1, lengths[i], file), lengths[i]);
         fclose(file);
         expect_refusal(path, "is truncated");
+    }
+    /* whole, but for another machine: its bits, its order of bytes, its kind */
+    for (size_t i = 0; i < 3; i++) {
+        const size_t places[] = {EI_CLASS, EI_DATA, offsetof(Elf64_Ehdr, e_machine)};
+        bytes[places[i]] ^= 3;
+        file = fopen(path, "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(bytes, 1, size, file), size);
+        fclose(file);
+        expect_refusal(path, "is for another machine (ELF class ");
+        bytes[places[i]] ^= 3;
     }
     /* Headers that claim nonsense. */
     bb_random random = bb_random_make(5, 0);

@@ -351,15 +351,16 @@ static void command_makes_a_report(void **state)
     bb_results *results = sample_results(folder);
     snprintf(path, sizeof path, "%s/results.json", folder);
     assert_int_equal(bb_results_write(results, path), BB_OK);
+    snprintf(path, sizeof path, "%s/again.json", folder);
+    assert_int_equal(bb_results_write(results, path), BB_OK);
     snprintf(path, sizeof path, "%s/report.html", folder);
     unlink(path);
     snprintf(arguments, sizeof arguments, "report '%s' --charts no", folder);
     assert_int_equal(command(arguments, message, sizeof message), 0);
     assert_int_equal(access(path, R_OK), 0);
-    /* the same file twice: two runs, and the pictures are found though `--out` lies elsewhere */
+    /* two files, two runs, and the pictures are found though `--out` lies elsewhere */
     snprintf(arguments, sizeof arguments,
-             "report '%s' '%s/results.json' --out '%s/two.html' --charts no", folder, folder,
-             folder);
+             "report '%s' '%s/again.json' --out '%s/two.html' --charts no", folder, folder, folder);
     assert_int_equal(command(arguments, message, sizeof message), 0);
     char *page = NULL;
     size_t size;
@@ -369,6 +370,12 @@ static void command_makes_a_report(void **state)
     assert_int_equal(count_of(page, "data:image/png;base64,iVBOR"), 2);
     free(page);
     bb_results_destroy(results);
+    /* one file by two names would count twice */
+    snprintf(arguments, sizeof arguments, "report '%s/again.json' '%s' '%s/../%s/again.json'",
+             folder, folder, folder, strrchr(folder, '/') + 1);
+    assert_int_equal(command(arguments, message, sizeof message), 2);
+    assert_non_null(strstr(message, "again.json is given twice"));
+    assert_int_equal(count_of(message, "\n"), 1);
 }
 
 /* Charts where gnuplot is; without it a page all the same and a line that says so, unless that was

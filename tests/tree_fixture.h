@@ -81,6 +81,8 @@ static inline bb_scene *make_random_scene(uint32_t count, bb_random *random)
     return scene;
 }
 
+#define V(...) ((const float[3]){__VA_ARGS__})
+
 static inline bb_node make_node(const float lo[3], const float hi[3], uint32_t first, uint32_t skip)
 {
     bb_node node = {.first = first, .skip = skip};
@@ -101,6 +103,20 @@ static inline void make_tree(bb_tree *tree, const bb_node *nodes, uint32_t node_
     tree->info = (bb_tree_info){0, node_count, 0, ref_count, arity, depth};
     for (uint32_t i = 0; i < node_count; i++)
         tree->info.leaf_count += bb_node_is_leaf(&nodes[i]);
+}
+
+/* Root [0,4] x [0,1] x [0,1] with four unit cubes as children, each a leaf of one reference. */
+static inline void make_row(bb_tree *tree)
+{
+    bb_node nodes[5] = {make_node(V(0, 0, 0), V(4, 1, 1), 1, BB_NONE)};
+    uint32_t refs[4];
+    for (uint32_t i = 0; i < 4; i++) {
+        float x = (float)i;
+        nodes[i + 1] =
+            make_node(V(x, 0, 0), V(x + 1, 1, 1), BB_LEAF_BIT | i, i < 3 ? i + 2 : BB_NONE);
+        refs[i] = i | BB_LAST_BIT;
+    }
+    make_tree(tree, nodes, 5, refs, 4, 4, 1);
 }
 
 static inline void shuffle(uint32_t *items, uint32_t count, bb_random *random)

@@ -25,6 +25,20 @@ struct bb_collapse {
     bb_tree tree;
 };
 
+static bb_status get_kernels(bb_collapse *self)
+{
+    char defines[96];
+    bb_handover_defines(self->device, defines, sizeof defines);
+    BB_TRY(bb_program_build(self->device, bb_source_find("collapse.cl"), defines, &self->program));
+    BB_TRY(bb_kernel_get(self->program, "collapse_parents", &self->parents_kernel));
+    BB_TRY(bb_kernel_get(self->program, "collapse_mark", &self->mark));
+    BB_TRY(bb_kernel_get(self->program, "collapse_write", &self->write));
+    if (self->device->handover != BB_HANDOVER_LEVELS)
+        return bb_kernel_get(self->program, "collapse_decide", &self->decide);
+    BB_TRY(bb_kernel_get(self->program, "collapse_leaves", &self->leaves));
+    return bb_kernel_get(self->program, "collapse_level", &self->level);
+}
+
 bb_status bb_collapse_create(bb_device *device, bb_account *account, bb_collapse **out)
 {
     bb_collapse *self = calloc(1, sizeof *self);
@@ -33,23 +47,7 @@ bb_status bb_collapse_create(bb_device *device, bb_account *account, bb_collapse
     self->device = device;
     self->account = account;
     bb_tree_init(&self->tree, account);
-    bool levels = device->handover == BB_HANDOVER_LEVELS;
-    char defines[96];
-    bb_handover_defines(device, defines, sizeof defines);
-    bb_status status =
-        bb_program_build(device, bb_source_find("collapse.cl"), defines, &self->program);
-    if (status == BB_OK)
-        status = bb_kernel_get(self->program, "collapse_parents", &self->parents_kernel);
-    if (status == BB_OK && !levels)
-        status = bb_kernel_get(self->program, "collapse_decide", &self->decide);
-    if (status == BB_OK && levels)
-        status = bb_kernel_get(self->program, "collapse_leaves", &self->leaves);
-    if (status == BB_OK && levels)
-        status = bb_kernel_get(self->program, "collapse_level", &self->level);
-    if (status == BB_OK)
-        status = bb_kernel_get(self->program, "collapse_mark", &self->mark);
-    if (status == BB_OK)
-        status = bb_kernel_get(self->program, "collapse_write", &self->write);
+    bb_status status = get_kernels(self);
     if (status == BB_OK)
         status = bb_primitives_create(device, account, &self->primitives);
     if (status != BB_OK) {

@@ -1,23 +1,14 @@
 /* The short8 kernel: kernels/short.cl on nodes of 8 children. */
-#include "traversal/traversal.h"
+#include "traversal/short.h"
 
-static const bb_option options[] = {
-    {"entries", "8", "1|2|4|8|16",
-     "entries of the stack; what it drops is found again by the trail"},
-    {.name = NULL},
-};
+static const bb_option options[] = {BB_ENTRIES_OPTION("8"), {.name = NULL}};
 
 const bb_kernel bb_kernel_short8 = {
     .name = "short8",
     .summary = "short stack and trail on nodes of 8 children, blocks of 4 primitives",
     .paper = "Vaidyanathan, Woop, Benthin 2019",
     .layout = "wide8",
-    .source = "short.cl",
     .defines = "-DBB_WIDTH=8",
-    .queries = BB_ALONG_RAYS,
-    .ordered = true,
-    .compared = NULL, /* where memory for a full stack is no matter, that is faster */
-    .stackless = true,
-    .trail_max = BB_TRAIL_MAX,
     .options = options,
+    BB_SHORT_KERNEL,
 };

@@ -1,13 +1,11 @@
 /* The stack4 kernel: kernels/stack_wide.cl on nodes of 4 children. */
-#include "traversal/traversal.h"
+#include "traversal/stack_wide.h"
 
 const bb_kernel bb_kernel_stack4 = {
     .name = "stack4",
     .summary = "explicit vectors over 4 children and blocks of 4 primitives, sorted by distance",
     .paper = "Wald, Benthin and Boulos 2008",
     .layout = "wide4",
-    .source = "stack_wide.cl",
     .defines = "-DBB_WIDTH=4",
-    .queries = BB_ALONG_RAYS,
-    .ordered = true,
+    BB_STACK_WIDE_KERNEL,
 };

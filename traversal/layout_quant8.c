@@ -9,9 +9,5 @@ static bb_status create(bb_device *device, bb_account *account, void **self)
 const bb_layout bb_layout_quant8 = {
     .name = "quant8",
     .summary = "as wide8, boxes in 8 bits per plane: half the bytes",
-    .width = 8,
-    .block = BB_BLOCK_LANES,
-    .create = create,
-    .make = bb_wide_make,
-    .destroy = bb_wide_destroy,
+    BB_WIDE_LAYOUT(8),
 };

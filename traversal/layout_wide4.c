@@ -10,9 +10,5 @@ static bb_status create(bb_device *device, bb_account *account, void **self)
 const bb_layout bb_layout_wide4 = {
     .name = "wide4",
     .summary = "up to 4 children by surface area, boxes side by side; primitives in blocks of four",
-    .width = 4,
-    .block = BB_BLOCK_LANES,
-    .create = create,
-    .make = bb_wide_make,
-    .destroy = bb_wide_destroy,
+    BB_WIDE_LAYOUT(4),
 };

@@ -14,6 +14,13 @@ struct bb_reach {
     bb_buffer reach;   /* float per node */
 };
 
+static bb_status get_kernels(bb_reach *self)
+{
+    BB_TRY(bb_program_build(self->device, bb_source_find("reach.cl"), "", &self->program));
+    BB_TRY(bb_kernel_get(self->program, "reach_parents", &self->parents_kernel));
+    return bb_kernel_get(self->program, "reach_climb", &self->climb);
+}
+
 bb_status bb_reach_create(bb_device *device, bb_account *account, bb_reach **out)
 {
     bb_reach *self = calloc(1, sizeof *self);
@@ -21,11 +28,7 @@ bb_status bb_reach_create(bb_device *device, bb_account *account, bb_reach **out
         return bb_fail(BB_FAILED, "out of memory");
     self->device = device;
     self->account = account;
-    bb_status status = bb_program_build(device, bb_source_find("reach.cl"), "", &self->program);
-    if (status == BB_OK)
-        status = bb_kernel_get(self->program, "reach_parents", &self->parents_kernel);
-    if (status == BB_OK)
-        status = bb_kernel_get(self->program, "reach_climb", &self->climb);
+    bb_status status = get_kernels(self);
     if (status != BB_OK) {
         bb_reach_destroy(self);
         return status;

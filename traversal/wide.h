@@ -11,4 +11,9 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
 bb_status bb_wide_make(void *self, const bb_layout_source *source, bb_layout_data *data);
 void bb_wide_destroy(void *self);
 
+/* What the struct of such a layout says after name and summary; create() is the file's own. */
+#define BB_WIDE_LAYOUT(places)                                                                     \
+    .width = (places), .block = BB_BLOCK_LANES, .create = create, .make = bb_wide_make,            \
+    .destroy = bb_wide_destroy
+
 #endif

@@ -33,6 +33,12 @@ bb_status bb_linear_update(void *self, const bb_scene *scene, uint32_t changed, 
 bb_status bb_linear_describe(void *self, const bb_scene *scene, char *text, size_t capacity);
 void bb_linear_destroy(void *self);
 
+/* What such a builder's struct says after its names and options. */
+#define BB_LINEAR_BUILDER                                                                          \
+    .kinds = BB_ALL_KINDS, .inputs = BB_INPUT_BOXES, .place = BB_ON_DEVICE, .deterministic = true, \
+    .create = bb_linear_create, .prepare = bb_linear_prepare, .build = bb_linear_build,            \
+    .update = bb_linear_update, .describe = bb_linear_describe, .destroy = bb_linear_destroy
+
 #ifdef __cplusplus
 }
 #endif

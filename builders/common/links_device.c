@@ -14,6 +14,15 @@ struct bb_links {
     bb_buffer changed;
 };
 
+static bb_status get_kernels(bb_links *links)
+{
+    BB_TRY(bb_program_build(links->device, bb_source_find("links.cl"), "", &links->program));
+    BB_TRY(bb_kernel_get(links->program, "links_start", &links->start));
+    BB_TRY(bb_kernel_get(links->program, "links_jump", &links->jump));
+    BB_TRY(bb_kernel_get(links->program, "links_arity", &links->arity));
+    return bb_kernel_get(links->program, "links_write", &links->write);
+}
+
 bb_status bb_links_create(bb_device *device, bb_account *account, bb_links **out)
 {
     bb_links *links = calloc(1, sizeof *links);
@@ -21,15 +30,7 @@ bb_status bb_links_create(bb_device *device, bb_account *account, bb_links **out
         return bb_fail(BB_FAILED, "out of memory");
     links->device = device;
     links->account = account;
-    bb_status status = bb_program_build(device, bb_source_find("links.cl"), "", &links->program);
-    if (status == BB_OK)
-        status = bb_kernel_get(links->program, "links_start", &links->start);
-    if (status == BB_OK)
-        status = bb_kernel_get(links->program, "links_jump", &links->jump);
-    if (status == BB_OK)
-        status = bb_kernel_get(links->program, "links_arity", &links->arity);
-    if (status == BB_OK)
-        status = bb_kernel_get(links->program, "links_write", &links->write);
+    bb_status status = get_kernels(links);
     if (status == BB_OK)
         status = bb_buffer_reserve(device, account, sizeof(uint32_t), "links: whether they changed",
                                    &links->changed);

@@ -37,6 +37,26 @@ static bool ranges_first(const bb_radix_tree *radix)
     return by_levels(radix) || radix->kind.linking == BB_LINK_KARRAS;
 }
 
+static bb_status get_kernels(bb_radix_tree *radix)
+{
+    const bb_device *device = radix->device;
+    const bb_radix_kind *kind = &radix->kind;
+    const char *link = by_levels(radix)                  ? "link_leaves"
+                       : kind->linking == BB_LINK_KARRAS ? "link_boxes"
+                       : device->form == BB_FORM_CPU     ? "link_chunks"
+                                                         : "link_climb";
+    char handover[96], defines[160];
+    bb_handover_defines(device, handover, sizeof handover);
+    snprintf(defines, sizeof defines, "%s %s%s%s", handover,
+             kind->key_bytes == 8 ? "-DBB_KEY64 " : "", kind->nodes ? "-DBB_KEY_NODES " : "",
+             kind->runs ? "-DBB_LEAF_RUNS" : "");
+    BB_TRY(
+        bb_program_build(radix->device, bb_source_find("radix_tree.cl"), defines, &radix->program));
+    BB_TRY(bb_kernel_get(radix->program, link, &radix->link));
+    BB_TRY(bb_kernel_get(radix->program, "link_ranges", &radix->ranges));
+    return bb_kernel_get(radix->program, "link_level", &radix->level);
+}
+
 bb_status bb_radix_tree_create(bb_device *device, bb_account *account, bb_radix_kind kind,
                                bb_radix_tree **out)
 {
@@ -46,23 +66,7 @@ bb_status bb_radix_tree_create(bb_device *device, bb_account *account, bb_radix_
     radix->device = device;
     radix->account = account;
     radix->kind = kind;
-    const char *kernel = by_levels(radix)                 ? "link_leaves"
-                         : kind.linking == BB_LINK_KARRAS ? "link_boxes"
-                         : device->form == BB_FORM_CPU    ? "link_chunks"
-                                                          : "link_climb";
-    char handover[96], defines[160];
-    bb_handover_defines(device, handover, sizeof handover);
-    snprintf(defines, sizeof defines, "%s %s%s%s", handover,
-             kind.key_bytes == 8 ? "-DBB_KEY64 " : "", kind.nodes ? "-DBB_KEY_NODES " : "",
-             kind.runs ? "-DBB_LEAF_RUNS" : "");
-    bb_status status =
-        bb_program_build(device, bb_source_find("radix_tree.cl"), defines, &radix->program);
-    if (status == BB_OK)
-        status = bb_kernel_get(radix->program, kernel, &radix->link);
-    if (status == BB_OK)
-        status = bb_kernel_get(radix->program, "link_ranges", &radix->ranges);
-    if (status == BB_OK)
-        status = bb_kernel_get(radix->program, "link_level", &radix->level);
+    bb_status status = get_kernels(radix);
     if (status != BB_OK) {
         bb_radix_tree_destroy(radix);
         return status;

@@ -10,6 +10,7 @@
  */
 #include "bb_device.h"
 #include "handover.clh"
+#include "parents.clh"
 
 typedef struct bb_extent {
     float lo[3], hi[3];
@@ -19,15 +20,8 @@ kernel void refit_parents(global const bb_node *nodes, uint count, uint root, gl
                           global uint *missing)
 {
     uint n = get_global_id(0);
-    if (n >= count)
-        return;
-    if (n == root)
-        parents[n] = BB_NONE;
-    uint children = 0;
-    if ((nodes[n].first & BB_LEAF_BIT) == 0)
-        for (uint c = nodes[n].first; c != nodes[n].skip; c = nodes[c].skip, children++)
-            parents[c] = n;
-    missing[n] = children;
+    if (n < count)
+        missing[n] = bb_make_parent(nodes, n, root, parents);
 }
 
 void start(bb_extent *e)

@@ -186,8 +186,11 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     return measure_metrics(bench, entrant, true);
 }
 
+/* What fails because the run is ending did not fail. */
 static void note_failure(bb_entrant *entrant, bb_status status)
 {
+    if (bb_interrupted())
+        return;
     entrant->record.status = status;
     snprintf(entrant->record.reason, sizeof entrant->record.reason, "%s", bb_message());
     bb_resident_evict(entrant);

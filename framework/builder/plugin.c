@@ -9,17 +9,31 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* This library's own header, which the linker names. */
+extern const ElfW(Ehdr) __ehdr_start __attribute__((visibility("hidden")));
+
+static bool read_header(FILE *file, ElfW(Ehdr) * header)
+{
+    return fread(header, sizeof *header, 1, file) == 1 &&
+           memcmp(header->e_ident, ELFMAG, SELFMAG) == 0;
+}
+
+/* Class, byte order and machine: what follows has another form where they differ. */
+static bool is_of_this_machine(const ElfW(Ehdr) * header)
+{
+    return header->e_ident[EI_CLASS] == __ehdr_start.e_ident[EI_CLASS] &&
+           header->e_ident[EI_DATA] == __ehdr_start.e_ident[EI_DATA] &&
+           header->e_machine == __ehdr_start.e_machine;
+}
+
 /* Whether the file holds all that its program headers ask to be mapped: the loader maps past the
  * end of a truncated file, and the process dies at the first access. */
-static bool is_whole_elf(FILE *file, uint64_t size)
+static bool is_whole(const ElfW(Ehdr) * header, FILE *file, uint64_t size)
 {
-    ElfW(Ehdr) header;
-    if (fread(&header, sizeof header, 1, file) != 1 || memcmp(header.e_ident, ELFMAG, SELFMAG) != 0)
+    if (header->e_type != ET_DYN || header->e_phentsize != sizeof(ElfW(Phdr)) ||
+        fseek(file, (long)header->e_phoff, SEEK_SET) != 0)
         return false;
-    if (header.e_type != ET_DYN || header.e_phentsize != sizeof(ElfW(Phdr)) ||
-        fseek(file, (long)header.e_phoff, SEEK_SET) != 0)
-        return false;
-    for (uint32_t i = 0; i < header.e_phnum; i++) {
+    for (uint32_t i = 0; i < header->e_phnum; i++) {
         ElfW(Phdr) program;
         if (fread(&program, sizeof program, 1, file) != 1)
             return false;
@@ -27,7 +41,7 @@ static bool is_whole_elf(FILE *file, uint64_t size)
             (program.p_offset > size || program.p_filesz > size - program.p_offset))
             return false;
     }
-    return header.e_phnum > 0;
+    return header->e_phnum > 0;
 }
 
 static bb_status check_file(const char *path)
@@ -37,11 +51,20 @@ static bb_status check_file(const char *path)
     if (file == NULL)
         return bb_fail(BB_INVALID, "plug-in %s: %s", path,
                        errno != 0 ? strerror(errno) : "is no file");
-    bool whole = is_whole_elf(file, (uint64_t)info.st_size);
+    ElfW(Ehdr) header;
+    bool is_elf = read_header(file, &header);
+    bool is_ours = is_elf && is_of_this_machine(&header);
+    bool whole = is_ours && is_whole(&header, file, (uint64_t)info.st_size);
     fclose(file);
-    if (!whole)
+    if (is_elf && !is_ours)
         return bb_fail(BB_INVALID,
-                       "plug-in %s: is not a shared object of this machine, or is truncated", path);
+                       "plug-in %s: is for another machine (ELF class %d, byte order %d, machine "
+                       "%d; this bvhbench: %d, %d, %d): build it for this one",
+                       path, header.e_ident[EI_CLASS], header.e_ident[EI_DATA], header.e_machine,
+                       __ehdr_start.e_ident[EI_CLASS], __ehdr_start.e_ident[EI_DATA],
+                       __ehdr_start.e_machine);
+    if (!whole)
+        return bb_fail(BB_INVALID, "plug-in %s: is not a shared object, or is truncated", path);
     return BB_OK;
 }
 
@@ -77,12 +100,22 @@ static bb_status take(const char *path, void *object)
                        "plug-in %s: its bb_plugin is no builder of this bvhbench: build it again, "
                        "with bvhbench_add_builder()",
                        path);
-    if (found->abi_version != BB_ABI_VERSION || found->bytes != sizeof *found ||
-        bytes < sizeof *found || found->builder == NULL)
+    if (found->abi_version != BB_ABI_VERSION)
         return bb_fail(BB_INVALID,
                        "plug-in %s: made for ABI version %u, this bvhbench has %d: build it again "
                        "with this one's headers",
                        path, found->abi_version, BB_ABI_VERSION);
+    if (found->bytes != sizeof *found || bytes < sizeof *found)
+        return bb_fail(BB_INVALID,
+                       "plug-in %s: its bb_plugin has %zu bytes, this bvhbench's %zu, both of ABI "
+                       "version %d: build it again with this one's headers",
+                       path, found->bytes != sizeof *found ? found->bytes : bytes, sizeof *found,
+                       BB_ABI_VERSION);
+    if (found->builder == NULL)
+        return bb_fail(BB_INVALID,
+                       "plug-in %s: its bb_plugin has no builder: build it with "
+                       "bvhbench_add_builder()",
+                       path);
     bb_status status = bb_builder_add(found);
     return status == BB_OK ? BB_OK : bb_fail(status, "plug-in %s: %s", path, bb_message());
 }

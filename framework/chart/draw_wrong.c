@@ -127,6 +127,21 @@ static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_axis 
     bb_axis_round(x);
 }
 
+/* The frame, the front by `gain` from the end `worst` of the axis of y, marks, and the legend, to
+ * which entries may be added. */
+static void draw_marks(bb_plot *p, bb_frame *f, uint32_t count, bb_series *series,
+                       double (*gain)(const bb_chart_cell *), double worst)
+{
+    finish_marks(p, count, series, &f->x);
+    bb_plot_begin(p, f);
+    bool front = print_front(p, count, gain, &f->x, worst);
+    bb_plot_place_keys(p->marks, count, &f->x, &f->y);
+    bb_plot_marks(p->out, p->marks, count, front);
+    bb_plot_legend_series(p, series, count, true);
+    bb_plot_legend_shapes(p);
+    bb_plot_legend_series(p, &p->references, count, false);
+}
+
 static void draw_accuracy(bb_plot *p)
 {
     bb_frame f = {.kind = "accuracy",
@@ -144,15 +159,8 @@ static void draw_accuracy(bb_plot *p)
         set_mark(&p->marks[i], p->cells[i]);
         bb_plot_speed(&p->marks[i], &f.y);
     }
-    finish_marks(p, count, &p->kernels, &f.x);
     bb_axis_round(&f.y);
-    bb_plot_begin(p, &f);
-    bool front = print_front(p, count, speed, &f.x, f.y.low);
-    bb_plot_place_keys(p->marks, count, &f.x, &f.y);
-    bb_plot_marks(p->out, p->marks, count, front);
-    bb_plot_legend_series(p, &p->kernels, count, true);
-    bb_plot_legend_shapes(p);
-    bb_plot_legend_series(p, &p->references, count, false);
+    draw_marks(p, &f, count, &p->kernels, speed, f.y.low);
     bb_plot_legend_spread(p, count);
     bb_plot_end(p, &f);
 }
@@ -174,15 +182,8 @@ static void draw_builders(bb_plot *p)
         p->marks[i].y = total_ms(p->cells[i]);
         bb_axis_add(&f.y, p->marks[i].y);
     }
-    finish_marks(p, count, &p->builders, &f.x);
     bb_axis_round(&f.y);
-    bb_plot_begin(p, &f);
-    bool front = print_front(p, count, haste, &f.x, f.y.high);
-    bb_plot_place_keys(p->marks, count, &f.x, &f.y);
-    bb_plot_marks(p->out, p->marks, count, front);
-    bb_plot_legend_series(p, &p->builders, count, true);
-    bb_plot_legend_shapes(p);
-    bb_plot_legend_series(p, &p->references, count, false);
+    draw_marks(p, &f, count, &p->builders, haste, f.y.high);
     bb_plot_end(p, &f);
 }
 

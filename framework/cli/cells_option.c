@@ -21,23 +21,30 @@ static bb_status check_alone(const bb_cli *cli)
 /* What no key's grammar tells: whether the rays can be made, from this view. */
 static bb_status check_rays(const char *key, const bb_cell *cell)
 {
+    const char *dots = strlen(key) > 80 ? "..." : "";
     bb_spec spec;
     if (cell->rays[0] == '\0')
         return BB_OK;
     if (cell->known_by_hash)
         return bb_fail(BB_INVALID,
+<<<<<<< HEAD
                        "cell '%.80s...': only a hash of its rays is known: they cannot be "
                        "generated again",
                        key);
+=======
+                       "cell '%.80s%s': its rays are known by their hash alone: they cannot be "
+                       "made again",
+                       key, dots);
+>>>>>>> i10-dups
     if ((uint64_t)cell->width * cell->height > BB_PIXELS_MAX)
-        return bb_fail(BB_INVALID, "cell '%.80s...': at most %u pixels at once", key,
+        return bb_fail(BB_INVALID, "cell '%.80s%s': at most %u pixels at once", key, dots,
                        (unsigned)BB_PIXELS_MAX);
     BB_TRY(bb_spec_parse(cell->rays, &spec));
     const bb_workload *workload = bb_workload_find(spec.name);
     if (workload == NULL)
         return BB_OK; /* bb_bench_check() says so */
     if (workload->per_view != (cell->view[0] != '\0'))
-        return bb_fail(BB_INVALID, "cell '%.80s...': rays %s are made %s", key, spec.name,
+        return bb_fail(BB_INVALID, "cell '%.80s%s': rays %s are made %s", key, dots, spec.name,
                        workload->per_view ? "from a view, and it names none"
                                           : "once for a scene, and it names a view");
     return BB_OK;

@@ -83,6 +83,7 @@ typedef struct check {
     bb_names builders;
     bool beside[BB_NAMES_MAX];    /* given alone, and put beside a default builder */
     uint32_t taken[BB_NAMES_MAX]; /* scenes that each took */
+    char *refusals[BB_NAMES_MAX]; /* the first scene that each did not take, and why; from malloc */
     uint64_t seed, side;          /* of the ray sets: a set has the square of `side` */
     bb_progress progress;
     uint32_t checked, failed;
@@ -128,6 +129,14 @@ static void add_pace(pace *p, const bb_scene *scene, double ms)
     }
 }
 
+/* The message of what was not taken, with the scene; NULL without memory. */
+static char *refusal_of(const bb_scene *scene)
+{
+    char text[1200];
+    snprintf(text, sizeof text, "%s: %s", scene->name, bb_message());
+    return strdup(text);
+}
+
 static void check_builder(check *c, uint32_t form, bb_conformance *conformance,
                           const bb_scene *scene, size_t i)
 {
@@ -143,6 +152,8 @@ static void check_builder(check *c, uint32_t form, bb_conformance *conformance,
         : status == BB_UNSUPPORTED ? "unsupported"
                                    : "FAILED",
         scene->name, builder, text);
+    if (status == BB_UNSUPPORTED && c->refusals[i] == NULL)
+        c->refusals[i] = refusal_of(scene);
     c->taken[i] += status != BB_UNSUPPORTED;
     c->checked += status != BB_UNSUPPORTED;
     c->failed += status != BB_OK && status != BB_UNSUPPORTED;
@@ -215,9 +226,16 @@ static void find_unchecked(check *c)
 {
     for (size_t i = 0; i < c->builders.count; i++)
         if (c->taken[i] == 0) {
+            char text[1200];
+            snprintf(text, sizeof text, "takes none of the scenes: it was not checked; %s",
+                     c->refusals[i] != NULL ? c->refusals[i] : "");
             c->failed++;
+<<<<<<< HEAD
             say(c, "FAILED", "", c->builders.items[i],
                 "supports none of the scenes: it was not checked");
+=======
+            say(c, "FAILED", "", c->builders.items[i], text);
+>>>>>>> i10-dups
         }
 }
 
@@ -293,6 +311,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     }
     for (uint32_t form = 0; form < FORMS_MAX; form++)
         bb_device_close(c->devices[form]);
+    for (size_t i = 0; i < c->builders.count; i++)
+        free(c->refusals[i]);
     bb_names_free(&c->builders);
     bb_names_free(&scenes);
     free(c);

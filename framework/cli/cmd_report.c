@@ -41,6 +41,22 @@ static bb_status input_path(const char *argument, char path[PATH_MAX])
     return BB_OK;
 }
 
+/* A file that was named twice would count twice. */
+static bb_status check_once(const bb_cli *cli)
+{
+    for (uint32_t i = 0; i < cli->positional_count; i++)
+        for (uint32_t k = 0; k < i; k++) {
+            char paths[2][PATH_MAX];
+            struct stat files[2];
+            BB_TRY(input_path(cli->positional[k], paths[0]));
+            BB_TRY(input_path(cli->positional[i], paths[1]));
+            if (stat(paths[0], &files[0]) == 0 && stat(paths[1], &files[1]) == 0 &&
+                files[0].st_dev == files[1].st_dev && files[0].st_ino == files[1].st_ino)
+                return bb_fail(BB_INVALID, "report: %s is given twice: leave one out", paths[1]);
+        }
+    return BB_OK;
+}
+
 /* Pictures of several inputs lie in several folders: their paths get the folder in front. */
 static bb_status locate_pictures(bb_results *results, const char *folder)
 {
@@ -125,6 +141,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     const char *out = bb_cli_value(cli, "out");
     bool charts;
     BB_TRY(bb_charts_wanted(cli, &charts));
+    BB_TRY(check_once(cli));
     bb_status status = read_input(cli->positional[0], &all, &folder);
     for (uint32_t i = 1; status == BB_OK && i < cli->positional_count; i++) {
         status = read_input(cli->positional[i], &more, &other);

@@ -188,7 +188,7 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
     bb_status status = c->compare(c->request, device, results, &outcome);
     bool measured = bb_results_section(results, "builds")->child != NULL;
     (void)bb_results_set_others(results, bb_bystanders_share(&watch));
-    if (bb_interrupted() && status == BB_OK) {
+    if (bb_interrupted()) { /* whatever failed on the way: a signal makes compilers fail */
         *exit_status = BB_EXIT_INTERRUPTED;
         status = bb_results_set_interrupted(results);
         if (status == BB_OK && !measured) {

@@ -5,70 +5,46 @@
 #ifndef BB_EMBREE_API_H
 #define BB_EMBREE_API_H
 
+/* What the calls below take beside scene and ray: how it is made, and whether it comes before the
+ * ray or after it. */
 #if BB_EMBREE_MAJOR == 3
 #include <embree3/rtcore.h>
+typedef struct RTCIntersectContext bb_intersect_arguments, bb_occluded_arguments;
+#define BB_INIT_INTERSECT rtcInitIntersectContext
+#define BB_INIT_OCCLUDED rtcInitIntersectContext
+#define BB_RAY_AND_ARGUMENTS(ray, arguments) (arguments), (ray)
 #elif BB_EMBREE_MAJOR == 4
 #include <embree4/rtcore.h>
+typedef struct RTCIntersectArguments bb_intersect_arguments;
+typedef struct RTCOccludedArguments bb_occluded_arguments;
+#define BB_INIT_INTERSECT rtcInitIntersectArguments
+#define BB_INIT_OCCLUDED rtcInitOccludedArguments
+#define BB_RAY_AND_ARGUMENTS(ray, arguments) (ray), (arguments)
 #else
 #error "bvhbench needs Embree 3 or 4: CMake sets BB_EMBREE_MAJOR"
 #endif
 
-/* What rtcIntersect1() and rtcOccluded1() take beside scene and ray: incoherent rays, no filters.
- * Made once for many rays. */
-#if BB_EMBREE_MAJOR == 3
-
-typedef struct RTCIntersectContext bb_intersect_arguments;
-typedef struct RTCIntersectContext bb_occluded_arguments;
-
+/* Arguments that say: incoherent rays, no filters. Made once for many rays. */
 static inline void bb_intersect_arguments_init(bb_intersect_arguments *arguments)
 {
-    rtcInitIntersectContext(arguments);
+    BB_INIT_INTERSECT(arguments);
 }
 
 static inline void bb_occluded_arguments_init(bb_occluded_arguments *arguments)
 {
-    rtcInitIntersectContext(arguments);
+    BB_INIT_OCCLUDED(arguments);
 }
 
 static inline void bb_intersect1(RTCScene scene, struct RTCRayHit *hit,
                                  bb_intersect_arguments *arguments)
 {
-    rtcIntersect1(scene, arguments, hit);
+    rtcIntersect1(scene, BB_RAY_AND_ARGUMENTS(hit, arguments));
 }
 
 static inline void bb_occluded1(RTCScene scene, struct RTCRay *ray,
                                 bb_occluded_arguments *arguments)
 {
-    rtcOccluded1(scene, arguments, ray);
+    rtcOccluded1(scene, BB_RAY_AND_ARGUMENTS(ray, arguments));
 }
-
-#else
-
-typedef struct RTCIntersectArguments bb_intersect_arguments;
-typedef struct RTCOccludedArguments bb_occluded_arguments;
-
-static inline void bb_intersect_arguments_init(bb_intersect_arguments *arguments)
-{
-    rtcInitIntersectArguments(arguments);
-}
-
-static inline void bb_occluded_arguments_init(bb_occluded_arguments *arguments)
-{
-    rtcInitOccludedArguments(arguments);
-}
-
-static inline void bb_intersect1(RTCScene scene, struct RTCRayHit *hit,
-                                 bb_intersect_arguments *arguments)
-{
-    rtcIntersect1(scene, hit, arguments);
-}
-
-static inline void bb_occluded1(RTCScene scene, struct RTCRay *ray,
-                                bb_occluded_arguments *arguments)
-{
-    rtcOccluded1(scene, ray, arguments);
-}
-
-#endif
 
 #endif

@@ -18,6 +18,9 @@
 #define QUICK_SPHERES "spheres:n=2000,state=initial,spheres:n=2000,state=settled"
 #define TRIANGLES "coffee,mountain,scorpion,city:n=200000,hairball:n=1000000,interior:n=200000"
 #define QUICK_TRIANGLES "hairball:n=2000,interior:n=2000"
+/* What experiments share: these scenes, or those asked for; the paper's frame. */
+#define ON_TRIANGLES .scenes = TRIANGLES, .quick_scenes = QUICK_TRIANGLES, .takes_scenes = true
+#define ONE_FRAME .width = 1024, .height = 768, .max_rays = 1, .max_views = 1
 #define VIEWS_OF(builder) builder "," builder ",view=0," builder ",view=1," builder ",view=2"
 
 static const bb_experiment experiments[] = {
@@ -28,35 +31,22 @@ static const bb_experiment experiments[] = {
                     .rays = "primary",
                     .scenes = SPHERES,
                     .quick_scenes = QUICK_SPHERES,
-                    .width = 1024,
-                    .height = 768,
-                    .max_rays = 1,
-                    .max_views = 1,
+                    ONE_FRAME,
                     .repeats = 7},
     [OF_TRIANGLES] = {.name = "triangles",
                       .builders = RIVALS,
                       .kernels = STACK,
                       .native = true,
                       .rays = "primary",
-                      .scenes = TRIANGLES,
-                      .quick_scenes = QUICK_TRIANGLES,
-                      .takes_scenes = true,
-                      .width = 1024,
-                      .height = 768,
-                      .max_rays = 1,
-                      .max_views = 1,
+                      ON_TRIANGLES,
+                      ONE_FRAME,
                       .repeats = BB_INTERVAL_ROUNDS},
     [OF_SIZES] = {.name = "the size of a box",
                   .builders = SIZE_VARIANTS,
                   .kernels = STACK,
                   .rays = "primary",
-                  .scenes = TRIANGLES,
-                  .quick_scenes = QUICK_TRIANGLES,
-                  .takes_scenes = true,
-                  .width = 1024,
-                  .height = 768,
-                  .max_rays = 1,
-                  .max_views = 1,
+                  ON_TRIANGLES,
+                  ONE_FRAME,
                   .repeats = BB_INTERVAL_ROUNDS},
     [OF_VIEWS] =
         {.name = "order by the view",

@@ -57,6 +57,13 @@ typedef struct bb_prim_kind {
                          double to, bb_outline outlines[BB_OUTLINES_MAX]);
 } bb_prim_kind;
 
+/* All functions but extended(), which may be hits() itself, where the file calls each by the name
+ * that it has here. */
+#define BB_PRIM_FUNCTIONS                                                                          \
+    .bounds = bounds, .product = product, .is_flat = is_flat, .area = area, .sample = sample,      \
+    .normal = normal, .shrink = shrink, .reach = reach, .height = height, .hits = hits,            \
+    .nearby = nearby, .pass = pass, .outlines = outlines
+
 /* By their numbers, BB_TRIANGLE, BB_SPHERE, ... */
 extern const bb_prim_kind *const bb_prim_kinds[BB_KIND_COUNT];
 

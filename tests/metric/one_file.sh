@@ -3,27 +3,7 @@
 # 1. No file of the harness but its own names a metric, apart from papers, whose data do, and SAH, which the harness itself
 # uses for layouts. 2. With BVHBENCH_SLOW_TESTS set: a metric dropped into framework/tree is in every output: list, help,
 # file, tables, page, charts.
-set -euo pipefail
-source=$1 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-
-fail()
-{
-    echo "one_file.sh: $1" >&2
-    exit 1
-}
-
-cd "$source"
-git rev-parse --is-inside-work-tree >/dev/null 2>&1 || {
-    echo "skipped: $source is no git working tree"
-    exit 77
-}
-mkdir "$work/tree"
-git ls-files -z --cached --others --exclude-standard |
-    while IFS= read -r -d '' file; do [ -e "$file" ] && printf '%s\0' "$file"; done |
-    tar --null -T - -cf - | tar -xf - -C "$work/tree"
-cd "$work/tree"
+. "$(dirname "$0")/../source_copy.sh"
 
 for file in framework/tree/metric_*.c; do
     name=$(basename "$file" .c)

@@ -3,27 +3,7 @@
 # 1. No file of the harness names a builder, but for papers, whose experiments are about theirs. 2. scripts/new-builder adds one folder and nothing else, and what it makes
 # compiles. 3. With BVHBENCH_SLOW_TESTS set: configured and built with it, and with a builder of several device files that takes
 # triangles only, the program lists and checks both; and a test that walks the registry skips what a builder does not take.
-set -euo pipefail
-source=$1 build=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-
-fail()
-{
-    echo "one_folder.sh: $1" >&2
-    exit 1
-}
-
-cd "$source"
-git rev-parse --is-inside-work-tree >/dev/null 2>&1 || {
-    echo "skipped: $source is no git working tree"
-    exit 77
-}
-mkdir "$work/tree"
-git ls-files -z --cached --others --exclude-standard |
-    while IFS= read -r -d '' file; do [ -e "$file" ] && printf '%s\0' "$file"; done |
-    tar --null -T - -cf - | tar -xf - -C "$work/tree"
-cd "$work/tree"
+. "$(dirname "$0")/../source_copy.sh"
 
 # "embree" is the oracle and a kernel too, "null" a word of JSON, "sah" a metric: these names alone say nothing.
 comment='^[^:]+:[0-9]+: *(\*|/\*|//|# )'

@@ -1,0 +1,20 @@
+/* What the kernels of kernels/short.cl share: each is declared in its own kernel_NAME.c. */
+#ifndef BB_SHORT_H
+#define BB_SHORT_H
+
+#include "traversal/traversal.h"
+
+/* Its file, and what follows from the trail. None is compared when no kernel is asked for: where
+ * memory for a full stack is no matter, that is faster. */
+#define BB_SHORT_KERNEL                                                                            \
+    .source = "short.cl", .queries = BB_ALONG_RAYS, .ordered = true, .compared = NULL,             \
+    .stackless = true, .trail_max = BB_TRAIL_MAX
+
+/* The option of those with a stack. */
+#define BB_ENTRIES_OPTION(preset)                                                                  \
+    {                                                                                              \
+        "entries", preset, "1|2|4|8|16",                                                           \
+            "entries of the stack; what it drops is found again by the trail"                      \
+    }
+
+#endif

@@ -1,0 +1,16 @@
+/* What the kernels of kernels/stack_wide.cl share: each is declared in its own kernel_NAME.c. */
+#ifndef BB_STACK_WIDE_H
+#define BB_STACK_WIDE_H
+
+#include "traversal/traversal.h"
+
+#define BB_STACK_WIDE_KERNEL .source = "stack_wide.cl", .queries = BB_ALONG_RAYS, .ordered = true
+
+/* The option of those with 8 children. */
+#define BB_ORDER_OPTION                                                                            \
+    {                                                                                              \
+        "order", "sorted", "sorted|octant",                                                        \
+            "children by distance, or by the octant of the direction"                              \
+    }
+
+#endif
