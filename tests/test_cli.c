@@ -567,14 +567,9 @@ static void check_of_stages_is_not_empty(void **state)
     assert_non_null(strstr(o->out, "(beside a default builder)"));
     o = run("check --scene interior:n=1000 --builder null,lobvh+rotate");
     assert_int_equal(o->exit_status, 1);
-<<<<<<< HEAD
-    assert_non_null(
-        strstr(o->out, "lobvh+rotate                       supports none of the scenes"));
-=======
     assert_non_null(strstr(o->out,
-                           "lobvh+rotate                       takes none of the scenes: it "
+                           "lobvh+rotate                       supports none of the scenes: it "
                            "was not checked; interior:n=1000: rotate takes binary trees"));
->>>>>>> i10-dups
     o = run("run --scene cube --builder rotate --out nothing");
     assert_int_equal(o->exit_status, 2);
     assert_non_null(strstr(o->err, "write BUILDER+rotate"));

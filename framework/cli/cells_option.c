@@ -27,15 +27,9 @@ static bb_status check_rays(const char *key, const bb_cell *cell)
         return BB_OK;
     if (cell->known_by_hash)
         return bb_fail(BB_INVALID,
-<<<<<<< HEAD
-                       "cell '%.80s...': only a hash of its rays is known: they cannot be "
+                       "cell '%.80s%s': only a hash of its rays is known: they cannot be "
                        "generated again",
-                       key);
-=======
-                       "cell '%.80s%s': its rays are known by their hash alone: they cannot be "
-                       "made again",
                        key, dots);
->>>>>>> i10-dups
     if ((uint64_t)cell->width * cell->height > BB_PIXELS_MAX)
         return bb_fail(BB_INVALID, "cell '%.80s%s': at most %u pixels at once", key, dots,
                        (unsigned)BB_PIXELS_MAX);

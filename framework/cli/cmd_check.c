@@ -227,15 +227,10 @@ static void find_unchecked(check *c)
     for (size_t i = 0; i < c->builders.count; i++)
         if (c->taken[i] == 0) {
             char text[1200];
-            snprintf(text, sizeof text, "takes none of the scenes: it was not checked; %s",
+            snprintf(text, sizeof text, "supports none of the scenes: it was not checked; %s",
                      c->refusals[i] != NULL ? c->refusals[i] : "");
             c->failed++;
-<<<<<<< HEAD
-            say(c, "FAILED", "", c->builders.items[i],
-                "supports none of the scenes: it was not checked");
-=======
             say(c, "FAILED", "", c->builders.items[i], text);
->>>>>>> i10-dups
         }
 }
 

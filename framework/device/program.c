@@ -164,14 +164,9 @@ static bb_status append_file(bb_device *device, const bb_source *source, const b
 }
 
 /* All in one text, not clCompileProgram and clLinkProgram with a program for each header: of that,
-<<<<<<< HEAD
  * PoCL 3.1 finds only the kernels in its cache, and compiles and links the rest each time. */
-=======
-*PoCL 3.1 finds nothing but the kernels in its cache,
-    and compiles and links the rest each time.*/
->>>>>>> i10-dups
-        static bb_status compile(bb_device *device, const bb_source *source, const char *options,
-                                 cl_program *program)
+static bb_status compile(bb_device *device, const bb_source *source, const char *options,
+                         cl_program *program)
 {
     text whole = {0};
     cl_int error;
