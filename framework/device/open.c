@@ -19,15 +19,23 @@ typedef struct found_device {
     cl_device_id id;
 } found_device;
 
+enum { PLATFORMS_MAX = 16 };
+
+/* The ICD loader reports "no platform" as an error. */
+static cl_uint find_platforms(cl_platform_id platforms[PLATFORMS_MAX])
+{
+    cl_uint count = 0;
+    if (clGetPlatformIDs(PLATFORMS_MAX, platforms, &count) != CL_SUCCESS)
+        return 0;
+    return count < PLATFORMS_MAX ? count : PLATFORMS_MAX;
+}
+
 static bb_status find_devices(found_device *found, uint32_t *count)
 {
-    cl_platform_id platforms[16];
-    cl_uint platform_count = 0;
+    cl_platform_id platforms[PLATFORMS_MAX];
+    cl_uint platform_count = find_platforms(platforms);
     *count = 0;
-    cl_int error = clGetPlatformIDs(16, platforms, &platform_count);
-    if (error != CL_SUCCESS)
-        return BB_OK; /* the ICD loader reports "no platform" as an error: there is no device */
-    for (cl_uint p = 0; p < platform_count && p < 16; p++) {
+    for (cl_uint p = 0; p < platform_count; p++) {
         cl_device_id ids[DEVICES_MAX];
         cl_uint ids_count = 0;
         if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, DEVICES_MAX, ids, &ids_count) !=
@@ -68,15 +76,35 @@ bb_status bb_device_describe(uint32_t index, char *text, size_t capacity)
     return BB_OK;
 }
 
+void bb_device_say_none(char *text, size_t capacity)
+{
+    cl_platform_id platforms[PLATFORMS_MAX];
+    char name[128] = "";
+    if (find_platforms(platforms) == 0) {
+        snprintf(text, capacity,
+                 "install a driver (Debian: pocl-opencl-icd for the CPU, or the vendor's ICD) and "
+                 "check with `clinfo -l`");
+        return;
+    }
+    clGetPlatformInfo(platforms[0], CL_PLATFORM_NAME, sizeof name, name, NULL);
+    bool pocl = strcmp(name, "Portable Computing Language") == 0;
+    snprintf(
+        text, capacity, "the platform '%s' has none%s", name,
+        pocl ? ": PoCL must be able to write its cache: set POCL_CACHE_DIR to a folder where it "
+               "can"
+             : ": see `clinfo`");
+}
+
 static bb_status select_device(const char *selector, found_device *selected)
 {
     found_device found[DEVICES_MAX];
     uint32_t count;
     BB_TRY(find_devices(found, &count));
-    if (count == 0)
-        return bb_fail(BB_INVALID,
-                       "no OpenCL device: install a driver (Debian: pocl-opencl-icd for "
-                       "the CPU, or the vendor's ICD) and check with `clinfo -l`");
+    if (count == 0) {
+        char reason[320];
+        bb_device_say_none(reason, sizeof reason);
+        return bb_fail(BB_INVALID, "no OpenCL device: %s", reason);
+    }
     if (selector == NULL) {
         *selected = found[0];
         return BB_OK;
