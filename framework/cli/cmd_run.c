@@ -9,23 +9,26 @@
 #include "framework/cli/output.h"
 #include "framework/report/report.h"
 #include "framework/scene/scene.h"
+#include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const bb_cli_option options[] = {
     {"scene", "S",
-     "a file (.gltf, .glb), a shipped or a procedural scene; default: the shipped ones", true},
+     "a file (.gltf, .glb), a shipped or a procedural scene; `all` and default: the shipped ones",
+     true},
     {"builder", "B", "name:key=value,...; A+B; `all`; default: what each builder names for it",
      true},
     {"kernel", "K",
      "traversal kernel; `all`; default: those for the comparison, and what keeps a tree's shape",
      true},
-    {"rays", "R", "workload; `none`: builds only; default: primary, ao, diffuse, shadow, random",
-     true},
-    {"intersector", "I", "rounding rules of the tests; default: exact", true},
+    {"rays", "R",
+     "workload; `all`; `none`: builds only; default: primary, ao, diffuse, shadow, random", true},
+    {"intersector", "I", "rounding rules of the tests; `all`; default: exact", true},
     {"cell", "KEY", "measure exactly the cell of this key, in place of all of the above",
      BB_CLI_REPEATED},
     {"device", "D", "index or part of the name of an OpenCL device; default: the first", false},
@@ -41,7 +44,7 @@ static const bb_cli_option options[] = {
      "give a range only, 1 neither",
      false},
     {"seed", "N", "of all that is random; default: 1", false},
-    {"metrics", "M", "further metrics of trees: see below", true},
+    {"metrics", "M", "further metrics of trees: see below; `all`", true},
     {"max-wrong-ppm", "X", "wrong rays per million that are still right; default: 0", false},
     {"plugin", "FILE.so", "load a builder, beside those of BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "read device code from here first (edit and run)", false},
@@ -66,17 +69,6 @@ static bb_status choose_builders(const bb_cli *cli, bb_names *names)
     return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
                                "embree-native:quality=medium,mode=fast,"
                                "embree-native:quality=high,mode=fast");
-}
-
-static bb_status choose_scenes(const bb_cli *cli, bb_names *names)
-{
-    uint32_t count;
-    bb_cli_values(cli, "scene", &count);
-    if (count > 0)
-        return bb_choose(cli, "scene", "", names);
-    for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
-        BB_TRY(bb_names_add(names, *name));
-    return BB_OK;
 }
 
 /* Nothing was chosen: the default comparison, which is to take two minutes, with fewer rays, and
@@ -106,7 +98,6 @@ static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
                       &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
     BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &request->max_wrong_ppm));
-    request->metrics = bb_cli_values(cli, "metrics", &request->metric_count);
     request->max_rays = (uint32_t)max_rays;
     request->repeats = (uint32_t)repeats;
     request->quiet = bb_cli_value(cli, "quiet") != NULL;
@@ -126,23 +117,24 @@ static bb_status choose_traces(const bb_cli *cli, bb_names *kernels, bb_names *w
     if (none && rays_given > 1)
         return bb_fail(BB_INVALID, "--rays none leaves all rays out: give it alone");
     if (!none)
-        BB_TRY(bb_choose(cli, "rays", "primary,ao,diffuse,shadow,random", workloads));
+        BB_TRY(bb_choose_rays(cli, workloads));
     return none && kernels_given == 0 ? BB_OK : bb_choose_kernels(cli, kernels);
 }
 
 /* What is compared: lists of the command line, or of what there is. */
 typedef struct lists {
-    bb_names scenes, builders, kernels, workloads, intersectors;
+    bb_names scenes, builders, kernels, workloads, intersectors, metrics;
 } lists;
 
 static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
 {
     uint32_t kernels_given;
     bb_cli_values(cli, "kernel", &kernels_given);
-    BB_TRY(choose_scenes(cli, &l->scenes));
+    BB_TRY(bb_choose_scenes(cli, bb_add_shipped_scenes, &l->scenes));
     BB_TRY(choose_builders(cli, &l->builders));
     BB_TRY(choose_traces(cli, &l->kernels, &l->workloads));
-    BB_TRY(bb_choose(cli, "intersector", "exact", &l->intersectors));
+    BB_TRY(bb_choose_intersectors(cli, &l->intersectors));
+    BB_TRY(bb_choose_metrics(cli, &l->metrics));
     BB_TRY(fill_request(cli, request));
     request->scenes = l->scenes.items;
     request->scene_count = (uint32_t)l->scenes.count;
@@ -155,6 +147,10 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
     request->workload_count = (uint32_t)l->workloads.count;
     request->intersectors = l->intersectors.items;
     request->intersector_count = (uint32_t)l->intersectors.count;
+    request->metrics = l->metrics.items;
+    request->metric_count = (uint32_t)l->metrics.count;
+    for (size_t i = 0; i < l->workloads.count; i++)
+        BB_TRY(bb_workload_check_room(l->workloads.items[i], request->max_rays));
     return bb_bench_check(request);
 }
 
@@ -236,7 +232,10 @@ static bb_status run(const bb_cli *cli, int *exit_status)
             .request = &wanted,
             .print = bb_cli_value(cli, "table") != NULL ? bb_report_table : bb_report_verdict,
         };
+        bool made = access(folder, F_OK) != 0;
         status = bb_output_compare(&all, exit_status);
+        if (status != BB_OK && made)
+            rmdir(folder); /* which stays if anything was written */
     }
     bb_cells_free(&wanted.cells);
     bb_names_free(&chosen.scenes);
@@ -244,6 +243,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_names_free(&chosen.kernels);
     bb_names_free(&chosen.workloads);
     bb_names_free(&chosen.intersectors);
+    bb_names_free(&chosen.metrics);
     return status;
 }
 
