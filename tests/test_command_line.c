@@ -72,6 +72,7 @@ static void nearly_known_words_are_named(void **state)
         {"run --scene cofee", "'coffee'"},
         {"check --scene cofee", "'coffee'"},
         {"reproduce emc --scene cofee", "'coffee'"},
+        {"run --cell scene=cofee/builder=lbvh", "'coffee'"},
         {"render --scene sphere:n=9 --out x.png", "'spheres'"},
         {"rays --scene cube --rays rando --out x.rays", "'random'"},
         {"judge --scene cubes --rays-file a --hits b", "'cube'"},
