@@ -72,7 +72,10 @@ static void nearly_known_words_are_named(void **state)
         {"run --scene cofee", "'coffee'"},
         {"check --scene cofee", "'coffee'"},
         {"reproduce emc --scene cofee", "'coffee'"},
+        {"run --scene box:length=1.5,citty:flatness=0.1", "'city'"},
         {"run --cell scene=cofee/builder=lbvh", "'coffee'"},
+        {"run --cell scene=cube/rays=aoo/builder=lbvh/kernel=stack", "'ao'"},
+        {"run --cell scene=cube/rays=ao/builder=lbvh/kernel=stock", "'stack'"},
         {"render --scene sphere:n=9 --out x.png", "'spheres'"},
         {"rays --scene cube --rays rando --out x.rays", "'random'"},
         {"judge --scene cubes --rays-file a --hits b", "'cube'"},
@@ -256,7 +259,7 @@ static void all_stands_for_what_there_is(void **state)
     (void)state;
     const outcome *o = run("run --scene single --builder null --kernel stack --rays all "
                            "--intersector all --metrics all --size 8x8 --max-rays 500 --repeats 1 "
-                           "--no-pictures --charts no --quiet --out all");
+                           "--table --no-pictures --charts no --quiet --out all");
     assert_int_not_equal(o->exit_status, 2);
     static const char *const words[] = {
         "primary", "ao: ", "lines: ", "random:", " careless", "EPO"};

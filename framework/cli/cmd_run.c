@@ -9,7 +9,6 @@
 #include "framework/cli/output.h"
 #include "framework/report/report.h"
 #include "framework/scene/scene.h"
-#include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
 #include <stdio.h>
@@ -149,8 +148,6 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
     request->intersector_count = (uint32_t)l->intersectors.count;
     request->metrics = l->metrics.items;
     request->metric_count = (uint32_t)l->metrics.count;
-    for (size_t i = 0; i < l->workloads.count; i++)
-        BB_TRY(bb_workload_check_room(l->workloads.items[i], request->max_rays));
     return bb_bench_check(request);
 }
 

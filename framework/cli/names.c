@@ -53,8 +53,7 @@ typedef struct spelt {
 typedef struct list {
     const char *option;
     adder *add_all, *add_default;
-    bb_status (*check)(const char *item); /* NULL: who uses the names checks them */
-    size_t place;                         /* of such a name in `spelt` */
+    size_t place; /* of such a name in `spelt` */
 } list;
 
 /* The spelling by which two names are compared: that of a cell's key. */
@@ -102,8 +101,6 @@ static bb_status choose(const bb_cli *cli, const list *l, bb_names *names)
             BB_TRY(l->add_all(names));
             continue;
         }
-        if (l->check != NULL)
-            BB_TRY(l->check(values[i]));
         BB_TRY(add_item(names, values[i]));
     }
     return refuse_twins(l, names);
@@ -132,7 +129,7 @@ static bb_status check_scene_folder(void)
 bb_status bb_check_scene(const char *text)
 {
     bb_spec spec;
-    if (access(text, F_OK) == 0 || strpbrk(text, "./") != NULL)
+    if (access(text, F_OK) == 0 || strcspn(text, "./") < strcspn(text, ":"))
         return BB_OK;
     BB_TRY(bb_spec_parse(text, &spec));
     bb_suggestion meant = {.word = spec.name};
@@ -154,7 +151,7 @@ bb_status bb_check_scene(const char *text)
 
 bb_status bb_choose_scenes(const bb_cli *cli, adder *add_all, bb_names *names)
 {
-    const list scenes = {"scene", add_all, add_all, NULL, offsetof(spelt, cell.scene)};
+    const list scenes = {"scene", add_all, add_all, offsetof(spelt, cell.scene)};
     BB_TRY(choose(cli, &scenes, names));
     for (size_t i = 0; i < names->count; i++)
         BB_TRY(bb_check_scene(names->items[i]));
@@ -204,7 +201,7 @@ static bb_status add_every_variant(bb_names *names)
 bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names)
 {
     const list builders = {"builder", add_all_builders,
-                           every ? add_every_variant : add_compared_variants, NULL,
+                           every ? add_every_variant : add_compared_variants,
                            offsetof(spelt, cell.builder)};
     return choose(cli, &builders, names);
 }
@@ -226,16 +223,9 @@ static bb_status add_compared_kernels(bb_names *names)
     return BB_OK;
 }
 
-static bb_status check_kernel(const char *item)
-{
-    bb_spec spec;
-    const bb_kernel *kernel;
-    return bb_kernel_parse(item, &spec, &kernel);
-}
-
 bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
 {
-    static const list kernels = {"kernel", add_all_kernels, add_compared_kernels, check_kernel,
+    static const list kernels = {"kernel", add_all_kernels, add_compared_kernels,
                                  offsetof(spelt, cell.kernel)};
     return choose(cli, &kernels, names);
 }
@@ -252,17 +242,9 @@ static bb_status add_default_rays(bb_names *names)
     return bb_names_add(names, "primary,ao,diffuse,shadow,random");
 }
 
-static bb_status check_rays(const char *item)
-{
-    bb_spec spec;
-    const bb_workload *workload;
-    return bb_workload_parse(item, &spec, &workload);
-}
-
 bb_status bb_choose_rays(const bb_cli *cli, bb_names *names)
 {
-    static const list rays = {"rays", add_all_rays, add_default_rays, check_rays,
-                              offsetof(spelt, cell.rays)};
+    static const list rays = {"rays", add_all_rays, add_default_rays, offsetof(spelt, cell.rays)};
     return choose(cli, &rays, names);
 }
 
@@ -280,7 +262,7 @@ static bb_status add_exact(bb_names *names)
 
 bb_status bb_choose_intersectors(const bb_cli *cli, bb_names *names)
 {
-    static const list intersectors = {"intersector", add_all_intersectors, add_exact, NULL,
+    static const list intersectors = {"intersector", add_all_intersectors, add_exact,
                                       offsetof(spelt, cell.intersector)};
     return choose(cli, &intersectors, names);
 }
@@ -293,21 +275,8 @@ static bb_status add_all_metrics(bb_names *names)
     return BB_OK;
 }
 
-static bb_status check_metric(const char *item)
-{
-    bb_suggestion meant = {.word = item};
-    for (uint32_t i = 0; i < bb_metric_count(); i++) {
-        if (strcmp(bb_metrics[i]->name, item) == 0)
-            return BB_OK;
-        bb_suggest(&meant, bb_metrics[i]->name);
-    }
-    return bb_fail(BB_INVALID, "unknown metric '%s'%s: `bvhbench list metrics` shows them", item,
-                   bb_suggested(&meant));
-}
-
 bb_status bb_choose_metrics(const bb_cli *cli, bb_names *names)
 {
-    static const list metrics = {"metrics", add_all_metrics, NULL, check_metric,
-                                 offsetof(spelt, other)};
+    static const list metrics = {"metrics", add_all_metrics, NULL, offsetof(spelt, other)};
     return choose(cli, &metrics, names);
 }

@@ -34,7 +34,7 @@ bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload *
                    bb_suggested(&meant));
 }
 
-bb_status bb_workload_check_room(const char *text, uint32_t max_rays)
+bb_status bb_workload_check(const char *text, uint32_t max_rays)
 {
     bb_spec spec;
     const bb_workload *workload;
