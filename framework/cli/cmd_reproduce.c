@@ -6,7 +6,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 static const bb_cli_option options[] = {
     {"scene", "S",
@@ -74,7 +73,6 @@ static bb_status reproduce(void *user, bb_device *device, bb_results *results,
 
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
-    const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
     bb_reproduce_request request = {0};
     bb_names scenes = {0};
     bool charts = false;
@@ -83,7 +81,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_status status = fill_request(cli, &scenes, &request);
     const bb_comparison comparison = {
         .cli = cli,
-        .folder = folder,
+        .folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out",
         .seed = request.seed,
         .charts = charts,
         .quiet = request.quiet,
@@ -91,11 +89,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         .request = &request,
         .print = bb_reproduction_print,
     };
-    bool made = access(folder, F_OK) != 0;
     if (status == BB_OK)
         status = bb_output_compare(&comparison, exit_status);
-    if (status != BB_OK && made)
-        rmdir(folder); /* which stays if anything was written */
     bb_names_free(&scenes);
     return status;
 }
