@@ -253,6 +253,25 @@ static void a_cell_has_one_key(void **state)
         "max-rays=1048576/seed=1/builder=null/kernel=short:leaf=1,group=64,persistent=no,"
         "entries=4/"
         "intersector=careless:triangle=moeller,slab=naive,contract=yes");
+    /* whole numbers, where the option takes some; a default as it is declared */
+    static const char *const counts[] = {"100000", "1e5", "100k", "0.1M", "100_000", "0100000"};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        char given[600], wanted[600];
+        snprintf(given, sizeof given,
+                 "scene=awkward:n=%s,far=100M/rays=random:count=%s/max-rays=2M/seed=1k/"
+                 "size=1kx512/builder=lbvh:view=007/kernel=stack",
+                 counts[i], counts[i]);
+        snprintf(wanted, sizeof wanted, "scene=awkward:kind=outlier,n=100000,far=1e8,seed=1/");
+        bb_cell cell;
+        char key[BB_CELL_KEY];
+        parse(given, &cell);
+        bb_cell_canonical(&cell);
+        format(&cell, key);
+        if (strncmp(key, wanted, strlen(wanted)) != 0 || strstr(key, "count=100000") == NULL ||
+            strstr(key, "/size=1000x512/max-rays=2000000/seed=1000/") == NULL ||
+            strstr(key, ",view=007,") == NULL)
+            fail_msg("%s: %s", given, key);
+    }
     /* what is not known stays as it is */
     expect_canonical("scene=a%2Fb.glb/seed=1/builder=lbvh+later:x=1",
                      "scene=a%2Fb.glb/seed=1/builder=lbvh+later:x=1");

@@ -209,6 +209,41 @@ static void expect_error(const bb_source *source, const char *words)
         fail_msg("expected '%s' in '%s'", words, bb_message());
 }
 
+/* One line names the first error, and a file that has all of them. */
+static void all_errors_are_in_a_file(void **state)
+{
+    (void)state;
+    static const bb_source one = {.name = "one.cl", .text = "wrong x;\n"};
+    static const bb_source source = {.name = "several.cl", .text = "wrong x;\n\nworse y;\n"};
+    char folder[] = "/tmp/bvhbench-log-XXXXXX", log[4096] = "";
+    assert_non_null(mkdtemp(folder));
+    setenv("TMPDIR", folder, 1);
+    expect_error(&one, "one.cl:1:1: ");
+    assert_null(strstr(bb_message(), folder));
+    for (int again = 0; again < 2; again++) { /* which is compiled once */
+        expect_error(&source, "several.cl:1:1: ");
+        char *path = strstr(bb_message(), folder);
+        if (path == NULL)
+            fail_msg("%s", bb_message());
+        assert_non_null(strstr(bb_message(), " (2 errors: "));
+        path = strndup(path, strcspn(path, ")"));
+        FILE *file = fopen(path, "r");
+        assert_true(file != NULL || again == 1);
+        if (file != NULL) {
+            assert_true(fread(log, 1, sizeof log - 1, file) > 0);
+            fclose(file);
+            unlink(path);
+        }
+        free(path);
+    }
+    assert_non_null(strstr(log, "several.cl:3:1: "));
+    assert_int_equal(rmdir(folder), 0);
+    /* where no file can be made, there is the line alone */
+    bb_programs_clear(device);
+    expect_error(&source, "several.cl:1:1: ");
+    assert_null(strstr(bb_message(), "errors: "));
+}
+
 /* The compiler sees one text, and speaks of files and their lines. */
 static void errors_name_the_file_and_its_line(void **state)
 {
@@ -346,6 +381,7 @@ static void closing_waits_for_what_was_enqueued(void **state)
 
 int main(void)
 {
+    setenv("TMPDIR", "/nonexistent", 1); /* logs of what does not compile are left nowhere */
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(structs_have_one_size_everywhere),
         cmocka_unit_test(contraction_is_off),
@@ -357,6 +393,7 @@ int main(void)
         cmocka_unit_test(launch_errors_name_the_kernel),
         cmocka_unit_test(headers_resolve_within_a_folder),
         cmocka_unit_test(errors_name_the_file_and_its_line),
+        cmocka_unit_test(all_errors_are_in_a_file),
         cmocka_unit_test(a_folder_overrides_embedded_sources),
         cmocka_unit_test(a_fence_that_fails_is_not_used),
         cmocka_unit_test(closing_waits_for_what_was_enqueued),

@@ -64,17 +64,36 @@ static void names_unknown_keys_and_values(void **state)
     assert_int_equal(bb_spec_parse("x:bit=3", &spec), BB_OK);
     assert_int_equal(bb_spec_validate(&spec, options, "builder x"), BB_INVALID);
     assert_non_null(strstr(bb_message(), "'bit'"));
+    assert_non_null(strstr(bb_message(), "(did you mean 'bits'?)"));
     assert_non_null(strstr(bb_message(), "bits, n, free"));
     assert_int_equal(bb_spec_parse("x:bits=3", &spec), BB_OK);
     assert_int_equal(bb_spec_validate(&spec, options, "builder x"), BB_INVALID);
     assert_non_null(strstr(bb_message(), "30|63"));
-    static const char *const numbers[] = {"x:n=-1", "x:n=1e3", "x:n=99999999999999999999",
+    static const char *const numbers[] = {"x:n=-1", "x:n=1.5", "x:n=99999999999999999999",
                                           "x:n=0x10", "x:n=1 "};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         uint64_t n;
         assert_int_equal(bb_spec_parse(numbers[i], &spec), BB_OK);
         assert_int_equal(bb_spec_u64(&spec, options, "n", 0, UINT64_MAX, &n), BB_INVALID);
     }
+}
+
+static void takes_numbers_as_people_write_them(void **state)
+{
+    (void)state;
+    bb_spec spec;
+    uint64_t n;
+    double x;
+    assert_int_equal(bb_spec_parse("x:n=1.5M", &spec), BB_OK);
+    assert_int_equal(bb_spec_u64(&spec, options, "n", 0, 2000000, &n), BB_OK);
+    assert_int_equal(n, 1500000);
+    assert_int_equal(bb_spec_double(&spec, options, "n", 0, 2e6, &x), BB_OK);
+    assert_true(x == 1.5e6);
+    assert_int_equal(bb_spec_u64(&spec, options, "n", 0, 1000, &n), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "must be a whole number from 0 to 1000"));
+    assert_int_equal(bb_spec_parse("x:n=0", &spec), BB_OK);
+    assert_int_equal(bb_spec_u64(&spec, options, "n", 1, UINT64_MAX, &n), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "must be a whole number of at least 1"));
 }
 
 static void check_list(const char *text, size_t expected, const char *const *items)
@@ -125,6 +144,7 @@ int main(void)
         cmocka_unit_test(takes_defaults),
         cmocka_unit_test(refuses_what_is_malformed),
         cmocka_unit_test(names_unknown_keys_and_values),
+        cmocka_unit_test(takes_numbers_as_people_write_them),
         cmocka_unit_test(splits_lists_at_commas_that_start_an_item),
         cmocka_unit_test(takes_an_existing_file_whole),
     };

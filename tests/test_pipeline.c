@@ -66,7 +66,7 @@ static void bad_orders_are_refused_in_one_line(void **state)
         {"sah+rotate+rotate+rotate+rotate", "more than 4 stages"},
         {"sah+rotate:passes", "is not key=value"},
         {"sah+rotate:passes=2+rotate:nothing=1", "builder rotate has no option 'nothing'"},
-        {"embree-native+rotate", "reference row"},
+        {"embree-native+rotate", "not as a stage"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         if (bb_instance_check(bad[i][0]) != BB_INVALID)

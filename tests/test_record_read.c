@@ -50,7 +50,7 @@ static char *small_document(size_t *size)
         cJSON_DeleteItemFromArray(section(results, "traces"), 3);
     while (cJSON_GetArraySize(section(results, "builds")) > 2)
         cJSON_DeleteItemFromArray(section(results, "builds"), 1);
-    while (cJSON_GetArraySize(section(results, "scenes")) > 1)
+    while (cJSON_GetArraySize(section(results, "scenes")) > 2) /* of the first and the last build */
         cJSON_DeleteItemFromArray(section(results, "scenes"), 1);
     const char *path = results_path("small");
     assert_int_equal(bb_results_write(results, path), BB_OK);
@@ -127,6 +127,19 @@ static void wrong_types_are_named(void **state)
         {"+\"scenes\":[],\"builds\":[],\"traces\":[{\"build\":0,\"scene\":\"s\",\"builder\":\"b\","
          "\"kernel\":\"k\",\"rays\":\"r\",\"count\":1,\"status\":\"ok\"}]}",
          "build 0"},
+        {"+\"scenes\":[],\"builds\":[{\"id\":0,\"scene\":\"s\",\"builder\":\"b\",\"status\":"
+         "\"ok\"}],\"traces\":[]}",
+         "builds[0] names scene 's', which is missing"},
+        {"+\"scenes\":[{\"name\":\"s\",\"prims\":1}],\"builds\":[{\"id\":0,\"scene\":\"s\","
+         "\"builder\":\"b\",\"status\":\"ok\"}],\"traces\":[{\"build\":0,\"scene\":\"other\","
+         "\"builder\":\"b\",\"kernel\":\"k\",\"rays\":\"r\",\"count\":1,\"status\":\"ok\"}]}",
+         "traces[0] names scene 'other', which is missing"},
+        {"+\"scenes\":[{\"name\":\"s\",\"prims\":1}],\"builds\":[{\"id\":0,\"scene\":\"s\","
+         "\"builder\":\"b\",\"status\":\"ok\",\"layouts_ms\":{\"pair\":-1}}],\"traces\":[]}",
+         "builds[0]: \"layouts_ms\" is negative"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[{\"build\":0,\"scene\":\"s\",\"builder\":\"b\","
+         "\"kernel\":\"k\",\"rays\":\"r\",\"count\":1,\"status\":\"ok\",\"ms\":[1,-1]}]}",
+         "traces[0]: \"ms\" is negative"},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"steps_ms\":{\"a\":\"b\"}}", "steps_ms"},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"time_ms\":{\"total\":\"b\"}}", "time_ms"},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"time_ms\":7}", "time_ms"},

@@ -6,6 +6,8 @@
 #include "tests/report_sample.h"
 
 #include <cjson/cJSON.h>
+#include <errno.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static char *table_of(bb_results *results)
@@ -309,9 +311,27 @@ static void page_takes_in_no_other_files(void **state)
     (void)state;
     const char *folder = sample_folder("page_takes_in_no_other_files");
     bb_results *results = sample_results(folder);
-    assert_int_equal(bb_results_add_picture(results, "coffee", "", "", "/etc/passwd"), BB_OK);
-    char *page = page_of(results, folder);
-    assert_non_null(strstr(page, "the file is no PNG"));
+    char path[600], inside[600], below[700];
+    snprintf(path, sizeof path, "%s/heat.png", folder);
+    snprintf(inside, sizeof inside, "%s/inside", folder);
+    assert_true(mkdir(inside, 0777) == 0 || errno == EEXIST);
+    snprintf(below, sizeof below, "%s/link.png", inside);
+    unlink(below);
+    assert_int_equal(symlink(path, below), 0);
+    assert_int_equal(bb_file_write(strcat(inside, "/text.png"), "text", 4, "text"), BB_OK);
+    *strrchr(inside, '/') = '\0';
+    static const char *const outside[] = {"/etc/passwd", "../heat.png", "link.png"};
+    for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++)
+        assert_int_equal(bb_results_add_picture(results, "coffee", "", "", outside[i]), BB_OK);
+    assert_int_equal(bb_results_add_picture(results, "coffee", "", "", path), BB_OK);
+    assert_int_equal(bb_results_add_picture(results, "coffee", "", "", "text.png"), BB_OK);
+    char *page = page_of(results, inside);
+    assert_int_equal(count_of(page, "the file is not in the folder of the results"), 4);
+    assert_int_equal(count_of(page, "the file is no PNG"), 1);
+    assert_null(strstr(page, "data:image/png"));
+    free(page);
+    page = page_of(results, folder);
+    assert_int_equal(count_of(page, "data:image/png;base64,iVBOR"), 1);
     free(page);
     bb_results_destroy(results);
 }

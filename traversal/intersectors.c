@@ -1,6 +1,8 @@
 /* The named intersectors, and their choices as -D for kernels/intersect.clh. */
 #include "traversal/traversal.h"
 
+#include "framework/base/suggest.h"
+
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
@@ -53,10 +55,14 @@ bb_status bb_intersector_parse(const char *text, bb_intersector *intersector)
     char what[96];
     BB_TRY(bb_spec_parse(text, &spec));
     const bb_intersector *point = bb_intersector_find(spec.name);
-    if (point == NULL)
+    if (point == NULL) {
+        bb_suggestion meant = {.word = spec.name};
+        for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++)
+            bb_suggest(&meant, i->name);
         return bb_fail(BB_INVALID,
-                       "unknown intersector '%s': `bvhbench list intersectors` shows them",
-                       spec.name);
+                       "unknown intersector '%s'%s: `bvhbench list intersectors` shows them",
+                       spec.name, bb_suggested(&meant));
+    }
     snprintf(what, sizeof what, "intersector %s", point->name);
     BB_TRY(bb_spec_validate(&spec, bb_intersector_options, what));
     *intersector = *point;

@@ -1,6 +1,7 @@
 /* Kernels compiled for what a scene needs, and their launches. */
 #include "traversal/traversal.h"
 
+#include "framework/base/suggest.h"
 #include "framework/scene/prim.h"
 
 #include <assert.h>
@@ -59,6 +60,19 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     char what[96];
     snprintf(what, sizeof what, "kernel %s", kernel->name);
     return bb_spec_validate(spec, all, what);
+}
+
+bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel)
+{
+    BB_TRY(bb_spec_parse(text, spec));
+    *kernel = bb_kernel_find(spec->name);
+    if (*kernel != NULL)
+        return bb_kernel_validate(*kernel, spec);
+    bb_suggestion meant = {.word = spec->name};
+    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
+        bb_suggest(&meant, (*k)->name);
+    return bb_fail(BB_INVALID, "unknown kernel '%s'%s: `bvhbench list kernels` shows them",
+                   spec->name, bb_suggested(&meant));
 }
 
 /* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private

@@ -145,6 +145,8 @@ const bb_kernel *bb_kernel_find(const char *name);
 extern const bb_option bb_kernel_common_options[];
 /* Checks the parameters of a kernel's specification: its own options and the common ones. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
+/* The kernel that `text` names, and its specification, checked. */
+bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel);
 
 /* A kernel compiled for an intersector, a query, and what a layout needs. */
 typedef struct bb_tracer bb_tracer;

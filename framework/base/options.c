@@ -1,8 +1,9 @@
 /* Parsing of specifications and of lists of them. */
 #include "framework/base/options.h"
 
-#include <errno.h>
-#include <math.h>
+#include "framework/base/number.h"
+#include "framework/base/suggest.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,9 +125,13 @@ bb_status bb_spec_validate(const bb_spec *spec, const bb_option *options, const 
         const bb_option *option = find_option(options, spec->keys[i]);
         if (option == NULL) {
             char known[256];
+            bb_suggestion meant = {.word = spec->keys[i]};
+            for (option = options; option != NULL && option->name != NULL; option++)
+                bb_suggest(&meant, option->name);
             list_options(options, known, sizeof known);
-            return bb_fail(BB_INVALID, "%s has no option '%s': %s%s", what, spec->keys[i],
-                           known[0] != '\0' ? "it has " : "it has none", known);
+            return bb_fail(BB_INVALID, "%s has no option '%s'%s: %s%s", what, spec->keys[i],
+                           bb_suggested(&meant), known[0] != '\0' ? "it has " : "it has none",
+                           known);
         }
         if (option->values != NULL && !is_one_of(option->values, spec->values[i]))
             return bb_fail(BB_INVALID, "%s: option '%s' is '%s', must be one of %s", what,
@@ -148,15 +153,11 @@ bb_status bb_spec_u64(const bb_spec *spec, const bb_option *options, const char 
                       uint64_t high, uint64_t *out)
 {
     const char *value = bb_spec_value(spec, options, key);
-    char *end = NULL;
-    errno = 0;
-    unsigned long long number = value != NULL ? strtoull(value, &end, 10) : 0;
-    if (value == NULL || value[0] < '0' || value[0] > '9' || *end != '\0' || errno != 0 ||
-        number < low || number > high)
-        return bb_fail(BB_INVALID,
-                       "%s: option '%s' is '%s', must be a whole number from %llu to %llu",
-                       spec->text, key, value != NULL ? value : "", (unsigned long long)low,
-                       (unsigned long long)high);
+    uint64_t number = 0;
+    char range[BB_RANGE_TEXT];
+    if (value == NULL || !bb_read_whole(value, &number) || number < low || number > high)
+        return bb_fail(BB_INVALID, "%s: option '%s' is '%s', must be %s", spec->text, key,
+                       value != NULL ? value : "", bb_range_of_whole(low, high, range));
     *out = number;
     return BB_OK;
 }
@@ -165,10 +166,8 @@ bb_status bb_spec_double(const bb_spec *spec, const bb_option *options, const ch
                          double high, double *out)
 {
     const char *value = bb_spec_value(spec, options, key);
-    char *end = NULL;
-    double number = value != NULL ? strtod(value, &end) : 0;
-    if (value == NULL || end == value || *end != '\0' || isnan(number) || number < low ||
-        number > high)
+    double number = 0;
+    if (value == NULL || !bb_read_real(value, &number) || number < low || number > high)
         return bb_fail(BB_INVALID, "%s: option '%s' is '%s', must be a number from %g to %g",
                        spec->text, key, value != NULL ? value : "", low, high);
     *out = number;

@@ -49,7 +49,8 @@ bb_status bb_spec_validate(const bb_spec *spec, const bb_option *options, const 
 /* Value of `key`: as given, else its declared default, else NULL. */
 const char *bb_spec_value(const bb_spec *spec, const bb_option *options, const char *key);
 
-/* Typed values, range included. BB_INVALID names option, value and range. */
+/* Typed values, range included; whole numbers also as 1e6, 20k, 1.5M or 1_000_000. BB_INVALID names
+ * option, value and range. */
 bb_status bb_spec_u64(const bb_spec *spec, const bb_option *options, const char *key, uint64_t low,
                       uint64_t high, uint64_t *out);
 bb_status bb_spec_double(const bb_spec *spec, const bb_option *options, const char *key, double low,

@@ -121,7 +121,6 @@ bb_status bb_bench_builds(bb_bench *bench);
 
 bb_status bb_bench_parse_reference(const char *text, bb_spec *spec);
 bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice);
-bb_status bb_bench_parse_workload(const char *text, bb_spec *spec, const bb_workload **workload);
 
 /* Ray sets of a scene with so many views. */
 uint32_t bb_bench_sets_of(const bb_bench *bench, uint32_t views);

@@ -15,12 +15,7 @@ bb_status bb_bench_parse_reference(const char *text, bb_spec *spec)
 
 bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice)
 {
-    BB_TRY(bb_spec_parse(text, &choice->spec));
-    choice->kernel = bb_kernel_find(choice->spec.name);
-    if (choice->kernel == NULL)
-        return bb_fail(BB_INVALID, "unknown kernel '%s': `bvhbench list kernels` shows them",
-                       choice->spec.name);
-    BB_TRY(bb_kernel_validate(choice->kernel, &choice->spec));
+    BB_TRY(bb_kernel_parse(text, &choice->spec, &choice->kernel));
     uint64_t leaf, group;
     BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
     BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1, 65536, &group));
@@ -28,22 +23,9 @@ bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice)
     return BB_OK;
 }
 
-bb_status bb_bench_parse_workload(const char *text, bb_spec *spec, const bb_workload **workload)
-{
-    BB_TRY(bb_spec_parse(text, spec));
-    *workload = bb_workload_find(spec->name);
-    if (*workload == NULL)
-        return bb_fail(BB_INVALID, "unknown rays '%s': `bvhbench list rays` shows them",
-                       spec->name);
-    char what[64];
-    snprintf(what, sizeof what, "rays %s", spec->name);
-    return bb_spec_validate(spec, (*workload)->options, what);
-}
-
 bb_status bb_bench_check(const bb_bench_request *request)
 {
     bb_spec spec;
-    const bb_workload *workload;
     bb_kernel_choice choice;
     if (request->builder_count > BB_ENTRANTS_MAX)
         return bb_fail(BB_INVALID, "at most %d builders at once", BB_ENTRANTS_MAX);
@@ -56,14 +38,12 @@ bb_status bb_bench_check(const bb_bench_request *request)
     for (uint32_t i = 0; i < request->kernel_count; i++)
         BB_TRY(bb_bench_parse_kernel(request->kernels[i], &choice));
     for (uint32_t i = 0; i < request->workload_count; i++)
-        BB_TRY(bb_bench_parse_workload(request->workloads[i], &spec, &workload));
+        BB_TRY(bb_workload_check(request->workloads[i], request->max_rays));
     bb_intersector intersector;
     for (uint32_t i = 0; i < request->intersector_count; i++)
         BB_TRY(bb_intersector_parse(request->intersectors[i], &intersector));
     for (uint32_t i = 0; i < request->metric_count; i++)
-        if (bb_metric_find(request->metrics[i]) == BB_NONE)
-            return bb_fail(BB_INVALID, "unknown metric '%s': `bvhbench list metrics` shows them",
-                           request->metrics[i]);
+        BB_TRY(bb_metric_check(request->metrics[i]));
     return BB_OK;
 }
 
@@ -86,7 +66,7 @@ uint32_t bb_bench_sets_of(const bb_bench *bench, uint32_t views)
     for (uint32_t w = 0; w < request->workload_count; w++) {
         bb_spec spec;
         const bb_workload *workload = NULL;
-        if (bb_bench_parse_workload(request->workloads[w], &spec, &workload) != BB_OK)
+        if (bb_workload_parse(request->workloads[w], &spec, &workload) != BB_OK)
             continue;
         bool few = request->max_views > 0 && request->max_views < views;
         sets += !workload->per_view ? 1 : few ? request->max_views : views;

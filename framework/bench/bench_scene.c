@@ -165,7 +165,7 @@ static bb_status try_workloads(bb_bench *bench)
         bb_spec spec;
         const bb_workload *workload;
         bb_rays *rays = NULL;
-        BB_TRY(bb_bench_parse_workload(request->workloads[w], &spec, &workload));
+        BB_TRY(bb_workload_parse(request->workloads[w], &spec, &workload));
         bb_rays_request wanted = {
             &spec, workload->per_view ? &bench->scene->views[0] : NULL, 8,
             8,     request->max_rays < 1024 ? request->max_rays : 1024, request->seed};
@@ -182,7 +182,7 @@ static bb_status trace_workloads(bb_bench *bench)
     for (uint32_t w = 0; w < bench->request->workload_count && !bb_interrupted(); w++) {
         bb_spec spec;
         const bb_workload *workload;
-        BB_TRY(bb_bench_parse_workload(bench->request->workloads[w], &spec, &workload));
+        BB_TRY(bb_workload_parse(bench->request->workloads[w], &spec, &workload));
         if (!workload->per_view)
             BB_TRY(trace_rays(bench, &spec, NULL));
         uint32_t views = bench->scene->view_count, most = bench->request->max_views;

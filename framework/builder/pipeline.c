@@ -1,5 +1,6 @@
 #include "framework/builder/pipeline.h"
 
+#include "framework/base/suggest.h"
 #include "framework/builder/registry.h"
 
 #include <stdio.h>
@@ -10,12 +11,16 @@ static bb_status find_builder(const char *text, bb_pipeline_stage *stage)
     const char *name = stage->spec.name;
     stage->builder = bb_builder_find(name);
     if (stage->builder == NULL && strcmp(name, BB_REFERENCE_NAME) == 0)
-        return bb_fail(BB_INVALID,
-                       "'%s': %s is a reference row, whose trees are its own: it is no stage", text,
-                       name);
-    if (stage->builder == NULL)
-        return bb_fail(BB_INVALID, "unknown builder '%s': `bvhbench list builders` shows them",
-                       name);
+        return bb_fail(BB_INVALID, "%s traces with its own tree: only `run` takes it%s", name,
+                       strchr(text, '+') != NULL ? ", and not as a stage of a builder" : "");
+    if (stage->builder == NULL) {
+        bb_suggestion meant = {.word = name};
+        for (uint32_t i = 0; i < bb_builder_count(); i++)
+            bb_suggest(&meant, bb_builder_at(i)->name);
+        bb_suggest(&meant, BB_REFERENCE_NAME);
+        return bb_fail(BB_INVALID, "unknown builder '%s'%s: `bvhbench list builders` shows them",
+                       name, bb_suggested(&meant));
+    }
     char what[96];
     snprintf(what, sizeof what, "builder %s", name);
     return bb_spec_validate(&stage->spec, stage->builder->options, what);

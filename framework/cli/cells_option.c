@@ -114,6 +114,7 @@ bb_status bb_cells_read(const bb_cli *cli, bb_cells *cells)
     for (uint32_t i = 0; i < count; i++) {
         BB_TRY(bb_cell_key_parse(keys[i], &cells->cells[i]));
         bb_cell_canonical(&cells->cells[i]);
+        BB_TRY(bb_check_scene(cells->cells[i].scene));
         BB_TRY(check_rays(keys[i], &cells->cells[i]));
     }
     BB_TRY(form_groups(cells, count));

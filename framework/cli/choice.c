@@ -1,9 +1,7 @@
 #include "framework/cli/choice.h"
 
-#include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
 #include "framework/device/device_private.h"
-#include "traversal/traversal.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -12,93 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-bb_status bb_names_add(bb_names *names, const char *list)
-{
-    return bb_spec_list(list, names->items, BB_NAMES_MAX, &names->count);
-}
-
-void bb_names_free(bb_names *names)
-{
-    for (size_t i = 0; i < names->count; i++)
-        free(names->items[i]);
-    names->count = 0;
-}
-
-/* One item as it is: commas in it were seen to when the command line was parsed. */
-static bb_status add_item(bb_names *names, const char *item)
-{
-    if (names->count == BB_NAMES_MAX)
-        return bb_fail(BB_INVALID, "more than %d names: '%.80s' is one too many", BB_NAMES_MAX,
-                       item);
-    names->items[names->count] = strdup(item);
-    if (names->items[names->count] == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
-    names->count++;
-    return BB_OK;
-}
-
-bb_status bb_choose(const bb_cli *cli, const char *option, const char *fallback, bb_names *names)
-{
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, option, &count);
-    if (count == 0)
-        return bb_names_add(names, fallback);
-    for (uint32_t i = 0; i < count; i++)
-        BB_TRY(add_item(names, values[i]));
-    return BB_OK;
-}
-
-/* By its name; a splitter or an optimiser beside a builder. */
-static bb_status add_builder(bb_names *names, const bb_builder *builder)
-{
-    char whole[sizeof((bb_pipeline *)NULL)->text];
-    BB_TRY(bb_pipeline_complete(builder->name, whole, sizeof whole, NULL));
-    return add_item(names, whole);
-}
-
-static bb_status add_all_builders(bb_names *names)
-{
-    for (uint32_t i = 0; i < bb_builder_count(); i++)
-        BB_TRY(add_builder(names, bb_builder_at(i)));
-    return BB_OK;
-}
-
-bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names)
-{
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, "builder", &count);
-    for (uint32_t i = 0; i < count; i++)
-        BB_TRY(strcmp(values[i], "all") == 0 ? add_all_builders(names)
-                                             : add_item(names, values[i]));
-    for (uint32_t i = 0; i < bb_builder_count() && count == 0; i++) {
-        const bb_builder *builder = bb_builder_at(i);
-        bool left_out = builder->compared != NULL && builder->compared[0] == '\0';
-        if (left_out && !every)
-            continue;
-        BB_TRY(left_out || builder->compared == NULL ? add_builder(names, builder)
-                                                     : bb_names_add(names, builder->compared));
-    }
-    return BB_OK;
-}
-
-bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
-{
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, "kernel", &count);
-    for (uint32_t i = 0; i < count || (i == 0 && count == 0); i++) {
-        if (count > 0 && strcmp(values[i], "all") != 0) {
-            BB_TRY(add_item(names, values[i]));
-            continue;
-        }
-        for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-            if (count > 0)
-                BB_TRY(add_item(names, (*kernel)->name));
-            else if ((*kernel)->compared != NULL)
-                BB_TRY(bb_names_add(names, (*kernel)->compared));
-    }
-    return BB_OK;
-}
 
 static bb_status parse_handover(const bb_cli *cli, bb_handover *handover)
 {

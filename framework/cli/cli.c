@@ -1,104 +1,18 @@
 /* Parsing of the command line and its help. */
 #include "framework/cli/cli.h"
 
-#include "framework/scene/camera.h"
-
 #include "framework/base/options.h"
+#include "framework/base/suggest.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <getopt.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 extern const char bb_build_version[], bb_build_revision[];
-
-static int find(const bb_command *command, const char *name)
-{
-    for (int i = 0; command->options[i].name != NULL; i++)
-        if (strcmp(command->options[i].name, name) == 0)
-            return i;
-    return -1;
-}
-
-const char *bb_cli_value(const bb_cli *cli, const char *name)
-{
-    int i = find(cli->command, name);
-    return i >= 0 && cli->counts[i] > 0 ? cli->values[i][cli->counts[i] - 1] : NULL;
-}
-
-char *const *bb_cli_values(const bb_cli *cli, const char *name, uint32_t *count)
-{
-    int i = find(cli->command, name);
-    *count = i >= 0 ? cli->counts[i] : 0;
-    return i >= 0 ? cli->values[i] : NULL;
-}
-
-bb_status bb_cli_u64(const bb_cli *cli, const char *name, uint64_t fallback, uint64_t low,
-                     uint64_t high, uint64_t *out)
-{
-    const char *value = bb_cli_value(cli, name);
-    *out = fallback;
-    if (value == NULL)
-        return BB_OK;
-    char *end;
-    errno = 0;
-    unsigned long long number = strtoull(value, &end, 10);
-    if (value[0] < '0' || value[0] > '9' || *end != '\0' || errno != 0 || number < low ||
-        number > high)
-        return bb_fail(BB_INVALID, "--%s is '%s', must be a whole number from %llu to %llu", name,
-                       value, (unsigned long long)low, (unsigned long long)high);
-    *out = number;
-    return BB_OK;
-}
-
-bb_status bb_cli_double(const bb_cli *cli, const char *name, double fallback, double low,
-                        double high, double *out)
-{
-    const char *value = bb_cli_value(cli, name);
-    *out = fallback;
-    if (value == NULL)
-        return BB_OK;
-    char *end;
-    double number = strtod(value, &end);
-    if (end == value || *end != '\0' || isnan(number) || number < low || number > high)
-        return bb_fail(BB_INVALID, "--%s is '%s', must be a number from %g to %g", name, value, low,
-                       high);
-    *out = number;
-    return BB_OK;
-}
-
-bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint32_t *height)
-{
-    const char *value = bb_cli_value(cli, name);
-    if (value == NULL)
-        return BB_OK;
-    unsigned w = 0, h = 0;
-    char rest;
-    if (sscanf(value, "%5ux%5u%c", &w, &h, &rest) != 2 || w < 1 || h < 1 || w > 65536 || h > 65536)
-        return bb_fail(BB_INVALID, "--%s is '%s', must be WIDTHxHEIGHT, such as 512x512", name,
-                       value);
-    if ((uint64_t)w * h > BB_PIXELS_MAX)
-        return bb_fail(BB_INVALID, "--%s is '%s': at most %u pixels in all", name, value,
-                       (unsigned)BB_PIXELS_MAX);
-    *width = w;
-    *height = h;
-    return BB_OK;
-}
-
-char *bb_cli_command_line(const bb_cli *cli)
-{
-    size_t length = 1;
-    for (int i = 0; i < cli->argc; i++)
-        length += strlen(cli->argv[i]) + 1;
-    char *text = calloc(1, length);
-    for (int i = 0; text != NULL && i < cli->argc; i++) {
-        strcat(text, i > 0 ? " " : "");
-        strcat(text, i > 0 ? cli->argv[i] : "bvhbench");
-    }
-    return text;
-}
 
 /* ---- help ---- */
 
@@ -109,30 +23,36 @@ static void print_help(const bb_command *command)
            command->arguments != NULL ? command->arguments : "", command->summary);
     for (const bb_cli_option *o = command->options; o->name != NULL; o++) {
         char left[48];
+        if (o->help == NULL)
+            continue;
         snprintf(left, sizeof left, "--%s%s%s", o->name, o->argument != NULL ? " " : "",
                  o->argument != NULL ? o->argument : "");
         printf("  %-24s %s%s\n", left, o->help, o->list ? " (may be repeated)" : "");
     }
-    printf("  %-24s %s\n", "--help", "this text");
+    printf("  %-24s %s\n", "-h, --help", "this text");
     if (command->details != NULL)
         printf("\n%s\n", command->details);
     if (command->more_help != NULL)
         command->more_help(stdout);
 }
 
-static void print_overview(const bb_command *const *commands)
+static void print_overview(FILE *out)
 {
-    printf("usage: bvhbench COMMAND [options]\n\n"
-           "Compares builders of bounding volume hierarchies: build speed, trace speed, tree\n"
-           "quality, memory, and how often the answer is wrong.\n\ncommands:\n");
-    for (const bb_command *const *c = commands; *c != NULL; c++)
-        printf("  %-10s %s\n", (*c)->name, (*c)->summary);
-    printf(
-        "\n`bvhbench COMMAND --help` shows a command's options; `bvhbench --version` the version.\n"
-        "exit status: 0 done, nothing wrong; 1 done, but a check or comparison failed;\n"
-        "2 it could not be done (one line on standard error says why); 130 interrupted\n"
-        "environment: BVHBENCH_PLUGINS=A.so:B.so loads builders for every command;\n"
-        "BVHBENCH_SCENES=DIR is the folder of the shipped scenes\n");
+    fputs("usage: bvhbench COMMAND [options]\n\n"
+          "Compares builders of bounding volume hierarchies: build speed, trace speed, tree\n"
+          "quality, memory, and how often the answer is wrong.\n\ncommands:\n",
+          out);
+    for (const bb_command *const *c = bb_commands; *c != NULL; c++)
+        fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
+    fprintf(out, "  %-10s %s\n  %-10s %s\n", "help", "this text, or with COMMAND what it takes",
+            "version", "version and revision");
+    fputs("\n`bvhbench COMMAND --help` shows a command's options. Options are written in full;\n"
+          "whole numbers also as 1e6, 20k, 1.5M or 1_000_000.\n"
+          "exit status: 0 done, nothing wrong; 1 done, but a check or comparison failed;\n"
+          "2 it could not be done (one line on standard error says why); 130 interrupted\n"
+          "environment: BVHBENCH_PLUGINS=A.so:B.so loads builders for every command;\n"
+          "BVHBENCH_SCENES=DIR is the folder of the shipped scenes\n",
+          out);
 }
 
 /* ---- parsing ---- */
@@ -140,11 +60,14 @@ static void print_overview(const bb_command *const *commands)
 static bb_status add_value(bb_cli *cli, int option, const char *text)
 {
     const bb_cli_option *declared = &cli->command->options[option];
+    if (declared->argument != NULL && text[0] == '\0')
+        return bb_fail(BB_INVALID, "--%s is empty: give it a value, or leave it out",
+                       declared->name);
     if (declared->list == BB_CLI_LIST) {
         size_t count = cli->counts[option];
-        BB_TRY(bb_spec_list(text, cli->values[option], BB_CLI_VALUES_MAX, &count));
+        bb_status status = bb_spec_list(text, cli->values[option], BB_CLI_VALUES_MAX, &count);
         cli->counts[option] = (uint32_t)count;
-        return BB_OK;
+        return status == BB_OK ? BB_OK : bb_fail(status, "--%s: %s", declared->name, bb_message());
     }
     if (cli->counts[option] > 0 && declared->list == BB_CLI_ONCE)
         return bb_fail(BB_INVALID, "--%s is given twice", declared->name);
@@ -153,6 +76,27 @@ static bb_status add_value(bb_cli *cli, int option, const char *text)
                        BB_CLI_VALUES_MAX);
     cli->values[option][cli->counts[option]++] = strdup(text);
     return BB_OK;
+}
+
+/* `given` begins with two dashes. */
+static bb_status unknown_option(const bb_command *command, const char *given)
+{
+    char word[64];
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(given + 2, "="), given + 2);
+    bb_suggestion meant = {.word = word, .prefix = "--"};
+    for (const bb_cli_option *o = command->options; o->name != NULL; o++)
+        if (o->help != NULL)
+            bb_suggest(&meant, o->name);
+    bb_suggest(&meant, "help");
+    return bb_fail(BB_INVALID, "%s: unknown option '%s'%s: see `bvhbench %s --help`", command->name,
+                   given, bb_suggested(&meant), command->name);
+}
+
+/* getopt_long() also takes a beginning of a name, which would mean another option, or none, as soon
+ * as there is one more. */
+static bool is_cut(const char *given, const char *name)
+{
+    return strcspn(given + 2, "=") < strlen(name);
 }
 
 static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
@@ -169,8 +113,12 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
     opterr = 0;
     optind = 1;
     int index, got;
-    while ((got = getopt_long(argc, argv, ":", table, &index)) != -1) {
+    while ((got = getopt_long(argc, argv, ":h", table, &index)) != -1) {
         const char *given = argv[optind - 1];
+        if (got == 'h') {
+            *help = true;
+            return BB_OK;
+        }
         if (got == ':')
             return bb_fail(BB_INVALID, "%s: %s needs a value: see `bvhbench %s --help`",
                            command->name, given, command->name);
@@ -182,8 +130,11 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
             return bb_fail(BB_INVALID, "%s: unknown option '-%c': see `bvhbench %s --help`",
                            command->name, optopt, command->name);
         if (got == '?')
-            return bb_fail(BB_INVALID, "%s: unknown option '%s': see `bvhbench %s --help`",
-                           command->name, given, command->name);
+            return unknown_option(command, given);
+        if (optarg == given)
+            given = argv[optind - 2];
+        if (is_cut(given, table[index].name))
+            return unknown_option(command, given);
         if (index == count) {
             *help = true;
             return BB_OK;
@@ -205,6 +156,29 @@ static void free_values(bb_cli *cli)
             free(cli->values[i][k]);
 }
 
+/* ---- the program ---- */
+
+/* What was written may still be on its way, or have been lost on the way. */
+static bb_status flush_output(void)
+{
+    bool lost = ferror(stdout) != 0;
+    errno = 0;
+    if (fflush(stdout) == 0 && !lost)
+        return BB_OK;
+    return bb_fail(BB_FAILED, "cannot write to standard output: %s",
+                   errno != 0 ? strerror(errno) : "not all of it was taken");
+}
+
+static int end(bb_status status, int exit_status)
+{
+    if (status == BB_OK)
+        status = flush_output();
+    if (status == BB_OK)
+        return exit_status;
+    fprintf(stderr, "bvhbench: %s\n", bb_message());
+    return BB_EXIT_CANNOT;
+}
+
 static int run_command(const bb_command *command, int argc, char **argv)
 {
     static bb_cli cli;
@@ -219,28 +193,68 @@ static int run_command(const bb_command *command, int argc, char **argv)
     else if (status == BB_OK)
         status = command->run(&cli, &exit_status);
     free_values(&cli);
-    if (status == BB_OK && fflush(stdout) != 0)
-        status = bb_fail(BB_FAILED, "cannot write to standard output: %s", strerror(errno));
-    if (status != BB_OK) {
-        fprintf(stderr, "bvhbench: %s\n", bb_message());
-        return BB_EXIT_CANNOT;
+    return end(status, exit_status);
+}
+
+static bb_status find_command(const char *name, const bb_command **command)
+{
+    bb_suggestion meant = {.word = name};
+    for (const bb_command *const *c = bb_commands; *c != NULL; c++) {
+        *command = *c;
+        if (strcmp(name, (*c)->name) == 0)
+            return BB_OK;
+        bb_suggest(&meant, (*c)->name);
     }
-    return exit_status;
+    static const char *const own[] = {"help", "version", "--help", "--version"};
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++)
+        bb_suggest(&meant, own[i]);
+    return bb_fail(BB_INVALID, "unknown command '%s'%s: see `bvhbench --help`", name,
+                   bb_suggested(&meant));
+}
+
+static bool is_help(const char *word)
+{
+    return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0;
+}
+
+static int help(const char *name)
+{
+    const bb_command *command;
+    if (name == NULL || is_help(name)) {
+        print_overview(stdout);
+        return end(BB_OK, BB_EXIT_OK);
+    }
+    bb_status status = find_command(name, &command);
+    if (status == BB_OK)
+        print_help(command);
+    return end(status, BB_EXIT_OK);
+}
+
+/* A standard file that the caller has closed would come back as the first file that is opened, and
+ * what is meant for a terminal would be written into it. Of this one, writing fails. */
+static void keep_standard_files(void)
+{
+    for (int file = 0; file <= 2; file++)
+        if (fcntl(file, F_GETFD) < 0)
+            (void)!open("/dev/null", O_RDONLY);
 }
 
 int bb_main(int argc, char **argv)
 {
-    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
-        print_overview(bb_commands);
-        return argc < 2 ? BB_EXIT_CANNOT : BB_EXIT_OK;
+    const bb_command *command;
+    keep_standard_files();
+    if (argc < 2) {
+        print_overview(stderr);
+        return BB_EXIT_CANNOT;
     }
-    if (strcmp(argv[1], "--version") == 0) {
+    if (strcmp(argv[1], "help") == 0)
+        return help(argv[2]);
+    if (is_help(argv[1]))
+        return help(NULL);
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "version") == 0) {
         printf("bvhbench %s (%s)\n", bb_build_version, bb_build_revision);
-        return BB_EXIT_OK;
+        return end(BB_OK, BB_EXIT_OK);
     }
-    for (const bb_command *const *command = bb_commands; *command != NULL; command++)
-        if (strcmp((*command)->name, argv[1]) == 0)
-            return run_command(*command, argc, argv);
-    fprintf(stderr, "bvhbench: unknown command '%s': see `bvhbench --help`\n", argv[1]);
-    return BB_EXIT_CANNOT;
+    bb_status status = find_command(argv[1], &command);
+    return status == BB_OK ? run_command(command, argc, argv) : end(status, BB_EXIT_CANNOT);
 }

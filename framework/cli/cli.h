@@ -22,7 +22,7 @@ enum {
 typedef struct bb_cli_option {
     const char *name;
     const char *argument; /* NULL: a flag; else what the help calls it */
-    const char *help;
+    const char *help;     /* NULL: an old name, which is taken and not shown */
     enum { BB_CLI_ONCE, BB_CLI_LIST, BB_CLI_REPEATED } list; /* by commas too; each by itself */
 } bb_cli_option;
 
@@ -54,7 +54,8 @@ struct bb_cli {
 const char *bb_cli_value(const bb_cli *cli, const char *name);
 /* All values of a list option; *count may be 0. */
 char *const *bb_cli_values(const bb_cli *cli, const char *name, uint32_t *count);
-/* A whole number within [low, high], `fallback` if the option is not given. */
+/* A whole number within [low, high], also written as 1e6 or 20k (framework/base/number.h);
+ * `fallback` if the option is not given. */
 bb_status bb_cli_u64(const bb_cli *cli, const char *name, uint64_t fallback, uint64_t low,
                      uint64_t high, uint64_t *out);
 bb_status bb_cli_double(const bb_cli *cli, const char *name, double fallback, double low,

@@ -15,7 +15,7 @@
 static const bb_cli_option options[] = {
     {"builder", "B", "name:key=value,...; A+B; `all`; default: all, in the variants to compare",
      true},
-    {"scene", "S", "default: small procedural scenes, then the shipped ones", true},
+    {"scene", "S", "`all` and default: small procedural scenes, then the shipped ones", true},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
     {"form", "F", "variant of sort and scan: auto, cpu, gpu, or both (must give equal trees)",
@@ -61,9 +61,7 @@ static bb_status default_scenes(bb_names *names)
 {
     for (size_t i = 0; i < sizeof procedural_scenes / sizeof procedural_scenes[0]; i++)
         BB_TRY(bb_names_add(names, procedural_scenes[i]));
-    for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
-        BB_TRY(bb_names_add(names, *name));
-    return BB_OK;
+    return bb_add_shipped_scenes(names);
 }
 
 enum { FORMS_MAX = 2 };
@@ -276,14 +274,12 @@ static bb_status check_all(check *c, const bb_names *scenes)
 
 static bb_status run_check(check *c, const bb_cli *cli, bb_names *scenes)
 {
-    uint32_t scenes_given;
-    bb_cli_values(cli, "scene", &scenes_given);
     BB_TRY(bb_load_plugins(cli));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &c->seed));
     BB_TRY(bb_cli_u64(cli, "side", 64, 6, 1024, &c->side));
     BB_TRY(bb_choose_builders(cli, true, &c->builders));
     BB_TRY(complete(c));
-    BB_TRY(scenes_given > 0 ? bb_choose(cli, "scene", "", scenes) : default_scenes(scenes));
+    BB_TRY(bb_choose_scenes(cli, default_scenes, scenes));
     BB_TRY(open_devices(c, cli));
     bb_progress_start(&c->progress, bb_cli_value(cli, "quiet") != NULL);
     return check_all(c, scenes);

@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const bb_cli_option options[] = {
     {"scene", "S", "scene of the rays", false},
@@ -92,6 +93,7 @@ static bb_status read_options(const bb_cli *cli, job *j)
         return bb_fail(BB_INVALID,
                        "%u --rays-file but %u --hits: give the same number of both, at most %d",
                        rays_count, hits_count, SETS_MAX);
+    BB_TRY(bb_check_scene(bb_cli_value(cli, "scene")));
     j->set_count = rays_count;
     for (uint32_t i = 0; i < rays_count; i++) {
         j->sets[i].rays_path = rays[i];
@@ -326,6 +328,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     static job j; /* a parsed name must not move */
     j.start = bb_wall_ms();
     bb_status status = read_options(cli, &j);
+    bool made = j.folder != NULL && access(j.folder, F_OK) != 0;
     if (status == BB_OK && j.folder != NULL)
         status = bb_make_folder(j.folder);
     if (status == BB_OK)
@@ -339,6 +342,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     }
     if (status == BB_OK && j.folder != NULL)
         status = write_results(cli, &j);
+    if (status != BB_OK && made)
+        rmdir(j.folder); /* which stays if anything was written */
     release(&j);
     return status;
 }

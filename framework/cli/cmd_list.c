@@ -1,4 +1,5 @@
 /* bvhbench list: what there is to choose from. */
+#include "framework/base/suggest.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
 #include "framework/device/device_private.h"
@@ -158,6 +159,11 @@ static const char *text_of(const cJSON *entry, const char *key)
 static void print_list(const char *kind, const cJSON *list)
 {
     printf("%s\n", kind);
+    if (cJSON_GetArraySize(list) == 0 && strcmp(kind, "devices") == 0) {
+        char reason[320];
+        bb_device_say_none(reason, sizeof reason);
+        printf("  none: %s\n", reason);
+    }
     const cJSON *entry, *option;
     cJSON_ArrayForEach(entry, list)
     {
@@ -173,6 +179,17 @@ static void print_list(const char *kind, const cJSON *list)
         }
     }
     printf("\n");
+}
+
+static bb_status unknown_kind(const char *kind)
+{
+    bb_suggestion meant = {.word = kind};
+    for (uint32_t i = 0; i < KIND_COUNT; i++)
+        bb_suggest(&meant, kinds[i].name);
+    return bb_fail(BB_INVALID,
+                   "nothing is called '%s'%s: list takes builders, kernels, layouts, "
+                   "intersectors, scenes, rays, metrics, papers or devices",
+                   kind, bb_suggested(&meant));
 }
 
 static bb_status run(const bb_cli *cli, int *exit_status)
@@ -192,10 +209,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         status = kinds[i].fill(cJSON_AddArrayToObject(all, kinds[i].name));
     }
     if (status == BB_OK && !found)
-        status = bb_fail(BB_INVALID,
-                         "unknown kind '%s': list takes builders, kernels, layouts, "
-                         "intersectors, scenes, rays, metrics, papers or devices",
-                         wanted);
+        status = unknown_kind(wanted);
     if (status == BB_OK && bb_cli_value(cli, "json") != NULL) {
         char *text = cJSON_Print(all);
         printf("%s\n", text);

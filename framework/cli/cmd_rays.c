@@ -38,11 +38,8 @@ static bb_status read_options(const bb_cli *cli, job *j)
     if (bb_cli_value(cli, "scene") == NULL || rays == NULL || bb_cli_value(cli, "out") == NULL)
         return bb_fail(BB_INVALID,
                        "rays needs --scene, --rays and --out: see `bvhbench rays --help`");
-    BB_TRY(bb_spec_parse(rays, &j->spec));
-    j->workload = bb_workload_find(j->spec.name);
-    if (j->workload == NULL)
-        return bb_fail(BB_INVALID, "unknown rays '%s': `bvhbench list rays` shows them",
-                       j->spec.name);
+    BB_TRY(bb_check_scene(bb_cli_value(cli, "scene")));
+    BB_TRY(bb_workload_parse(rays, &j->spec, &j->workload));
     if (!j->workload->per_view && bb_cli_value(cli, "view") != NULL)
         return bb_fail(BB_INVALID, "rays %s are made from all views at once: drop --view",
                        j->workload->name);

@@ -20,9 +20,10 @@ static const bb_cli_option options[] = {
     {"builder", "B", "default: the first that `run` compares", false},
     {"kernel", "K", "default: the first in `list kernels`", false},
     {"intersector", "I", "default: exact", false},
-    {"view", "V", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
+    {"show", "P", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
      false},
-    {"camera", "NAME", "view of the scene; default: the first", false},
+    {"view", "V", "view of the scene; default: the first", false},
+    {"camera", "V", NULL, false},
     {"size", "WxH", "image size, to which heat and diff add a legend; default: 512x512", false},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
@@ -35,6 +36,7 @@ static const bb_cli_option options[] = {
 };
 
 typedef struct rendering {
+    const char *show, *view; /* which picture; NULL: the scene's first view */
     bb_device *device;
     bb_scene *scene;
     bb_oracle *oracle;
@@ -50,7 +52,7 @@ typedef struct rendering {
     bb_hit *hits;
     bb_count *counts;
     bb_canvas canvas;
-    bb_answers answers; /* of view diff */
+    bb_answers answers; /* of diff */
     float *values;
 } rendering;
 
@@ -73,15 +75,35 @@ static bb_status choose_builder(const bb_cli *cli, char *whole, size_t capacity)
 static bb_status choose_kernel(const bb_cli *cli, rendering *r)
 {
     const char *kernel = bb_cli_value(cli, "kernel");
-    BB_TRY(bb_spec_parse(kernel != NULL ? kernel : bb_kernels[0]->name, &r->kernel_spec));
-    r->kernel = bb_kernel_find(r->kernel_spec.name);
-    if (r->kernel == NULL)
-        return bb_fail(BB_INVALID, "unknown kernel '%s': `bvhbench list kernels` shows them",
-                       r->kernel_spec.name);
-    BB_TRY(bb_kernel_validate(r->kernel, &r->kernel_spec));
+    BB_TRY(bb_kernel_parse(kernel != NULL ? kernel : bb_kernels[0]->name, &r->kernel_spec,
+                           &r->kernel));
     const char *intersector = bb_cli_value(cli, "intersector");
     return bb_intersector_parse(intersector != NULL ? intersector : bb_intersectors[0].name,
                                 &r->intersector);
+}
+
+static bool is_picture(const char *word)
+{
+    return strcmp(word, "depth") == 0 || strcmp(word, "normal") == 0 || strcmp(word, "heat") == 0 ||
+           strcmp(word, "diff") == 0;
+}
+
+/* What is shown, and from where. Once --view said what, and --camera from where. */
+static bb_status choose_picture(const bb_cli *cli, rendering *r)
+{
+    r->show = bb_cli_value(cli, "show");
+    r->view = bb_cli_value(cli, "view");
+    if (r->show == NULL && r->view != NULL && is_picture(r->view)) {
+        r->show = r->view;
+        r->view = NULL;
+    }
+    if (r->view == NULL)
+        r->view = bb_cli_value(cli, "camera");
+    if (r->show == NULL)
+        r->show = "normal";
+    if (!is_picture(r->show))
+        return bb_fail(BB_INVALID, "--show is '%s', must be depth, normal, heat or diff", r->show);
+    return BB_OK;
 }
 
 static bb_status make_rays(rendering *r, const bb_cli *cli)
@@ -90,7 +112,7 @@ static bb_status make_rays(rendering *r, const bb_cli *cli)
     bb_spec spec;
     const bb_view *view = NULL;
     BB_TRY(bb_cli_size(cli, "size", &width, &height));
-    BB_TRY(bb_choose_view(r->scene, bb_cli_value(cli, "camera"), &view));
+    BB_TRY(bb_choose_view(r->scene, r->view, &view));
     BB_TRY(bb_spec_parse("primary", &spec));
     bb_rays_request request = {&spec, view, width, height, width * height, 1};
     BB_TRY(bb_rays_make(r->scene, r->oracle, &request, &r->rays));
@@ -165,14 +187,14 @@ static bb_status shade_diff(rendering *r)
     return status;
 }
 
-static bb_status shade(rendering *r, const char *view)
+static bb_status shade(rendering *r)
 {
-    if (strcmp(view, "heat") == 0)
+    if (strcmp(r->show, "heat") == 0)
         return shade_heat(r);
-    if (strcmp(view, "diff") == 0)
+    if (strcmp(r->show, "diff") == 0)
         return shade_diff(r);
     BB_TRY(bb_canvas_create(r->rays->width, r->rays->height, &r->canvas));
-    if (strcmp(view, "depth") == 0)
+    if (strcmp(r->show, "depth") == 0)
         return bb_picture_depth(r->rays, r->hits, r->canvas.rgb);
     bb_picture_normals(r->scene, r->rays, r->hits, r->canvas.rgb);
     return BB_OK;
@@ -197,17 +219,17 @@ static bb_status write_depth_differences(rendering *r, const char *out)
 }
 
 /* EXR: not the picture, but what it was made of. */
-static bb_status write_values(rendering *r, const char *view, const char *out)
+static bb_status write_values(rendering *r, const char *out)
 {
     const uint32_t width = r->rays->width, height = r->rays->height;
     BB_TRY(bb_host_alloc(NULL, 3 * (size_t)r->rays->count * sizeof(float), "values", &r->values));
-    if (strcmp(view, "diff") == 0)
+    if (strcmp(r->show, "diff") == 0)
         return write_depth_differences(r, out);
-    if (strcmp(view, "depth") == 0) {
+    if (strcmp(r->show, "depth") == 0) {
         bb_values_depth(r->rays, r->hits, INFINITY, r->values);
         return bb_exr_write(out, r->values, "Z", width, height);
     }
-    if (strcmp(view, "heat") == 0) {
+    if (strcmp(r->show, "heat") == 0) {
         bb_values_tests(r->rays, r->counts, r->values);
         return bb_exr_write(out, r->values, "Y", width, height);
     }
@@ -215,10 +237,10 @@ static bb_status write_values(rendering *r, const char *view, const char *out)
     return bb_exr_write(out, r->values, "RGB", width, height);
 }
 
-static bb_status write_out(rendering *r, const char *view, const char *out)
+static bb_status write_out(rendering *r, const char *out)
 {
     if (bb_image_is_exr(out))
-        return write_values(r, view, out);
+        return write_values(r, out);
     return bb_image_write(out, r->canvas.rgb, r->canvas.width, r->canvas.height);
 }
 
@@ -248,12 +270,10 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     static rendering r; /* an instance must not move */
     char builder[sizeof r.instance.pipeline.text];
     const char *scene = bb_cli_value(cli, "scene"), *out = bb_cli_value(cli, "out");
-    const char *view = bb_cli_value(cli, "view") != NULL ? bb_cli_value(cli, "view") : "normal";
     if (scene == NULL || out == NULL)
         return bb_fail(BB_INVALID, "render needs --scene and --out: see `bvhbench render --help`");
-    if (strcmp(view, "depth") != 0 && strcmp(view, "normal") != 0 && strcmp(view, "heat") != 0 &&
-        strcmp(view, "diff") != 0)
-        return bb_fail(BB_INVALID, "--view is '%s', must be depth, normal, heat or diff", view);
+    BB_TRY(choose_picture(cli, &r));
+    BB_TRY(bb_check_scene(scene));
     BB_TRY(bb_image_check(out));
     BB_TRY(bb_load_plugins(cli));
     BB_TRY(choose_builder(cli, builder, sizeof builder));
@@ -272,9 +292,9 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = trace(&r);
     if (status == BB_OK)
-        status = shade(&r, view);
+        status = shade(&r);
     if (status == BB_OK)
-        status = write_out(&r, view, out);
+        status = write_out(&r, out);
     release(&r);
     return status;
 }

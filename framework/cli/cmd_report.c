@@ -57,23 +57,16 @@ static bb_status check_once(const bb_cli *cli)
     return BB_OK;
 }
 
-/* Pictures of several inputs lie in several folders: their paths get the folder in front. */
+/* Pictures of several inputs lie in several folders: each is told its own. */
 static bb_status locate_pictures(bb_results *results, const char *folder)
 {
     cJSON *picture;
     cJSON_ArrayForEach(picture,
                        cJSON_GetObjectItemCaseSensitive(bb_results_json(results), "pictures"))
     {
-        cJSON *item = cJSON_GetObjectItemCaseSensitive(picture, "path");
-        char path[PATH_MAX];
-        if (item->valuestring[0] == '/')
-            continue;
-        BB_TRY(join(path, folder, item->valuestring));
-        cJSON *located = cJSON_CreateString(path);
-        if (located == NULL || !cJSON_ReplaceItemInObjectCaseSensitive(picture, "path", located)) {
-            cJSON_Delete(located);
+        cJSON_DeleteItemFromObjectCaseSensitive(picture, BB_PICTURE_FOLDER);
+        if (cJSON_AddStringToObject(picture, BB_PICTURE_FOLDER, folder) == NULL)
             return bb_fail(BB_FAILED, "report: no memory");
-        }
     }
     return BB_OK;
 }

@@ -8,7 +8,8 @@
 #include <stdlib.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "instead of the default scenes, where an experiment allows it", true},
+    {"scene", "S",
+     "instead of the default scenes, where an experiment allows it; `all`: the shipped ones", true},
     {"repeats", "N",
      "measured rounds; default: each experiment's own; fewer than 6 decide no claim on times",
      false},
@@ -28,7 +29,19 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
-static bb_status fill_request(const bb_cli *cli, bb_reproduce_request *request)
+/* None: each experiment has its own. */
+static bb_status choose_scenes(const bb_cli *cli, bb_names *scenes, bb_reproduce_request *request)
+{
+    uint32_t given;
+    bb_cli_values(cli, "scene", &given);
+    if (given > 0)
+        BB_TRY(bb_choose_scenes(cli, bb_add_shipped_scenes, scenes));
+    request->scenes = scenes->items;
+    request->scene_count = (uint32_t)scenes->count;
+    return BB_OK;
+}
+
+static bb_status fill_request(const bb_cli *cli, bb_names *scenes, bb_reproduce_request *request)
 {
     uint64_t repeats;
     if (cli->positional_count != 1)
@@ -44,8 +57,8 @@ static bb_status fill_request(const bb_cli *cli, bb_reproduce_request *request)
         return bb_fail(BB_INVALID, "reproduce: --quick sets the number of rounds: drop --repeats");
     if (request->quick && bb_cli_value(cli, "max-prims") == NULL)
         request->max_prims = 10000;
-    request->scenes = bb_cli_values(cli, "scene", &request->scene_count);
-    return BB_OK;
+    BB_TRY(choose_scenes(cli, scenes, request));
+    return bb_reproduce_check(request);
 }
 
 static bb_status reproduce(void *user, bb_device *device, bb_results *results,
@@ -59,11 +72,11 @@ static bb_status reproduce(void *user, bb_device *device, bb_results *results,
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     bb_reproduce_request request = {0};
+    bb_names scenes = {0};
     bool charts = false;
     BB_TRY(bb_charts_wanted(cli, &charts));
     BB_TRY(bb_load_plugins(cli));
-    BB_TRY(fill_request(cli, &request));
-    BB_TRY(bb_reproduce_check(&request));
+    bb_status status = fill_request(cli, &scenes, &request);
     const bb_comparison comparison = {
         .cli = cli,
         .folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out",
@@ -74,7 +87,10 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         .request = &request,
         .print = bb_reproduction_print,
     };
-    return bb_output_compare(&comparison, exit_status);
+    if (status == BB_OK)
+        status = bb_output_compare(&comparison, exit_status);
+    bb_names_free(&scenes);
+    return status;
 }
 
 extern const bb_command bb_command_reproduce;

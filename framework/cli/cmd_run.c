@@ -16,14 +16,16 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "file (.gltf, .glb, .obj, .ply), shipped or procedural scene; default: shipped",
+    {"scene", "S",
+     "file (.gltf, .glb, .obj, .ply), shipped or procedural scene; `all` and default: shipped",
      true},
     {"builder", "B", "name:key=value,...; A+B; `all`; default: the variants to compare", true},
     {"kernel", "K", "kernel; `all`; default: those to compare, and those that keep a tree's shape",
      true},
-    {"rays", "R", "workload; `none`: builds only; default: primary, ao, diffuse, shadow, random",
+    {"rays", "R",
+     "workload; `all`; `none`: builds only; default: primary, ao, diffuse, shadow, random", true},
+    {"intersector", "I", "intersection tests: see `list intersectors`; `all`; default: exact",
      true},
-    {"intersector", "I", "intersection tests: see `list intersectors`; default: exact", true},
     {"cell", "KEY", "measure exactly this cell, instead of all of the above", BB_CLI_REPEATED},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
     {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
@@ -36,7 +38,7 @@ static const bb_cli_option options[] = {
     {"repeats", "N",
      "measured rounds, after a discarded one; default: 6, the fewest for a 95 % interval", false},
     {"seed", "N", "random seed; default: 1", false},
-    {"metrics", "M", "additional metrics of trees: see below", true},
+    {"metrics", "M", "additional metrics of trees: see below; `all`", true},
     {"max-wrong-ppm", "X", "wrong rays per million that are tolerated; default: 0", false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
@@ -61,17 +63,6 @@ static bb_status choose_builders(const bb_cli *cli, bb_names *names)
     return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
                                "embree-native:quality=medium,mode=fast,"
                                "embree-native:quality=high,mode=fast");
-}
-
-static bb_status choose_scenes(const bb_cli *cli, bb_names *names)
-{
-    uint32_t count;
-    bb_cli_values(cli, "scene", &count);
-    if (count > 0)
-        return bb_choose(cli, "scene", "", names);
-    for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
-        BB_TRY(bb_names_add(names, *name));
-    return BB_OK;
 }
 
 /* Nothing was chosen: the default comparison, which is to take two minutes, with fewer rays, and
@@ -101,7 +92,6 @@ static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
                       &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
     BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &request->max_wrong_ppm));
-    request->metrics = bb_cli_values(cli, "metrics", &request->metric_count);
     request->max_rays = (uint32_t)max_rays;
     request->repeats = (uint32_t)repeats;
     request->quiet = bb_cli_value(cli, "quiet") != NULL;
@@ -121,23 +111,24 @@ static bb_status choose_traces(const bb_cli *cli, bb_names *kernels, bb_names *w
     if (none && rays_given > 1)
         return bb_fail(BB_INVALID, "--rays none means no rays: it cannot be combined with others");
     if (!none)
-        BB_TRY(bb_choose(cli, "rays", "primary,ao,diffuse,shadow,random", workloads));
+        BB_TRY(bb_choose_rays(cli, workloads));
     return none && kernels_given == 0 ? BB_OK : bb_choose_kernels(cli, kernels);
 }
 
 /* What is compared: lists of the command line, or of what there is. */
 typedef struct lists {
-    bb_names scenes, builders, kernels, workloads, intersectors;
+    bb_names scenes, builders, kernels, workloads, intersectors, metrics;
 } lists;
 
 static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
 {
     uint32_t kernels_given;
     bb_cli_values(cli, "kernel", &kernels_given);
-    BB_TRY(choose_scenes(cli, &l->scenes));
+    BB_TRY(bb_choose_scenes(cli, bb_add_shipped_scenes, &l->scenes));
     BB_TRY(choose_builders(cli, &l->builders));
     BB_TRY(choose_traces(cli, &l->kernels, &l->workloads));
-    BB_TRY(bb_choose(cli, "intersector", "exact", &l->intersectors));
+    BB_TRY(bb_choose_intersectors(cli, &l->intersectors));
+    BB_TRY(bb_choose_metrics(cli, &l->metrics));
     BB_TRY(fill_request(cli, request));
     request->scenes = l->scenes.items;
     request->scene_count = (uint32_t)l->scenes.count;
@@ -150,6 +141,8 @@ static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
     request->workload_count = (uint32_t)l->workloads.count;
     request->intersectors = l->intersectors.items;
     request->intersector_count = (uint32_t)l->intersectors.count;
+    request->metrics = l->metrics.items;
+    request->metric_count = (uint32_t)l->metrics.count;
     return bb_bench_check(request);
 }
 
@@ -239,6 +232,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_names_free(&chosen.kernels);
     bb_names_free(&chosen.workloads);
     bb_names_free(&chosen.intersectors);
+    bb_names_free(&chosen.metrics);
     return status;
 }
 

@@ -11,6 +11,8 @@ bb_status bb_device_check_system(const char *folder);
 /* Number of OpenCL devices of all platforms, and description of the i-th for `list devices`. */
 bb_status bb_device_count(uint32_t *count);
 bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);
+/* If there are none: why, or what to do. */
+void bb_device_say_none(char *text, size_t capacity);
 
 /* Opens the device that `selector` names: NULL (the first there is), an index, or part of a device
  * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c).

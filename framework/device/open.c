@@ -30,16 +30,24 @@ bb_status bb_device_check_system(const char *folder)
                    folder);
 }
 
+enum { PLATFORMS_MAX = 16 };
+
+/* The ICD loader reports "no platform" as an error. */
+static cl_uint find_platforms(cl_platform_id platforms[PLATFORMS_MAX])
+{
+    cl_uint count = 0;
+    if (clGetPlatformIDs(PLATFORMS_MAX, platforms, &count) != CL_SUCCESS)
+        return 0;
+    return count < PLATFORMS_MAX ? count : PLATFORMS_MAX;
+}
+
 static bb_status find_devices(found_device *found, uint32_t *count)
 {
-    cl_platform_id platforms[16];
-    cl_uint platform_count = 0;
+    cl_platform_id platforms[PLATFORMS_MAX];
     *count = 0;
-    BB_TRY(bb_device_check_system("/sys/devices/system/cpu"));
-    cl_int error = clGetPlatformIDs(16, platforms, &platform_count);
-    if (error != CL_SUCCESS)
-        return BB_OK; /* the ICD loader reports "no platform" as an error: there is no device */
-    for (cl_uint p = 0; p < platform_count && p < 16; p++) {
+    BB_TRY(bb_device_check_system("/sys/devices/system/cpu")); /* PoCL aborts without */
+    cl_uint platform_count = find_platforms(platforms);
+    for (cl_uint p = 0; p < platform_count; p++) {
         cl_device_id ids[DEVICES_MAX];
         cl_uint ids_count = 0;
         if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, DEVICES_MAX, ids, &ids_count) !=
@@ -80,19 +88,22 @@ bb_status bb_device_describe(uint32_t index, char *text, size_t capacity)
     return BB_OK;
 }
 
-/* Why there is none: no driver, or PoCL, which has no device where it cannot write its cache. */
-static bb_status no_device(void)
+void bb_device_say_none(char *text, size_t capacity)
 {
-    cl_platform_id platform;
+    cl_platform_id platforms[PLATFORMS_MAX];
     char name[128] = "";
-    if (clGetPlatformIDs(1, &platform, NULL) != CL_SUCCESS)
-        return bb_fail(BB_INVALID, "no OpenCL device: install a driver (Debian: pocl-opencl-icd "
-                                   "for the CPU, or the vendor's ICD)");
-    clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof name, name, NULL);
-    return bb_fail(BB_INVALID,
-                   "no OpenCL device: the platform '%s' has none (PoCL needs a folder that it can "
-                   "write its cache to: set POCL_CACHE_DIR)",
-                   name);
+    if (find_platforms(platforms) == 0) {
+        snprintf(text, capacity,
+                 "install a driver (Debian: pocl-opencl-icd for the CPU, or the vendor's ICD)");
+        return;
+    }
+    clGetPlatformInfo(platforms[0], CL_PLATFORM_NAME, sizeof name, name, NULL);
+    bool pocl = strcmp(name, "Portable Computing Language") == 0;
+    snprintf(
+        text, capacity, "the platform '%s' has none%s", name,
+        pocl ? ": PoCL must be able to write its cache: set POCL_CACHE_DIR to a folder where it "
+               "can"
+             : ": see `clinfo`");
 }
 
 static bb_status select_device(const char *selector, found_device *selected)
@@ -100,8 +111,11 @@ static bb_status select_device(const char *selector, found_device *selected)
     found_device found[DEVICES_MAX];
     uint32_t count;
     BB_TRY(find_devices(found, &count));
-    if (count == 0)
-        return no_device();
+    if (count == 0) {
+        char reason[320];
+        bb_device_say_none(reason, sizeof reason);
+        return bb_fail(BB_INVALID, "no OpenCL device: %s", reason);
+    }
     if (selector == NULL) {
         *selected = found[0];
         return BB_OK;

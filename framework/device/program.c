@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 const bb_source *bb_source_find(const char *name)
 {
@@ -47,7 +48,38 @@ static char *read_override(bb_device *device, const char *name)
     return text;
 }
 
-/* The first error of a build log, as the one line that the message has room for. */
+static uint32_t count_errors(const char *log)
+{
+    uint32_t count = 0;
+    for (; (log = strstr(log, "error:")) != NULL; log++)
+        count++;
+    return count;
+}
+
+/* " (N errors: FILE)" with the whole log in the file, or "" if it can't be written. */
+static void keep_log(const char *name, const char *log, char *text, size_t capacity)
+{
+    static const char ending[] = ".log";
+    const char *folder = getenv("TMPDIR");
+    char path[512];
+    text[0] = '\0';
+    int length = snprintf(path, sizeof path, "%s/bvhbench-%.100s-XXXXXX%s",
+                          folder != NULL && folder[0] != '\0' ? folder : "/tmp", name, ending);
+    int handle = length < (int)sizeof path ? mkstemps(path, (int)strlen(ending)) : -1;
+    if (handle < 0)
+        return;
+    FILE *file = fdopen(handle, "w");
+    if (file == NULL) {
+        close(handle);
+        return;
+    }
+    bool written = fputs(log, file) >= 0;
+    if (fclose(file) == 0 && written)
+        snprintf(text, capacity, " (%u errors: %s)", count_errors(log), path);
+}
+
+/* The first error of a build log, as the one line that the message has room for; where there are
+ * more, the log is left in a file. */
 static bb_status fail_with_log(bb_device *device, cl_program program, const char *name,
                                cl_int error)
 {
@@ -62,8 +94,11 @@ static bb_status fail_with_log(bb_device *device, cl_program program, const char
         line = log;
     while (line > log && line[-1] != '\n')
         line--;
-    bb_status status = bb_fail(BB_FAILED, "compiling %s: %s: %.*s", name, bb_cl_error(error),
-                               (int)strcspn(line, "\n"), line);
+    char kept[640] = "";
+    if (count_errors(log) > 1)
+        keep_log(name, log, kept, sizeof kept);
+    bb_status status = bb_fail(BB_FAILED, "compiling %s: %s: %.*s%s", name, bb_cl_error(error),
+                               (int)strcspn(line, "\n"), line, kept);
     free(log);
     return status;
 }
@@ -191,26 +226,46 @@ static bb_status compile(bb_device *device, const bb_source *source, const char 
     return status;
 }
 
-/* Objects of builders and layouts come and go; what they compile stays with the device. */
+/* Objects of builders and layouts come and go; what they compile stays with the device, and what
+ * does not compile is tried once. */
 struct bb_program_cache {
     struct bb_program_cache *next;
-    const char *text; /* of the source: tells two sources of one name apart */
+    const char *text; /* these two tell sources of one name apart */
+    const bb_source *folder;
     cl_program program;
+    char *failure;  /* the message, if there is no program */
     char key[2304]; /* name and options */
 };
 
+/* What there is of `program` is the entry's. */
 static bb_status remember(bb_device *device, const bb_source *source, const char *key,
-                          cl_program program)
+                          cl_program program, const char *failure)
 {
     struct bb_program_cache *entry = calloc(1, sizeof *entry);
-    if (entry == NULL)
+    char *message = failure != NULL ? strdup(failure) : NULL;
+    if (entry == NULL || (failure != NULL && message == NULL)) {
+        free(entry);
+        free(message);
+        bb_program_release(program);
         return bb_fail(BB_FAILED, "out of memory");
+    }
     entry->text = source->text;
+    entry->folder = source->folder;
     entry->program = program;
+    entry->failure = message;
     strcpy(entry->key, key);
     entry->next = device->programs;
     device->programs = entry;
-    BB_CL_TRY(clRetainProgram(program), "keeping the program of %s", source->name);
+    return BB_OK;
+}
+
+static bb_status take(const struct bb_program_cache *entry, const bb_source *source,
+                      cl_program *program)
+{
+    *program = entry->program;
+    if (entry->failure != NULL)
+        return bb_fail(BB_FAILED, "%s", entry->failure);
+    BB_CL_TRY(clRetainProgram(*program), "taking the program of %s", source->name);
     return BB_OK;
 }
 
@@ -220,6 +275,7 @@ void bb_programs_clear(bb_device *device)
         struct bb_program_cache *entry = device->programs;
         device->programs = entry->next;
         bb_program_release(entry->program);
+        free(entry->failure);
         free(entry);
     }
 }
@@ -234,13 +290,12 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
     snprintf(key, sizeof key, "%.200s %s", source->name, options);
     for (const struct bb_program_cache *entry = device->programs; entry != NULL;
          entry = entry->next)
-        if (entry->text == source->text && strcmp(entry->key, key) == 0) {
-            *program = entry->program;
-            BB_CL_TRY(clRetainProgram(*program), "taking the program of %s", source->name);
-            return BB_OK;
-        }
-    BB_TRY(compile(device, source, options, program));
-    return remember(device, source, key, *program);
+        if (entry->text == source->text && entry->folder == source->folder &&
+            strcmp(entry->key, key) == 0)
+            return take(entry, source, program);
+    bb_status status = compile(device, source, options, program);
+    BB_TRY(remember(device, source, key, *program, status == BB_OK ? NULL : bb_message()));
+    return take(device->programs, source, program);
 }
 
 bb_status bb_kernel_get(cl_program program, const char *name, cl_kernel *kernel)

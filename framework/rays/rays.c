@@ -2,12 +2,26 @@
 
 #include "framework/base/memory.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <xxhash.h>
 
+bb_status bb_rays_check_room(const char *name, uint64_t count)
+{
+    uint64_t bytes = 2 * (sizeof(bb_ray) + sizeof(bb_hit)), limit = bb_host_limit();
+    if (count <= limit / bytes)
+        return BB_OK;
+    return bb_fail(BB_REFUSED,
+                   "rays %s: %" PRIu64 " of them take %" PRIu64 " bytes, with their hits and on "
+                   "the device, and three quarters of the host's memory are %" PRIu64
+                   ": take at most %" PRIu64 " (--max-rays, or count=)",
+                   name, count, count * bytes, limit, limit / bytes);
+}
+
 bb_status bb_rays_reserve(bb_rays *rays, uint32_t count)
 {
+    BB_TRY(bb_rays_check_room(rays->name, count));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_ray), "rays", &rays->rays));
     rays->count = count;
     return BB_OK;

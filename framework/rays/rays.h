@@ -32,6 +32,8 @@ typedef struct bb_rays {
  * 2^92 in the layouts' units (kernels/ERROR_BUDGET.md, "Domain"). bb_rays_make() has made sure.
  * BB_INVALID names the first that is not. */
 bb_status bb_rays_check(const bb_scene *scene, const bb_rays *rays);
+/* BB_REFUSED if the host has no room for `count` rays called `name`. */
+bb_status bb_rays_check_room(const char *name, uint64_t count);
 /* Room for `count` rays; sets rays->count. */
 bb_status bb_rays_reserve(bb_rays *rays, uint32_t count);
 /* Sets the direction to `d`, rounded once; false if it is 0 or not finite in floats. */

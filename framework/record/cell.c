@@ -1,8 +1,8 @@
 /* Keys: text to cell and back. */
 #include "framework/record/cell.h"
+#include "framework/base/number.h"
 #include "framework/builder/builder.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,27 +115,33 @@ static bb_status decode(const char *key, const char *at, const char *end, char v
     return length > 0 ? BB_OK : malformed(key, "a part of it is empty");
 }
 
-static bb_status read_number(const char *key, const char *text, int base, uint64_t low,
-                             uint64_t high, uint64_t *out)
+static bb_status read_number(const char *key, const char *text, uint64_t low, uint64_t high,
+                             uint64_t *out)
 {
-    char *end;
-    errno = 0;
-    unsigned long long number = strtoull(text, &end, base);
-    if (hex(text[0]) < 0 || *end != '\0' || errno != 0 || number < low || number > high)
+    uint64_t number;
+    if (!bb_read_whole(text, &number) || number < low || number > high)
         return malformed(key, "a number of it is none, or out of range");
     *out = number;
+    return BB_OK;
+}
+
+static bb_status read_hash(const char *key, const char *text, uint64_t *hash)
+{
+    if (strlen(text) != 16 || strspn(text, "0123456789ABCDEFabcdef") != 16)
+        return malformed(key, "its rays-hash is not 16 hexadecimal digits");
+    *hash = strtoull(text, NULL, 16);
     return BB_OK;
 }
 
 static bb_status read_size(const char *key, char *text, bb_cell *cell)
 {
     char *x = strchr(text, 'x');
-    uint64_t width, height;
+    uint64_t width = 0, height = 0;
     if (x == NULL)
         return malformed(key, "its size is not WIDTHxHEIGHT");
     *x = '\0';
-    BB_TRY(read_number(key, text, 10, 1, 65536, &width));
-    BB_TRY(read_number(key, x + 1, 10, 1, 65536, &height));
+    BB_TRY(read_number(key, text, 1, 65536, &width));
+    BB_TRY(read_number(key, x + 1, 1, 65536, &height));
     cell->width = (uint32_t)width;
     cell->height = (uint32_t)height;
     return BB_OK;
@@ -146,16 +152,15 @@ static bb_status read_figure(const char *key, const char *name, char *text, bb_c
     if (strcmp(name, "size") == 0)
         return read_size(key, text, cell);
     if (strcmp(name, "seed") == 0)
-        return read_number(key, text, 10, 0, UINT64_MAX, &cell->seed);
+        return read_number(key, text, 0, UINT64_MAX, &cell->seed);
     if (strcmp(name, "max-rays") == 0) {
-        uint64_t most;
-        BB_TRY(read_number(key, text, 10, 1, 1u << 30, &most));
+        uint64_t most = 0;
+        BB_TRY(read_number(key, text, 1, 1u << 30, &most));
         cell->max_rays = (uint32_t)most;
         return BB_OK;
     }
     cell->known_by_hash = true;
-    return strlen(text) == 16 ? read_number(key, text, 16, 0, UINT64_MAX, &cell->rays_hash)
-                              : malformed(key, "its rays-hash is not 16 hexadecimal digits");
+    return read_hash(key, text, &cell->rays_hash);
 }
 
 enum { FIGURE_COUNT = 4, TEXT_COUNT = 6, PART_COUNT = FIGURE_COUNT + TEXT_COUNT };

@@ -20,8 +20,10 @@
  *
  * Canonical: parameters in the order in which they are declared, all that have a value spelled out,
  * defaults too, so that a key keeps its meaning when a default changes; an intersector by the first
- * name that has its rules. Values stand as given: 64 and 064 are two. A scene file is its path as
- * given. What names no builder, kernel, workload or scene that is known stays as it is.
+ * name that has its rules. A whole number stands in plain digits (1000000 for 1e6, 1M or 1_000_000)
+ * where the option's default is a number, or it has none; one that equals the default as that is
+ * spelled. Other values stand as given: 0.5 and 0.50 are two. A scene file is its path as given.
+ * What names no builder, kernel, workload or scene that is known stays as it is.
  */
 #ifndef BB_CELL_H
 #define BB_CELL_H

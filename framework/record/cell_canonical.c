@@ -1,5 +1,6 @@
 /* One spelling for each cell: parameters in the order of their declaration, with or without those
  * that have their defaults. */
+#include "framework/base/number.h"
 #include "framework/builder/pipeline.h"
 #include "framework/embree/embree.h"
 #include "framework/record/cell.h"
@@ -7,6 +8,7 @@
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -27,6 +29,23 @@ static void append(text *t, const char *a, const char *b, const char *c, const c
     t->length += t->full ? 0 : (size_t)length;
 }
 
+/* Whole numbers in plain digits, so that 1e6 and 1000000 are one; but what equals the default is
+ * spelled as that is. What an option takes is not declared: where its default is a word, so may a
+ * value be that looks like a number (view=007). */
+static const char *respell_value(const bb_option *option, const char *value, char digits[32])
+{
+    uint64_t number, by_default;
+    const char *fallback = option->default_value;
+    double any;
+    if (option->values != NULL || !bb_read_whole(value, &number) ||
+        (fallback != NULL && !bb_read_real(fallback, &any)))
+        return value;
+    if (fallback != NULL && bb_read_whole(fallback, &by_default) && number == by_default)
+        return fallback;
+    snprintf(digits, 32, "%" PRIu64, number);
+    return digits;
+}
+
 /* Writes `spec` anew over `out`, which stays as it is if its parameters are not those declared. */
 static void respell(const bb_spec *spec, const bb_option *options, bool defaults,
                     char out[BB_CELL_TEXT])
@@ -37,10 +56,12 @@ static void respell(const bb_spec *spec, const bb_option *options, bool defaults
         return;
     append(&t, spec->name, "", "", "");
     for (const bb_option *o = options; o != NULL && o->name != NULL; o++) {
+        char digits[32];
         const char *value = bb_spec_value(spec, options, o->name);
-        bool is_default =
-            o->default_value != NULL && value != NULL && strcmp(value, o->default_value) == 0;
-        if (value == NULL || value[0] == '\0' || (is_default && !defaults))
+        if (value == NULL || value[0] == '\0')
+            continue;
+        value = respell_value(o, value, digits);
+        if (o->default_value != NULL && strcmp(value, o->default_value) == 0 && !defaults)
             continue;
         append(&t, separator, o->name, "=", value);
         separator = ",";

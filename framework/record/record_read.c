@@ -65,6 +65,27 @@ bb_status bb_results_write(const bb_results *results, const char *path)
 
 /* ---- reading ---- */
 
+static bool has_negative(const cJSON *item)
+{
+    const cJSON *child;
+    if (cJSON_IsNumber(item) && item->valuedouble < 0)
+        return true;
+    cJSON_ArrayForEach(child, item)
+    {
+        if (has_negative(child))
+            return true;
+    }
+    return false;
+}
+
+/* No work takes less than no time. */
+static bool is_time(const bb_field *field)
+{
+    size_t length = strlen(field->unit);
+    return strcmp(field->unit, "ms") == 0 ||
+           (length > 2 && strcmp(field->unit + length - 2, "/s") == 0);
+}
+
 /* `index` < 0: `object` is no element of an array. */
 static bb_status check_fields(const char *path, const char *section, int index, const cJSON *object,
                               bb_field_part part)
@@ -78,6 +99,9 @@ static bb_status check_fields(const char *path, const char *section, int index, 
         if (f->part == part && !bb_json_is(item, f->types))
             return bb_fail(BB_INVALID, "result file %s: %s: \"%s\" %s", path, place, f->name,
                            item == NULL ? "is missing" : "has the wrong type");
+        if (f->part == part && is_time(f) && has_negative(item))
+            return bb_fail(BB_INVALID, "result file %s: %s: \"%s\" is negative", path, place,
+                           f->name);
     }
     return BB_OK;
 }
@@ -201,6 +225,29 @@ out:
     return status;
 }
 
+/* Each build and each trace is of a scene that the file has. */
+static bb_status check_scene_names(const char *path, const bb_results *results)
+{
+    static const struct {
+        const char *section;
+        bb_field_id scene;
+    } parts[] = {{"builds", BB_F_BUILD_SCENE}, {"traces", BB_F_TRACE_SCENE}};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        const cJSON *item;
+        int index = 0;
+        cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(results->root, parts[i].section))
+        {
+            const char *scene = bb_get_text(item, parts[i].scene);
+            if (bb_results_scene(results, scene) == NULL)
+                return bb_fail(BB_INVALID,
+                               "result file %s: %s[%d] names scene '%.100s', which is missing",
+                               path, parts[i].section, index, scene);
+            index++;
+        }
+    }
+    return BB_OK;
+}
+
 static bb_status check_document(const char *path, const cJSON *root)
 {
     const cJSON *schema = cJSON_GetObjectItemCaseSensitive(root, "schema");
@@ -274,6 +321,8 @@ bb_status bb_results_read(const char *path, bb_results **out)
         goto out;
     }
     status = check_document(path, results->root);
+    if (status == BB_OK)
+        status = check_scene_names(path, results);
     if (status == BB_OK && !complete(results))
         status = bb_fail(BB_FAILED, "result file %s: no memory", path);
     if (status != BB_OK)

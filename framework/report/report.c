@@ -81,21 +81,38 @@ static void append_base64(text *out, const unsigned char *data, size_t size)
 
 /* ---- pictures ---- */
 
-/* The picture as a data URI, or why there is none. Only PNG files are taken in: a result file must
- * not make us copy others. */
+/* Where FOLDER/PATH really is, from malloc, and whether that is below the folder; NULL if it is not
+ * there. */
+static char *locate_picture(const char *folder, const char *path, bool *below)
+{
+    text joined = {0};
+    append_string(&joined, folder);
+    append_string(&joined, "/");
+    append_string(&joined, path);
+    append(&joined, "", 1);
+    char *real = joined.failed ? NULL : realpath(joined.data, NULL);
+    char *real_folder = realpath(folder, NULL);
+    size_t length = real_folder != NULL ? strlen(real_folder) : 0;
+    *below = real != NULL && length > 0 && strncmp(real, real_folder, length) == 0 &&
+             (real[length] == '/' || length == 1);
+    free(real_folder);
+    free(joined.data);
+    return real;
+}
+
+/* The picture as a data URI, or why there is none. Only PNG files below the folder of the results
+ * are taken in: a result file, which may be anybody's, must not make us copy others. */
 static bool picture_source(const char *folder, const char *path, text *source, const char **missing)
 {
-    text full = {0};
-    if (path[0] != '/' && folder != NULL) {
-        append_string(&full, folder);
-        append_string(&full, "/");
-    }
-    append_string(&full, path);
-    append(&full, "", 1);
+    bool below = false;
+    char *real = path[0] != '/' ? locate_picture(folder, path, &below) : NULL;
     char *data = NULL;
     size_t size = 0;
     *missing = NULL;
-    if (full.failed || bb_file_read(full.data, PICTURE_BYTES_MAX, "picture", &data, &size) != BB_OK)
+    if (path[0] == '/' || (real != NULL && !below))
+        *missing = "the file is not in the folder of the results";
+    else if (real == NULL ||
+             bb_file_read(real, PICTURE_BYTES_MAX, "picture", &data, &size) != BB_OK)
         *missing = "the file was not there or is too large";
     else if (size < 8 || memcmp(data, "\x89PNG\r\n\x1a\n", 8) != 0)
         *missing = "the file is no PNG";
@@ -105,7 +122,7 @@ static bool picture_source(const char *folder, const char *path, text *source, c
         append(source, "", 1);
     }
     free(data);
-    free(full.data);
+    free(real);
     return *missing == NULL && !source->failed;
 }
 
@@ -119,8 +136,10 @@ static char *pictures_json(const cJSON *root, const char *folder)
     {
         text source = {0};
         const char *missing;
-        bool found =
-            picture_source(folder, bb_get_text(picture, BB_F_PICTURE_PATH), &source, &missing);
+        const cJSON *own = cJSON_GetObjectItemCaseSensitive(picture, BB_PICTURE_FOLDER);
+        const char *from = folder != NULL ? folder : cJSON_GetStringValue(own);
+        bool found = picture_source(from != NULL ? from : ".",
+                                    bb_get_text(picture, BB_F_PICTURE_PATH), &source, &missing);
         const char *name = found ? "src" : "missing";
         cJSON_DeleteItemFromObjectCaseSensitive(picture, "src");
         ok = ok && !source.failed &&

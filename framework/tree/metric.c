@@ -1,6 +1,8 @@
 /* The table of metrics. */
 #include "framework/tree/metric.h"
 
+#include "framework/base/suggest.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -18,6 +20,17 @@ uint32_t bb_metric_find(const char *name)
         if (strcmp(bb_metrics[i]->name, name) == 0)
             return i;
     return BB_NONE;
+}
+
+bb_status bb_metric_check(const char *name)
+{
+    bb_suggestion meant = {.word = name};
+    for (uint32_t i = 0; i < bb_metric_count(); i++)
+        bb_suggest(&meant, bb_metrics[i]->name);
+    if (bb_metric_find(name) != BB_NONE)
+        return BB_OK;
+    return bb_fail(BB_INVALID, "unknown metric '%s'%s: `bvhbench list metrics` shows them", name,
+                   bb_suggested(&meant));
 }
 
 bb_status bb_metric_compute(const bb_metric *metric, const bb_tree *tree, const bb_scene *scene,

@@ -32,6 +32,8 @@ extern const bb_metric *const bb_metrics[]; /* generated; by name; ends with NUL
 uint32_t bb_metric_count(void);
 /* Index in bb_metrics; BB_NONE if there is none of that name. */
 uint32_t bb_metric_find(const char *name);
+/* BB_INVALID if there is none, with what was most likely meant. */
+bb_status bb_metric_check(const char *name);
 
 /* What was measured of a tree by one metric; NAN: not measured. */
 typedef struct bb_metric_value {

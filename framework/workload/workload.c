@@ -3,6 +3,8 @@
  * primary hits. */
 #include "framework/workload/workload.h"
 
+#include "framework/base/suggest.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +16,38 @@ const bb_workload *bb_workload_find(const char *name)
         if (strcmp(bb_workloads[i]->name, name) == 0)
             return bb_workloads[i];
     return NULL;
+}
+
+bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload **workload)
+{
+    BB_TRY(bb_spec_parse(text, spec));
+    *workload = bb_workload_find(spec->name);
+    if (*workload != NULL) {
+        char what[64];
+        snprintf(what, sizeof what, "rays %s", spec->name);
+        return bb_spec_validate(spec, (*workload)->options, what);
+    }
+    bb_suggestion meant = {.word = spec->name};
+    for (uint32_t i = 0; bb_workloads[i] != NULL; i++)
+        bb_suggest(&meant, bb_workloads[i]->name);
+    return bb_fail(BB_INVALID, "unknown rays '%s'%s: `bvhbench list rays` shows them", spec->name,
+                   bb_suggested(&meant));
+}
+
+bb_status bb_workload_check(const char *text, uint32_t max_rays)
+{
+    bb_spec spec;
+    const bb_workload *workload;
+    uint64_t count = max_rays;
+    BB_TRY(bb_workload_parse(text, &spec, &workload));
+    const bb_option *option = workload->options;
+    while (option != NULL && option->name != NULL && strcmp(option->name, "count") != 0)
+        option++;
+    if (option == NULL || option->name == NULL)
+        return BB_OK; /* picture, or its hits, say how many rays there are */
+    if (bb_spec_value(&spec, workload->options, "count") != NULL)
+        BB_TRY(bb_spec_u64(&spec, workload->options, "count", 1, INT32_MAX, &count));
+    return bb_rays_check_room(text, count < max_rays ? count : max_rays);
 }
 
 bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, const bb_spec *spec)

@@ -19,6 +19,12 @@ typedef struct bb_workload {
 
 extern const bb_workload *const bb_workloads[]; /* generated table; ends with NULL */
 const bb_workload *bb_workload_find(const char *name);
+/* The workload that `text` names, and its specification, checked. */
+bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload **workload);
+
+/* The same before a run: BB_REFUSED if the rays that it would make of `text`, with `max_rays` at
+ * most and as far as is known without a scene, are more than the host has room for. */
+bb_status bb_workload_check(const char *text, uint32_t max_rays);
 
 /* Whether each of these rays must hit something: they are aimed at a closed mesh from inside. */
 bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, const bb_spec *spec);

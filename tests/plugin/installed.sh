@@ -16,6 +16,7 @@ fail()
 cmake --install "$build" --prefix "$work/prefix" >"$work/log" || fail "install: $(tail -1 "$work/log")"
 program=$work/prefix/bin/bvhbench
 [ -x "$program" ] || fail "no bin/bvhbench was installed"
+[ -f "$work/prefix/share/bash-completion/completions/bvhbench" ] || fail "no completion was installed"
 
 # Builds the builder in folder $1 against the prefix; $1/build/$2.so comes out.
 build_plugin()

@@ -1,0 +1,282 @@
+#include "framework/cli/names.h"
+
+#include "framework/base/suggest.h"
+#include "framework/builder/pipeline.h"
+#include "framework/builder/registry.h"
+#include "framework/record/cell.h"
+#include "framework/scene/scene.h"
+#include "framework/tree/metric.h"
+#include "framework/workload/workload.h"
+#include "traversal/traversal.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+bb_status bb_names_add(bb_names *names, const char *list)
+{
+    return bb_spec_list(list, names->items, BB_NAMES_MAX, &names->count);
+}
+
+void bb_names_free(bb_names *names)
+{
+    for (size_t i = 0; i < names->count; i++)
+        free(names->items[i]);
+    names->count = 0;
+}
+
+/* One item as it is: commas in it were seen to when the command line was parsed. */
+static bb_status add_item(bb_names *names, const char *item)
+{
+    if (names->count == BB_NAMES_MAX)
+        return bb_fail(BB_INVALID, "more than %d names, up to '%.80s'", BB_NAMES_MAX, item);
+    names->items[names->count] = strdup(item);
+    if (names->items[names->count] == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    names->count++;
+    return BB_OK;
+}
+
+/* ---- what every list has ---- */
+
+typedef bb_status adder(bb_names *names);
+
+/* Names that cells have, and others. */
+typedef struct spelt {
+    bb_cell cell;
+    char other[BB_CELL_TEXT];
+} spelt;
+
+typedef struct list {
+    const char *option;
+    adder *add_all, *add_default;
+    size_t place; /* of such a name in `spelt` */
+} list;
+
+/* The spelling by which two names are compared: that of a cell's key. */
+static bb_status respell(const list *l, const char *item, char **spelling)
+{
+    spelt *all = calloc(1, sizeof *all);
+    if (all == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    char *text = (char *)all + l->place;
+    snprintf(text, BB_CELL_TEXT, "%s", item);
+    bb_cell_canonical(&all->cell);
+    *spelling = strdup(text);
+    free(all);
+    return *spelling != NULL ? BB_OK : bb_fail(BB_FAILED, "out of memory");
+}
+
+/* Rows that no one can tell apart; in results their keys would be one. */
+static bb_status refuse_twins(const list *l, const bb_names *names)
+{
+    char *spellings[BB_NAMES_MAX] = {NULL};
+    bb_status status = BB_OK;
+    for (size_t i = 0; i < names->count && status == BB_OK; i++) {
+        const char *item = names->items[i];
+        status = respell(l, item, &spellings[i]);
+        for (size_t k = 0; k < i && status == BB_OK; k++)
+            if (strcmp(spellings[k], spellings[i]) == 0)
+                status = strcmp(names->items[k], item) == 0
+                             ? bb_fail(BB_INVALID, "--%s: '%s' is given twice", l->option, item)
+                             : bb_fail(BB_INVALID, "--%s: '%s' and '%s' are the same: give one",
+                                       l->option, names->items[k], item);
+    }
+    for (size_t i = 0; i < names->count; i++)
+        free(spellings[i]);
+    return status;
+}
+
+static bb_status choose(const bb_cli *cli, const list *l, bb_names *names)
+{
+    uint32_t count;
+    char *const *values = bb_cli_values(cli, l->option, &count);
+    if (count == 0)
+        return l->add_default != NULL ? l->add_default(names) : BB_OK;
+    for (uint32_t i = 0; i < count; i++) {
+        if (strcmp(values[i], "all") == 0) {
+            BB_TRY(l->add_all(names));
+            continue;
+        }
+        BB_TRY(add_item(names, values[i]));
+    }
+    return refuse_twins(l, names);
+}
+
+/* ---- scenes ---- */
+
+bb_status bb_add_shipped_scenes(bb_names *names)
+{
+    for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
+        BB_TRY(add_item(names, *name));
+    return BB_OK;
+}
+
+/* A folder that is not there would give way to the scenes that are shipped, without a word. */
+static bb_status check_scene_folder(void)
+{
+    const char *folder = getenv("BVHBENCH_SCENES");
+    struct stat info;
+    if (folder == NULL || (stat(folder, &info) == 0 && S_ISDIR(info.st_mode)))
+        return BB_OK;
+    return bb_fail(BB_INVALID, "BVHBENCH_SCENES is '%s', which is no folder: correct or unset it",
+                   folder);
+}
+
+bb_status bb_check_scene(const char *text)
+{
+    bb_spec spec;
+    if (access(text, F_OK) == 0 || strcspn(text, "./") < strcspn(text, ":"))
+        return BB_OK;
+    BB_TRY(bb_spec_parse(text, &spec));
+    bb_suggestion meant = {.word = spec.name};
+    for (const char *const *name = bb_shipped_scenes; *name != NULL; name++) {
+        if (strcmp(*name, spec.name) == 0)
+            return check_scene_folder();
+        bb_suggest(&meant, *name);
+    }
+    for (const bb_generator *const *g = bb_generators; *g != NULL; g++) {
+        if (strcmp((*g)->name, spec.name) == 0)
+            return BB_OK;
+        bb_suggest(&meant, (*g)->name);
+    }
+    if (meant.nearest == NULL)
+        return BB_OK;
+    return bb_fail(BB_INVALID, "unknown scene '%s'%s: `bvhbench list scenes` shows them", spec.name,
+                   bb_suggested(&meant));
+}
+
+bb_status bb_choose_scenes(const bb_cli *cli, adder *add_all, bb_names *names)
+{
+    const list scenes = {"scene", add_all, add_all, offsetof(spelt, cell.scene)};
+    BB_TRY(choose(cli, &scenes, names));
+    for (size_t i = 0; i < names->count; i++)
+        BB_TRY(bb_check_scene(names->items[i]));
+    return BB_OK;
+}
+
+/* ---- builders ---- */
+
+/* By its name; a splitter or an optimiser beside a builder. */
+static bb_status add_builder(bb_names *names, const bb_builder *builder)
+{
+    char whole[sizeof((bb_pipeline *)NULL)->text];
+    BB_TRY(bb_pipeline_complete(builder->name, whole, sizeof whole, NULL));
+    return add_item(names, whole);
+}
+
+static bb_status add_all_builders(bb_names *names)
+{
+    for (uint32_t i = 0; i < bb_builder_count(); i++)
+        BB_TRY(add_builder(names, bb_builder_at(i)));
+    return BB_OK;
+}
+
+static bb_status add_variants(bb_names *names, bool every)
+{
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const bb_builder *builder = bb_builder_at(i);
+        bool left_out = builder->compared != NULL && builder->compared[0] == '\0';
+        if (left_out && !every)
+            continue;
+        BB_TRY(left_out || builder->compared == NULL ? add_builder(names, builder)
+                                                     : bb_names_add(names, builder->compared));
+    }
+    return BB_OK;
+}
+
+static bb_status add_compared_variants(bb_names *names)
+{
+    return add_variants(names, false);
+}
+
+static bb_status add_every_variant(bb_names *names)
+{
+    return add_variants(names, true);
+}
+
+bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names)
+{
+    const list builders = {"builder", add_all_builders,
+                           every ? add_every_variant : add_compared_variants,
+                           offsetof(spelt, cell.builder)};
+    return choose(cli, &builders, names);
+}
+
+/* ---- what traces, and what is traced and measured ---- */
+
+static bb_status add_all_kernels(bb_names *names)
+{
+    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
+        BB_TRY(add_item(names, (*kernel)->name));
+    return BB_OK;
+}
+
+static bb_status add_compared_kernels(bb_names *names)
+{
+    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
+        if ((*kernel)->compared != NULL)
+            BB_TRY(bb_names_add(names, (*kernel)->compared));
+    return BB_OK;
+}
+
+bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
+{
+    static const list kernels = {"kernel", add_all_kernels, add_compared_kernels,
+                                 offsetof(spelt, cell.kernel)};
+    return choose(cli, &kernels, names);
+}
+
+static bb_status add_all_rays(bb_names *names)
+{
+    for (uint32_t i = 0; bb_workloads[i] != NULL; i++)
+        BB_TRY(add_item(names, bb_workloads[i]->name));
+    return BB_OK;
+}
+
+static bb_status add_default_rays(bb_names *names)
+{
+    return bb_names_add(names, "primary,ao,diffuse,shadow,random");
+}
+
+bb_status bb_choose_rays(const bb_cli *cli, bb_names *names)
+{
+    static const list rays = {"rays", add_all_rays, add_default_rays, offsetof(spelt, cell.rays)};
+    return choose(cli, &rays, names);
+}
+
+static bb_status add_all_intersectors(bb_names *names)
+{
+    for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++)
+        BB_TRY(add_item(names, i->name));
+    return BB_OK;
+}
+
+static bb_status add_exact(bb_names *names)
+{
+    return add_item(names, "exact");
+}
+
+bb_status bb_choose_intersectors(const bb_cli *cli, bb_names *names)
+{
+    static const list intersectors = {"intersector", add_all_intersectors, add_exact,
+                                      offsetof(spelt, cell.intersector)};
+    return choose(cli, &intersectors, names);
+}
+
+static bb_status add_all_metrics(bb_names *names)
+{
+    for (uint32_t i = 0; i < bb_metric_count(); i++)
+        if (bb_metrics[i]->on_request)
+            BB_TRY(add_item(names, bb_metrics[i]->name));
+    return BB_OK;
+}
+
+bb_status bb_choose_metrics(const bb_cli *cli, bb_names *names)
+{
+    static const list metrics = {"metrics", add_all_metrics, NULL, offsetof(spelt, other)};
+    return choose(cli, &metrics, names);
+}
