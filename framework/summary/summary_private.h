@@ -75,8 +75,8 @@ typedef struct bb_summary_view {
     const char **favourites; /* of each entrant: the kernel that is fastest most often, or NULL */
 } bb_summary_view;
 
-/* Geometric mean of the cost of a by that of b over what both have; by rounds too. With BB_NOBODY as
- * b: of the cost of a. */
+/* Geometric mean of the cost of a by that of b over what both have; by rounds too. With BB_NOBODY
+ * as b: of the cost of a. */
 typedef struct bb_mean {
     double value; /* NAN: nothing in common */
     bb_estimate rounds;
