@@ -481,6 +481,8 @@ static void names_are_text_to_gnuplot(void **state)
                  cJSON_IsString(layout) ? layout->valuestring : "");
         cJSON_ReplaceItemInObject(trace, "kernel", cJSON_CreateString(kernel));
     }
+    set_all(results, "scenes", "name", name);
+    set_all(results, "builds", "scene", name);
     set_all(results, "traces", "scene", name);
     set_all(results, "traces", "builder", name);
     set_all(results, "traces", "intersector", "@a ^{b} _c %d \xC3\xA9");

@@ -327,9 +327,9 @@ static void bad_input_is_refused(void **state)
     static const struct {
         const char *arguments, *words;
     } bad[] = {
-        {"", "name one paper"},
+        {"", "give one paper"},
         {"nobody", "unknown paper 'nobody': there are emc"},
-        {"emc loose-octree", "name one paper"},
+        {"emc loose-octree", "give one paper"},
         {"emc --max-prims 10", "--max-prims"},
         {"emc --repeats 0", "--repeats"},
         {"emc --quick --repeats 3", "--quick"},

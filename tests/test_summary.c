@@ -289,7 +289,7 @@ static void lonely_sets_are_left_aside(void **state)
     assert_string_equal(s.accuracy[0].intersector, "exact");
     assert_near(s.accuracy[1].speed, 2);
     assert_near(s.accuracy[1].wrong, 40);
-    expect_words(&s, "Accuracy", "exact none, 1.00x; careless 40, 2.00x");
+    expect_words(&s, "Intersectors", "exact none, 1.00x; careless 40, 2.00x");
     bb_summary_free(&s);
     bb_results_destroy(results);
 }

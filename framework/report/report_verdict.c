@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = 100, LABEL = 16 };
+enum { COLUMNS = 100, LABEL = 15 };
 
 /* Numbers of rays that have a column: of bb_summary_counts. */
 static const uint32_t shown_counts[] = {0, 1, 3, 4, 5};
@@ -49,7 +49,8 @@ static void print_head(FILE *out, const bb_results *results, const bb_summary *s
     snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
     bb_print_text(out, device, 0);
     if (isfinite(s->noise))
-        fprintf(out, "; noise %.1f %%, worst tenth %.1f %%", 100 * s->noise, 100 * s->noise_worst);
+        fprintf(out, "; one rate is good to %.0f %% (worst tenth: %.0f %%)", 100 * s->noise,
+                100 * s->noise_worst);
     fputc('\n', out);
 }
 
@@ -114,35 +115,17 @@ static void print_rows(FILE *out, const bb_summary *s)
     for (uint32_t k = 0; k < SHOWN; k++)
         fprintf(out, "%5s ", counts[shown_counts[k]]);
     fprintf(out, "%5s %6s%7s\n", "/best", "MiB", "rays");
-    for (uint32_t i = 0; i < s->row_count; i++)
+    for (uint32_t i = 0; i < s->row_count; i++) {
+        if (i == s->builder_count)
+            fputs(" for reference, Embree with its own trees:\n", out);
         print_row(out, s, i);
-}
-
-static void print_legend(FILE *out, const bb_summary *s)
-{
-    fputs(" geometric means; M/s: million primitives; * best, ~ tied with it", out);
-    if (s->rounds >= BB_INTERVAL_ROUNDS)
-        fputs("; \\|/ this run can't tell apart\n", out);
-    else
-        fprintf(out, "; ties take %d rounds to know\n", BB_INTERVAL_ROUNDS);
-    for (uint32_t i = 0, said = 0; i < s->row_count; i++) {
-        if (s->rows[i].sets == s->sets)
-            continue;
-        fprintf(out, "%s%s %u of %u", said++ == 0 ? " ray sets of " : ", ", s->rows[i].name,
-                s->rows[i].sets, s->sets);
-        if (said == 3 || i + 1 == s->row_count) {
-            fputs(i + 1 < s->row_count ? " ...\n" : "\n", out);
-            break;
-        }
     }
 }
 
-/* ---- sentences ---- */
-
-/* Words of `text` in lines, behind a label. */
-static void print_wrapped(FILE *out, const char *label, const char *text)
+/* Words of `text` in lines, behind a label of `width` columns. */
+static void print_wrapped(FILE *out, const char *label, int width, const char *text)
 {
-    int column = fprintf(out, " %-*s", LABEL - 1, label);
+    int column = fprintf(out, " %-*s", width, label);
     const int start = column;
     while (*text != '\0') {
         char word[128];
@@ -162,6 +145,30 @@ static void print_wrapped(FILE *out, const char *label, const char *text)
     fputc('\n', out);
 }
 
+static void print_legend(FILE *out, const bb_summary *s)
+{
+    char text[512], ties[128] = "\\|/ not to be told from their first by this run";
+    if (s->rounds < BB_INTERVAL_ROUNDS)
+        snprintf(ties, sizeof ties, "ties take %d rounds to know", BB_INTERVAL_ROUNDS);
+    snprintf(text, sizeof text,
+             "geometric means over ray sets; M/s: million primitives; * best builder, ~ tied with "
+             "it; %s; %s; +layout: build and layout; image: these and so many rays",
+             ties,
+             s->referenced ? "/Embree: by its fastest row on each ray set"
+                           : "/best: by the best builder");
+    print_wrapped(out, "", 0, text);
+    for (uint32_t i = 0, said = 0; i < s->row_count; i++) {
+        if (s->rows[i].sets == s->sets)
+            continue;
+        fprintf(out, "%s%s %u of %u", said++ == 0 ? " ray sets of " : ", ", s->rows[i].name,
+                s->rows[i].sets, s->sets);
+        if (said == 3 || i + 1 == s->row_count) {
+            fputs(i + 1 < s->row_count ? " ...\n" : "\n", out);
+            break;
+        }
+    }
+}
+
 bb_status bb_report_verdict(const bb_results *results, FILE *out)
 {
     bb_summary summary;
@@ -169,9 +176,9 @@ bb_status bb_report_verdict(const bb_results *results, FILE *out)
     BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
     bool is_busy = bb_summary_busy(results, busy);
     if (is_busy)
-        print_wrapped(out, "WARNING", busy);
+        print_wrapped(out, "WARNING", LABEL, busy);
     if (bb_get_true(bb_results_section(results, "context"), BB_F_CONTEXT_INTERRUPTED))
-        print_wrapped(out, "INTERRUPTED", "not all that was asked for was measured");
+        print_wrapped(out, "INTERRUPTED", LABEL, "not all that was asked for was measured");
     print_head(out, results, &summary);
     if (summary.row_count > 0) {
         print_rows(out, &summary);
@@ -179,9 +186,9 @@ bb_status bb_report_verdict(const bb_results *results, FILE *out)
         fputc('\n', out);
     }
     for (uint32_t i = 0; i < summary.sentence_count; i++)
-        print_wrapped(out, summary.sentences[i].label, summary.sentences[i].text);
+        print_wrapped(out, summary.sentences[i].label, LABEL, summary.sentences[i].text);
     if (is_busy)
-        print_wrapped(out, "WARNING", busy);
+        print_wrapped(out, "WARNING", LABEL, busy);
     bb_summary_free(&summary);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the summary") : BB_OK;
 }

@@ -229,8 +229,8 @@ static void say_accuracy(bb_summary *s)
     char text[32];
     if (s->accuracy_count < 2)
         return;
-    bb_sentence *sentence = begin(s, "Accuracy");
-    say(sentence, "wrong per million of %s rays that tell them apart, and speed: ",
+    bb_sentence *sentence = begin(s, "Intersectors");
+    say(sentence, "on %s rays near edges, wrong per million and speed: ",
         rays_text(s->accuracy[0].checked, text));
     for (uint32_t i = 0; i < s->accuracy_count; i++) {
         const bb_summary_accuracy *a = &s->accuracy[i];
@@ -240,9 +240,10 @@ static void say_accuracy(bb_summary *s)
             say(sentence, "none");
         else
             say(sentence, ppm < 100 ? "%.2g" : "%.0f", ppm);
-        say(sentence, "%s, %.2fx", a->wrong > 0 && a->wrong_t > 0.9 * a->wrong ? " (distance)" : "",
-            a->speed);
+        say(sentence, "%s, %.2fx",
+            a->wrong > 0 && a->wrong_t > 0.9 * a->wrong ? " (in distance)" : "", a->speed);
     }
+    say(sentence, "; all else here is `exact`");
 }
 
 void bb_summary_say(bb_summary *summary)

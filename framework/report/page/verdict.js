@@ -127,7 +127,7 @@ function drawIntersectors(summary) {
     picture.append(svg('line', { x1: Math.max(left, x(Math.max(a.ppm_lo, min))), x2: Math.min(w - right, x(Math.min(a.ppm_hi, max))),
                                  y1: y(a.speed), y2: y(a.speed), stroke: t.muted }),
       svg('circle', { cx: x(a.ppm), cy: y(a.speed), r: 5, fill: none ? t.page : t.text, stroke: t.text, 'stroke-width': 2 }),
-      text(x(a.ppm) + (far ? -10 : 10), y(a.speed) - 6, `${a.intersector}${none ? ': none found' : a.wrong_t > 0.9 * a.wrong ? ' (distances)' : ''}`,
+      text(x(a.ppm) + (far ? -10 : 10), y(a.speed) + (far ? 16 : -6), `${a.intersector}${none ? ': none found' : a.wrong_t > 0.9 * a.wrong ? ' (distances)' : ''}`,
            far ? 'end' : 'start', t.text));
   }
   $('verdict-intersectors').replaceChildren(picture);
@@ -137,7 +137,7 @@ function drawIntersectors(summary) {
 function drawSentences(summary) {
   const sentence = s => el('div', {}, el('dt', {}, s.label), el('dd', { class: /^WRONG/.test(s.text) ? 'bad' : null }, s.text));
   $('verdict-sentences').replaceChildren(...summary.sentences.map(sentence));
-  const noise = isNumber(summary.noise) ? `; noise of a rate ${(100 * summary.noise).toFixed(1)} %, of the worst tenth ${(100 * summary.noise_worst).toFixed(1)} %` : '';
+  const noise = isNumber(summary.noise) ? `; one rate is good to ${(100 * summary.noise).toFixed(0)} %, of the worst tenth to ${(100 * summary.noise_worst).toFixed(0)} %` : '';
   $('verdict-scope').textContent = `${plural(summary.scenes, 'scene')}, ${plural(summary.sets, 'ray set')}, ${plural(summary.rounds, 'round')}: geometric means${noise}` +
     (summary.sets_aside ? `; ${plural(summary.sets_aside, 'ray set')} aside, traced by too few builders` : '') + '.';
 }
