@@ -213,7 +213,8 @@ static void careless_cells_are_marked_but_not_counted(void **state)
         run("run --table --scene sphere-mesh:n=32 --builder lbvh --rays edges --max-rays "
             "50000 --intersector fast "
             "--size 32x32 --repeats 1 --no-pictures --out careless");
-    assert_int_equal(o->exit_status, 0);
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
     assert_non_null(strstr(o->out, " wrong  "));
     cJSON *json = read_results("careless/results.json");
     double missed = 0;

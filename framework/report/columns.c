@@ -70,13 +70,29 @@ void bb_text_field(char entry[BB_ENTRY], const cJSON *row, bb_field_id field)
     }
 }
 
+/* Bytes of a letter in UTF-8 that would steer the terminal: control characters, and what turns the
+ * direction of writing; 0 if it is none of these. */
+static int steering_bytes(const char *text)
+{
+    const unsigned char c = (unsigned char)text[0], d = (unsigned char)text[c != 0];
+    const unsigned char e = (unsigned char)text[c != 0 && d != 0 ? 2 : 0];
+    if (c < 0x20 || c == 0x7F)
+        return 1;
+    if (c == 0xC2 && d >= 0x80 && d <= 0x9F) /* U+0080 to U+009F */
+        return 2;
+    bool turns = d == 0x80 && e >= 0xAA && e <= 0xAE;    /* U+202A to U+202E */
+    bool isolates = d == 0x81 && e >= 0xA6 && e <= 0xA9; /* U+2066 to U+2069 */
+    return c == 0xE2 && (turns || isolates) ? 3 : 0;
+}
+
 void bb_print_text(FILE *out, const char *text, int width)
 {
     int printed = 0;
-    for (; *text != '\0'; text++) {
-        unsigned char c = (unsigned char)*text;
-        fputc(c < 0x20 || c == 0x7F ? '?' : c, out);
-        printed += (c & 0xC0) != 0x80;
+    while (*text != '\0') {
+        int steering = steering_bytes(text);
+        fputc(steering > 0 ? '?' : *text, out);
+        printed += steering > 0 || ((unsigned char)*text & 0xC0) != 0x80;
+        text += steering > 0 ? steering : 1;
     }
     for (; printed < width; printed++)
         fputc(' ', out);

@@ -32,6 +32,10 @@ static void print_row(FILE *out, const bb_summary_row *row)
 {
     fputs("| ", out);
     print_text(out, row->builder);
+    if (row->run > 0)
+        fprintf(out, " (run %.0f)", row->run + 1);
+    if (row->partial)
+        fprintf(out, " (%u ray sets only)", row->sets);
     fputs(" |", out);
     print_standing(out, &row->trace);
     print_standing(out, &row->build);
@@ -67,7 +71,7 @@ bb_status bb_report_markdown(const bb_results *results, FILE *out)
     fputs("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n", out);
     for (uint32_t i = 0; i < summary.row_count; i++)
         print_row(out, &summary.rows[i]);
-    fputs("\nGeometric means; **best**, ~ tied with it; columns of rays: time to image by the "
+    fputs("\nGeometric means; **best**, ~ not told from it; columns of rays: time to image by the "
           "best.\n\n",
           out);
     for (uint32_t i = 0; i < summary.sentence_count; i++) {

@@ -34,9 +34,10 @@ static void print_head(FILE *out, const bb_results *results, const bb_summary *s
 {
     const cJSON *context = bb_results_section(results, "context");
     double ms = bb_json_number(bb_results_section(results, "time_ms"), "total");
-    char device[60];
+    char device[60], revision[48];
     fputs("bvhbench ", out);
-    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_REVISION), 0);
+    snprintf(revision, sizeof revision, "%s", bb_get_text(context, BB_F_CONTEXT_REVISION));
+    bb_print_text(out, revision, 0);
     print_count(out, ": ", s->scenes, "scene");
     print_count(out, ", ", s->sets, "ray set");
     print_count(out, ", ", s->builder_count, "builder");
@@ -116,6 +117,8 @@ static void print_rows(FILE *out, const bb_summary *s)
         fprintf(out, "%5s ", counts[shown_counts[k]]);
     fprintf(out, "%5s %6s%7s\n", "/best", "MiB", "rays");
     for (uint32_t i = 0; i < s->row_count; i++) {
+        if (i < s->builder_count && s->rows[i].partial && (i == 0 || !s->rows[i - 1].partial))
+            fputs(" without a rank, for what they lack of the scenes or rays:\n", out);
         if (i == s->builder_count)
             fputs(" for reference, Embree with its own trees:\n", out);
         print_row(out, s, i);
@@ -150,23 +153,27 @@ static void print_legend(FILE *out, const bb_summary *s)
     char text[512], ties[128] = "\\|/ not to be told from their first by this run";
     if (s->rounds < BB_INTERVAL_ROUNDS)
         snprintf(ties, sizeof ties, "ties take %d rounds to know", BB_INTERVAL_ROUNDS);
-    snprintf(text, sizeof text,
-             "geometric means over ray sets; M/s: million primitives; * best builder, ~ tied with "
-             "it; %s; %s; +layout: build and layout; image: these and so many rays",
-             ties,
-             s->referenced ? "/Embree: by its fastest row on each ray set"
-                           : "/best: by the best builder");
+    snprintf(
+        text, sizeof text,
+        "geometric means over ray sets; M/s: million primitives; * best builder, ~ not told from "
+        "it; %s (95 %% each); %s; +layout: build and layout; image: these and so many rays",
+        ties,
+        s->referenced ? "/Embree: by its fastest row on each ray set"
+                      : "/best: by the best builder");
     print_wrapped(out, "", 0, text);
-    for (uint32_t i = 0, said = 0; i < s->row_count; i++) {
-        if (s->rows[i].sets == s->sets)
-            continue;
-        fprintf(out, "%s%s %u of %u", said++ == 0 ? " ray sets of " : ", ", s->rows[i].name,
-                s->rows[i].sets, s->sets);
-        if (said == 3 || i + 1 == s->row_count) {
-            fputs(i + 1 < s->row_count ? " ...\n" : "\n", out);
-            break;
-        }
+    text[0] = '\0';
+    for (uint32_t i = 0, said = 0; i < s->row_count && said < 4; i++) {
+        size_t length = strlen(text);
+        if (s->rows[i].sets != s->sets && s->rows[i].sets > 0)
+            snprintf(text + length, sizeof text - length, "%s%s %u of %u",
+                     said++ == 0 ? "ray sets of " : ", ", s->rows[i].name, s->rows[i].sets,
+                     s->sets);
     }
+    if (text[0] != '\0')
+        print_wrapped(out, "", 0, text);
+    if (s->sets_aside > 0)
+        fprintf(out, " aside, traced by too few builders to compare them: %u ray sets\n",
+                s->sets_aside);
 }
 
 bb_status bb_report_verdict(const bb_results *results, FILE *out)

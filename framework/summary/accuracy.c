@@ -6,6 +6,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A cell of ours that was judged. */
+typedef struct judged {
+    double build, rate, wrong, wrong_t, checked;
+    const char *hash, *rays, *view, *kernel, *intersector;
+    bool exact;
+} judged;
+
+typedef struct cells {
+    judged *items;
+    uint32_t count;
+} cells;
+
 static bool usable(const cJSON *trace, const bb_summary_choice *choice)
 {
     return bb_is_ok(trace) && !bb_get_true(trace, BB_F_TRACE_REFERENCE) &&
@@ -16,13 +28,29 @@ static bool usable(const cJSON *trace, const bb_summary_choice *choice)
                            bb_get_text(trace, BB_F_TRACE_RAYS));
 }
 
-/* They differ in the intersector alone. */
-static bool beside(const cJSON *a, const cJSON *b)
+static judged read(const cJSON *trace)
 {
-    return bb_get_number(a, BB_F_TRACE_BUILD) == bb_get_number(b, BB_F_TRACE_BUILD) &&
-           bb_same_text(a, b, BB_F_TRACE_RAYS_HASH) && bb_same_text(a, b, BB_F_TRACE_RAYS) &&
-           bb_same_text(a, b, BB_F_TRACE_VIEW) && bb_same_text(a, b, BB_F_TRACE_KERNEL) &&
-           !bb_same_text(a, b, BB_F_TRACE_INTERSECTOR);
+    double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
+    return (judged){
+        .build = bb_get_number(trace, BB_F_TRACE_BUILD),
+        .rate = bb_get_number(trace, BB_F_TRACE_RATE),
+        .checked = checked,
+        .wrong = round(bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM) * checked / 1e6),
+        .wrong_t = bb_get_number(trace, BB_F_ACCURACY_WRONG_T),
+        .hash = bb_get_text(trace, BB_F_TRACE_RAYS_HASH),
+        .rays = bb_get_text(trace, BB_F_TRACE_RAYS),
+        .view = bb_get_text(trace, BB_F_TRACE_VIEW),
+        .kernel = bb_get_text(trace, BB_F_TRACE_KERNEL),
+        .intersector = bb_get_text(trace, BB_F_TRACE_INTERSECTOR),
+        .exact = bb_get_true(trace, BB_F_TRACE_COUNTS),
+    };
+}
+
+/* They differ in the intersector at most. */
+static bool beside(const judged *a, const judged *b)
+{
+    return a->build == b->build && strcmp(a->hash, b->hash) == 0 && strcmp(a->rays, b->rays) == 0 &&
+           strcmp(a->view, b->view) == 0 && strcmp(a->kernel, b->kernel) == 0;
 }
 
 static bb_summary_accuracy *entry_of(bb_summary *s, const char *intersector)
@@ -39,23 +67,30 @@ static bb_summary_accuracy *entry_of(bb_summary *s, const char *intersector)
     return &grown[s->accuracy_count++];
 }
 
-/* The cell of `exact` beside it; itself if it is that; NULL if there is none, or if nothing at all
- * is beside it. */
-static const cJSON *exact_beside(const cJSON *traces, const cJSON *trace,
-                                 const bb_summary_choice *choice)
+/* The cell beside `of` with this intersector; NULL if there is none. */
+static const judged *cell_with(const cells *all, const judged *of, const char *intersector)
 {
-    const cJSON *other;
-    bool exact = bb_get_true(trace, BB_F_TRACE_COUNTS);
-    cJSON_ArrayForEach(other, traces)
-    {
-        if (!usable(other, choice) || !beside(trace, other))
-            continue;
-        if (exact)
-            return trace;
-        if (bb_get_true(other, BB_F_TRACE_COUNTS))
-            return other;
-    }
+    for (uint32_t i = 0; i < all->count; i++)
+        if (strcmp(all->items[i].intersector, intersector) == 0 && beside(&all->items[i], of))
+            return &all->items[i];
     return NULL;
+}
+
+/* Adds the cells beside `exact`, if every intersector has one: all are summed over the same. */
+static void add_together(const cells *all, const judged *exact, bb_summary *s)
+{
+    for (uint32_t i = 0; i < s->accuracy_count; i++)
+        if (cell_with(all, exact, s->accuracy[i].intersector) == NULL)
+            return;
+    for (uint32_t i = 0; i < s->accuracy_count; i++) {
+        bb_summary_accuracy *a = &s->accuracy[i];
+        const judged *cell = cell_with(all, exact, a->intersector);
+        a->wrong += cell->wrong;
+        a->wrong_t += cell->wrong_t;
+        a->checked += cell->checked;
+        a->speed += log(cell->rate / exact->rate);
+        a->cells++;
+    }
 }
 
 static int by_wrong(const void *a, const void *b)
@@ -67,42 +102,39 @@ static int by_wrong(const void *a, const void *b)
     return strcmp(x->intersector, y->intersector);
 }
 
-/* Whether there is more than one intersector: else nothing is searched. */
-static bool has_several(const cJSON *traces)
+/* The intersectors of the cells, each once. */
+static bb_status list_intersectors(const cells *all, bb_summary *s)
 {
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, traces)
-    {
-        if (!bb_get_true(trace, BB_F_TRACE_REFERENCE) && !bb_get_true(trace, BB_F_TRACE_COUNTS))
-            return true;
-    }
-    return false;
+    for (uint32_t i = 0; i < all->count; i++)
+        if (entry_of(s, all->items[i].intersector) == NULL)
+            return bb_fail(BB_FAILED, "summary: no memory");
+    return BB_OK;
 }
 
 bb_status bb_summary_accuracies(const bb_results *results, const bb_summary_choice *choice,
                                 bb_summary *summary)
 {
     const cJSON *trace, *traces = bb_results_section(results, "traces");
-    if (!has_several(traces))
-        return BB_OK;
+    cells all = {.items = calloc((size_t)cJSON_GetArraySize(traces) + 1, sizeof *all.items)};
+    if (all.items == NULL)
+        return bb_fail(BB_FAILED, "summary: no memory");
     cJSON_ArrayForEach(trace, traces)
     {
-        const cJSON *exact = usable(trace, choice) ? exact_beside(traces, trace, choice) : NULL;
-        if (exact == NULL)
-            continue;
-        bb_summary_accuracy *a = entry_of(summary, bb_get_text(trace, BB_F_TRACE_INTERSECTOR));
-        if (a == NULL)
-            return bb_fail(BB_FAILED, "summary: no memory");
-        double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
-        a->wrong += round(bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM) * checked / 1e6);
-        a->checked += checked;
-        a->wrong_t += bb_get_number(trace, BB_F_ACCURACY_WRONG_T);
-        a->speed +=
-            log(bb_get_number(trace, BB_F_TRACE_RATE) / bb_get_number(exact, BB_F_TRACE_RATE));
-        a->cells++;
+        if (usable(trace, choice))
+            all.items[all.count++] = read(trace);
     }
+    bb_status status = list_intersectors(&all, summary);
+    for (uint32_t i = 0; status == BB_OK && summary->accuracy_count > 1 && i < all.count; i++)
+        if (all.items[i].exact)
+            add_together(&all, &all.items[i], summary);
+    free(all.items);
+    if (status != BB_OK)
+        return status;
+    if (summary->accuracy_count > 0 && summary->accuracy[0].cells == 0)
+        summary->accuracy_count = 0; /* nothing is beside anything */
     for (uint32_t i = 0; i < summary->accuracy_count; i++)
         summary->accuracy[i].speed = exp(summary->accuracy[i].speed / summary->accuracy[i].cells);
-    qsort(summary->accuracy, summary->accuracy_count, sizeof *summary->accuracy, by_wrong);
+    if (summary->accuracy_count > 1)
+        qsort(summary->accuracy, summary->accuracy_count, sizeof *summary->accuracy, by_wrong);
     return BB_OK;
 }

@@ -14,32 +14,28 @@ const bb_built *bb_built_of(const bb_summary_view *v, uint32_t e, uint32_t scene
     return &v->n->builds[(size_t)e * v->n->scene_count + scene];
 }
 
-/* a + factor * b, from the last round back. Layouts have one round less, without the first, which
- * counts for nothing: the earliest stands for it. Empty if one has none. */
-static bb_samples sum(const bb_samples *a, double factor, const bb_samples *b)
-{
-    bb_samples all = {0};
-    uint32_t count = a->count > b->count ? a->count : b->count;
-    if (a->count == 0 || b->count == 0)
-        return all;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t before_a = count - a->count, before_b = count - b->count;
-        bb_samples_add(&all, a->values[i > before_a ? i - before_a : 0] +
-                                 factor * b->values[i > before_b ? i - before_b : 0]);
-    }
-    return all;
-}
-
-/* Build and layout, in ms. A layout that nothing is known of, a reference's, costs nothing. */
+/* Build and layout, in ms; NAN if one is not known. What lies outside the rounds, a layout among
+ * them, adds its median to each. */
 static double ready_ms(const bb_summary_view *v, const bb_candidate *c, bb_samples *all)
 {
     const bb_built *b = bb_built_of(v, c->entrant, c->scene);
     if (!b->ok)
         return NAN;
-    bool made = isfinite(c->layout_ms) && c->layout_ms > 0;
-    if (all != NULL)
-        *all = made ? sum(&b->fixed_all, 1, &c->layout_all) : b->fixed_all;
-    return b->fixed_ms + (made ? c->layout_ms : 0);
+    if (all != NULL) {
+        *all = b->fixed_all;
+        for (uint32_t i = 0; i < all->count; i++)
+            all->values[i] += c->layout_ms;
+    }
+    return b->fixed_ms + c->layout_ms;
+}
+
+/* a + factor * b, round by round; empty if the rounds do not match. */
+static bb_samples sum(const bb_samples *a, double factor, const bb_samples *b)
+{
+    bb_samples all = {0};
+    for (uint32_t i = 0; i < a->count && a->count == b->count; i++)
+        bb_samples_add(&all, a->values[i] + factor * b->values[i]);
+    return all;
 }
 
 static double image_ms(const bb_summary_view *v, const bb_candidate *c, double rays)
@@ -131,7 +127,7 @@ static cost cost_on_rays(const bb_summary_view *v, uint32_t e, uint32_t set, con
         found.all = c->ns_all;
         return found;
     }
-    bb_samples ready;
+    bb_samples ready = {0};
     found.median = ready_ms(v, c, &ready) + m->rays * c->ns * 1e-6;
     found.all = sum(&ready, m->rays * 1e-6, &c->ns_all);
     return found;
@@ -158,7 +154,9 @@ bb_mean bb_mean_ratio(const bb_summary_view *v, uint32_t a, uint32_t b, const bb
 {
     bb_mean result = {.value = 0, .rounds = bb_not_measured};
     bb_samples logs = {0};
-    bool rounds = true;
+    /* rounds of two runs were not next to each other */
+    bool rounds = a == BB_FASTEST_REFERENCE || b == BB_NOBODY ||
+                  v->n->entrants[a].run == v->n->entrants[b].run;
     const double run = v->n->entrants[a == BB_FASTEST_REFERENCE ? b : a].run;
     for (uint32_t u = 0; u < unit_count(v, m); u++) {
         cost x = cost_of(v, a, u, m, run), y = {.median = 1};
@@ -193,20 +191,18 @@ bool bb_is_tie(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measur
     return isfinite(e.low) && e.low <= 1 && e.high >= 1;
 }
 
-/* The builder of least mean cost among those that have it in most places. */
-uint32_t bb_best_builder(const bb_summary_view *v, const bool *enters, const bb_measure *m)
+uint32_t bb_best_builder(const bb_summary_view *v, const bb_measure *m)
 {
-    uint32_t best = BB_NOBODY, most = 0;
+    uint32_t best = BB_NOBODY;
     double least = INFINITY;
     for (uint32_t e = 0; e < v->n->entrant_count; e++) {
-        if (!enters[e] || v->n->entrants[e].reference)
+        if (!v->whole[e] || v->n->entrants[e].reference)
             continue;
         bb_mean own = bb_mean_ratio(v, e, BB_NOBODY, m);
-        if (own.units > most || (own.units == most && own.value < least)) {
+        if (own.value < least) {
             best = e;
-            most = own.units;
             least = own.value;
         }
     }
-    return most > 0 ? best : BB_NOBODY;
+    return best;
 }

@@ -47,20 +47,6 @@ static bb_samples samples_of(const cJSON *entry, bb_field_id field)
     return samples;
 }
 
-/* Of an object of arrays, the one called `name`. */
-static bb_samples samples_named(const cJSON *entry, bb_field_id field, const char *name)
-{
-    const cJSON *value, *list = cJSON_GetObjectItemCaseSensitive(bb_get(entry, field), name);
-    bb_samples samples = {0};
-    cJSON_ArrayForEach(value, list)
-    {
-        if (!cJSON_IsNumber(value) || samples.count == BB_SAMPLES_MAX)
-            return (bb_samples){0};
-        bb_samples_add(&samples, value->valuedouble);
-    }
-    return samples;
-}
-
 static double or_zero(double value)
 {
     return isfinite(value) ? value : 0;
@@ -81,6 +67,7 @@ static void read_build(const bb_results *results, const cJSON *build, bb_built *
     const cJSON *scene = bb_results_scene(results, bb_get_text(build, BB_F_BUILD_SCENE));
     double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
     b->build_ms = bb_get_number(build, BB_F_BUILD_MS_MEDIAN);
+    b->there = true;
     b->ok = bb_is_ok(build) && b->build_ms > 0;
     b->build_all = samples_of(build, BB_F_BUILD_MS);
     double more = or_zero(bb_get_number(build, BB_F_BUILD_BOXES_MS)) +
@@ -89,7 +76,8 @@ static void read_build(const bb_results *results, const cJSON *build, bb_built *
     b->fixed_all = b->build_all;
     for (uint32_t i = 0; i < b->fixed_all.count; i++)
         b->fixed_all.values[i] += more;
-    b->prims = bb_get_number(scene, BB_F_SCENE_PRIMS);
+    double prims = bb_get_number(scene, BB_F_SCENE_PRIMS);
+    b->prims = prims > 0 ? prims : (double)NAN;
     b->sah = sah_of(build);
     b->peak = isfinite(native) ? native : bb_get_number(build, BB_F_TREE_BYTES_PEAK);
 }
@@ -119,7 +107,6 @@ static void read_trace(const cJSON *trace, const cJSON *build, bb_candidate *c)
     if (bb_get_true(trace, BB_F_TRACE_REFERENCE))
         return;
     c->layout_ms = bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, layout);
-    c->layout_all = samples_named(build, BB_F_BUILD_LAYOUTS_SAMPLES, layout);
 }
 
 static bb_status read_builds(bb_numbers *n, const cJSON *builds)
@@ -166,8 +153,11 @@ static void read_traces(bb_numbers *n, const cJSON *traces)
         uint32_t set = find_set(n, scene, rays, view, hash);
         if (set == UINT32_MAX) {
             set = n->set_count++;
-            n->sets[set] = (bb_ray_set){rays, view, hash, scene};
+            n->sets[set] = (bb_ray_set){rays, view, hash, scene, 0};
         }
+        if (!n->entrants[entrant].reference)
+            n->sets[set].judged =
+                fmax(n->sets[set].judged, bb_get_number(trace, BB_F_ACCURACY_CHECKED));
         bb_candidate *c = &n->candidates[n->candidate_count++];
         *c = (bb_candidate){.entrant = entrant, .set = set, .scene = scene};
         read_trace(trace, bb_results_build(n->results, (uint32_t)id), c);

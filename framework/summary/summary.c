@@ -33,7 +33,8 @@ static bb_standing stand(const bb_summary_view *v, uint32_t e, uint32_t best, co
     s.low = ratio.rounds.low;
     s.high = ratio.rounds.high;
     s.best = e == best;
-    s.tied = !s.best && !v->n->entrants[e].reference && bb_is_tie(v, e, best, m);
+    s.tied = !s.best && !v->n->entrants[e].reference && v->whole[e] && isfinite(s.low) &&
+             s.low <= 1 && s.high >= 1;
     return s;
 }
 
@@ -71,12 +72,18 @@ static void shorten(const char *text, double run, char name[BB_SUMMARY_NAME])
     }
     char number[24] = "";
     if (run > 0)
-        snprintf(number, sizeof number, " #%.0f", run + 1);
-    int room = ROOM - (int)strlen(number), size = (int)strlen(whole);
-    if (size > room)
-        snprintf(name, BB_SUMMARY_NAME, "%.*s..%s%s", room - 10, whole, whole + size - 8, number);
-    else
+        snprintf(number, sizeof number, run < 1e4 ? " #%.0f" : " #...", run + 1);
+    int room = ROOM - (int)strlen(number), size = (int)strlen(whole), start = room - 10;
+    if (size <= room) {
         snprintf(name, BB_SUMMARY_NAME, "%s%s", whole, number);
+        return;
+    }
+    int end = size - 8; /* of what is left out; no letter of several bytes is cut */
+    while (start > 0 && ((unsigned char)whole[start] & 0xC0) == 0x80)
+        start--;
+    while (((unsigned char)whole[end] & 0xC0) == 0x80)
+        end++;
+    snprintf(name, BB_SUMMARY_NAME, "%.*s..%s%s", start, whole, whole + end, number);
 }
 
 /* The kernel that is this entrant's fastest on most ray sets. */
@@ -134,26 +141,29 @@ static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_su
         speed = bb_mean_ratio(v, of->base, e, &trace);
     row->trace = (bb_standing){speed.value, speed.rounds.low, speed.rounds.high, false, false};
     row->scenes = bb_mean_ratio(v, e, BB_NOBODY, &build).units;
+    row->partial = !v->whole[e];
     row->build = stand_as_rate(v, e, of->build, &build);
     row->ready = stand_as_rate(v, e, of->ready, &ready);
     row->sah = stand(v, e, of->sah, &sah);
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
         row->image[k] = stand(v, e, of->image[k], &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
-    for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        row->curve[i] = of->curve[i] == BB_NOBODY
-                            ? (double)NAN
-                            : bb_mean_ratio(v, e, of->curve[i],
-                                            &(bb_measure){BB_OF_IMAGE, bb_summary_curve_count(i)})
-                                  .value;
+    for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++) {
+        const bb_measure image = {BB_OF_IMAGE, bb_summary_curve_count(i)};
+        const bb_standing standing = stand(v, e, of->curve[i], &image);
+        row->curve[i] = standing.value;
+        row->curve_first[i] = standing.best || standing.tied;
+    }
     add_peak(v, e, row);
 }
 
-/* References last; what has no figure after what has one. */
+/* References last; what is partial, or has no figure, after what has all. */
 static int by_merit(const void *a, const void *b)
 {
     const bb_summary_row *x = a, *y = b;
     if (x->reference != y->reference)
         return x->reference ? 1 : -1;
+    if (x->partial != y->partial)
+        return x->partial ? 1 : -1;
     double p = isfinite(x->trace.value) ? x->trace.value : -1;
     double q = isfinite(y->trace.value) ? y->trace.value : -1;
     if (p != q)
@@ -181,7 +191,7 @@ static void group_rows(const bb_summary_view *v, bb_summary *s)
     uint32_t first = BB_NOBODY, group = 0;
     for (uint32_t i = 0; i < s->builder_count; i++) {
         bb_summary_row *row = &s->rows[i];
-        if (!isfinite(row->trace.value))
+        if (!isfinite(row->trace.value) || row->partial)
             break;
         uint32_t e = entrant_of(v, row);
         if (first == BB_NOBODY) {
@@ -220,15 +230,20 @@ static void count_wrong(const bb_numbers *n, const bb_summary_choice *choice, bb
         row->failed += !bb_is_ok(entry);
         double checked = bb_get_number(entry, BB_F_ACCURACY_CHECKED);
         double ppm = bb_get_number(entry, BB_F_ACCURACY_WRONG_PPM);
-        double unlike = bb_get_number(entry, BB_F_TRACE_UNLIKE);
-        if (!(ours || row->reference) || !(checked > 0) || !isfinite(ppm))
+        double unlike = fmax(0, bb_get_number(entry, BB_F_TRACE_UNLIKE));
+        bool judged = checked > 0 && isfinite(ppm);
+        if (!(ours || row->reference) || !(judged || unlike > 0))
             continue;
-        double wrong = round(ppm * checked / 1e6) + (unlike > 0 ? unlike : 0);
+        checked = judged ? checked : 0;
+        double wrong = (judged ? round(ppm * checked / 1e6) : 0) + unlike;
         row->wrong = (isfinite(row->wrong) ? row->wrong : 0) + wrong;
         row->checked += checked;
         s->checked += row->reference ? 0 : checked;
         s->wrong += row->reference ? 0 : wrong;
     }
+    for (uint32_t i = 0; i < n->set_count; i++)
+        if (bb_choice_takes(choice, n->scenes[n->sets[i].scene], n->sets[i].rays))
+            s->distinct += n->sets[i].judged;
     cJSON_ArrayForEach(entry, bb_results_section(n->results, "builds"))
     {
         bb_summary_row *row = find_row(s, entry, BB_F_BUILD_BUILDER);
@@ -276,17 +291,18 @@ static bb_status find_noise(const bb_summary_view *v, bb_summary *s)
 
 /* ---- a summary ---- */
 
-/* Ray sets of the choice that at least half of its builders traced; who takes part. */
+/* Ray sets of the choice that at least half of its builders traced, and scenes likewise; who takes
+ * part. */
 static void choose_sets(bb_summary_view *v, const bb_summary_choice *choice, bool *enters,
                         bb_summary *s)
 {
     const bb_numbers *n = v->n;
     uint32_t builders = 0;
-    for (uint32_t c = 0; c < n->scene_count; c++)
-        for (uint32_t e = 0; e < n->entrant_count; e++)
-            if ((choice->scene == NULL || strcmp(choice->scene, n->scenes[c]) == 0) &&
-                bb_built_of(v, e, c)->ok)
-                enters[e] = true;
+    for (uint32_t c = 0; c < n->scene_count; c++) {
+        bool chosen = choice->scene == NULL || strcmp(choice->scene, n->scenes[c]) == 0;
+        for (uint32_t e = 0; chosen && e < n->entrant_count; e++)
+            enters[e] = enters[e] || bb_built_of(v, e, c)->there;
+    }
     for (uint32_t e = 0; e < n->entrant_count; e++)
         builders += enters[e] && !n->entrants[e].reference;
     for (uint32_t i = 0; i < n->set_count; i++) {
@@ -299,28 +315,41 @@ static void choose_sets(bb_summary_view *v, const bb_summary_choice *choice, boo
         s->sets += v->sets[i];
         s->sets_aside += !v->sets[i];
     }
-    /* of the scenes: those of the sets, or all that were built if nothing was traced */
     for (uint32_t c = 0; c < n->scene_count; c++) {
+        uint32_t built = 0;
         bool chosen = choice->scene == NULL || strcmp(choice->scene, n->scenes[c]) == 0;
-        v->scenes[c] = chosen && s->sets == 0;
+        for (uint32_t e = 0; e < n->entrant_count; e++)
+            built += !n->entrants[e].reference && bb_built_of(v, e, c)->ok;
+        v->scenes[c] = chosen && s->sets == 0 && 2 * built >= builders;
         for (uint32_t i = 0; i < n->set_count; i++)
             v->scenes[c] = v->scenes[c] || (v->sets[i] && n->sets[i].scene == c);
         s->scenes += v->scenes[c];
     }
 }
 
-static void find_best(const bb_summary_view *v, const bool *enters, bool referenced, best *of)
+/* A builder that lacks the hard scenes would look better than one that has them. */
+static void find_whole(bb_summary_view *v, const bool *enters)
 {
-    of->build = bb_best_builder(v, enters, &(bb_measure){BB_OF_BUILD, 0});
-    of->ready = bb_best_builder(v, enters, &(bb_measure){BB_OF_READY, 0});
-    of->sah = bb_best_builder(v, enters, &(bb_measure){BB_OF_SAH, 0});
+    for (uint32_t e = 0; e < v->n->entrant_count; e++) {
+        v->whole[e] = enters[e];
+        for (uint32_t i = 0; i < v->n->set_count; i++)
+            v->whole[e] = v->whole[e] && (!v->sets[i] || bb_fastest(v, e, i, 0) != NULL);
+        for (uint32_t c = 0; c < v->n->scene_count; c++)
+            v->whole[e] = v->whole[e] && (!v->scenes[c] || bb_built_of(v, e, c)->ok);
+    }
+}
+
+static void find_best(const bb_summary_view *v, bool referenced, best *of)
+{
+    of->build = bb_best_builder(v, &(bb_measure){BB_OF_BUILD, 0});
+    of->ready = bb_best_builder(v, &(bb_measure){BB_OF_READY, 0});
+    of->sah = bb_best_builder(v, &(bb_measure){BB_OF_SAH, 0});
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
-        of->image[k] = bb_best_builder(v, enters, &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
+        of->image[k] = bb_best_builder(v, &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        of->curve[i] =
-            bb_best_builder(v, enters, &(bb_measure){BB_OF_IMAGE, bb_summary_curve_count(i)});
-    of->base = referenced ? BB_FASTEST_REFERENCE
-                          : bb_best_builder(v, enters, &(bb_measure){BB_OF_TRACE, 0});
+        of->curve[i] = bb_best_builder(v, &(bb_measure){BB_OF_IMAGE, bb_summary_curve_count(i)});
+    of->base =
+        referenced ? BB_FASTEST_REFERENCE : bb_best_builder(v, &(bb_measure){BB_OF_TRACE, 0});
 }
 
 static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, bool *enters,
@@ -328,13 +357,14 @@ static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, 
 {
     best of;
     choose_sets(v, choice, enters, s);
+    find_whole(v, enters);
     for (uint32_t i = 0; i < v->n->set_count; i++)
         for (uint32_t e = 0; e < v->n->entrant_count; e++)
             s->referenced = s->referenced || (v->sets[i] && v->n->entrants[e].reference &&
                                               bb_fastest(v, e, i, 0) != NULL);
     for (uint32_t e = 0; e < v->n->entrant_count; e++)
         v->favourites[e] = find_favourite(v, e);
-    find_best(v, enters, s->referenced, &of);
+    find_best(v, s->referenced, &of);
     for (uint32_t e = 0; e < v->n->entrant_count; e++) {
         if (!enters[e])
             continue;
@@ -355,11 +385,12 @@ bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choi
     v.sets = calloc(numbers->set_count + 1, sizeof *v.sets);
     v.scenes = calloc(numbers->scene_count + 1, sizeof *v.scenes);
     v.favourites = calloc(numbers->entrant_count + 1, sizeof *v.favourites);
+    v.whole = calloc(numbers->entrant_count + 1, sizeof *v.whole);
     bool *enters = calloc(numbers->entrant_count + 1, sizeof *enters);
     summary->rows = calloc(numbers->entrant_count + 1, sizeof *summary->rows);
     bb_status status = BB_OK;
-    if (v.sets == NULL || v.scenes == NULL || v.favourites == NULL || enters == NULL ||
-        summary->rows == NULL)
+    if (v.sets == NULL || v.scenes == NULL || v.favourites == NULL || v.whole == NULL ||
+        enters == NULL || summary->rows == NULL)
         status = bb_fail(BB_FAILED, "summary: no memory");
     if (status == BB_OK)
         status = make_rows(&v, choice, enters, summary);
@@ -372,6 +403,7 @@ bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choi
     free(v.sets);
     free(v.scenes);
     free(v.favourites);
+    free(v.whole);
     free(enters);
     return status;
 }

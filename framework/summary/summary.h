@@ -44,8 +44,10 @@ typedef struct bb_summary_row {
     char name[BB_SUMMARY_NAME]; /* short, for tables */
     bool reference;
     uint32_t sets, scenes; /* that it has figures of */
-    bb_standing trace;     /* rate by that of the fastest reference, or of the best builder */
-    double mrays_s;        /* geometric mean over its ray sets */
+    bool
+        partial; /* it lacks some of those that enter: no rank, never best, its means are of less */
+    bb_standing trace; /* rate by that of the fastest reference, or of the best builder */
+    double mrays_s;    /* geometric mean over its ray sets */
     /* Builders of one group cannot be told from its first by their traces. Groups count from 0,
      * from the fastest; UINT32_MAX: no figure. */
     uint32_t group;
@@ -54,8 +56,9 @@ typedef struct bb_summary_row {
     /* Time to image, build + layout + n rays, by that of the best builder. */
     bb_standing image[BB_SUMMARY_COUNTS];
     double curve[BB_SUMMARY_CURVE];
-    bb_standing sah; /* by the least of all builders */
-    double peak;     /* bytes, of the scene that takes most */
+    bool curve_first[BB_SUMMARY_CURVE]; /* best there, or not to be told from the best */
+    bb_standing sah;                    /* by the least of all builders */
+    double peak;                        /* bytes, of the scene that takes most */
     double wrong;    /* rays, and builds that failed count as none; NAN: nothing was judged */
     double checked;  /* rays judged */
     uint32_t failed; /* builds and cells that failed or were refused */
@@ -86,7 +89,8 @@ typedef struct bb_summary {
     bool referenced; /* ratios of traces are to the fastest reference */
     double noise,
         noise_worst; /* half width of a rate's interval by the rate: median, worst tenth; NAN */
-    double checked, wrong; /* rays of all rows that are no reference */
+    double checked, wrong; /* answers of all rows that are no reference */
+    double distinct;       /* rays that these answered, each counted once */
     bb_summary_accuracy *accuracy;
     uint32_t accuracy_count;
     bb_sentence sentences[BB_SUMMARY_SENTENCES];

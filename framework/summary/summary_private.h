@@ -11,14 +11,13 @@ typedef struct bb_candidate {
     uint32_t entrant, set, scene;
     double ns;         /* of a ray, median */
     bb_samples ns_all; /* by rounds; empty: not in the file */
-    double layout_ms;  /* of what its kernel reads; 0 for a reference */
-    bb_samples layout_all;
-    double low, high; /* of its rate, Mrays/s */
+    double layout_ms;  /* of what its kernel reads; 0 for a reference; NAN: not known */
+    double low, high;  /* of its rate, Mrays/s */
     const char *kernel;
 } bb_candidate;
 
 typedef struct bb_built {
-    bool ok;
+    bool there, ok;
     double fixed_ms; /* before the layout: build, boxes, transfer; median */
     bb_samples fixed_all;
     double build_ms;
@@ -36,6 +35,7 @@ typedef struct bb_entrant_row {
 typedef struct bb_ray_set {
     const char *rays, *view, *hash;
     uint32_t scene;
+    double judged; /* rays of it that one of our cells was judged on */
 } bb_ray_set;
 
 typedef struct bb_numbers {
@@ -72,6 +72,7 @@ typedef struct bb_measure {
 typedef struct bb_summary_view {
     const bb_numbers *n;
     bool *sets, *scenes;     /* that enter */
+    bool *whole;             /* entrants that have figures of all these */
     const char **favourites; /* of each entrant: the kernel that is fastest most often, or NULL */
 } bb_summary_view;
 
@@ -95,8 +96,8 @@ bb_mean bb_mean_ratio(const bb_summary_view *v, uint32_t a, uint32_t b, const bb
 /* Whether this run can't tell them apart: the interval of their ratio has 1 in it. */
 bool bb_is_tie(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m);
 
-/* The builder of least mean cost among those that have it in most places; BB_NOBODY. */
-uint32_t bb_best_builder(const bb_summary_view *v, const bool *enters, const bb_measure *m);
+/* The builder of least mean cost among those that have all that enters; BB_NOBODY. */
+uint32_t bb_best_builder(const bb_summary_view *v, const bb_measure *m);
 
 /* ---- the summary ---- */
 

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { BB_SUMMARY_TIED = 512 }; /* that are named and counted, at most */
+
 static bb_sentence *begin(bb_summary *s, const char *label)
 {
     if (s->sentence_count == BB_SUMMARY_SENTENCES)
@@ -62,9 +64,9 @@ static void say_names(bb_sentence *sentence, const bb_summary_row *const *rows, 
 
 static void say_traces(bb_summary *s)
 {
-    const bb_summary_row *tied[64];
+    const bb_summary_row *tied[BB_SUMMARY_TIED];
     uint32_t count = 0;
-    while (count < s->builder_count && count < 64 && s->rows[count].group == 0) {
+    while (count < s->builder_count && count < BB_SUMMARY_TIED && s->rows[count].group == 0) {
         tied[count] = &s->rows[count];
         count++;
     }
@@ -73,13 +75,13 @@ static void say_traces(bb_summary *s)
     bb_sentence *sentence = begin(s, "Fastest trace");
     say_names(sentence, tied, count);
     if (s->referenced && count > 1)
-        say(sentence, ": %.2f to %.2f of Embree, a tie", tied[count - 1]->trace.value,
+        say(sentence, ": %.2f to %.2f of Embree, not told apart", tied[count - 1]->trace.value,
             tied[0]->trace.value);
     else if (s->referenced)
         say(sentence, ": %.2f of Embree", tied[0]->trace.value);
     else if (count > 1)
-        say(sentence, ": a tie");
-    if (count < s->builder_count && isfinite(s->rows[count].trace.value))
+        say(sentence, ": not told apart");
+    if (count < s->builder_count && s->rows[count].group == 1)
         say(sentence, "; %s is %.0f %% slower", s->rows[count].name,
             100 * (1 - s->rows[count].trace.value / tied[0]->trace.value));
 }
@@ -101,7 +103,7 @@ static const bb_standing *pick_image(const bb_summary_row *row, uint32_t k)
 /* The builder that is best, those it is tied with, and the first behind them. */
 typedef struct podium {
     const bb_summary_row *best, *next;
-    const bb_summary_row *tied[64];
+    const bb_summary_row *tied[BB_SUMMARY_TIED];
     uint32_t tied_count;
 } podium;
 
@@ -112,11 +114,11 @@ static podium find_podium(const bb_summary *s, pick figure, uint32_t k, double s
     for (uint32_t i = 0; i < s->builder_count; i++) {
         const bb_summary_row *row = &s->rows[i];
         const bb_standing *standing = figure(row, k);
-        if (!isfinite(standing->value))
+        if (!isfinite(standing->value) || row->partial)
             continue;
         if (standing->best)
             p.best = row;
-        else if (standing->tied && p.tied_count < 64)
+        else if (standing->tied && p.tied_count < BB_SUMMARY_TIED)
             p.tied[p.tied_count++] = row;
         else if (p.next == NULL || sign * standing->value > sign * figure(p.next, k)->value)
             p.next = row;
@@ -131,7 +133,7 @@ static void say_builds(bb_summary *s)
     if (p.best == NULL)
         return;
     for (uint32_t i = 0; i < s->builder_count; i++)
-        if (isfinite(s->rows[i].build.value) &&
+        if (isfinite(s->rows[i].build.value) && !s->rows[i].partial &&
             (last == NULL || s->rows[i].build.value < last->build.value))
             last = &s->rows[i];
     double rate = p.best->build.value;
@@ -139,7 +141,7 @@ static void say_builds(bb_summary *s)
     bb_sentence *sentence = begin(s, "Fastest build");
     say(sentence, "%s, %.3g Mprims/s", p.best->name, rate);
     if (p.tied_count > 0) {
-        say(sentence, ", tied with ");
+        say(sentence, ", not told from ");
         say_names(sentence, p.tied, p.tied_count);
     }
     if (p.next != NULL)
@@ -157,7 +159,7 @@ static void say_image_at(bb_summary *s, uint32_t k, const char *label)
     bb_sentence *sentence = begin(s, label);
     say(sentence, "%s", p.best->name);
     if (p.tied_count > 0) {
-        say(sentence, ", tied with ");
+        say(sentence, ", not told from ");
         say_names(sentence, p.tied, p.tied_count);
     }
     if (p.next != NULL)
@@ -165,17 +167,17 @@ static void say_image_at(bb_summary *s, uint32_t k, const char *label)
             times_text(p.next->image[k].value, text));
 }
 
-/* Who is first for how many rays. One that is within 1 % of the first stays in its place. */
+/* Who is first for how many rays. A builder keeps its place as long as this run cannot tell it from
+ * the best; the numbers are the last that it was seen to hold. */
 static void say_crossings(bb_summary *s)
 {
-    const double near = 1.01;
     const bb_summary_row *holder = NULL;
     bb_sentence *sentence = NULL;
     char text[32];
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++) {
         const bb_summary_row *first = NULL;
         for (uint32_t r = 0; r < s->builder_count; r++)
-            if (isfinite(s->rows[r].curve[i]) &&
+            if (!s->rows[r].partial && isfinite(s->rows[r].curve[i]) &&
                 (first == NULL || s->rows[r].curve[i] < first->curve[i]))
                 first = &s->rows[r];
         if (first == NULL)
@@ -183,9 +185,9 @@ static void say_crossings(bb_summary *s)
         if (holder == NULL) {
             holder = first;
             sentence = begin(s, "Fastest image");
-        } else if (first != holder && holder->curve[i] > near * first->curve[i]) {
+        } else if (first != holder && !holder->curve_first[i]) {
             say(sentence, "%s to %s rays; ", holder->name,
-                rays_text(bb_summary_curve_count(i), text));
+                rays_text(bb_summary_curve_count(i - 1), text));
             holder = first;
         }
     }
@@ -197,17 +199,16 @@ static void say_crossings(bb_summary *s)
 static void say_answers(bb_summary *s)
 {
     char text[32];
-    uint32_t named = 0, failed = 0;
+    uint32_t named = 0, failed = 0, partial = 0;
     bb_sentence *sentence = begin(s, "Right answers");
     for (uint32_t i = 0; i < s->builder_count; i++)
-        failed += s->rows[i].failed;
-    if (!(s->checked > 0)) {
+        failed += s->rows[i].failed, partial += s->rows[i].partial;
+    if (s->wrong == 0 && !(s->checked > 0)) {
         say(sentence, "no answer was judged");
     } else if (s->wrong == 0) {
-        say(sentence,
-            "no wrong ray in %s judged, whichever builder and kernel (below %.2g per "
-            "million, 95 %%)",
-            rays_text(s->checked, text), bb_wrong_rate_of(0, s->checked).high);
+        say(sentence, "no wrong one in %s", rays_text(s->checked, text));
+        say(sentence, ", on %s different rays: below %.2g per million (95 %%)",
+            rays_text(s->distinct, text), bb_wrong_rate_of(0, s->distinct).high);
     } else {
         say(sentence, "WRONG: ");
         for (uint32_t i = 0; i < s->builder_count; i++)
@@ -218,6 +219,8 @@ static void say_answers(bb_summary *s)
     }
     if (failed > 0)
         say(sentence, "; %u builds or cells were refused or failed (--table says why)", failed);
+    if (partial > 0)
+        say(sentence, "; %u builders lack scenes or rays and have no rank", partial);
     for (uint32_t i = s->builder_count; i < s->row_count; i++)
         if (s->rows[i].wrong > 0)
             say(sentence, "; %s lost %.0f of %s", s->rows[i].name, s->rows[i].wrong,
@@ -230,8 +233,8 @@ static void say_accuracy(bb_summary *s)
     if (s->accuracy_count < 2)
         return;
     bb_sentence *sentence = begin(s, "Intersectors");
-    say(sentence, "on %s rays near edges, wrong per million and speed: ",
-        rays_text(s->accuracy[0].checked, text));
+    say(sentence,
+        "on %s rays, wrong per million and speed: ", rays_text(s->accuracy[0].checked, text));
     for (uint32_t i = 0; i < s->accuracy_count; i++) {
         const bb_summary_accuracy *a = &s->accuracy[i];
         double ppm = bb_wrong_rate_of(a->wrong, a->checked).ppm;

@@ -10,7 +10,7 @@ const rowColour = row => row.reference ? theme().muted
 /* 0.97, 12.3, 154: as on the terminal. */
 const ratio = value => isNumber(value) ? value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0) : dash;
 const withBounds = s => isNumber(s.low) && isNumber(s.high) ? `95 %: ${ratio(s.low)} to ${ratio(s.high)}` : null;
-const standingText = s => `${ratio(s.value)}${s.best ? ' best' : s.tied ? ' tie' : ''}`;
+const standingText = s => `${ratio(s.value)}${s.best ? ' best' : s.tied ? ' \u2248 best' : ''}`;
 
 /* ---- bars ---- */
 
