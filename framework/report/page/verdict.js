@@ -4,6 +4,9 @@ const summaries = JSON.parse($('summary-data').textContent);
 const chosen = { scene: '', rays: '' };
 const summaryOf = (scene, rays) => summaries.choices.find(s => s.scene === scene && s.rays === rays);
 const everything = summaryOf('', '') || { rows: [], sentences: [], accuracy: [], scenes: 0, sets: 0, rounds: 0 };
+const nameOf = row => merged ? `${row.builder} (run ${row.run + 1})` : row.builder;
+/* Long names break between their parameters. */
+const breakable = name => name.split(/(?<=[:,+])/).flatMap(part => [part, el('wbr')]);
 const rowColour = row => row.reference ? theme().muted
   : colourAt(everything.rows.filter(r => !r.reference).findIndex(r => r.builder === row.builder && r.run === row.run));
 
@@ -42,7 +45,7 @@ function barRow(summary, row, i) {
   const { rows } = summary;
   const [million, billion] = [1, 4].map(k => row.image[k]), builds = rows.map(r => r.build.value);
   const wrong = !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
-  const name = el('th', { scope: 'row', title: row.builder }, row.name, row.reference ? el('span', { class: 'note' }, '\u00a0ref.') : null);
+  const name = el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.reference ? el('span', { class: 'note' }, '\u00a0ref.') : null);
   const least = k => Math.min(...rows.map(r => r.image[k].value).filter(isNumber));
   const time = (s, k) => isNumber(s.value) ? least(k) / s.value : 0;
   return el('tr', { class: row.reference ? 'reference' : null }, name,
@@ -92,7 +95,7 @@ function drawCurves(summary) {
     const path = points.map(([n, v], i) => `${i ? 'L' : 'M'}${x(n).toFixed(1)} ${Math.max(-40, y(v)).toFixed(1)}`).join('');
     const curve = svg('path', { d: path, fill: 'none', stroke: rowColour(row), 'stroke-width': row.reference ? 1 : 2,
                                 'stroke-dasharray': row.reference ? '3 3' : 'none', 'clip-path': 'url(#curve-clip)' });
-    curve.append(svg('title', {}, row.name));
+    curve.append(svg('title', {}, nameOf(row)));
     picture.append(curve);
   }
   picture.prepend(svg('clipPath', { id: 'curve-clip' }, svg('rect', { x: left, y: above, width: w - left - right, height: h - bottom - above + 3 })));
@@ -100,7 +103,7 @@ function drawCurves(summary) {
   $('verdict-curves').replaceChildren(picture, el('div', { class: 'legend' }, ...own.map(row => {
     const chip = el('i', { 'aria-hidden': 'true' });
     chip.style.background = rowColour(row);
-    return el('span', { class: first.includes(row) ? 'winner' : null }, chip, row.name);
+    return el('span', { class: first.includes(row) ? 'winner' : null }, chip, nameOf(row));
   })));
 }
 
@@ -146,7 +149,7 @@ function drawSummaryTable(summary) {
   const standing = (name, get, title) => ({ name, number: true, value: r => get(r).value, text: r => standingText(get(r)), title });
   $('verdict-table').replaceChildren();
   addTable($('verdict-table'), 'All figures; press a heading to sort.', [
-    { name: 'Builder', text: r => r.builder, wide: true }, { name: 'Kernel', text: r => r.kernel || dash },
+    { name: 'Builder', text: nameOf, wide: true }, { name: 'Kernel', text: r => r.kernel || dash },
     standing(`Trace /${summary.referenced ? 'Embree' : 'best'}`, r => r.trace), num('Mrays/s', r => r.mrays_s),
     standing('Build Mprims/s', r => r.build), standing('+ layout', r => r.ready, 'build and layout of its kernel'),
     ...summaries.counts.map((n, k) => standing(`${brief(n)} rays`, r => r.image[k], 'time to image, by the best')),
