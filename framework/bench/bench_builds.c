@@ -240,7 +240,7 @@ static void finish_phases(bb_entrant *entrant)
 
 static double sah_of_tree(const bb_entrant *entrant)
 {
-    return entrant->record.metrics[bb_metric_find("sah")].value;
+    return entrant->record.metrics[bb_metric_of_layouts()].value;
 }
 
 /* Makes it some times more, for its time, when it is the first of its name. The one that is there

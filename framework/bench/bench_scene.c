@@ -130,6 +130,7 @@ static bb_status record_builds(bb_bench *bench)
     }
     return BB_OK;
 }
+
 static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
 {
     const bb_bench_request *request = bench->request;

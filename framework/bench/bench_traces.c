@@ -316,7 +316,7 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
     snprintf(r->builder, sizeof r->builder, "%s", entrant->text);
     snprintf(r->rays, sizeof r->rays, "%s", rays->name);
     if (entrant->reference) {
-        snprintf(r->kernel, sizeof r->kernel, "embree");
+        snprintf(r->kernel, sizeof r->kernel, BB_EMBREE_KERNEL);
         snprintf(r->intersector, sizeof r->intersector, "embree-%s",
                  bb_spec_value(&entrant->spec, bb_embree_options, "mode"));
     } else {

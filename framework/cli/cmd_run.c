@@ -1,5 +1,4 @@
 /* bvhbench run: the comparison. */
-#include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 #include "framework/bench/bench.h"
 #include "framework/cli/cells_option.h"
@@ -9,7 +8,6 @@
 #include "framework/cli/output.h"
 #include "framework/report/report.h"
 #include "framework/scene/scene.h"
-#include "traversal/traversal.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -45,18 +45,16 @@ static bb_status write_tables(const bb_results *results, const char *path)
     return status;
 }
 
-/* Page, tables and charts, all that can be; the first failure is returned. */
+/* Page and charts, all that can be; the first failure is returned. */
 static bb_status write_views(const bb_comparison *c, bb_results *results, const places *p,
                              uint32_t *charts)
 {
     char reason[1024] = "";
     bb_status first = BB_OK;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 2; i++) {
         bb_status status = BB_OK;
         if (i == 0)
             status = bb_report_html(results, c->folder, p->html);
-        else if (i == 1)
-            status = write_tables(results, p->tables);
         else if (c->charts && !bb_interrupted())
             status = bb_report_charts(results, p->pictures, charts);
         if (status != BB_OK && first == BB_OK) {
@@ -125,6 +123,8 @@ static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench
         if (status == BB_OK)
             status = bb_results_set_total(results, times->build_ms, times->trace_ms,
                                           times->total_ms + ms);
+        if (status == BB_OK)
+            status = write_tables(results, p.tables);
         if (status == BB_OK)
             status = bb_report_html(results, c->folder, p.html);
         if (status == BB_OK)

@@ -14,6 +14,9 @@ extern const bb_option bb_embree_options[]; /* quality=low|medium|high, mode=fas
 /* The calls that trace, as the record names them: one ray at a time, no packets. */
 #define BB_EMBREE_API "rtcIntersect1/rtcOccluded1"
 
+/* What the record names in place of a kernel: a reference traces by itself. */
+#define BB_EMBREE_KERNEL "embree"
+
 /* Version of the Embree that is loaded, such as "3.13.5". BB_FAILED if it gives no device. */
 bb_status bb_embree_version(char *text, size_t capacity);
 

@@ -42,7 +42,7 @@ static void print_row(FILE *out, const bb_summary_row *row)
     print_standing(out, &row->ready);
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
         print_standing(out, &row->image[k]);
-    print_standing(out, &row->sah);
+    print_standing(out, &row->quality);
     print_standing(out, &(bb_standing){.value = row->peak / (1 << 20)});
     if (row->checked > 0)
         fprintf(out, " %.0f of %.0f |\n", row->wrong, row->checked);

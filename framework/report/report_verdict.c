@@ -98,8 +98,8 @@ static void print_row(FILE *out, const bb_summary *s, uint32_t i)
         print_figure(out, row->image[shown_counts[k]].value, 5);
         fputc(mark_of(&row->image[shown_counts[k]]), out);
     }
-    print_figure(out, row->sah.value, 5);
-    fputc(mark_of(&row->sah), out);
+    print_figure(out, row->quality.value, 5);
+    fputc(mark_of(&row->quality), out);
     print_figure(out, row->peak / (1 << 20), 6);
     if (row->checked > 0)
         snprintf(wrong, sizeof wrong, row->wrong == 0 ? "none" : "%.0f", row->wrong);

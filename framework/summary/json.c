@@ -4,30 +4,40 @@
 #include <cjson/cJSON.h>
 #include <string.h>
 
-static void add(cJSON *object, const char *name, double value)
+static cJSON *figure_json(double value)
 {
-    cJSON_AddItemToObject(object, name,
-                          isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull());
+    return isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull();
 }
 
-static void add_standing(cJSON *object, const char *name, const bb_standing *standing)
+static void add(cJSON *object, const char *name, double value)
 {
-    cJSON *made = cJSON_AddObjectToObject(object, name);
+    cJSON_AddItemToObject(object, name, figure_json(value));
+}
+
+static cJSON *standing_json(const bb_standing *standing)
+{
+    cJSON *made = cJSON_CreateObject();
     add(made, "value", standing->value);
     add(made, "low", standing->low);
     add(made, "high", standing->high);
     cJSON_AddBoolToObject(made, "best", standing->best);
     cJSON_AddBoolToObject(made, "tied", standing->tied);
+    return made;
+}
+
+static void add_standing(cJSON *object, const char *name, const bb_standing *standing)
+{
+    cJSON_AddItemToObject(object, name, standing_json(standing));
 }
 
 static cJSON *row_json(const bb_summary_row *row)
 {
     cJSON *made = cJSON_CreateObject();
     cJSON_AddStringToObject(made, "builder", row->builder);
-    cJSON_AddStringToObject(made, "name", row->name);
     cJSON_AddStringToObject(made, "kernel", row->kernel);
     add(made, "run", row->run);
     cJSON_AddBoolToObject(made, "reference", row->reference);
+    cJSON_AddBoolToObject(made, "partial", row->partial);
     add(made, "sets", row->sets);
     add_standing(made, "trace", &row->trace);
     add(made, "mrays_s", row->mrays_s);
@@ -35,17 +45,12 @@ static cJSON *row_json(const bb_summary_row *row)
     add_standing(made, "build", &row->build);
     add_standing(made, "ready", &row->ready);
     cJSON *image = cJSON_AddArrayToObject(made, "image");
-    for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++) {
-        cJSON *holder = cJSON_CreateObject();
-        add_standing(holder, "at", &row->image[k]);
-        cJSON_AddItemToArray(image, cJSON_DetachItemFromObject(holder, "at"));
-        cJSON_Delete(holder);
-    }
+    for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
+        cJSON_AddItemToArray(image, standing_json(&row->image[k]));
     cJSON *curve = cJSON_AddArrayToObject(made, "curve");
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        cJSON_AddItemToArray(curve, isfinite(row->curve[i]) ? cJSON_CreateNumber(row->curve[i])
-                                                            : cJSON_CreateNull());
-    add_standing(made, "sah", &row->sah);
+        cJSON_AddItemToArray(curve, figure_json(row->curve[i]));
+    add_standing(made, "quality", &row->quality);
     add(made, "peak", row->peak);
     add(made, "wrong", row->wrong);
     add(made, "checked", row->checked);

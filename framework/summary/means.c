@@ -87,7 +87,7 @@ static const bb_candidate *favourite(const bb_summary_view *v, uint32_t e, uint3
 
 static bool per_scene(const bb_measure *m)
 {
-    return m->quantity == BB_OF_BUILD || m->quantity == BB_OF_READY || m->quantity == BB_OF_SAH;
+    return m->quantity == BB_OF_BUILD || m->quantity == BB_OF_READY || m->quantity == BB_OF_QUALITY;
 }
 
 /* Of an entrant on a scene or a ray set. */
@@ -97,8 +97,8 @@ static cost cost_on_scene(const bb_summary_view *v, uint32_t e, uint32_t scene, 
     cost found = {.median = NAN};
     if (!b->ok)
         return found;
-    if (m->quantity == BB_OF_SAH) {
-        found.median = b->sah;
+    if (m->quantity == BB_OF_QUALITY) {
+        found.median = b->quality;
         return found;
     }
     found.median = b->build_ms;
@@ -184,11 +184,9 @@ bb_mean bb_mean_ratio(const bb_summary_view *v, uint32_t a, uint32_t b, const bb
     return result;
 }
 
-/* Whether this run can't tell them apart: the interval of their ratio has 1 in it. */
-bool bb_is_tie(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m)
+bool bb_is_tie(const bb_mean *ratio)
 {
-    bb_estimate e = bb_mean_ratio(v, a, b, m).rounds;
-    return isfinite(e.low) && e.low <= 1 && e.high >= 1;
+    return isfinite(ratio->rounds.low) && ratio->rounds.low <= 1 && ratio->rounds.high >= 1;
 }
 
 uint32_t bb_best_builder(const bb_summary_view *v, const bb_measure *m)

@@ -52,14 +52,6 @@ static double or_zero(double value)
     return isfinite(value) ? value : 0;
 }
 
-static double sah_of(const cJSON *build)
-{
-    for (uint32_t i = 0; i < bb_metric_count(); i++)
-        if (strcmp(bb_metrics[i]->name, "sah") == 0)
-            return bb_get_metric(build, bb_metrics[i]);
-    return NAN;
-}
-
 /* What a build does not need costs nothing: a reference makes its boxes inside its build, and is on
  * the host already. */
 static void read_build(const bb_results *results, const cJSON *build, bb_built *b)
@@ -78,7 +70,7 @@ static void read_build(const bb_results *results, const cJSON *build, bb_built *
         b->fixed_all.values[i] += more;
     double prims = bb_get_number(scene, BB_F_SCENE_PRIMS);
     b->prims = prims > 0 ? prims : (double)NAN;
-    b->sah = sah_of(build);
+    b->quality = bb_get_metric(build, bb_metrics[bb_metric_of_layouts()]);
     b->peak = isfinite(native) ? native : bb_get_number(build, BB_F_TREE_BYTES_PEAK);
 }
 

@@ -33,8 +33,7 @@ static bb_standing stand(const bb_summary_view *v, uint32_t e, uint32_t best, co
     s.low = ratio.rounds.low;
     s.high = ratio.rounds.high;
     s.best = e == best;
-    s.tied = !s.best && !v->n->entrants[e].reference && v->whole[e] && isfinite(s.low) &&
-             s.low <= 1 && s.high >= 1;
+    s.tied = !s.best && !v->n->entrants[e].reference && v->whole[e] && bb_is_tie(&ratio);
     return s;
 }
 
@@ -116,14 +115,14 @@ static void add_peak(const bb_summary_view *v, uint32_t e, bb_summary_row *row)
 
 /* Best builders of each column. */
 typedef struct best {
-    uint32_t build, ready, sah, image[BB_SUMMARY_COUNTS], curve[BB_SUMMARY_CURVE];
+    uint32_t build, ready, quality, image[BB_SUMMARY_COUNTS], curve[BB_SUMMARY_CURVE];
     uint32_t base; /* of traces: a builder or BB_FASTEST_REFERENCE */
 } best;
 
 static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_summary_row *row)
 {
     const bb_measure trace = {BB_OF_TRACE, 0}, build = {BB_OF_BUILD, 0}, ready = {BB_OF_READY, 0},
-                     sah = {BB_OF_SAH, 0};
+                     quality = {BB_OF_QUALITY, 0};
     const bb_entrant_row *entrant = &v->n->entrants[e];
     *row = (bb_summary_row){.builder = entrant->builder,
                             .run = entrant->run,
@@ -140,11 +139,10 @@ static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_su
     if (of->base != BB_NOBODY)
         speed = bb_mean_ratio(v, of->base, e, &trace);
     row->trace = (bb_standing){speed.value, speed.rounds.low, speed.rounds.high, false, false};
-    row->scenes = bb_mean_ratio(v, e, BB_NOBODY, &build).units;
     row->partial = !v->whole[e];
     row->build = stand_as_rate(v, e, of->build, &build);
     row->ready = stand_as_rate(v, e, of->ready, &ready);
-    row->sah = stand(v, e, of->sah, &sah);
+    row->quality = stand(v, e, of->quality, &quality);
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
         row->image[k] = stand(v, e, of->image[k], &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++) {
@@ -194,11 +192,10 @@ static void group_rows(const bb_summary_view *v, bb_summary *s)
         if (!isfinite(row->trace.value) || row->partial)
             break;
         uint32_t e = entrant_of(v, row);
-        if (first == BB_NOBODY) {
+        bb_mean ratio = bb_mean_ratio(v, e, first != BB_NOBODY ? first : e, &trace);
+        if (first == BB_NOBODY || !bb_is_tie(&ratio)) {
+            group += first != BB_NOBODY;
             first = e;
-        } else if (!bb_is_tie(v, e, first, &trace)) {
-            first = e;
-            group++;
         }
         row->group = group;
         row->trace.best = i == 0;
@@ -343,7 +340,7 @@ static void find_best(const bb_summary_view *v, bool referenced, best *of)
 {
     of->build = bb_best_builder(v, &(bb_measure){BB_OF_BUILD, 0});
     of->ready = bb_best_builder(v, &(bb_measure){BB_OF_READY, 0});
-    of->sah = bb_best_builder(v, &(bb_measure){BB_OF_SAH, 0});
+    of->quality = bb_best_builder(v, &(bb_measure){BB_OF_QUALITY, 0});
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
         of->image[k] = bb_best_builder(v, &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)

@@ -43,7 +43,7 @@ typedef struct bb_summary_row {
     double run;                 /* of a merged file */
     char name[BB_SUMMARY_NAME]; /* short, for tables */
     bool reference;
-    uint32_t sets, scenes; /* that it has figures of */
+    uint32_t sets; /* that it has figures of */
     bool
         partial; /* it lacks some of those that enter: no rank, never best, its means are of less */
     bb_standing trace; /* rate by that of the fastest reference, or of the best builder */
@@ -57,7 +57,7 @@ typedef struct bb_summary_row {
     bb_standing image[BB_SUMMARY_COUNTS];
     double curve[BB_SUMMARY_CURVE];
     bool curve_first[BB_SUMMARY_CURVE]; /* best there, or not to be told from the best */
-    bb_standing sah;                    /* by the least of all builders */
+    bb_standing quality;                /* by the least of all builders */
     double peak;                        /* bytes, of the scene that takes most */
     double wrong;    /* rays, and builds that failed count as none; NAN: nothing was judged */
     double checked;  /* rays judged */

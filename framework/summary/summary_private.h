@@ -22,7 +22,8 @@ typedef struct bb_built {
     bb_samples fixed_all;
     double build_ms;
     bb_samples build_all;
-    double prims, sah, peak;
+    double prims, peak;
+    double quality; /* by the metric that layouts have too */
 } bb_built;
 
 typedef struct bb_entrant_row {
@@ -57,11 +58,11 @@ void bb_numbers_free(bb_numbers *numbers);
 enum { BB_FASTEST_REFERENCE = UINT32_MAX - 1, BB_NOBODY = UINT32_MAX };
 
 typedef enum bb_quantity {
-    BB_OF_TRACE, /* ns of a ray, per ray set */
-    BB_OF_BUILD, /* ms of a primitive, per scene */
-    BB_OF_READY, /* the same of build and layout */
-    BB_OF_IMAGE, /* ms for build, layout and some rays, per ray set */
-    BB_OF_SAH,   /* per scene */
+    BB_OF_TRACE,   /* ns of a ray, per ray set */
+    BB_OF_BUILD,   /* ms of a primitive, per scene */
+    BB_OF_READY,   /* the same of build and layout */
+    BB_OF_IMAGE,   /* ms for build, layout and some rays, per ray set */
+    BB_OF_QUALITY, /* per scene */
 } bb_quantity;
 
 typedef struct bb_measure {
@@ -93,8 +94,8 @@ const bb_candidate *bb_fastest(const bb_summary_view *v, uint32_t e, uint32_t se
 
 bb_mean bb_mean_ratio(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m);
 
-/* Whether this run can't tell them apart: the interval of their ratio has 1 in it. */
-bool bb_is_tie(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m);
+/* Whether this run can't tell two apart: the interval of their ratio has 1 in it. */
+bool bb_is_tie(const bb_mean *ratio);
 
 /* The builder of least mean cost among those that have all that enters; BB_NOBODY. */
 uint32_t bb_best_builder(const bb_summary_view *v, const bb_measure *m);

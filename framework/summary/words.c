@@ -5,8 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { BB_SUMMARY_TIED = 512 }; /* that are named and counted, at most */
-
 static bb_sentence *begin(bb_summary *s, const char *label)
 {
     if (s->sentence_count == BB_SUMMARY_SENTENCES)
@@ -51,39 +49,50 @@ static const char *times_text(double ratio, char text[32])
     return text;
 }
 
-/* The names of the first `count` of these, as "A, B and 2 more". */
-static void say_names(bb_sentence *sentence, const bb_summary_row *const *rows, uint32_t count)
+enum { NAMED = 5 };
+
+/* Rows of which the first are named. */
+typedef struct row_list {
+    const bb_summary_row *rows[NAMED];
+    uint32_t count; /* of all */
+} row_list;
+
+static void list_row(row_list *list, const bb_summary_row *row)
 {
-    enum { NAMED = 5 };
-    uint32_t named = count > NAMED ? NAMED - 1 : count;
+    if (list->count < NAMED)
+        list->rows[list->count] = row;
+    list->count++;
+}
+
+/* "A, B and 2 more" */
+static void say_names(bb_sentence *sentence, const row_list *list)
+{
+    uint32_t named = list->count > NAMED ? NAMED - 1 : list->count;
     for (uint32_t i = 0; i < named; i++)
-        say(sentence, "%s%s", i > 0 ? ", " : "", rows[i]->name);
-    if (count > named)
-        say(sentence, " and %u more", count - named);
+        say(sentence, "%s%s", i > 0 ? ", " : "", list->rows[i]->name);
+    if (list->count > named)
+        say(sentence, " and %u more", list->count - named);
 }
 
 static void say_traces(bb_summary *s)
 {
-    const bb_summary_row *tied[BB_SUMMARY_TIED];
-    uint32_t count = 0;
-    while (count < s->builder_count && count < BB_SUMMARY_TIED && s->rows[count].group == 0) {
-        tied[count] = &s->rows[count];
-        count++;
-    }
-    if (count == 0)
+    row_list tied = {.count = 0};
+    while (tied.count < s->builder_count && s->rows[tied.count].group == 0)
+        list_row(&tied, &s->rows[tied.count]);
+    if (tied.count == 0)
         return;
+    const double best = s->rows[0].trace.value, worst = s->rows[tied.count - 1].trace.value;
     bb_sentence *sentence = begin(s, "Fastest trace");
-    say_names(sentence, tied, count);
-    if (s->referenced && count > 1)
-        say(sentence, ": %.2f to %.2f of Embree, not told apart", tied[count - 1]->trace.value,
-            tied[0]->trace.value);
+    say_names(sentence, &tied);
+    if (s->referenced && tied.count > 1)
+        say(sentence, ": %.2f to %.2f of Embree, not told apart", worst, best);
     else if (s->referenced)
-        say(sentence, ": %.2f of Embree", tied[0]->trace.value);
-    else if (count > 1)
+        say(sentence, ": %.2f of Embree", best);
+    else if (tied.count > 1)
         say(sentence, ": not told apart");
-    if (count < s->builder_count && s->rows[count].group == 1)
-        say(sentence, "; %s is %.0f %% slower", s->rows[count].name,
-            100 * (1 - s->rows[count].trace.value / tied[0]->trace.value));
+    const bb_summary_row *next = &s->rows[tied.count];
+    if (tied.count < s->builder_count && next->group == 1)
+        say(sentence, "; %s is %.0f %% slower", next->name, 100 * (1 - next->trace.value / best));
 }
 
 /* A figure of a row by which rows are compared. */
@@ -103,14 +112,13 @@ static const bb_standing *pick_image(const bb_summary_row *row, uint32_t k)
 /* The builder that is best, those it is tied with, and the first behind them. */
 typedef struct podium {
     const bb_summary_row *best, *next;
-    const bb_summary_row *tied[BB_SUMMARY_TIED];
-    uint32_t tied_count;
+    row_list tied;
 } podium;
 
 /* `sign` 1: larger figures are better; -1: smaller ones. */
 static podium find_podium(const bb_summary *s, pick figure, uint32_t k, double sign)
 {
-    podium p = {0};
+    podium p = {.best = NULL};
     for (uint32_t i = 0; i < s->builder_count; i++) {
         const bb_summary_row *row = &s->rows[i];
         const bb_standing *standing = figure(row, k);
@@ -118,8 +126,8 @@ static podium find_podium(const bb_summary *s, pick figure, uint32_t k, double s
             continue;
         if (standing->best)
             p.best = row;
-        else if (standing->tied && p.tied_count < BB_SUMMARY_TIED)
-            p.tied[p.tied_count++] = row;
+        else if (standing->tied)
+            list_row(&p.tied, row);
         else if (p.next == NULL || sign * standing->value > sign * figure(p.next, k)->value)
             p.next = row;
     }
@@ -140,9 +148,9 @@ static void say_builds(bb_summary *s)
     char text[32];
     bb_sentence *sentence = begin(s, "Fastest build");
     say(sentence, "%s, %.3g Mprims/s", p.best->name, rate);
-    if (p.tied_count > 0) {
+    if (p.tied.count > 0) {
         say(sentence, ", not told from ");
-        say_names(sentence, p.tied, p.tied_count);
+        say_names(sentence, &p.tied);
     }
     if (p.next != NULL)
         say(sentence, "; %s %s", times_text(rate / p.next->build.value, text), p.next->name);
@@ -158,9 +166,9 @@ static void say_image_at(bb_summary *s, uint32_t k, const char *label)
         return;
     bb_sentence *sentence = begin(s, label);
     say(sentence, "%s", p.best->name);
-    if (p.tied_count > 0) {
+    if (p.tied.count > 0) {
         say(sentence, ", not told from ");
-        say_names(sentence, p.tied, p.tied_count);
+        say_names(sentence, &p.tied);
     }
     if (p.next != NULL)
         say(sentence, "; %s takes %s the time", p.next->name,
@@ -201,8 +209,10 @@ static void say_answers(bb_summary *s)
     char text[32];
     uint32_t named = 0, failed = 0, partial = 0;
     bb_sentence *sentence = begin(s, "Right answers");
-    for (uint32_t i = 0; i < s->builder_count; i++)
-        failed += s->rows[i].failed, partial += s->rows[i].partial;
+    for (uint32_t i = 0; i < s->builder_count; i++) {
+        failed += s->rows[i].failed;
+        partial += s->rows[i].partial;
+    }
     if (s->wrong == 0 && !(s->checked > 0)) {
         say(sentence, "no answer was judged");
     } else if (s->wrong == 0) {

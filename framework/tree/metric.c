@@ -22,6 +22,14 @@ uint32_t bb_metric_find(const char *name)
     return BB_NONE;
 }
 
+uint32_t bb_metric_of_layouts(void)
+{
+    uint32_t i = 0;
+    while (!bb_metrics[i]->of_layouts)
+        i++;
+    return i;
+}
+
 bb_status bb_metric_check(const char *name)
 {
     bb_suggestion meant = {.word = name};

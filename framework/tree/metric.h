@@ -32,6 +32,8 @@ extern const bb_metric *const bb_metrics[]; /* generated; by name; ends with NUL
 uint32_t bb_metric_count(void);
 /* Index in bb_metrics; BB_NONE if there is none of that name. */
 uint32_t bb_metric_find(const char *name);
+/* Index of the one that the harness has of each layout too. */
+uint32_t bb_metric_of_layouts(void);
 /* BB_INVALID if there is none, with what was most likely meant. */
 bb_status bb_metric_check(const char *name);
 

@@ -45,7 +45,8 @@ function barRow(summary, row, i) {
   const { rows } = summary;
   const [million, billion] = [1, 4].map(k => row.image[k]), builds = rows.map(r => r.build.value);
   const wrong = !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
-  const name = el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.reference ? el('span', { class: 'note' }, '\u00a0ref.') : null);
+  const name = el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.partial && !row.reference ? el('span', { class: 'note' },
+    ` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null, row.reference ? el('span', { class: 'note' }, '\u00a0ref.') : null);
   const least = k => Math.min(...rows.map(r => r.image[k].value).filter(isNumber));
   const time = (s, k) => isNumber(s.value) ? least(k) / s.value : 0;
   return el('tr', { class: row.reference ? 'reference' : null }, name,
@@ -153,7 +154,7 @@ function drawSummaryTable(summary) {
     standing(`Trace /${summary.referenced ? 'Embree' : 'best'}`, r => r.trace), num('Mrays/s', r => r.mrays_s),
     standing('Build Mprims/s', r => r.build), standing('+ layout', r => r.ready, 'build and layout of its kernel'),
     ...summaries.counts.map((n, k) => standing(`${brief(n)} rays`, r => r.image[k], 'time to image, by the best')),
-    standing('SAH /best', r => r.sah), num('Peak', r => r.peak, null, bytes), num('Wrong', r => r.wrong, 'rays', whole),
+    standing(`${schema.metrics.find(m => m.of_layouts).title} /best`, r => r.quality), num('Peak', r => r.peak, null, bytes), num('Wrong', r => r.wrong, 'rays', whole),
     num('Judged', r => r.checked, 'rays', whole), num('Failed', r => r.failed, 'cells and builds', whole), num('Ray sets', r => r.sets, null, whole),
   ], summary.rows, { css: r => r.reference ? 'reference' : null });
 }
