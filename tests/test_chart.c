@@ -541,6 +541,17 @@ static void what_cannot_be_drawn_is_said(void **state)
     setenv("LC_ALL", "C", 1); /* whatever the user's is, gnuplot's has UTF-8 */
     assert_int_equal(bb_report_charts(results, folder, &pictures), BB_FAILED);
     assert_non_null(strstr(bb_message(), "no such terminal in C.UTF-8"));
+
+    /* one that ends well and has left half a picture, as on a full disk */
+    file = fopen(program, "w");
+    fputs("#!/bin/sh\necho '<svg>' >half.svg\n", file);
+    fclose(file);
+    assert_int_equal(bb_report_charts(results, folder, &pictures), BB_FAILED);
+    assert_non_null(strstr(bb_message(), "half.svg is not whole"));
+    snprintf(path, sizeof path, "%s/half.svg", folder);
+    assert_int_equal(access(path, F_OK), -1);
+    snprintf(path, sizeof path, "%s.part", folder);
+    assert_int_equal(access(path, F_OK), -1);
     unlink(program);
     setenv("PATH", folder, 1);
     assert_false(bb_report_can_draw());

@@ -1,6 +1,7 @@
 /* The report: the table on the terminal and the HTML page. `test_report --write FOLDER` only writes
  * a sample there, for a look or for tests/report/check.sh. */
 #include "framework/base/file.h"
+#include "framework/report/columns.h"
 #include "framework/report/report.h"
 #include "tests/fixture.h"
 #include "tests/report_sample.h"
@@ -244,6 +245,23 @@ static char *page_of(bb_results *results, const char *folder)
     assert_int_equal(bb_file_read(path, 1 << 28, "page", &page, &size), BB_OK);
     assert_int_equal(size, strlen(page));
     return page;
+}
+
+/* What stands in a file does not steer the terminal: no control character of one byte or two, and
+ * nothing that turns the direction of writing. Letters stay. */
+static void texts_do_not_steer_the_terminal(void **state)
+{
+    (void)state;
+    static const char text[] = "a\x1b[2J\nb\xc2\x9bm \xe2\x80\xae z \xe2\x81\xa6 \xc3\xa9 "
+                               "\xe2\x82\xac\xc2";
+    char *printed = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&printed, &size);
+    assert_non_null(out);
+    bb_print_text(out, text, 0);
+    fclose(out);
+    assert_string_equal(printed, "a?[2J?b?m ? z ? \xc3\xa9 \xe2\x82\xac\xc2");
+    free(printed);
 }
 
 static void page_loads_nothing(void **state)
@@ -492,6 +510,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(table_ratio_is_to_the_fastest_reference),
         cmocka_unit_test(table_copes_with_nothing),
         cmocka_unit_test(table_keeps_the_terminal_safe),
+        cmocka_unit_test(texts_do_not_steer_the_terminal),
         cmocka_unit_test(page_loads_nothing),
         cmocka_unit_test(page_escapes_data),
         cmocka_unit_test(page_embeds_pictures),

@@ -69,7 +69,7 @@ static int add_build(document *d, const char *scene, const char *builder, double
 typedef struct traced {
     const char *scene, *builder, *rays, *kernel, *intersector, *layout;
     int build;
-    double ms, spread, wrong_ppm;
+    double ms, spread, wrong_ppm, unlike;
     bool reference;
 } traced;
 
@@ -93,6 +93,8 @@ static void add_trace(document *d, const traced *t)
     cJSON_AddBoolToObject(trace, "counts_for_exit", exact && !t->reference);
     cJSON_AddBoolToObject(trace, "wrong", t->wrong_ppm > 0);
     cJSON_AddBoolToObject(trace, "reference", t->reference);
+    if (t->unlike > 0)
+        cJSON_AddNumberToObject(trace, "unlike", t->unlike);
     cJSON *accuracy = cJSON_AddObjectToObject(trace, "accuracy");
     cJSON_AddNumberToObject(accuracy, "checked", count);
     cJSON_AddNumberToObject(accuracy, "wrong_ppm", t->wrong_ppm);
@@ -212,7 +214,12 @@ static void means_are_geometric_and_over_all_sets(void **state)
     assert_true(s.rows[3].reference);
     assert_near(s.rows[3].trace.value, 1);
     expect_words(&s, "Fastest build", "fast, 100 Mprims/s");
-    expect_words(&s, "Fastest image", "fast to ");
+    uint32_t held = 0;
+    while (fast->curve_first[held + 1])
+        held++;
+    /* 10^3 rays and four more to each power of ten */
+    assert_near(bb_summary_curve_count(held), 1e6 * pow(10, 0.75));
+    expect_words(&s, "Fastest image", "fast to 5.6 M rays; ");
     expect_words(&s, "Fastest image", "beyond, slow");
     expect_words(&s, "For 1 G rays", "slow, not told from alike; fast takes ");
     expect_words(&s, "Right answers", "no wrong one in 12 M, on 2 M different rays: below 1.5 per");
@@ -261,6 +268,104 @@ static void wrong_answers_win_nothing(void **state)
     assert_near(row_of(&s, "fast")->trace.value, 0.5);
     assert_true(row_of(&s, "fast")->wrong == 3);
     expect_words(&s, "Right answers", "WRONG: fast lost 3 of 5 M rays");
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
+static void same_standing(const cJSON *json, const bb_standing *standing)
+{
+    assert_near(cJSON_GetNumberValue(cJSON_GetObjectItem(json, "value")), standing->value);
+    assert_int_equal(cJSON_IsTrue(cJSON_GetObjectItem(json, "best")), standing->best);
+    assert_int_equal(cJSON_IsTrue(cJSON_GetObjectItem(json, "tied")), standing->tied);
+}
+
+/* One choice of each scene and of rays, and of all; figure by figure what the terminal has. */
+static void the_page_gets_the_same_figures(void **state)
+{
+    (void)state;
+    document d = three_builders();
+    cJSON *build;
+    double bytes = 1000;
+    cJSON_ArrayForEach(build, d.builds)
+    {
+        cJSON *tree = cJSON_AddObjectToObject(build, "tree");
+        cJSON_AddNumberToObject(tree, "bytes_peak", bytes += 10);
+        cJSON_AddNumberToObject(tree, "sah", bytes / 7);
+    }
+    bb_results *results = read_back(&d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    char *text = bb_summary_json(results);
+    cJSON *page = cJSON_Parse(text), *choices = cJSON_GetObjectItem(page, "choices");
+    assert_int_equal(cJSON_GetArraySize(choices), 3 * 2);
+    const cJSON *rows = cJSON_GetObjectItem(cJSON_GetArrayItem(choices, 0), "rows");
+    assert_int_equal(cJSON_GetArraySize(rows), (int)s.row_count);
+    for (uint32_t i = 0; i < s.row_count; i++) {
+        const cJSON *row = cJSON_GetArrayItem(rows, (int)i);
+        const bb_summary_row *same = &s.rows[i];
+        const struct {
+            const char *name;
+            double value;
+        } figures[] = {{"peak", same->peak},       {"wrong", same->wrong},
+                       {"checked", same->checked}, {"failed", same->failed},
+                       {"sets", same->sets},       {"mrays_s", same->mrays_s}};
+        assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(row, "builder")),
+                            same->builder);
+        for (size_t k = 0; k < sizeof figures / sizeof figures[0]; k++)
+            assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(row, figures[k].name)) ==
+                        figures[k].value);
+        same_standing(cJSON_GetObjectItem(row, "trace"), &same->trace);
+        same_standing(cJSON_GetObjectItem(row, "build"), &same->build);
+        same_standing(cJSON_GetObjectItem(row, "ready"), &same->ready);
+        same_standing(cJSON_GetObjectItem(row, "quality"), &same->quality);
+        for (int k = 0; k < BB_SUMMARY_COUNTS; k++)
+            same_standing(cJSON_GetArrayItem(cJSON_GetObjectItem(row, "image"), k),
+                          &same->image[k]);
+        for (int k = 0; k < BB_SUMMARY_CURVE; k++)
+            assert_near(
+                cJSON_GetNumberValue(cJSON_GetArrayItem(cJSON_GetObjectItem(row, "curve"), k)),
+                same->curve[k]);
+    }
+    cJSON_Delete(page);
+    cJSON_free(text);
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
+/* So have answers that other trees do not give, however right they seem; what failed is counted. */
+static void unlike_and_failed_cells_are_counted(void **state)
+{
+    (void)state;
+    document d = three_builders();
+    traced t = {.scene = "a",
+                .builder = "fast",
+                .rays = "random",
+                .kernel = "odd",
+                .intersector = "exact",
+                .build = 1,
+                .ms = 1,
+                .unlike = 2};
+    add_trace(&d, &t);
+    t = (traced){.scene = "a",
+                 .builder = "slow",
+                 .rays = "random",
+                 .kernel = "broken",
+                 .intersector = "exact",
+                 .ms = 1};
+    add_trace(&d, &t);
+    cJSON_SetValuestring(
+        cJSON_GetObjectItem(cJSON_GetArrayItem(d.traces, cJSON_GetArraySize(d.traces) - 1),
+                            "status"),
+        "failed");
+    bb_results *results = read_back(&d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_near(row_of(&s, "fast")->trace.value, 0.5);
+    assert_true(row_of(&s, "fast")->wrong == 2);
+    assert_int_equal(row_of(&s, "slow")->failed, 1);
+    assert_near(row_of(&s, "slow")->trace.value, sqrt(2));
+    expect_words(&s, "Right answers", "WRONG: fast lost 2 of ");
+    expect_words(&s, "Right answers", "1 builds or cells were refused or failed");
     bb_summary_free(&s);
     bb_results_destroy(results);
 }
@@ -364,6 +469,12 @@ static void runs_are_not_held_against_each_other(void **state)
 {
     (void)state;
     document first = three_builders(), second = three_builders();
+    cJSON *trace;
+    cJSON_ArrayForEach(trace, second.traces)
+    { /* on a machine half as fast */
+        cJSON_SetNumberValue(cJSON_GetObjectItem(trace, "mrays_s"),
+                             cJSON_GetObjectItem(trace, "mrays_s")->valuedouble / 2);
+    }
     bb_results *a = read_back(&first), *b = read_back(&second);
     bb_summary s;
     assert_int_equal(bb_results_merge(a, b), BB_OK);
@@ -372,6 +483,8 @@ static void runs_are_not_held_against_each_other(void **state)
     for (uint32_t i = 0; i < s.builder_count; i++) {
         const bb_summary_row *row = &s.rows[i];
         assert_true(!row->build.tied || row->run == row_of(&s, "fast")->run);
+        if (strcmp(row->builder, "slow") == 0) /* to its own run's reference */
+            assert_near(row->trace.value, sqrt(2));
     }
     assert_int_equal(s.rounds, ROUNDS - 1);
     assert_true(s.distinct == 2e6);
@@ -420,6 +533,8 @@ int main(void)
         cmocka_unit_test(means_are_geometric_and_over_all_sets),
         cmocka_unit_test(ties_are_what_rounds_cannot_tell),
         cmocka_unit_test(wrong_answers_win_nothing),
+        cmocka_unit_test(unlike_and_failed_cells_are_counted),
+        cmocka_unit_test(the_page_gets_the_same_figures),
         cmocka_unit_test(lonely_sets_are_left_aside),
         cmocka_unit_test(nothing_to_say_is_no_error),
         cmocka_unit_test(what_is_partial_has_no_rank),

@@ -1,14 +1,18 @@
 /* The pool of host threads: each index once, the results there when it returns, jobs back to back.
  * What a data race would spoil is written without atomics, for ThreadSanitizer to see (preset
  * tsan). Seed: BVHBENCH_TEST_SEED. */
+#include "framework/base/bystanders.h"
+#include "framework/base/clock.h"
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
 #include "tests/fixture.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static uint64_t seed = 20261121;
 
@@ -142,15 +146,44 @@ static void pools_do_not_meet(void **state)
     }
 }
 
+/* Keeps its thread busy until 400 ms after *context. */
+static void burn(void *context, size_t begin, size_t end, uint32_t thread)
+{
+    const double *start = context;
+    (void)begin;
+    (void)end;
+    (void)thread;
+    while (bb_wall_ms() - *start < 400)
+        continue;
+}
+
+/* What this program does itself is no other's work: on all processors, it and the others cannot
+ * have taken more than there are. */
+static void own_work_is_no_bystanders(void **state)
+{
+    (void)state;
+    bb_bystanders watch;
+    bb_pool *pool = pool_of(0);
+    double own = bb_cpu_ms(), start = bb_wall_ms();
+    bb_bystanders_start(&watch);
+    bb_parallel_for(pool, 64, 1, burn, &start);
+    double share = bb_bystanders_share(&watch);
+    own = (bb_cpu_ms() - own) / (bb_wall_ms() - start);
+    bb_pool_destroy(pool);
+    if (isnan(share))
+        skip(); /* no /proc/stat */
+    if (share + own > sysconf(_SC_NPROCESSORS_ONLN) + 0.3)
+        fail_msg("others took %g processors and this program %g", share, own);
+}
+
 int main(void)
 {
     seed = seed_or(seed);
     print_message("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_index_is_taken_once),
-        cmocka_unit_test(jobs_follow_each_other),
-        cmocka_unit_test(nothing_to_do_is_allowed),
-        cmocka_unit_test(pools_do_not_meet),
+        cmocka_unit_test(each_index_is_taken_once),  cmocka_unit_test(jobs_follow_each_other),
+        cmocka_unit_test(nothing_to_do_is_allowed),  cmocka_unit_test(pools_do_not_meet),
+        cmocka_unit_test(own_work_is_no_bystanders),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
