@@ -5,6 +5,7 @@
 
 #include "tests/fixture.h"
 
+#include <cjson/cJSON.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -103,6 +104,16 @@ static inline int remove_folder(void **state)
     char command[256];
     snprintf(command, sizeof command, "rm -rf %s", folder);
     return system(command);
+}
+
+/* The file parsed; for cJSON_Delete(). */
+static inline cJSON *read_results(const char *name)
+{
+    static char text[4 << 20];
+    read_file(name, text, sizeof text);
+    cJSON *json = cJSON_Parse(text);
+    assert_non_null(json);
+    return json;
 }
 
 #endif

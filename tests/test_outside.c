@@ -75,15 +75,6 @@ static void the_careless_one_is_caught(void **state)
            "missed");
 }
 
-static cJSON *read_results(const char *name)
-{
-    static char text[4 << 20];
-    read_file(name, text, sizeof text);
-    cJSON *json = cJSON_Parse(text);
-    assert_non_null(json);
-    return json;
-}
-
 static const cJSON *trace_of(const cJSON *results, const char *kernel, const char *view)
 {
     const cJSON *item;
