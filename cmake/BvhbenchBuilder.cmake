@@ -193,6 +193,12 @@ function(bvhbench_embed_report target)
     set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_chart_js.c)
     bvhbench_incbin(${output} bb_text_chart_js ${CHART_JS})
     target_sources(${target} PRIVATE ${output})
+    foreach(part html js)
+        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_atlas_${part}.c)
+        bvhbench_incbin(${output} bb_text_atlas_${part}
+                        ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/atlas.${part})
+        target_sources(${target} PRIVATE ${output})
+    endforeach()
     # The script in parts, in this order: what a part uses stands in it or before it.
     set(html report.html)
     set(css report.css)
@@ -203,6 +209,30 @@ function(bvhbench_embed_report target)
         bvhbench_incbin(${output} bb_text_report_${part} ${${part}})
         target_sources(${target} PRIVATE ${output})
     endforeach()
+endfunction()
+
+# bb_axis_sources[]: the axes of `bvhbench stress`, embedded.
+function(bvhbench_embed_axes target)
+    file(GLOB files CONFIGURE_DEPENDS framework/stress/axes/*.json)
+    set(declarations "")
+    set(table "")
+    foreach(file IN LISTS files)
+        get_filename_component(name ${file} NAME_WE)
+        string(MAKE_C_IDENTIFIER axis_${name} symbol)
+        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${symbol}.c)
+        bvhbench_incbin(${output} bb_text_${symbol} ${file})
+        target_sources(${target} PRIVATE ${output})
+        string(APPEND declarations "extern const char bb_text_${symbol}[];\n")
+        string(APPEND table "    {\"${name}\", bb_text_${symbol}},\n")
+    endforeach()
+    set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/axes.c)
+    bvhbench_write_if_changed(${output}
+"#include \"framework/stress/axis.h\"
+${declarations}const bb_axis_source bb_axis_sources[] = {
+${table}    {0, 0},
+};
+")
+    target_sources(${target} PRIVATE ${output})
 endfunction()
 
 # Revision, version and flags, as they are at build time.

@@ -66,6 +66,7 @@ _bvhbench_value()
     case $3 in
     --scene | --builder | --kernel | --intersector) _bvhbench_specs "$1" "${3#--}s" "$4" ;;
     --rays | --metrics) _bvhbench_specs "$1" "${3#--}" "$4" ;;
+    --axis) _bvhbench_names "$1" axes ;;
     --device) _bvhbench_names "$1" devices ;;
     esac
     case $3 in

@@ -6,6 +6,7 @@
 #include "framework/embree/embree.h"
 #include "framework/papers/reproduce.h"
 #include "framework/scene/scene.h"
+#include "framework/stress/axis.h"
 #include "framework/tree/metric.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
@@ -126,6 +127,20 @@ static bb_status list_papers(cJSON *list)
     return BB_OK;
 }
 
+static bb_status list_axes(cJSON *list)
+{
+    for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++) {
+        bb_axis axis;
+        char text[2 * BB_AXIS_TEXT + 64];
+        BB_TRY(bb_axis_load(s->name, &axis));
+        snprintf(text, sizeof text, "%s: %s, %g to %g", axis.title, axis.parameter, axis.from,
+                 axis.to);
+        add(list, axis.name, text, NULL, NULL);
+        bb_axis_free(&axis);
+    }
+    return BB_OK;
+}
+
 static bb_status list_devices(cJSON *list)
 {
     uint32_t count;
@@ -145,7 +160,8 @@ static const struct {
 } kinds[] = {
     {"builders", list_builders},         {"kernels", list_kernels}, {"layouts", list_layouts},
     {"intersectors", list_intersectors}, {"scenes", list_scenes},   {"rays", list_rays},
-    {"metrics", list_metrics},           {"papers", list_papers},   {"devices", list_devices},
+    {"metrics", list_metrics},           {"papers", list_papers},   {"axes", list_axes},
+    {"devices", list_devices},
 };
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
@@ -188,7 +204,7 @@ static bb_status unknown_kind(const char *kind)
         bb_suggest(&meant, kinds[i].name);
     return bb_fail(BB_INVALID,
                    "nothing is called '%s'%s: list takes builders, kernels, layouts, "
-                   "intersectors, scenes, rays, metrics, papers or devices",
+                   "intersectors, scenes, rays, metrics, papers, axes or devices",
                    kind, bb_suggested(&meant));
 }
 
@@ -225,9 +241,9 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 extern const bb_command bb_command_list;
 const bb_command bb_command_list = {
     .name = "list",
-    .summary =
-        "list builders, kernels, layouts, intersectors, scenes, rays, metrics, papers, devices",
-    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|devices]",
+    .summary = "list builders, kernels, layouts, intersectors, scenes, rays, metrics, papers, "
+               "axes, devices",
+    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|devices]",
     .options = options,
     .run = run,
 };

@@ -100,9 +100,8 @@ static void file_name(const char *text, char *out, size_t capacity)
     out[used] = '\0';
 }
 
-bb_status bb_picture_of_view(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
-                             uint32_t width, uint32_t height, const char *folder,
-                             bb_results *results)
+bb_status bb_picture_write(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
+                           uint32_t width, uint32_t height, const char *path)
 {
     bb_spec spec;
     BB_TRY(bb_spec_parse("primary", &spec));
@@ -110,11 +109,6 @@ bb_status bb_picture_of_view(const bb_scene *scene, bb_oracle *oracle, const bb_
     bb_rays *rays = NULL;
     bb_hit *hits = NULL;
     float *rgb = NULL;
-    char scene_name[128], view_name[64], file[256], path[1024];
-    file_name(scene->name, scene_name, sizeof scene_name);
-    file_name(view->name, view_name, sizeof view_name);
-    snprintf(file, sizeof file, "%s-%s.png", scene_name, view_name);
-
     bb_status status = bb_rays_make(scene, oracle, &request, &rays);
     if (status == BB_OK)
         status = bb_host_alloc(NULL, rays->count * sizeof *hits, "hits", &hits);
@@ -122,16 +116,26 @@ bb_status bb_picture_of_view(const bb_scene *scene, bb_oracle *oracle, const bb_
         status = bb_host_alloc(NULL, 3 * (size_t)rays->count * sizeof *rgb, "picture", &rgb);
     if (status == BB_OK)
         status = bb_oracle_trace(oracle, rays->rays, rays->count, &bb_query_closest, hits);
-    if (status == BB_OK && snprintf(path, sizeof path, "%s/%s", folder, file) >= (int)sizeof path)
-        status = bb_fail(BB_INVALID, "the path of the output folder is too long: %.60s...", folder);
     if (status == BB_OK) {
         bb_picture_normals(scene, rays, hits, rgb);
         status = bb_image_write(path, rgb, width, height);
     }
-    if (status == BB_OK)
-        status = bb_results_add_picture(results, scene->name, view->name, "surface normals", file);
     bb_host_free(rgb);
     bb_host_free(hits);
     bb_rays_free(rays);
     return status;
+}
+
+bb_status bb_picture_of_view(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
+                             uint32_t width, uint32_t height, const char *folder,
+                             bb_results *results)
+{
+    char scene_name[128], view_name[64], file[256], path[1024];
+    file_name(scene->name, scene_name, sizeof scene_name);
+    file_name(view->name, view_name, sizeof view_name);
+    snprintf(file, sizeof file, "%s-%s.png", scene_name, view_name);
+    if (snprintf(path, sizeof path, "%s/%s", folder, file) >= (int)sizeof path)
+        return bb_fail(BB_INVALID, "the path of the output folder is too long: %.60s...", folder);
+    BB_TRY(bb_picture_write(scene, oracle, view, width, height, path));
+    return bb_results_add_picture(results, scene->name, view->name, "surface normals", file);
 }

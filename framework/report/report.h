@@ -4,6 +4,7 @@
 
 #include "framework/record/record.h"
 
+#include <cjson/cJSON.h>
 #include <stdio.h>
 
 /* One screen of at most 100 columns: builders by merit, what is best, what cannot be told apart. */
@@ -31,5 +32,9 @@ bb_status bb_report_charts_folder(const char *page, char *folder, size_t capacit
  * which is made if need be; *pictures is how many charts there are. BB_FAILED with gnuplot's own
  * words if it is missing or fails. */
 bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pictures);
+
+/* The page of an atlas (bvhbench-stress/1, framework/stress/) as one HTML file, with the pictures
+ * that lie in `folder`. */
+bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *path);
 
 #endif

@@ -1,0 +1,71 @@
+/* The page of the atlas: a template into which style, chart library, script, figures and pictures
+ * are put. */
+#include "framework/report/page_text.h"
+#include "framework/report/report.h"
+
+#include "framework/base/file.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Embedded at build time. */
+extern const char bb_text_atlas_html[], bb_text_report_css[], bb_text_atlas_js[],
+    bb_text_chart_js[];
+
+enum { PICTURE_BYTES_MAX = 4 << 20 };
+
+/* A picture of the axis as a data URI, the member "src"; none where there is no picture. False if
+ * there is no memory. */
+static bool add_picture(cJSON *axis, const char *folder)
+{
+    const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(axis, "picture"));
+    char path[1400], *data = NULL;
+    size_t size;
+    if (name == NULL || name[0] == '\0' || strchr(name, '/') != NULL)
+        return true;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (bb_file_read(path, PICTURE_BYTES_MAX, "picture", &data, &size) != BB_OK)
+        return true;
+    bb_text source = {0};
+    bb_text_string(&source, "data:image/png;base64,");
+    bb_text_base64(&source, (const unsigned char *)data, size);
+    bb_text_append(&source, "", 1);
+    bool ok = !source.failed && cJSON_AddStringToObject(axis, "src", source.data) != NULL;
+    free(source.data);
+    free(data);
+    return ok;
+}
+
+static char *with_pictures(const cJSON *atlas, const char *folder)
+{
+    cJSON *copy = cJSON_Duplicate(atlas, 1), *axis;
+    bool ok = copy != NULL;
+    cJSON_ArrayForEach(axis, cJSON_GetObjectItem(copy, "axes")) ok =
+        ok && add_picture(axis, folder);
+    char *text = ok ? cJSON_PrintUnformatted(copy) : NULL;
+    cJSON_Delete(copy);
+    return text;
+}
+
+bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *path)
+{
+    bb_text page = {0};
+    char *figures = with_pictures(atlas, folder);
+    if (figures == NULL)
+        return bb_fail(BB_FAILED, "report %s: no memory", path);
+    const bb_page_part parts[] = {
+        {"@BB_CSS@", bb_text_report_css, false},
+        {"@BB_DATA@", figures, true},
+        {"@BB_CHART_JS@", bb_text_chart_js, false},
+        {"@BB_SCRIPT@", bb_text_atlas_js, false},
+    };
+    bb_status status =
+        bb_page_fill(&page, bb_text_atlas_html, parts, sizeof parts / sizeof parts[0]);
+    if (status == BB_OK)
+        status = bb_file_write(path, page.data, page.size, "report");
+    free(page.data);
+    cJSON_free(figures);
+    return status;
+}

@@ -1,0 +1,66 @@
+#include "framework/stress/figures.h"
+
+#include <math.h>
+
+const char *bb_outcome_word(bb_outcome outcome)
+{
+    static const char *const words[BB_OUTCOMES] = {
+        "not measured", "ok", "unsupported", "refused", "failed", "crashed", "hung", "memory"};
+    return words[outcome];
+}
+
+const bb_manner_about bb_manners[BB_MANNERS] = {
+    [BB_MANNER_CRASHED] = {"crashed", "crashes", false, false},
+    [BB_MANNER_HUNG] = {"hung", "hangs", false, false},
+    [BB_MANNER_MEMORY] = {"memory", "beyond the limit of memory", false, false},
+    [BB_MANNER_FAILED] = {"failed", "fails", false, false},
+    [BB_MANNER_WRONG] = {"wrong", "wrong answers", false, false},
+    [BB_MANNER_OVERFLOWED] = {"overflowed", "stack overflow caught", false, false},
+    [BB_MANNER_REFUSED] = {"refused", "refused", false, false},
+    [BB_MANNER_BIGGER] = {"bigger", "twice the memory", true, false},
+    [BB_MANNER_MORE_TESTS] = {"more-tests", "twice the tests per ray", true, false},
+    [BB_MANNER_SLOW_TRACE] = {"slow-trace", "half the trace speed", true, true},
+    [BB_MANNER_SLOW_BUILD] = {"slow-build", "half the build speed", true, true},
+};
+
+double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figures *here)
+{
+    if (normal->outcome != BB_MEASURED || here->outcome != BB_MEASURED)
+        return NAN;
+    switch (manner) {
+    case BB_MANNER_BIGGER:
+        return here->bytes / here->prims / (normal->bytes / normal->prims);
+    case BB_MANNER_MORE_TESTS:
+        return here->tests / normal->tests;
+    case BB_MANNER_SLOW_TRACE:
+        return here->trace_ms / here->rays / (normal->trace_ms / normal->rays);
+    case BB_MANNER_SLOW_BUILD:
+        return here->build_ms / here->prims / (normal->build_ms / normal->prims);
+    default:
+        return NAN;
+    }
+}
+
+bool bb_manner_shows(bb_manner manner, const bb_figures *normal, const bb_figures *here)
+{
+    if (bb_manners[manner].relative)
+        return bb_manner_ratio(manner, normal, here) > BB_STRESS_FACTOR;
+    switch (manner) {
+    case BB_MANNER_CRASHED:
+        return here->outcome == BB_OUT_CRASHED;
+    case BB_MANNER_HUNG:
+        return here->outcome == BB_OUT_HUNG;
+    case BB_MANNER_MEMORY:
+        return here->outcome == BB_OUT_MEMORY;
+    case BB_MANNER_FAILED:
+        return here->outcome == BB_OUT_FAILED;
+    case BB_MANNER_REFUSED:
+        return here->outcome == BB_OUT_REFUSED;
+    case BB_MANNER_WRONG:
+        return here->outcome == BB_MEASURED && (here->wrong > 0 || here->unlike > 0);
+    case BB_MANNER_OVERFLOWED:
+        return here->outcome == BB_MEASURED && here->overflowed > 0;
+    default:
+        return false;
+    }
+}

@@ -1,0 +1,167 @@
+#include "framework/stress/point_private.h"
+
+#include "framework/base/interrupt.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+/* ---- where it is kept ---- */
+
+static void add_text(XXH3_state_t *state, const char *text)
+{
+    XXH3_64bits_update(state, text, strlen(text) + 1);
+}
+
+/* All that the figures depend on. */
+static bb_status hash_of(const bb_point_work *work, uint64_t *hash)
+{
+    const bb_points *p = work->points;
+    const double numbers[] = {(double)p->n,    p->max_rays,       p->repeats,
+                              (double)p->seed, p->limits.seconds, (double)p->limits.megabytes,
+                              work->again};
+    XXH3_state_t *state = XXH3_createState();
+    if (state == NULL)
+        return bb_fail(BB_FAILED, "axis %s: no memory", p->axis->name);
+    XXH3_64bits_reset(state);
+    XXH3_64bits_update(state, &p->identity, sizeof p->identity);
+    XXH3_64bits_update(state, numbers, sizeof numbers);
+    add_text(state, p->axis->text);
+    for (uint32_t i = 0; i < work->count; i++) {
+        const bb_wish *wish = &work->wishes[i];
+        XXH3_64bits_update(state, &wish->x, sizeof wish->x);
+        for (uint32_t m = 0; m < p->method_count; m++) {
+            const uint32_t part = p->methods[m].part;
+            if (!wish->wanted[m])
+                continue;
+            XXH3_64bits_update(state, &part, sizeof part);
+            add_text(state, p->methods[m].text);
+        }
+    }
+    *hash = XXH3_64bits_digest(state);
+    XXH3_freeState(state);
+    return BB_OK;
+}
+
+/* ---- one process ---- */
+
+static void set_all(const bb_point_work *work, bb_outcome outcome, const char *words)
+{
+    for (uint32_t i = 0; i < work->count; i++)
+        for (uint32_t m = 0; m < work->points->method_count; m++) {
+            bb_figures *f = &work->wishes[i].figures[m];
+            if (!work->wishes[i].wanted[m])
+                continue;
+            f->outcome = outcome;
+            snprintf(f->reason, sizeof f->reason, "%s", words);
+        }
+}
+
+/* The last line that the child wrote, behind `words`. */
+static void add_last_line(const char *log, char *words, size_t capacity)
+{
+    char line[256], last[256] = "";
+    FILE *file = fopen(log, "r");
+    while (file != NULL && fgets(line, sizeof line, file) != NULL)
+        if (line[0] != '\n')
+            snprintf(last, sizeof last, "%s", line);
+    if (file != NULL)
+        fclose(file);
+    last[strcspn(last, "\n")] = '\0';
+    size_t used = strlen(words);
+    if (last[0] != '\0' && used < capacity)
+        snprintf(words + used, capacity - used, ": %s", last);
+}
+
+static bb_outcome outcome_of(bb_child_end end)
+{
+    return end == BB_CHILD_HUNG      ? BB_OUT_HUNG
+           : end == BB_CHILD_FLOODED ? BB_OUT_MEMORY
+           : end == BB_CHILD_CRASHED ? BB_OUT_CRASHED
+                                     : BB_OUT_FAILED;
+}
+
+/* Sets *died if the process did not live to write its file; work->path is set then. */
+static bb_status run_once(bb_point_work *work, char path[1200], bool *died)
+{
+    bb_points *p = work->points;
+    char log[1200], words[256];
+    bb_child_end end;
+    uint64_t hash = 0;
+    *died = false;
+    BB_TRY(hash_of(work, &hash));
+    snprintf(path, 1200, "%s/%s-%016llx.json", p->folder, p->axis->name, (unsigned long long)hash);
+    snprintf(log, sizeof log, "%s/log.txt", p->folder);
+    work->path = path;
+    if (access(path, F_OK) == 0 && bb_point_read(work) == BB_OK) {
+        p->taken_over += work->count;
+        return BB_OK;
+    }
+    BB_TRY(bb_child_run(bb_point_child, work, &p->limits, log, &end, words, sizeof words));
+    if (end == BB_CHILD_INTERRUPTED)
+        return BB_OK;
+    if (end == BB_CHILD_DONE) {
+        p->measured += work->count;
+        return bb_point_read(work);
+    }
+    *died = true;
+    add_last_line(log, words, sizeof words);
+    set_all(work, outcome_of(end), words);
+    return BB_OK;
+}
+
+/* What dies by itself has its verdict, which is kept like any other. */
+static bb_status run_wishes(bb_points *points, bb_wish *wishes, uint32_t count, bool again)
+{
+    char path[1200];
+    bb_point_work work = {.points = points, .wishes = wishes, .count = count, .again = again};
+    uint32_t methods = 0;
+    bool died;
+    BB_TRY(run_once(&work, path, &died));
+    for (uint32_t m = 0; m < points->method_count; m++)
+        methods += wishes[0].wanted[m];
+    if (!died || bb_interrupted())
+        return BB_OK;
+    for (uint32_t i = 0; count > 1 && i < count && !bb_interrupted(); i++)
+        BB_TRY(run_wishes(points, &wishes[i], 1, again));
+    if (count > 1)
+        return BB_OK;
+    for (uint32_t m = 0; methods > 1 && m < points->method_count && !bb_interrupted(); m++) {
+        bb_wish one = {.x = wishes[0].x, .figures = wishes[0].figures};
+        if (!wishes[0].wanted[m])
+            continue;
+        one.wanted[m] = true;
+        BB_TRY(run_wishes(points, &one, 1, again));
+    }
+    if (methods > 1)
+        return BB_OK;
+    points->measured++;
+    return bb_point_write(&work, NULL);
+}
+
+bb_status bb_point_measure(void *user, bb_wish *wishes, uint32_t count, bool again)
+{
+    return run_wishes(user, wishes, count, again);
+}
+
+/* ---- in the child ---- */
+
+int bb_point_child(void *user)
+{
+    const bb_point_work *work = user;
+    const bb_points *p = work->points;
+    bb_device *device = NULL;
+    bb_status status = p->open_device(p->user, &device);
+    for (uint32_t i = 0; i < work->count && status == BB_OK; i++) {
+        bb_child_alive();
+        bb_point_bench(p, device, &work->wishes[i]);
+    }
+    if (status == BB_OK)
+        status = bb_point_write(work, device);
+    if (status != BB_OK)
+        fprintf(stderr, "bvhbench: %s\n", bb_message());
+    /* the device is left to the end of the process: closing it is not what is measured */
+    return status == BB_OK ? 0 : 1;
+}

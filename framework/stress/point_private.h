@@ -1,0 +1,27 @@
+/* A point on its way: point.c, and what its child does, point_bench.c. */
+#ifndef BB_POINT_PRIVATE_H
+#define BB_POINT_PRIVATE_H
+
+#include "framework/stress/point.h"
+
+/* What the child is to do. */
+typedef struct bb_point_work {
+    bb_points *points;
+    bb_wish *wishes;
+    uint32_t count;
+    bool again;       /* a second measurement of what there may be a file of already */
+    const char *path; /* of the file that it writes */
+} bb_point_work;
+
+/* In the child: opens the device, measures, writes the file. 0, or 1 if there is no file. */
+int bb_point_child(void *work);
+
+/* Measures a wish on an open device. Never fails as a whole: what goes wrong is an outcome. */
+void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish);
+
+/* The file: one object with the figures of each wish and method; `device` may be NULL. */
+bb_status bb_point_write(const bb_point_work *work, const bb_device *device);
+/* Fills the wishes. BB_INVALID if it is no file that bb_point_write() has written for these. */
+bb_status bb_point_read(const bb_point_work *work);
+
+#endif

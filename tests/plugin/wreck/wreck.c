@@ -1,0 +1,111 @@
+/* wreck: one leaf over everything, which is right, until a scene has more primitives than it is told;
+ * then it goes wrong in the manner it is told. For the tests of `stress`. */
+#include "framework/builder/builder.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const bb_option options[] = {
+    {"above", "100", NULL, "primitives from which on all goes wrong"},
+    {"how", "right", "right|crash|exit|hang|flood|wrong|refuse|fail|slow|big", "what goes wrong"},
+    {.name = NULL},
+};
+
+typedef struct wreck {
+    const bb_builder_context *context;
+    uint64_t above;
+    void *more; /* big: what it takes */
+} wreck;
+
+static bb_status create(const bb_builder_context *context, void **out)
+{
+    wreck *self = NULL;
+    BB_TRY(bb_host_alloc(context->account, sizeof *self, "wreck: object", &self));
+    *self = (wreck){.context = context};
+    *out = self;
+    return bb_spec_u64(context->spec, options, "above", 1, UINT32_MAX, &self->above);
+}
+
+static void destroy(void *opaque)
+{
+    wreck *self = opaque;
+    if (self != NULL)
+        bb_host_free(self->more);
+    bb_host_free(self);
+}
+
+static void flood(void)
+{
+    for (;;) {
+        volatile char *block = malloc(1 << 24);
+        for (size_t i = 0; block != NULL && i < 1 << 24; i += 4096)
+            block[i] = 1;
+    }
+}
+
+static bb_status go_wrong(wreck *self, const char *how, bb_tree *tree)
+{
+    if (strcmp(how, "crash") == 0)
+        abort();
+    if (strcmp(how, "exit") == 0)
+        _exit(3);
+    if (strcmp(how, "flood") == 0)
+        flood();
+    while (strcmp(how, "hang") == 0)
+        usleep(1000);
+    if (strcmp(how, "refuse") == 0)
+        return bb_fail(BB_REFUSED, "wreck: more than %llu are too many for it",
+                       (unsigned long long)self->above);
+    if (strcmp(how, "fail") == 0)
+        return bb_fail(BB_FAILED, "wreck: it fails, as told");
+    if (strcmp(how, "slow") == 0)
+        usleep(20000);
+    if (strcmp(how, "big") == 0 && self->more == NULL)
+        return bb_host_alloc(self->context->account, 1 << 20, "wreck: more", &self->more);
+    if (strcmp(how, "wrong") == 0) /* half of the scene is not in the box */
+        tree->nodes[0].hi[0] = 0.5f * tree->nodes[0].lo[0] + 0.5f * tree->nodes[0].hi[0];
+    return BB_OK;
+}
+
+static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                       bb_phases *phases)
+{
+    (void)input;
+    wreck *self = opaque;
+    const uint32_t count = scene->prim_count;
+    BB_TRY(bb_phase(phases, "leaf"));
+    BB_TRY(bb_tree_reserve(tree, self->context->device, BB_ON_HOST, 1, count));
+    tree->info = (bb_tree_info){.node_count = 1, .leaf_count = 1, .ref_count = count};
+    bb_node *root = &tree->nodes[0];
+    *root = (bb_node){.first = BB_LEAF_BIT, .skip = BB_NONE};
+    for (int k = 0; k < 3; k++) {
+        root->lo[k] = INFINITY;
+        root->hi[k] = -INFINITY;
+        for (uint32_t i = 0; i < count; i++) {
+            root->lo[k] = fminf(root->lo[k], scene->boxes[i].lo[k]);
+            root->hi[k] = fmaxf(root->hi[k], scene->boxes[i].hi[k]);
+        }
+    }
+    for (uint32_t i = 0; i < count; i++)
+        tree->refs[i] = i | (i + 1 == count ? BB_LAST_BIT : 0);
+    if (count > self->above)
+        BB_TRY(go_wrong(self, bb_spec_value(self->context->spec, options, "how"), tree));
+    return bb_phase(phases, NULL);
+}
+
+const bb_builder bb_builder_wreck = {
+    .abi_version = BB_ABI_VERSION,
+    .name = "wreck",
+    .summary = "goes wrong in large scenes, as told; for tests",
+    .paper = "none",
+    .kinds = BB_TRIANGLES,
+    .inputs = BB_INPUT_BOXES,
+    .place = BB_ON_HOST,
+    .deterministic = true,
+    .options = options,
+    .create = create,
+    .build = build,
+    .destroy = destroy,
+};

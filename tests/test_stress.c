@@ -1,0 +1,219 @@
+/* `bvhbench stress` from outside: a builder that goes wrong beyond 100 primitives, in every manner;
+ * what is found of it, what becomes of the run, and that it goes on where it was cut off. */
+#include "tests/program_fixture.h"
+
+#include <math.h>
+#include <signal.h>
+
+#define WRECK "--plugin " BB_TEST_PLUGIN_DIR "/wreck.so --builder "
+#define STRESS "stress --axis crowd.json --limit 20 --memory 1500 --no-pictures --quiet --out o "
+
+static const char *const crowd =
+    "{\"name\": \"crowd\", \"title\": \"A crowd\", \"parameter\": \"primitives\", \"why\": \"w\","
+    " \"scene\": \"soup:n={x}\", \"rays\": [\"random\"], \"from\": 10, \"to\": 1000,"
+    " \"steps\": \"whole\", \"intervals\": 2, \"builder\": \"lbvh\", \"kernel\": \"stack\"}";
+
+static void start(void)
+{
+    char command[256];
+    write_file("crowd.json", crowd, strlen(crowd));
+    snprintf(command, sizeof command, "rm -rf %s/o", folder);
+    assert_int_equal(system(command), 0);
+}
+
+/* The one threshold of this manner. */
+static const cJSON *threshold_of(const cJSON *atlas, const char *manner)
+{
+    const cJSON *axis = cJSON_GetObjectItem(atlas, "axes")->child, *t, *found = NULL;
+    cJSON_ArrayForEach(t, cJSON_GetObjectItem(axis, "thresholds"))
+    {
+        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(t, "manner")), manner) == 0)
+            found = t;
+    }
+    if (found == NULL)
+        fail_msg("there is no threshold '%s': %s", manner, cJSON_Print(atlas));
+    return found;
+}
+
+static double number(const cJSON *object, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItem(object, name);
+    return cJSON_IsNumber(item) ? item->valuedouble : (double)NAN;
+}
+
+static void finds_every_manner(void **state)
+{
+    (void)state;
+    const struct {
+        const char *how, *manner, *words; /* on standard error, if it is a bug */
+    } cases[] = {
+        {"crash", "crashed", "crashes on crowd at 1000: signal 6"},
+        {"exit", "crashed", "crashes on crowd at 1000: ended by exit(3)"},
+        {"flood", "memory", "beyond the limit of memory on crowd at 1000: killed beyond 1500 MiB"},
+        {"wrong", "failed", "fails on crowd at 1000: leaf 0 does not contain its primitive"},
+        {"fail", "failed", "fails on crowd at 1000: wreck: it fails, as told"},
+        {"refuse", "refused", NULL},
+        {"slow", "slow-build", NULL},
+        {"big", "bigger", NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char arguments[512];
+        start();
+        snprintf(arguments, sizeof arguments, STRESS "--quick " WRECK "wreck:how=%s,above=500",
+                 cases[i].how);
+        const outcome *o = run(arguments);
+        if (o->exit_status != (cases[i].words != NULL) ||
+            (cases[i].words != NULL && strstr(o->err, cases[i].words) == NULL))
+            fail_msg("%s: exit %d\n%s%s", cases[i].how, o->exit_status, o->out, o->err);
+        cJSON *atlas = read_results("o/stress.json");
+        const cJSON *t = threshold_of(atlas, cases[i].manner);
+        assert_true(number(t, "at") == 1000 && number(t, "below") == 100);
+        assert_int_equal((int)number(atlas, "bugs"), cases[i].words != NULL);
+        cJSON_Delete(atlas);
+    }
+}
+
+/* Alone, since it takes its time: what hangs is killed, and the others that were in its process
+ * have their figures all the same. */
+static void kills_what_hangs(void **state)
+{
+    (void)state;
+    start();
+    const outcome *o = run("stress --axis crowd.json --limit 10 --no-pictures --quiet --out o "
+                           "--quick " WRECK "wreck:how=hang,above=500,null");
+    assert_int_equal(o->exit_status, 1);
+    assert_non_null(
+        strstr(o->err, "wreck:how=hang,above=500 hangs on crowd at 1000: killed after"));
+    assert_null(strstr(o->err, "null"));
+    cJSON *atlas = read_results("o/stress.json"), *value;
+    cJSON_ArrayForEach(value,
+                       cJSON_GetObjectItem(cJSON_GetObjectItem(atlas, "axes")->child, "values"))
+    {
+        const cJSON *null = cJSON_GetArrayItem(cJSON_GetObjectItem(value, "methods"), 1);
+        assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(null, "outcome")), "ok");
+    }
+    cJSON_Delete(atlas);
+}
+
+static void bisects_and_repeats(void **state)
+{
+    (void)state;
+    double at[2], below[2];
+    for (int i = 0; i < 2; i++) {
+        start();
+        const outcome *o = run(STRESS WRECK "wreck:how=refuse");
+        assert_int_equal(o->exit_status, 0);
+        assert_non_null(strstr(o->out, "wreck: more than 100 are too many for it"));
+        cJSON *atlas = read_results("o/stress.json");
+        const cJSON *t = threshold_of(atlas, "refused");
+        at[i] = number(t, "at");
+        below[i] = number(t, "below");
+        cJSON_Delete(atlas);
+    }
+    assert_true(below[0] == 100 && at[0] > 100 && at[0] < 110);
+    assert_true(at[0] == at[1] && below[0] == below[1]);
+}
+
+/* The figures without the times of the run itself. */
+static char *without_clock(const char *name)
+{
+    cJSON *atlas = read_results(name);
+    cJSON_DeleteItemFromObject(atlas, "ms");
+    cJSON_DeleteItemFromObject(atlas, "context");
+    char *text = cJSON_Print(atlas);
+    cJSON_Delete(atlas);
+    assert_non_null(text);
+    return text;
+}
+
+/* Killed at some moment, it goes on; finished, it measures nothing again: even the times are the
+ * same. */
+static void goes_on(void **state)
+{
+    (void)state;
+    start();
+    run_with("timeout --signal=KILL 2", STRESS "--builder lbvh,sah");
+    const outcome *o = run(STRESS "--builder lbvh,sah");
+    assert_int_equal(o->exit_status, 0);
+    char *before = without_clock("o/stress.json");
+    o = run(STRESS "--builder lbvh,sah");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->out, "of an earlier run"));
+    char *after = without_clock("o/stress.json");
+    assert_string_equal(before, after);
+    /* another seed is another run */
+    o = run(STRESS "--builder lbvh,sah --seed 2");
+    assert_null(strstr(o->out, "of an earlier run"));
+    /* a file that is cut off is measured again */
+    char command[256];
+    snprintf(command, sizeof command,
+             "cd %s/o/points && for f in crowd-*.json; do head -c 40 $f >x && mv x $f; done",
+             folder);
+    assert_int_equal(system(command), 0);
+    o = run(STRESS "--builder lbvh,sah --seed 2");
+    assert_int_equal(o->exit_status, 0);
+    assert_null(strstr(o->out, "of an earlier run"));
+    cJSON_free(before);
+    cJSON_free(after);
+}
+
+static void compares_parts(void **state)
+{
+    (void)state;
+    start();
+    const outcome *o = run(STRESS "--quick --kernel all --intersector exact,fast");
+    assert_int_equal(o->exit_status, 0);
+    cJSON *atlas = read_results("o/stress.json"), *method;
+    uint32_t kernels = 0, others = 0;
+    cJSON_ArrayForEach(method, cJSON_GetObjectItem(atlas, "methods"))
+    {
+        const char *part = cJSON_GetStringValue(cJSON_GetObjectItem(method, "part"));
+        kernels += strcmp(part, "kernel") == 0;
+        others += strcmp(part, "kernel") != 0;
+    }
+    assert_true(kernels > 5);
+    assert_int_equal(others, 2);
+    const cJSON *value = cJSON_GetObjectItem(cJSON_GetObjectItem(atlas, "axes")->child, "values");
+    cJSON_ArrayForEach(method, cJSON_GetObjectItem(value->child, "methods"))
+    {
+        assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(method, "outcome")), "ok");
+        assert_true(number(method, "checked") == 1024 && number(method, "trace_ms") > 0 &&
+                    number(method, "tests_per_ray") > 0);
+        assert_true(isnan(number(method, "bytes"))); /* the tree is not theirs */
+    }
+    cJSON_Delete(atlas);
+}
+
+static void refuses_what_makes_no_sense(void **state)
+{
+    (void)state;
+    start();
+    const char *const broken = "{\"name\": \"crowd\"";
+    write_file("broken.json", broken, strlen(broken));
+    refuses("", "stress --axis nowhere --out p", "'nowhere' is no axis and no file");
+    refuses("", "stress --axis broken.json --out p", "axis broken.json: the file is no JSON");
+    refuses("", "stress --axis /dev/zero --out p", "axis");
+    refuses("", "stress --axis crowd.json,crowd.json --out p", "two axes are called crowd");
+    refuses("", "stress --builder lbvx --out p", "lbvx");
+    refuses("", "stress --kernel stock --out p", "stock");
+    refuses("", "stress --intersector exatc --out p", "exatc");
+    refuses("", "stress --limit 0 --out p", "--limit");
+    refuses("", "stress --memory much --out p", "--memory");
+    refuses("", "stress --quick --axis crowd.json --device none-such --out p", "none-such");
+    refuses("", "stress --axis crowd.json --out /proc/p", "/proc/p");
+    char text[1024];
+    snprintf(text, sizeof text, "%s", crowd);
+    memcpy(strstr(text, "soup"), "soap", 4);
+    write_file("soap.json", text, strlen(text));
+    refuses("", "stress --axis soap.json --out p", "axis crowd: 'soap:n=10' is no file");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(finds_every_manner),  cmocka_unit_test(kills_what_hangs),
+        cmocka_unit_test(bisects_and_repeats), cmocka_unit_test(goes_on),
+        cmocka_unit_test(compares_parts),      cmocka_unit_test(refuses_what_makes_no_sense),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,269 @@
+/* Axes: what their files may hold, the values along them; and the search for thresholds, on methods
+ * whose thresholds are made up. */
+#include "framework/stress/search.h"
+#include "tests/fixture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- files ---- */
+
+static const char *const whole =
+    "{\"name\": \"a-1\", \"title\": \"t\", \"parameter\": \"p\", \"why\": \"w\","
+    " \"scene\": \"soup:n={n},edge={x}\", \"rays\": [\"random\", \"edges:jitter={x}\"],"
+    " \"from\": 1, \"to\": 1e6, \"builder\": \"lbvh\", \"kernel\": \"stack\"}";
+
+static void reads_an_axis(void **state)
+{
+    (void)state;
+    bb_axis axis;
+    ASSERT_OK(bb_axis_parse(whole, "x", &axis));
+    assert_string_equal(axis.name, "a-1");
+    assert_int_equal(axis.ray_count, 2);
+    assert_int_equal(axis.steps, BB_STEPS_LOG);
+    assert_int_equal(axis.intervals, 4);
+    assert_string_equal(axis.known, "");
+    assert_string_equal(axis.text, whole);
+    bb_axis_free(&axis);
+}
+
+/* `whole` with `before` replaced. */
+static const char *with(const char *before, const char *after)
+{
+    static char text[2048];
+    const char *at = strstr(whole, before);
+    assert_non_null(at);
+    snprintf(text, sizeof text, "%.*s%s%s", (int)(at - whole), whole, after, at + strlen(before));
+    return text;
+}
+
+static void refuses_what_is_no_axis(void **state)
+{
+    (void)state;
+    const struct {
+        const char *text, *words;
+    } cases[] = {
+        {"", "no JSON object"},
+        {"[1]", "no JSON object"},
+        {"{} x", "no JSON object"},
+        {"{}", "\"name\" must be a text"},
+        {with("\"a-1\"", "\"A 1\""), "lower-case"},
+        {NULL, NULL},
+    };
+    for (size_t i = 0; cases[i].text != NULL; i++) {
+        bb_axis axis;
+        assert_int_equal(bb_axis_parse(cases[i].text, "x", &axis), BB_INVALID);
+        if (strstr(bb_message(), cases[i].words) == NULL)
+            fail_msg("%s: '%s', not '%s'", cases[i].text, bb_message(), cases[i].words);
+        bb_axis_free(&axis);
+    }
+    const struct {
+        const char *before, *after, *words;
+    } edits[] = {
+        {"\"t\"", "\"\"", "\"title\""},
+        {"\"t\"", "3", "\"title\""},
+        {"\"w\"", "null", "\"why\""},
+        {"[\"random\", \"edges:jitter={x}\"]", "[]", "\"rays\""},
+        {"[\"random\", \"edges:jitter={x}\"]", "\"random\"", "\"rays\""},
+        {"\"random\",", "7,", "\"rays\""},
+        {"1e6", "\"1e6\"", "\"to\""},
+        {"1e6", "1", "must differ"},
+        {"1e6", "-1", "above 0"},
+        {"1e6", "0", "above 0"},
+        {"1e6", "1e6, \"steps\": \"cubic\"", "log, linear or whole"},
+        {"1e6", "1e6, \"also\": [1, 2, 3, 4, 5]", "up to 4"},
+        {"1e6", "1e6, \"also\": [\"0\"]", "numbers"},
+        {"1e6", "1e6, \"intervals\": 0", "\"intervals\""},
+        {"1e6", "1e6, \"intervals\": 1000", "\"intervals\""},
+        {"1e6", "1e6, \"n\": 0", "\"n\""},
+        {"1e6", "1e6, \"colour\": 1", "no axis has"},
+        {"1e6", "1e6, \"from\": 2", "no axis has"},
+        {"soup:n={n},edge={x}", "cube", NULL}, /* the rays still have {x} */
+    };
+    for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
+        bb_axis axis;
+        bb_status status = bb_axis_parse(with(edits[i].before, edits[i].after), "x", &axis);
+        if (edits[i].words == NULL
+                ? status != BB_OK
+                : status != BB_INVALID || strstr(bb_message(), edits[i].words) == NULL)
+            fail_msg("%s: '%s', not '%s'", edits[i].after, bb_message(),
+                     edits[i].words != NULL ? edits[i].words : "");
+        bb_axis_free(&axis);
+    }
+    bb_axis axis;
+    char *none = strdup(whole);
+    for (char *at; (at = strstr(none, "{x}")) != NULL;)
+        memcpy(at, "111", 3);
+    assert_int_equal(bb_axis_parse(none, "x", &axis), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "has {x}"));
+    bb_axis_free(&axis);
+    free(none);
+}
+
+static void built_in_axes_are_in_order(void **state)
+{
+    (void)state;
+    uint32_t count = 0;
+    for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++, count++) {
+        bb_axis axis;
+        double values[BB_AXIS_POINTS_MAX + 4];
+        ASSERT_OK(bb_axis_load(s->name, &axis));
+        assert_string_equal(axis.name, s->name); /* the file's name */
+        assert_true(bb_axis_values(&axis, axis.intervals, values) >= 3);
+        assert_true(values[0] == axis.from);
+        bb_axis_free(&axis);
+    }
+    assert_true(count >= 20);
+}
+
+static void fills_and_halves(void **state)
+{
+    (void)state;
+    char out[64];
+    double values[BB_AXIS_POINTS_MAX + 4], x;
+    ASSERT_OK(bb_axis_fill("a:n={n},x={x},{y}", 1e-7, 12, out, sizeof out));
+    assert_string_equal(out, "a:n=12,x=1e-07,{y}");
+    assert_int_equal(bb_axis_fill("{x}{x}{x}", 1.2345678e-7, 1, out, 20), BB_INVALID);
+
+    bb_axis log = {.from = 1, .to = 1e6, .steps = BB_STEPS_LOG, .also = {0}, .also_count = 1};
+    assert_int_equal(bb_axis_values(&log, 3, values), 5);
+    assert_true(values[1] == 100 && values[2] == 10000 && values[3] == 1e6 && values[4] == 0);
+    assert_true(bb_axis_middle(&log, 100, 10000, &x) && x == 1000);
+    assert_false(bb_axis_middle(&log, 1e6, 0, &x));
+    assert_false(bb_axis_middle(&log, 1.00, 1.01, &x)); /* three digits */
+
+    bb_axis down = {.from = 1, .to = 1e-6, .steps = BB_STEPS_LOG};
+    assert_int_equal(bb_axis_values(&down, 2, values), 3);
+    assert_true(values[1] == 1e-3);
+    assert_true(bb_axis_middle(&down, 1e-3, 1e-5, &x) && x == 1e-4);
+
+    bb_axis number = {.from = 1, .to = 4, .steps = BB_STEPS_WHOLE};
+    assert_int_equal(bb_axis_values(&number, 8, values), 4); /* no value twice */
+    assert_false(bb_axis_middle(&number, 3, 4, &x));
+}
+
+/* ---- the search ---- */
+
+enum { METHODS = 6 };
+
+/* Method 0 is wrong from 3e3 on; 1 takes three times the time from 50 on; 2 crashes from 7e5 on; 3
+ * is wrong everywhere, 4 has a slow spell in its first measurement of 1e4 only, 5 is wrong from 20 to
+ * 5e3 only. */
+typedef struct made_up {
+    uint32_t calls, spells;
+} made_up;
+
+static bb_figures answer(made_up *m, uint32_t method, double x)
+{
+    bb_figures f = {.outcome = BB_MEASURED,
+                    .prims = 10,
+                    .build_ms = 1,
+                    .trace_ms = 30,
+                    .rays = 1000,
+                    .tests = 30,
+                    .bytes = 100,
+                    .sah = 5,
+                    .checked = 1000};
+    if (method == 0 || method == 3)
+        f.wrong = method == 3 || x >= 3e3 ? 7 : 0;
+    if (method == 1 && x >= 50)
+        f.trace_ms = f.tests = 90;
+    if (method == 2 && x >= 7e5)
+        f = (bb_figures){.outcome = BB_OUT_CRASHED};
+    if (method == 4 && x == 1e4 && m->spells++ == 0)
+        f.build_ms = 10;
+    if (method == 5)
+        f.wrong = x >= 20 && x < 5e3;
+    return f;
+}
+
+static bb_status measure_made_up(void *user, bb_wish *wishes, uint32_t count, bool again)
+{
+    made_up *m = user;
+    assert_true(!again || wishes[0].x == 1); /* beside the normal value */
+    m->calls++;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = 0; k < METHODS; k++)
+            if (wishes[i].wanted[k])
+                wishes[i].figures[k] = answer(m, k, wishes[i].x);
+    return BB_OK;
+}
+
+static void finds_thresholds(void **state)
+{
+    (void)state;
+    bb_axis axis = {.name = "x", .from = 1, .to = 1e6, .steps = BB_STEPS_LOG};
+    made_up m = {0};
+    bb_search *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    *s = (bb_search){.axis = &axis,
+                     .method_count = METHODS,
+                     .intervals = 3,
+                     .bisections = 9,
+                     .measure = measure_made_up,
+                     .user = &m};
+    ASSERT_OK(bb_search_run(s));
+    const bb_threshold *t = &s->thresholds[0][BB_MANNER_WRONG];
+    assert_true(t->found && !t->from_start && !t->returns);
+    assert_true(t->below < 3e3 && t->at >= 3e3 && t->at / t->below < 1.02);
+    t = &s->thresholds[1][BB_MANNER_SLOW_TRACE];
+    assert_true(t->found && t->below < 50 && t->at >= 50 && t->at / t->below < 1.03);
+    assert_true(t->ratio > 2.9);
+    t = &s->thresholds[1][BB_MANNER_MORE_TESTS];
+    assert_true(t->found && t->below < 50 && t->at >= 50);
+    t = &s->thresholds[2][BB_MANNER_CRASHED];
+    assert_true(t->found && t->below < 7e5 && t->at >= 7e5);
+    t = &s->thresholds[3][BB_MANNER_WRONG];
+    assert_true(t->found && t->from_start && isnan(t->below));
+    assert_false(s->thresholds[4][BB_MANNER_SLOW_BUILD].found); /* it did not show again */
+    t = &s->thresholds[5][BB_MANNER_WRONG];
+    assert_true(t->found && t->returns && t->below < 20 && t->at >= 20);
+    /* nothing else was found */
+    uint32_t found = 0;
+    for (uint32_t k = 0; k < METHODS; k++)
+        for (uint32_t f = 0; f < BB_MANNERS; f++)
+            found += s->thresholds[k][f].found;
+    assert_int_equal(found, 6);
+    /* in the order of the axis, and what was measured together was asked for together */
+    for (uint32_t i = 1; i < s->probe_count; i++)
+        assert_true(s->probes[i - 1].x < s->probes[i].x);
+    assert_true(m.calls <= 2 + 2 * 9);
+    bb_search_free(s);
+    free(s);
+}
+
+static bb_status fail_to_measure(void *user, bb_wish *wishes, uint32_t count, bool again)
+{
+    (void)again;
+    (void)user;
+    (void)wishes;
+    (void)count;
+    return bb_fail(BB_FAILED, "as told");
+}
+
+static void passes_failures_up(void **state)
+{
+    (void)state;
+    bb_axis axis = {.name = "x", .from = 1, .to = 1e6, .steps = BB_STEPS_LOG};
+    bb_search *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    *s = (bb_search){.axis = &axis, .method_count = 2, .intervals = 3, .measure = fail_to_measure};
+    assert_int_equal(bb_search_run(s), BB_FAILED);
+    assert_string_equal(bb_message(), "as told");
+    bb_search_free(s);
+    free(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reads_an_axis),
+        cmocka_unit_test(refuses_what_is_no_axis),
+        cmocka_unit_test(built_in_axes_are_in_order),
+        cmocka_unit_test(fills_and_halves),
+        cmocka_unit_test(finds_thresholds),
+        cmocka_unit_test(passes_failures_up),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
