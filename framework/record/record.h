@@ -70,6 +70,7 @@ typedef struct bb_build_record {
     char about[512];                         /* the builder's own words on its tree; "" for none */
     double bytes_native;                     /* reference rows: what the library booked; NAN else */
     bool reference;
+    bool unmeasured; /* built for traces of this shard alone: another shard measures the build */
 } bb_build_record;
 
 typedef struct bb_trace_record {
@@ -136,6 +137,8 @@ bb_status bb_results_set_total(bb_results *results, double build_ms, double trac
                                double total_ms);
 /* Processors that other programs kept busy meanwhile; NAN: not known. A later call replaces it. */
 bb_status bb_results_set_others(bb_results *results, double processors);
+/* Which part of the cells this is: "2/8". */
+bb_status bb_results_set_shard(bb_results *results, const char *shard);
 /* That the run was interrupted: what is there is whole, but not all that was asked for. */
 bb_status bb_results_set_interrupted(bb_results *results);
 /* A ray set that the scene does not have, and why: no hole goes unsaid. */
