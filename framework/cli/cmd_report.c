@@ -2,6 +2,7 @@
 #include "framework/base/file.h"
 #include "framework/cli/charts_option.h"
 #include "framework/cli/cli.h"
+#include "framework/cli/inputs.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
 
@@ -10,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
@@ -21,41 +21,6 @@ static const bb_cli_option options[] = {
     BB_CHARTS_OPTION,
     {NULL, NULL, NULL, false},
 };
-
-/* "FOLDER/NAME" into `path`. */
-static bb_status join(char path[PATH_MAX], const char *folder, const char *name)
-{
-    if (snprintf(path, PATH_MAX, "%s/%s", folder, name) >= PATH_MAX)
-        return bb_fail(BB_INVALID, "%s/%s: the path is too long", folder, name);
-    return BB_OK;
-}
-
-/* A folder stands for its results.json. */
-static bb_status input_path(const char *argument, char path[PATH_MAX])
-{
-    struct stat info;
-    if (stat(argument, &info) == 0 && S_ISDIR(info.st_mode))
-        return join(path, argument, "results.json");
-    if (snprintf(path, PATH_MAX, "%s", argument) >= PATH_MAX)
-        return bb_fail(BB_INVALID, "%.60s...: the path is too long", argument);
-    return BB_OK;
-}
-
-/* A file that was named twice would count twice. */
-static bb_status check_once(const bb_cli *cli)
-{
-    for (uint32_t i = 0; i < cli->positional_count; i++)
-        for (uint32_t k = 0; k < i; k++) {
-            char paths[2][PATH_MAX];
-            struct stat files[2];
-            BB_TRY(input_path(cli->positional[k], paths[0]));
-            BB_TRY(input_path(cli->positional[i], paths[1]));
-            if (stat(paths[0], &files[0]) == 0 && stat(paths[1], &files[1]) == 0 &&
-                files[0].st_dev == files[1].st_dev && files[0].st_ino == files[1].st_ino)
-                return bb_fail(BB_INVALID, "report: %s is given twice: leave one out", paths[1]);
-        }
-    return BB_OK;
-}
 
 /* Pictures of several inputs lie in several folders: each is told its own. */
 static bb_status locate_pictures(bb_results *results, const char *folder)
@@ -75,7 +40,7 @@ static bb_status locate_pictures(bb_results *results, const char *folder)
 static bb_status read_input(const char *argument, bb_results **results, char **folder)
 {
     char path[PATH_MAX];
-    BB_TRY(input_path(argument, path));
+    BB_TRY(bb_input_path(argument, path));
     BB_TRY(bb_results_read(path, results));
     *folder = bb_file_folder(path);
     if (*folder == NULL)
@@ -134,7 +99,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     const char *out = bb_cli_value(cli, "out");
     bool charts;
     BB_TRY(bb_charts_wanted(cli, &charts));
-    BB_TRY(check_once(cli));
+    BB_TRY(bb_inputs_once(cli, 0));
     bb_status status = read_input(cli->positional[0], &all, &folder);
     for (uint32_t i = 1; status == BB_OK && i < cli->positional_count; i++) {
         status = read_input(cli->positional[i], &more, &other);
@@ -149,7 +114,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = print(cli, all, &only);
     if (status == BB_OK && out == NULL && !only) {
-        status = join(beside, folder, "report.html");
+        status = bb_join_path(beside, folder, "report.html");
         out = beside;
     }
     if (status == BB_OK && out != NULL)

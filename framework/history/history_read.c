@@ -72,9 +72,12 @@ bb_status bb_history_list(bb_history *history, bb_history_entry **entries, uint3
     return end(history, statement, status, code);
 }
 
+/* The whole name of a commit stands for what is kept of it. */
 static bool begins(const char *revision, const char *text)
 {
-    return strncmp(revision, text, strlen(text)) == 0;
+    size_t kept = strlen(revision);
+    return strncmp(revision, text, strlen(text)) == 0 ||
+           (kept >= 7 && strncmp(revision, text, kept) == 0);
 }
 
 /* Which of the entries' revisions is meant. */
