@@ -174,4 +174,12 @@ bb_status bb_results_read(const char *path, bb_results **out);
  * two has none. BB_INVALID if a scene of one name has two geometries. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);
 
+/* Adds shard b of a run to shard a of it, or to what was joined of it before; context "shards" then
+ * lists them. A build that one of them measured and the other only needed is there once. BB_INVALID
+ * if they are not of one run: another revision, device or seed, or a cell that both measured; `a`
+ * is of no use then. */
+bb_status bb_results_join(bb_results *a, const bb_results *b);
+/* After the last: it is no shard any more. */
+void bb_results_end_join(bb_results *results);
+
 #endif
