@@ -198,13 +198,15 @@ const bb_command bb_command_merge = {
     .summary = "make one run of the shards of a run (run --shard)",
     .arguments = "FILE|DIR...",
     .details =
-        "A folder stands for its results.json. The shards must be of one program, device and seed,\n"
+        "A folder stands for its results.json. The shards must be of one program, device and "
+        "seed,\n"
         "and no cell may be in two of them. Exit status 1: shards are missing; what is there is\n"
         "merged. With one file and --history, appends a run that is there already.\n"
         "\n"
         "GNU parallel, on this machine one at a time (times need an idle machine), or on several:\n"
         "  parallel -j 1 bvhbench run --shard {}/4 --out out/shard-{} ::: 1 2 3 4\n"
-        "  parallel -S node1,node2 --wd . -j 1 bvhbench run --shard {}/8 --out out/shard-{} ::: {1..8}\n"
+        "  parallel -S node1,node2 --wd . -j 1 bvhbench run --shard {}/8 --out out/shard-{} ::: "
+        "{1..8}\n"
         "A Slurm array, on nodes of one kind:\n"
         "  sbatch --array=1-8 --exclusive --wrap \\\n"
         "    'bvhbench run --shard $SLURM_ARRAY_TASK_ID/8 --out out/shard-$SLURM_ARRAY_TASK_ID'\n"

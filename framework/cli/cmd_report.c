@@ -3,8 +3,11 @@
 #include "framework/cli/charts_option.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/inputs.h"
+#include "framework/history/history.h"
+#include "framework/history/trend.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
+#include "framework/report/report_history.h"
 
 #include <cjson/cJSON.h>
 #include <limits.h>
@@ -15,8 +18,11 @@
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
      false},
+    {"history", "DB", "instead of files: the page of a database of runs, each cell over revisions",
+     false},
     {"table", NULL, "print the full tables; write no report unless --out is given", false},
     {"markdown", NULL, "the same, with the summary as Markdown", false},
+    {"google-benchmark", NULL, "the same, with all rounds in the JSON of Google Benchmark", false},
     {"csv", NULL, "the same, with all traces as comma-separated values", false},
     BB_CHARTS_OPTION,
     {NULL, NULL, NULL, false},
@@ -82,6 +88,8 @@ static bb_status print(const bb_cli *cli, bb_results *results, bool *only)
         status = bb_report_markdown(results, stdout);
     else if (bb_cli_value(cli, "csv") != NULL)
         status = bb_report_csv(results, stdout);
+    else if (bb_cli_value(cli, "google-benchmark") != NULL)
+        status = bb_report_benchmark(results, stdout);
     else {
         *only = false;
         status = bb_report_verdict(results, stdout);
@@ -89,8 +97,49 @@ static bb_status print(const bb_cli *cli, bb_results *results, bool *only)
     return status;
 }
 
+/* "bench.html" for "bench.db": beside it. */
+static bb_status page_of_history(const char *database, char page[PATH_MAX])
+{
+    const char *slash = strrchr(database, '/'), *dot = strrchr(database, '.');
+    bool ends = dot != NULL && (slash == NULL || dot > slash + 1) && dot > database;
+    int length = ends ? (int)(dot - database) : (int)strlen(database);
+    if (snprintf(page, PATH_MAX, "%.*s.html", length, database) >= PATH_MAX)
+        return bb_fail(BB_INVALID, "%.60s...: the path is too long", database);
+    return BB_OK;
+}
+
+static bb_status report_history(const bb_cli *cli, const char *database)
+{
+    static const char *const others[] = {"table", "markdown", "csv", "google-benchmark", "charts"};
+    char beside[PATH_MAX];
+    bb_history *history = NULL;
+    bb_trend *trends = NULL;
+    uint32_t count = 0;
+    const char *out = bb_cli_value(cli, "out");
+    if (cli->positional_count > 0)
+        return bb_fail(BB_INVALID, "report: --history is a report of its own: leave %s out",
+                       cli->positional[0]);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        if (bb_cli_value(cli, others[i]) != NULL)
+            return bb_fail(BB_INVALID, "report: --history and --%s do not go together", others[i]);
+    BB_TRY(page_of_history(database, beside));
+    BB_TRY(bb_history_open(database, false, &history));
+    bb_status status = bb_history_trends(history, &trends, &count);
+    if (status == BB_OK)
+        status = bb_report_history(trends, count, out != NULL ? out : beside);
+    if (status == BB_OK)
+        status = bb_report_history_text(trends, count, stdout);
+    if (status == BB_OK)
+        printf("\n report  %s\n", out != NULL ? out : beside);
+    bb_trends_free(trends, count);
+    bb_history_close(history);
+    return status;
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
+    if (bb_cli_value(cli, "history") != NULL)
+        return report_history(cli, bb_cli_value(cli, "history"));
     if (cli->positional_count == 0)
         return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
     bb_results *all = NULL, *more = NULL;

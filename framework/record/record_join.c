@@ -26,11 +26,10 @@ static cJSON *copy_to(cJSON *array, const cJSON *item)
 
 static bb_status check_contexts(const cJSON *a, const cJSON *b)
 {
-    static const bb_field_id alike[] = {BB_F_CONTEXT_REVISION, BB_F_CONTEXT_VERSION,
-                                        BB_F_CONTEXT_CPU,      BB_F_CONTEXT_DEVICE,
-                                        BB_F_CONTEXT_DRIVER,   BB_F_CONTEXT_FLAGS,
-                                        BB_F_CONTEXT_KERNELS,  BB_F_CONTEXT_SEED,
-                                        BB_F_CONTEXT_EMBREE};
+    static const bb_field_id alike[] = {
+        BB_F_CONTEXT_REVISION, BB_F_CONTEXT_VERSION, BB_F_CONTEXT_CPU,
+        BB_F_CONTEXT_DEVICE,   BB_F_CONTEXT_DRIVER,  BB_F_CONTEXT_FLAGS,
+        BB_F_CONTEXT_KERNELS,  BB_F_CONTEXT_SEED,    BB_F_CONTEXT_EMBREE};
     for (size_t i = 0; i < sizeof alike / sizeof alike[0]; i++) {
         const cJSON *x = bb_get(a, alike[i]), *y = bb_get(b, alike[i]);
         if ((x == NULL || cJSON_IsNull(x)) && (y == NULL || cJSON_IsNull(y)))
@@ -89,9 +88,9 @@ static bb_status check_traces(const bb_results *a, const bb_results *b)
     {
         const char *key = bb_get_text(trace, BB_F_TRACE_CELL);
         if (status == BB_OK && bsearch(&key, keys, count, sizeof *keys, by_text) != NULL)
-            status = bb_fail(BB_INVALID,
-                             "cell %.400s is in two of the files: they are no shards of one run",
-                             key);
+            status =
+                bb_fail(BB_INVALID,
+                        "cell %.400s is in two of the files: they are no shards of one run", key);
     }
     free(keys);
     return status;

@@ -6,6 +6,7 @@
 #include "framework/base/file.h"
 #include "framework/chart/chart.h"
 #include "framework/record/schema.h"
+#include "framework/report/template.h"
 #include "framework/summary/summary.h"
 
 #include <cjson/cJSON.h>
@@ -19,53 +20,8 @@ extern const char bb_text_report_html[], bb_text_report_css[], bb_text_report_js
 
 enum { PICTURE_BYTES_MAX = 16 << 20 };
 
-/* ---- a text that grows ---- */
-
-typedef struct text {
-    char *data;
-    size_t size, capacity;
-    bool failed; /* no memory; later calls do nothing */
-} text;
-
-static void append(text *out, const char *data, size_t size)
-{
-    if (out->failed)
-        return;
-    if (out->size + size > out->capacity) {
-        size_t capacity = 2 * (out->size + size) + 4096;
-        char *grown = realloc(out->data, capacity);
-        if (grown == NULL) {
-            out->failed = true;
-            return;
-        }
-        out->data = grown;
-        out->capacity = capacity;
-    }
-    memcpy(out->data + out->size, data, size);
-    out->size += size;
-}
-
-static void append_string(text *out, const char *string)
-{
-    append(out, string, strlen(string));
-}
-
-/* JSON inside <script>: a '<' can only stand in a string, where it is escaped, so that no text ends
- * the script. */
-static void append_json(text *out, const char *json)
-{
-    for (;;) {
-        size_t plain = strcspn(json, "<");
-        append(out, json, plain);
-        if (json[plain] == '\0')
-            return;
-        append_string(out, "\\u003c");
-        json += plain + 1;
-    }
-}
-
 /* RFC 4648, section 4. */
-static void append_base64(text *out, const unsigned char *data, size_t size)
+static void append_base64(bb_page_text *out, const unsigned char *data, size_t size)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < size; i += 3) {
@@ -75,7 +31,7 @@ static void append_base64(text *out, const unsigned char *data, size_t size)
         char four[4] = {digits[bits >> 18], digits[bits >> 12 & 63],
                         left > 1 ? digits[bits >> 6 & 63] : '=',
                         left > 2 ? digits[bits & 63] : '='};
-        append(out, four, 4);
+        bb_page_append(out, four, 4);
     }
 }
 
@@ -85,11 +41,11 @@ static void append_base64(text *out, const unsigned char *data, size_t size)
  * there. */
 static char *locate_picture(const char *folder, const char *path, bool *below)
 {
-    text joined = {0};
-    append_string(&joined, folder);
-    append_string(&joined, "/");
-    append_string(&joined, path);
-    append(&joined, "", 1);
+    bb_page_text joined = {0};
+    bb_page_append_string(&joined, folder);
+    bb_page_append_string(&joined, "/");
+    bb_page_append_string(&joined, path);
+    bb_page_append(&joined, "", 1);
     char *real = joined.failed ? NULL : realpath(joined.data, NULL);
     char *real_folder = realpath(folder, NULL);
     size_t length = real_folder != NULL ? strlen(real_folder) : 0;
@@ -102,7 +58,8 @@ static char *locate_picture(const char *folder, const char *path, bool *below)
 
 /* The picture as a data URI, or why there is none. Only PNG files below the folder of the results
  * are taken in: a result file, which may be anybody's, must not make us copy others. */
-static bool picture_source(const char *folder, const char *path, text *source, const char **missing)
+static bool picture_source(const char *folder, const char *path, bb_page_text *source,
+                           const char **missing)
 {
     bool below = false;
     char *real = path[0] != '/' ? locate_picture(folder, path, &below) : NULL;
@@ -117,9 +74,9 @@ static bool picture_source(const char *folder, const char *path, text *source, c
     else if (size < 8 || memcmp(data, "\x89PNG\r\n\x1a\n", 8) != 0)
         *missing = "the file is no PNG";
     if (*missing == NULL) {
-        append_string(source, "data:image/png;base64,");
+        bb_page_append_string(source, "data:image/png;base64,");
         append_base64(source, (const unsigned char *)data, size);
-        append(source, "", 1);
+        bb_page_append(source, "", 1);
     }
     free(data);
     free(real);
@@ -134,7 +91,7 @@ static char *pictures_json(const cJSON *root, const char *folder)
     cJSON *picture;
     cJSON_ArrayForEach(picture, list)
     {
-        text source = {0};
+        bb_page_text source = {0};
         const char *missing;
         const cJSON *own = cJSON_GetObjectItemCaseSensitive(picture, BB_PICTURE_FOLDER);
         const char *from = folder != NULL ? folder : cJSON_GetStringValue(own);
@@ -164,35 +121,9 @@ static char *charts_json(bb_results *results)
 
 /* ---- the page ---- */
 
-typedef struct part {
-    const char *mark; /* in the template */
-    const char *content;
-    bool json;
-} part;
-
-/* Copies the template and puts each part in the place of its mark. The parts stand in the order of
- * the template, so that no part's content is searched for marks. */
-static bb_status fill_template(text *page, const part *parts, size_t count)
-{
-    const char *rest = bb_text_report_html;
-    for (size_t i = 0; i < count; i++) {
-        const char *at = strstr(rest, parts[i].mark);
-        if (at == NULL)
-            return bb_fail(BB_FAILED, "the report's template lacks %s", parts[i].mark);
-        append(page, rest, (size_t)(at - rest));
-        if (parts[i].json)
-            append_json(page, parts[i].content);
-        else
-            append_string(page, parts[i].content);
-        rest = at + strlen(parts[i].mark);
-    }
-    append_string(page, rest);
-    return page->failed ? bb_fail(BB_FAILED, "report: no memory for the page") : BB_OK;
-}
-
 bb_status bb_report_html(bb_results *results, const char *picture_folder, const char *path)
 {
-    text page = {0};
+    bb_page_text page = {0};
     bb_status status;
     char *records = bb_results_print(results, false);
     char *pictures = pictures_json(bb_results_json(results), picture_folder);
@@ -204,7 +135,7 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         status = bb_fail(BB_FAILED, "report %s: no memory", path);
         goto out;
     }
-    const part parts[] = {
+    const bb_page_part parts[] = {
         {"@BB_CSS@", bb_text_report_css, false},
         {"@BB_DATA@", records, true},
         {"@BB_SCHEMA@", schema, true},
@@ -214,7 +145,7 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         {"@BB_CHART_JS@", bb_text_chart_js, false},
         {"@BB_SCRIPT@", bb_text_report_js, false},
     };
-    status = fill_template(&page, parts, sizeof parts / sizeof parts[0]);
+    status = bb_page_fill(&page, bb_text_report_html, parts, sizeof parts / sizeof parts[0]);
     if (status == BB_OK)
         status = bb_file_write(path, page.data, page.size, "report");
 out:

@@ -1,0 +1,60 @@
+#include "framework/report/template.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void bb_page_append(bb_page_text *out, const char *data, size_t size)
+{
+    if (out->failed)
+        return;
+    if (out->size + size > out->capacity) {
+        size_t capacity = 2 * (out->size + size) + 4096;
+        char *grown = realloc(out->data, capacity);
+        if (grown == NULL) {
+            out->failed = true;
+            return;
+        }
+        out->data = grown;
+        out->capacity = capacity;
+    }
+    memcpy(out->data + out->size, data, size);
+    out->size += size;
+}
+
+void bb_page_append_string(bb_page_text *out, const char *string)
+{
+    bb_page_append(out, string, strlen(string));
+}
+
+/* JSON inside <script>: a '<' can only stand in a string, where it is escaped, so that no text ends
+ * the script. */
+static void append_json(bb_page_text *out, const char *json)
+{
+    for (;;) {
+        size_t plain = strcspn(json, "<");
+        bb_page_append(out, json, plain);
+        if (json[plain] == '\0')
+            return;
+        bb_page_append_string(out, "\\u003c");
+        json += plain + 1;
+    }
+}
+
+bb_status bb_page_fill(bb_page_text *page, const char *from, const bb_page_part *parts,
+                       size_t count)
+{
+    const char *rest = from;
+    for (size_t i = 0; i < count; i++) {
+        const char *at = strstr(rest, parts[i].mark);
+        if (at == NULL)
+            return bb_fail(BB_FAILED, "the report's template lacks %s", parts[i].mark);
+        bb_page_append(page, rest, (size_t)(at - rest));
+        if (parts[i].json)
+            append_json(page, parts[i].content);
+        else
+            bb_page_append_string(page, parts[i].content);
+        rest = at + strlen(parts[i].mark);
+    }
+    bb_page_append_string(page, rest);
+    return page->failed ? bb_fail(BB_FAILED, "report: no memory for the page") : BB_OK;
+}
