@@ -62,8 +62,8 @@ static inline bb_results *history_run(const char *revision, const char *host, co
         double ms = 5 + index % 50;
         ms *= index == change.slow_trace ? 1.3 : index == change.fast_trace ? 0.7 : 1;
         for (int i = 0; i < 7; i++)
-            cJSON_AddItemToArray(rounds, cJSON_CreateNumber(
-                                             ms * (1 + 0.02 * bb_random_unit(&random) + (i == 0))));
+            cJSON_AddItemToArray(
+                rounds, cJSON_CreateNumber(ms * (1 + 0.02 * bb_random_unit(&random) + (i == 0))));
         set_item(entry, "ms", rounds);
         index++;
     }

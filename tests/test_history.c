@@ -113,13 +113,12 @@ static void earlier_versions_are_brought_forward(void **state)
     (void)state;
     const char *path = history_path("migration");
     execute(path, bb_history_steps[0]);
-    execute(path,
-            "PRAGMA application_id=1112950850; PRAGMA user_version=1;"
-            "INSERT INTO runs(date, revision, host, cpu, device, driver)"
-            " VALUES('2023-01-01T00:00:00Z','old1','north','c','d','e');"
-            "INSERT INTO cells(key) VALUES('scene=cube/builder=lbvh');"
-            "INSERT INTO measurements VALUES(1, 1, 1, 0, 0, 'ok', '12', '', '[3,1.5,2,2.5]');"
-            "INSERT INTO figures VALUES(1, 'sah', 42.5)");
+    execute(path, "PRAGMA application_id=1112950850; PRAGMA user_version=1;"
+                  "INSERT INTO runs(date, revision, host, cpu, device, driver)"
+                  " VALUES('2023-01-01T00:00:00Z','old1','north','c','d','e');"
+                  "INSERT INTO cells(key) VALUES('scene=cube/builder=lbvh');"
+                  "INSERT INTO measurements VALUES(1, 1, 1, 0, 0, 'ok', '12', '', '[3,1.5,2,2.5]');"
+                  "INSERT INTO figures VALUES(1, 'sah', 42.5)");
     bb_history *history;
     bb_history_entry entry;
     bb_cell_set set;
@@ -130,7 +129,8 @@ static void earlier_versions_are_brought_forward(void **state)
     assert_int_equal(set.count, 1);
     assert_true(bb_samples_median(&set.cells[0].ms) == 2);
     assert_true(bb_measured_figure(&set.cells[0], "sah") == 42.5);
-    ASSERT_OK(bb_history_append_floor(history, &set.origin, &(bb_floor){.share = 0.03, .cells = 5}));
+    ASSERT_OK(
+        bb_history_append_floor(history, &set.origin, &(bb_floor){.share = 0.03, .cells = 5}));
     bb_floor floor;
     ASSERT_OK(bb_history_floor(history, &set.origin, &floor));
     assert_true(floor.share == 0.03);
@@ -191,7 +191,8 @@ static void damaged_files_are_refused(void **state)
     static const char *const others[] = {"[-1]", "nan", "[1,nan]", "[]", "[1,2] ", "[1;2]", "[,]"};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         char sql[200];
-        snprintf(sql, sizeof sql, "UPDATE measurements SET samples = '%s' WHERE id = 30", others[i]);
+        snprintf(sql, sizeof sql, "UPDATE measurements SET samples = '%s' WHERE id = 30",
+                 others[i]);
         execute(path, sql);
         ASSERT_OK(bb_history_open(path, false, &history));
         if (bb_history_trends(history, &trends, &count) != BB_INVALID)

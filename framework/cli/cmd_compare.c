@@ -82,20 +82,49 @@ static bb_status read_file(const char *argument, bb_cell_set *set)
     return status;
 }
 
-/* A file or folder if there is one of that name, else a revision. */
-static bb_status read_side(inputs *in, const char *argument, const bb_origin *like,
-                           bb_cell_set *set)
-{
-    struct stat info;
+/* An argument: a file or folder if there is one of that name, else a revision. */
+typedef struct side {
+    const char *argument;
+    bool revision;
     bb_history_entry entry;
     uint32_t others;
-    if (stat(argument, &info) == 0 || in->history == NULL)
-        return read_file(argument, set);
-    BB_TRY(bb_history_find(in->history, argument, like, &entry, &others));
-    if (others > 0)
+} side;
+
+static bb_status find_side(const inputs *in, const bb_origin *like, side *s)
+{
+    struct stat info;
+    s->revision = in->history != NULL && stat(s->argument, &info) != 0;
+    return s->revision ? bb_history_find(in->history, s->argument, like, &s->entry, &s->others)
+                       : BB_OK;
+}
+
+static bb_status read_side(const inputs *in, const side *s, bb_cell_set *set)
+{
+    if (!s->revision)
+        return read_file(s->argument, set);
+    if (s->others > 0)
         fprintf(stderr, "%s was measured on %u other machines too: here it is that of %s\n",
-                entry.origin.revision, others, entry.origin.host);
-    return bb_history_set(in->history, &entry, set);
+                s->entry.origin.revision, s->others, s->entry.origin.host);
+    return bb_history_set(in->history, &s->entry, set);
+}
+
+/* Of revisions that several machines measured, those of one machine, if there is one. */
+static bb_status read_sides(const bb_cli *cli, inputs *in)
+{
+    side before = {.argument = cli->positional[0]}, after = {.argument = cli->positional[1]};
+    BB_TRY(find_side(in, NULL, &after));
+    if (!after.revision)
+        BB_TRY(read_side(in, &after, in->sets[1]));
+    const bb_origin *like = after.revision ? &after.entry.origin : &in->sets[1]->origin;
+    BB_TRY(find_side(in, like, &before));
+    if (!before.revision)
+        BB_TRY(read_side(in, &before, in->sets[0]));
+    like = before.revision ? &before.entry.origin : &in->sets[0]->origin;
+    if (after.revision) {
+        BB_TRY(find_side(in, like, &after));
+        BB_TRY(read_side(in, &after, in->sets[1]));
+    }
+    return before.revision ? read_side(in, &before, in->sets[0]) : BB_OK;
 }
 
 static bb_status compare_files(const bb_cli *cli, inputs *in, int *exit_status)
@@ -105,8 +134,7 @@ static bb_status compare_files(const bb_cli *cli, inputs *in, int *exit_status)
         return bb_fail(BB_INVALID, "compare: give two: result files, folders of runs%s",
                        in->history != NULL ? ", or revisions" : "; revisions need --history");
     BB_TRY(allocate(in, 1));
-    BB_TRY(read_side(in, cli->positional[1], NULL, in->sets[1]));
-    BB_TRY(read_side(in, cli->positional[0], &in->sets[1]->origin, in->sets[0]));
+    BB_TRY(read_sides(cli, in));
     if (in->history != NULL)
         BB_TRY(bb_history_floor(in->history, &in->sets[1]->origin, &floor));
     return report(in, isfinite(floor.share) ? &floor : NULL, exit_status);

@@ -158,7 +158,7 @@ function drawMoves() {
     return [[machine.revisions[m.at].revision, 'key'], [m.verdict + (m.counts ? '' : ' (reference)'), m.verdict],
             [m.what === 'ms' ? 'time in ms' : m.what], [known],
             [isNumber(m.ratio) ? figure(m.ratio) : dash, 'number'],
-            [isNumber(m.low) ? `${figure(m.low)} to ${figure(m.high)}` : ''], [button, 'key']];
+            [isNumber(m.low) ? `${figure(m.low)} to ${figure(m.high)}` : ''], [button, 'key cell']];
   });
   table($('moves'), ['Revision', 'Moved', 'Figure', 'From, to', 'Ratio', '95 %', 'Cell'], rows);
   $('moves-note').textContent = all.length === 0 ? 'Nothing moved from one revision to the next.'
