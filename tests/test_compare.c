@@ -327,25 +327,25 @@ static void programs_are_run_in_turns(void **state)
     write_document("a.json", edit_nothing, 1);
     write_document("slow.json", edit_slower, 1);
     write_programs();
-    expect(1, "compare --run ./quick ./slow --rounds 8 --history programs.db", "in pairs");
-    /* 9 pairs, each of both, and not always in the same order */
+    expect(1, "compare --run ./quick ./slow --rounds 9 --history programs.db", "in pairs");
+    /* 10 pairs, each of both, and not always in the same order */
     size_t size = read_file("order", order, sizeof order);
-    assert_int_equal(size, 9 * strlen("quick\nslow\n"));
+    assert_int_equal(size, 10 * strlen("quick\nslow\n"));
     uint32_t first = 0;
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 10; i++) {
         const char *pair = order + i * 11;
         bool quick = strncmp(pair, "quick\nslow\n", 11) == 0;
         assert_true(quick || strncmp(pair, "slow\nquick\n", 11) == 0);
         first += quick;
     }
-    assert_true(first > 0 && first < 9);
-    expect(0, "compare --run ./quick ./quick --rounds 7 --quiet -- --repeats 6",
+    assert_true(first > 0 && first < 10);
+    expect(0, "compare --run ./quick ./quick --rounds 9 --quiet -- --repeats 6",
            "nothing is worse");
     expect(0, "compare a.json a.json --history programs.db", "compare --run A A");
     refuses("", "compare --run ./quick", "give two programs");
     refuses("", "compare --run ./quick ./nobody", "./nobody: No such file");
     refuses("", "compare --run ./quick .", "is no program that can be run");
-    refuses("", "compare --run ./quick ./slow --rounds 6", "--rounds");
+    refuses("", "compare --run ./quick ./slow --rounds 8", "--rounds");
     refuses("", "compare --run ./quick ./slow -- --out x", "leave --out out");
     refuses("", "compare --run ./quick ./broken --quiet", "it is broken");
     refuses("", "compare --run ./dead ./quick --quiet", "killed by signal 9");

@@ -245,10 +245,12 @@ const bb_command bb_command_compare = {
         "letters of a revision as make it clear. Cells are matched by their keys.\n"
         "A time moved if the 95 % interval of the ratio of medians excludes 1, the ratio is "
         "beyond\n"
-        "the largest that the same program showed against itself on that machine (A/A), and its\n"
-        "p-value, adjusted for all cells, is at most 1 %. Pairs (--run) measure their own A/A;\n"
-        "for files it is taken from the history, which `compare --run A A --history DB` and two\n"
-        "runs of one revision feed; else 10 % is assumed, and said.\n"
+        "what the same program shows against itself on that machine (A/A), and its p-value,\n"
+        "adjusted for all cells, is at most 0.2 %: so often a comparison of equals raises any "
+        "alarm.\n"
+        "Pairs (--run) measure their own A/A; for files the largest A/A effect is taken from the\n"
+        "history, which `compare --run A A --history DB` and two runs of one revision feed; where\n"
+        "there is none, 10 % is assumed, and said.\n"
         "SAH, nodes, tests per ray, bytes, wrong rays and status are compared exactly.\n"
         "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, or a cell now fails.",
     .options = options,

@@ -114,6 +114,7 @@ typedef struct timing {
     const bb_measured *before, *after;
     double from, to;
     bb_effect effect;
+    double own; /* of pairs: its effect against itself; NAN: not known, or not asked for */
 } timing;
 
 /* Without the discarded round. */
@@ -125,6 +126,7 @@ static void take_logarithms(const bb_samples *ms, bb_samples *out)
 
 static void time_runs(timing *t, bb_family_row *row)
 {
+    t->own = NAN;
     t->effect = bb_effect_of_runs(&t->before->ms, &t->after->ms);
     t->from = bb_samples_median(&t->before->ms);
     t->to = bb_samples_median(&t->after->ms);
@@ -147,6 +149,8 @@ static void time_pairs(const bb_comparison_result *result, timing *t, bb_family_
         bb_samples_add(&from, isfinite(ratio) ? bb_samples_median(&a->ms) : 1);
         bb_samples_add(&to, isfinite(ratio) ? bb_samples_median(&b->ms) : 1);
     }
+    t->own = result->given ? (double)NAN
+                           : bb_floor_of_cell(&result->before, &result->after, t->before->key);
     t->effect = bb_effect_of_pairs(&ratios);
     t->from = bb_samples_median(&from);
     t->to = bb_samples_median(&to);
@@ -162,8 +166,8 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
         return BB_OK;
     }
     double p = slower ? row->p_up : row->p_down;
-    if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > result->floor.share) ||
-        p > BB_COMPARE_LEVEL)
+    double floor = fmax(result->floor.share, t->own); /* a NAN gives way */
+    if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) || p > BB_COMPARE_LEVEL)
         return BB_OK;
     bb_move move = start_move(t->before, t->after, t->before->trace ? "trace ms" : "build ms");
     move.timed = true;
@@ -214,6 +218,7 @@ static bb_status set_floor(bb_comparison_result *result, double threshold, const
     bb_floor *floor = &result->floor;
     if (isfinite(threshold)) {
         *floor = (bb_floor){.share = threshold, .from = "--threshold"};
+        result->given = true;
         return BB_OK;
     }
     if (result->pairs)

@@ -7,7 +7,7 @@
 #include "framework/compare/effect.h"
 
 /* The chance that any cell of a comparison of equals is called slower. */
-#define BB_COMPARE_LEVEL 0.01
+#define BB_COMPARE_LEVEL 0.002
 /* Of the floor: what nobody would call a change, and what stands where no A/A is known. */
 #define BB_COMPARE_FLOOR_LEAST 0.01
 #define BB_COMPARE_FLOOR_UNKNOWN 0.10
@@ -19,10 +19,10 @@ typedef struct bb_side {
     uint32_t count;
 } bb_side;
 
-/* The largest effect that was measured between runs of one program, as a share: 0.02 for 2 %. */
+/* An effect that a program showed against itself, as a share: 0.02 for 2 %. */
 typedef struct bb_floor {
     double share;   /* NAN: there is none */
-    uint32_t cells; /* with an interval, of which it is the largest */
+    uint32_t cells; /* of which it was taken */
     char from[200]; /* in words */
 } bb_floor;
 
@@ -47,6 +47,7 @@ typedef struct bb_move {
 typedef struct bb_comparison_result {
     bb_side before, after;
     bool pairs;
+    bool given; /* the floor, as a threshold */
     bb_floor floor;
     uint32_t common; /* cells in both */
     uint32_t timed;  /* of those, cells whose times could be compared */
@@ -76,9 +77,12 @@ double bb_compare_typical(const bb_comparison_result *result);
 
 /* ---- floors (floor.c) ---- */
 
-/* Of pairs: each side against itself, from one pair to the next. */
+/* Of pairs: a cell on each side against itself, from one pair to the next. NAN: not known. */
+double bb_floor_of_cell(const bb_side *before, const bb_side *after, const char *key);
+/* The median of that over all cells. */
 bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor);
-/* Of runs by themselves: each set against the next one; `first` is the first that counts. */
+/* Of runs by themselves, the largest effect of any cell whose interval excludes 1: each set against
+ * the next one; `first` is the first that counts. */
 bb_status bb_floor_of_runs(const bb_side *runs, uint32_t first, bb_floor *floor);
 
 /* The ratio of the medians of a cell, after by before; NAN if one has none or is not ok. */

@@ -1,10 +1,13 @@
-/* The largest effect between runs of one program: what noise alone does on a machine. Effects whose
- * interval has 1 in it raise no alarm anyway and are left out, or the noisiest cell would set the
- * floor for all. */
+/* What a program shows against itself on a machine. Pairs have labels that may be exchanged, so that
+ * their p-values are exact (family.c), and the floor is but a measure of what matters: that of the
+ * typical cell, and the cell's own. Between two runs by themselves much may differ that all rounds of a run
+ * share: there the largest effect of any cell is the floor. Those whose interval has 1 in it raise
+ * no alarm anyway and are left out, or the noisiest cell would set the floor for all. */
 #include "framework/compare/compare.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 bool bb_same_input(const bb_measured *a, const bb_measured *b)
@@ -46,30 +49,49 @@ static void finish(bb_floor *floor)
         floor->share = NAN;
 }
 
-/* Pairs 1 and 2, 3 and 4 ...: of each side the ratio from one to the other. */
-bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor)
+/* Pairs 1 and 2, 3 and 4 ...: of each side the ratio from one to the other. They are as many as the
+ * pairs, and have the noise of two of them, as the ratios of old and new have. */
+double bb_floor_of_cell(const bb_side *before, const bb_side *after, const char *key)
 {
     const bb_side *sides[] = {before, after};
+    bb_samples ratios = {0};
+    bb_samples_add(&ratios, 1); /* in the place of the one that does not count */
+    for (uint32_t s = 0; s < 2; s++)
+        for (uint32_t i = 1; i + 1 < sides[s]->count; i += 2) {
+            double ratio = bb_ratio_of_medians(bb_cell_set_find(&sides[s]->sets[i], key),
+                                               bb_cell_set_find(&sides[s]->sets[i + 1], key));
+            if (isfinite(ratio) && ratios.count < BB_SAMPLES_MAX)
+                bb_samples_add(&ratios, ratio);
+        }
+    return ratios.count > 1 ? expm1(fabs(log(bb_effect_of_pairs(&ratios).ratio))) : (double)NAN;
+}
+
+static int rising(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor)
+{
+    const bb_cell_set *set = &before->sets[0];
+    double *effects = calloc(set->count + 1, sizeof *effects);
+    if (effects == NULL)
+        return bb_fail(BB_FAILED, "comparison: no memory");
     start(floor);
-    for (uint32_t c = 0; c < before->sets[0].count; c++) {
-        const char *key = before->sets[0].cells[c].key;
-        bb_samples ratios = {0};
-        bb_samples_add(&ratios, 1); /* in the place of the one that does not count */
-        for (uint32_t s = 0; s < 2; s++)
-            for (uint32_t i = 1; i + 1 < sides[s]->count; i += 2) {
-                double ratio = bb_ratio_of_medians(bb_cell_set_find(&sides[s]->sets[i], key),
-                                                   bb_cell_set_find(&sides[s]->sets[i + 1], key));
-                if (isfinite(ratio) && ratios.count < BB_SAMPLES_MAX)
-                    bb_samples_add(&ratios, ratio);
-            }
-        bb_effect effect = bb_effect_of_pairs(&ratios);
-        if (ratios.count > 1)
-            take(floor, &effect);
+    for (uint32_t c = 0; c < set->count; c++) {
+        double effect = bb_floor_of_cell(before, after, set->cells[c].key);
+        if (isfinite(effect))
+            effects[floor->cells++] = effect;
     }
+    qsort(effects, floor->cells, sizeof *effects, rising);
+    if (floor->cells > 0)
+        floor->share = fmax(floor->share, effects[floor->cells / 2]);
     finish(floor);
-    snprintf(
-        floor->from, sizeof floor->from,
-        "the largest effect of each side against itself, from pair to pair, in this comparison");
+    free(effects);
+    snprintf(floor->from, sizeof floor->from,
+             "the median effect of each side against itself, from pair to pair; each cell's own "
+             "counts too");
     return BB_OK;
 }
 

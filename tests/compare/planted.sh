@@ -33,7 +33,7 @@ ratio_of() {
 slowed none 0
 slowed plain 40
 echo "calibrating: 40 turns"
-"$program" compare --run "$folder/none" "$folder/plain" --rounds 7 --quiet --out "$folder/calibration" -- "${arguments[@]}" \
+"$program" compare --run "$folder/none" "$folder/plain" --rounds 9 --quiet --out "$folder/calibration" -- "${arguments[@]}" \
     >"$folder/calibration.txt" || true
 plain=$(ratio_of calibration)
 turns=$(awk -v r="$plain" -v p="$percent" 'BEGIN { printf "%d", 40 * p / 100 / (r - 1) + 0.5 }')

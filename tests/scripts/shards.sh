@@ -63,7 +63,7 @@ refused() { # WORDS ARGUMENT...
     local words=$1 status=0
     shift
     "$program" "$@" >out.txt 2>err.txt || status=$?
-    [ $status -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -qF "$words" err.txt || fail "$*: exit $status, $(cat err.txt)"
+    [ $status -eq 2 ] && [ "$(wc -l <err.txt)" -eq 1 ] && grep -qF -- "$words" err.txt || fail "$*: exit $status, $(cat err.txt)"
 }
 refused 'is given twice' merge shard-3-1 shard-3-1/results.json --out bad
 refused 'is no shard' merge shard-3-1 whole --out bad

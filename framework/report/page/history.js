@@ -115,7 +115,7 @@ function drawChart() {
     : spreads.some(s => s.isInterval) ? 'The band is the 95 % interval of the median; of fewer than 6 rounds, their range. '
     : 'The band is the range of the rounds: fewer than 6 have no interval. ') +
     (isTime() ? `Triangles: the ratio to what was known before excludes 1, is beyond ${share(machine.floor ?? data.assumed)}, ` +
-      'and p for all cells of that revision together is at most 1 %.' : 'Triangles: it is another figure than before.');
+      `and p for all cells of that revision together is at most ${share(data.level)}.` : 'Triangles: it is another figure than before.');
 }
 
 /* ---- tables ---- */
