@@ -276,6 +276,46 @@ static void files_are_compared(void **state)
     refuses("", "compare a.json cut.json", "truncated");
 }
 
+/* As Google Benchmark's tools/compare.py reads it: rounds that count, by name. */
+static void results_as_google_benchmark(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"name", "run_name", "run_type", "time_unit"};
+    static const char *const numbers[] = {"repetitions", "repetition_index", "iterations",
+                                          "real_time",   "cpu_time",         "family_index",
+                                          "threads"};
+    write_document("a.json", edit_nothing, 1);
+    const outcome *o =
+        run_program("(", BB_TEST_PROGRAM, "report a.json --google-benchmark ) >gb.json");
+    assert_int_equal(o->exit_status, 0);
+    cJSON *json = read_results("gb.json"), *entry, *a = read_results("a.json"), *trace;
+    cJSON *list = cJSON_GetObjectItem(json, "benchmarks");
+    assert_true(cJSON_IsString(member(member(json, "context"), "host_name")));
+    int rounds = 0;
+    cJSON_ArrayForEach(entry, list)
+    {
+        for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
+            assert_true(cJSON_IsString(member(entry, texts[i])));
+        for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+            assert_true(cJSON_IsNumber(member(entry, numbers[i])));
+        assert_string_equal(member(entry, "run_type")->valuestring, "iteration");
+    }
+    trace = cJSON_GetArrayItem(cJSON_GetObjectItem(a, "traces"), 5);
+    cJSON_ArrayForEach(entry, list)
+    {
+        if (strcmp(member(entry, "name")->valuestring, member(trace, "cell")->valuestring) != 0)
+            continue;
+        double ms = cJSON_GetArrayItem(member(trace, "ms"), rounds + 1)->valuedouble;
+        assert_int_equal(member(entry, "repetition_index")->valueint, rounds);
+        assert_int_equal(member(entry, "repetitions")->valueint, 6);
+        ASSERT_NEAR(member(entry, "real_time")->valuedouble, 1e6 * ms, 1e-3);
+        rounds++;
+    }
+    assert_int_equal(rounds, 6); /* the first does not count */
+    cJSON_Delete(json);
+    cJSON_Delete(a);
+}
+
 static void revisions_are_compared(void **state)
 {
     (void)state;
@@ -363,6 +403,7 @@ int main(void)
         cmocka_unit_test(worst_comes_first_and_markdown_holds),
         cmocka_unit_test(senses_of_figures),
         cmocka_unit_test(files_are_compared),
+        cmocka_unit_test(results_as_google_benchmark),
         cmocka_unit_test(revisions_are_compared),
         cmocka_unit_test(programs_are_run_in_turns),
     };

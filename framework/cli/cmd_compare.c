@@ -246,11 +246,10 @@ const bb_command bb_command_compare = {
         "A time moved if the 95 % interval of the ratio of medians excludes 1, the ratio is "
         "beyond\n"
         "what the same program shows against itself on that machine (A/A), and its p-value,\n"
-        "adjusted for all cells, is at most 0.2 %: so often a comparison of equals raises any "
-        "alarm.\n"
-        "Pairs (--run) measure their own A/A; for files the largest A/A effect is taken from the\n"
-        "history, which `compare --run A A --history DB` and two runs of one revision feed; where\n"
-        "there is none, 10 % is assumed, and said.\n"
+        "adjusted for all cells, is small: any alarm is raised in 0.2 % of comparisons of equals.\n"
+        "Pairs (--run) measure their own A/A. Two runs by themselves tell less, p is at most 1 %,\n"
+        "and the largest A/A effect is taken from the history, which `compare --run A A --history\n"
+        "DB` and two runs of one revision feed; where there is none, 10 % is assumed, and said.\n"
         "SAH, nodes, tests per ray, bytes, wrong rays and status are compared exactly.\n"
         "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, or a cell now fails.",
     .options = options,

@@ -156,6 +156,11 @@ static void time_pairs(const bb_comparison_result *result, timing *t, bb_family_
     t->to = bb_samples_median(&to);
 }
 
+double bb_compare_level(const bb_comparison_result *result)
+{
+    return result->pairs ? BB_COMPARE_LEVEL : BB_COMPARE_LEVEL_OF_RUNS;
+}
+
 /* By the rule of README.md. */
 static bb_status judge_time(bb_comparison_result *result, const timing *t, const bb_family_row *row)
 {
@@ -167,7 +172,8 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
     }
     double p = slower ? row->p_up : row->p_down;
     double floor = fmax(result->floor.share, t->own); /* a NAN gives way */
-    if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) || p > BB_COMPARE_LEVEL)
+    if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) ||
+        p > bb_compare_level(result))
         return BB_OK;
     bb_move move = start_move(t->before, t->after, t->before->trace ? "trace ms" : "build ms");
     move.timed = true;

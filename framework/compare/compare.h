@@ -6,8 +6,10 @@
 #include "framework/compare/cell_set.h"
 #include "framework/compare/effect.h"
 
-/* The chance that any cell of a comparison of equals is called slower. */
+/* The chance that any cell of a comparison of equals in pairs is called slower. Six rounds against
+ * six cannot show that much: for runs by themselves, where the floor decides, it is less strict. */
 #define BB_COMPARE_LEVEL 0.002
+#define BB_COMPARE_LEVEL_OF_RUNS 0.01
 /* Of the floor: what nobody would call a change, and what stands where no A/A is known. */
 #define BB_COMPARE_FLOOR_LEAST 0.01
 #define BB_COMPARE_FLOOR_UNKNOWN 0.10
@@ -74,6 +76,9 @@ void bb_compare_free(bb_comparison_result *result);
 
 /* The median of the cells' ratios of times; NAN if there are none. */
 double bb_compare_typical(const bb_comparison_result *result);
+
+/* The level of the p-values. */
+double bb_compare_level(const bb_comparison_result *result);
 
 /* ---- floors (floor.c) ---- */
 
