@@ -286,7 +286,7 @@ static void results_as_google_benchmark(void **state)
                                           "threads"};
     write_document("a.json", edit_nothing, 1);
     const outcome *o =
-        run_program("(", BB_TEST_PROGRAM, "report a.json --google-benchmark ) >gb.json");
+        run_program("", "sh", "-c '" BB_TEST_PROGRAM " report a.json --google-benchmark >gb.json'");
     assert_int_equal(o->exit_status, 0);
     cJSON *json = read_results("gb.json"), *entry, *a = read_results("a.json"), *trace;
     cJSON *list = cJSON_GetObjectItem(json, "benchmarks");

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # A kernel that is really slowed down, by 5 % or what is given, is found by `compare --run`, and nothing else is:
-#   planted.sh BVHBENCH FOLDER [PERCENT] [PAIRS]
+#   planted.sh BVHBENCH FOLDER [PERCENT] [PAIRS] [ARGUMENTS OF RUN...]
 # The loop in the kernel is calibrated first, with a slowdown that is plain to see. Takes minutes, needs jq, and is for a machine that
 # does little else: not a part of `ctest`.
 set -euo pipefail
 program=$(realpath "$1") folder=$2 percent=${3:-5} pairs=${4:-10}
 source=$(cd "$(dirname "$0")/../.." && pwd)
-arguments=(--scene sphere-mesh:n=60 --builder lbvh,sah,llbvh,emc --kernel stack,stack8
+arguments=("${@:5}")
+[ ${#arguments[@]} -gt 0 ] || arguments=(--scene sphere-mesh:n=60 --builder lbvh,sah,llbvh,emc --kernel stack,stack8
     --rays primary,random:count=40000 --size 256x256 --repeats 6)
 mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
