@@ -1,5 +1,5 @@
-/* A history of made-up runs: revisions of two machines, in which one kernel gets slower by 30 %, another
- * faster, and an SAH worse by 2 %. */
+/* A history of made-up runs: revisions of two machines, in which one kernel gets slower by 30 %,
+ * another faster, and an SAH worse by 2 %. */
 #ifndef BB_HISTORY_SAMPLE_H
 #define BB_HISTORY_SAMPLE_H
 

@@ -1,5 +1,5 @@
-/* The comparison's statistics, by simulation: how often the interval of a ratio of medians covers the
- * true one; how often equals raise an alarm; what planted changes are found. */
+/* The comparison's statistics, by simulation: how often the interval of a ratio of medians covers
+ * the true one; how often equals raise an alarm; what planted changes are found. */
 #include "tests/fixture.h"
 
 #include "framework/base/random.h"
@@ -168,8 +168,8 @@ typedef struct noise {
     bool heavy;
 } noise;
 
-/* A machine on which rounds have heavy tails and share some of them, and a cell is a bit faster or slower
- * all through one run. Cells differ in how noisy they are. */
+/* A machine on which rounds have heavy tails and share some of them, and a cell is a bit faster or
+ * slower all through one run. Cells differ in how noisy they are. */
 static const noise usual = {0.012, 0.01, 0.004, true};
 
 static void make_run(bb_cell_set *set, const noise *n, double slow, uint32_t slow_cells, double sah,
@@ -247,8 +247,8 @@ static bb_floor made_up_floor(bb_random *random)
     return floor;
 }
 
-/* Ten comparisons of equals, of a hundred cells each, raise at most one false alarm; ten times over. The seed
- * is fixed: at 0.2 % for each comparison, one such ten in some thousand has more. */
+/* Ten comparisons of equals, of a hundred cells each, raise at most one false alarm; ten times
+ * over. The seed is fixed: at 0.2 % for each comparison, one such ten in some thousand has more. */
 static void equals_raise_no_alarms(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* `run --history` killed at any moment (SIGKILL): the result file is absent or whole, the history is sound, and
- * the next run is appended. BVHBENCH_TEST_KILLS=100 takes minutes. */
+/* `run --history` killed at any moment (SIGKILL): the result file is absent or whole, the history
+ * is sound, and the next run is appended. BVHBENCH_TEST_KILLS=100 takes minutes. */
 #include "tests/program_fixture.h"
 
 #include "framework/base/clock.h"

@@ -91,8 +91,8 @@ static bool say_missing(const part *parts, uint32_t count)
 
 /* ---- the folder ---- */
 
-/* Pictures lie beside their results: only files of a plain name are copied. One that is not there is
- * named in the page. */
+/* Pictures lie beside their results: only files of a plain name are copied. One that is not there
+ * is named in the page. */
 static bb_status copy_pictures(const part *p, const char *folder)
 {
     char path[PATH_MAX];

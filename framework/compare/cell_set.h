@@ -1,4 +1,5 @@
-/* Cells as measured in one run, or of one revision: what is compared, and what the history keeps. */
+/* Cells as measured in one run, or of one revision: what is compared, and what the history keeps.
+ */
 #ifndef BB_CELL_SET_H
 #define BB_CELL_SET_H
 

@@ -2,16 +2,15 @@
  *
  * On logarithms the ratio is a difference. Each logarithm's median m has an interval [l, u] by
  * order statistics (framework/base/statistics.h). Such intervals are as wide to either side as the
- * estimate is uncertain there, and what is uncertain of two independent estimates adds up in squares
- * (Zou and Donner: Construction of confidence limits about effect measures, Statistics in Medicine
- * 27, 2008):
+ * estimate is uncertain there, and what is uncertain of two independent estimates adds up in
+ * squares (Zou and Donner: Construction of confidence limits about effect measures, Statistics in
+ * Medicine 27, 2008):
  *
  *     low  = m2 - m1 - sqrt((m2 - l2)^2 + (u1 - m1)^2)
  *     high = m2 - m1 + sqrt((u2 - m2)^2 + (m1 - l1)^2)
  *
  * Nothing is assumed of the distributions: not a common shape, as by ranks, nor symmetry.
- * tests/test_compare_statistics.c measures the coverage.
- */
+ * tests/test_compare_statistics.c measures the coverage. */
 #include "framework/compare/effect.h"
 
 #include <math.h>

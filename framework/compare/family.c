@@ -1,5 +1,5 @@
-/* The maximum over all cells, by permutation: Westfall and Young, Resampling-Based Multiple Testing,
- * 1993.
+/* The maximum over all cells, by permutation: Westfall and Young, Resampling-Based Multiple
+ * Testing, 1993.
  *
  *     for each exchange of labels (the one that was measured first):
  *         largest[exchange] = max over cells of the cell's statistic under the exchange
@@ -13,8 +13,7 @@
  * The statistic: mean / sqrt(spread^2 + s0^2), where s0 is the median spread of all cells, so that
  * no cell has a large statistic by chance of a small spread (Tusher, Tibshirani, Chu, PNAS 98,
  * 2001). Values far from the centre are drawn in to three times the median distance. Spread and
- * centre are those of all values of a cell, which no exchange changes.
- */
+ * centre are those of all values of a cell, which no exchange changes. */
 #include "framework/compare/family.h"
 
 #include "framework/base/random.h"

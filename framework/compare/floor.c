@@ -1,8 +1,9 @@
-/* What a program shows against itself on a machine. Pairs have labels that may be exchanged, so that
- * their p-values are exact (family.c), and the floor is but a measure of what matters: that of the
- * typical cell, and the cell's own. Between two runs by themselves much may differ that all rounds of a run
- * share: there the largest effect of any cell is the floor. Those whose interval has 1 in it raise
- * no alarm anyway and are left out, or the noisiest cell would set the floor for all. */
+/* What a program shows against itself on a machine. Pairs have labels that may be exchanged, so
+ * that their p-values are exact (family.c), and the floor is but a measure of what matters: that of
+ * the typical cell, and the cell's own. Between two runs by themselves much may differ that all
+ * rounds of a run share: there the largest effect of any cell is the floor. Those whose interval
+ * has 1 in it raise no alarm anyway and are left out, or the noisiest cell would set the floor for
+ * all. */
 #include "framework/compare/compare.h"
 
 #include <math.h>

@@ -116,9 +116,12 @@ static bb_status migrate(bb_history *history)
 {
     char sql[128];
     int64_t version;
-    BB_TRY(check_owner(history, &version));
-    if (version == BB_HISTORY_VERSION)
-        return BB_OK;
+    /* in one transaction, or another process might make the file meanwhile */
+    BB_TRY(bb_history_exec(history, "BEGIN", "read it"));
+    bb_status seen = check_owner(history, &version);
+    (void)sqlite3_exec(history->db, "COMMIT", NULL, NULL, NULL);
+    if (seen != BB_OK || version == BB_HISTORY_VERSION)
+        return seen;
     BB_TRY(bb_history_exec(history, "BEGIN IMMEDIATE", "write it"));
     bb_status status = check_owner(history, &version);
     for (; status == BB_OK && version < BB_HISTORY_VERSION; version++)

@@ -10,8 +10,8 @@ typedef struct bb_history bb_history;
 
 /* Opens the file and brings it forward to the present version. `create`: it is made if there is
  * none, and it is found out whether it can be written, by a change that is taken back. BB_INVALID,
- * in one line, for a file that cannot be opened or written, is no history, or is of a later version.
- * Close with bb_history_close(), which takes NULL. */
+ * in one line, for a file that cannot be opened or written, is no history, or is of a later
+ * version. Close with bb_history_close(), which takes NULL. */
 bb_status bb_history_open(const char *path, bool create, bb_history **out);
 void bb_history_close(bb_history *history);
 
@@ -41,8 +41,8 @@ bb_status bb_history_list(bb_history *history, bb_history_entry **entries, uint3
 bb_status bb_history_find(bb_history *history, const char *text, const bb_origin *like,
                           bb_history_entry *entry, uint32_t *others);
 
-/* What an entry measured: of each cell the latest measurement. Release with bb_cell_set_free(), also
- * after a failure. */
+/* What an entry measured: of each cell the latest measurement. Release with bb_cell_set_free(),
+ * also after a failure. */
 bb_status bb_history_set(bb_history *history, const bb_history_entry *entry, bb_cell_set *set);
 
 /* The floor of runs by themselves on this machine: the largest that was kept, or found between runs

@@ -15,8 +15,8 @@ static bool same_place(const bb_origin *a, const bb_origin *b)
     return bb_same_machine(a, b, &host) && host;
 }
 
-/* known := known with the cells of `set` in the place of those of the same keys, or added. The copies
- * are shallow: what they point to stays the sets'. */
+/* known := known with the cells of `set` in the place of those of the same keys, or added. The
+ * copies are shallow: what they point to stays the sets'. */
 static bb_status renew(bb_cell_set *known, const bb_cell_set *set)
 {
     uint32_t room = known->count + set->count, i = 0, k = 0;

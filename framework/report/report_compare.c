@@ -1,5 +1,7 @@
 #include "framework/report/report_compare.h"
 
+#include "framework/report/columns.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -14,10 +16,22 @@ typedef struct page {
     bool github;
 } page;
 
+/* Texts of files must not steer a terminal, nor end a table's cell or begin HTML. */
+static void print_text(const page *p, const char *text)
+{
+    char plain[BB_CELL_KEY];
+    snprintf(plain, sizeof plain, "%s", text);
+    for (char *at = plain; *at != '\0' && p->github; at++)
+        *at = strchr("|`<", *at) != NULL ? '?' : *at;
+    bb_print_text(p->out, plain, 0);
+}
+
 /* A note of its own, a list item in Markdown. */
 static void note(const page *p, const char *text)
 {
-    fprintf(p->out, "%s%s\n", p->github ? "- " : " ", text);
+    fputs(p->github ? "- " : " ", p->out);
+    print_text(p, text);
+    fputc('\n', p->out);
 }
 
 #define NOTE(p, ...)                                                                               \
@@ -27,8 +41,7 @@ static void note(const page *p, const char *text)
         note(p, note_);                                                                            \
     } while (0)
 
-/* Without parameters that have their defaults; as it stands if it is no key of ours. Texts of files
- * must not steer a terminal or end a table's cell. */
+/* Without parameters that have their defaults; as it stands if it is no key of ours. */
 static void print_key(const page *p, const char *key)
 {
     bb_cell cell;
@@ -40,9 +53,7 @@ static void print_key(const page *p, const char *key)
             snprintf(brief, sizeof brief, "%s", key);
     }
     fputs(p->github ? "`" : "", p->out);
-    for (const char *at = brief; *at != '\0'; at++)
-        fputc((unsigned char)*at < 32 || *at == 127 || *at == '`' || *at == '|' ? '?' : *at,
-              p->out);
+    print_text(p, brief);
     fputs(p->github ? "`" : "", p->out);
 }
 
@@ -150,11 +161,18 @@ static void print_row(const page *p, const bb_move *m)
         snprintf(texts[1], sizeof texts[1], "%.15s", m->after->status);
     }
     if (p->github)
-        fprintf(p->out, "| %s | %s | %.60s | %s | %s | ", ratio, interval, m->what, texts[0],
-                texts[1]);
+        fprintf(p->out, "| %s | %s | ", ratio, interval);
     else
-        fprintf(p->out, "  %8s  %-16s  %-20.60s %11s -> %-11s ", ratio, interval, m->what, texts[0],
-                texts[1]);
+        fprintf(p->out, "  %8s  %-16s  ", ratio, interval);
+    print_text(p, m->what);
+    if (p->github)
+        fputs(" | ", p->out);
+    else
+        fprintf(p->out, "%*s", strlen(m->what) < 20 ? (int)(21 - strlen(m->what)) : 1, "");
+    print_text(p, texts[0]);
+    fputs(p->github ? " | " : " -> ", p->out);
+    print_text(p, texts[1]);
+    fputs(p->github ? " | " : "  ", p->out);
     print_key(p, m->before->key);
     fputs(m->counts ? "" : " (reference: does not count)", p->out);
     fputs(p->github ? " |\n" : "\n", p->out);
@@ -200,8 +218,9 @@ static void print_only(const page *p, const bb_side *in, const bb_side *other, u
     uint32_t shown = 0;
     if (count == 0)
         return;
-    fprintf(p->out, "\n%s%u cells are in %s only:%s\n", p->github ? "" : " ", count,
-            set->origin.what, p->github ? "\n" : "");
+    fprintf(p->out, "\n%s%u cells are in ", p->github ? "" : " ", count);
+    print_text(p, set->origin.what);
+    fputs(p->github ? " only:\n\n" : " only:\n", p->out);
     for (uint32_t i = 0; i < set->count && shown < KEYS_MAX; i++)
         if (bb_cell_set_find(&other->sets[0], set->cells[i].key) == NULL) {
             fputs(p->github ? "- " : "  ", p->out);

@@ -2,6 +2,7 @@
 #include "framework/report/report_history.h"
 
 #include "framework/base/file.h"
+#include "framework/report/columns.h"
 #include "framework/report/template.h"
 
 #include <cjson/cJSON.h>
@@ -194,15 +195,21 @@ bb_status bb_report_history_text(const bb_trend *trends, uint32_t count, FILE *o
 {
     for (uint32_t t = 0; t < count; t++) {
         const bb_trend *trend = &trends[t];
-        fprintf(out, "%s %s, %s\n", t > 0 ? "\n" : "", trend->entries[0].origin.host,
-                trend->entries[0].origin.device);
+        fputs(t > 0 ? "\n " : " ", out);
+        bb_print_text(out, trend->entries[0].origin.host, 0);
+        fputs(", ", out);
+        bb_print_text(out, trend->entries[0].origin.device, 0);
+        fputc('\n', out);
         for (uint32_t i = trend->count; i-- > 0;) {
             const bb_comparison_result *step = &trend->steps[i];
             uint32_t counts[3] = {0};
             for (uint32_t m = 0; m < step->move_count; m++)
                 counts[step->moves[m].verdict]++;
-            fprintf(out, "  %-24s %s  %3u runs, %5u cells: %u worse, %u better, %u changed\n",
-                    trend->entries[i].origin.revision, trend->entries[i].origin.date,
+            fputs("  ", out);
+            bb_print_text(out, trend->entries[i].origin.revision, 24);
+            fputc(' ', out);
+            bb_print_text(out, trend->entries[i].origin.date, 20);
+            fprintf(out, "  %3u runs, %5u cells: %u worse, %u better, %u changed\n",
                     trend->entries[i].runs, trend->sets[i].count, counts[BB_WORSE],
                     counts[BB_BETTER], counts[BB_CHANGED]);
         }

@@ -1,4 +1,5 @@
-/* The page of the history: each cell over the revisions of a machine, one file that works offline. */
+/* The page of the history: each cell over the revisions of a machine, one file that works offline.
+ */
 #ifndef BB_REPORT_HISTORY_H
 #define BB_REPORT_HISTORY_H
 
