@@ -55,9 +55,12 @@ static bb_status try_scenes(bb_bench *bench)
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
         BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
         bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
-        bench->parts[i] = bb_bench_part_of(bench, scene, bench->request->scenes[i]);
-        bench->sets += bench->request->shard != NULL ? bench->parts[i].own
-                                                     : bb_bench_sets_of(bench, scene->view_count);
+        if (status == BB_OK) { /* or its message would be lost */
+            bench->parts[i] = bb_bench_part_of(bench, scene, bench->request->scenes[i]);
+            bench->sets += bench->request->shard != NULL
+                               ? bench->parts[i].own
+                               : bb_bench_sets_of(bench, scene->view_count);
+        }
         if (i == 0)
             bench->first = scene;
         else
