@@ -56,6 +56,12 @@ _bvhbench_options()
         -e 's/^  \(--[a-z-]\{1,\}\( [^ ]\{1,\}\)\{0,1\}\)  *[^ ].*/\1/p'
 }
 
+# Values that the help of an option begins with: `text, or github: ...`.
+_bvhbench_choices()
+{
+    "$1" "$2" --help 2>/dev/null | sed -n "s/^  $3 [A-Z]*  *\([a-z]*\), or \([a-z]*\):.*/\1 \2/p"
+}
+
 _bvhbench_commands()
 {
     "$1" --help 2>/dev/null | sed -n '/^commands:/,/^$/s/^  \([a-z]\{1,\}\) .*/\1/p'
@@ -68,9 +74,10 @@ _bvhbench_value()
     --rays | --metrics) _bvhbench_specs "$1" "${3#--}" "$4" ;;
     --axis) _bvhbench_names "$1" axes ;;
     --device) _bvhbench_names "$1" devices ;;
+    --format) compgen -W "$(_bvhbench_choices "$1" "$2" "$3")" -- "$4" ;;
     esac
     case $3 in
-    --builder | --kernel | --intersector | --rays | --metrics | --device) ;;
+    --builder | --kernel | --intersector | --rays | --metrics | --device | --format | --shard | --threshold | --rounds) ;;
     *) compgen -f -- "$4" ;;
     esac
 }

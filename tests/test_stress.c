@@ -53,7 +53,6 @@ static void finds_every_manner(void **state)
         {"wrong", "failed", "fails on crowd at 1000: leaf 0 does not contain its primitive"},
         {"fail", "failed", "fails on crowd at 1000: wreck: it fails, as told"},
         {"refuse", "refused", NULL},
-        {"slow", "slow-build", NULL},
         {"big", "bigger", NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -92,6 +91,18 @@ static void kills_what_hangs(void **state)
         const cJSON *null = cJSON_GetArrayItem(cJSON_GetObjectItem(value, "methods"), 1);
         assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(null, "outcome")), "ok");
     }
+    cJSON_Delete(atlas);
+}
+
+static void judges_times_twice(void **state)
+{
+    (void)state;
+    start();
+    const outcome *o = run(STRESS WRECK "wreck:how=slow,above=500");
+    assert_int_equal(o->exit_status, 0);
+    cJSON *atlas = read_results("o/stress.json");
+    const cJSON *t = threshold_of(atlas, "slow-build");
+    assert_true(number(t, "below") < 501 && number(t, "at") > 500 && number(t, "at") < 600);
     cJSON_Delete(atlas);
 }
 
@@ -211,9 +222,13 @@ static void refuses_what_makes_no_sense(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(finds_every_manner),  cmocka_unit_test(kills_what_hangs),
-        cmocka_unit_test(bisects_and_repeats), cmocka_unit_test(goes_on),
-        cmocka_unit_test(compares_parts),      cmocka_unit_test(refuses_what_makes_no_sense),
+        cmocka_unit_test(finds_every_manner),
+        cmocka_unit_test(kills_what_hangs),
+        cmocka_unit_test(judges_times_twice),
+        cmocka_unit_test(bisects_and_repeats),
+        cmocka_unit_test(goes_on),
+        cmocka_unit_test(compares_parts),
+        cmocka_unit_test(refuses_what_makes_no_sense),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

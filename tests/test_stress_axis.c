@@ -201,6 +201,7 @@ static void finds_thresholds(void **state)
                      .method_count = METHODS,
                      .intervals = 3,
                      .bisections = 9,
+                     .times = true,
                      .measure = measure_made_up,
                      .user = &m};
     ASSERT_OK(bb_search_run(s));

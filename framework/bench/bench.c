@@ -55,7 +55,12 @@ static bb_status try_scenes(bb_bench *bench)
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
         BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
         bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
-        bench->sets += bb_bench_sets_of(bench, scene->view_count);
+        if (status == BB_OK) { /* or its message would be lost */
+            bench->parts[i] = bb_bench_part_of(bench, scene, bench->request->scenes[i]);
+            bench->sets += bench->request->shard != NULL
+                               ? bench->parts[i].own
+                               : bb_bench_sets_of(bench, scene->view_count);
+        }
         if (i == 0)
             bench->first = scene;
         else
@@ -195,6 +200,20 @@ void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more)
     bb_audit_add(&sum->audit, &more->audit);
 }
 
+/* Unless another shard has all of it. */
+static bb_status run_scene(bb_bench *bench, uint32_t index)
+{
+    bench->part = &bench->parts[index];
+    bench->set = bench->part->first;
+    if (bench->part->own > 0)
+        return bb_bench_scene(bench, bench->request->scenes[index]);
+    if (index == 0) {
+        bb_scene_free(bench->first);
+        bench->first = NULL;
+    }
+    return BB_OK;
+}
+
 bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
                        bb_bench_outcome *outcome)
 {
@@ -214,7 +233,11 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->progress = &progress;
     bench->start = bb_wall_ms();
     bb_bystanders_start(&bench->bystanders);
-    bb_status status = try_scenes(bench);
+    bench->built = calloc(request->builder_count + 1, sizeof *bench->built);
+    bench->parts = calloc(request->scene_count + 1, sizeof *bench->parts);
+    bb_status status = bench->built != NULL && bench->parts != NULL
+                           ? try_scenes(bench)
+                           : bb_fail(BB_FAILED, "out of memory");
     if (status == BB_OK)
         status = try_builders(bench);
     bb_step step = bb_bench_begin(bench);
@@ -225,17 +248,19 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     if (status == BB_OK)
         status = start_kernels(bench);
     status = bb_bench_end(bench, step, "compile kernels", status);
-    bench->built = calloc(request->builder_count + 1, sizeof *bench->built);
-    if (bench->built == NULL)
-        status = bb_fail(BB_FAILED, "out of memory");
     const uint32_t rounds = request->repeats + 1;
     bb_progress_plan(&progress, (double)rounds * (request->scene_count * request->builder_count +
                                                   bench->sets * bb_bench_cells_of_set(bench)));
-    for (uint32_t i = 0; i < request->scene_count && status == BB_OK && !bb_interrupted(); i++)
-        status = bb_bench_scene(bench, request->scenes[i]);
-    for (uint32_t i = 0; i < request->builder_count && status == BB_OK && !bb_interrupted(); i++)
+    uint32_t own = 0;
+    for (uint32_t i = 0; i < request->scene_count && status == BB_OK && !bb_interrupted(); i++) {
+        own += bench->parts[i].own;
+        status = run_scene(bench, i);
+    }
+    for (uint32_t i = 0;
+         i < request->builder_count && own > 0 && status == BB_OK && !bb_interrupted(); i++)
         outcome->unbuilt += !bench->built[i];
     free(bench->built);
+    free(bench->parts);
     bb_scene_free(bench->first);
     bb_progress_end(&progress);
     bb_buffer_release(&bench->rays);

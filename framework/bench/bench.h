@@ -9,6 +9,16 @@
 
 #include <stdbool.h>
 
+/* A part of the cells. They are dealt out by ray set, so that all cells that are interleaved, and
+ * compared by ratios, stay together: set k of the comparison (scene by scene, each with its rays in
+ * order, and one of its own for a scene without rays) is of part k modulo `count`. A scene's builds
+ * are of the part of its first set; the parts of the others build too, for their traces, but
+ * measure nothing of it. */
+typedef struct bb_shard {
+    uint32_t index, count; /* from 1 */
+    uint32_t next;         /* number of the next set; goes on from one comparison to the next */
+} bb_shard;
+
 typedef struct bb_bench_request {
     bb_device *device;
     char *const *scenes;
@@ -33,6 +43,7 @@ typedef struct bb_bench_request {
     double max_wrong_ppm;
     const bb_cell *cells;       /* canonical: of all combinations only these cells are measured */
     uint32_t cell_count;        /* 0: all */
+    bb_shard *shard;            /* NULL: all cells */
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;

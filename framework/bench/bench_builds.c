@@ -183,7 +183,7 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     BB_TRY(bb_instance_describe(&entrant->instance, bench->scene, record->about,
                                 sizeof record->about));
     BB_TRY(bb_bench_end(bench, step, "check trees, SAH", BB_OK));
-    return measure_metrics(bench, entrant, true);
+    return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, true) : BB_OK;
 }
 
 /* What fails because the run is ending did not fail. */
@@ -252,6 +252,8 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
     for (uint32_t k = 0; k < record->layout_count; k++)
         if (strcmp(record->layouts[k].name, data->name) == 0)
             return BB_OK;
+    if (!bb_bench_owns_builds(bench))
+        return BB_OK;
     uint32_t k = record->layout_count++;
     snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
     record->layouts[k].sah =
@@ -284,14 +286,29 @@ static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
         }
 }
 
+/* Of a build that another shard measures, only the tree is known: here it was built once. */
+static void forget_times(bb_build_record *record)
+{
+    bb_samples *const samples[] = {&record->build_ms, &record->event_ms, &record->cpu_ms,
+                                   &record->restore_ms, &record->outside_ms};
+    record->unmeasured = record->has_tree || record->reference || record->status != BB_OK;
+    for (size_t i = 0; i < sizeof samples / sizeof samples[0]; i++)
+        samples[i]->count = 0;
+    record->cold_ms = record->prepare_ms = NAN;
+    record->phase_count = record->step_count = 0;
+    record->bytes_peak = 0;
+}
+
 bb_status bb_bench_builds(bb_bench *bench)
 {
     uint32_t order[BB_ENTRANTS_MAX];
-    uint32_t rounds = bench->request->repeats + 1;
-    bb_progress_stage(bench->progress, bench->entrant_count * (rounds + PHASE_BUILDS),
+    const bool own = bb_bench_owns_builds(bench);
+    const uint32_t phase_builds = own ? PHASE_BUILDS : 0;
+    uint32_t rounds = own ? bench->request->repeats + 1 : 1;
+    bb_progress_stage(bench->progress, bench->entrant_count * (rounds + phase_builds),
                       "%s: building", bench->scene->name);
     bb_progress_weigh(bench->progress, (double)bench->entrant_count * rounds);
-    for (uint32_t round = 0; round < rounds + PHASE_BUILDS && !bb_interrupted(); round++) {
+    for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++) {
         bool exact = round >= rounds;
         bb_bench_shuffle(bench, order, bench->entrant_count);
         for (uint32_t i = 0; i < bench->entrant_count; i++) {
@@ -310,7 +327,7 @@ bb_status bb_bench_builds(bb_bench *bench)
             continue;
         finish_phases(entrant);
         bb_status status = bb_resident_tree(bench, entrant);
-        if (status == BB_OK)
+        if (status == BB_OK && own)
             status = measure_transfer(bench, entrant);
         if (status == BB_OK)
             status = measure_tree(bench, entrant);
@@ -319,5 +336,7 @@ bb_status bb_bench_builds(bb_bench *bench)
         if (status != BB_OK)
             note_failure(entrant, status);
     }
+    for (uint32_t i = 0; i < bench->entrant_count && !own && !bb_interrupted(); i++)
+        forget_times(&bench->entrants[i].record);
     return BB_OK;
 }

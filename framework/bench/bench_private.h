@@ -61,16 +61,25 @@ typedef struct bb_entrant {
     bb_samples phase_samples[BB_RECORD_PHASES_MAX];
 } bb_entrant;
 
+/* What a shard has of a scene. */
+typedef struct bb_scene_part {
+    uint32_t first, sets; /* numbers of the scene's ray sets; one without rays counts as one */
+    uint32_t own;         /* how many of them are of this shard */
+} bb_scene_part;
+
 typedef struct bb_bench {
     const bb_bench_request *request;
     bb_device *device;
     bb_results *results;
     bb_scene *scene;
-    bb_scene *first;          /* loaded before its turn, or NULL */
-    uint32_t sets;            /* ray sets of all scenes, planned */
-    bb_bystanders bystanders; /* since the start */
-    bool warned;              /* of them, if there was need */
-    const char *scene_text;   /* as asked for; scene->name may be its end only */
+    bb_scene *first;           /* loaded before its turn, or NULL */
+    uint32_t sets;             /* ray sets of all scenes, planned */
+    bb_scene_part *parts;      /* of each scene */
+    const bb_scene_part *part; /* of the scene at hand */
+    uint32_t set;              /* number of its next ray set */
+    bb_bystanders bystanders;  /* since the start */
+    bool warned;               /* of them, if there was need */
+    const char *scene_text;    /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
     uint32_t kernel_count;
@@ -79,11 +88,12 @@ typedef struct bb_bench {
     uint32_t layout_count;
     bb_entrant *entrants;
     uint32_t entrant_count;
-    bool *built;         /* of each builder that was asked for: on some scene so far */
-    uint32_t next_id;    /* of builds, over all scenes */
-    uint32_t judged;     /* cells of the scene at hand */
-    bb_samples boxes_ms; /* of it */
-    uint64_t random;     /* state of the shuffles */
+    bool *built;          /* of each builder that was asked for: on some scene so far */
+    uint32_t next_id;     /* of builds, over all scenes */
+    uint32_t judged;      /* cells of the scene at hand */
+    uint32_t traced_sets; /* of it */
+    bb_samples boxes_ms;  /* of it */
+    uint64_t random;      /* state of the shuffles */
     bb_progress *progress;
     uint32_t batch; /* rays per launch */
     bb_bench_outcome *outcome;
@@ -145,6 +155,15 @@ bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts);
 /* BB_INVALID if cells that are to be measured name a view that `scene`, asked for as `text`,
  * lacks. */
 bb_status bb_bench_check_views(const bb_bench *bench, const bb_scene *scene, const char *text);
+
+/* ---- shards (bench_shard.c) ---- */
+
+/* Which ray sets the scene, asked for as `text`, has, and which of them are of this shard. */
+bb_scene_part bb_bench_part_of(bb_bench *bench, const bb_scene *scene, const char *text);
+/* Whether ray set `number` is of this shard. */
+bool bb_bench_owns(const bb_bench *bench, uint32_t number);
+/* Whether builds of the scene at hand are measured here. */
+bool bb_bench_owns_builds(const bb_bench *bench);
 
 /* All cells of one ray set, interleaved; adds their records. */
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);

@@ -119,7 +119,8 @@ static bb_status record_builds(bb_bench *bench)
 {
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
-        if (entrant->record.status == BB_OK && entrant->record.build_ms.count == 0)
+        bool measured = entrant->record.build_ms.count > 0 || entrant->record.unmeasured;
+        if (entrant->record.status == BB_OK && !measured)
             continue; /* its turn had not come when the run was interrupted */
         if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
             bench->outcome->wrong++;
@@ -137,8 +138,9 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
     bb_cell parts = bb_bench_cell(bench);
     snprintf(parts.rays, sizeof parts.rays, "%s", spec->text);
     snprintf(parts.view, sizeof parts.view, "%s", view != NULL ? view->name : "");
-    if (!bb_bench_wants(bench, &parts))
+    if (!bb_bench_wants(bench, &parts) || !bb_bench_owns(bench, bench->set++))
         return BB_OK;
+    bench->traced_sets++;
     bb_rays_request wanted = {
         spec, view, request->width, request->height, request->max_rays, request->seed};
     bb_rays *rays = NULL;
@@ -198,7 +200,7 @@ static bb_status trace_workloads(bb_bench *bench)
 static bb_status make_pictures(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
-    if (request->picture_folder == NULL || bb_interrupted())
+    if (request->picture_folder == NULL || bb_interrupted() || !bb_bench_owns_builds(bench))
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     for (uint32_t v = 0; v < bench->scene->view_count; v++) {
@@ -265,10 +267,11 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name)
     }
     if (status == BB_OK)
         status = record_builds(bench);
-    bench->judged = 0;
+    bench->judged = bench->traced_sets = 0;
     if (status == BB_OK)
         status = trace_workloads(bench);
-    bool traced = bench->request->workload_count > 0 && !bb_interrupted();
+    bool own_sets = bench->request->shard == NULL || bench->traced_sets > 0;
+    bool traced = bench->request->workload_count > 0 && own_sets && !bb_interrupted();
     if (status == BB_OK && traced && bench->judged == 0) {
         bench->outcome->unjudged++;
         bb_progress_note(bench->progress, "%s: no answer was judged", name);

@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-enum { BB_CLI_OPTIONS_MAX = 24, BB_CLI_VALUES_MAX = 256 };
+enum { BB_CLI_OPTIONS_MAX = 32, BB_CLI_VALUES_MAX = 256 };
 
 /* The program's exit statuses. */
 enum {

@@ -2,60 +2,31 @@
 #include "framework/base/file.h"
 #include "framework/cli/charts_option.h"
 #include "framework/cli/cli.h"
+#include "framework/cli/inputs.h"
+#include "framework/history/history.h"
+#include "framework/history/trend.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
+#include "framework/report/report_history.h"
 
 #include <cjson/cJSON.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
      false},
+    {"history", "DB", "instead of files: the page of a database of runs, each cell over revisions",
+     false},
     {"table", NULL, "print the full tables; write no report unless --out is given", false},
     {"markdown", NULL, "the same, with the summary as Markdown", false},
+    {"google-benchmark", NULL, "the same, with all rounds in the JSON of Google Benchmark", false},
     {"csv", NULL, "the same, with all traces as comma-separated values", false},
     BB_CHARTS_OPTION,
     {NULL, NULL, NULL, false},
 };
-
-/* "FOLDER/NAME" into `path`. */
-static bb_status join(char path[PATH_MAX], const char *folder, const char *name)
-{
-    if (snprintf(path, PATH_MAX, "%s/%s", folder, name) >= PATH_MAX)
-        return bb_fail(BB_INVALID, "%s/%s: the path is too long", folder, name);
-    return BB_OK;
-}
-
-/* A folder stands for its results.json. */
-static bb_status input_path(const char *argument, char path[PATH_MAX])
-{
-    struct stat info;
-    if (stat(argument, &info) == 0 && S_ISDIR(info.st_mode))
-        return join(path, argument, "results.json");
-    if (snprintf(path, PATH_MAX, "%s", argument) >= PATH_MAX)
-        return bb_fail(BB_INVALID, "%.60s...: the path is too long", argument);
-    return BB_OK;
-}
-
-/* A file that was named twice would count twice. */
-static bb_status check_once(const bb_cli *cli)
-{
-    for (uint32_t i = 0; i < cli->positional_count; i++)
-        for (uint32_t k = 0; k < i; k++) {
-            char paths[2][PATH_MAX];
-            struct stat files[2];
-            BB_TRY(input_path(cli->positional[k], paths[0]));
-            BB_TRY(input_path(cli->positional[i], paths[1]));
-            if (stat(paths[0], &files[0]) == 0 && stat(paths[1], &files[1]) == 0 &&
-                files[0].st_dev == files[1].st_dev && files[0].st_ino == files[1].st_ino)
-                return bb_fail(BB_INVALID, "report: %s is given twice: leave one out", paths[1]);
-        }
-    return BB_OK;
-}
 
 /* Pictures of several inputs lie in several folders: each is told its own. */
 static bb_status locate_pictures(bb_results *results, const char *folder)
@@ -75,7 +46,7 @@ static bb_status locate_pictures(bb_results *results, const char *folder)
 static bb_status read_input(const char *argument, bb_results **results, char **folder)
 {
     char path[PATH_MAX];
-    BB_TRY(input_path(argument, path));
+    BB_TRY(bb_input_path(argument, path));
     BB_TRY(bb_results_read(path, results));
     *folder = bb_file_folder(path);
     if (*folder == NULL)
@@ -117,6 +88,8 @@ static bb_status print(const bb_cli *cli, bb_results *results, bool *only)
         status = bb_report_markdown(results, stdout);
     else if (bb_cli_value(cli, "csv") != NULL)
         status = bb_report_csv(results, stdout);
+    else if (bb_cli_value(cli, "google-benchmark") != NULL)
+        status = bb_report_benchmark(results, stdout);
     else {
         *only = false;
         status = bb_report_verdict(results, stdout);
@@ -124,8 +97,49 @@ static bb_status print(const bb_cli *cli, bb_results *results, bool *only)
     return status;
 }
 
+/* "bench.html" for "bench.db": beside it. */
+static bb_status page_of_history(const char *database, char page[PATH_MAX])
+{
+    const char *slash = strrchr(database, '/'), *dot = strrchr(database, '.');
+    bool ends = dot != NULL && (slash == NULL || dot > slash + 1) && dot > database;
+    int length = ends ? (int)(dot - database) : (int)strlen(database);
+    if (snprintf(page, PATH_MAX, "%.*s.html", length, database) >= PATH_MAX)
+        return bb_fail(BB_INVALID, "%.60s...: the path is too long", database);
+    return BB_OK;
+}
+
+static bb_status report_history(const bb_cli *cli, const char *database)
+{
+    static const char *const others[] = {"table", "markdown", "csv", "google-benchmark", "charts"};
+    char beside[PATH_MAX];
+    bb_history *history = NULL;
+    bb_trend *trends = NULL;
+    uint32_t count = 0;
+    const char *out = bb_cli_value(cli, "out");
+    if (cli->positional_count > 0)
+        return bb_fail(BB_INVALID, "report: --history is a report of its own: leave %s out",
+                       cli->positional[0]);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        if (bb_cli_value(cli, others[i]) != NULL)
+            return bb_fail(BB_INVALID, "report: --history and --%s do not go together", others[i]);
+    BB_TRY(page_of_history(database, beside));
+    BB_TRY(bb_history_open(database, false, &history));
+    bb_status status = bb_history_trends(history, &trends, &count);
+    if (status == BB_OK)
+        status = bb_report_history(trends, count, out != NULL ? out : beside);
+    if (status == BB_OK)
+        status = bb_report_history_text(trends, count, stdout);
+    if (status == BB_OK)
+        printf("\n report  %s\n", out != NULL ? out : beside);
+    bb_trends_free(trends, count);
+    bb_history_close(history);
+    return status;
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
+    if (bb_cli_value(cli, "history") != NULL)
+        return report_history(cli, bb_cli_value(cli, "history"));
     if (cli->positional_count == 0)
         return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
     bb_results *all = NULL, *more = NULL;
@@ -134,7 +148,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     const char *out = bb_cli_value(cli, "out");
     bool charts;
     BB_TRY(bb_charts_wanted(cli, &charts));
-    BB_TRY(check_once(cli));
+    BB_TRY(bb_inputs_once(cli, 0));
     bb_status status = read_input(cli->positional[0], &all, &folder);
     for (uint32_t i = 1; status == BB_OK && i < cli->positional_count; i++) {
         status = read_input(cli->positional[i], &more, &other);
@@ -149,7 +163,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = print(cli, all, &only);
     if (status == BB_OK && out == NULL && !only) {
-        status = join(beside, folder, "report.html");
+        status = bb_join_path(beside, folder, "report.html");
         out = beside;
     }
     if (status == BB_OK && out != NULL)

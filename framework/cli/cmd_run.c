@@ -6,6 +6,7 @@
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/output.h"
+#include "framework/cli/shard_option.h"
 #include "framework/report/report.h"
 #include "framework/scene/scene.h"
 
@@ -41,6 +42,8 @@ static const bb_cli_option options[] = {
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
     {"out", "DIR", "folder for results.json, report.html and pictures; default: out", false},
+    {"history", "DB", "append the run to this database (SQLite; made if there is none)", false},
+    {"shard", "I/N", "measure part I of N of the cells; see below", false},
     {"table", NULL, "print the full tables instead of the summary", false},
     {"quick", NULL, "a first look: one view, few rays, two rounds", false},
     {"no-pictures", NULL, "make no pictures", false},
@@ -202,7 +205,10 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     lists chosen = {0};
     comparison wanted = {.request.picture_folder =
                              bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL};
-    bool charts = false;
+    bool charts = false, sharded = false;
+    bb_shard shard;
+    BB_TRY(bb_shard_read(cli, &shard, &sharded));
+    wanted.request.shard = sharded ? &shard : NULL;
     wanted.telling = is_default(cli);
     BB_TRY(bb_charts_wanted(cli, &charts));
     BB_TRY(bb_load_plugins(cli));
@@ -215,6 +221,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         const bb_comparison all = {
             .cli = cli,
             .folder = folder,
+            .history = bb_cli_value(cli, "history"),
+            .shard = bb_cli_value(cli, "shard"),
             .seed = wanted.request.seed,
             .charts = charts,
             .quiet = wanted.request.quiet,
@@ -249,6 +257,13 @@ const bb_command bb_command_run = {
     .details =
         "Three embree-native:... are added as reference rows unless one is among the builders.\n"
         "--cell takes the key of a measurement: `cell` of a build or trace in results.json.\n"
+        "--history appends the run when it is done, in one transaction; whether it can be written "
+        "is\n"
+        "found out before. Interrupted runs are appended too, and marked.\n"
+        "--shard deals the cells out by ray set, so that cells that are compared by ratios stay\n"
+        "together; N shards have each cell once, and `bvhbench merge` makes one run of them:\n"
+        "  parallel -j 1 bvhbench run --shard {}/4 --out out/{} ::: 1 2 3 4; bvhbench merge "
+        "out/[1-4]\n"
         "2 to 5 --repeats give a range instead of an interval, 1 gives neither.\n"
         "A comma starts a new item of a list unless what follows it is key=value.\n"
         "Exit status 1: a cell with the intersector `exact` has more wrong answers than\n"

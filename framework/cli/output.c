@@ -8,6 +8,7 @@
 #include "framework/cli/choice.h"
 #include "framework/cli/earlier.h"
 #include "framework/device/device_private.h"
+#include "framework/history/history.h"
 #include "framework/report/report.h"
 
 #include <cjson/cJSON.h>
@@ -95,12 +96,42 @@ static bb_status print(const bb_comparison *c, bb_results *results, const places
     return BB_OK;
 }
 
+/* The first failure stays. */
+static void keep_first(bb_status status, bb_status *first, char *reason, size_t capacity)
+{
+    if (status == BB_OK || *first != BB_OK)
+        return;
+    *first = status;
+    snprintf(reason, capacity, "%s", bb_message());
+}
+
+/* After the results: what can't be appended now can be later. */
+static bb_status append_history(const bb_comparison *c, const bb_results *results, const char *json)
+{
+    bb_history *history = NULL;
+    char reason[700];
+    if (c->history == NULL)
+        return BB_OK;
+    bb_status status = bb_history_open(c->history, true, &history);
+    if (status == BB_OK)
+        status = bb_history_append(history, results);
+    bb_history_close(history);
+    if (status == BB_OK)
+        return BB_OK;
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    return bb_fail(status,
+                   "%s (the results are in %.200s: bvhbench merge %.80s --history %.100s appends "
+                   "them later)",
+                   reason, json, c->folder, c->history);
+}
+
 /* The file first: it is what must not be lost. It is written again with the time that the page and
  * the charts took. Whatever cannot be written, the answer is printed. */
 static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench_outcome *outcome)
 {
     places p;
-    char kept[1200], reason[1024];
+    char kept[1200], reason[1024], first_reason[1024];
+    bb_status first = BB_OK;
     uint32_t charts = 0;
     const bb_bench_times *times = &outcome->times;
     double start = bb_wall_ms();
@@ -116,6 +147,8 @@ static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench
             bb_fail(status, "%s (only what was printed is kept: choose another --out)", reason);
     }
     if (status == BB_OK) {
+        bb_status appended = append_history(c, results, p.json);
+        keep_first(appended, &first, first_reason, sizeof first_reason);
         status = write_views(c, results, &p, &charts);
         double ms = bb_wall_ms() - start;
         if (status == BB_OK)
@@ -130,9 +163,9 @@ static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench
         if (status == BB_OK)
             status = bb_results_write(results, p.json);
     }
-    snprintf(reason, sizeof reason, "%s", bb_message());
+    keep_first(status, &first, first_reason, sizeof first_reason);
     bb_status printed = print(c, results, &p, charts);
-    return status != BB_OK ? bb_fail(status, "%s", reason) : printed;
+    return first != BB_OK ? bb_fail(first, "%s", first_reason) : printed;
 }
 
 /* A line each; true if anything is wrong. */
@@ -185,7 +218,9 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
     bb_bystanders watch;
     BB_TRY(bb_results_create(&(bb_context){device, c->seed, command}, &results));
     bb_bystanders_start(&watch);
-    bb_status status = c->compare(c->request, device, results, &outcome);
+    bb_status status = c->shard != NULL ? bb_results_set_shard(results, c->shard) : BB_OK;
+    if (status == BB_OK)
+        status = c->compare(c->request, device, results, &outcome);
     bool measured = bb_results_section(results, "builds")->child != NULL;
     (void)bb_results_set_others(results, bb_bystanders_share(&watch));
     if (bb_interrupted()) { /* whatever failed on the way: a signal makes compilers fail */
@@ -206,11 +241,21 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
     return status;
 }
 
+/* A history that can't be written is found out before the work. */
+static bb_status try_history(const char *path)
+{
+    bb_history *history = NULL;
+    bb_status status = path != NULL ? bb_history_open(path, true, &history) : BB_OK;
+    bb_history_close(history);
+    return status;
+}
+
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
 {
     bb_device *device = NULL;
     struct stat info;
     bool there = stat(comparison->folder, &info) == 0;
+    BB_TRY(try_history(comparison->history));
     BB_TRY(bb_make_folder(comparison->folder));
     char *command = bb_cli_command_line(comparison->cli);
     bb_interrupt_catch();

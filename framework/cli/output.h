@@ -11,6 +11,8 @@
 typedef struct bb_comparison {
     const bb_cli *cli;
     const char *folder;
+    const char *history; /* database to which the run is appended; NULL: none */
+    const char *shard;   /* "2/8"; NULL: all cells */
     uint64_t seed;
     bool charts; /* as pictures too */
     bool quiet;  /* does not say on standard error what was written */
@@ -21,10 +23,11 @@ typedef struct bb_comparison {
     bb_status (*print)(const bb_results *results, FILE *out); /* the text on standard output */
 } bb_comparison;
 
-/* Makes the folder, opens the device, compares, writes results.json and report.html, draws the
- * charts, prints, and says on standard error what is wrong: then *exit_status is BB_EXIT_WRONG. Of
- * a comparison that could not be finished, what was measured is kept, and the message says where. A
- * chart that can't be drawn is said when all else is done. */
+/* Makes the folder, tries to write the history, opens the device, compares, writes results.json and
+ * report.html, draws the charts, appends to the history, prints, and says on standard error what is
+ * wrong: then *exit_status is BB_EXIT_WRONG. Of a comparison that could not be finished, what was
+ * measured is kept, and the message says where. A chart that can't be drawn is said when all else
+ * is done. */
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status);
 
 #endif

@@ -55,6 +55,10 @@ FIELD(CONTEXT_SEED, CONTEXT, "seed", "", NUMBER | TEXT | NONE, BY(bb_put_seed), 
       NULL)
 FIELD(CONTEXT_COMMAND, CONTEXT, "command", "", TEXT | NONE, C(STRING, command), AS_TEXT, "Command",
       NULL)
+FIELD(CONTEXT_SHARD, CONTEXT, "shard", "", TEXT | NONE, LATER, AS_TEXT, "Shard",
+      "which part of the cells, of how many")
+FIELD(CONTEXT_SHARDS, CONTEXT, "shards", "", TEXTS | NONE, LATER, AS_TEXT, "Merged from",
+      "shards of one run, with their hosts")
 FIELD(CONTEXT_INTERRUPTED, CONTEXT, "interrupted", "", BOOLEAN | NONE, LATER, AS_TEXT, NULL, NULL)
 
 /* ---- scenes ---- */
@@ -166,6 +170,8 @@ FIELD(BUILD_REFERENCE, BUILD, "reference", "", BOOLEAN | NONE, B(BOOL, reference
       NULL)
 FIELD(BUILD_ABOUT, BUILD, "about", "", TEXT | NONE, B(CHARS_IF_ANY, about), AS_TEXT,
       "About the tree", NULL)
+FIELD(BUILD_UNMEASURED, BUILD, "unmeasured", "", BOOLEAN | NONE, B(TRUE_IF, unmeasured), AS_TEXT,
+      NULL, NULL)
 FIELD(BUILD_RUN, BUILD, "run", "", NUMBER | NONE, LATER, AS_WHOLE, "Run", NULL)
 
 FIELD(TREE_NODES, TREE, "nodes", "", NUMBER | NONE, B(U32, tree.node_count), AS_WHOLE, "Nodes",

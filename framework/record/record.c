@@ -201,6 +201,14 @@ bb_status bb_results_set_others(bb_results *results, double processors)
     return bb_put_number(context, name, processors) ? BB_OK : no_memory();
 }
 
+bb_status bb_results_set_shard(bb_results *results, const char *shard)
+{
+    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
+    const char *name = bb_fields[BB_F_CONTEXT_SHARD].name;
+    cJSON_DeleteItemFromObjectCaseSensitive(context, name);
+    return bb_put_text(context, name, shard) ? BB_OK : no_memory();
+}
+
 bb_status bb_results_set_interrupted(bb_results *results)
 {
     cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");

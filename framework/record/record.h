@@ -70,6 +70,7 @@ typedef struct bb_build_record {
     char about[512];                         /* the builder's own words on its tree; "" for none */
     double bytes_native;                     /* reference rows: what the library booked; NAN else */
     bool reference;
+    bool unmeasured; /* built for traces of this shard alone: another shard measures the build */
 } bb_build_record;
 
 typedef struct bb_trace_record {
@@ -136,6 +137,8 @@ bb_status bb_results_set_total(bb_results *results, double build_ms, double trac
                                double total_ms);
 /* Processors that other programs kept busy meanwhile; NAN: not known. A later call replaces it. */
 bb_status bb_results_set_others(bb_results *results, double processors);
+/* Which part of the cells this is: "2/8". */
+bb_status bb_results_set_shard(bb_results *results, const char *shard);
 /* That the run was interrupted: what is there is whole, but not all that was asked for. */
 bb_status bb_results_set_interrupted(bb_results *results);
 /* A ray set that the scene does not have, and why: no hole goes unsaid. */
@@ -170,5 +173,13 @@ bb_status bb_results_read(const char *path, bb_results **out);
  * member "run", the number of that entry from 1. Times add up; the total is dropped if one of the
  * two has none. BB_INVALID if a scene of one name has two geometries. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);
+
+/* Adds shard b of a run to shard a of it, or to what was joined of it before; context "shards" then
+ * lists them. A build that one of them measured and the other only needed is there once. BB_INVALID
+ * if they are not of one run: another revision, device or seed, or a cell that both measured; `a`
+ * is of no use then. */
+bb_status bb_results_join(bb_results *a, const bb_results *b);
+/* After the last: it is no shard any more. */
+void bb_results_end_join(bb_results *results);
 
 #endif

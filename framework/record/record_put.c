@@ -96,6 +96,7 @@ typedef enum kind {
     SIZE,   /* uint32_t; 0: nobody filled it in */
     SIZE64, /* uint64_t, likewise */
     BOOL,
+    TRUE_IF, /* bool; absent if false */
     HASH,    /* uint64_t */
     STATUS,  /* bb_status, as a word */
     SAMPLES, /* bb_samples: all */
@@ -174,6 +175,8 @@ static bool put_field(cJSON *object, bb_field_id id, const void *record, const v
         return put_size(object, name, *(const uint64_t *)at);
     case BOOL:
         return bb_put(object, name, cJSON_CreateBool(*(const bool *)at));
+    case TRUE_IF:
+        return !*(const bool *)at || bb_put(object, name, cJSON_CreateTrue());
     case HASH:
         return put_hash(object, name, *(const uint64_t *)at);
     case STATUS:

@@ -6,7 +6,7 @@
 #include "framework/base/file.h"
 #include "framework/chart/chart.h"
 #include "framework/record/schema.h"
-#include "framework/report/page_text.h"
+#include "framework/report/template.h"
 #include "framework/summary/summary.h"
 
 #include <cjson/cJSON.h>
@@ -26,11 +26,11 @@ enum { PICTURE_BYTES_MAX = 16 << 20 };
  * there. */
 static char *locate_picture(const char *folder, const char *path, bool *below)
 {
-    bb_text joined = {0};
-    bb_text_string(&joined, folder);
-    bb_text_string(&joined, "/");
-    bb_text_string(&joined, path);
-    bb_text_append(&joined, "", 1);
+    bb_page_text joined = {0};
+    bb_page_append_string(&joined, folder);
+    bb_page_append_string(&joined, "/");
+    bb_page_append_string(&joined, path);
+    bb_page_append(&joined, "", 1);
     char *real = joined.failed ? NULL : realpath(joined.data, NULL);
     char *real_folder = realpath(folder, NULL);
     size_t length = real_folder != NULL ? strlen(real_folder) : 0;
@@ -43,7 +43,7 @@ static char *locate_picture(const char *folder, const char *path, bool *below)
 
 /* The picture as a data URI, or why there is none. Only PNG files below the folder of the results
  * are taken in: a result file, which may be anybody's, must not make us copy others. */
-static bool picture_source(const char *folder, const char *path, bb_text *source,
+static bool picture_source(const char *folder, const char *path, bb_page_text *source,
                            const char **missing)
 {
     bool below = false;
@@ -59,9 +59,9 @@ static bool picture_source(const char *folder, const char *path, bb_text *source
     else if (size < 8 || memcmp(data, "\x89PNG\r\n\x1a\n", 8) != 0)
         *missing = "the file is no PNG";
     if (*missing == NULL) {
-        bb_text_string(source, "data:image/png;base64,");
-        bb_text_base64(source, (const unsigned char *)data, size);
-        bb_text_append(source, "", 1);
+        bb_page_append_string(source, "data:image/png;base64,");
+        bb_page_append_base64(source, (const unsigned char *)data, size);
+        bb_page_append(source, "", 1);
     }
     free(data);
     free(real);
@@ -76,7 +76,7 @@ static char *pictures_json(const cJSON *root, const char *folder)
     cJSON *picture;
     cJSON_ArrayForEach(picture, list)
     {
-        bb_text source = {0};
+        bb_page_text source = {0};
         const char *missing;
         const cJSON *own = cJSON_GetObjectItemCaseSensitive(picture, BB_PICTURE_FOLDER);
         const char *from = folder != NULL ? folder : cJSON_GetStringValue(own);
@@ -108,7 +108,7 @@ static char *charts_json(bb_results *results)
 
 bb_status bb_report_html(bb_results *results, const char *picture_folder, const char *path)
 {
-    bb_text page = {0};
+    bb_page_text page = {0};
     bb_status status;
     char *records = bb_results_print(results, false);
     char *pictures = pictures_json(bb_results_json(results), picture_folder);

@@ -1,7 +1,7 @@
 /* The page of the atlas: a template into which style, chart library, script, figures and pictures
  * are put. */
-#include "framework/report/page_text.h"
 #include "framework/report/report.h"
+#include "framework/report/template.h"
 
 #include "framework/base/file.h"
 
@@ -28,10 +28,10 @@ static bool add_picture(cJSON *axis, const char *folder)
     snprintf(path, sizeof path, "%s/%s", folder, name);
     if (bb_file_read(path, PICTURE_BYTES_MAX, "picture", &data, &size) != BB_OK)
         return true;
-    bb_text source = {0};
-    bb_text_string(&source, "data:image/png;base64,");
-    bb_text_base64(&source, (const unsigned char *)data, size);
-    bb_text_append(&source, "", 1);
+    bb_page_text source = {0};
+    bb_page_append_string(&source, "data:image/png;base64,");
+    bb_page_append_base64(&source, (const unsigned char *)data, size);
+    bb_page_append(&source, "", 1);
     bool ok = !source.failed && cJSON_AddStringToObject(axis, "src", source.data) != NULL;
     free(source.data);
     free(data);
@@ -51,7 +51,7 @@ static char *with_pictures(const cJSON *atlas, const char *folder)
 
 bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *path)
 {
-    bb_text page = {0};
+    bb_page_text page = {0};
     char *figures = with_pictures(atlas, folder);
     if (figures == NULL)
         return bb_fail(BB_FAILED, "report %s: no memory", path);

@@ -208,7 +208,8 @@ bb_status bb_atlas_print(const bb_stress *s, FILE *out)
             "wrong answer\nof up to %u rays a set\n",
             s->request->method_count, s->axis_count, s->measured + s->taken_over, s->ms / 1e3,
             s->taken_over > 0 ? ", some of an earlier run" : "",
-            s->request->quick ? " (--quick: few values, small scenes)" : "", s->max_rays);
+            s->request->quick ? " (--quick: few values, small scenes, times not judged)" : "",
+            s->max_rays);
     for (uint32_t i = 0; i < s->axis_count; i++)
         print_axis(s, &s->axes[i], out);
     return BB_OK;

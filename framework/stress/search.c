@@ -170,6 +170,8 @@ static bb_status look_again(state *st, const double *values, uint32_t count)
 {
     bb_search *s = st->search;
     bb_wish *normal = NULL, *wish = NULL;
+    if (!s->times)
+        return BB_OK;
     bb_status status = wish_for(st, s->axis->from, &normal);
     for (uint32_t i = 0; i < count && status == BB_OK; i++)
         for (uint32_t m = 0; m < s->method_count && status == BB_OK; m++) {

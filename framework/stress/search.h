@@ -40,6 +40,7 @@ typedef struct bb_search {
     const bb_axis *axis;
     uint32_t method_count;
     uint32_t intervals, bisections; /* at most */
+    bool times;                     /* judges times too, which takes a second look */
     bb_measure_fn *measure;
     void *user;
     /* out */

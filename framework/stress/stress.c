@@ -208,7 +208,7 @@ static bb_status search_axis(bb_stress *s, bb_stress_axis *a, const char *points
                              bb_progress *progress)
 {
     const bb_stress_request *r = s->request;
-    const uint32_t quick_intervals = a->axis.intervals < 3 ? a->axis.intervals : 3;
+    const uint32_t quick_intervals = a->axis.intervals < 2 ? a->axis.intervals : 2;
     a->n = r->quick ? a->axis.quick_n : a->axis.n;
     watched w = {.progress = progress,
                  .points = {.axis = &a->axis,
@@ -227,9 +227,11 @@ static bb_status search_axis(bb_stress *s, bb_stress_axis *a, const char *points
                             .method_count = r->method_count,
                             .intervals = r->quick ? quick_intervals : a->axis.intervals,
                             .bisections = s->bisections,
+                            .times = !r->quick,
                             .measure = measure,
                             .user = &w};
-    bb_progress_stage(progress, 2 + 2 * a->search.bisections, "%s", a->axis.name);
+    bb_progress_stage(progress, (1 + a->search.times) * (1 + a->search.bisections), "%s",
+                      a->axis.name);
     bb_progress_weigh(progress, 1);
     bb_status status = bb_search_run(&a->search);
     s->measured += w.points.measured;

@@ -16,7 +16,7 @@ typedef struct bb_stress_request {
     uint32_t axis_count;
     const bb_method *methods; /* at most BB_METHODS_MAX */
     uint32_t method_count;
-    bool quick; /* small scenes, few rays, few values: shows that it works, misses rare failures */
+    bool quick; /* small scenes, few rays, few values; judges no times; misses rare failures */
     bool pictures;
     uint64_t seed;
     bb_child_limits limits; /* of one value of an axis */

@@ -35,7 +35,7 @@ cd "$(mktemp -d)"
 trap 'rm -rf "$PWD"' EXIT
 touch room.glb
 
-expect 'bvhbench ' +run +check +help +version +--help
+expect 'bvhbench ' +run +compare +merge +check +help +version +--help
 expect 'bvhbench re' render report reproduce
 expect 'bvhbench help ch' check
 expect 'bvhbench list sc' scenes
@@ -61,5 +61,13 @@ expect 'bvhbench run --metrics ep' epo
 expect 'bvhbench run --intersector exact,mo' exact,moeller
 expect 'bvhbench run --quiet --sce' --scene
 expect 'bvhbench report roo' room.glb
+expect 'bvhbench compare --fo' --format
+expect 'bvhbench compare --format ' text github
+expect 'bvhbench compare --format=gi' github
+expect 'bvhbench compare roo' room.glb
+expect 'bvhbench run --hist' --history
+expect 'bvhbench run --sha' --shard
+expect 'bvhbench report --history roo' room.glb
+expect 'bvhbench merge --' --out --history --help
 expect 'bvhbench nothing --x'
 exit $failed

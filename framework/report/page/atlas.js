@@ -163,7 +163,7 @@ function fill(id, options) {
 function start() {
   const c = atlas.context, used = [...new Set(atlas.methods.map(m => m.part))];
   $('where').textContent = `${c.revision}, ${c.device}: ${atlas.methods.length} methods on ${atlas.axes.length} axes, up to ` +
-    `${atlas.rays_per_set} rays a set, ${Math.round(atlas.ms / 1000)} s${atlas.quick ? ' (--quick: few values, small scenes)' : ''}`;
+    `${atlas.rays_per_set} rays a set, ${Math.round(atlas.ms / 1000)} s${atlas.quick ? ' (--quick: few values, small scenes, times not judged)' : ''}`;
   $('bugs').textContent = atlas.bugs === 0 ? 'No crash, no hang, no failure, and no wrong answer of what must be exact.'
     : `${atlas.bugs} bugs: a crash, a hang, a failure, or wrong answers of what must be exact.`;
   if (atlas.bugs > 0) $('bugs').firstChild.replaceWith(el('b', { class: 'bad' }, $('bugs').textContent));

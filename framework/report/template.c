@@ -1,10 +1,10 @@
-#include "framework/report/page_text.h"
+#include "framework/report/template.h"
 
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-void bb_text_append(bb_text *out, const char *data, size_t size)
+void bb_page_append(bb_page_text *out, const char *data, size_t size)
 {
     if (out->failed)
         return;
@@ -22,27 +22,27 @@ void bb_text_append(bb_text *out, const char *data, size_t size)
     out->size += size;
 }
 
-void bb_text_string(bb_text *out, const char *string)
+void bb_page_append_string(bb_page_text *out, const char *string)
 {
-    bb_text_append(out, string, strlen(string));
+    bb_page_append(out, string, strlen(string));
 }
 
 /* JSON inside <script>: a '<' can only stand in a string, where it is escaped, so that no text ends
  * the script. */
-void bb_text_json(bb_text *out, const char *json)
+static void append_json(bb_page_text *out, const char *json)
 {
     for (;;) {
         size_t plain = strcspn(json, "<");
-        bb_text_append(out, json, plain);
+        bb_page_append(out, json, plain);
         if (json[plain] == '\0')
             return;
-        bb_text_string(out, "\\u003c");
+        bb_page_append_string(out, "\\u003c");
         json += plain + 1;
     }
 }
 
 /* RFC 4648, section 4. */
-void bb_text_base64(bb_text *out, const unsigned char *data, size_t size)
+void bb_page_append_base64(bb_page_text *out, const unsigned char *data, size_t size)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < size; i += 3) {
@@ -52,26 +52,25 @@ void bb_text_base64(bb_text *out, const unsigned char *data, size_t size)
         char four[4] = {digits[bits >> 18], digits[bits >> 12 & 63],
                         left > 1 ? digits[bits >> 6 & 63] : '=',
                         left > 2 ? digits[bits & 63] : '='};
-        bb_text_append(out, four, 4);
+        bb_page_append(out, four, 4);
     }
 }
 
-/* Copies the template and puts each part in the place of its mark. The parts stand in the order of
- * the template, so that no part's content is searched for marks. */
-bb_status bb_page_fill(bb_text *page, const char *html, const bb_page_part *parts, size_t count)
+bb_status bb_page_fill(bb_page_text *page, const char *from, const bb_page_part *parts,
+                       size_t count)
 {
-    const char *rest = html;
+    const char *rest = from;
     for (size_t i = 0; i < count; i++) {
         const char *at = strstr(rest, parts[i].mark);
         if (at == NULL)
             return bb_fail(BB_FAILED, "the report's template lacks %s", parts[i].mark);
-        bb_text_append(page, rest, (size_t)(at - rest));
+        bb_page_append(page, rest, (size_t)(at - rest));
         if (parts[i].json)
-            bb_text_json(page, parts[i].content);
+            append_json(page, parts[i].content);
         else
-            bb_text_string(page, parts[i].content);
+            bb_page_append_string(page, parts[i].content);
         rest = at + strlen(parts[i].mark);
     }
-    bb_text_string(page, rest);
+    bb_page_append_string(page, rest);
     return page->failed ? bb_fail(BB_FAILED, "report: no memory for the page") : BB_OK;
 }

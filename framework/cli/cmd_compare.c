@@ -1,0 +1,257 @@
+/* bvhbench compare: what moved from one run, revision or program to another. */
+#include "framework/cli/choice.h"
+#include "framework/cli/cli.h"
+#include "framework/cli/inputs.h"
+#include "framework/cli/interleave.h"
+#include "framework/compare/compare.h"
+#include "framework/compare/family.h"
+#include "framework/history/history.h"
+#include "framework/report/report_compare.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const bb_cli_option options[] = {
+    {"run", NULL, "OLD and NEW are programs: run both in turns, in pairs, and compare", false},
+    {"rounds", "N", "with --run: pairs that count, after a discarded one; default: 10", false},
+    {"seed", "N", "with --run: decides which program begins a pair; default: 1", false},
+    {"out", "DIR", "with --run: keep all result files there; default: they are removed", false},
+    {"history", "DB", "OLD and NEW may be revisions in this database; floors are kept there",
+     false},
+    {"threshold", "PERCENT", "the least change of a time that counts; default: as measured by A/A",
+     false},
+    {"format", "F", "text, or github: Markdown for a comment; default: text", false},
+    {"quiet", NULL, "with --run: do not show progress", false},
+    {NULL, NULL, NULL, false},
+};
+
+/* What is compared, of whatever origin. */
+typedef struct inputs {
+    bb_cell_set *sets[2];
+    uint32_t counts[2];
+    bb_history *history;
+    double threshold; /* a share; NAN: not given */
+    bool github;
+} inputs;
+
+static bb_status allocate(inputs *in, uint32_t count)
+{
+    for (int k = 0; k < 2; k++) {
+        in->sets[k] = calloc(count, sizeof *in->sets[k]);
+        if (in->sets[k] == NULL)
+            return bb_fail(BB_FAILED, "compare: no memory");
+        in->counts[k] = count;
+    }
+    return BB_OK;
+}
+
+static void free_inputs(inputs *in)
+{
+    for (int k = 0; k < 2; k++) {
+        for (uint32_t i = 0; in->sets[k] != NULL && i < in->counts[k]; i++)
+            bb_cell_set_free(&in->sets[k][i]);
+        free(in->sets[k]);
+    }
+    bb_history_close(in->history);
+}
+
+static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
+{
+    bb_comparison_result result;
+    const bb_side before = {in->sets[0], in->counts[0]}, after = {in->sets[1], in->counts[1]};
+    bb_status status = bb_compare(&before, &after, in->threshold, floor, &result);
+    if (status == BB_OK)
+        status = bb_report_compare(&result, in->github, stdout);
+    *exit_status = result.worse > 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
+    bb_compare_free(&result);
+    return status;
+}
+
+/* ---- files and revisions ---- */
+
+static bb_status read_file(const char *argument, bb_cell_set *set)
+{
+    char path[PATH_MAX];
+    bb_results *results = NULL;
+    BB_TRY(bb_input_path(argument, path));
+    BB_TRY(bb_results_read(path, &results));
+    bb_status status = bb_cell_set_of_results(results, argument, set);
+    bb_results_destroy(results);
+    return status;
+}
+
+/* An argument: a file or folder if there is one of that name, else a revision. */
+typedef struct side {
+    const char *argument;
+    bool revision;
+    bb_history_entry entry;
+    uint32_t others;
+} side;
+
+static bb_status find_side(const inputs *in, const bb_origin *like, side *s)
+{
+    struct stat info;
+    s->revision = in->history != NULL && stat(s->argument, &info) != 0;
+    return s->revision ? bb_history_find(in->history, s->argument, like, &s->entry, &s->others)
+                       : BB_OK;
+}
+
+static bb_status read_side(const inputs *in, const side *s, bb_cell_set *set)
+{
+    if (!s->revision)
+        return read_file(s->argument, set);
+    if (s->others > 0)
+        fprintf(stderr, "%s was measured on %u other machines too: here it is that of %s\n",
+                s->entry.origin.revision, s->others, s->entry.origin.host);
+    return bb_history_set(in->history, &s->entry, set);
+}
+
+/* Of revisions that several machines measured, those of one machine, if there is one. */
+static bb_status read_sides(const bb_cli *cli, inputs *in)
+{
+    side before = {.argument = cli->positional[0]}, after = {.argument = cli->positional[1]};
+    BB_TRY(find_side(in, NULL, &after));
+    if (!after.revision)
+        BB_TRY(read_side(in, &after, in->sets[1]));
+    const bb_origin *like = after.revision ? &after.entry.origin : &in->sets[1]->origin;
+    BB_TRY(find_side(in, like, &before));
+    if (!before.revision)
+        BB_TRY(read_side(in, &before, in->sets[0]));
+    like = before.revision ? &before.entry.origin : &in->sets[0]->origin;
+    if (after.revision) {
+        BB_TRY(find_side(in, like, &after));
+        BB_TRY(read_side(in, &after, in->sets[1]));
+    }
+    return before.revision ? read_side(in, &before, in->sets[0]) : BB_OK;
+}
+
+static bb_status compare_files(const bb_cli *cli, inputs *in, int *exit_status)
+{
+    bb_floor floor = {.share = NAN};
+    if (cli->positional_count != 2)
+        return bb_fail(BB_INVALID, "compare: give two: result files, folders of runs%s",
+                       in->history != NULL ? ", or revisions" : "; revisions need --history");
+    BB_TRY(allocate(in, 1));
+    BB_TRY(read_sides(cli, in));
+    if (in->history != NULL)
+        BB_TRY(bb_history_floor(in->history, &in->sets[1]->origin, &floor));
+    return report(in, isfinite(floor.share) ? &floor : NULL, exit_status);
+}
+
+/* ---- programs ---- */
+
+static bb_status check_arguments(char *const *arguments, uint32_t count)
+{
+    static const char *const ours[] = {"--out", "--history", "--quiet", "--charts",
+                                       "--no-pictures"};
+    for (uint32_t i = 0; i < count; i++)
+        for (size_t k = 0; k < sizeof ours / sizeof ours[0]; k++)
+            if (strncmp(arguments[i], ours[k], strlen(ours[k])) == 0)
+                return bb_fail(BB_INVALID, "compare --run: leave %s out of the arguments of run",
+                               ours[k]);
+    return BB_OK;
+}
+
+/* What was measured of this machine serves for comparing runs by themselves later. */
+static bb_status keep_floor(inputs *in)
+{
+    bb_floor floor = {.share = NAN};
+    for (int k = 0; k < 2; k++) {
+        bb_floor one;
+        BB_TRY(bb_floor_of_runs(&(bb_side){in->sets[k], in->counts[k]}, 1, &one));
+        floor.share = fmax(floor.share, one.share);
+        floor.cells += one.cells;
+    }
+    if (!isfinite(floor.share))
+        return BB_OK;
+    if (in->history != NULL)
+        BB_TRY(bb_history_append_floor(in->history, &in->sets[1]->origin, &floor));
+    fprintf(stderr, "between two runs of one program by themselves, up to %.2f %%%s\n",
+            100 * floor.share,
+            in->history != NULL ? ": kept in the history" : ": --history DB would keep that");
+    return BB_OK;
+}
+
+static bb_status compare_programs(const bb_cli *cli, inputs *in, int *exit_status)
+{
+    uint64_t rounds, seed;
+    bool interrupted = false;
+    if (cli->positional_count < 2)
+        return bb_fail(BB_INVALID, "compare --run: give two programs, and the arguments of run "
+                                   "after --");
+    bb_interleaving wanted = {.programs = {cli->positional[0], cli->positional[1]},
+                              .arguments = cli->positional + 2,
+                              .argument_count = cli->positional_count - 2,
+                              .folder = bb_cli_value(cli, "out"),
+                              .quiet = bb_cli_value(cli, "quiet") != NULL};
+    BB_TRY(bb_cli_u64(cli, "rounds", 10, bb_family_pairs_needed(BB_COMPARE_LEVEL),
+                      BB_SAMPLES_MAX - 1, &rounds));
+    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &seed));
+    BB_TRY(check_arguments(wanted.arguments, wanted.argument_count));
+    if (wanted.folder != NULL)
+        BB_TRY(bb_make_folder(wanted.folder));
+    wanted.rounds = (uint32_t)rounds;
+    wanted.seed = seed;
+    BB_TRY(allocate(in, wanted.rounds + 1));
+    BB_TRY(bb_interleave(&wanted, in->sets, &interrupted));
+    if (interrupted) {
+        *exit_status = BB_EXIT_INTERRUPTED;
+        fprintf(stderr, "bvhbench: interrupted before all pairs were measured\n");
+        return BB_OK;
+    }
+    BB_TRY(report(in, NULL, exit_status));
+    return keep_floor(in);
+}
+
+/* ---- the command ---- */
+
+static bb_status read_options(const bb_cli *cli, bool programs, inputs *in)
+{
+    static const char *const of_programs[] = {"rounds", "seed", "out", "quiet"};
+    const char *format = bb_cli_value(cli, "format"), *history = bb_cli_value(cli, "history");
+    double percent;
+    for (size_t i = 0; i < sizeof of_programs / sizeof of_programs[0] && !programs; i++)
+        if (bb_cli_value(cli, of_programs[i]) != NULL)
+            return bb_fail(BB_INVALID, "compare: --%s needs --run", of_programs[i]);
+    if (format != NULL && strcmp(format, "text") != 0 && strcmp(format, "github") != 0)
+        return bb_fail(BB_INVALID, "--format is '%s', must be text or github", format);
+    in->github = format != NULL && strcmp(format, "github") == 0;
+    BB_TRY(bb_cli_double(cli, "threshold", NAN, 0, 1000, &percent));
+    in->threshold = percent / 100;
+    return history != NULL ? bb_history_open(history, programs, &in->history) : BB_OK;
+}
+
+static bb_status run(const bb_cli *cli, int *exit_status)
+{
+    const bool programs = bb_cli_value(cli, "run") != NULL;
+    inputs in = {.history = NULL};
+    bb_status status = read_options(cli, programs, &in);
+    if (status == BB_OK)
+        status = programs ? compare_programs(cli, &in, exit_status)
+                          : compare_files(cli, &in, exit_status);
+    free_inputs(&in);
+    return status;
+}
+
+extern const bb_command bb_command_compare;
+const bb_command bb_command_compare = {
+    .name = "compare",
+    .summary = "what moved from one run, revision or program to another; exit 1 where worse",
+    .arguments = "OLD NEW | --run BINARY_A BINARY_B [-- ARGUMENTS OF RUN]",
+    .details =
+        "OLD and NEW are result files, folders of runs, or with --history revisions; so many\n"
+        "letters of a revision as make it clear. Cells are matched by their keys.\n"
+        "A time moved if the 95 % interval of the ratio of medians excludes 1, the ratio is "
+        "beyond\n"
+        "what the same program shows against itself on that machine (A/A), and its p-value,\n"
+        "adjusted for all cells, is small: any alarm is raised in 0.2 % of comparisons of equals.\n"
+        "Pairs (--run) measure their own A/A. Two runs by themselves tell less, p is at most 1 %,\n"
+        "and the largest A/A effect is taken from the history, which `compare --run A A --history\n"
+        "DB` and two runs of one revision feed; where there is none, 10 % is assumed, and said.\n"
+        "SAH, nodes, tests per ray, bytes, wrong rays and status are compared exactly.\n"
+        "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, or a cell now fails.",
+    .options = options,
+    .run = run,
+};

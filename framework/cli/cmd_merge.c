@@ -1,0 +1,217 @@
+/* bvhbench merge: shards of a run become that run. */
+#include "framework/base/file.h"
+#include "framework/cli/choice.h"
+#include "framework/cli/cli.h"
+#include "framework/cli/earlier.h"
+#include "framework/cli/inputs.h"
+#include "framework/cli/shard_option.h"
+#include "framework/history/history.h"
+#include "framework/report/report.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const bb_cli_option options[] = {
+    {"out", "DIR", "folder for results.json, report.html and pictures; with several files: needed",
+     false},
+    {"history", "DB", "append the run to this database (SQLite; made if there is none)", false},
+    {NULL, NULL, NULL, false},
+};
+
+enum { PICTURE_BYTES_MAX = 64 << 20 };
+
+/* A file, and what it says it is part of. */
+typedef struct part {
+    const char *argument;
+    bb_results *results;
+    bb_shard shard; /* count 0: a whole run */
+} part;
+
+static const cJSON *context_of(const bb_results *results)
+{
+    return bb_results_section(results, "context");
+}
+
+static bb_status read_part(const char *argument, part *p)
+{
+    char path[PATH_MAX], what[200];
+    p->argument = argument;
+    BB_TRY(bb_input_path(argument, path));
+    BB_TRY(bb_results_read(path, &p->results));
+    const char *shard = bb_get_text(context_of(p->results), BB_F_CONTEXT_SHARD);
+    snprintf(what, sizeof what, "result file %.120s: \"shard\"", path);
+    return shard[0] != '\0' ? bb_shard_parse(shard, what, &p->shard) : BB_OK;
+}
+
+static int by_index(const void *a, const void *b)
+{
+    const part *x = a, *y = b;
+    return (x->shard.index > y->shard.index) - (x->shard.index < y->shard.index);
+}
+
+/* They are of as many, and none is there twice. */
+static bb_status check_parts(part *parts, uint32_t count)
+{
+    qsort(parts, count, sizeof *parts, by_index);
+    for (uint32_t i = 0; i < count && count > 1; i++) {
+        if (parts[i].shard.count == 0)
+            return bb_fail(BB_INVALID,
+                           "merge: %s is no shard: bvhbench report makes one report of several "
+                           "runs",
+                           parts[i].argument);
+        if (parts[i].shard.count != parts[0].shard.count)
+            return bb_fail(BB_INVALID, "merge: %s is one of %u shards, %s one of %u",
+                           parts[0].argument, parts[0].shard.count, parts[i].argument,
+                           parts[i].shard.count);
+        if (i > 0 && parts[i].shard.index == parts[i - 1].shard.index)
+            return bb_fail(BB_INVALID, "merge: %s and %s are both shard %u: leave one out",
+                           parts[i - 1].argument, parts[i].argument, parts[i].shard.index);
+    }
+    return BB_OK;
+}
+
+/* Says which are missing; true if any is. */
+static bool say_missing(const part *parts, uint32_t count)
+{
+    uint32_t wanted = parts[0].shard.count, at = 0, missing = 0;
+    for (uint32_t index = 1; index <= wanted; index++) {
+        while (at < count && parts[at].shard.index < index)
+            at++;
+        if (at < count && parts[at].shard.index == index)
+            continue;
+        if (missing++ < 20)
+            fprintf(stderr, "bvhbench: shard %u of %u is missing\n", index, wanted);
+    }
+    if (missing > 20)
+        fprintf(stderr, "bvhbench: %u shards are missing\n", missing);
+    return missing > 0;
+}
+
+/* ---- the folder ---- */
+
+/* Pictures lie beside their results: only files of a plain name are copied. One that is not there
+ * is named in the page. */
+static bb_status copy_pictures(const part *p, const char *folder)
+{
+    char path[PATH_MAX];
+    BB_TRY(bb_input_path(p->argument, path));
+    char *from = bb_file_folder(path);
+    const cJSON *picture;
+    bb_status status = from != NULL ? BB_OK : bb_fail(BB_FAILED, "merge: no memory");
+    cJSON_ArrayForEach(picture, bb_results_section(p->results, "pictures"))
+    {
+        const char *name = bb_get_text(picture, BB_F_PICTURE_PATH);
+        char source[PATH_MAX], target[PATH_MAX], *data = NULL;
+        size_t size;
+        if (status != BB_OK || strchr(name, '/') != NULL || name[0] == '.' || name[0] == '\0')
+            continue;
+        status = bb_join_path(source, from, name);
+        if (status == BB_OK)
+            status = bb_join_path(target, folder, name);
+        if (status == BB_OK &&
+            bb_file_read(source, PICTURE_BYTES_MAX, "picture", &data, &size) == BB_OK)
+            status = bb_file_write(target, data, size, "picture");
+        free(data);
+    }
+    free(from);
+    return status;
+}
+
+static bb_status write_folder(part *parts, uint32_t count, const char *folder)
+{
+    char json[PATH_MAX], html[PATH_MAX], kept[1200];
+    BB_TRY(bb_join_path(json, folder, "results.json"));
+    BB_TRY(bb_join_path(html, folder, "report.html"));
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(copy_pictures(&parts[i], folder));
+    BB_TRY(bb_keep_earlier(folder, kept, sizeof kept));
+    if (kept[0] != '\0')
+        fprintf(stderr, "moved the results that were in %s to %s\n", folder, kept);
+    BB_TRY(bb_results_write(parts[0].results, json));
+    BB_TRY(bb_report_html(parts[0].results, folder, html));
+    printf("\n report   %s\n results  %s\n", html, json);
+    return BB_OK;
+}
+
+static bb_status append(const bb_results *results, const char *path)
+{
+    bb_history *history = NULL;
+    BB_TRY(bb_history_open(path, true, &history));
+    bb_status status = bb_history_append(history, results);
+    bb_history_close(history);
+    return status;
+}
+
+/* ---- the command ---- */
+
+/* The others into the first. The pictures are copied from where each part's were. */
+static bb_status merge(const bb_cli *cli, part *parts, uint32_t count)
+{
+    const char *folder = bb_cli_value(cli, "out"), *history = bb_cli_value(cli, "history");
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(read_part(cli->positional[i], &parts[i]));
+    BB_TRY(check_parts(parts, count));
+    for (uint32_t i = 1; i < count; i++) {
+        bb_status status = bb_results_join(parts[0].results, parts[i].results);
+        if (status != BB_OK) {
+            char reason[900];
+            snprintf(reason, sizeof reason, "%s", bb_message());
+            return bb_fail(status, "merge: %.200s: %s", parts[i].argument, reason);
+        }
+    }
+    if (count > 1 && count == parts[0].shard.count)
+        bb_results_end_join(parts[0].results);
+    BB_TRY(bb_report_verdict(parts[0].results, stdout));
+    if (folder != NULL)
+        BB_TRY(write_folder(parts, count, folder));
+    return history != NULL ? append(parts[0].results, history) : BB_OK;
+}
+
+static bb_status run(const bb_cli *cli, int *exit_status)
+{
+    const uint32_t count = cli->positional_count;
+    const char *folder = bb_cli_value(cli, "out");
+    if (count == 0)
+        return bb_fail(BB_INVALID, "merge: give the result files of shards, or their folders");
+    if (folder == NULL && (count > 1 || bb_cli_value(cli, "history") == NULL))
+        return bb_fail(BB_INVALID, "merge: --out DIR says where the merged run goes");
+    BB_TRY(bb_inputs_once(cli, 0));
+    part *parts = calloc(count, sizeof *parts);
+    bb_status status = parts != NULL ? BB_OK : bb_fail(BB_FAILED, "merge: no memory");
+    if (status == BB_OK && folder != NULL)
+        status = bb_make_folder(folder);
+    if (status == BB_OK)
+        status = merge(cli, parts, count);
+    if (status == BB_OK && say_missing(parts, count))
+        *exit_status = BB_EXIT_WRONG;
+    for (uint32_t i = 0; i < count && parts != NULL; i++)
+        bb_results_destroy(parts[i].results);
+    free(parts);
+    return status;
+}
+
+extern const bb_command bb_command_merge;
+const bb_command bb_command_merge = {
+    .name = "merge",
+    .summary = "make one run of the shards of a run (run --shard)",
+    .arguments = "FILE|DIR...",
+    .details =
+        "A folder stands for its results.json. The shards must be of one program, device and "
+        "seed,\n"
+        "and no cell may be in two of them. Exit status 1: shards are missing; what is there is\n"
+        "merged. With one file and --history, appends a run that is there already.\n"
+        "\n"
+        "GNU parallel, on this machine one at a time (times need an idle machine), or on several:\n"
+        "  parallel -j 1 bvhbench run --shard {}/4 --out out/shard-{} ::: 1 2 3 4\n"
+        "  parallel -S node1,node2 --wd . -j 1 bvhbench run --shard {}/8 --out out/shard-{} ::: "
+        "{1..8}\n"
+        "A Slurm array, on nodes of one kind:\n"
+        "  sbatch --array=1-8 --exclusive --wrap \\\n"
+        "    'bvhbench run --shard $SLURM_ARRAY_TASK_ID/8 --out out/shard-$SLURM_ARRAY_TASK_ID'\n"
+        "Then:\n"
+        "  bvhbench merge out/shard-* --out out/merged --history bench.db",
+    .options = options,
+    .run = run,
+};

@@ -1,0 +1,17 @@
+/* Result files as arguments: a folder stands for its results.json. */
+#ifndef BB_INPUTS_H
+#define BB_INPUTS_H
+
+#include "framework/cli/cli.h"
+
+#include <limits.h>
+
+/* "FOLDER/NAME" into `path`. */
+bb_status bb_join_path(char path[PATH_MAX], const char *folder, const char *name);
+/* The result file that an argument names. */
+bb_status bb_input_path(const char *argument, char path[PATH_MAX]);
+/* BB_INVALID if two of the arguments from number `first` on are the same file, which would count
+ * twice. */
+bb_status bb_inputs_once(const bb_cli *cli, uint32_t first);
+
+#endif

@@ -1,0 +1,225 @@
+#include "framework/compare/cell_set.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bb_status no_memory(void)
+{
+    return bb_fail(BB_FAILED, "cells: no memory");
+}
+
+bb_status bb_cell_set_add(bb_cell_set *set, const char *key, bb_measured **cell)
+{
+    if (set->count == set->capacity) {
+        uint32_t capacity = 2 * set->capacity + 64;
+        bb_measured *grown = realloc(set->cells, capacity * sizeof *grown);
+        if (grown == NULL)
+            return no_memory();
+        set->cells = grown;
+        set->capacity = capacity;
+    }
+    *cell = &set->cells[set->count];
+    memset(*cell, 0, sizeof **cell);
+    (*cell)->key = strdup(key);
+    if ((*cell)->key == NULL)
+        return no_memory();
+    set->count++;
+    return BB_OK;
+}
+
+bb_status bb_measured_add_figure(bb_measured *cell, const char *name, double value)
+{
+    bb_exact_figure *grown =
+        realloc(cell->figures, (cell->figure_count + 1) * sizeof *cell->figures);
+    if (grown == NULL)
+        return no_memory();
+    cell->figures = grown;
+    snprintf(grown[cell->figure_count].name, BB_FIGURE_NAME, "%s", name);
+    grown[cell->figure_count++].value = value;
+    return BB_OK;
+}
+
+double bb_measured_figure(const bb_measured *cell, const char *name)
+{
+    for (uint32_t i = 0; i < cell->figure_count; i++)
+        if (strcmp(cell->figures[i].name, name) == 0)
+            return cell->figures[i].value;
+    return NAN;
+}
+
+/* ---- from a result document ---- */
+
+static const bb_field_id of_builds[] = {BB_F_TREE_NODES,     BB_F_TREE_LEAVES, BB_F_TREE_REFS,
+                                        BB_F_TREE_ARITY,     BB_F_TREE_DEPTH,  BB_F_TREE_BYTES,
+                                        BB_F_TREE_BYTES_PEAK};
+static const bb_field_id of_traces[] = {
+    BB_F_TRACE_COUNT,         BB_F_TRACE_STACK,       BB_F_TRACE_NODE_TESTS,
+    BB_F_TRACE_PRIM_TESTS,    BB_F_TRACE_UNLIKE,      BB_F_ACCURACY_MISSED,
+    BB_F_ACCURACY_FALSE,      BB_F_ACCURACY_WRONG_T,  BB_F_ACCURACY_UNWRITTEN,
+    BB_F_ACCURACY_OVERFLOWED, BB_F_ACCURACY_T_ULP_MAX};
+
+static bb_status add_fields(bb_measured *cell, const cJSON *entry, const bb_field_id *fields,
+                            size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        double value = bb_get_number(entry, fields[i]);
+        if (isfinite(value))
+            BB_TRY(bb_measured_add_figure(cell, bb_fields[fields[i]].name, value));
+    }
+    return BB_OK;
+}
+
+/* Of the tree as built, and of the layouts as traced. */
+static bb_status add_metrics(bb_measured *cell, const cJSON *build)
+{
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        char name[BB_METRIC_FIELD], full[BB_FIGURE_NAME];
+        double value = bb_get_metric(build, bb_metrics[i]);
+        if (isfinite(value))
+            BB_TRY(bb_measured_add_figure(cell, bb_metrics[i]->name, value));
+        snprintf(name, sizeof name, "layouts_%s", bb_metrics[i]->name);
+        const cJSON *layout;
+        cJSON_ArrayForEach(layout, cJSON_GetObjectItemCaseSensitive(build, name))
+        {
+            if (!cJSON_IsNumber(layout) || !isfinite(layout->valuedouble))
+                continue;
+            snprintf(full, sizeof full, "%.40s %.60s", name, layout->string);
+            BB_TRY(bb_measured_add_figure(cell, full, layout->valuedouble));
+        }
+    }
+    return BB_OK;
+}
+
+static void copy(char *to, size_t capacity, const char *text)
+{
+    snprintf(to, capacity, "%s", text);
+}
+
+static bb_status add_entry(bb_cell_set *set, const bb_results *results, const cJSON *entry,
+                           bool trace)
+{
+    const char *key = bb_get_text(entry, trace ? BB_F_TRACE_CELL : BB_F_BUILD_CELL);
+    const cJSON *scene =
+        bb_results_scene(results, bb_get_text(entry, trace ? BB_F_TRACE_SCENE : BB_F_BUILD_SCENE));
+    bb_measured *cell;
+    if (key[0] == '\0') {
+        set->unnamed++;
+        return BB_OK;
+    }
+    BB_TRY(bb_cell_set_add(set, key, &cell));
+    cell->trace = trace;
+    cell->reference = bb_get_true(entry, trace ? BB_F_TRACE_REFERENCE : BB_F_BUILD_REFERENCE);
+    copy(cell->status, sizeof cell->status, bb_get_text(entry, BB_F_TRACE_STATUS));
+    copy(cell->scene_hash, sizeof cell->scene_hash, bb_get_text(scene, BB_F_SCENE_HASH));
+    if (!bb_get_samples(entry, trace ? BB_F_TRACE_MS : BB_F_BUILD_MS, &cell->ms))
+        cell->ms.count = 0;
+    if (trace) {
+        copy(cell->rays_hash, sizeof cell->rays_hash, bb_get_text(entry, BB_F_TRACE_RAYS_HASH));
+        return add_fields(cell, entry, of_traces, sizeof of_traces / sizeof of_traces[0]);
+    }
+    BB_TRY(add_fields(cell, scene, (bb_field_id[]){BB_F_SCENE_PRIMS}, 1));
+    BB_TRY(add_fields(cell, entry, of_builds, sizeof of_builds / sizeof of_builds[0]));
+    return add_metrics(cell, entry);
+}
+
+static void read_origin(const bb_results *results, const char *what, bb_origin *origin)
+{
+    const cJSON *context = bb_results_section(results, "context");
+    const cJSON *seed = bb_get(context, BB_F_CONTEXT_SEED);
+    copy(origin->what, sizeof origin->what, what);
+    copy(origin->date, sizeof origin->date, bb_get_text(context, BB_F_CONTEXT_DATE));
+    copy(origin->revision, sizeof origin->revision, bb_get_text(context, BB_F_CONTEXT_REVISION));
+    copy(origin->host, sizeof origin->host, bb_get_text(context, BB_F_CONTEXT_HOST));
+    copy(origin->cpu, sizeof origin->cpu, bb_get_text(context, BB_F_CONTEXT_CPU));
+    copy(origin->device, sizeof origin->device, bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    copy(origin->driver, sizeof origin->driver, bb_get_text(context, BB_F_CONTEXT_DRIVER));
+    copy(origin->embree, sizeof origin->embree,
+         bb_json_text(bb_get(context, BB_F_CONTEXT_EMBREE), "version"));
+    copy(origin->shard, sizeof origin->shard, bb_get_text(context, BB_F_CONTEXT_SHARD));
+    origin->interrupted = bb_get_true(context, BB_F_CONTEXT_INTERRUPTED);
+    if (cJSON_IsNumber(seed))
+        snprintf(origin->seed, sizeof origin->seed, "%.0f", seed->valuedouble);
+    else
+        copy(origin->seed, sizeof origin->seed, bb_get_text(context, BB_F_CONTEXT_SEED));
+}
+
+bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set)
+{
+    const cJSON *entry;
+    memset(set, 0, sizeof *set);
+    read_origin(results, what, &set->origin);
+    cJSON_ArrayForEach(entry, bb_results_section(results, "builds"))
+    {
+        if (!bb_get_true(entry, BB_F_BUILD_UNMEASURED))
+            BB_TRY(add_entry(set, results, entry, false));
+    }
+    cJSON_ArrayForEach(entry, bb_results_section(results, "traces"))
+    {
+        BB_TRY(add_entry(set, results, entry, true));
+    }
+    bb_cell_set_sort(set);
+    return BB_OK;
+}
+
+/* ---- by key ---- */
+
+static int by_key(const void *a, const void *b)
+{
+    return strcmp(((const bb_measured *)a)->key, ((const bb_measured *)b)->key);
+}
+
+/* Of one key the one that was added first comes first. */
+static int by_key_and_place(const void *a, const void *b)
+{
+    const bb_measured *x = a, *y = b;
+    int order = by_key(x, y);
+    return order != 0 ? order : (x->place > y->place) - (x->place < y->place);
+}
+
+static void free_measured(bb_measured *cell)
+{
+    free(cell->key);
+    free(cell->figures);
+}
+
+void bb_cell_set_sort(bb_cell_set *set)
+{
+    for (uint32_t i = 0; i < set->count; i++)
+        set->cells[i].place = i;
+    qsort(set->cells, set->count, sizeof *set->cells, by_key_and_place);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < set->count; i++) {
+        if (kept > 0 && strcmp(set->cells[kept - 1].key, set->cells[i].key) == 0) {
+            free_measured(&set->cells[i]);
+            set->duplicates++;
+        } else {
+            set->cells[kept++] = set->cells[i];
+        }
+    }
+    set->count = kept;
+}
+
+const bb_measured *bb_cell_set_find(const bb_cell_set *set, const char *key)
+{
+    const bb_measured wanted = {.key = (char *)(uintptr_t)key};
+    return set->count == 0 ? NULL
+                           : bsearch(&wanted, set->cells, set->count, sizeof *set->cells, by_key);
+}
+
+void bb_cell_set_free(bb_cell_set *set)
+{
+    for (uint32_t i = 0; i < set->count; i++)
+        free_measured(&set->cells[i]);
+    free(set->cells);
+    memset(set, 0, sizeof *set);
+}
+
+bool bb_same_machine(const bb_origin *a, const bb_origin *b, bool *host)
+{
+    *host = strcmp(a->host, b->host) == 0;
+    return strcmp(a->cpu, b->cpu) == 0 && strcmp(a->device, b->device) == 0 &&
+           strcmp(a->driver, b->driver) == 0;
+}

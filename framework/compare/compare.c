@@ -1,0 +1,331 @@
+#include "framework/compare/compare.h"
+
+#include "framework/compare/family.h"
+#include "framework/compare/figures.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_ok(const bb_measured *cell)
+{
+    return strcmp(cell->status, "ok") == 0;
+}
+
+static bb_status add_move(bb_comparison_result *result, const bb_move *move)
+{
+    if (result->move_count == result->move_capacity) {
+        uint32_t capacity = 2 * result->move_capacity + 64;
+        bb_move *grown = realloc(result->moves, capacity * sizeof *grown);
+        if (grown == NULL)
+            return bb_fail(BB_FAILED, "comparison: no memory");
+        result->moves = grown;
+        result->move_capacity = capacity;
+    }
+    result->moves[result->move_count++] = *move;
+    result->worse += move->verdict == BB_WORSE && move->counts;
+    return BB_OK;
+}
+
+static bb_move start_move(const bb_measured *before, const bb_measured *after, const char *what)
+{
+    bb_move move = {.before = before,
+                    .after = after,
+                    .from = NAN,
+                    .to = NAN,
+                    .effect = {NAN, NAN, NAN},
+                    .p = NAN,
+                    .counts = !before->reference && !after->reference};
+    snprintf(move.what, sizeof move.what, "%s", what);
+    return move;
+}
+
+/* ---- exact figures ---- */
+
+typedef struct range {
+    double low, high; /* NAN: no set has it */
+} range;
+
+/* Of all runs of a side: a figure that no clock decides has one value, unless a builder is not
+ * deterministic. */
+static range range_of(const bb_side *side, const char *key, const char *name)
+{
+    range r = {NAN, NAN};
+    for (uint32_t i = 0; i < side->count; i++) {
+        const bb_measured *cell = bb_cell_set_find(&side->sets[i], key);
+        double value = cell != NULL ? bb_measured_figure(cell, name) : (double)NAN;
+        r.low = fmin(r.low, value); /* a NAN gives way */
+        r.high = fmax(r.high, value);
+    }
+    return r;
+}
+
+static bb_status compare_figure(bb_comparison_result *result, const bb_measured *before,
+                                const bb_measured *after, const char *name)
+{
+    range a = range_of(&result->before, before->key, name);
+    range b = range_of(&result->after, before->key, name);
+    if (isnan(a.low) || isnan(b.low)) {
+        result->one_sided++;
+        return BB_OK;
+    }
+    if (!(b.low > a.high) && !(b.high < a.low))
+        return BB_OK;
+    bool more = b.low > a.high;
+    bb_move move = start_move(before, after, name);
+    move.from = more ? a.high : a.low; /* the least that it moved */
+    move.to = more ? b.low : b.high;
+    move.effect.ratio = move.from != 0 ? move.to / move.from : (double)NAN;
+    move.verdict = bb_figure_sense_of(name) == BB_FIGURE_NEUTRAL ? BB_CHANGED
+                   : more                                        ? BB_WORSE
+                                                                 : BB_BETTER;
+    return add_move(result, &move);
+}
+
+static bb_status compare_figures(bb_comparison_result *result, const bb_measured *before,
+                                 const bb_measured *after)
+{
+    for (uint32_t i = 0; i < before->figure_count; i++)
+        BB_TRY(compare_figure(result, before, after, before->figures[i].name));
+    for (uint32_t i = 0; i < after->figure_count; i++)
+        if (isnan(bb_measured_figure(before, after->figures[i].name)))
+            BB_TRY(compare_figure(result, before, after, after->figures[i].name));
+    return BB_OK;
+}
+
+/* False if the cell failed or was refused on one side, or on both. */
+static bb_status compare_status(bb_comparison_result *result, const bb_measured *before,
+                                const bb_measured *after, bool *both_ok)
+{
+    *both_ok = is_ok(before) && is_ok(after);
+    result->faulty += !*both_ok;
+    if (strcmp(before->status, after->status) == 0)
+        return BB_OK;
+    bb_move move = start_move(before, after, "status");
+    move.verdict = is_ok(before) ? BB_WORSE : is_ok(after) ? BB_BETTER : BB_CHANGED;
+    return add_move(result, &move);
+}
+
+/* ---- times ---- */
+
+/* A cell whose times are compared. */
+typedef struct timing {
+    const bb_measured *before, *after;
+    double from, to;
+    bb_effect effect;
+    double own; /* of pairs: its effect against itself; NAN: not known, or not asked for */
+} timing;
+
+/* Without the discarded round. */
+static void take_logarithms(const bb_samples *ms, bb_samples *out)
+{
+    for (uint32_t i = ms->count > 1 ? 1 : 0; i < ms->count; i++)
+        bb_samples_add(out, log(ms->values[i]));
+}
+
+static void time_runs(timing *t, bb_family_row *row)
+{
+    t->own = NAN;
+    t->effect = bb_effect_of_runs(&t->before->ms, &t->after->ms);
+    t->from = bb_samples_median(&t->before->ms);
+    t->to = bb_samples_median(&t->after->ms);
+    take_logarithms(&t->before->ms, &row->before);
+    take_logarithms(&t->after->ms, &row->after);
+}
+
+static void time_pairs(const bb_comparison_result *result, timing *t, bb_family_row *row)
+{
+    bb_samples from = {0}, to = {0}, ratios = {0};
+    for (uint32_t i = 0; i < result->before.count; i++) {
+        const bb_measured *a = bb_cell_set_find(&result->before.sets[i], t->before->key);
+        const bb_measured *b = bb_cell_set_find(&result->after.sets[i], t->before->key);
+        double ratio = bb_ratio_of_medians(a, b);
+        if (i > 0)
+            bb_samples_add(&row->before, log(ratio)); /* NAN holds the place of a missing one */
+        if (!isfinite(ratio) && i > 0)
+            continue;
+        bb_samples_add(&ratios, isfinite(ratio) ? ratio : 1);
+        bb_samples_add(&from, isfinite(ratio) ? bb_samples_median(&a->ms) : 1);
+        bb_samples_add(&to, isfinite(ratio) ? bb_samples_median(&b->ms) : 1);
+    }
+    t->own = result->given ? (double)NAN
+                           : bb_floor_of_cell(&result->before, &result->after, t->before->key);
+    t->effect = bb_effect_of_pairs(&ratios);
+    t->from = bb_samples_median(&from);
+    t->to = bb_samples_median(&to);
+}
+
+double bb_compare_level(const bb_comparison_result *result)
+{
+    return result->pairs ? BB_COMPARE_LEVEL : BB_COMPARE_LEVEL_OF_RUNS;
+}
+
+/* By the rule of README.md. */
+static bb_status judge_time(bb_comparison_result *result, const timing *t, const bb_family_row *row)
+{
+    const bb_effect *e = &t->effect;
+    bool slower = e->ratio > 1;
+    if (!isfinite(e->low)) {
+        result->untold++;
+        return BB_OK;
+    }
+    double p = slower ? row->p_up : row->p_down;
+    double floor = fmax(result->floor.share, t->own); /* a NAN gives way */
+    if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) ||
+        p > bb_compare_level(result))
+        return BB_OK;
+    bb_move move = start_move(t->before, t->after, t->before->trace ? "trace ms" : "build ms");
+    move.timed = true;
+    move.from = t->from;
+    move.to = t->to;
+    move.effect = *e;
+    move.p = p;
+    move.verdict = slower ? BB_WORSE : BB_BETTER;
+    return add_move(result, &move);
+}
+
+static int rising(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static bb_status compare_times(bb_comparison_result *result, timing *timings, uint32_t count)
+{
+    bb_family_row *rows = calloc(count + 1, sizeof *rows);
+    result->ratios = calloc(count + 1, sizeof *result->ratios);
+    bb_status status = BB_OK;
+    if (rows == NULL || result->ratios == NULL)
+        status = bb_fail(BB_FAILED, "comparison: no memory");
+    for (uint32_t i = 0; i < count && status == BB_OK; i++) {
+        if (result->pairs)
+            time_pairs(result, &timings[i], &rows[i]);
+        else
+            time_runs(&timings[i], &rows[i]);
+        if (isfinite(timings[i].effect.ratio))
+            result->ratios[result->ratio_count++] = timings[i].effect.ratio;
+    }
+    if (status == BB_OK)
+        qsort(result->ratios, result->ratio_count, sizeof *result->ratios, rising);
+    if (status == BB_OK)
+        status = result->pairs ? bb_family_of_pairs(rows, count) : bb_family_of_runs(rows, count);
+    for (uint32_t i = 0; i < count && status == BB_OK; i++)
+        status = judge_time(result, &timings[i], &rows[i]);
+    result->timed = count;
+    free(rows);
+    return status;
+}
+
+/* ---- all of it ---- */
+
+static bb_status set_floor(bb_comparison_result *result, double threshold, const bb_floor *known)
+{
+    bb_floor *floor = &result->floor;
+    if (isfinite(threshold)) {
+        *floor = (bb_floor){.share = threshold, .from = "--threshold"};
+        result->given = true;
+        return BB_OK;
+    }
+    if (result->pairs)
+        BB_TRY(bb_floor_of_pairs(&result->before, &result->after, floor));
+    else if (known != NULL)
+        *floor = *known;
+    else
+        floor->share = NAN;
+    if (isfinite(floor->share))
+        return BB_OK;
+    floor->share = BB_COMPARE_FLOOR_UNKNOWN;
+    snprintf(floor->from, sizeof floor->from,
+             "assumed: no run of one program against itself (A/A) is known of this machine");
+    return BB_OK;
+}
+
+static void count_only(bb_comparison_result *result)
+{
+    const bb_cell_set *a = &result->before.sets[0], *b = &result->after.sets[0];
+    for (uint32_t i = 0; i < a->count; i++)
+        result->only_before += bb_cell_set_find(b, a->cells[i].key) == NULL;
+    result->only_after = b->count - (a->count - result->only_before);
+    result->common = a->count - result->only_before;
+}
+
+static bb_status compare_cells(bb_comparison_result *result)
+{
+    const bb_cell_set *a = &result->before.sets[0], *b = &result->after.sets[0];
+    timing *timings = calloc(result->common + 1, sizeof *timings);
+    uint32_t count = 0;
+    bb_status status = timings != NULL ? BB_OK : bb_fail(BB_FAILED, "comparison: no memory");
+    for (uint32_t i = 0; i < a->count && status == BB_OK; i++) {
+        const bb_measured *before = &a->cells[i], *after = bb_cell_set_find(b, before->key);
+        bool both_ok = true;
+        if (after == NULL)
+            continue;
+        if (!bb_same_input(before, after)) {
+            result->unlike++;
+            continue;
+        }
+        status = compare_status(result, before, after, &both_ok);
+        if (status != BB_OK || !both_ok)
+            continue;
+        status = compare_figures(result, before, after);
+        if (!result->machines_differ && before->ms.count > 0 && after->ms.count > 0)
+            timings[count++] = (timing){.before = before, .after = after};
+    }
+    if (status == BB_OK)
+        status = compare_times(result, timings, count);
+    free(timings);
+    return status;
+}
+
+static double size_of(const bb_move *move)
+{
+    return isfinite(move->effect.ratio) && move->effect.ratio > 0 ? fabs(log(move->effect.ratio))
+                                                                  : INFINITY;
+}
+
+/* What is worse and counts first, then what is worse of references, better, changed. */
+static int worst_first(const void *left, const void *right)
+{
+    const bb_move *a = left, *b = right;
+    int ranks[] = {2 * (int)a->verdict + !a->counts, 2 * (int)b->verdict + !b->counts};
+    double sizes[] = {size_of(a), size_of(b)};
+    if (ranks[0] != ranks[1])
+        return ranks[0] < ranks[1] ? -1 : 1;
+    if (sizes[0] != sizes[1])
+        return sizes[0] > sizes[1] ? -1 : 1;
+    int order = strcmp(a->before->key, b->before->key);
+    return order != 0 ? order : strcmp(a->what, b->what);
+}
+
+bb_status bb_compare(const bb_side *before, const bb_side *after, double threshold,
+                     const bb_floor *floor, bb_comparison_result *result)
+{
+    *result = (bb_comparison_result){.before = *before, .after = *after};
+    const bb_origin *a = &before->sets[0].origin, *b = &after->sets[0].origin;
+    bool host;
+    result->pairs = before->count > 1;
+    result->machines_differ = !bb_same_machine(a, b, &host);
+    result->hosts_differ = !host;
+    count_only(result);
+    if (result->common == 0)
+        return bb_fail(BB_INVALID, "%s and %s have no cell in common: nothing to compare", a->what,
+                       b->what);
+    BB_TRY(set_floor(result, threshold, floor));
+    BB_TRY(compare_cells(result));
+    if (result->move_count > 0)
+        qsort(result->moves, result->move_count, sizeof *result->moves, worst_first);
+    return BB_OK;
+}
+
+double bb_compare_typical(const bb_comparison_result *result)
+{
+    return result->ratio_count > 0 ? result->ratios[result->ratio_count / 2] : (double)NAN;
+}
+
+void bb_compare_free(bb_comparison_result *result)
+{
+    free(result->moves);
+    free(result->ratios);
+    memset(result, 0, sizeof *result);
+}

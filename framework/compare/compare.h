@@ -1,0 +1,98 @@
+/* The comparison of two programs, or revisions, by the cells that both measured: README.md has the
+ * rule. */
+#ifndef BB_COMPARE_H
+#define BB_COMPARE_H
+
+#include "framework/compare/cell_set.h"
+#include "framework/compare/effect.h"
+
+/* The chance that any cell of a comparison of equals in pairs is called slower. Six rounds against
+ * six cannot show that much: for runs by themselves, where the floor decides, it is less strict. */
+#define BB_COMPARE_LEVEL 0.002
+#define BB_COMPARE_LEVEL_OF_RUNS 0.01
+/* Of the floor: what nobody would call a change, and what stands where no A/A is known. */
+#define BB_COMPARE_FLOOR_LEAST 0.01
+#define BB_COMPARE_FLOOR_UNKNOWN 0.10
+
+/* One side of a comparison: the set of one run, or as many as there are pairs, the first of which
+ * does not count. All are sorted. */
+typedef struct bb_side {
+    const bb_cell_set *sets;
+    uint32_t count;
+} bb_side;
+
+/* An effect that a program showed against itself, as a share: 0.02 for 2 %. */
+typedef struct bb_floor {
+    double share;   /* NAN: there is none */
+    uint32_t cells; /* of which it was taken */
+    char from[200]; /* in words */
+} bb_floor;
+
+typedef enum bb_verdict {
+    BB_WORSE,
+    BB_BETTER,
+    BB_CHANGED, /* an exact figure for which more is neither */
+} bb_verdict;
+
+/* Something that moved. */
+typedef struct bb_move {
+    const bb_measured *before, *after;
+    char what[BB_FIGURE_NAME]; /* "build ms", "trace ms", "status", or an exact figure's name */
+    bool timed;
+    double from, to;  /* medians in ms, or the figure; NAN of a status */
+    bb_effect effect; /* of an exact figure: its ratio, NAN if it was 0 */
+    double p;         /* of a time: adjusted for all cells */
+    bb_verdict verdict;
+    bool counts; /* for the exit: not of a reference */
+} bb_move;
+
+typedef struct bb_comparison_result {
+    bb_side before, after;
+    bool pairs;
+    bool given; /* the floor, as a threshold */
+    bb_floor floor;
+    uint32_t common; /* cells in both */
+    uint32_t timed;  /* of those, cells whose times could be compared */
+    uint32_t untold; /* of those, cells with too few rounds for an interval */
+    uint32_t unlike; /* cells with other geometry or other rays: nothing of them is compared */
+    uint32_t faulty; /* cells that are not ok on both sides */
+    bool machines_differ, hosts_differ; /* the former: no times are compared */
+    uint32_t only_before, only_after;
+    uint32_t one_sided; /* figures that only one side has */
+    bb_move *moves;     /* worst first: what is worse, better, changed; each by size */
+    uint32_t move_count, move_capacity;
+    uint32_t worse; /* that count */
+    double *ratios; /* of the times that were compared, rising */
+    uint32_t ratio_count;
+} bb_comparison_result;
+
+/* Compares. Both sides have one set, or equally many of at least 2 pairs. `threshold` replaces the
+ * floor (a share; NAN: not given); else `floor` is that of runs by themselves if one is known
+ * (NULL: none), and pairs measure their own. The result points into the sides. BB_INVALID if they
+ * have no cell in common. Release with bb_compare_free(), also after a failure. */
+bb_status bb_compare(const bb_side *before, const bb_side *after, double threshold,
+                     const bb_floor *floor, bb_comparison_result *result);
+void bb_compare_free(bb_comparison_result *result);
+
+/* The median of the cells' ratios of times; NAN if there are none. */
+double bb_compare_typical(const bb_comparison_result *result);
+
+/* The level of the p-values. */
+double bb_compare_level(const bb_comparison_result *result);
+
+/* ---- floors (floor.c) ---- */
+
+/* Of pairs: a cell on each side against itself, from one pair to the next. NAN: not known. */
+double bb_floor_of_cell(const bb_side *before, const bb_side *after, const char *key);
+/* The median of that over all cells. */
+bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor);
+/* Of runs by themselves, the largest effect of any cell whose interval excludes 1: each set against
+ * the next one; `first` is the first that counts. */
+bb_status bb_floor_of_runs(const bb_side *runs, uint32_t first, bb_floor *floor);
+
+/* The ratio of the medians of a cell, after by before; NAN if one has none or is not ok. */
+double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after);
+/* Whether both are of the same scene and the same rays. */
+bool bb_same_input(const bb_measured *a, const bb_measured *b);
+
+#endif

@@ -1,0 +1,252 @@
+/* The maximum over all cells, by permutation: Westfall and Young, Resampling-Based Multiple
+ * Testing, 1993.
+ *
+ *     for each exchange of labels (the one that was measured first):
+ *         largest[exchange] = max over cells of the cell's statistic under the exchange
+ *     p(cell) = share of exchanges with largest[exchange] >= the cell's statistic as measured
+ *
+ * An exchange is the same for all cells: of pairs, the signs of some rounds' log ratios; of two
+ * runs, which rounds are called whose. If the labels say nothing, the measured one is as likely as
+ * any other to have the largest maximum, so P(any p <= level) <= level, however cells depend on
+ * each other and however the noise is distributed.
+ *
+ * The statistic: mean / sqrt(spread^2 + s0^2), where s0 is the median spread of all cells, so that
+ * no cell has a large statistic by chance of a small spread (Tusher, Tibshirani, Chu, PNAS 98,
+ * 2001). Values far from the centre are drawn in to three times the median distance. Spread and
+ * centre are those of all values of a cell, which no exchange changes. */
+#include "framework/compare/family.h"
+
+#include "framework/base/random.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    EXCHANGES = 2048,
+    ALL_SIGNS = 11, /* up to so many pairs, all exchanges are taken */
+    VALUES = 2 * BB_SAMPLES_MAX,
+};
+
+uint32_t bb_family_pairs_needed(double level)
+{
+    uint32_t pairs = 1;
+    while (ldexp(1, -(int)pairs) > level)
+        pairs++;
+    return pairs;
+}
+
+/* ---- a cell's values ---- */
+
+typedef struct row {
+    uint32_t first, count; /* values: of the first label, of all */
+    float values[VALUES];
+    double spread, scale;
+} row;
+
+static int compare(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *values, uint32_t count)
+{
+    if (count == 0)
+        return 0;
+    qsort(values, count, sizeof *values, compare);
+    return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
+}
+
+/* Draws `values`, as distances from `centre`, in; a value that is missing is at the centre. */
+static void draw_in(row *r, const double *values, double centre)
+{
+    double sorted[VALUES], sum = 0;
+    uint32_t known = 0;
+    for (uint32_t i = 0; i < r->count; i++)
+        if (isfinite(values[i]))
+            sorted[known++] = fabs(values[i] - centre);
+    double most = 3 * median(sorted, known);
+    for (uint32_t i = 0; i < r->count; i++) {
+        double v = isfinite(values[i]) ? values[i] - centre : 0;
+        r->values[i] = (float)fmax(-most, fmin(most, v));
+        sum += (double)r->values[i] * r->values[i];
+    }
+    r->spread = known > 0 ? sqrt(sum / known) : 0;
+}
+
+static void prepare_pairs(row *r, const bb_family_row *from)
+{
+    r->first = r->count = from->before.count;
+    draw_in(r, from->before.values, 0);
+}
+
+static void prepare_runs(row *r, const bb_family_row *from)
+{
+    double values[VALUES], sorted[VALUES];
+    uint32_t known = 0;
+    r->first = from->before.count;
+    r->count = r->first + from->after.count;
+    memcpy(values, from->before.values, r->first * sizeof *values);
+    memcpy(values + r->first, from->after.values, from->after.count * sizeof *values);
+    for (uint32_t i = 0; i < r->count; i++)
+        if (isfinite(values[i]))
+            sorted[known++] = values[i];
+    draw_in(r, values, median(sorted, known));
+}
+
+/* Sets each row's scale: what its mean is divided by; 0 where all values are the same. */
+static bb_status scale(row *rows, uint32_t count)
+{
+    double *spreads = calloc(count + 1, sizeof *spreads);
+    uint32_t known = 0;
+    if (spreads == NULL)
+        return bb_fail(BB_FAILED, "comparison: no memory");
+    for (uint32_t i = 0; i < count; i++)
+        if (rows[i].count > 0)
+            spreads[known++] = rows[i].spread;
+    double usual = median(spreads, known);
+    for (uint32_t i = 0; i < count; i++)
+        rows[i].scale = hypot(rows[i].spread, usual);
+    free(spreads);
+    return BB_OK;
+}
+
+/* ---- exchanges ---- */
+
+/* sign[i]: +1 or -1. Number 0 is what was measured. Of pairs: the ratio's own sign or the other; of
+ * runs: the label. */
+static void signs_of_pairs(uint32_t exchange, uint32_t count, float *sign)
+{
+    bb_random random = bb_random_make(exchange, count);
+    for (uint32_t i = 0; i < count; i++) {
+        bool flip = count <= ALL_SIGNS ? exchange >> i & 1 : bb_random_u64(&random) >> 63;
+        sign[i] = flip && exchange > 0 ? -1 : 1;
+    }
+}
+
+static void signs_of_runs(uint32_t exchange, uint32_t first, uint32_t count, float *sign)
+{
+    bb_random random = bb_random_make(exchange, (uint64_t)first << 32 | count);
+    for (uint32_t i = 0; i < count; i++)
+        sign[i] = i < first ? -1 : 1;
+    for (uint32_t i = count; i > 1 && exchange > 0; i--) {
+        uint32_t k = bb_random_below(&random, i);
+        float swapped = sign[k];
+        sign[k] = sign[i - 1];
+        sign[i - 1] = swapped;
+    }
+}
+
+static double statistic(const row *r, const float *sign, bool pairs)
+{
+    double before = 0, after = 0;
+    if (r->count == 0 || !(r->scale > 0))
+        return 0;
+    for (uint32_t i = 0; i < r->count; i++) {
+        double v = (double)r->values[i];
+        if (pairs)
+            after += sign[i] * v;
+        else if (sign[i] < 0)
+            before += v;
+        else
+            after += v;
+    }
+    if (pairs)
+        return after / (r->count * r->scale);
+    if (r->first == 0 || r->first == r->count)
+        return 0;
+    return (after / (r->count - r->first) - before / r->first) / r->scale;
+}
+
+/* largest[e] and smallest[e] over the rows, exchange by exchange; rows of one shape share one. */
+static void find_extremes(const row *rows, uint32_t count, uint32_t exchanges, bool pairs,
+                          double *largest, double *smallest)
+{
+    float sign[VALUES] = {0};
+    for (uint32_t e = 0; e < exchanges; e++) {
+        uint32_t first = 0, all = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            const row *r = &rows[i];
+            if (r->first != first || r->count != all) {
+                first = r->first;
+                all = r->count;
+                if (pairs)
+                    signs_of_pairs(e, all, sign);
+                else
+                    signs_of_runs(e, first, all, sign);
+            }
+            double t = statistic(r, sign, pairs);
+            largest[e] = fmax(largest[e], t);
+            smallest[e] = fmin(smallest[e], t);
+        }
+    }
+}
+
+static bool has_values(const row *r, bool pairs)
+{
+    return pairs ? r->count > 0 : r->first > 0 && r->first < r->count;
+}
+
+static void set_p(bb_family_row *to, const row *r, uint32_t exchanges, bool pairs,
+                  const double *largest, const double *smallest)
+{
+    float sign[VALUES];
+    const double slack = 1e-9; /* sums of the same values in another order */
+    uint32_t above = 0, below = 0;
+    to->p_up = to->p_down = 1;
+    if (!has_values(r, pairs))
+        return;
+    if (pairs)
+        signs_of_pairs(0, r->count, sign);
+    else
+        signs_of_runs(0, r->first, r->count, sign);
+    double t = statistic(r, sign, pairs);
+    for (uint32_t e = 0; e < exchanges; e++) {
+        above += largest[e] >= t - slack;
+        below += smallest[e] <= t + slack;
+    }
+    to->p_up = (double)above / exchanges;
+    to->p_down = (double)below / exchanges;
+}
+
+static bb_status adjust(bb_family_row *family, uint32_t count, bool pairs)
+{
+    bb_status status = BB_OK;
+    uint32_t longest = 0;
+    row *rows = calloc(count + 1, sizeof *rows);
+    double *largest = calloc(EXCHANGES, sizeof *largest);
+    double *smallest = calloc(EXCHANGES, sizeof *smallest);
+    if (rows == NULL || largest == NULL || smallest == NULL) {
+        status = bb_fail(BB_FAILED, "comparison: no memory");
+        goto out;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        if (pairs)
+            prepare_pairs(&rows[i], &family[i]);
+        else
+            prepare_runs(&rows[i], &family[i]);
+        longest = rows[i].count > longest ? rows[i].count : longest;
+    }
+    status = scale(rows, count);
+    uint32_t exchanges = pairs && longest <= ALL_SIGNS ? 1u << longest : EXCHANGES;
+    if (status == BB_OK)
+        find_extremes(rows, count, exchanges, pairs, largest, smallest);
+    for (uint32_t i = 0; i < count && status == BB_OK; i++)
+        set_p(&family[i], &rows[i], exchanges, pairs, largest, smallest);
+out:
+    free(rows);
+    free(largest);
+    free(smallest);
+    return status;
+}
+
+bb_status bb_family_of_pairs(bb_family_row *rows, uint32_t count)
+{
+    return adjust(rows, count, true);
+}
+
+bb_status bb_family_of_runs(bb_family_row *rows, uint32_t count)
+{
+    return adjust(rows, count, false);
+}

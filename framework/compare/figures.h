@@ -1,0 +1,13 @@
+/* What a difference of an exact figure means. */
+#ifndef BB_FIGURES_H
+#define BB_FIGURES_H
+
+typedef enum bb_figure_sense {
+    BB_FIGURE_NEUTRAL,     /* more is neither better nor worse */
+    BB_FIGURE_LESS_BETTER, /* more is worse */
+} bb_figure_sense;
+
+/* Of a figure by its name (cell_set.h). One that is not known is neutral. */
+bb_figure_sense bb_figure_sense_of(const char *name);
+
+#endif

@@ -1,0 +1,411 @@
+/* `bvhbench compare`: which figures count as worse, what is said of what cannot be compared; files,
+ * revisions and programs from outside. */
+#include "tests/history_sample.h"
+#include "tests/program_fixture.h"
+
+#include "framework/compare/figures.h"
+#include "framework/report/report_compare.h"
+
+#include <sys/stat.h>
+
+static const history_change nothing = {-1, -1, -1};
+
+/* ---- made-up documents ---- */
+
+typedef void edit_fn(bb_results *results);
+
+static cJSON *trace_at(bb_results *results, int index)
+{
+    return cJSON_GetArrayItem(section(results, "traces"), index);
+}
+
+static cJSON *build_at(bb_results *results, int index)
+{
+    return cJSON_GetArrayItem(section(results, "builds"), index);
+}
+
+static void scale(cJSON *object, const char *name, double factor)
+{
+    cJSON *item = member(object, name);
+    cJSON_SetNumberValue(item, item->valuedouble * factor);
+}
+
+static void scale_ms(cJSON *trace, double factor)
+{
+    cJSON *round;
+    cJSON_ArrayForEach(round, member(trace, "ms"))
+    {
+        cJSON_SetNumberValue(round, round->valuedouble * factor);
+    }
+}
+
+static void edit_nothing(bb_results *results)
+{
+    (void)results;
+}
+
+/* The comparison of the sample with an edited one, as text. */
+static bb_comparison_result compare_with(edit_fn *edit, char *text, size_t capacity, bool github)
+{
+    static bb_cell_set sets[2];
+    static bb_results *results[2];
+    bb_comparison_result result;
+    for (int k = 0; k < 2; k++) {
+        bb_cell_set_free(&sets[k]);
+        bb_results_destroy(results[k]);
+        results[k] = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, (uint64_t)k + 1);
+    }
+    edit(results[1]);
+    ASSERT_OK(bb_cell_set_of_results(results[0], "OLD", &sets[0]));
+    ASSERT_OK(bb_cell_set_of_results(results[1], "NEW", &sets[1]));
+    ASSERT_OK(bb_compare(&(bb_side){&sets[0], 1}, &(bb_side){&sets[1], 1}, NAN, NULL, &result));
+    FILE *out = fmemopen(text, capacity, "w");
+    assert_non_null(out);
+    ASSERT_OK(bb_report_compare(&result, github, out));
+    fclose(out);
+    return result;
+}
+
+/* Edits; what is worse afterwards; words of the text. */
+static void edit_sah(bb_results *r)
+{
+    scale(member(build_at(r, 3), "tree"), "sah", 1.02);
+}
+static void edit_sah_better(bb_results *r)
+{
+    scale(member(build_at(r, 3), "tree"), "sah", 0.98);
+}
+static void edit_layout_sah(bb_results *r)
+{
+    scale(member(build_at(r, 3), "layouts_sah"), "pair:leaf=4", 1 + 1e-12);
+}
+static void edit_nodes(bb_results *r)
+{
+    scale(member(build_at(r, 3), "tree"), "nodes", 1.5);
+}
+static void edit_bytes(bb_results *r)
+{
+    cJSON *bytes = member(member(build_at(r, 3), "tree"), "bytes_peak");
+    cJSON_SetNumberValue(bytes, bytes->valuedouble + 1);
+}
+static void edit_tests(bb_results *r)
+{
+    scale(trace_at(r, 5), "node_tests_per_ray", 1.001);
+}
+static void edit_missed(bb_results *r)
+{
+    cJSON_SetNumberValue(member(member(trace_at(r, 0), "accuracy"), "missed"), 1);
+}
+static void edit_failed(bb_results *r)
+{
+    set_text(trace_at(r, 5), "status", "failed");
+}
+static void edit_slower(bb_results *r)
+{
+    scale_ms(trace_at(r, 5), 1.5);
+}
+static void edit_faster(bb_results *r)
+{
+    scale_ms(trace_at(r, 5), 0.5);
+}
+static void edit_slower_reference(bb_results *r)
+{
+    cJSON *trace;
+    cJSON_ArrayForEach(trace, section(r, "traces"))
+    {
+        if (cJSON_IsTrue(member(trace, "reference"))) {
+            scale_ms(trace, 1.5);
+            return;
+        }
+    }
+}
+static void edit_slower_elsewhere(bb_results *r)
+{
+    edit_slower(r);
+    set_text(member(bb_results_json(r), "context"), "device", "another device");
+}
+static void edit_slower_host(bb_results *r)
+{
+    edit_slower(r);
+    set_text(member(bb_results_json(r), "context"), "host", "there");
+}
+static void edit_rays(bb_results *r)
+{
+    set_text(trace_at(r, 5), "rays_hash", "0123");
+    scale_ms(trace_at(r, 5), 1.5);
+    scale(trace_at(r, 5), "node_tests_per_ray", 1.5);
+}
+static void edit_cut_rounds(bb_results *r)
+{
+    edit_slower(r);
+    cJSON_DeleteItemFromArray(member(trace_at(r, 5), "ms"), 6);
+}
+static void edit_gone(bb_results *r)
+{
+    cJSON_DeleteItemFromArray(section(r, "traces"), 5);
+}
+static void edit_twice(bb_results *r)
+{
+    assert_true(cJSON_AddItemToArray(section(r, "traces"), cJSON_Duplicate(trace_at(r, 5), 1)));
+}
+static void edit_seed(bb_results *r)
+{
+    set_text(member(bb_results_json(r), "context"), "seed", "7");
+}
+static void edit_no_figure(bb_results *r)
+{
+    cJSON_DeleteItemFromObject(member(build_at(r, 3), "tree"), "sah");
+}
+
+static void what_moved_and_what_is_worse(void **state)
+{
+    (void)state;
+    static const struct {
+        edit_fn *edit;
+        uint32_t worse, moves;
+        const char *words;
+    } cases[] = {
+        {edit_nothing, 0, 0, "nothing is worse"},
+        {edit_sah, 1, 1, " sah "},
+        {edit_sah_better, 0, 1, " better: 1"},
+        {edit_layout_sah, 1, 1, "layouts_sah pair:leaf=4"},
+        {edit_nodes, 0, 1, " changed: 1"},
+        {edit_bytes, 1, 1, "bytes_peak"},
+        {edit_tests, 1, 1, "node_tests_per_ray"},
+        {edit_missed, 1, 1, "missed"},
+        {edit_failed, 1, 1, "ok -> failed"},
+        {edit_slower, 1, 1, "trace ms"},
+        {edit_faster, 0, 1, " better: 1"},
+        {edit_slower_reference, 0, 1, "(reference: does not count)"},
+        {edit_slower_elsewhere, 0, 0, "WARNING: other machines: no times are compared"},
+        {edit_slower_host, 1, 1, "WARNING: other hosts"},
+        {edit_rays, 0, 0, "WARNING: 1 cells are not compared: their scene or their rays"},
+        {edit_cut_rounds, 0, 0, "fewer than 6 rounds have no interval"},
+        {edit_gone, 0, 0, "1 cells are in OLD only"},
+        {edit_twice, 0, 0, "WARNING: 1 cells are left out: their keys occur twice"},
+        {edit_seed, 0, 0, "another seed: 1234567890123456789, 7"},
+        {edit_no_figure, 0, 0, "1 figures are in one of the two only"},
+    };
+    static char text[1 << 20];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bb_comparison_result r = compare_with(cases[i].edit, text, sizeof text, false);
+        if (r.worse != cases[i].worse || r.move_count != cases[i].moves ||
+            strstr(text, cases[i].words) == NULL)
+            fail_msg("case %zu: %u worse, %u moved, expected %u, %u and '%s':\n%s", i, r.worse,
+                     r.move_count, cases[i].worse, cases[i].moves, cases[i].words, text);
+        assert_non_null(strstr(text, "10.00 %: assumed"));
+        bb_compare_free(&r);
+    }
+}
+
+static void edit_much(bb_results *r)
+{
+    edit_sah(r);
+    edit_slower(r);
+    edit_nodes(r);
+    scale_ms(trace_at(r, 20), 2);
+    scale_ms(trace_at(r, 30), 0.4);
+    edit_gone(r); /* number 5: only 20 and 30 are left of the times */
+    set_text(build_at(r, 4), "cell", "odd|`key`\033[31m");
+}
+
+static void worst_comes_first_and_markdown_holds(void **state)
+{
+    (void)state;
+    static char text[1 << 20];
+    bb_comparison_result r = compare_with(edit_much, text, sizeof text, true);
+    assert_int_equal(r.worse, 2);
+    assert_true(r.moves[0].timed && r.moves[0].effect.ratio > 1.9);
+    assert_string_equal(r.moves[1].what, "sah");
+    assert_int_equal(r.moves[2].verdict, BB_BETTER);
+    assert_int_equal(r.moves[3].verdict, BB_CHANGED);
+    assert_true(strncmp(text, "### bvhbench compare: 2 figures are worse\n", 42) == 0);
+    assert_non_null(strstr(text, "<details open><summary>worse: 2</summary>"));
+    assert_null(strchr(text, '\033'));
+    assert_non_null(strstr(text, "`odd??key??[31m`"));
+    bb_compare_free(&r);
+}
+
+static void senses_of_figures(void **state)
+{
+    (void)state;
+    static const char *const costs[] = {"sah",        "epo",       "layouts_sah wide8",
+                                        "bytes_tree", "missed",    "prim_tests_per_ray",
+                                        "unlike",     "overflowed"};
+    static const char *const neutral[] = {"nodes",  "depth",          "count",    "prims",
+                                          "sahara", "layouts_sahara", "t_ulp_max"};
+    for (size_t i = 0; i < sizeof costs / sizeof costs[0]; i++)
+        assert_int_equal(bb_figure_sense_of(costs[i]), BB_FIGURE_LESS_BETTER);
+    for (size_t i = 0; i < sizeof neutral / sizeof neutral[0]; i++)
+        assert_int_equal(bb_figure_sense_of(neutral[i]), BB_FIGURE_NEUTRAL);
+}
+
+/* ---- from outside ---- */
+
+static void write_document(const char *name, edit_fn *edit, uint64_t seed)
+{
+    char path[600];
+    bb_results *results = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, seed);
+    edit(results);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    ASSERT_OK(bb_results_write(results, path));
+    bb_results_destroy(results);
+}
+
+static void files_are_compared(void **state)
+{
+    (void)state;
+    write_document("a.json", edit_nothing, 1);
+    write_document("b.json", edit_nothing, 2);
+    write_document("slow.json", edit_slower, 2);
+    write_document("sah.json", edit_sah, 2);
+    expect(0, "compare a.json b.json", "nothing is worse");
+    expect(1, "compare a.json slow.json", "1 figures are worse");
+    expect(0, "compare slow.json a.json", "better: 1");
+    expect(1, "compare a.json sah.json --format github", "| 1.02 |  | sah |");
+    expect(0, "compare a.json slow.json --threshold 60", "the 60.00 %: --threshold");
+    expect(1, "compare a.json slow.json --threshold 40", "worse: 1");
+    refuses("", "compare a.json", "give two: result files");
+    refuses("", "compare a.json b.json a.json", "give two");
+    refuses("", "compare a.json nothing.json", "nothing.json");
+    refuses("", "compare a.json b.json --format html", "must be text or github");
+    refuses("", "compare a.json b.json --threshold -1", "--threshold");
+    refuses("", "compare a.json b.json --rounds 7", "--rounds needs --run");
+    refuses("", "compare a.json b.json --history nowhere.db", "nowhere.db: cannot open it");
+    write_file("cut.json", "{\"schema\": \"bvh", 15);
+    refuses("", "compare a.json cut.json", "truncated");
+}
+
+/* As Google Benchmark's tools/compare.py reads it: rounds that count, by name. */
+static void results_as_google_benchmark(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"name", "run_name", "run_type", "time_unit"};
+    static const char *const numbers[] = {"repetitions", "repetition_index", "iterations",
+                                          "real_time",   "cpu_time",         "family_index",
+                                          "threads"};
+    write_document("a.json", edit_nothing, 1);
+    const outcome *o =
+        run_program("", "sh", "-c '" BB_TEST_PROGRAM " report a.json --google-benchmark >gb.json'");
+    assert_int_equal(o->exit_status, 0);
+    cJSON *json = read_results("gb.json"), *entry, *a = read_results("a.json"), *trace;
+    cJSON *list = cJSON_GetObjectItem(json, "benchmarks");
+    assert_true(cJSON_IsString(member(member(json, "context"), "host_name")));
+    int rounds = 0;
+    cJSON_ArrayForEach(entry, list)
+    {
+        for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
+            assert_true(cJSON_IsString(member(entry, texts[i])));
+        for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+            assert_true(cJSON_IsNumber(member(entry, numbers[i])));
+        assert_string_equal(member(entry, "run_type")->valuestring, "iteration");
+    }
+    trace = cJSON_GetArrayItem(cJSON_GetObjectItem(a, "traces"), 5);
+    cJSON_ArrayForEach(entry, list)
+    {
+        if (strcmp(member(entry, "name")->valuestring, member(trace, "cell")->valuestring) != 0)
+            continue;
+        double ms = cJSON_GetArrayItem(member(trace, "ms"), rounds + 1)->valuedouble;
+        assert_int_equal(member(entry, "repetition_index")->valueint, rounds);
+        assert_int_equal(member(entry, "repetitions")->valueint, 6);
+        ASSERT_NEAR(member(entry, "real_time")->valuedouble, 1e6 * ms, 1e-3);
+        rounds++;
+    }
+    assert_int_equal(rounds, 6); /* the first does not count */
+    cJSON_Delete(json);
+    cJSON_Delete(a);
+}
+
+static void revisions_are_compared(void **state)
+{
+    (void)state;
+    char path[600];
+    snprintf(path, sizeof path, "%s/bench.db", folder);
+    history_fill(path);
+    expect(0, "compare --history bench.db aaaa abab",
+           "between runs of one revision in the history");
+    expect(1, "compare --history bench.db abab cccc", "trace ms");
+    expect(1, "compare --history bench.db cccc dddd", " sah ");
+    /* eeee was measured in the south last, but both in the north */
+    expect(0, "compare --history bench.db dddd eeee", " better: 1\n");
+    expect(1, "compare --history bench.db eeee dddd", " worse: 1\n");
+    refuses("", "compare --history bench.db a cccc", "write more of it");
+    refuses("", "compare --history bench.db abab ffff", "has no revision 'ffff'");
+    write_document("a.json", edit_nothing, 1);
+    expect(0, "compare --history bench.db abab a.json", "in both");
+    expect(0, "report --history bench.db --out history.html", "1 worse");
+    refuses("", "report --history bench.db a.json", "a report of its own");
+    refuses("", "report --history bench.db --csv", "do not go together");
+    refuses("", "report --history nowhere.db", "cannot open it");
+}
+
+/* Programs that run at once: they hand out a file, with a bit of noise by turns. */
+static void write_programs(void)
+{
+    static const char *const names[] = {"quick", "slow", "broken", "dead"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        char script[2000], path[600];
+        snprintf(script, sizeof script,
+                 "#!/bin/sh\n[ \"$1\" = run ] || exit 2\n"
+                 "while [ $# -gt 1 ]; do [ \"$1\" = --out ] && out=$2; shift; done\n"
+                 "echo %s >>'%s/order'\n"
+                 "mkdir -p \"$out\" && cp '%s/%s.json' \"$out/results.json\"\n%s",
+                 names[i], folder, folder, i == 1 ? "slow" : "a",
+                 i == 2   ? "echo 'bvhbench: it is broken' >&2; exit 2\n"
+                 : i == 3 ? "kill -9 $$\n"
+                          : "exit 1\n");
+        write_file(names[i], script, strlen(script));
+        snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        assert_int_equal(chmod(path, 0755), 0);
+    }
+}
+
+static void programs_are_run_in_turns(void **state)
+{
+    (void)state;
+    char order[4000], path[600];
+    write_document("a.json", edit_nothing, 1);
+    write_document("slow.json", edit_slower, 1);
+    write_programs();
+    expect(1, "compare --run ./quick ./slow --rounds 9 --history programs.db", "in pairs");
+    /* 10 pairs, each of both, and not always in the same order */
+    size_t size = read_file("order", order, sizeof order);
+    assert_int_equal(size, 10 * strlen("quick\nslow\n"));
+    uint32_t first = 0;
+    for (int i = 0; i < 10; i++) {
+        const char *pair = order + i * 11;
+        bool quick = strncmp(pair, "quick\nslow\n", 11) == 0;
+        assert_true(quick || strncmp(pair, "slow\nquick\n", 11) == 0);
+        first += quick;
+    }
+    assert_true(first > 0 && first < 10);
+    expect(0, "compare --run ./quick ./quick --rounds 9 --quiet -- --repeats 6",
+           "nothing is worse");
+    expect(0, "compare a.json a.json --history programs.db", "compare --run A A");
+    refuses("", "compare --run ./quick", "give two programs");
+    refuses("", "compare --run ./quick ./nobody", "./nobody: No such file");
+    refuses("", "compare --run ./quick .", "is no program that can be run");
+    refuses("", "compare --run ./quick ./slow --rounds 8", "--rounds");
+    refuses("", "compare --run ./quick ./slow -- --out x", "leave --out out");
+    refuses("", "compare --run ./quick ./broken --quiet", "it is broken");
+    refuses("", "compare --run ./dead ./quick --quiet", "killed by signal 9");
+    /* nothing is left of them */
+    const outcome *o =
+        run_with("mkdir t && TMPDIR=$PWD/t", "compare --run ./quick ./quick --quiet");
+    assert_int_equal(o->exit_status, 0);
+    assert_int_equal(rmdir(strcat(strcpy(path, folder), "/t")), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_moved_and_what_is_worse),
+        cmocka_unit_test(worst_comes_first_and_markdown_holds),
+        cmocka_unit_test(senses_of_figures),
+        cmocka_unit_test(files_are_compared),
+        cmocka_unit_test(results_as_google_benchmark),
+        cmocka_unit_test(revisions_are_compared),
+        cmocka_unit_test(programs_are_run_in_turns),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

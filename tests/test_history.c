@@ -1,0 +1,414 @@
+/* The history: what is appended comes back, from whatever version and after whatever death. */
+#include "tests/history_sample.h"
+
+#include "framework/history/schema.h"
+#include "framework/history/trend.h"
+#include "framework/report/report_history.h"
+
+#include <signal.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const history_change nothing = {-1, -1, -1};
+
+/* Of a file that is not there yet. */
+static const char *history_path(const char *test)
+{
+    static char path[600];
+    char name[80];
+    snprintf(name, sizeof name, "history_%s", test);
+    snprintf(path, sizeof path, "%s/bench.db", sample_folder(name));
+    char journal[620];
+    snprintf(journal, sizeof journal, "%s-journal", path);
+    unlink(path);
+    unlink(journal);
+    return path;
+}
+
+static void execute(const char *path, const char *sql)
+{
+    sqlite3 *db;
+    char *error = NULL;
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    if (sqlite3_exec(db, sql, NULL, NULL, &error) != SQLITE_OK)
+        fail_msg("%s: %s", sql, error);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+/* The first column of the first row, as text. */
+static const char *ask(const char *path, const char *sql)
+{
+    static char answer[400];
+    sqlite3 *db;
+    sqlite3_stmt *statement;
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_prepare_v2(db, sql, -1, &statement, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_step(statement), SQLITE_ROW);
+    snprintf(answer, sizeof answer, "%s", (const char *)sqlite3_column_text(statement, 0));
+    sqlite3_finalize(statement);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    return answer;
+}
+
+/* One line that holds `words`. */
+static void refuses_to_open(const char *path, const char *words)
+{
+    for (int create = 0; create < 2; create++) {
+        bb_history *history = NULL;
+        bb_status status = bb_history_open(path, create, &history);
+        if (status == BB_OK || history != NULL || strstr(bb_message(), words) == NULL ||
+            strchr(bb_message(), '\n') != NULL)
+            fail_msg("%s: '%s', expected '%s'", path, bb_message(), words);
+    }
+}
+
+static void what_is_appended_comes_back(void **state)
+{
+    (void)state;
+    const char *path = history_path("roundtrip");
+    bb_results *results = history_run("feed123", "here", "2024-05-06T07:08:09Z", nothing, 9);
+    bb_history *history;
+    bb_history_entry entry;
+    bb_cell_set wanted, found;
+    uint32_t others;
+    ASSERT_OK(bb_cell_set_of_results(results, "it", &wanted));
+    ASSERT_OK(bb_history_open(path, true, &history));
+    ASSERT_OK(bb_history_append(history, results));
+    ASSERT_OK(bb_history_find(history, "feed", NULL, &entry, &others));
+    ASSERT_OK(bb_history_set(history, &entry, &found));
+    assert_int_equal(found.count, wanted.count);
+    assert_true(wanted.count > 200);
+    uint32_t figures = 0;
+    for (uint32_t i = 0; i < wanted.count; i++) {
+        const bb_measured *a = &wanted.cells[i], *b = &found.cells[i];
+        assert_string_equal(a->key, b->key);
+        assert_string_equal(a->status, b->status);
+        assert_string_equal(a->scene_hash, b->scene_hash);
+        assert_string_equal(a->rays_hash, b->rays_hash);
+        assert_int_equal(a->trace, b->trace);
+        assert_int_equal(a->reference, b->reference);
+        assert_int_equal(a->ms.count, b->ms.count);
+        assert_memory_equal(a->ms.values, b->ms.values, a->ms.count * sizeof(double));
+        assert_int_equal(a->figure_count, b->figure_count);
+        for (uint32_t k = 0; k < a->figure_count; k++)
+            assert_true(bb_measured_figure(b, a->figures[k].name) == a->figures[k].value);
+        figures += a->figure_count;
+    }
+    assert_true(figures > 1000);
+    assert_string_equal(found.origin.host, "here");
+    assert_string_equal(found.origin.date, "2024-05-06T07:08:09Z");
+    assert_string_equal(found.origin.device, wanted.origin.device);
+    assert_string_equal(found.origin.seed, "1234567890123456789");
+    bb_history_close(history);
+    bb_cell_set_free(&wanted);
+    bb_cell_set_free(&found);
+    bb_results_destroy(results);
+    assert_string_equal(ask(path, "PRAGMA journal_mode"), "delete");
+}
+
+/* A file of version 1 with a run in it; then an empty one, and one that is not there. */
+static void earlier_versions_are_brought_forward(void **state)
+{
+    (void)state;
+    const char *path = history_path("migration");
+    execute(path, bb_history_steps[0]);
+    execute(path, "PRAGMA application_id=1112950850; PRAGMA user_version=1;"
+                  "INSERT INTO runs(date, revision, host, cpu, device, driver)"
+                  " VALUES('2023-01-01T00:00:00Z','old1','north','c','d','e');"
+                  "INSERT INTO cells(key) VALUES('scene=cube/builder=lbvh');"
+                  "INSERT INTO measurements VALUES(1, 1, 1, 0, 0, 'ok', '12', '', '[3,1.5,2,2.5]');"
+                  "INSERT INTO figures VALUES(1, 'sah', 42.5)");
+    bb_history *history;
+    bb_history_entry entry;
+    bb_cell_set set;
+    uint32_t others;
+    ASSERT_OK(bb_history_open(path, false, &history)); /* for reading too */
+    ASSERT_OK(bb_history_find(history, "old1", NULL, &entry, &others));
+    ASSERT_OK(bb_history_set(history, &entry, &set));
+    assert_int_equal(set.count, 1);
+    assert_true(bb_samples_median(&set.cells[0].ms) == 2);
+    assert_true(bb_measured_figure(&set.cells[0], "sah") == 42.5);
+    ASSERT_OK(
+        bb_history_append_floor(history, &set.origin, &(bb_floor){.share = 0.03, .cells = 5}));
+    bb_floor floor;
+    ASSERT_OK(bb_history_floor(history, &set.origin, &floor));
+    assert_true(floor.share == 0.03);
+    bb_history_close(history);
+    bb_cell_set_free(&set);
+    assert_string_equal(ask(path, "PRAGMA user_version"), "2");
+    history_add(path, "new2", "north", "2024-01-01T00:00:00Z", nothing, 1);
+    assert_string_equal(ask(path, "SELECT count(*) FROM runs"), "2");
+
+    path = history_path("empty");
+    refuses_to_open("/nowhere/bench.db", "unable to open");
+    bb_status status = bb_history_open(path, false, &history);
+    assert_int_equal(status, BB_INVALID);
+    assert_int_not_equal(access(path, F_OK), 0);
+    fclose(fopen(path, "w"));
+    ASSERT_OK(bb_history_open(path, false, &history));
+    bb_history_close(history);
+    assert_string_equal(ask(path, "PRAGMA user_version"), "2");
+    assert_string_equal(ask(path, "PRAGMA application_id"), "1112950850");
+}
+
+static void what_is_no_history_is_refused(void **state)
+{
+    (void)state;
+    const char *path = history_path("newer");
+    history_add(path, "a", "north", "2024-01-01T00:00:00Z", nothing, 1);
+    execute(path, "PRAGMA user_version=3");
+    refuses_to_open(path, "is of version 3, this program knows those up to 2");
+    assert_string_equal(ask(path, "SELECT count(*) FROM runs"), "1");
+    path = history_path("foreign");
+    execute(path, "CREATE TABLE bookmarks(url)");
+    refuses_to_open(path, "another program's database");
+    assert_string_equal(ask(path, "SELECT count(*) FROM sqlite_master"), "1");
+    path = history_path("text");
+    FILE *file = fopen(path, "w");
+    for (int i = 0; i < 200; i++)
+        fputs("date,revision,median\n", file);
+    fclose(file);
+    refuses_to_open(path, "not a database");
+    refuses_to_open("/tmp", "unable to open");
+}
+
+/* Cut off, overwritten in the middle, and with samples that are none: a line, not a crash. */
+static void damaged_files_are_refused(void **state)
+{
+    (void)state;
+    const char *path = history_path("damaged");
+    history_fill(path);
+    execute(path, "UPDATE measurements SET samples = '[1,2,' WHERE id = 30");
+    bb_history *history;
+    bb_trend *trends;
+    uint32_t count;
+    ASSERT_OK(bb_history_open(path, false, &history));
+    assert_int_equal(bb_history_trends(history, &trends, &count), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "are no list of times"));
+    bb_trends_free(trends, count);
+    bb_history_close(history);
+    static const char *const others[] = {"[-1]", "nan", "[1,nan]", "[]", "[1,2] ", "[1;2]", "[,]"};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        char sql[200];
+        snprintf(sql, sizeof sql, "UPDATE measurements SET samples = '%s' WHERE id = 30",
+                 others[i]);
+        execute(path, sql);
+        ASSERT_OK(bb_history_open(path, false, &history));
+        if (bb_history_trends(history, &trends, &count) != BB_INVALID)
+            fail_msg("%s is taken", others[i]);
+        bb_trends_free(trends, count);
+        bb_history_close(history);
+    }
+    for (long size = 40000; size > 100; size /= 3) {
+        assert_int_equal(truncate(path, size), 0);
+        bb_status status = bb_history_open(path, false, &history);
+        if (status == BB_OK)
+            status = bb_history_trends(history, &trends, &count);
+        assert_int_not_equal(status, BB_OK);
+        if (history != NULL)
+            bb_trends_free(trends, count);
+        bb_history_close(history);
+    }
+}
+
+static void revisions_are_found_by_their_beginnings(void **state)
+{
+    (void)state;
+    const char *path = history_path("revisions");
+    bb_history *history;
+    bb_history_entry entry;
+    uint32_t others;
+    history_fill(path);
+    ASSERT_OK(bb_history_open(path, false, &history));
+    static const char *const found[][2] = {{"aaaa111111111", "aaaa111111111"},
+                                           {"c", "cccc333333333"},
+                                           {"abab", "abab222222222"},
+                                           {"dddd4444444449876543210", "dddd444444444"}};
+    for (size_t i = 0; i < sizeof found / sizeof found[0]; i++) {
+        ASSERT_OK(bb_history_find(history, found[i][0], NULL, &entry, &others));
+        assert_string_equal(entry.origin.revision, found[i][1]);
+        assert_int_equal(others, 0);
+    }
+    static const char *const not_found[][2] = {
+        {"a", "'a' is aaaa111111111 or abab222222222: write more"},
+        {"f", "has no revision 'f': its latest is eeee555555555"},
+        {"dddd5", "has no revision"},
+        {"", "an empty revision"}};
+    for (size_t i = 0; i < sizeof not_found / sizeof not_found[0]; i++) {
+        assert_int_equal(bb_history_find(history, not_found[i][0], NULL, &entry, &others),
+                         BB_INVALID);
+        if (strstr(bb_message(), not_found[i][1]) == NULL)
+            fail_msg("'%s': %s", not_found[i][0], bb_message());
+    }
+    /* of two machines the latest, or the one that is asked for */
+    ASSERT_OK(bb_history_find(history, "eeee", NULL, &entry, &others));
+    assert_string_equal(entry.origin.host, "south");
+    assert_int_equal(others, 1);
+    bb_origin like = entry.origin;
+    strcpy(like.host, "north");
+    ASSERT_OK(bb_history_find(history, "eeee", &like, &entry, &others));
+    assert_string_equal(entry.origin.host, "north");
+    ASSERT_OK(bb_history_find(history, "aaaa", NULL, &entry, &others));
+    assert_int_equal(entry.runs, 2);
+    bb_history_close(history);
+}
+
+static const bb_move *only_move(const bb_comparison_result *step, bb_verdict verdict)
+{
+    const bb_move *found = NULL;
+    for (uint32_t i = 0; i < step->move_count; i++) {
+        if (step->moves[i].verdict != verdict)
+            continue;
+        if (found != NULL)
+            fail_msg("%s and %s moved", found->after->key, step->moves[i].after->key);
+        found = &step->moves[i];
+    }
+    return found;
+}
+
+/* Marks stand at the revisions that moved a cell, and nowhere else. */
+static void trends_mark_what_moved(void **state)
+{
+    (void)state;
+    const char *path = history_path("trend");
+    bb_history *history;
+    bb_trend *trends;
+    uint32_t count;
+    history_fill(path);
+    ASSERT_OK(bb_history_open(path, false, &history));
+    ASSERT_OK(bb_history_trends(history, &trends, &count));
+    assert_int_equal(count, 2);
+    assert_string_equal(trends[0].entries[0].origin.host, "south");
+    const bb_trend *north = &trends[1];
+    assert_int_equal(north->count, 5);
+    assert_true(north->floor.share >= 0.01 && north->floor.share < 0.02);
+    assert_non_null(strstr(north->floor.from, "between runs of one revision"));
+    assert_true(isnan(trends[0].floor.share));
+    assert_int_equal(north->steps[0].move_count + north->steps[1].move_count, 0);
+    const bb_move *slow = only_move(&north->steps[2], BB_WORSE);
+    assert_non_null(slow);
+    assert_string_equal(slow->what, "trace ms");
+    ASSERT_NEAR(slow->effect.ratio, 1.3, 0.03);
+    const bb_move *sah = only_move(&north->steps[3], BB_WORSE);
+    assert_non_null(sah);
+    assert_string_equal(sah->what, "sah");
+    const bb_move *fast = only_move(&north->steps[4], BB_BETTER);
+    assert_non_null(fast);
+    ASSERT_NEAR(fast->effect.ratio, 0.7, 0.03);
+    assert_int_equal(north->steps[4].worse, 0);
+    bb_trends_free(trends, count);
+
+    /* a run of few cells in between hides nothing: each cell is compared with its own last */
+    execute(path, "DELETE FROM measurements WHERE run = 3 AND cell % 2 = 0");
+    ASSERT_OK(bb_history_trends(history, &trends, &count));
+    assert_non_null(only_move(&trends[1].steps[2], BB_WORSE));
+    assert_int_equal(trends[1].steps[2].only_after, 0);
+    bb_trends_free(trends, count);
+    bb_history_close(history);
+}
+
+/* ---- several processes ---- */
+
+static void append_many(const char *path, int runs, uint64_t seed)
+{
+    for (int i = 0; i < runs; i++)
+        history_add(path, "many", "north", "2024-01-01T00:00:00Z", nothing, seed + (uint64_t)i);
+}
+
+/* In a process of its own, which ends without cmocka. */
+static pid_t start_writer(const char *path, int runs, uint64_t seed)
+{
+    fflush(NULL);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        append_many(path, runs, seed);
+        _exit(0);
+    }
+    return child;
+}
+
+static void two_writers_wait_for_each_other(void **state)
+{
+    (void)state;
+    const char *path = history_path("writers");
+    enum { WRITERS = 3, RUNS = 5 };
+    pid_t children[WRITERS];
+    for (int i = 0; i < WRITERS; i++)
+        children[i] = start_writer(path, RUNS, (uint64_t)i * 100);
+    for (int i = 0; i < WRITERS; i++) {
+        int status;
+        assert_int_equal(waitpid(children[i], &status, 0), children[i]);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+    assert_string_equal(ask(path, "SELECT count(*) FROM runs"), "15");
+    assert_string_equal(ask(path, "PRAGMA integrity_check"), "ok");
+}
+
+/* Killed at any moment, a writer leaves whole runs. */
+static void killed_writers_leave_whole_runs(void **state)
+{
+    (void)state;
+    const char *path = history_path("killed");
+    bb_random random = bb_random_make(seed_or(31), 0);
+    append_many(path, 1, 0);
+    const char *given = getenv("BVHBENCH_TEST_KILLS");
+    const int kills = given != NULL ? atoi(given) : 8;
+    for (int i = 0; i < kills; i++) {
+        int status;
+        pid_t child = start_writer(path, 1000, (uint64_t)i);
+        usleep(bb_random_below(&random, 60000));
+        kill(child, SIGKILL);
+        waitpid(child, &status, 0);
+        assert_true(WIFSIGNALED(status));
+        assert_string_equal(ask(path, "PRAGMA integrity_check"), "ok");
+        assert_string_equal(ask(path, "SELECT count(DISTINCT n) FROM (SELECT count(*) AS n FROM"
+                                      " measurements GROUP BY run)"),
+                            "1");
+        assert_string_equal(ask(path, "SELECT (SELECT count(*) FROM runs) ="
+                                      " (SELECT count(DISTINCT run) FROM measurements)"),
+                            "1");
+    }
+    append_many(path, 1, 1);
+}
+
+/* `--write FOLDER`: a history and its page, for check.sh. */
+static int write_sample(const char *folder)
+{
+    char path[600], page[600];
+    bb_history *history;
+    bb_trend *trends;
+    uint32_t count;
+    snprintf(path, sizeof path, "%s/bench.db", folder);
+    snprintf(page, sizeof page, "%s/history.html", folder);
+    unlink(path);
+    history_fill(path);
+    if (bb_history_open(path, false, &history) != BB_OK ||
+        bb_history_trends(history, &trends, &count) != BB_OK ||
+        bb_report_history(trends, count, page) != BB_OK ||
+        bb_report_history_text(trends, count, stdout) != BB_OK) {
+        fprintf(stderr, "%s\n", bb_message());
+        return 1;
+    }
+    bb_trends_free(trends, count);
+    bb_history_close(history);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 3 && strcmp(argv[1], "--write") == 0)
+        return write_sample(argv[2]);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_appended_comes_back),
+        cmocka_unit_test(earlier_versions_are_brought_forward),
+        cmocka_unit_test(what_is_no_history_is_refused),
+        cmocka_unit_test(damaged_files_are_refused),
+        cmocka_unit_test(revisions_are_found_by_their_beginnings),
+        cmocka_unit_test(trends_mark_what_moved),
+        cmocka_unit_test(two_writers_wait_for_each_other),
+        cmocka_unit_test(killed_writers_leave_whole_runs),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
