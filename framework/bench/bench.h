@@ -31,8 +31,14 @@ typedef struct bb_bench_request {
     char *const *metrics; /* names of metrics of trees, besides those that are always measured */
     uint32_t metric_count;
     double max_wrong_ppm;
-    const bb_cell *cells;       /* canonical: of all combinations only these cells are measured */
-    uint32_t cell_count;        /* 0: all */
+    const bb_cell *cells; /* canonical: of all combinations only these cells are measured */
+    uint32_t cell_count;  /* 0: all */
+    /* Of all combinations only those that this says are measured, with texts as above, NULL for any;
+     * NULL: all. */
+    bool (*takes)(const void *user, const char *builder, const char *kernel,
+                  const char *intersector);
+    const void *user;
+    bool uncounted;             /* tests per ray are not counted */
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;
