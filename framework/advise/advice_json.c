@@ -105,6 +105,7 @@ static void put_state(writer *w, cJSON *object, const bb_entered *field, uint32_
     put_text(w, object, "reason", reason);
     put_number(w, object, "heats", racer->heats);
     put_estimate(w, object, "ratio", ratio);
+    put_number(w, object, "ratio_least", ratio.least);
     cJSON *against = whom < field->count ? open_object(w, object, "against") : NULL;
     if (against != NULL)
         put_who(w, against, &field->who[whom]);

@@ -209,8 +209,10 @@ static void print_others(const cJSON *a, FILE *out)
     const cJSON *scouts = part(a, "scouts"), *field = part(a, "contenders");
     print_state(field, "more than needed", "As fast, and more than is needed", out);
     print_state(field, "slower", "Slower than that in the last heat", out);
-    print_state(field, "too slow", "Dropped on the way, slower by more than 5 % (95 %)", out);
-    print_state(scouts, "too slow", "Dropped by the scouts, slower by more than 31 % (95 %)", out);
+    print_state(field, "too slow", "Dropped on the way, slower by more than 5 % in each round",
+                out);
+    print_state(scouts, "too slow", "Dropped by the scouts, slower by more than 31 % in each round",
+                out);
     const cJSON *const lists[] = {scouts, field};
     for (size_t i = 0; i < 2; i++) {
         uint32_t count =

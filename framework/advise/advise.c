@@ -11,7 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HEATS_MAX = 3, DOCUMENTS_MAX = 8 };
+enum {
+    HEATS_MAX = 3,
+    DOCUMENTS_MAX = 8,
+    ROUNDS = 8,        /* of heats before the last: race.h says what that makes of a chance */
+    LEAST_RAYS = 1024, /* of a kind that samples: enough for those that are many per hit */
+};
 
 typedef struct course {
     const bb_advise_request *request;
@@ -74,10 +79,11 @@ static bb_heat few_rays(const bb_advise_request *request, uint32_t shift)
     bb_heat heat = {.width = request->width >> side,
                     .height = request->height >> side,
                     .max_rays = request->max_rays >> shift,
-                    .repeats = BB_INTERVAL_ROUNDS};
+                    .repeats = ROUNDS};
+    const uint32_t least = request->max_rays < LEAST_RAYS ? request->max_rays : LEAST_RAYS;
     heat.width = heat.width > 0 ? heat.width : 1;
     heat.height = heat.height > 0 ? heat.height : 1;
-    heat.max_rays = heat.max_rays > 0 ? heat.max_rays : 1;
+    heat.max_rays = heat.max_rays > least ? heat.max_rays : least;
     return heat;
 }
 

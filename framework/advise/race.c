@@ -32,7 +32,8 @@ uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack)
         bb_estimate ratio = bb_not_measured;
         if (best != BB_NO_RACER && i != best)
             ratio = bb_race_ratio(&racers[i], &racers[best]);
-        if (ratio.low > slack) { /* false for NAN */
+        /* NAN: too few rounds */
+        if (isfinite(ratio.low) && ratio.least > slack) {
             racers[i].state = BB_TOO_SLOW;
             racers[i].behind = best;
             racers[i].ratio = ratio;

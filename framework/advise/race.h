@@ -4,10 +4,12 @@
  * successive halving, Jamieson, Talwalkar 2016, but without dropping anybody by rank alone).
  *
  * A heat measures all that are left side by side, round by round. What drops a contender is the
- * ratio of its cost to that of the contender with the lowest median, round by round: if the whole
- * 95 % interval of the median ratio lies above the slack, it is out. So what is out is slower than
- * somebody by more than the slack, whoever the best is in truth. With too few rounds for an
- * interval nobody is dropped.
+ * ratio of its cost to that of the contender with the lowest median, round by round: if it is above
+ * the slack in every round that counts, it is out. So what is out is slower than somebody by more
+ * than the slack, whoever the best is in truth. The lower end of the 95 % interval would not do:
+ * the one with the lowest median has had luck, and there are many comparisons. Of one whose median
+ * ratio is within the slack, n rounds are all above it with a chance of 2^-n at most. With fewer
+ * than BB_INTERVAL_ROUNDS rounds nobody is dropped. tests/test_advise.c simulates races.
  *
  * Nothing here knows what is measured, or how.
  */
