@@ -105,7 +105,7 @@ static void need_index(const bb_scene *scene, bb_decisions *needs)
 {
     const bool fits = scene->prim_count <= UINT16_MAX;
     bb_decide_number(needs, "index bits", 32, BB_BY_DEFAULT,
-                     fits ? "%u primitives fit into 16, which gains nothing measurable"
+                     fits ? "%u primitives would fit into 16: too little is saved"
                           : "%u primitives do not fit into 16",
                      scene->prim_count);
 }
