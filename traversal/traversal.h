@@ -142,7 +142,7 @@ typedef struct bb_kernel {
      * none. */
     uint32_t trail_max;
     /* Its own options: the value of `name` reaches the kernel as -DBB_NAME=value, so each must list
-     * its `values`; `leaf`, `group`, `stack`, `kinds` and `persistent` are common to all kernels. */
+     * its `values`. Common to all kernels: `leaf`, `group`, `stack`, `kinds`, `persistent`. */
     const bb_option *options;
 } bb_kernel;
 

@@ -16,12 +16,12 @@
  *   bits are 11 + 11 + 10. The least n for which there are as many codes as distinct centroids;
  * - octree_depth: likewise the least number of levels of 3 bits, 21 if that is not enough;
  * - bits_apart: the same without rounding, of codes;
- * - bits_useful: the least n such that longer codes save at most 2 % of the cost of a radix tree, by
- *   this bound. A node that splits at bit m has about the half area a(m) of a cell that m bits leave,
- *   enlarged by the median primitive. Codes of n bits leave groups of primitives with equal codes,
- *   whose g - 1 nodes are split at random: at worst, all have the area of the first of them. The
- *   sum of these excesses, over the sum of all areas, is the loss. It is a bound: measured SAH is
- *   0.0 to 0.5 % above that of 63 bits in eight scenes (framework/advise/README.md).
+ * - bits_useful: the least n such that longer codes save at most 2 % of the cost of a radix tree,
+ *   by this bound. A node that splits at bit m has about the half area a(m) of a cell that m bits
+ *   leave, enlarged by the median primitive. Codes of n bits leave groups of primitives with equal
+ *   codes, whose g - 1 nodes are split at random: at worst, all have the area of the first of them.
+ *   The sum of these excesses, over the sum of all areas, is the loss. It is a bound: measured SAH
+ *   is 0.0 to 0.5 % above that of 63 bits in nine scenes (framework/advise/README.md).
  */
 #include "framework/base/random.h"
 #include "framework/base/statistics.h"
