@@ -33,8 +33,8 @@ typedef struct bb_bench_request {
     double max_wrong_ppm;
     const bb_cell *cells; /* canonical: of all combinations only these cells are measured */
     uint32_t cell_count;  /* 0: all */
-    /* Of all combinations only those that this says are measured, with texts as above, NULL for any;
-     * NULL: all. */
+    /* Of all combinations only those that this says are measured, with texts as above, NULL for
+     * any; NULL: all. */
     bool (*takes)(const void *user, const char *builder, const char *kernel,
                   const char *intersector);
     const void *user;
