@@ -142,7 +142,8 @@ static void stages_are_timed_and_booked_apart(void **state)
     ASSERT_OK(bb_instance_transfer(&b.instance, scene, &ms));
     assert_true(ms > 0);
     assert_true(b.instance.references.copied && b.instance.stages[1].tree->copied);
-    assert_int_equal(bb_instance_inputs(&b.instance), BB_INPUT_BOXES | BB_INPUT_GEOMETRY);
+    assert_int_equal(bb_instance_inputs(&b.instance),
+                     BB_INPUT_BOXES | BB_INPUT_GEOMETRY | BB_INPUT_PROFILE);
 
     /* one account holds it all: references and lbvh's tree on both sides, the last tree, scratch */
     uint64_t refs = b.instance.references.count, booked = b.instance.account.bytes;

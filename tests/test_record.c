@@ -457,7 +457,21 @@ static void fields_are_of_their_members(void **state)
     scene.out_of_range = 35;
     scene.scale = 36;
     scene.load_ms = 37;
-    scene.profile = (bb_profile){1, 2, 3, 4, 5, 6, 7, 8, 1, 9, 10};
+    scene.profile = (bb_profile){.flatness = 1,
+                                 .size_min = 2,
+                                 .size_median = 3,
+                                 .size_max = 4,
+                                 .zero_area = 5,
+                                 .duplicate_boxes = 6,
+                                 .duplicate_centroids = 7,
+                                 .overlap = 8,
+                                 .closed = 1,
+                                 .code_bits = 9,
+                                 .octree_depth = 10,
+                                 .size_low = 38,
+                                 .size_high = 39,
+                                 .bits_apart = 40,
+                                 .bits_useful = 41};
     assert_int_equal(bb_results_add_scene(results, &scene, NULL), BB_OK);
     build.id = 4000;
     build.spec = &spec;
@@ -518,6 +532,10 @@ static void fields_are_of_their_members(void **state)
         OF(SCENE, PROFILE_OVERLAP, 8),
         OF(SCENE, PROFILE_CODE_BITS, 9),
         OF(SCENE, PROFILE_OCTREE_DEPTH, 10),
+        OF(SCENE, PROFILE_SIZE_LOW, 38),
+        OF(SCENE, PROFILE_SIZE_HIGH, 39),
+        OF(SCENE, PROFILE_BITS_APART, 40),
+        OF(SCENE, PROFILE_BITS_USEFUL, 41),
         OF(BUILD, BUILD_COLD_MS, 11),
         OF(BUILD, BUILD_PREPARE_MS, 12),
         OF(BUILD, BUILD_BOXES_MS, 13),

@@ -10,4 +10,5 @@ const bb_kernel bb_kernel_stack = {
     .queries = BB_ALONG_RAYS,
     .ordered = true,
     .compared = "stack",
+    .tried = "stack:leaf=4",
 };

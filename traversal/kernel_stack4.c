@@ -7,5 +7,6 @@ const bb_kernel bb_kernel_stack4 = {
     .paper = "Wald, Benthin and Boulos 2008",
     .layout = "wide4",
     .defines = "-DBB_WIDTH=4",
+    .tried = "stack4:leaf=4",
     BB_STACK_WIDE_KERNEL,
 };

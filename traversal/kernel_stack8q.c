@@ -10,5 +10,6 @@ const bb_kernel bb_kernel_stack8q = {
     .layout = "quant8",
     .defines = "-DBB_WIDTH=8 -DBB_QUANTISED=1",
     .options = options,
+    .tried = "stack8q:leaf=8",
     BB_STACK_WIDE_KERNEL,
 };

@@ -11,6 +11,7 @@ const bb_kernel bb_kernel_stackless = {
     .ordered = false,
     /* closest hits take the stack half the time; but this traces any tree as it was built */
     .compared = NULL,
+    .tried = "stackless:leaf=4",
     .native = true,
     .stackless = true,
 };

@@ -35,7 +35,8 @@ void bb_layout_maker_destroy(bb_layout_maker *maker)
 }
 
 /* As recorded: what differs from the layout of the tree's own leaves and of vertices. */
-static void name(const bb_layout *layout, uint32_t leaf, uint32_t format, bb_layout_data *data)
+static void name(const bb_layout *layout, uint32_t leaf, uint32_t format, bool more_kinds,
+                 bb_layout_data *data)
 {
     const char *separator = ":";
     size_t capacity = sizeof data->name;
@@ -45,7 +46,11 @@ static void name(const bb_layout *layout, uint32_t leaf, uint32_t format, bb_lay
         separator = ",";
     }
     if (format == BB_FORMAT_AFFINE)
-        snprintf(data->name + length, capacity - (size_t)length, "%striangles=affine", separator);
+        length += snprintf(data->name + length, capacity - (size_t)length, "%striangles=affine",
+                           separator);
+    if (more_kinds)
+        snprintf(data->name + length, capacity - (size_t)length, "%skinds=all",
+                 data->name[strlen(layout->name)] == '\0' ? ":" : ",");
 }
 
 /* The side array that the layout asks for; NULL if it asks for none. */
@@ -76,7 +81,7 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
                       bb_layout_data *data, bb_tree **traced)
 {
     const bb_layout *layout = maker->layout;
-    bb_layout_source source = {.scene = scene};
+    bb_layout_source source = {.scene = scene, .kinds = data->kinds};
     *traced = tree;
     if (leaf > 1 && layout->array.name != NULL)
         return bb_fail(BB_UNSUPPORTED,
@@ -102,7 +107,7 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
         BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
     data->bytes = 0;
     data->ends = bb_scene_ends(scene);
-    data->kinds = scene->kinds;
+    data->kinds = scene->kinds | maker->kinds;
     data->format = format;
     data->scale = scene->scale;
     bb_tree *traced;
@@ -121,7 +126,8 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
         data->keeps_shape = false;
     }
     name(maker->layout, leaf,
-         scene->prims[BB_TRIANGLE].count > 0 ? data->format : BB_FORMAT_VERTICES, data);
+         scene->prims[BB_TRIANGLE].count > 0 ? data->format : BB_FORMAT_VERTICES,
+         data->kinds != scene->kinds, data);
     return BB_OK;
 }
 

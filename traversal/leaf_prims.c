@@ -47,8 +47,8 @@ bb_status bb_leaf_prims_make(bb_leaf_prims *leaf_prims, const bb_layout_source *
     const bb_tree *tree = source->tree;
     const bb_scene_device *geometry = &scene->on_device;
     const bb_prim_ends ends = bb_scene_ends(scene);
-    uint32_t words = bb_leaf_prim_words(scene->kinds, format);
-    uint32_t id_word = bb_leaf_prim_payload(scene->kinds, format);
+    uint32_t words = bb_leaf_prim_words(source->kinds, format);
+    uint32_t id_word = bb_leaf_prim_payload(source->kinds, format);
     uint32_t count = tree->info.ref_count;
     size_t size = (size_t)count * words * sizeof(uint32_t);
     BB_TRY(

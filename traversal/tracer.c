@@ -14,6 +14,10 @@ const bb_option bb_kernel_common_options[] = {
     {"leaf", "1", NULL,
      "collapse subtrees of up to this many references into a leaf where that lowers SAH"},
     {"group", "64", NULL, "work-group size"},
+    /* no defaults: keys of cells that were measured before there were these stay as they are */
+    {"stack", NULL, "auto|4|8|16|32|64|128|256|512|1024",
+     "entries of the stack; auto, or not given: what the tree needs, rounded up"},
+    {"kinds", NULL, "scene|all", "kinds of primitives compiled in; default: the scene's"},
     {"persistent", "no", "no|yes",
      "as many groups as fit the device, which fetch rays from a counter: for GPUs"},
     {.name = NULL},
@@ -59,7 +63,15 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     all[count] = (bb_option){.name = NULL};
     char what[96];
     snprintf(what, sizeof what, "kernel %s", kernel->name);
-    return bb_spec_validate(spec, all, what);
+    BB_TRY(bb_spec_validate(spec, all, what));
+    if (kernel->stackless && bb_spec_value(spec, NULL, "stack") != NULL)
+        return bb_fail(BB_INVALID, "%s has no stack of the tree's size: drop stack=", what);
+    return BB_OK;
+}
+
+uint32_t bb_kernel_kinds(const bb_spec *spec)
+{
+    return bb_spec_is(spec, bb_kernel_common_options, "kinds", "all") ? BB_ALL_KINDS : 0;
 }
 
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel)
@@ -93,6 +105,62 @@ static uint32_t round_levels(uint32_t levels)
     while (size < levels)
         size *= 2;
     return size;
+}
+
+/* What the layout asks for, unless a parameter says otherwise. */
+typedef struct variant {
+    uint32_t stack_size; /* 0: none of the tree's size */
+    uint32_t kinds, levels;
+    bool stack_given, kinds_given;
+} variant;
+
+static bb_status choose_variant(const bb_tracer_request *request, const bb_layout_data *layout,
+                                variant *v)
+{
+    const bb_kernel *kernel = request->kernel;
+    const bb_spec *spec = request->spec;
+    *v = (variant){.kinds = layout->kinds};
+    const char *stack = bb_spec_value(spec, NULL, "stack");
+    v->stack_given = stack != NULL && strcmp(stack, "auto") != 0;
+    v->kinds_given = bb_kernel_kinds(spec) != 0;
+    if (kernel->trail_max > 0)
+        v->levels = round_levels(layout->levels);
+    if (kernel->stackless)
+        return BB_OK;
+    v->stack_size = round_stack(layout->stack_need);
+    uint64_t given;
+    if (v->stack_given) {
+        BB_TRY(bb_spec_u64(spec, bb_kernel_common_options, "stack", 1, STACK_MAX, &given));
+        v->stack_size = (uint32_t)given;
+    }
+    return BB_OK;
+}
+
+bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_data *layout,
+                           bb_decisions *decisions)
+{
+    variant v;
+    char compiled[64], there[64];
+    BB_TRY(choose_variant(request, layout, &v));
+    bb_prim_kind_names(v.kinds, compiled, sizeof compiled);
+    there[0] = '\0';
+    for (uint32_t kind = 0, last = 0; kind < BB_KIND_COUNT; kind++) {
+        size_t used = strlen(there);
+        snprintf(there + used, sizeof there - used, "%s%u %s", used > 0 ? ", " : "",
+                 layout->ends.end[kind] - last, bb_prim_kinds[kind]->plural);
+        last = layout->ends.end[kind];
+    }
+    decisions->count = 0;
+    if (v.stack_size > 0)
+        bb_decide_number(decisions, BB_DECIDED_STACK, v.stack_size,
+                         v.stack_given ? BB_GIVEN : BB_BY_TREE, "the tree needs %u",
+                         layout->stack_need);
+    if (v.levels > 0)
+        bb_decide_number(decisions, "levels of the trail", v.levels, BB_BY_TREE,
+                         "the tree has %u at most", layout->levels);
+    bb_decide_word(decisions, BB_DECIDED_KINDS, compiled, v.kinds_given ? BB_GIVEN : BB_BY_SCENE,
+                   "the scene has %s", there);
+    return BB_OK;
 }
 
 static void release(bb_tracer *tracer)
@@ -143,7 +211,8 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
             "the trail of kernel %s is at most %u levels long and the tree has up to %u; a kernel "
             "without a trail may take it",
             request->kernel->name, request->kernel->trail_max, layout->levels);
-    uint32_t stack_size = request->kernel->stackless ? 0 : round_stack(layout->stack_need);
+    variant v;
+    BB_TRY(choose_variant(request, layout, &v));
     char intersector[192], defines[768], key[1024];
     bb_intersector_defines(request->intersector, intersector, sizeof intersector);
     /* so that all kernels get the same bits from the same steps */
@@ -152,12 +221,12 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
     bool persistent = bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
     snprintf(defines, sizeof defines,
              "%s %s -DBB_KINDS=%u -D%s -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,
-             request->kernel->defines != NULL ? request->kernel->defines : "", layout->kinds,
+             request->kernel->defines != NULL ? request->kernel->defines : "", v.kinds,
              query->define, request->counting, persistent);
-    if (stack_size > 0)
-        append_number("BB_STACK_SIZE", stack_size, defines, sizeof defines);
-    if (request->kernel->trail_max > 0)
-        append_number("BB_LEVELS", round_levels(layout->levels), defines, sizeof defines);
+    if (v.stack_size > 0)
+        append_number("BB_STACK_SIZE", v.stack_size, defines, sizeof defines);
+    if (v.levels > 0)
+        append_number("BB_LEVELS", v.levels, defines, sizeof defines);
     append_options(request->kernel, request->spec, defines, sizeof defines);
     snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)
@@ -172,7 +241,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
     tracer->device = device;
     strcpy(tracer->key, key);
     tracer->group = (uint32_t)group;
-    tracer->stack_size = stack_size;
+    tracer->stack_size = v.stack_size;
     tracer->counting = request->counting;
     tracer->persistent = persistent;
     tracer->format = bb_intersector_format(request->intersector);

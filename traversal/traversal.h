@@ -4,6 +4,7 @@
 #ifndef BB_TRAVERSAL_H
 #define BB_TRAVERSAL_H
 
+#include "framework/base/decision.h"
 #include "framework/base/options.h"
 #include "framework/device/device.h"
 #include "framework/device/stopwatch.h"
@@ -22,8 +23,9 @@ typedef struct bb_layout_source {
     const bb_scene *scene;
     const bb_tree *tree; /* on the device */
     const bb_buffer
-        *reach; /* float per node: the longest side of the primitives below it; NULL: the
+        *reach;     /* float per node: the longest side of the primitives below it; NULL: the
                                node's box holds them whole, and has their longest side */
+    uint32_t kinds; /* of primitives that records have room for: the scene's at least */
     const bb_buffer *array; /* the side array that the layout asks for; NULL if none */
 } bb_layout_source;
 
@@ -34,7 +36,7 @@ typedef struct bb_layout_data {
     bb_buffer buffers[BB_LAYOUT_BUFFERS_MAX]; /* the kernel's first arguments, in this order */
     bb_u32 root;                              /* link to start from, as the kernel reads links */
     bb_prim_ends ends;                        /* of the scene's kinds */
-    uint32_t kinds;                           /* of the scene's primitives */
+    uint32_t kinds;                           /* of primitives that it is laid out for */
     bb_u32 format;                            /* of triangles: BB_FORMAT_... */
     float scale;                              /* the scene's */
     uint32_t stack_need;                      /* entries that an ordered traversal needs */
@@ -77,6 +79,7 @@ typedef struct bb_layout_maker {
     bb_device *device;
     bb_account account; /* also of the layouts made, which are released first */
     void *self;
+    uint32_t kinds;               /* to lay out for, beside the scene's; 0: those alone */
     struct bb_collapse *collapse; /* NULL until leaves are asked for */
     struct bb_reach *reach;       /* NULL until a tree needs it */
 } bb_layout_maker;
@@ -128,6 +131,9 @@ typedef struct bb_kernel {
     bool ordered;        /* visits children near to far */
     /* Variants that `run` compares by default, as a list: "stack8:leaf=8"; NULL: none. */
     const char *compared;
+    /* Variants that `advise` tries besides, as a list; NULL: none, and it is left out unless it is
+     * compared. */
+    const char *tried;
     /* Its layout keeps the shape of any tree: by default, `run` uses it for trees whose shape no
      * compared kernel keeps. */
     bool native;
@@ -136,7 +142,7 @@ typedef struct bb_kernel {
      * none. */
     uint32_t trail_max;
     /* Its own options: the value of `name` reaches the kernel as -DBB_NAME=value, so each must list
-     * its `values`; `leaf` and `group` are common to all kernels. */
+     * its `values`. Common to all kernels: `leaf`, `group`, `stack`, `kinds`, `persistent`. */
     const bb_option *options;
 } bb_kernel;
 
@@ -145,6 +151,8 @@ const bb_kernel *bb_kernel_find(const char *name);
 extern const bb_option bb_kernel_common_options[];
 /* Checks the parameters of a kernel's specification: its own options and the common ones. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
+/* What the kernel's parameters ask for beside the scene's kinds: for bb_layout_maker.kinds. */
+uint32_t bb_kernel_kinds(const bb_spec *spec);
 /* The kernel that `text` names, and its specification, checked. */
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel);
 
@@ -165,6 +173,9 @@ typedef struct bb_tracer_request {
  * answer the query, or not for these primitives, or if its trail is too short for the tree. */
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
                         const bb_layout_data *layout, bb_tracer **tracer);
+/* What was decided for such a tracer: stack, levels of the trail, kinds. */
+bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_data *layout,
+                           bb_decisions *decisions);
 void bb_tracers_clear(bb_device *device);
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t

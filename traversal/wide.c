@@ -184,7 +184,7 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
     const bb_scene_device *geometry = &scene->on_device;
     const bb_prim_ends ends = bb_scene_ends(scene);
     uint32_t count = tree->info.ref_count, total;
-    uint32_t words = bb_block_words(scene->kinds, data->format);
+    uint32_t words = bb_block_words(source->kinds, data->format);
     size_t scan = (size_t)count + 1;
     BB_TRY(reserve(self, scan * sizeof(uint32_t), "wide: blocks of leaves", &self->first));
     BB_TRY(bb_launch(self->device, self->count, scan, GROUP_SIZE, BB_MEM(tree->d_refs),

@@ -1,6 +1,8 @@
 /* Codes laid out for a scene: which bit tells what, and what the device needs to make them. */
 #include "builders/common/codes.h"
 
+#include "framework/scene/needs.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -95,15 +97,21 @@ static const bb_code *find_code(const char *name)
     return NULL;
 }
 
-/* A number that the code gives unless the option does. */
+/* A number that the code gives unless the option does. `by`: NULL where it can't be `auto`. */
 static bb_status read_number(const bb_spec *spec, const bb_option *options, const char *key,
-                             uint64_t low, uint64_t high, uint32_t *value)
+                             uint64_t low, uint64_t high, uint32_t *value, bb_decider *by)
 {
     uint64_t number;
     if (bb_spec_value(spec, options, key) == NULL)
         return BB_OK;
+    if (by != NULL && bb_spec_is(spec, options, key, "auto")) {
+        *by = BB_BY_SCENE;
+        return BB_OK;
+    }
     BB_TRY(bb_spec_u64(spec, options, key, low, high, &number));
     *value = (uint32_t)number;
+    if (by != NULL)
+        *by = BB_GIVEN;
     return BB_OK;
 }
 
@@ -120,9 +128,11 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
                                .size_bits = code->size_bits,
                                .sizes = code->sizes,
                                .next = code->next};
-    BB_TRY(read_number(spec, options, "bits", 3, BB_CODE_BITS_MAX, &choice->bits));
-    BB_TRY(read_number(spec, options, "every", 0, BB_CODE_BITS_MAX, &choice->every));
-    BB_TRY(read_number(spec, options, "size-bits", 0, AXIS_BITS_MAX, &choice->size_bits));
+    BB_TRY(
+        read_number(spec, options, "bits", 3, BB_CODE_BITS_MAX, &choice->bits, &choice->bits_by));
+    BB_TRY(read_number(spec, options, "every", 0, BB_CODE_BITS_MAX, &choice->every, NULL));
+    BB_TRY(read_number(spec, options, "size-bits", 0, AXIS_BITS_MAX, &choice->size_bits,
+                       &choice->size_bits_by));
     if (choice->every == 1)
         return bb_fail(BB_INVALID, "builder %s: option 'every' is 1, must be 0 or 2 to %d",
                        spec->name, BB_CODE_BITS_MAX);
@@ -157,6 +167,46 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
     choice->by_centroids = bb_spec_is(spec, options, "box", "centroids");
     choice->cube = bb_spec_is(spec, options, "box", "cube");
     choice->tables = bb_spec_is(spec, options, "expand", "tables");
+    return BB_OK;
+}
+
+/* ---- what the scene decides ---- */
+
+/* A bit of the root of the size stands for two octaves. */
+static uint32_t size_bits_for(const bb_code_choice *choice, uint32_t octaves)
+{
+    uint32_t bits = choice->sizes == BB_SIZES_ROOT ? (octaves + 1) / 2 : octaves;
+    return bits < AXIS_BITS_MAX ? bits : AXIS_BITS_MAX;
+}
+
+/* Size bits among the first `bits` of the code; with one at each halving of the cell, about every
+ * fourth is one. */
+static uint32_t size_bits_among(const bb_code_choice *choice, uint32_t bits)
+{
+    uint32_t every = choice->next == halved ? 4 : choice->every;
+    uint32_t count = every > 0 ? bits / every : 0;
+    return count < choice->size_bits ? count : choice->size_bits;
+}
+
+bb_status bb_code_resolve(bb_code_choice *choice, const bb_scene *scene, uint32_t multiple,
+                          const char *builder)
+{
+    char what[96];
+    if (choice->bits_by != BB_BY_SCENE && choice->size_bits_by != BB_BY_SCENE)
+        return BB_OK;
+    snprintf(what, sizeof what, "builder %s: %s=auto", builder,
+             choice->bits_by == BB_BY_SCENE ? "bits" : "size-bits");
+    BB_TRY(bb_needs_check(scene, what));
+    if (choice->size_bits_by == BB_BY_SCENE)
+        choice->size_bits = size_bits_for(choice, bb_need_size_octaves(scene));
+    if (choice->bits_by != BB_BY_SCENE)
+        return BB_OK;
+    uint32_t places = bb_need_code_bits(scene), most = BB_CODE_BITS_MAX / multiple * multiple;
+    choice->bits = places;
+    while (choice->bits < most && (choice->bits - size_bits_among(choice, choice->bits) < places ||
+                                   choice->bits % multiple != 0))
+        choice->bits++;
+    choice->bits = choice->bits < most ? choice->bits : most;
     return BB_OK;
 }
 

@@ -11,6 +11,7 @@
 
 #include "builders/common/code_shared.h"
 #include "builders/common/view_order.h"
+#include "framework/base/decision.h"
 #include "framework/builder/builder.h"
 
 #include <stdbool.h>
@@ -34,17 +35,21 @@ extern "C" {
 #define BB_CODE_WORD(name, ...) "|" name
 #define BB_CODE_NAMES (&(BB_CODE_TABLE(BB_CODE_WORD))[1])
 
+#define BB_CODE_BITS_HELP "bits of the code, 3 to 64; auto: as many as lower the cost"
+#define BB_CODE_SIZE_BITS_HELP                                                                     \
+    "most size bits, 0 to 24; auto: down to the median primitive, none if all are of a size"
+
 #define BB_CODE_BOX_HELP "box to divide; cube: with the scene's longest side, from its lower corner"
 
 /* Options of codes, for a builder's table, which may have only some of them. Those without a
  * default take it from the code. */
 #define BB_CODE_OPTIONS(preset)                                                                    \
     {"code", preset, BB_CODE_NAMES, "code; it sets the defaults of the options below"},            \
-        {"bits", NULL, NULL, "bits of the code, 3 to 64"},                                         \
+        {"bits", NULL, NULL, BB_CODE_BITS_HELP},                                                   \
         {"axes", NULL, "xyz|extent|view", "order of the axes; view: by the view's direction"},     \
         {"count", NULL, "equal|variable", "bits per axis; variable: most for the longest side"},   \
         {"every", NULL, NULL, "every N-th bit encodes the size, 2 to 64; 0: none"},                \
-        {"size-bits", NULL, NULL, "most size bits, 0 to 24"},                                      \
+        {"size-bits", NULL, NULL, BB_CODE_SIZE_BITS_HELP},                                         \
         {"size", NULL, "linear|root|cell",                                                         \
          "how size is encoded: relative to the scene's, its "                                      \
          "square root, or relative to the cell's"},                                                \
@@ -73,6 +78,7 @@ typedef struct bb_code_choice {
     uint32_t bits;
     bb_code_order order;
     uint32_t every, size_bits;
+    bb_decider bits_by, size_bits_by; /* BB_BY_SCENE: `auto`, open until bb_code_resolve() */
     bb_code_sizes sizes;
     double large; /* with sizes relative to the cell: the ratio that is large */
     bb_code_measure measure;
@@ -93,6 +99,12 @@ typedef struct bb_code_pattern {
 /* Reads the options. `options` is the builder's table. BB_INVALID if a value is out of range. */
 bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_choice *choice);
 
+/* Settles what is `auto` by the scene's profile; `multiple`: of which the number of bits must be
+ * one. BB_FAILED if the profile was withheld: a builder whose table has BB_CODE_OPTIONS declares
+ * BB_INPUT_PROFILE. */
+bb_status bb_code_resolve(bb_code_choice *choice, const bb_scene *scene, uint32_t multiple,
+                          const char *builder);
+
 /* Lays the code out for a scene whose primitives' boxes, and their centroids, are inside these two
  * boxes (bb_reduce_boxes). `direction` is the view's; zero for none. Does not fail: an axis without
  * extent gets no bits in a code with variable counts, and a single cell in others. */
@@ -107,9 +119,14 @@ void bb_code_letters(const bb_code_pattern *layout, char *text, size_t capacity)
 
 typedef struct bb_codes bb_codes;
 
-/* Compiles. All memory is booked on the account. */
+/* Compiles, unless an option is `auto`. All memory is booked on the account. */
 bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out);
 void bb_codes_destroy(bb_codes *codes); /* NULL is allowed */
+
+/* Settles what is `auto` for this scene, see bb_code_resolve(), and compiles what that changes;
+ * else does nothing. To be called in prepare(), before the sizes below are asked for. */
+bb_status bb_codes_prepare(bb_codes *codes, const bb_scene *scene, uint32_t multiple);
+bool bb_codes_ready(const bb_codes *codes); /* nothing is left to be settled */
 
 uint32_t bb_codes_bits(const bb_codes *codes);      /* of a key that are in use */
 uint32_t bb_codes_key_bytes(const bb_codes *codes); /* 4 up to 32 bits, else 8 */
@@ -118,6 +135,9 @@ uint32_t bb_codes_key_bytes(const bb_codes *codes); /* 4 up to 32 bits, else 8 *
  * for the scene's bounds. Buffers have room for scene->prim_count keys and u32. */
 bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
                         bb_buffer *keys, bb_buffer *values, bb_phases *phases);
+
+/* Appends what was decided on bits and size bits in the last bb_codes_make(). */
+void bb_codes_decide(const bb_codes *codes, const bb_scene *scene, bb_decisions *decisions);
 
 /* Of the last bb_codes_make(). */
 const bb_code_pattern *bb_codes_pattern(const bb_codes *codes);

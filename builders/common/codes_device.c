@@ -1,6 +1,8 @@
 /* Codes made on the device (codes.cl). */
 #include "builders/common/codes.h"
 
+#include "framework/scene/needs.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +13,7 @@ struct bb_codes {
     bb_device *device;
     bb_account *account;
     const char *builder;
+    bb_code_choice asked; /* as given, what is `auto` open */
     bb_code_choice choice;
     bb_code_pattern layout;
     uint32_t lanes; /* boxes per work-item */
@@ -21,22 +24,25 @@ struct bb_codes {
     bb_buffer tables; /* [chunk][lane][value]: the places of a chunk's bits */
 };
 
-bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
+/* Everything that depends on the number of bits. */
+static void release(bb_codes *codes)
 {
-    bb_codes *codes = calloc(1, sizeof *codes);
-    if (codes == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
-    *out = codes;
-    codes->device = context->device;
-    codes->account = context->account;
-    codes->builder = context->spec->name;
-    BB_TRY(bb_code_choose(context->spec, context->options, &codes->choice));
+    bb_buffer_release(&codes->bounds);
+    bb_buffer_release(&codes->plan);
+    bb_buffer_release(&codes->tables);
+    bb_kernel_release(codes->keys);
+    bb_program_release(codes->program);
+    codes->keys = NULL;
+    codes->program = NULL;
+}
+
+static bb_status compile(bb_codes *codes)
+{
     const bb_code_choice *choice = &codes->choice;
     uint32_t sizes = choice->size_bits == 0             ? 0
                      : choice->sizes == BB_SIZES_LINEAR ? 1
                      : choice->sizes == BB_SIZES_ROOT   ? 2
                                                         : 3;
-    codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
     char defines[128];
     snprintf(defines, sizeof defines,
              "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_MEASURE=%d -DBB_TABLES=%d",
@@ -53,15 +59,45 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
                              "codes: tables", &codes->tables);
 }
 
+bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
+{
+    bb_codes *codes = calloc(1, sizeof *codes);
+    if (codes == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = codes;
+    codes->device = context->device;
+    codes->account = context->account;
+    codes->builder = context->spec->name;
+    BB_TRY(bb_code_choose(context->spec, context->options, &codes->asked));
+    codes->choice = codes->asked;
+    codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
+    const bool open =
+        codes->asked.bits_by == BB_BY_SCENE || codes->asked.size_bits_by == BB_BY_SCENE;
+    return open ? BB_OK : compile(codes);
+}
+
+bool bb_codes_ready(const bb_codes *codes)
+{
+    return codes->keys != NULL;
+}
+
+bb_status bb_codes_prepare(bb_codes *codes, const bb_scene *scene, uint32_t multiple)
+{
+    bb_code_choice choice = codes->asked;
+    BB_TRY(bb_code_resolve(&choice, scene, multiple, codes->builder));
+    if (codes->keys != NULL && choice.bits == codes->choice.bits &&
+        choice.size_bits == codes->choice.size_bits)
+        return BB_OK;
+    codes->choice = choice;
+    release(codes);
+    return compile(codes);
+}
+
 void bb_codes_destroy(bb_codes *codes)
 {
     if (codes == NULL)
         return;
-    bb_buffer_release(&codes->bounds);
-    bb_buffer_release(&codes->plan);
-    bb_buffer_release(&codes->tables);
-    bb_kernel_release(codes->keys);
-    bb_program_release(codes->program);
+    release(codes);
     free(codes);
 }
 
@@ -112,6 +148,8 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
     bb_box bounds[2];
     double direction[3];
     char what[96];
+    if (!bb_codes_ready(codes))
+        return bb_fail(BB_FAILED, "builder %s: bb_codes_prepare() was not called", codes->builder);
     snprintf(what, sizeof what, "builder %s", codes->builder);
     BB_TRY(bb_view_order(scene, codes->choice.view, what, direction));
     BB_TRY(bb_phase(phases, "bounds"));
@@ -125,4 +163,26 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
     uint32_t items = (count + codes->lanes - 1) / codes->lanes;
     return bb_launch(codes->device, codes->keys, items, GROUP_SIZE, BB_MEM(*boxes), BB_VALUE(count),
                      BB_MEM(codes->plan), BB_MEM(codes->tables), BB_MEM(*keys), BB_MEM(*values));
+}
+
+void bb_codes_decide(const bb_codes *codes, const bb_scene *scene, bb_decisions *decisions)
+{
+    const bb_code_choice *choice = &codes->choice;
+    const bb_code_pattern *layout = &codes->layout;
+    if (scene->profile.measured)
+        bb_decide_number(decisions, BB_DECIDED_CODE_BITS, layout->bits, choice->bits_by,
+                         "%u for sizes; more than %u for places hardly lower the cost",
+                         layout->count[BB_CODE_SIZE_AXIS], bb_need_code_bits(scene));
+    else
+        bb_decide_number(decisions, BB_DECIDED_CODE_BITS, layout->bits, choice->bits_by,
+                         "no profile was asked for");
+    if (choice->size_bits == 0 && choice->size_bits_by == BB_BY_DEFAULT)
+        return; /* a code without sizes */
+    if (scene->profile.measured)
+        bb_decide_number(decisions, BB_DECIDED_SIZE_BITS, layout->count[BB_CODE_SIZE_AXIS],
+                         choice->size_bits_by, "%u octaves from the scene to the median size",
+                         bb_need_size_octaves(scene));
+    else
+        bb_decide_number(decisions, BB_DECIDED_SIZE_BITS, layout->count[BB_CODE_SIZE_AXIS],
+                         choice->size_bits_by, "no profile was asked for");
 }

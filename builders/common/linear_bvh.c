@@ -10,6 +10,8 @@ typedef struct linear_bvh {
     bb_account *account;
     bb_primitives *primitives;
     bb_codes *codes;
+    bb_linking linking;
+    uint32_t key_bytes; /* of the radix tree; 0: there is none yet */
     bb_radix_tree *radix;
     bb_refitter *refitter; /* NULL: trees are built again */
     bb_buffer keys;
@@ -30,6 +32,21 @@ void bb_linear_destroy(void *opaque)
     free(self);
 }
 
+/* The radix tree for keys as the code has them, which is known once nothing of it is open. */
+static bb_status make_radix(linear_bvh *self)
+{
+    uint32_t key_bytes = bb_codes_key_bytes(self->codes);
+    if (!bb_codes_ready(self->codes) || self->key_bytes == key_bytes)
+        return BB_OK;
+    bb_radix_kind kind = {.key_bytes = key_bytes, .linking = self->linking};
+    bb_radix_tree_destroy(self->radix);
+    self->radix = NULL;
+    self->key_bytes = 0;
+    BB_TRY(bb_radix_tree_create(self->device, self->account, kind, &self->radix));
+    self->key_bytes = key_bytes;
+    return BB_OK;
+}
+
 bb_status bb_linear_create(const bb_builder_context *context, void **out)
 {
     linear_bvh *self = calloc(1, sizeof *self);
@@ -43,15 +60,16 @@ bb_status bb_linear_create(const bb_builder_context *context, void **out)
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
     if (bb_spec_is(context->spec, context->options, "update", "refit"))
         BB_TRY(bb_refitter_create(self->device, self->account, &self->refitter));
-    bb_radix_kind kind = {.key_bytes = bb_codes_key_bytes(self->codes),
-                          .linking = karras ? BB_LINK_KARRAS : BB_LINK_APETREI};
-    return bb_radix_tree_create(self->device, self->account, kind, &self->radix);
+    self->linking = karras ? BB_LINK_KARRAS : BB_LINK_APETREI;
+    return make_radix(self);
 }
 
 bb_status bb_linear_prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     linear_bvh *self = opaque;
     size_t count = scene->prim_count;
+    BB_TRY(bb_codes_prepare(self->codes, scene, 1));
+    BB_TRY(make_radix(self));
     uint32_t key_bytes = bb_codes_key_bytes(self->codes);
     BB_TRY(bb_buffer_reserve(self->device, self->account, count * key_bytes, "lbvh: codes",
                              &self->keys));
@@ -99,4 +117,10 @@ bb_status bb_linear_describe(void *opaque, const bb_scene *scene, char *text, si
     bb_code_letters(layout, letters, sizeof letters);
     snprintf(text, capacity, "code of %u bits: %s", layout->bits, letters);
     return BB_OK;
+}
+
+void bb_linear_decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
+{
+    const linear_bvh *self = opaque;
+    bb_codes_decide(self->codes, scene, decisions);
 }

@@ -27,6 +27,7 @@ bb_status bb_linear_create(const bb_builder_context *context, void **self);
 bb_status bb_linear_prepare(void *self, const bb_scene *scene, bb_tree *tree);
 bb_status bb_linear_build(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
                           bb_phases *phases);
+void bb_linear_decide(void *self, const bb_scene *scene, bb_decisions *decisions);
 /* BB_UNSUPPORTED with update=rebuild: then the harness builds again. */
 bb_status bb_linear_update(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                            bb_phases *phases);
@@ -35,9 +36,10 @@ void bb_linear_destroy(void *self);
 
 /* What such a builder's struct says after its names and options. */
 #define BB_LINEAR_BUILDER                                                                          \
-    .kinds = BB_ALL_KINDS, .inputs = BB_INPUT_BOXES, .place = BB_ON_DEVICE, .deterministic = true, \
-    .create = bb_linear_create, .prepare = bb_linear_prepare, .build = bb_linear_build,            \
-    .update = bb_linear_update, .describe = bb_linear_describe, .destroy = bb_linear_destroy
+    .kinds = BB_ALL_KINDS, .inputs = BB_INPUT_BOXES | BB_INPUT_PROFILE, .place = BB_ON_DEVICE,     \
+    .deterministic = true, .decide = bb_linear_decide, .create = bb_linear_create,                 \
+    .prepare = bb_linear_prepare, .build = bb_linear_build, .update = bb_linear_update,            \
+    .describe = bb_linear_describe, .destroy = bb_linear_destroy
 
 #ifdef __cplusplus
 }

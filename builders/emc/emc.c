@@ -20,5 +20,7 @@ const bb_builder bb_builder_emc = {
     .paper = "Vinkler, Bittner, Havran 2017",
     .options = options,
     .compared = "emc,emc:code=emc64-cell",
+    .least = "emc:bits=auto,size-bits=auto,emc:code=emc64-cell,bits=auto,size-bits=auto",
+    .generous = "emc:bits=64,size-bits=24",
     BB_LINEAR_BUILDER,
 };

@@ -44,7 +44,8 @@ static const bb_option options[] = {
     {"merge", "64", NULL,
      "approximate number of a node's primitives per leaf: a power of two; 0: no limit"},
     {"code", "mc32", BB_CODE_NAMES, "code; it sets the defaults of the options below"},
-    {"bits", NULL, NULL, "bits of the code: three for each level of the octree"},
+    {"bits", NULL, NULL,
+     "bits of the code: three for each level of the octree; auto: as many as lower the cost"},
     {"axes", NULL, "xyz|extent|view", "order of the axes; view: by the view's direction"},
     {"box", "cube", "cube|scene|centroids", BB_CODE_BOX_HELP},
     {"expand", "shifts", "shifts|tables", "how bits are spread; the code is the same"},
@@ -57,6 +58,8 @@ typedef struct llbvh {
     bb_device *device;
     bb_account *account;
     uint32_t upto, merge;
+    const bb_builder_context *context;
+    uint32_t key_bytes; /* of what was compiled; 0: nothing yet */
     double loose;
     bb_primitives *primitives;
     bb_codes *codes;
@@ -71,6 +74,19 @@ typedef struct llbvh {
     bb_radix_runs runs;
 } llbvh;
 
+static void release_program(llbvh *self)
+{
+    bb_kernel_release(self->place);
+    bb_kernel_release(self->heads);
+    bb_kernel_release(self->leaves);
+    bb_program_release(self->program);
+    bb_radix_tree_destroy(self->radix);
+    self->place = self->heads = self->leaves = NULL;
+    self->program = NULL;
+    self->radix = NULL;
+    self->key_bytes = 0;
+}
+
 static void destroy(void *opaque)
 {
     llbvh *self = opaque;
@@ -83,11 +99,7 @@ static void destroy(void *opaque)
     bb_buffer_release(&self->leaf_nodes);
     bb_buffer_release(&self->runs.starts);
     bb_buffer_release(&self->runs.total);
-    bb_kernel_release(self->place);
-    bb_kernel_release(self->heads);
-    bb_kernel_release(self->leaves);
-    bb_program_release(self->program);
-    bb_radix_tree_destroy(self->radix);
+    release_program(self);
     bb_codes_destroy(self->codes);
     bb_primitives_destroy(self->primitives);
     free(self);
@@ -151,6 +163,24 @@ static bb_status build_program(llbvh *self, const bb_builder_context *context)
     return bb_kernel_get(self->program, "llbvh_leaves", &self->leaves);
 }
 
+/* What depends on the width of the keys, once that is known. */
+static bb_status compile(llbvh *self)
+{
+    const uint32_t key_bytes = bb_codes_key_bytes(self->codes);
+    if (!bb_codes_ready(self->codes) || self->key_bytes == key_bytes)
+        return BB_OK;
+    release_program(self);
+    BB_TRY(build_program(self, self->context));
+    bool search = bb_spec_is(self->context->spec, options, "link", "search");
+    bb_radix_kind kind = {.key_bytes = key_bytes,
+                          .linking = search ? BB_LINK_KARRAS : BB_LINK_APETREI,
+                          .nodes = true,
+                          .runs = true};
+    BB_TRY(bb_radix_tree_create(self->device, self->account, kind, &self->radix));
+    self->key_bytes = key_bytes;
+    return BB_OK;
+}
+
 static bb_status create(const bb_builder_context *context, void **out)
 {
     llbvh *self = calloc(1, sizeof *self);
@@ -159,16 +189,11 @@ static bb_status create(const bb_builder_context *context, void **out)
     *out = self;
     self->device = context->device;
     self->account = context->account;
+    self->context = context;
     BB_TRY(read_options(self, context));
     BB_TRY(bb_codes_create(context, &self->codes));
-    BB_TRY(build_program(self, context));
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
-    bool search = bb_spec_is(context->spec, options, "link", "search");
-    bb_radix_kind kind = {.key_bytes = bb_codes_key_bytes(self->codes),
-                          .linking = search ? BB_LINK_KARRAS : BB_LINK_APETREI,
-                          .nodes = true,
-                          .runs = true};
-    return bb_radix_tree_create(self->device, self->account, kind, &self->radix);
+    return compile(self);
 }
 
 static uint32_t chunk_size(const llbvh *self)
@@ -185,6 +210,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     llbvh *self = opaque;
     size_t count = scene->prim_count, word = sizeof(uint32_t);
+    BB_TRY(bb_codes_prepare(self->codes, scene, 3));
+    BB_TRY(compile(self));
     uint32_t key_bytes = bb_codes_key_bytes(self->codes);
     const struct {
         size_t bytes;
@@ -305,20 +332,29 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
     return status;
 }
 
+static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
+{
+    const llbvh *self = opaque;
+    bb_codes_decide(self->codes, scene, decisions);
+}
+
 const bb_builder bb_builder_llbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "llbvh",
     .summary = "binary tree over the nodes of a loose octree: large primitives near the root",
     .paper = "Gu, Jendersie, Grosch 2018, sections 3.1 and 3.3",
     .kinds = BB_ALL_KINDS,
-    .inputs = BB_INPUT_BOXES,
+    .inputs = BB_INPUT_BOXES | BB_INPUT_PROFILE,
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
     .compared = "llbvh",
+    .least = "llbvh:bits=auto",
+    .generous = "llbvh:bits=63",
     .create = create,
     .prepare = prepare,
     .build = build,
     .describe = describe,
+    .decide = decide,
     .destroy = destroy,
 };

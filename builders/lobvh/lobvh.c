@@ -399,6 +399,17 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
     return BB_OK;
 }
 
+static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
+{
+    const lobvh *self = opaque;
+    bb_decide_number(decisions, BB_DECIDED_LEVELS, self->levels,
+                     self->levels_given > 0 ? BB_GIVEN : BB_BY_SCENE,
+                     "the median primitive's is level %u, %u tell the centroids apart; arrays of "
+                     "%llu bytes",
+                     level_of_median(self, scene), scene->profile.octree_depth,
+                     (unsigned long long)dense_bytes(self->levels));
+}
+
 const bb_builder bb_builder_lobvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "lobvh",
@@ -410,9 +421,11 @@ const bb_builder bb_builder_lobvh = {
     .deterministic = true,
     .options = options,
     .compared = "lobvh",
+    .generous = "lobvh:levels=9",
     .create = create,
     .prepare = prepare,
     .build = build,
     .describe = describe,
+    .decide = decide,
     .destroy = destroy,
 };

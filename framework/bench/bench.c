@@ -135,7 +135,8 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
     for (uint32_t i = 0; i < bench->layout_count; i++) {
         const bb_layout_choice *l = &bench->layouts[i];
-        if (l->maker.layout == layout && l->format == format && l->leaf == choice->leaf) {
+        if (l->maker.layout == layout && l->format == format && l->leaf == choice->leaf &&
+            l->maker.kinds == bb_kernel_kinds(&choice->spec)) {
             choice->layouts[format] = i;
             return BB_OK;
         }
@@ -144,7 +145,9 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_
     bb_layout_choice *wanted = &bench->layouts[choice->layouts[format]];
     wanted->leaf = choice->leaf;
     wanted->format = format;
-    return bb_layout_maker_create(layout, bench->device, &wanted->maker);
+    BB_TRY(bb_layout_maker_create(layout, bench->device, &wanted->maker));
+    wanted->maker.kinds = bb_kernel_kinds(&choice->spec);
+    return BB_OK;
 }
 
 static bb_status start_kernel(bb_bench *bench, const char *text, bool native_only)

@@ -44,6 +44,12 @@ typedef struct bb_bench_request {
     const bb_cell *cells;       /* canonical: of all combinations only these cells are measured */
     uint32_t cell_count;        /* 0: all */
     bb_shard *shard;            /* NULL: all cells */
+    /* Of all combinations only those that this says are measured, with texts as above, NULL for
+     * any; NULL: all. */
+    bool (*takes)(const void *user, const char *builder, const char *kernel,
+                  const char *intersector);
+    const void *user;
+    bool uncounted;             /* tests per ray are not counted */
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;

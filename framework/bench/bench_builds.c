@@ -182,6 +182,7 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     BB_TRY(measure_metrics(bench, entrant, false));
     BB_TRY(bb_instance_describe(&entrant->instance, bench->scene, record->about,
                                 sizeof record->about));
+    bb_instance_decisions(&entrant->instance, bench->scene, &record->decisions);
     BB_TRY(bb_bench_end(bench, step, "check trees, SAH", BB_OK));
     return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, true) : BB_OK;
 }
@@ -256,6 +257,7 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
         return BB_OK;
     uint32_t k = record->layout_count++;
     snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
+    record->layouts[k].bytes = data->bytes;
     record->layouts[k].sah =
         isnan(data->sah) && data->keeps_shape ? sah_of_tree(entrant) : data->sah;
     bb_samples_add(&record->layouts[k].ms, data->timing.ms);
@@ -272,11 +274,26 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
 
 /* A layout that is refused is the trace's failure, not the build's: bb_resident_layout() will say
  * so again. */
+/* Is there a cell of this entrant's with this kernel and intersector among those that are to be
+ * measured? */
+static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel,
+                         uint32_t intersector)
+{
+    bb_cell parts = bb_bench_cell(bench);
+    snprintf(parts.builder, sizeof parts.builder, "%s", entrant->text);
+    snprintf(parts.kernel, sizeof parts.kernel, "%s", bench->kernels[kernel].spec.text);
+    snprintf(parts.intersector, sizeof parts.intersector, "%s",
+             bench->request->intersectors[intersector]);
+    return bb_bench_wants(bench, &parts);
+}
+
 static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
 {
     for (uint32_t k = 0; k < bench->kernel_count; k++)
         for (uint32_t i = 0;
              bb_bench_takes(bench, entrant, k) && i < bench->request->intersector_count; i++) {
+            if (!wants_layout(bench, entrant, k, i))
+                continue;
             uint32_t layout = bb_bench_layout_of(bench, k, &bench->intersectors[i]);
             bb_status status = bb_resident_layout(bench, entrant, layout);
             bb_step step = bb_bench_begin(bench);

@@ -28,19 +28,32 @@ static bool fits(const char *part, const char *wanted)
     return part[0] == '\0' || strcmp(part, wanted) == 0;
 }
 
+/* NULL for any. */
+static const char *or_any(const char *part)
+{
+    return part[0] != '\0' ? part : NULL;
+}
+
 bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts)
 {
+    const bb_bench_request *request = bench->request;
+    if (request->takes != NULL &&
+        !request->takes(request->user, or_any(parts->builder), or_any(parts->kernel),
+                        or_any(parts->intersector)))
+        return false;
+    if (request->cell_count == 0)
+        return true;
     bb_cell cell = *parts;
     bb_cell_canonical(&cell);
-    for (uint32_t i = 0; i < bench->request->cell_count; i++) {
-        const bb_cell *wanted = &bench->request->cells[i];
+    for (uint32_t i = 0; i < request->cell_count; i++) {
+        const bb_cell *wanted = &request->cells[i];
         if (fits(cell.scene, wanted->scene) && fits(cell.builder, wanted->builder) &&
             fits(cell.rays, wanted->rays) && fits(cell.kernel, wanted->kernel) &&
             fits(cell.intersector, wanted->intersector) &&
             (cell.rays[0] == '\0' || strcmp(cell.view, wanted->view) == 0))
             return true;
     }
-    return bench->request->cell_count == 0;
+    return false;
 }
 
 bb_status bb_bench_check_views(const bb_bench *bench, const bb_scene *scene, const char *text)

@@ -164,6 +164,7 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     BB_TRY(bb_tracer_get(bench->device, &request, layout, &c->tracer));
     c->record.group_size = bb_tracer_group_size(c->tracer);
     c->record.stack_size = bb_tracer_stack_size(c->tracer);
+    BB_TRY(bb_tracer_decide(&request, layout, &c->record.decisions));
     snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
     c->record.native = layout->keeps_shape;
     /* compile for the group size before the clock runs */
@@ -244,7 +245,7 @@ static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32
 static bb_status count_tests(trace_set *set, cell *c)
 {
     bb_bench *bench = set->bench;
-    if (c->entrant->reference)
+    if (c->entrant->reference || bench->request->uncounted)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_resident_layout(bench, c->entrant, c->layout));

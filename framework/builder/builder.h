@@ -14,6 +14,7 @@
 #ifndef BB_BUILDER_H
 #define BB_BUILDER_H
 
+#include "framework/base/decision.h"
 #include "framework/base/options.h"
 #include "framework/device/device.h"
 #include "framework/device/primitives.h"
@@ -27,7 +28,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 5 };
+enum { BB_ABI_VERSION = 6 };
 
 /* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
  * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the
@@ -100,6 +101,9 @@ struct bb_builder {
      * Optional. NULL: the plain name, with a builder added if it is only a stage (pipeline.h);
      * "": none. */
     const char *compared;
+    /* For `advise`: variants, as a list, that take no more than the scene needs, and one that is
+     * enough for any scene, which tells what they save. Optional. */
+    const char *least, *generous;
 
     /* Compiles and allocates what does not depend on the scene; not timed. Called once per object;
      * the other hooks get `self`. Required. */
@@ -140,6 +144,10 @@ struct bb_builder {
      * do not tell, such as the bit layout of a code or the level that was chosen. Not timed.
      * Optional. */
     bb_status (*describe)(void *self, const bb_scene *scene, char *text, size_t capacity);
+
+    /* Appends what was decided for the last build, with the figures: the length of a code, levels.
+     * Not timed. Optional. */
+    void (*decide)(void *self, const bb_scene *scene, bb_decisions *decisions);
 
     /* Frees everything; called once, even after a failed build. Required. */
     void (*destroy)(void *self);

@@ -192,3 +192,15 @@ bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, cha
     }
     return BB_OK;
 }
+
+void bb_instance_decisions(bb_instance *instance, const bb_scene *scene, bb_decisions *decisions)
+{
+    decisions->count = 0;
+    for (uint32_t i = 0; i < instance->pipeline.count; i++) {
+        bb_stage *stage = &instance->stages[i];
+        if (stage->builder->decide == NULL)
+            continue;
+        bb_scene part = bb_stage_part(instance, i, scene);
+        stage->builder->decide(stage->self, &part, decisions);
+    }
+}

@@ -92,6 +92,9 @@ bb_status bb_instance_transfer(bb_instance *instance, const bb_scene *scene, dou
 bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, char *text,
                                size_t capacity);
 
+/* What the stages decided for the last build. */
+void bb_instance_decisions(bb_instance *instance, const bb_scene *scene, bb_decisions *decisions);
+
 /* What all its stages declare together. */
 uint32_t bb_instance_inputs(const bb_instance *instance);   /* BB_INPUT_... of the scene */
 double bb_instance_prepare_ms(const bb_instance *instance); /* sum of the last calls */

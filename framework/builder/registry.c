@@ -115,7 +115,7 @@ static bb_status validate_options(const char *builder, const bb_option *options)
 
 /* One of the stages is this builder, with parameters that it takes; the others need not be there
  * yet. */
-static bb_status validate_compared_item(const bb_builder *builder, const char *item)
+static bb_status validate_variant(const bb_builder *builder, const char *item, const char *member)
 {
     bb_spec stages[BB_STAGES_MAX];
     uint32_t count;
@@ -125,23 +125,23 @@ static bb_status validate_compared_item(const bb_builder *builder, const char *i
         if (strcmp(stages[i].name, builder->name) != 0)
             continue;
         found = true;
-        BB_TRY(bb_spec_validate(&stages[i], builder->options, "compared"));
+        BB_TRY(bb_spec_validate(&stages[i], builder->options, member));
     }
     return found ? BB_OK
-                 : bb_fail(BB_INVALID, "compared holds '%s', which is another builder", item);
+                 : bb_fail(BB_INVALID, "%s holds '%s', which is another builder", member, item);
 }
 
-/* What `run` compares by default must be specifications of this builder. */
-static bb_status validate_compared(const bb_builder *builder)
+/* What is compared by default must be specifications of this builder. */
+static bb_status validate_variants(const bb_builder *builder, const char *list, const char *member)
 {
     char *items[64] = {NULL};
     size_t count = 0;
-    if (builder->compared == NULL || builder->compared[0] == '\0')
+    if (list == NULL || list[0] == '\0')
         return BB_OK;
-    bb_status status = bb_spec_list(builder->compared, items, 64, &count);
+    bb_status status = bb_spec_list(list, items, 64, &count);
     for (size_t i = 0; i < count; i++) {
         if (status == BB_OK)
-            status = validate_compared_item(builder, items[i]);
+            status = validate_variant(builder, items[i], member);
         free(items[i]);
     }
     return status == BB_OK ? BB_OK : bb_fail(status, "builder %s: %s", builder->name, bb_message());
@@ -183,7 +183,9 @@ bb_status bb_builder_validate(const bb_builder *builder)
         if (!rules[i].good)
             return bb_fail(BB_INVALID, "builder %s: %s", builder->name, rules[i].problem);
     BB_TRY(validate_options(builder->name, builder->options));
-    return validate_compared(builder);
+    BB_TRY(validate_variants(builder, builder->compared, "compared"));
+    BB_TRY(validate_variants(builder, builder->least, "least"));
+    return validate_variants(builder, builder->generous, "generous");
 }
 
 /* ---- adding one ---- */

@@ -73,6 +73,8 @@ FIELD(SCENE_IGNORED, SCENE, "ignored", "", NUMBER | NONE, S(U32, ignored), AS_WH
 FIELD(SCENE_BOUNDS, SCENE, "bounds", "", OBJECT | NONE, BY(bb_put_bounds), AS_TEXT, "Extent", NULL)
 FIELD(SCENE_HASH, SCENE, "hash", "", TEXT | NONE, S(HASH, hash), AS_TEXT, "Hash", NULL)
 FIELD(SCENE_PROFILE, SCENE, "profile", "", OBJECT | NONE, BY(bb_put_profile), AS_TEXT, NULL, NULL)
+FIELD(SCENE_DECISIONS, SCENE, "decisions", "", OBJECT | NONE, BY(bb_put_needs), AS_TEXT, "Needs",
+      "what the scene asks for, by its profile")
 FIELD(SCENE_SCALE, SCENE, "scale", "", NUMBER | NONE, S(FLOAT, scale), AS_FIGURE, NULL, NULL)
 FIELD(SCENE_OUT_OF_RANGE, SCENE, "out_of_range", "", NUMBER | NONE, S(U32, out_of_range), AS_WHOLE,
       NULL, NULL)
@@ -92,6 +94,10 @@ FIELD(PROFILE_SIZE_MEDIAN, PROFILE, "size_median", "", NUMBER | NONE, P(DOUBLE, 
       AS_FIGURE, "Median", "box diagonal")
 FIELD(PROFILE_SIZE_MAX, PROFILE, "size_max", "", NUMBER | NONE, P(DOUBLE, size_max), AS_FIGURE,
       "Largest", "box diagonal")
+FIELD(PROFILE_SIZE_LOW, PROFILE, "size_low", "", NUMBER | NONE, P(DOUBLE, size_low), AS_FIGURE,
+      "1 % smaller", "box diagonal")
+FIELD(PROFILE_SIZE_HIGH, PROFILE, "size_high", "", NUMBER | NONE, P(DOUBLE, size_high), AS_FIGURE,
+      "1 % larger", "box diagonal")
 FIELD(PROFILE_ZERO_AREA, PROFILE, "zero_area", "", NUMBER | NONE, P(U32, zero_area), AS_WHOLE,
       "Zero area", NULL)
 FIELD(PROFILE_DUPLICATE_BOXES, PROFILE, "duplicate_boxes", "", NUMBER | NONE, P(U32,
@@ -106,6 +112,10 @@ FIELD(PROFILE_CODE_BITS, PROFILE, "code_bits", "", NUMBER | NONE, P(U32, code_bi
       "Code bits", "that separate the centroids")
 FIELD(PROFILE_OCTREE_DEPTH, PROFILE, "octree_depth", "", NUMBER | NONE, P(U32, octree_depth),
       AS_WHOLE, NULL, NULL)
+FIELD(PROFILE_BITS_APART, PROFILE, "bits_apart", "", NUMBER | NONE, BY(bb_put_bits), AS_WHOLE,
+      NULL, NULL)
+FIELD(PROFILE_BITS_USEFUL, PROFILE, "bits_useful", "", NUMBER | NONE, P(U32, bits_useful), AS_WHOLE,
+      "Useful code bits", "longer codes hardly lower the cost of a tree")
 
 /* ---- builds ---- */
 FIELD(BUILD_ID, BUILD, "id", "", NUMBER, B(U32, id), AS_WHOLE, NULL, NULL)
@@ -163,6 +173,7 @@ FIELD(BUILD_LAYOUTS_SAMPLES, BUILD, "layouts_ms_samples", "ms", OBJECT | NONE, L
       NULL, NULL)
 FIELD(BUILD_LAYOUTS_SAH, BUILD, "layouts_sah", "", FIGURES | NONE, LATER, AS_PAIRS, "Layouts SAH",
       NULL)
+FIELD(BUILD_LAYOUTS_BYTES, BUILD, "layouts_bytes", "B", FIGURES | NONE, LATER, AS_PAIRS, NULL, NULL)
 FIELD(BUILD_TREE, BUILD, "tree", "", OBJECT | NONE, BY(bb_put_tree), AS_TEXT, NULL, NULL)
 FIELD(BUILD_BYTES_NATIVE, BUILD, "bytes_native", "B", NUMBER | NONE, B(DOUBLE, bytes_native),
       AS_BYTES, NULL, NULL)
@@ -171,6 +182,8 @@ FIELD(BUILD_REFERENCE, BUILD, "reference", "", BOOLEAN | NONE, B(BOOL, reference
 FIELD(BUILD_ABOUT, BUILD, "about", "", TEXT | NONE, B(CHARS_IF_ANY, about), AS_TEXT,
       "About the tree", NULL)
 FIELD(BUILD_UNMEASURED, BUILD, "unmeasured", "", BOOLEAN | NONE, B(TRUE_IF, unmeasured), AS_TEXT,
+      NULL, NULL)
+FIELD(BUILD_DECISIONS, BUILD, "decisions", "", OBJECT | NONE, BY(bb_put_build_decisions), AS_TEXT,
       NULL, NULL)
 FIELD(BUILD_RUN, BUILD, "run", "", NUMBER | NONE, LATER, AS_WHOLE, "Run", NULL)
 
@@ -213,6 +226,8 @@ FIELD(TRACE_GROUP, TRACE, "group_size", "", NUMBER | NONE, T(SIZE, group_size), 
       NULL)
 FIELD(TRACE_STACK, TRACE, "stack_size", "", NUMBER | NONE, T(SIZE, stack_size), AS_WHOLE, NULL,
       NULL)
+FIELD(TRACE_DECISIONS, TRACE, "decisions", "", OBJECT | NONE, BY(bb_put_trace_decisions), AS_TEXT,
+      NULL, NULL)
 FIELD(TRACE_STATUS, TRACE, "status", "", TEXT, T(STATUS, status), AS_TEXT, "Status", NULL)
 FIELD(TRACE_REASON, TRACE, "reason", "", TEXT | NONE, T(CHARS, reason), AS_TEXT, NULL, NULL)
 FIELD(TRACE_MS, TRACE, "ms", "ms", NUMBERS | NONE, T(SAMPLES, ms), AS_FIGURE, NULL, NULL)

@@ -4,6 +4,7 @@
 #ifndef BB_RECORD_H
 #define BB_RECORD_H
 
+#include "framework/base/decision.h"
 #include "framework/base/statistics.h"
 #include "framework/base/status.h"
 #include "framework/judge/accuracy.h"
@@ -62,11 +63,13 @@ typedef struct bb_build_record {
         char name[64]; /* as recorded: "pair:leaf=4" */
         bb_samples ms;
         double sah;
+        uint64_t bytes;
     } layouts[BB_LAYOUTS_MAX];
     bool has_tree;
     bb_tree_info tree;
     uint64_t bytes_tree, bytes_peak;
     bb_metric_value metrics[BB_METRICS_MAX]; /* as bb_metrics; NAN: not measured */
+    bb_decisions decisions;                  /* of the stages; none where nobody reports any */
     char about[512];                         /* the builder's own words on its tree; "" for none */
     double bytes_native;                     /* reference rows: what the library booked; NAN else */
     bool reference;
@@ -86,6 +89,7 @@ typedef struct bb_trace_record {
     uint64_t rays_hash;
     bool native; /* the layout keeps the shape of the builder's tree */
     uint32_t group_size, stack_size;
+    bb_decisions decisions; /* of the kernel; none of a reference */
     bb_status status;
     char reason[512];
     bb_samples ms, event_ms, cpu_ms;

@@ -181,7 +181,7 @@ bool bb_put_phases(cJSON *object, const char *name, const void *record, const vo
     return bb_put_named(object, name, build->phases, build->phase_count);
 }
 
-/* Times, all their samples, and SAH. */
+/* Times, all their samples, SAH, and bytes. */
 bool bb_put_layouts(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)extra;
@@ -189,12 +189,16 @@ bool bb_put_layouts(cJSON *object, const char *name, const void *record, const v
     cJSON *ms = cJSON_AddObjectToObject(object, name);
     cJSON *samples = cJSON_AddObjectToObject(object, bb_fields[BB_F_BUILD_LAYOUTS_SAMPLES].name);
     cJSON *sah = cJSON_AddObjectToObject(object, bb_fields[BB_F_BUILD_LAYOUTS_SAH].name);
-    bool ok = ms != NULL && samples != NULL && sah != NULL;
+    cJSON *bytes = cJSON_AddObjectToObject(object, bb_fields[BB_F_BUILD_LAYOUTS_BYTES].name);
+    bool ok = ms != NULL && samples != NULL && sah != NULL && bytes != NULL;
     for (uint32_t i = 0; ok && i < build->layout_count; i++) {
         const char *layout = build->layouts[i].name;
         ok = bb_put_number(ms, layout, bb_samples_median(&build->layouts[i].ms)) &&
              bb_put_samples(samples, layout, &build->layouts[i].ms) &&
-             bb_put_number(sah, layout, build->layouts[i].sah);
+             bb_put_number(sah, layout, build->layouts[i].sah) &&
+             bb_put_number(bytes, layout,
+                           build->layouts[i].bytes > 0 ? (double)build->layouts[i].bytes
+                                                       : (double)NAN);
     }
     return ok;
 }

@@ -50,7 +50,8 @@ bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, u
 /* What fields.h puts by functions: of the context (record_context.c), of a scene, a build, a trace
  * (record_entries.c). */
 bb_put_fn bb_put_load, bb_put_float_config, bb_put_embree, bb_put_seed;
-bb_put_fn bb_put_prims, bb_put_steps;
+bb_put_fn bb_put_prims, bb_put_steps, bb_put_bits, bb_put_needs;
+bb_put_fn bb_put_build_decisions, bb_put_trace_decisions;
 bb_put_fn bb_put_kinds, bb_put_bounds, bb_put_profile, bb_put_boxes, bb_put_views, bb_put_closed;
 bb_put_fn bb_put_builder, bb_put_build_params, bb_put_build_times, bb_put_build_rate, bb_put_phases,
     bb_put_layouts, bb_put_tree;

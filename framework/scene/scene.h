@@ -41,12 +41,17 @@ typedef struct bb_view {
 
 enum { BB_VIEWS_MAX = 16 };
 
+enum { BB_BITS_NONE = 65 };
+
 /* What the harness measures about a scene, once; views and other choices are derived from it. */
 typedef struct bb_profile {
+    bool measured;   /* false: withheld, and all that follows is 0 */
     double flatness; /* shortest / longest side of the scene's box, 0..1 */
     double size_min; /* box diagonals of the primitives: smallest, median, largest */
     double size_median;
     double size_max;
+    double size_low;          /* 1 of 100 is smaller */
+    double size_high;         /* 1 of 100 is larger */
     uint32_t zero_area;       /* triangles of exactly zero area, spheres of radius 0 */
     uint32_t duplicate_boxes; /* primitives whose box equals an earlier one's */
     uint32_t duplicate_centroids;
@@ -54,6 +59,8 @@ typedef struct bb_profile {
     int32_t closed;     /* 1: each edge of the triangles has two sides; 0: open; -1: no triangles */
     uint32_t code_bits; /* 30, 32, 63 or 64: the least that separates the centroids; 0: none does */
     uint32_t octree_depth; /* levels that separate the centroids, at most 21 */
+    uint32_t bits_apart;   /* 0 .. 64: bits that separate all centroids; BB_BITS_NONE: 64 do not */
+    uint32_t bits_useful;  /* 0 .. 64: longer codes hardly lower the cost of a tree */
 } bb_profile;
 
 /* Device side of a scene. */

@@ -14,7 +14,14 @@
  * - code_bits: the centroids' box is cut into 2^b cells per axis (zero extent: one cell), and the
  *   code of n bits is the first n bits of the interleaved cell numbers, longest axis first, so 32
  *   bits are 11 + 11 + 10. The least n for which there are as many codes as distinct centroids;
- * - octree_depth: likewise the least number of levels of 3 bits, 21 if that is not enough.
+ * - octree_depth: likewise the least number of levels of 3 bits, 21 if that is not enough;
+ * - bits_apart: the same without rounding, of codes;
+ * - bits_useful: the least n such that longer codes save at most 2 % of the cost of a radix tree,
+ *   by this bound. A node that splits at bit m has about the half area a(m) of a cell that m bits
+ *   leave, enlarged by the median primitive. Codes of n bits leave groups of primitives with equal
+ *   codes, whose g - 1 nodes are split at random: at worst, all have the area of the first of them.
+ *   The sum of these excesses, over the sum of all areas, is the loss. It is a bound: measured SAH
+ *   is 0.0 to 0.5 % above that of 63 bits in nine scenes (framework/advise/README.md).
  */
 #include "framework/base/random.h"
 #include "framework/base/statistics.h"
@@ -63,8 +70,10 @@ static bb_status measure_sizes(bb_scene *scene)
     }
     scene->profile.size_min = (double)least;
     scene->profile.size_max = (double)most;
-    scene->profile.size_median =
-        (double)bb_select(sizes, scene->prim_count, (scene->prim_count - 1) / 2);
+    const uint32_t last = scene->prim_count - 1;
+    scene->profile.size_median = (double)bb_select(sizes, scene->prim_count, last / 2);
+    scene->profile.size_low = (double)bb_select(sizes, scene->prim_count, last / 100);
+    scene->profile.size_high = (double)bb_select(sizes, scene->prim_count, last - last / 100);
     bb_host_free(sizes);
 
     double shortest = INFINITY, longest = 0;
@@ -267,10 +276,69 @@ static uint64_t *radix_sort(uint64_t *keys, uint64_t *other, size_t count)
     return keys;
 }
 
+/* Bit by which two neighbours differ first; 64: none. */
+static int split_bit(const uint64_t *sorted, uint32_t i)
+{
+    uint64_t difference = sorted[i] ^ sorted[i - 1];
+    return difference != 0 ? __builtin_clzll(difference) : 64;
+}
+
+/* a(m) of the definition. */
+static void cell_areas(const bb_scene *scene, const frame *frame, double area[65])
+{
+    const double more = scene->profile.size_median / sqrt(3); /* a side of a cube of that size */
+    double side[3];
+    for (int k = 0; k < 3; k++)
+        side[k] = frame->extent[frame->axis[k]];
+    for (int m = 0; m <= 64; m++) {
+        double x = side[0] + more, y = side[1] + more, z = side[2] + more;
+        area[m] = x * y + y * z + z * x;
+        side[m % 3] *= 0.5;
+    }
+}
+
+/* The excess of groups that the first `bits` bits leave together. */
+static double excess(const uint64_t *sorted, uint32_t count, int bits, const double area[65])
+{
+    double all = 0;
+    for (uint32_t i = 1; i < count; i++) {
+        int top = 64;
+        double sum = 0;
+        uint32_t first = i;
+        for (int m; i < count && (m = split_bit(sorted, i)) >= bits; i++) {
+            top = m < top ? m : top;
+            sum += area[m];
+        }
+        all += (double)(i - first) * area[top] - sum;
+    }
+    return all;
+}
+
+/* Falls with the number of bits: found by halving. */
+static uint32_t useful_bits(const bb_scene *scene, const frame *frame, const uint64_t *sorted,
+                            const uint32_t first_bit[65])
+{
+    const double inner = 1.2, tolerated = 0.02; /* Ct, with Ci = 1; of the cost */
+    double area[65], nodes = 0;
+    cell_areas(scene, frame, area);
+    for (int m = 0; m <= 64; m++)
+        nodes += first_bit[m] * area[m];
+    const double limit = tolerated * (nodes + (double)scene->prim_count * area[64] / inner);
+    int low = 0, high = 64;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (excess(sorted, scene->prim_count, middle, area) <= limit)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return (uint32_t)high;
+}
+
 static void choose_bits(bb_profile *profile, const uint32_t first_bit[65], uint32_t distinct)
 {
     static const uint32_t lengths[] = {30, 32, 63, 64};
-    uint32_t codes[66]; /* codes[n]: how many distinct prefixes of n bits there are */
+    uint32_t codes[65]; /* codes[n]: how many distinct prefixes of n bits there are */
     codes[0] = 1;
     for (uint32_t n = 0; n < 64; n++)
         codes[n + 1] = codes[n] + first_bit[n];
@@ -281,6 +349,9 @@ static void choose_bits(bb_profile *profile, const uint32_t first_bit[65], uint3
     profile->octree_depth = 0;
     while (profile->octree_depth < LEVELS && codes[3 * profile->octree_depth] < distinct)
         profile->octree_depth++;
+    while (profile->bits_apart < BB_BITS_NONE &&
+           (profile->bits_apart > 64 || codes[profile->bits_apart] < distinct))
+        profile->bits_apart++;
 }
 
 static bb_status measure_codes(bb_scene *scene)
@@ -298,11 +369,11 @@ static bb_status measure_codes(bb_scene *scene)
         uint32_t first_bit[65] = {
             0}; /* of neighbours: the first bit in which they differ; 64: none */
         for (uint32_t i = 1; i < scene->prim_count; i++) {
-            uint64_t difference = sorted[i] ^ sorted[i - 1];
-            first_bit[difference != 0 ? __builtin_clzll(difference) : 64]++;
+            first_bit[split_bit(sorted, i)]++;
         }
         choose_bits(&scene->profile, first_bit,
                     scene->prim_count - scene->profile.duplicate_centroids);
+        scene->profile.bits_useful = useful_bits(scene, &frame, sorted, first_bit);
     }
     bb_host_free(keys);
     bb_host_free(other);
@@ -492,5 +563,6 @@ bb_status bb_scene_profile(bb_scene *scene)
     BB_TRY(count_duplicates(scene));
     BB_TRY(measure_codes(scene));
     measure_closed(scene);
+    scene->profile.measured = true;
     return measure_overlap(scene);
 }

@@ -155,6 +155,8 @@ function sceneTable() {
     ...fields('scene', ['name', 'kind', 'prims']), field('scene', 'bounds', { text: size }),
     ...fields('profile', ['flatness', 'size_min', 'size_median', 'size_max', 'overlap', 'zero_area', 'duplicate_centroids',
                           'code_bits']),
+    field('scene', 'decisions', { wide: true, text: s => Object.entries(s.decisions || {})
+      .map(([what, d]) => `${what} ${(d || {}).value}`).join(', ') || dash }),
     field('profile', 'closed', { text: s => ({ true: 'yes', false: 'no' })[(s.profile || {}).closed] || dash }),
     ...minor([field('scene', 'views', { text: s => (s.views || []).join(', ') || dash, wide: true }), field('scene', 'hash')]),
   ], data.scenes, {});

@@ -1,0 +1,57 @@
+/* What was found out on the way to an advice, and how it gets into the document. */
+#ifndef BB_ADVICE_H
+#define BB_ADVICE_H
+
+#include "framework/advise/advise.h"
+#include "framework/advise/figures.h"
+#include "framework/advise/race.h"
+
+enum { BB_SAVINGS_MAX = 4, BB_NONE_CHOSEN = UINT32_MAX };
+
+/* What is within 5 % of the fastest does the same. */
+#define BB_ADVISE_SLACK 1.05
+/* On another tree a kernel may do so much better, or worse, beside another one. */
+#define BB_SCOUT_SLACK (1.25 * BB_ADVISE_SLACK)
+
+/* Contenders with their race and their last figures. `racers` is as long as `who`. */
+typedef struct bb_entered {
+    bb_contender *who;
+    bb_racer *racers;
+    bb_tried_figures *figures;
+    uint32_t count;
+} bb_entered;
+
+/* The choice with one setting replaced by a generous one. */
+typedef struct bb_saving {
+    const char *what;       /* "code", "stack", "kinds", "all of these" */
+    char was[32], kept[32]; /* the setting: of the choice, and in its place */
+    char builder[600], kernel[600];
+    double bytes;   /* more than the choice */
+    bb_estimate ms; /* likewise, paired by rounds */
+    bool measured;
+    char reason[256]; /* why not */
+} bb_saving;
+
+typedef struct bb_advice {
+    const bb_advise_request *request;
+    const cJSON *scene; /* its entry, in a document */
+    bb_entered scouts, field;
+    uint32_t best, choice;    /* of the field; BB_NONE_CHOSEN */
+    bb_estimate choice_ratio; /* to the best */
+    uint32_t within;          /* how many are within 5 % of the best */
+    uint32_t heats;
+    bb_saving savings[BB_SAVINGS_MAX];
+    uint32_t saving_count;
+    bb_entered all; /* of the exhaustive search; count 0: none */
+    uint32_t all_best, all_least, all_choice;
+    bb_estimate all_ratio; /* of the choice to the best of them */
+} bb_advice;
+
+/* Chooses among those of a last heat: *best the fastest that is not out, *least the least within
+ * the slack of it, *within how many are. BB_NONE_CHOSEN for both if all are out. */
+void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, uint32_t *within);
+
+/* As the member "advice" of the document. */
+bb_status bb_advice_add(const bb_advice *advice, bb_results *results);
+
+#endif

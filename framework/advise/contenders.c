@@ -1,0 +1,109 @@
+/* Lists of what is tried, from the tables of builders, kernels and intersectors. */
+#include "framework/advise/contenders.h"
+
+#include "framework/builder/pipeline.h"
+#include "framework/builder/registry.h"
+#include "framework/record/cell.h"
+#include "traversal/traversal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void bb_tried_free(bb_tried *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        free(list->items[i]);
+    list->count = 0;
+}
+
+bb_status bb_tried_add(bb_tried *list, const char *text)
+{
+    for (size_t i = 0; i < list->count; i++)
+        if (strcmp(list->items[i], text) == 0)
+            return BB_OK;
+    if (list->count == BB_TRIED_MAX)
+        return bb_fail(BB_INVALID, "advise: more than %d names, up to '%.80s'", BB_TRIED_MAX, text);
+    list->items[list->count] = strdup(text);
+    if (list->items[list->count] == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    list->count++;
+    return BB_OK;
+}
+
+static bb_status add_list(bb_tried *list, const char *texts)
+{
+    char *items[BB_TRIED_MAX] = {NULL};
+    size_t count = 0;
+    if (texts == NULL || texts[0] == '\0')
+        return BB_OK;
+    bb_status status = bb_spec_list(texts, items, BB_TRIED_MAX, &count);
+    for (size_t i = 0; i < count; i++) {
+        if (status == BB_OK)
+            status = bb_tried_add(list, items[i]);
+        free(items[i]);
+    }
+    return status;
+}
+
+bb_status bb_tried_builders(bb_tried *list)
+{
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const bb_builder *builder = bb_builder_at(i);
+        const bool stage = bb_is_splitter(builder) || bb_is_optimiser(builder);
+        if (builder->compared == NULL && !stage)
+            BB_TRY(bb_tried_add(list, builder->name));
+        BB_TRY(add_list(list, builder->compared));
+        BB_TRY(add_list(list, builder->least));
+    }
+    return BB_OK;
+}
+
+bb_status bb_tried_kernels(bb_tried *list)
+{
+    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
+        BB_TRY(add_list(list, (*k)->compared));
+        BB_TRY(add_list(list, (*k)->tried));
+    }
+    return BB_OK;
+}
+
+bb_status bb_tried_intersectors(bb_tried *list)
+{
+    for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++)
+        BB_TRY(bb_tried_add(list, i->name));
+    return BB_OK;
+}
+
+bb_contender *bb_contenders_make(const bb_tried *builders, const bb_tried *kernels,
+                                 const bb_tried *intersectors, uint32_t *count)
+{
+    size_t most = builders->count * kernels->count * intersectors->count;
+    bb_contender *all = calloc(most + 1, sizeof *all);
+    *count = 0;
+    for (size_t b = 0; all != NULL && b < builders->count; b++)
+        for (size_t k = 0; k < kernels->count; k++)
+            for (size_t i = 0; i < intersectors->count; i++)
+                all[(*count)++] =
+                    (bb_contender){builders->items[b], kernels->items[k], intersectors->items[i]};
+    return all;
+}
+
+size_t bb_tried_scout(const bb_tried *builders)
+{
+    for (size_t i = 0; i < builders->count; i++) {
+        bb_pipeline pipeline;
+        if (bb_pipeline_parse(builders->items[i], &pipeline) == BB_OK &&
+            bb_pipeline_on_device(&pipeline) == pipeline.count)
+            return i;
+    }
+    return 0;
+}
+
+const char *bb_generous_builder(const char *builder)
+{
+    bb_pipeline pipeline;
+    if (bb_pipeline_parse(builder, &pipeline) != BB_OK || pipeline.count != 1)
+        return NULL;
+    return pipeline.stages[0].builder->generous;
+}

@@ -1,0 +1,210 @@
+/* Figures of a contender, from a result document. */
+#include "framework/advise/figures.h"
+
+#include "traversal/traversal.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const cJSON *decision(const cJSON *entry, const char *what)
+{
+    const cJSON *all = cJSON_GetObjectItemCaseSensitive(entry, "decisions");
+    return cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(all, what), "value");
+}
+
+double bb_decided_number(const cJSON *entry, const char *what)
+{
+    const cJSON *value = decision(entry, what);
+    return cJSON_IsNumber(value) ? value->valuedouble : 0;
+}
+
+uint32_t bb_kinds_in(const char *words)
+{
+    uint32_t count = words[0] != '\0';
+    for (; *words != '\0'; words++)
+        count += *words == '+';
+    return count;
+}
+
+static bool is_text(const cJSON *entry, bb_field_id field, const char *text)
+{
+    return strcmp(bb_get_text(entry, field), text) == 0;
+}
+
+static const cJSON *find_build(const bb_image *image, const bb_contender *c)
+{
+    const cJSON *build;
+    cJSON_ArrayForEach(build, bb_results_section(image->results, "builds"))
+    {
+        if (is_text(build, BB_F_BUILD_SCENE, image->scene) &&
+            is_text(build, BB_F_BUILD_BUILDER, c->builder))
+            return build;
+    }
+    return NULL;
+}
+
+static bool is_trace_of(const cJSON *trace, const cJSON *build, const bb_contender *c)
+{
+    return bb_get_number(trace, BB_F_TRACE_BUILD) == bb_get_number(build, BB_F_BUILD_ID) &&
+           is_text(trace, BB_F_TRACE_KERNEL, c->kernel) &&
+           is_text(trace, BB_F_TRACE_INTERSECTOR, c->intersector);
+}
+
+/* Ray sets of the same kind as this trace's, and whether it is the first of them. */
+static uint32_t sets_of_kind(const bb_image *image, const cJSON *build, const bb_contender *c,
+                             const cJSON *of, bool *first)
+{
+    const char *rays = bb_get_text(of, BB_F_TRACE_RAYS);
+    const cJSON *trace;
+    uint32_t count = 0;
+    *first = false;
+    cJSON_ArrayForEach(trace, bb_results_section(image->results, "traces"))
+    {
+        if (!is_trace_of(trace, build, c) || !is_text(trace, BB_F_TRACE_RAYS, rays))
+            continue;
+        *first = *first || (count == 0 && trace == of);
+        count++;
+    }
+    return count;
+}
+
+/* Adds the samples of a trace, as if it were `rays` rays. False if their rounds do not match. */
+static bool add_trace(const cJSON *trace, double rays, bb_tried_figures *f)
+{
+    bb_samples ms;
+    double factor = rays / bb_get_number(trace, BB_F_TRACE_COUNT);
+    if (!bb_get_samples(trace, BB_F_TRACE_MS, &ms) || ms.count != f->cost.count)
+        return false;
+    for (uint32_t i = 0; i < ms.count; i++)
+        f->cost.values[i] += factor * ms.values[i];
+    f->trace_ms += factor * bb_samples_median(&ms);
+    double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
+    double ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
+    if (checked > 0 && isfinite(ppm)) {
+        f->checked += checked;
+        f->wrong += round(ppm * checked / 1e6);
+    }
+    double unlike = bb_get_number(trace, BB_F_TRACE_UNLIKE);
+    f->unlike += unlike > 0 ? unlike : 0;
+    return true;
+}
+
+static void say(bb_tried_figures *f, const char *what, const cJSON *entry, bb_field_id reason)
+{
+    snprintf(f->reason, sizeof f->reason, "%s: %s", what, bb_get_text(entry, reason));
+}
+
+static uint32_t count_kinds(const bb_image *image, const cJSON *build, const bb_contender *c)
+{
+    const cJSON *trace;
+    uint32_t kinds = 0;
+    cJSON_ArrayForEach(trace, bb_results_section(image->results, "traces"))
+    {
+        bool first;
+        if (!is_trace_of(trace, build, c))
+            continue;
+        sets_of_kind(image, build, c, trace, &first);
+        kinds += first;
+    }
+    return kinds;
+}
+
+static bool read_traces(const bb_image *image, const cJSON *build, const bb_contender *c,
+                        bb_tried_figures *f)
+{
+    const uint32_t kinds = count_kinds(image, build, c);
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, bb_results_section(image->results, "traces"))
+    {
+        bool first;
+        if (!is_trace_of(trace, build, c))
+            continue;
+        if (!bb_is_ok(trace)) {
+            say(f, bb_get_text(trace, BB_F_TRACE_RAYS), trace, BB_F_TRACE_REASON);
+            return false;
+        }
+        uint32_t sets = sets_of_kind(image, build, c, trace, &first);
+        if (!add_trace(trace, image->rays / kinds / sets, f)) {
+            snprintf(f->reason, sizeof f->reason, "%s: not all rounds were measured",
+                     bb_get_text(trace, BB_F_TRACE_RAYS));
+            return false;
+        }
+        if (f->trace == NULL)
+            f->trace = trace;
+    }
+    if (f->trace == NULL)
+        snprintf(f->reason, sizeof f->reason, "it traced none of the rays");
+    return f->trace != NULL;
+}
+
+static double or_zero(double value)
+{
+    return isfinite(value) ? value : 0;
+}
+
+static uint32_t width_of(const char *kernel)
+{
+    bb_spec spec;
+    const bb_kernel *found;
+    if (bb_kernel_parse(kernel, &spec, &found) != BB_OK)
+        return 0;
+    const bb_layout *layout = bb_layout_find(found->layout);
+    return layout != NULL ? layout->width : 0;
+}
+
+/* Place of its preset among the intersectors. */
+static uint32_t doubt_of(const char *intersector)
+{
+    uint32_t place = 0;
+    size_t length = strcspn(intersector, ":");
+    while (bb_intersectors[place].name != NULL &&
+           (strlen(bb_intersectors[place].name) != length ||
+            strncmp(bb_intersectors[place].name, intersector, length) != 0))
+        place++;
+    return place;
+}
+
+static void read_extent(const bb_contender *c, bb_tried_figures *f)
+{
+    const cJSON *kinds = decision(f->trace, BB_DECIDED_KINDS);
+    f->bytes_build = bb_get_number(f->build, BB_F_TREE_BYTES_PEAK);
+    f->bytes_layout =
+        bb_get_named(f->build, BB_F_BUILD_LAYOUTS_BYTES, bb_get_text(f->trace, BB_F_TRACE_LAYOUT));
+    f->extent = (bb_extent){
+        .bytes = f->bytes_build + f->bytes_layout,
+        .code_bits = (uint32_t)bb_decided_number(f->build, BB_DECIDED_CODE_BITS),
+        .stack = (uint32_t)bb_decided_number(f->trace, BB_DECIDED_STACK),
+        .kinds = cJSON_IsString(kinds) ? bb_kinds_in(kinds->valuestring) : 0,
+        .width = width_of(c->kernel),
+        .doubt = doubt_of(c->intersector),
+        .ms = bb_samples_median(&f->cost),
+    };
+}
+
+void bb_tried_read(const bb_image *image, const bb_contender *c, bb_tried_figures *f)
+{
+    *f = (bb_tried_figures){.build = find_build(image, c)};
+    if (f->build == NULL || !bb_is_ok(f->build)) {
+        say(f, "build", f->build, BB_F_BUILD_REASON);
+        return;
+    }
+    if (!bb_get_samples(f->build, BB_F_BUILD_MS, &f->cost)) {
+        snprintf(f->reason, sizeof f->reason, "it was not built");
+        return;
+    }
+    double before = or_zero(bb_get_number(f->build, BB_F_BUILD_BOXES_MS)) +
+                    or_zero(bb_get_number(f->build, BB_F_BUILD_TRANSFER_MS));
+    f->build_ms = before + bb_samples_median(&f->cost);
+    if (!read_traces(image, f->build, c, f))
+        return;
+    f->layout_ms =
+        bb_get_named(f->build, BB_F_BUILD_LAYOUTS_MS, bb_get_text(f->trace, BB_F_TRACE_LAYOUT));
+    for (uint32_t i = 0; i < f->cost.count; i++)
+        f->cost.values[i] += before + f->layout_ms;
+    f->measured = isfinite(f->layout_ms);
+    if (!f->measured)
+        snprintf(f->reason, sizeof f->reason, "its layout was not measured");
+    read_extent(c, f);
+}

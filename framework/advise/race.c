@@ -1,0 +1,64 @@
+/* Who stays in the race. */
+#include "framework/advise/race.h"
+
+#include <math.h>
+
+bb_estimate bb_race_ratio(const bb_racer *a, const bb_racer *b)
+{
+    bb_samples ratios = bb_samples_ratio(&a->cost, &b->cost);
+    return bb_samples_estimate(&ratios);
+}
+
+uint32_t bb_race_best(const bb_racer *racers, uint32_t count)
+{
+    uint32_t best = BB_NO_RACER;
+    double least = INFINITY;
+    for (uint32_t i = 0; i < count; i++) {
+        double cost = bb_samples_median(&racers[i].cost);
+        if (racers[i].state == BB_RACING && cost < least) {
+            best = i;
+            least = cost;
+        }
+    }
+    return best;
+}
+
+uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack)
+{
+    uint32_t best = bb_race_best(racers, count), left = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (racers[i].state != BB_RACING)
+            continue;
+        bb_estimate ratio = bb_not_measured;
+        if (best != BB_NO_RACER && i != best)
+            ratio = bb_race_ratio(&racers[i], &racers[best]);
+        /* NAN: too few rounds */
+        if (isfinite(ratio.low) && ratio.least > slack) {
+            racers[i].state = BB_TOO_SLOW;
+            racers[i].behind = best;
+            racers[i].ratio = ratio;
+            continue;
+        }
+        left++;
+    }
+    return left;
+}
+
+bb_status bb_race_run(bb_racer *racers, uint32_t count, uint32_t heats, double slack,
+                      bb_heat_fn *measure, void *user)
+{
+    for (uint32_t i = 0; i < count; i++)
+        racers[i] = (bb_racer){.behind = BB_NO_RACER, .ratio = bb_not_measured};
+    for (uint32_t heat = 0; heat < heats; heat++) {
+        BB_TRY(measure(user, heat, racers, count));
+        uint32_t left = 0;
+        for (uint32_t i = 0; i < count; i++)
+            if (racers[i].state == BB_RACING) {
+                racers[i].heats++;
+                left++;
+            }
+        if (heat + 1 < heats && left > 0)
+            bb_race_drop(racers, count, slack);
+    }
+    return BB_OK;
+}

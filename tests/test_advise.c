@@ -1,0 +1,509 @@
+/* Advice: racing on made-up samples, the order of leastness, the choice; then the program from
+ * outside. Seed of the simulation: BVHBENCH_TEST_SEED. */
+#include "framework/advise/advice.h"
+#include "framework/base/random.h"
+#include "tests/program_fixture.h"
+
+#include <math.h>
+
+/* ---- racing ---- */
+
+enum { MANY = 12 };
+
+typedef struct track {
+    double cost[MANY];    /* of each, in truth */
+    double noise, shared; /* of one measurement; of a round, on all */
+    uint32_t rounds;
+    bb_random random;
+    uint32_t measured[MANY]; /* heats */
+    uint32_t fails_in;       /* heat in which measuring fails; UINT32_MAX: none */
+} track;
+
+/* Heavy-tailed upwards, as times are. */
+static double noisy(track *t, double spread)
+{
+    return exp(spread * pow(bb_random_unit(&t->random), 4) * 4);
+}
+
+static bb_status measure(void *user, uint32_t heat, bb_racer *racers, uint32_t count)
+{
+    track *t = user;
+    if (heat == t->fails_in)
+        return bb_fail(BB_FAILED, "the track is flooded");
+    for (uint32_t i = 0; i < count; i++)
+        racers[i].cost.count = racers[i].state == BB_RACING ? 0 : racers[i].cost.count;
+    for (uint32_t round = 0; round <= t->rounds; round++) {
+        double common = noisy(t, t->shared);
+        for (uint32_t i = 0; i < count; i++)
+            if (racers[i].state == BB_RACING)
+                bb_samples_add(&racers[i].cost, t->cost[i] * common * noisy(t, t->noise));
+    }
+    for (uint32_t i = 0; i < count; i++)
+        t->measured[i] += racers[i].state == BB_RACING;
+    return BB_OK;
+}
+
+static track make_track(uint64_t seed, double noise, uint32_t rounds)
+{
+    return (track){.noise = noise,
+                   .shared = 0.5,
+                   .rounds = rounds,
+                   .random = bb_random_make(seed, 0),
+                   .fails_in = UINT32_MAX};
+}
+
+/* Twelve between 1 and 2, many of them close to the best. Returns how much slower than the winner
+ * the best of those is that are left; counts who is dropped. */
+static double race_of_many(track *t, uint32_t *dropped)
+{
+    bb_racer racers[MANY];
+    double winner = 2, left = INFINITY;
+    for (uint32_t i = 0; i < MANY; i++) {
+        t->cost[i] = 1 + pow(bb_random_unit(&t->random), 3);
+        winner = fmin(winner, t->cost[i]);
+    }
+    ASSERT_OK(bb_race_run(racers, MANY, 3, BB_ADVISE_SLACK, measure, t));
+    for (uint32_t i = 0; i < MANY; i++) {
+        *dropped += racers[i].state == BB_TOO_SLOW;
+        if (racers[i].state == BB_RACING)
+            left = fmin(left, t->cost[i]);
+    }
+    return left / winner;
+}
+
+/* Factors of noise up to 1.1, 1.5. */
+static void the_winner_is_never_dropped(void **state)
+{
+    (void)state;
+    const uint64_t seed = seed_or(20261122);
+    enum { TRIALS = 2000 };
+    uint32_t dropped = 0;
+    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        track t = make_track(seed + trial, trial % 2 ? 0.025 : 0.1, 8);
+        if (race_of_many(&t, &dropped) != 1)
+            fail_msg("seed %llu: the winner was dropped", (unsigned long long)(seed + trial));
+    }
+    assert_true(dropped > TRIALS * MANY / 3); /* it is a race all the same */
+}
+
+/* Factors up to 2.2: luck may drop the winner now and then, for one that is as good. */
+static void noise_costs_little(void **state)
+{
+    (void)state;
+    const uint64_t seed = seed_or(20261122);
+    enum { TRIALS = 2000 };
+    uint32_t dropped = 0, lost = 0;
+    for (uint64_t trial = 0; trial < TRIALS; trial++) {
+        track t = make_track(seed + trial, 0.2, 8);
+        double left = race_of_many(&t, &dropped);
+        lost += left != 1;
+        if (left > BB_ADVISE_SLACK)
+            fail_msg("seed %llu: all that are left are slower than the winner by %.3f",
+                     (unsigned long long)(seed + trial), left);
+    }
+    assert_true(lost <= TRIALS / 100);
+}
+
+static void who_is_surely_slower_is_dropped(void **state)
+{
+    (void)state;
+    track t = make_track(1, 0.001, 6);
+    bb_racer racers[4];
+    const double costs[] = {1.2, 1, 1.04, 3};
+    memcpy(t.cost, costs, sizeof costs);
+    ASSERT_OK(bb_race_run(racers, 4, 3, BB_ADVISE_SLACK, measure, &t));
+    assert_int_equal(racers[0].state, BB_TOO_SLOW);
+    assert_int_equal(racers[0].behind, 1);
+    assert_true(racers[0].ratio.least > 1.05 && fabs(racers[0].ratio.value - 1.2) < 0.05);
+    assert_int_equal(racers[1].state, BB_RACING);
+    assert_int_equal(racers[2].state, BB_RACING); /* within 5 % */
+    assert_int_equal(racers[3].state, BB_TOO_SLOW);
+    const uint32_t heats[] = {1, 3, 3, 1};
+    for (int i = 0; i < 4; i++) { /* what is out is measured no more */
+        assert_int_equal(t.measured[i], heats[i]);
+        assert_int_equal(racers[i].heats, heats[i]);
+    }
+}
+
+static void too_few_rounds_drop_nobody(void **state)
+{
+    (void)state;
+    track t = make_track(1, 0.001, BB_INTERVAL_ROUNDS - 1);
+    bb_racer racers[2];
+    t.cost[0] = 1;
+    t.cost[1] = 100;
+    ASSERT_OK(bb_race_run(racers, 2, 3, BB_ADVISE_SLACK, measure, &t));
+    assert_int_equal(racers[1].state, BB_RACING);
+}
+
+static void ties_stay_in_order(void **state)
+{
+    (void)state;
+    track t = make_track(1, 0, 6);
+    bb_racer racers[3];
+    t.cost[0] = t.cost[1] = t.cost[2] = 2;
+    ASSERT_OK(bb_race_run(racers, 3, 2, BB_ADVISE_SLACK, measure, &t));
+    assert_int_equal(bb_race_best(racers, 3), 0);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(racers[i].state, BB_RACING);
+    t.cost[2] = 2 * BB_ADVISE_SLACK; /* exactly as much as is allowed */
+    ASSERT_OK(bb_race_run(racers, 3, 2, BB_ADVISE_SLACK * (1 + 1e-12), measure, &t));
+    assert_int_equal(racers[2].state, BB_RACING);
+}
+
+static bb_status lose_two(void *user, uint32_t heat, bb_racer *racers, uint32_t count)
+{
+    BB_TRY(measure(user, heat, racers, count));
+    racers[0].state = BB_TOO_WRONG;
+    racers[1].state = BB_NOT_RUN;
+    return BB_OK;
+}
+
+static bb_status lose_all(void *user, uint32_t heat, bb_racer *racers, uint32_t count)
+{
+    BB_TRY(measure(user, heat, racers, count));
+    for (uint32_t i = 0; i < count; i++)
+        racers[i].state = BB_TOO_WRONG;
+    return BB_OK;
+}
+
+/* However fast it is. */
+static void what_is_wrong_does_not_win(void **state)
+{
+    (void)state;
+    track t = make_track(1, 0.001, 6);
+    bb_racer racers[4];
+    const double costs[] = {0.1, 0.1, 1, 1.5};
+    memcpy(t.cost, costs, sizeof costs);
+    ASSERT_OK(bb_race_run(racers, 4, 3, BB_ADVISE_SLACK, lose_two, &t));
+    assert_int_equal(bb_race_best(racers, 4), 2);
+    assert_int_equal(racers[0].state, BB_TOO_WRONG);
+    assert_int_equal(racers[1].state, BB_NOT_RUN);
+    assert_int_equal(racers[3].behind, 2);
+    ASSERT_OK(bb_race_run(racers, 4, 3, BB_ADVISE_SLACK, lose_all, &t));
+    assert_int_equal(bb_race_best(racers, 4), BB_NO_RACER);
+}
+
+static void failures_are_passed_up(void **state)
+{
+    (void)state;
+    track t = make_track(1, 0.001, 6);
+    bb_racer racers[2];
+    t.fails_in = 1;
+    t.cost[0] = t.cost[1] = 1;
+    assert_int_equal(bb_race_run(racers, 2, 3, BB_ADVISE_SLACK, measure, &t), BB_FAILED);
+    assert_string_equal(bb_message(), "the track is flooded");
+}
+
+/* ---- leastness ---- */
+
+static const bb_extent middle = {.bytes = 1e6,
+                                 .code_bits = 30,
+                                 .stack = 64,
+                                 .kinds = 2,
+                                 .width = 4,
+                                 .doubt = 1,
+                                 .ms = 10,
+                                 .place = 5};
+
+static void the_first_difference_decides(void **state)
+{
+    (void)state;
+    bb_extent less[8], more = middle;
+    const char *const reasons[] = {"memory",
+                                   "bits of the code",
+                                   "entries of the stack",
+                                   "kinds of primitives",
+                                   "children of a node",
+                                   "a more careful intersector",
+                                   "time",
+                                   "its place in the list"};
+    for (int i = 0; i < 8; i++)
+        less[i] = middle;
+    less[0].bytes = 0.9e6;
+    less[1].code_bits = 29;
+    less[2].stack = 32;
+    less[3].kinds = 1;
+    less[4].width = 2;
+    less[5].doubt = 0;
+    less[6].ms = 9;
+    less[7].place = 4;
+    for (int i = 0; i < 8; i++) {
+        bb_extent one = less[i]; /* more of all that comes later */
+        one.code_bits += i < 1 ? 9 : 0;
+        one.stack += i < 2 ? 9 : 0;
+        one.kinds += i < 3 ? 9 : 0;
+        one.width += i < 4 ? 9 : 0;
+        one.doubt += i < 5 ? 9 : 0;
+        one.ms += i < 6 ? 9 : 0;
+        one.place += i < 7 ? 9 : 0;
+        assert_true(bb_extent_compare(&one, &more) < 0);
+        assert_true(bb_extent_compare(&more, &one) > 0);
+        assert_string_equal(bb_extent_reason(&one, &more), reasons[i]);
+    }
+    assert_int_equal(bb_extent_compare(&middle, &middle), 0);
+}
+
+/* What has no bytes that are known is no bargain. */
+static void unknown_memory_is_the_most(void **state)
+{
+    (void)state;
+    bb_extent unknown = middle, none = middle;
+    unknown.bytes = NAN;
+    none.bytes = 0;
+    assert_true(bb_extent_compare(&unknown, &middle) > 0);
+    assert_true(bb_extent_compare(&none, &middle) > 0);
+}
+
+static bb_extent random_extent(bb_random *random)
+{
+    return (bb_extent){.bytes = 1e6 * pow(1.1, bb_random_unit(random)),
+                       .code_bits = (uint32_t)bb_random_below(random, 2),
+                       .stack = (uint32_t)bb_random_below(random, 2),
+                       .kinds = (uint32_t)bb_random_below(random, 2),
+                       .width = (uint32_t)bb_random_below(random, 2),
+                       .ms = (double)bb_random_below(random, 2),
+                       .place = (uint32_t)bb_random_below(random, 3)};
+}
+
+static void it_is_an_order(void **state)
+{
+    (void)state;
+    bb_random random = bb_random_make(seed_or(3), 0);
+    for (int i = 0; i < 200000; i++) {
+        bb_extent a = random_extent(&random), b = random_extent(&random),
+                  c = random_extent(&random);
+        int ab = bb_extent_compare(&a, &b), bc = bb_extent_compare(&b, &c);
+        assert_true((ab < 0) == (bb_extent_compare(&b, &a) > 0));
+        if (ab <= 0 && bc <= 0)
+            assert_true(bb_extent_compare(&a, &c) <= 0);
+    }
+}
+
+/* ---- the choice ---- */
+
+static void set(bb_entered *field, uint32_t i, double ms, double bytes)
+{
+    field->racers[i] = (bb_racer){.state = BB_RACING, .behind = BB_NO_RACER};
+    for (int round = 0; round <= 6; round++)
+        bb_samples_add(&field->racers[i].cost, ms);
+    field->figures[i].extent = (bb_extent){.bytes = bytes, .ms = ms, .place = i};
+}
+
+static void the_least_of_the_fast_is_chosen(void **state)
+{
+    (void)state;
+    static bb_tried_figures figures[4];
+    bb_racer racers[4];
+    bb_contender who[4] = {{NULL, NULL, NULL}};
+    bb_entered field = {who, racers, figures, 4};
+    uint32_t best, least, within;
+    set(&field, 0, 10, 5e6);
+    set(&field, 1, 10.4, 4e6);
+    set(&field, 2, 10.6, 1e6); /* too slow by a little */
+    set(&field, 3, 1, 1e6);
+    racers[3].state = BB_TOO_WRONG;
+    bb_choose_least(&field, &best, &least, &within);
+    assert_int_equal(best, 0);
+    assert_int_equal(least, 1);
+    assert_int_equal(within, 2);
+    for (int i = 0; i < 4; i++)
+        racers[i].state = BB_NOT_RUN;
+    bb_choose_least(&field, &best, &least, &within);
+    assert_int_equal(best, BB_NONE_CHOSEN);
+    assert_int_equal(least, BB_NONE_CHOSEN);
+}
+
+static void kinds_are_counted(void **state)
+{
+    (void)state;
+    assert_int_equal(bb_kinds_in(""), 0);
+    assert_int_equal(bb_kinds_in("triangles"), 1);
+    assert_int_equal(bb_kinds_in("triangles+spheres+boxes"), 3);
+}
+
+/* ---- the program ---- */
+
+#define SMALL "advise --size 16x16 --quick --quiet --count 1000 "
+
+static double number(const cJSON *object, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
+    if (!cJSON_IsNumber(item))
+        fail_msg("%s is no number", name);
+    return item->valuedouble;
+}
+
+static const cJSON *part(const cJSON *object, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
+    if (item == NULL)
+        fail_msg("there is no %s", name);
+    return item;
+}
+
+static bool is(const cJSON *object, const char *name, const char *text)
+{
+    return strcmp(part(object, name)->valuestring, text) == 0;
+}
+
+static void advice_as_json(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run(SMALL "--scene random:n=2000 --max-rays 1024 --rays primary,diffuse --builder "
+                  "lbvh:bits=63,lbvh:bits=auto,sah --kernel stack,stack8:leaf=8 "
+                  "--exhaustive --json");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = cJSON_Parse(o->out);
+    assert_non_null(json);
+    assert_true(is(json, "schema", "bvhbench-advice/1"));
+    assert_true(number(json, "prims") == 2000 && number(json, "image_rays") == 1000);
+    const cJSON *choice = part(json, "choice"), *one;
+    assert_true(number(choice, "wrong") == 0 && number(choice, "checked") > 500);
+    assert_true(fabs(number(choice, "wrong_ppm_at_most") - 3e6 / number(choice, "checked")) < 1);
+    assert_true(number(choice, "bytes") ==
+                number(choice, "bytes_build") + number(choice, "bytes_layout"));
+    assert_true(number(choice, "ratio") <= 1.05);
+    assert_true(is(part(part(choice, "decisions"), "kinds compiled in"), "value", "triangles"));
+    assert_true(is(part(part(json, "needs"), "code bits"), "by", "scene"));
+    uint32_t chosen = 0, count = 0;
+    cJSON_ArrayForEach(one, part(json, "contenders"))
+    {
+        count++;
+        if (!is(one, "state", "chosen"))
+            continue;
+        chosen++;
+        assert_true(is(one, "builder", part(choice, "builder")->valuestring));
+    }
+    assert_true(count > 0 && count <= 6 && chosen == 1);
+    cJSON_ArrayForEach(one, part(json, "savings"))
+        assert_true(number(one, "bytes") > -1e6 && isfinite(number(one, "ms")));
+    assert_int_equal(number(part(json, "exhaustive"), "configurations"), 6);
+    assert_true(number(part(json, "exhaustive"), "ratio") > 0);
+
+    /* the command that it names measures just that */
+    char command[1024];
+    snprintf(command, sizeof command, "%s --quick --quiet --charts no --no-pictures",
+             part(json, "command")->valuestring + strlen("bvhbench "));
+    expect(0, command, part(choice, "builder")->valuestring);
+    cJSON_Delete(json);
+}
+
+static void advice_as_text(void **state)
+{
+    (void)state;
+    const outcome *o = expect(0,
+                              SMALL "--scene cube --rays primary --builder lbvh:bits=auto "
+                                    "--kernel stack --out kept --charts no",
+                              "What the scene asks for");
+    static const char *const words[] = {
+        "The least that does it", "lbvh:bits=auto",          "none wrong of 256 judged, below",
+        "lbvh:bits=63",           "a stack of 1024, not 16", "bvhbench run --scene cube"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        if (strstr(o->out, words[i]) == NULL)
+            fail_msg("no '%s' in:\n%s", words[i], o->out);
+    cJSON *json = read_results("kept/results.json");
+    part(json, "advice");
+    assert_true(cJSON_GetArraySize(part(json, "traces")) >= 1);
+    cJSON_Delete(json);
+    expect(0, "report kept --table", "lbvh:bits=auto"); /* it is a result file like any */
+}
+
+/* Rays at edges, and an intersector that loses some of them. */
+static void nothing_right_enough_is_status_1(void **state)
+{
+    (void)state;
+    const char *careless = SMALL "--scene sphere-mesh:n=8 --rays edges --builder lbvh --kernel "
+                                 "stack --intersector careless ";
+    char arguments[512];
+    snprintf(arguments, sizeof arguments, "%s --max-rays 20k", careless);
+    expect(1, arguments, "Nothing that was tried is right often enough");
+    snprintf(arguments, sizeof arguments, "%s --max-rays 20k --json", careless);
+    const outcome *o = expect(1, arguments, "\"choice\":\tnull");
+    assert_non_null(strstr(o->out, "too wrong"));
+    snprintf(arguments, sizeof arguments, "%s --max-rays 20k --max-wrong-ppm 1e6", careless);
+    expect(0, arguments, "careless: ");
+}
+
+static void what_cannot_be_done_is_refused(void **state)
+{
+    (void)state;
+    refuses("", "advise", "give one --scene");
+    refuses("", "advise --scene cube --scene coffee", "give one --scene");
+    refuses("", "advise --scene coffe", "coffe");
+    refuses("", "advise --scene cube --builder nosuch", "nosuch");
+    refuses("", "advise --scene cube --builder embree-native:quality=high", "reference row");
+    refuses("", "advise --scene cube --kernel stack:stack=7", "stack");
+    refuses("", "advise --scene cube --kernel stackless:stack=16", "no stack");
+    refuses("", "advise --scene cube --kernel stack:kinds=some", "kinds");
+    refuses("", "advise --quiet --scene cube --builder lbvh:bits=few", "bits");
+    refuses("", "advise --scene cube --intersector sloppy", "sloppy");
+    refuses("", "advise --scene cube --rays none", "none");
+    refuses("", "advise --scene cube --repeats 5", "--repeats");
+    refuses("", "advise --scene cube --count 0", "--count");
+    refuses("", "advise --scene cube --max-wrong-ppm -1", "--max-wrong-ppm");
+    refuses("", "advise --scene cube --max-wrong-ppm nan", "--max-wrong-ppm");
+    refuses("", "advise --scene cube --out /dev/null/x", "/dev/null/x");
+}
+
+/* Too short a stack is never silent, and what was given is recorded as given. */
+static void kernels_take_what_is_given(void **state)
+{
+    (void)state;
+    const char *kernels =
+        "run --quiet --charts no --no-pictures --scene random:n=3000 --rays primary "
+        "--size 32x32 --repeats 1 --builder lbvh --out given --kernel ";
+    char arguments[512];
+    snprintf(arguments, sizeof arguments,
+             "%s stack,stack:kinds=all,stack:stack=1024,stack8:leaf=8,stack8:leaf=8,kinds=all",
+             kernels);
+    expect(0, arguments, ""); /* all answers are the same, bit for bit */
+    cJSON *json = read_results("given/results.json");
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, part(json, "traces"))
+    {
+        const cJSON *kernel = part(trace, "kernel");
+        if (cJSON_IsTrue(part(trace, "reference")))
+            continue;
+        const cJSON *kinds = part(part(trace, "decisions"), "kinds compiled in");
+        const cJSON *stack = part(part(trace, "decisions"), "stack entries");
+        bool all = strstr(kernel->valuestring, "kinds=all") != NULL;
+        bool large = strstr(kernel->valuestring, "stack=1024") != NULL;
+        assert_true(is(kinds, "by", all ? "given" : "scene"));
+        assert_true(is(kinds, "value", all ? "triangles+spheres+boxes" : "triangles"));
+        assert_true(is(stack, "by", large ? "given" : "tree"));
+        assert_true(number(stack, "value") == number(trace, "stack_size"));
+        assert_true((number(stack, "value") == 1024) == large);
+    }
+    cJSON_Delete(json);
+    snprintf(arguments, sizeof arguments, "%s stack:stack=4", kernels);
+    const outcome *o = run(arguments);
+    assert_int_equal(o->exit_status, 1);
+    assert_non_null(strstr(o->err, "WRONG"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_winner_is_never_dropped),
+        cmocka_unit_test(noise_costs_little),
+        cmocka_unit_test(who_is_surely_slower_is_dropped),
+        cmocka_unit_test(too_few_rounds_drop_nobody),
+        cmocka_unit_test(ties_stay_in_order),
+        cmocka_unit_test(what_is_wrong_does_not_win),
+        cmocka_unit_test(failures_are_passed_up),
+        cmocka_unit_test(the_first_difference_decides),
+        cmocka_unit_test(unknown_memory_is_the_most),
+        cmocka_unit_test(it_is_an_order),
+        cmocka_unit_test(the_least_of_the_fast_is_chosen),
+        cmocka_unit_test(kinds_are_counted),
+        cmocka_unit_test(advice_as_json),
+        cmocka_unit_test(advice_as_text),
+        cmocka_unit_test(nothing_right_enough_is_status_1),
+        cmocka_unit_test(what_cannot_be_done_is_refused),
+        cmocka_unit_test(kernels_take_what_is_given),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
