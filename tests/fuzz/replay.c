@@ -92,7 +92,8 @@ static void replace(size_t at, size_t removed, const uint8_t *data, size_t size)
     if (at > input_size || removed > input_size - at || input_size - removed + size > INPUT)
         return;
     memmove(input + at + size, input + at + removed, input_size - at - removed);
-    memcpy(input + at, data, size);
+    if (size > 0)
+        memcpy(input + at, data, size);
     input_size = input_size - removed + size;
 }
 
