@@ -140,8 +140,8 @@ static bb_status select_device(const char *selector, found_device *selected)
                    selector, count);
 }
 
-/* All of it, or the device is of no use: without its type, say, a processor would be given code that
- * is made for others. */
+/* All of it, or the device is of no use: without its type, say, a processor would be given code
+ * that is made for others. */
 static bb_status query_device(bb_device *device)
 {
     cl_device_type type = 0;

@@ -1,6 +1,6 @@
 /* Runs a command of bvhbench again and again, each time with another of its calls failing
  * (faults.cpp): driver LIBRARY PROGRAM TRACER COMMAND. By default each place in the code that calls
- * something fails once; with BVHBENCH_SLOW_TESTS set, each stack that leads to one.
+ * something fails once; with BVHBENCH_TEST_FAULTS set, each stack that leads to one.
  *
  * Whatever fails: the program ends with 0 and nothing missing, with 1 and a result file that says
  * what failed, or with 2 and one line; it leaks nothing, and leaves no file half-written.
@@ -293,7 +293,7 @@ int main(int argc, char **argv)
     program = argv[2];
     int status = start(argv[4], argv[3]);
     if (status == 0)
-        status = fail_each(getenv("BVHBENCH_SLOW_TESTS") != NULL) > 0;
+        status = fail_each(getenv("BVHBENCH_TEST_FAULTS") != NULL) > 0;
     char text[COMMAND];
     snprintf(text, sizeof text, "rm -rf %s", folder);
     (void)!shell(text);
