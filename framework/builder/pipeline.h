@@ -22,8 +22,8 @@ typedef struct bb_pipeline {
  * builder, optimisers or none. BB_INVALID with one line that says what to write. */
 bb_status bb_pipeline_parse(const char *text, bb_pipeline *pipeline);
 
-/* `text`, if it is whole; else, if it is a splitter or an optimiser alone, the pipeline that puts
- * it beside a builder: of those that `run` compares by default and that read no geometry, the one
+/* `text` as it is, in whatever order its stages are; but a splitter or an optimiser alone gets a
+ * builder beside it: of those that `run` compares by default and that read no geometry, the one
  * that takes most of its kinds of primitives, the first of several. *completed says whether that
  * was needed (may be NULL). BB_INVALID if there is no such builder, the text is unknown, or has no
  * room. */

@@ -74,7 +74,10 @@ static bb_status add_value(bb_cli *cli, int option, const char *text)
     if (cli->counts[option] == BB_CLI_VALUES_MAX)
         return bb_fail(BB_INVALID, "--%s is given more than %d times", declared->name,
                        BB_CLI_VALUES_MAX);
-    cli->values[option][cli->counts[option]++] = strdup(text);
+    char *value = strdup(text);
+    if (value == NULL)
+        return bb_fail(BB_FAILED, "--%s: no memory", declared->name);
+    cli->values[option][cli->counts[option]++] = value;
     return BB_OK;
 }
 
@@ -111,7 +114,7 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
     table[count] = (struct option){"help", no_argument, NULL, 256};
 
     opterr = 0;
-    optind = 1;
+    optind = 0; /* from the beginning, wherever a call before this one has stopped */
     int index, got;
     while ((got = getopt_long(argc, argv, ":h", table, &index)) != -1) {
         const char *given = argv[optind - 1];
@@ -151,9 +154,11 @@ static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
 
 static void free_values(bb_cli *cli)
 {
-    for (uint32_t i = 0; i < BB_CLI_OPTIONS_MAX; i++)
+    for (uint32_t i = 0; i < BB_CLI_OPTIONS_MAX; i++) {
         for (uint32_t k = 0; k < cli->counts[i]; k++)
             free(cli->values[i][k]);
+        cli->counts[i] = 0;
+    }
 }
 
 /* ---- the program ---- */

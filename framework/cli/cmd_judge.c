@@ -326,6 +326,7 @@ static void release(job *j)
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     static job j; /* a parsed name must not move */
+    memset(&j, 0, sizeof j);
     j.start = bb_wall_ms();
     bb_status status = read_options(cli, &j);
     bool made = j.folder != NULL && access(j.folder, F_OK) != 0;

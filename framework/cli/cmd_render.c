@@ -269,6 +269,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 {
     (void)exit_status;
     static rendering r; /* an instance must not move */
+    memset(&r, 0, sizeof r);
     char builder[sizeof r.instance.pipeline.text];
     const char *scene = bb_cli_value(cli, "scene"), *out = bb_cli_value(cli, "out");
     if (scene == NULL || out == NULL)

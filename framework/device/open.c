@@ -140,28 +140,39 @@ static bb_status select_device(const char *selector, found_device *selected)
                    selector, count);
 }
 
-static void query_device(bb_device *device)
+/* All of it, or the device is of no use: without its type, say, a processor would be given code
+ * that is made for others. */
+static bb_status query_device(bb_device *device)
 {
     cl_device_type type = 0;
     cl_uint units = 1;
     cl_ulong global = 0, largest = 0, local = 0;
-    clGetDeviceInfo(device->id, CL_DEVICE_NAME, sizeof device->name, device->name, NULL);
-    clGetDeviceInfo(device->id, CL_DRIVER_VERSION, sizeof device->driver, device->driver, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_VERSION, sizeof device->version, device->version, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_TYPE, sizeof type, &type, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof global, &global, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof largest, &largest, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_LOCAL_MEM_SIZE, sizeof local, &local, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof device->max_group_size,
-                    &device->max_group_size, NULL);
-    clGetDeviceInfo(device->id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof device->float_config,
-                    &device->float_config, NULL);
+    const struct {
+        cl_device_info what;
+        size_t size;
+        void *out;
+    } queries[] = {
+        {CL_DEVICE_NAME, sizeof device->name, device->name},
+        {CL_DRIVER_VERSION, sizeof device->driver, device->driver},
+        {CL_DEVICE_VERSION, sizeof device->version, device->version},
+        {CL_DEVICE_TYPE, sizeof type, &type},
+        {CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units},
+        {CL_DEVICE_GLOBAL_MEM_SIZE, sizeof global, &global},
+        {CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof largest, &largest},
+        {CL_DEVICE_LOCAL_MEM_SIZE, sizeof local, &local},
+        {CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof device->max_group_size, &device->max_group_size},
+        {CL_DEVICE_SINGLE_FP_CONFIG, sizeof device->float_config, &device->float_config},
+    };
+    for (size_t i = 0; i < sizeof queries / sizeof queries[0]; i++)
+        BB_CL_TRY(
+            clGetDeviceInfo(device->id, queries[i].what, queries[i].size, queries[i].out, NULL),
+            "asking the device what it is");
     device->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     device->compute_units = units;
     device->global_bytes = global;
     device->largest_allocation = largest;
     device->local_bytes = local;
+    return BB_OK;
 }
 
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
@@ -177,7 +188,11 @@ bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_
         return bb_fail(BB_FAILED, "out of memory");
     device->platform = selected.platform;
     device->id = selected.id;
-    query_device(device);
+    bb_status known = query_device(device);
+    if (known != BB_OK) {
+        free(device);
+        return known;
+    }
     device->form = form != BB_FORM_AUTO ? form : device->is_cpu ? BB_FORM_CPU : BB_FORM_GPU;
     device->kernel_folder = kernel_folder;
     strcpy(device->sources, "embedded");

@@ -27,9 +27,9 @@
  *   no hit        t = +inf, prim = BB_NONE
  *
  * There may be fewer hits than rays: then they belong to the first rays. A file is refused, naming
- * the first ray concerned, if it has more hits than rays, a t that is not a number, a primitive
- * that the scene does not have, or a miss whose t is not +inf. A t outside the interval is an
- * answer, and is judged.
+ * the first ray concerned, if it has more hits than rays, a t that counts and is not a number, a
+ * primitive that the scene does not have, or a miss whose t is not +inf. A t outside the interval
+ * is an answer, and is judged.
  *
  * The header names the workload and everything else that determines the rays: `bvhbench judge`
  * generates them again and refuses a file that contains others. Rays made by hand need a name that

@@ -85,14 +85,19 @@ static int steering_bytes(const char *text)
     return c == 0xE2 && (turns || isolates) ? 3 : 0;
 }
 
+int bb_print_byte(FILE *out, const char *text)
+{
+    int steering = steering_bytes(text);
+    fputc(steering > 0 ? '?' : *text, out);
+    return steering > 0 ? steering : 1;
+}
+
 void bb_print_text(FILE *out, const char *text, int width)
 {
     int printed = 0;
     while (*text != '\0') {
-        int steering = steering_bytes(text);
-        fputc(steering > 0 ? '?' : *text, out);
-        printed += steering > 0 || ((unsigned char)*text & 0xC0) != 0x80;
-        text += steering > 0 ? steering : 1;
+        printed += ((unsigned char)*text & 0xC0) != 0x80;
+        text += bb_print_byte(out, text);
     }
     for (; printed < width; printed++)
         fputc(' ', out);

@@ -1,6 +1,8 @@
 /* All traces as comma-separated values (RFC 4180): one line each, with what its build took. */
 #include "framework/report/report.h"
 
+#include "framework/report/columns.h"
+
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <string.h>
@@ -19,14 +21,16 @@ static bool is_column(const bb_field *field)
 
 static void print_text(FILE *out, const char *text)
 {
-    if (strpbrk(text, ",\"\r\n") == NULL) {
-        fputs(text, out);
-        return;
+    bool quoted = strpbrk(text, ",\"\r\n") != NULL;
+    if (quoted)
+        fputc('"', out);
+    while (*text != '\0') {
+        if (*text == '"')
+            fputc('"', out);
+        text += bb_print_byte(out, text);
     }
-    fputc('"', out);
-    for (; *text != '\0'; text++)
-        fputs(*text == '"' ? "\"\"" : (char[]){*text, '\0'}, out);
-    fputc('"', out);
+    if (quoted)
+        fputc('"', out);
 }
 
 static void print_number(FILE *out, double value)

@@ -63,7 +63,9 @@ static bool print_reason(FILE *out, const cJSON *row, bb_field_id status, bb_fie
 {
     if (bb_is_ok(row))
         return false;
-    fprintf(out, "  %s: ", bb_get_text(row, status));
+    fputs("  ", out);
+    bb_print_text(out, bb_get_text(row, status), 0);
+    fputs(": ", out);
     bb_print_text(out, bb_get_text(row, reason), 0);
     fputc('\n', out);
     return true;
@@ -408,7 +410,9 @@ bb_status bb_report_table(const bb_results *results, FILE *out)
         bb_text_whole(count, bb_get_number(scene, BB_F_SCENE_PRIMS));
         fputc('\n', out);
         bb_print_text(out, name, 0);
-        fprintf(out, ": %s %s\n", count, bb_get_text(scene, BB_F_SCENE_KIND));
+        fprintf(out, ": %s ", count);
+        bb_print_text(out, bb_get_text(scene, BB_F_SCENE_KIND), 0);
+        fputc('\n', out);
         print_builds(out, builds, name);
         print_traces(out, traces, name);
     }

@@ -4,111 +4,137 @@
 #include <cjson/cJSON.h>
 #include <string.h>
 
-static cJSON *figure_json(double value)
+/* Where there is no memory, the page must not silently lack something. */
+typedef struct writer {
+    bool lost;
+} writer;
+
+/* Puts `item` in, under `name` or, if that is NULL, at the end of an array; else deletes it. */
+static void put(writer *w, cJSON *parent, const char *name, cJSON *item)
 {
-    return isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull();
+    bool done = parent != NULL && item != NULL &&
+                (name != NULL ? cJSON_AddItemToObject(parent, name, item)
+                              : cJSON_AddItemToArray(parent, item));
+    if (done)
+        return;
+    w->lost = true;
+    cJSON_Delete(item);
 }
 
-static void add(cJSON *object, const char *name, double value)
+static void put_figure(writer *w, cJSON *parent, const char *name, double value)
 {
-    cJSON_AddItemToObject(object, name, figure_json(value));
+    put(w, parent, name, isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull());
 }
 
-static cJSON *standing_json(const bb_standing *standing)
+static void put_text(writer *w, cJSON *object, const char *name, const char *text)
+{
+    put(w, object, name, cJSON_CreateString(text));
+}
+
+static void put_bool(writer *w, cJSON *object, const char *name, bool value)
+{
+    put(w, object, name, cJSON_CreateBool(value));
+}
+
+/* Of the parent's; NULL if it could not be made. */
+static cJSON *put_array(writer *w, cJSON *object, const char *name)
+{
+    cJSON *array = cJSON_AddArrayToObject(object, name);
+    w->lost = w->lost || array == NULL;
+    return array;
+}
+
+static cJSON *standing_json(writer *w, const bb_standing *standing)
 {
     cJSON *made = cJSON_CreateObject();
-    add(made, "value", standing->value);
-    add(made, "low", standing->low);
-    add(made, "high", standing->high);
-    cJSON_AddBoolToObject(made, "best", standing->best);
-    cJSON_AddBoolToObject(made, "tied", standing->tied);
+    put_figure(w, made, "value", standing->value);
+    put_figure(w, made, "low", standing->low);
+    put_figure(w, made, "high", standing->high);
+    put_bool(w, made, "best", standing->best);
+    put_bool(w, made, "tied", standing->tied);
     return made;
 }
 
-static void add_standing(cJSON *object, const char *name, const bb_standing *standing)
-{
-    cJSON_AddItemToObject(object, name, standing_json(standing));
-}
-
-static cJSON *row_json(const bb_summary_row *row)
+static cJSON *row_json(writer *w, const bb_summary_row *row)
 {
     cJSON *made = cJSON_CreateObject();
-    cJSON_AddStringToObject(made, "builder", row->builder);
-    cJSON_AddStringToObject(made, "kernel", row->kernel);
-    add(made, "run", row->run);
-    cJSON_AddBoolToObject(made, "reference", row->reference);
-    cJSON_AddBoolToObject(made, "partial", row->partial);
-    add(made, "sets", row->sets);
-    add_standing(made, "trace", &row->trace);
-    add(made, "mrays_s", row->mrays_s);
-    add(made, "group", row->group == UINT32_MAX ? (double)NAN : row->group);
-    add_standing(made, "build", &row->build);
-    add_standing(made, "ready", &row->ready);
-    cJSON *image = cJSON_AddArrayToObject(made, "image");
+    put_text(w, made, "builder", row->builder);
+    put_text(w, made, "kernel", row->kernel);
+    put_figure(w, made, "run", row->run);
+    put_bool(w, made, "reference", row->reference);
+    put_bool(w, made, "partial", row->partial);
+    put_figure(w, made, "sets", row->sets);
+    put(w, made, "trace", standing_json(w, &row->trace));
+    put_figure(w, made, "mrays_s", row->mrays_s);
+    put_figure(w, made, "group", row->group == UINT32_MAX ? (double)NAN : row->group);
+    put(w, made, "build", standing_json(w, &row->build));
+    put(w, made, "ready", standing_json(w, &row->ready));
+    cJSON *image = put_array(w, made, "image");
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
-        cJSON_AddItemToArray(image, standing_json(&row->image[k]));
-    cJSON *curve = cJSON_AddArrayToObject(made, "curve");
+        put(w, image, NULL, standing_json(w, &row->image[k]));
+    cJSON *curve = put_array(w, made, "curve");
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        cJSON_AddItemToArray(curve, figure_json(row->curve[i]));
-    add_standing(made, "quality", &row->quality);
-    add(made, "peak", row->peak);
-    add(made, "wrong", row->wrong);
-    add(made, "checked", row->checked);
-    add(made, "failed", row->failed);
+        put_figure(w, curve, NULL, row->curve[i]);
+    put(w, made, "quality", standing_json(w, &row->quality));
+    put_figure(w, made, "peak", row->peak);
+    put_figure(w, made, "wrong", row->wrong);
+    put_figure(w, made, "checked", row->checked);
+    put_figure(w, made, "failed", row->failed);
     return made;
 }
 
-static cJSON *accuracy_json(const bb_summary_accuracy *accuracy)
+static cJSON *accuracy_json(writer *w, const bb_summary_accuracy *accuracy)
 {
     const bb_wrong_rate rate = bb_wrong_rate_of(accuracy->wrong, accuracy->checked);
     cJSON *made = cJSON_CreateObject();
-    cJSON_AddStringToObject(made, "intersector", accuracy->intersector);
-    add(made, "wrong", accuracy->wrong);
-    add(made, "wrong_t", accuracy->wrong_t);
-    add(made, "checked", accuracy->checked);
-    add(made, "ppm", rate.ppm);
-    add(made, "ppm_lo", rate.low);
-    add(made, "ppm_hi", rate.high);
-    add(made, "speed", accuracy->speed);
+    put_text(w, made, "intersector", accuracy->intersector);
+    put_figure(w, made, "wrong", accuracy->wrong);
+    put_figure(w, made, "wrong_t", accuracy->wrong_t);
+    put_figure(w, made, "checked", accuracy->checked);
+    put_figure(w, made, "ppm", rate.ppm);
+    put_figure(w, made, "ppm_lo", rate.low);
+    put_figure(w, made, "ppm_hi", rate.high);
+    put_figure(w, made, "speed", accuracy->speed);
     return made;
 }
 
-static cJSON *summary_json(const bb_summary *s, const bb_summary_choice *choice)
+static cJSON *summary_json(writer *w, const bb_summary *s, const bb_summary_choice *choice)
 {
     cJSON *made = cJSON_CreateObject();
-    cJSON_AddStringToObject(made, "scene", choice->scene != NULL ? choice->scene : "");
-    cJSON_AddStringToObject(made, "rays", choice->rays != NULL ? choice->rays : "");
-    add(made, "scenes", s->scenes);
-    add(made, "sets", s->sets);
-    add(made, "sets_aside", s->sets_aside);
-    add(made, "rounds", s->rounds);
-    add(made, "noise", s->noise);
-    add(made, "noise_worst", s->noise_worst);
-    add(made, "checked", s->checked);
-    add(made, "wrong", s->wrong);
-    cJSON_AddBoolToObject(made, "referenced", s->referenced);
-    cJSON *rows = cJSON_AddArrayToObject(made, "rows");
+    put_text(w, made, "scene", choice->scene != NULL ? choice->scene : "");
+    put_text(w, made, "rays", choice->rays != NULL ? choice->rays : "");
+    put_figure(w, made, "scenes", s->scenes);
+    put_figure(w, made, "sets", s->sets);
+    put_figure(w, made, "sets_aside", s->sets_aside);
+    put_figure(w, made, "rounds", s->rounds);
+    put_figure(w, made, "noise", s->noise);
+    put_figure(w, made, "noise_worst", s->noise_worst);
+    put_figure(w, made, "checked", s->checked);
+    put_figure(w, made, "wrong", s->wrong);
+    put_bool(w, made, "referenced", s->referenced);
+    cJSON *rows = put_array(w, made, "rows");
     for (uint32_t i = 0; i < s->row_count; i++)
-        cJSON_AddItemToArray(rows, row_json(&s->rows[i]));
-    cJSON *accuracy = cJSON_AddArrayToObject(made, "accuracy");
+        put(w, rows, NULL, row_json(w, &s->rows[i]));
+    cJSON *accuracy = put_array(w, made, "accuracy");
     for (uint32_t i = 0; i < s->accuracy_count; i++)
-        cJSON_AddItemToArray(accuracy, accuracy_json(&s->accuracy[i]));
-    cJSON *sentences = cJSON_AddArrayToObject(made, "sentences");
+        put(w, accuracy, NULL, accuracy_json(w, &s->accuracy[i]));
+    cJSON *sentences = put_array(w, made, "sentences");
     for (uint32_t i = 0; i < s->sentence_count; i++) {
         cJSON *sentence = cJSON_CreateObject();
-        cJSON_AddStringToObject(sentence, "label", s->sentences[i].label);
-        cJSON_AddStringToObject(sentence, "text", s->sentences[i].text);
-        cJSON_AddItemToArray(sentences, sentence);
+        put_text(w, sentence, "label", s->sentences[i].label);
+        put_text(w, sentence, "text", s->sentences[i].text);
+        put(w, sentences, NULL, sentence);
     }
     return made;
 }
 
-static bb_status add_choice(cJSON *list, const bb_numbers *n, const bb_summary_choice *choice)
+static bb_status add_choice(writer *w, cJSON *list, const bb_numbers *n,
+                            const bb_summary_choice *choice)
 {
     bb_summary summary;
     BB_TRY(bb_summary_of(n, choice, &summary));
     if (summary.row_count > 0)
-        cJSON_AddItemToArray(list, summary_json(&summary, choice));
+        put(w, list, NULL, summary_json(w, &summary, choice));
     bb_summary_free(&summary);
     return BB_OK;
 }
@@ -122,14 +148,14 @@ static const char *rays_name(const bb_numbers *n, uint32_t set)
     return n->sets[set].rays;
 }
 
-static bb_status add_choices(cJSON *list, const bb_numbers *n)
+static bb_status add_choices(writer *w, cJSON *list, const bb_numbers *n)
 {
     for (int64_t r = -1; r < n->set_count; r++) {
         const char *rays = r < 0 ? NULL : rays_name(n, (uint32_t)r);
         if (r >= 0 && rays == NULL)
             continue;
         for (int64_t s = -1; s < n->scene_count; s++)
-            BB_TRY(add_choice(list, n, &(bb_summary_choice){s < 0 ? NULL : n->scenes[s], rays}));
+            BB_TRY(add_choice(w, list, n, &(bb_summary_choice){s < 0 ? NULL : n->scenes[s], rays}));
     }
     return BB_OK;
 }
@@ -138,18 +164,20 @@ char *bb_summary_json(const bb_results *results)
 {
     bb_numbers numbers;
     char *text = NULL, busy[256];
+    writer all = {false}, *w = &all;
     if (bb_numbers_read(results, &numbers) != BB_OK)
         return NULL;
     cJSON *made = cJSON_CreateObject();
-    cJSON *counts = cJSON_AddArrayToObject(made, "counts");
+    cJSON *counts = put_array(w, made, "counts");
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
-        cJSON_AddItemToArray(counts, cJSON_CreateNumber(bb_summary_counts[k]));
-    cJSON *curve = cJSON_AddArrayToObject(made, "curve_counts");
+        put_figure(w, counts, NULL, bb_summary_counts[k]);
+    cJSON *curve = put_array(w, made, "curve_counts");
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        cJSON_AddItemToArray(curve, cJSON_CreateNumber(bb_summary_curve_count(i)));
+        put_figure(w, curve, NULL, bb_summary_curve_count(i));
     if (bb_summary_busy(results, busy))
-        cJSON_AddStringToObject(made, "busy", busy);
-    if (add_choices(cJSON_AddArrayToObject(made, "choices"), &numbers) == BB_OK)
+        put_text(w, made, "busy", busy);
+    cJSON *choices = put_array(w, made, "choices");
+    if (add_choices(w, choices, &numbers) == BB_OK && !w->lost)
         text = cJSON_PrintUnformatted(made);
     cJSON_Delete(made);
     bb_numbers_free(&numbers);

@@ -1,0 +1,8 @@
+/* glTF in one binary file. */
+#include "tests/fuzz/scene.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    fuzz_scene("scene.glb", data, size);
+    return 0;
+}
