@@ -52,7 +52,7 @@ static void bad_options_are_refused(void **state)
     refuses("", "run --scene cube --rays ao --max-rays 3", "ao");
     refuses("", "run --scene cube --size 65536x65536", "--size");
     refuses("", "run --scene cube --kernels-from no-such-folder", "no-such-folder");
-    refuses("", "run --scene cube --history h.db", "--history");
+    refuses("", "run --scene cube --volume v.raw", "--volume");
     refuses("", "list --json=yes", "--json");
     refuses("", "list -x", "-x");
     refuses("", "run --scene cube --rays gamma", "gamma");

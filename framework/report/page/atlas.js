@@ -48,7 +48,7 @@ function entryOf(axis, method, manner) {
                 `${isNumber(t.ratio) ? `; ${brief(t.ratio)} times` : ''}${t.returns ? '; not throughout' : ''}`;
   const button = el('button', { type: 'button', title }, `${short[t.manner]} ${from}`);
   button.addEventListener('click', () => { $('pick-axis').value = axis.name; showAxis(); $('axis-title').scrollIntoView(); });
-  return el('td', { class: kindOf(t.manner) }, button);
+  return el('td', { class: t.manner === 'wrong' && axis.known ? 'known' : kindOf(t.manner) }, button);
 }
 
 function showTable() {
@@ -97,7 +97,7 @@ function drawOne(id, axis, methods) {
       scales: {
         x: { type: log ? 'logarithmic' : 'linear', reverse: axis.from > axis.to, grid, ticks,
              title: { display: true, text: axis.parameter, color: theme('--text') } },
-        y: { type: 'logarithmic', grid, ticks },
+        y: { type: 'logarithmic', min: id === 'wrong' ? floor : undefined, grid, ticks },
       },
       plugins: {
         legend: { display: false },
