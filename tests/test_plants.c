@@ -110,7 +110,8 @@ static int run(const plant *p, char *out, size_t capacity)
     char command[2048], path[512];
     snprintf(path, sizeof path, "%s.txt", folder);
     snprintf(command, sizeof command,
-             BB_TEST_PROGRAM " run %s %s --kernels-from %s --out %s.out >%s 2>&1 </dev/null",
+             "timeout 300 " BB_TEST_PROGRAM
+             " run %s %s --kernels-from %s --out %s.out >%s 2>&1 </dev/null",
              p->run, common, folder, folder, path);
     int status = system(command);
     read_file(path, out, capacity);
