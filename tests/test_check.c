@@ -57,6 +57,23 @@ static void a_folder_overrides_a_plugins_files(void **state)
     refuses("", "check --scene cube --kernels-from edited", "strips.clh would not be used");
 }
 
+/* What hangs is named, and everything before it is there. */
+static void what_hangs_is_given_up(void **state)
+{
+    (void)state;
+    /* the time for the one that is well includes the compiler's, if its cache is empty */
+    expect(0, "check --limit 0 --scene cube " ROGUE, "0 checks failed");
+    const outcome *o =
+        expect(1, "check --limit 5 --scene cube " ROGUE " --builder rogue:kind=hangs", "\nHUNG ");
+    const char *hung = strstr(o->out, "\nHUNG ");
+    assert_non_null(strstr(hung, " cube "));
+    assert_non_null(strstr(hung, " rogue:kind=hangs "));
+    assert_non_null(strstr(hung, "not done after 5 s"));
+    assert_int_equal(strncmp(o->out, "ok ", 3), 0);
+    assert_string_equal(strchr(hung + 1, '\n'), "\n"); /* the last line */
+    refuses("", "check --limit soon --scene cube", "--limit");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -64,6 +81,7 @@ int main(void)
         cmocka_unit_test(the_slowest_builds_are_noted),
         cmocka_unit_test(plugins_come_from_the_environment_too),
         cmocka_unit_test(a_folder_overrides_a_plugins_files),
+        cmocka_unit_test(what_hangs_is_given_up),
     };
     return cmocka_run_group_tests_name("check", tests, make_folder, remove_folder);
 }

@@ -183,7 +183,8 @@ static void test_interleaved_and_quantised(void **state)
                    "KHR_mesh_quantization");
 }
 
-/* Quarter turn about z, scale by 2, shift; below a parent that shifts; and the same as a matrix. */
+/* Quarter turn about z, scale by 2, 3 and 4 before it, shift; below a parent that shifts; and the
+ * same as a matrix. */
 static void test_transforms(void **state)
 {
     (void)state;
@@ -192,14 +193,14 @@ static void test_transforms(void **state)
                               ",\"nodes\":[{\"translation\":[10,0,0],\"children\":[1]},"
                               "{\"mesh\":0,\"translation\":[0,0,5],\"rotation\":[0,0,0."
                               "7071067811865476,0.7071067811865476],"
-                              "\"scale\":[2,2,2]}],\"scenes\":[{\"nodes\":[0]}]"));
-    const float turned[] = {10, 0, 5, 10, 2, 5, 8, 2, 5};
+                              "\"scale\":[2,3,4]}],\"scenes\":[{\"nodes\":[0]}]"));
+    const float turned[] = {10, 0, 5, 10, 2, 5, 7, 2, 5};
     for (int i = 0; i < 9; i++)
         assert_true(fabsf(scene->vertices[i] - turned[i]) < 1e-6f);
     bb_scene_free(scene);
     scene = load_scene(
         write_case("matrix.gltf", POSITIONS, PLAIN,
-                   ",\"nodes\":[{\"mesh\":0,\"matrix\":[0,2,0,0,-2,0,0,0,0,0,2,0,10,0,5,1]}],"
+                   ",\"nodes\":[{\"mesh\":0,\"matrix\":[0,2,0,0,-3,0,0,0,0,0,4,0,10,0,5,1]}],"
                    "\"scenes\":[{\"nodes\":[0]}]"));
     assert_memory_equal(scene->vertices, turned, sizeof turned);
     bb_scene_free(scene);

@@ -15,15 +15,15 @@ static void expect(const bb_tree *tree, double exact)
     assert_true(isnan(depth.half));
 }
 
-/* Root { A, N { B, C } }. A: [0,1]^3, half area 3, depth 1. B: [2,4] x [0,1]^2, half area 2 + 1 + 2
- * = 5, and C: [4,5] x [0,1] x [0,0], half area 1, both at depth 2. (3 + 10 + 2) / 9 = 15/9. The
- * inner nodes' areas do not count. */
+/* Root { A, N { B, C } }. A: [0,2] x [0,1]^2, half area 2 + 1 + 2 = 5, depth 1. B: [2,4] x [0,1]^2,
+ * half area 5, and C: [4,5] x [0,1] x [0,0], half area 1, both at depth 2. (5 + 10 + 2) / 11. The
+ * inner nodes' areas do not count, and it is not the mean of 1, 2 and 2. */
 static void test_weighted_by_area(void **state)
 {
     (void)state;
     const bb_node nodes[] = {
         make_node(V(0, 0, 0), V(5, 1, 1), 1, BB_NONE),
-        make_node(V(0, 0, 0), V(1, 1, 1), BB_LEAF_BIT | 0, 2),
+        make_node(V(0, 0, 0), V(2, 1, 1), BB_LEAF_BIT | 0, 2),
         make_node(V(2, 0, 0), V(5, 1, 1), 3, BB_NONE),
         make_node(V(2, 0, 0), V(4, 1, 1), BB_LEAF_BIT | 1, 4),
         make_node(V(4, 0, 0), V(5, 1, 0), BB_LEAF_BIT | 2, BB_NONE),
@@ -31,18 +31,18 @@ static void test_weighted_by_area(void **state)
     const uint32_t refs[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT, 2 | BB_LAST_BIT};
     bb_tree tree;
     make_tree(&tree, nodes, 5, refs, 3, 2, 2);
-    expect(&tree, 15.0 / 9);
+    expect(&tree, 17.0 / 11);
     /* nodes in another order are the same tree: N at 4, C at 2 */
     const bb_node moved[] = {
         nodes[0],
-        make_node(V(0, 0, 0), V(1, 1, 1), BB_LEAF_BIT | 0, 4),
+        make_node(V(0, 0, 0), V(2, 1, 1), BB_LEAF_BIT | 0, 4),
         nodes[4],
         make_node(V(2, 0, 0), V(4, 1, 1), BB_LEAF_BIT | 1, 2),
         make_node(V(2, 0, 0), V(5, 1, 1), 3, BB_NONE),
     };
     bb_tree_release(&tree);
     make_tree(&tree, moved, 5, refs, 3, 2, 2);
-    expect(&tree, 15.0 / 9);
+    expect(&tree, 17.0 / 11);
     bb_tree_release(&tree);
 }
 

@@ -1,57 +1,32 @@
 /* Bugs planted in the device code, one at a time (`--kernels-from`): what makes `exact` exact is
  * exercised end to end, so `run` must say that answers are wrong, or unlike those of another
- * kernel. Without a bug it must not. */
+ * kernel. Without a bug it must not. The bugs are those of tests/mutants/kernels.txt that have a
+ * `run`; scripts/mutants plants them and the others, and asks all tests. */
 #include "tests/fixture.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+static const char list[] = BB_TEST_SOURCE_DIR "/tests/mutants/kernels.txt";
 static const char *folder; /* has the device code in place of the program's */
 
 typedef struct plant {
-    const char *what;
-    const char *file, *find, *replace; /* `find` stands there once */
-    const char *scene, *kernels;
+    char name[64], file[128], run[256];
+    char before[1024], after[1024]; /* `before` stands there once */
 } plant;
 
-static const char blocks[] = "blocks:side=6,mixed=yes";
-static const char boards[] = "boards:length=1e5", ground[] = "ground", ladder[] = "ladder";
+enum { PLANTS_MAX = 128 };
+static plant plants[PLANTS_MAX];
+static int plant_count;
 
-static const plant plants[] = {
-    {"distances of planes are not padded", "padding.clh", "BB_PAD_DISTANCE 0x1.8p-19f",
-     "BB_PAD_DISTANCE 0.0f", ground, "stack"},
-    {"boxes are not padded", "padding.clh", "BB_PAD_BOX 0x1.4p-20f", "BB_PAD_BOX 0.0f", boards,
-     "stack"},
-    {"edges belong to no triangle", "triangle_watertight.clh", "| (det == 0.0f);",
-     "| (det == 0.0f) | (u == 0.0f) | (v == 0.0f) | (w == 0.0f);", ground, "stack"},
-    {"differences of products are rounded twice", "triangle_watertight.clh",
-     "return fma(a, b, -cd) + error;", "return a * b - cd;", boards, "stack"},
-    {"differences of products miss their error", "triangle_watertight.clh",
-     "return fma(a, b, -cd) + error;", "return fma(a, b, -cd);", boards, "stack"},
-    {"a stack has one entry too few", "stack.cl", "if (top == BB_STACK_SIZE)",
-     "if (top + 1u == BB_STACK_SIZE) { link = entry.y < entry.x ? links.y : links.x; continue; }\n"
-     "if (top == BB_STACK_SIZE)",
-     ladder, "stack"},
-    {"quantised boxes start inside", "layout_wide.cl", "step_below(node, axis, los[c]);",
-     "min(255u, step_below(node, axis, los[c]) + 1u);", boards, "stack8q"},
-    {"quantised boxes end inside", "layout_wide.cl", "step_above(node, axis, his[c]);",
-     "max(1u, step_above(node, axis, his[c])) - 1u;", boards, "stack8q"},
-    {"a trail is one level off", "trail.clh", "return 64u * w + bit;",
-     "return 64u * w + bit + (bit > 2u ? 1u : 0u);", boards, "trail"},
-    {"boxes are left, not entered", "prim_aabb.clh", "entry > tmin ? entry : exit", "exit", blocks,
-     "stack8"},
-    {"boxes have no inside", "prim_aabb.clh", "return entry <= exit ?",
-     "return (entry <= exit) & (entry > tmin) ?", blocks, "stack"},
-    {"a kind's data lie elsewhere", "prims.clh", "(ends->end[BB_##NAME] - first);",
-     "ends->end[BB_##NAME];", blocks, "stack8"},
-};
-enum { PLANTS = sizeof plants / sizeof plants[0] };
-
-static const char rays[] = "--rays edges:jitter=64 --rays edges:jitter=64,from=around --rays "
-                           "primary --rays random --size 64x64";
+static const char common[] = /* as scripts/mutants has it */
+    "--repeats 1 --no-pictures --charts no --quiet --rays edges:jitter=64 "
+    "--rays edges:jitter=64,from=around --rays primary --rays random --size 64x64 "
+    "--max-rays 65536";
 
 static void read_file(const char *path, char *text, size_t capacity)
 {
@@ -64,22 +39,68 @@ static void read_file(const char *path, char *text, size_t capacity)
     text[length] = '\0';
 }
 
+/* What a line of a text adds to it. */
+static void add_line(char *text, size_t capacity, const char *line)
+{
+    size_t used = strlen(text);
+    int length = snprintf(text + used, capacity - used, "%s%s", used > 0 ? "\n" : "", line);
+    assert_true(length >= 0 && used + (size_t)length < capacity);
+}
+
+static void read_line(plant *p, const char *line)
+{
+    const char *rest = line + strcspn(line, " ");
+    rest += strspn(rest, " ");
+    if (line[0] == '-')
+        add_line(p->before, sizeof p->before, line + 1);
+    else if (line[0] == '+')
+        add_line(p->after, sizeof p->after, line + 1);
+    else if (strncmp(line, "mutant ", 7) == 0)
+        snprintf(p->name, sizeof p->name, "%s", rest);
+    else if (strncmp(line, "file ", 5) == 0)
+        snprintf(p->file, sizeof p->file, "%s", rest);
+    else if (strncmp(line, "run ", 4) == 0)
+        snprintf(p->run, sizeof p->run, "%s", rest);
+}
+
+/* Keeps what has a run. */
+static void read_plants(void)
+{
+    char line[1024];
+    FILE *file = fopen(list, "rb");
+    assert_non_null(file);
+    for (bool more = true; more;) {
+        plant *p = &plants[plant_count];
+        more = fgets(line, sizeof line, file) != NULL;
+        line[more ? strcspn(line, "\n") : 0] = '\0';
+        if (line[0] != '\0') {
+            read_line(p, line);
+            continue;
+        }
+        plant_count += p->run[0] != '\0';
+        assert_true(plant_count < PLANTS_MAX);
+        plants[plant_count] = (plant){0};
+    }
+    fclose(file);
+}
+
 /* The file of kernels/ with the bug, or as it is. */
-static void write_planted(const plant *p, int planted)
+static void write_planted(const plant *p, int planted, char *path, size_t capacity)
 {
     static char text[65536];
-    char path[512];
-    snprintf(path, sizeof path, BB_TEST_SOURCE_DIR "/kernels/%s", p->file);
+    const char *name = strrchr(p->file, '/');
+    assert_non_null(name);
+    snprintf(path, capacity, BB_TEST_SOURCE_DIR "/%s", p->file);
     read_file(path, text, sizeof text);
-    char *at = strstr(text, p->find);
-    if (at == NULL || strstr(at + 1, p->find) != NULL)
-        fail_msg("%s: '%s' must stand there once: mend the plant", path, p->find);
-    snprintf(path, sizeof path, "%s/%s", folder, p->file);
+    char *at = strstr(text, p->before);
+    if (at == NULL || strstr(at + 1, p->before) != NULL)
+        fail_msg("%s: '%s' must stand there once: mend the plant", path, p->before);
+    snprintf(path, capacity, "%s%s", folder, name);
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     fwrite(text, 1, (size_t)(at - text), file);
-    fputs(planted ? p->replace : p->find, file);
-    fputs(at + strlen(p->find), file);
+    fputs(planted ? p->after : p->before, file);
+    fputs(at + strlen(p->before), file);
     assert_int_equal(fclose(file), 0);
 }
 
@@ -89,10 +110,9 @@ static int run(const plant *p, char *out, size_t capacity)
     char command[2048], path[512];
     snprintf(path, sizeof path, "%s.txt", folder);
     snprintf(command, sizeof command,
-             BB_TEST_PROGRAM " run --scene %s --builder lbvh --kernel %s %s --max-rays 65536 "
-                             "--repeats 1 --no-pictures --charts no --kernels-from %s --out %s.out "
-                             ">%s 2>&1 </dev/null",
-             p->scene, p->kernels, rays, folder, folder, path);
+             "timeout 300 " BB_TEST_PROGRAM
+             " run %s %s --kernels-from %s --out %s.out >%s 2>&1 </dev/null",
+             p->run, common, folder, folder, path);
     int status = system(command);
     read_file(path, out, capacity);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -102,27 +122,27 @@ static void each_bug_is_found(void **state)
 {
     (void)state;
     static char out[65536];
-    int count =
-        getenv("BVHBENCH_TEST_SMALL") != NULL ? 1 : PLANTS; /* the host's code is the same */
+    read_plants();
+    assert_true(plant_count >= 20);
+    /* the host's code is the same */
+    int count = getenv("BVHBENCH_TEST_SMALL") != NULL ? 2 : plant_count;
     for (int planted = 1; planted >= 0; planted--)
         for (int i = 0; i < count; i++) {
             const plant *p = &plants[i];
             char path[512];
-            int seen = 0; /* without a bug one run of a scene and a kernel tells for all */
+            int seen = 0; /* without a bug what was run once tells for all */
             for (int k = 0; k < i && !planted; k++)
-                seen = seen ||
-                       (plants[k].scene == p->scene && strcmp(plants[k].kernels, p->kernels) == 0);
+                seen = seen || strcmp(plants[k].run, p->run) == 0;
             if (seen)
                 continue;
-            write_planted(p, planted);
+            write_planted(p, planted, path, sizeof path);
             int status = run(p, out, sizeof out);
             int said = strstr(out, "cells or builds are wrong") != NULL;
-            print_message("%-45s %-8s exit %d\n", p->what, planted ? "planted" : "mended", status);
+            print_message("%-30s %-8s exit %d\n", p->name, planted ? "planted" : "mended", status);
             if (status != planted || said != planted)
                 print_error("%s", out);
             assert_int_equal(status, planted);
             assert_int_equal(said, planted);
-            snprintf(path, sizeof path, "%s/%s", folder, p->file);
             assert_int_equal(remove(path), 0);
         }
 }

@@ -410,18 +410,31 @@ static void test_lines_need_meshes_for_intervals(void **state)
     hand_free(scene);
 }
 
+/* Two sets have one hash only if no ray differs in anything. */
+static void test_hash(void **state)
+{
+    (void)state;
+    bb_ray rays[2] = {{{1, 2, 3}, 4, {5, 6, 7}, 8}, {{9, 10, 11}, 12, {13, 14, 15}, 16}};
+    bb_rays set = {.rays = rays, .count = 2};
+    const uint64_t hash = bb_rays_hash(&set);
+    for (size_t i = 0; i < sizeof rays; i++) {
+        ((unsigned char *)rays)[i] ^= 1;
+        assert_true(bb_rays_hash(&set) != hash);
+        ((unsigned char *)rays)[i] ^= 1;
+    }
+    assert_true(bb_rays_hash(&set) == hash);
+    set.count = 1;
+    assert_true(bb_rays_hash(&set) != hash);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all),
-        cmocka_unit_test(test_primary),
-        cmocka_unit_test(test_hemispheres),
-        cmocka_unit_test(test_sampling),
-        cmocka_unit_test(test_edges),
-        cmocka_unit_test(test_shadow_and_random),
-        cmocka_unit_test(test_bad_input),
-        cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_lines_need_meshes_for_intervals),
+        cmocka_unit_test(test_all),         cmocka_unit_test(test_primary),
+        cmocka_unit_test(test_hemispheres), cmocka_unit_test(test_sampling),
+        cmocka_unit_test(test_edges),       cmocka_unit_test(test_shadow_and_random),
+        cmocka_unit_test(test_bad_input),   cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_lines),       cmocka_unit_test(test_lines_need_meshes_for_intervals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

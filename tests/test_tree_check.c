@@ -351,7 +351,52 @@ static void test_disjoint_siblings(void **state)
     free_scene(scene);
 }
 
+/* A, at the left on the sweep's axis, shares volume with C, and with B between them none. */
+static void test_siblings_further_on(void **state)
+{
+    (void)state;
+    const bb_node nodes[] = {
+        make_node(V(0, 0, 0), V(4, 2, 1), 1, BB_NONE),
+        make_node(V(0, 0, 0), V(4, 1, 1), BB_LEAF_BIT | 0, 2),
+        make_node(V(1, 1, 0), V(2, 2, 1), BB_LEAF_BIT | 1, 3),
+        make_node(V(2, 0, 0), V(3, 2, 1), BB_LEAF_BIT | 2, BB_NONE),
+    };
+    const uint32_t refs[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT, 2 | BB_LAST_BIT};
+    bb_scene *scene = make_box_scene(3);
+    bb_tree tree;
+    for (uint32_t i = 0; i < 3; i++) {
+        memcpy(scene->boxes[i].lo, nodes[i + 1].lo, sizeof nodes[0].lo);
+        memcpy(scene->boxes[i].hi, nodes[i + 1].hi, sizeof nodes[0].hi);
+    }
+    make_tree(&tree, nodes, 4, refs, 3, 3, 1);
+    ASSERT_OK(bb_tree_check(&tree, scene));
+    tree.disjoint = true;
+    assert_int_equal(bb_tree_check(&tree, scene), BB_FAILED);
+    assert_non_null(strstr(bb_message(), "nodes 1 and 3, children of 0, share volume"));
+    bb_tree_release(&tree);
+    free_scene(scene);
+}
+
 /* ---- duplicated references ---- */
+
+/* All primitives are there, and one of them once more. */
+static void test_one_too_many(void **state)
+{
+    (void)state;
+    bb_scene *scene = make_box_scene(3);
+    bb_tree tree;
+    make_row(&tree);
+    for (uint32_t i = 0; i < 3; i++) {
+        memcpy(scene->boxes[i].lo, tree.nodes[i + 1].lo, sizeof scene->boxes[i].lo);
+        memcpy(scene->boxes[i].hi, tree.nodes[i + 1].hi, sizeof scene->boxes[i].hi);
+    }
+    memcpy(tree.nodes[4].lo, tree.nodes[3].lo, sizeof tree.nodes[4].lo);
+    tree.refs[3] = 2 | BB_LAST_BIT;
+    assert_int_equal(bb_tree_check(&tree, scene), BB_FAILED);
+    assert_non_null(strstr(bb_message(), "primitive 2 is referenced twice"));
+    bb_tree_release(&tree);
+    free_scene(scene);
+}
 
 /* Cuts the box [lo, hi] at random planes into `count` boxes (at least) that together fill it. */
 static uint32_t cut_box(const bb_box *box, uint32_t count, bb_random *random, bb_box *out)
@@ -486,6 +531,8 @@ int main(void)
         cmocka_unit_test(test_checker_finds_each_corruption),
         cmocka_unit_test(test_fuzzed_trees_do_no_harm),
         cmocka_unit_test(test_disjoint_siblings),
+        cmocka_unit_test(test_siblings_further_on),
+        cmocka_unit_test(test_one_too_many),
         cmocka_unit_test(test_cover),
         cmocka_unit_test(test_cover_finds_one_ulp),
         cmocka_unit_test(test_check_duplicated),

@@ -100,6 +100,24 @@ static void collapse_decides_by_cost(void **state)
     assert_int_equal(out->info.node_count, 1);
     bb_tree_release(&tree);
 
+    /* Whichever the axis on which all is flat, and of whose faces nothing is seen: 2 * 101 against
+     * 1.2 * 101 + 2. */
+    for (uint32_t flat = 0; flat < 3; flat++) {
+        float sizes[3] = {1, 1, 1}, from[3] = {0, 0, 0}, to[3];
+        uint32_t along = (flat + 1) % 3;
+        sizes[flat] = 0;
+        memcpy(to, sizes, sizeof sizes);
+        from[along] = 100;
+        to[along] = 101;
+        const bb_node row[] = {make_node(lo, to, 1, BB_NONE),
+                               make_node(lo, sizes, BB_LEAF_BIT | 0, 2),
+                               make_node(from, to, BB_LEAF_BIT | 1, BB_NONE)};
+        make_tree(&tree, row, 3, refs, 2, 2, 1);
+        collapse(self, &tree, 2, 2, 1, &out);
+        assert_int_equal(out->info.node_count, 3);
+        bb_tree_release(&tree);
+    }
+
     /* A primitive that both leaves reference is referenced once by the leaf of both. */
     make_tree(&tree, near, 3, refs, 2, 2, 1);
     tree.duplicated = true;

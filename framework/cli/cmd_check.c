@@ -5,6 +5,7 @@
 #include "framework/base/progress.h"
 #include "framework/bench/conformance.h"
 #include "framework/cli/choice.h"
+#include "framework/cli/watchdog.h"
 #include "framework/device/device_private.h"
 #include "framework/scene/scene.h"
 
@@ -25,6 +26,10 @@ static const bb_cli_option options[] = {
     {"kernels-from", "DIR", "take device code from here first", false},
     {"seed", "N", "random seed of the rays; default: 1", false},
     {"side", "N", "N x N rays of each kind, from 6 (for slow tools); default: 64", false},
+    {"limit", "SECONDS",
+     "most that a builder may take on a scene, checks included; then it hangs, and `check` ends; "
+     "0: any time; default: 900",
+     false},
     {"quiet", NULL, "do not show progress", false},
     {.name = NULL},
 };
@@ -83,6 +88,7 @@ typedef struct check {
     uint32_t taken[BB_NAMES_MAX]; /* scenes that each took */
     char *refusals[BB_NAMES_MAX]; /* the first scene that each did not take, and why; from malloc */
     uint64_t seed, side;          /* of the ray sets: a set has the square of `side` */
+    uint64_t limit;               /* seconds that each line of the table may take; 0: any */
     bb_progress progress;
     uint32_t checked, failed;
     pace paces[BB_NAMES_MAX];
@@ -90,13 +96,26 @@ typedef struct check {
     bool conforms[FORMS_MAX][BB_NAMES_MAX];
 } check;
 
-/* A line of the table: what was found, of which scene and builder. */
+/* Of the table: what was found, of which scene and builder. */
+#define TABLE_LINE "%-11s %-36s %-34s %s\n"
+
 static void say(check *c, const char *word, const char *scene, const char *builder,
                 const char *text)
 {
     bb_progress_end(&c->progress);
-    printf("%-11s %-36s %-34s %s\n", word, scene, builder, text);
+    printf(TABLE_LINE, word, scene, builder, text);
     fflush(stdout);
+}
+
+/* Until the line that comes next is done. */
+static void watch(const check *c, const char *scene, const char *builder)
+{
+    char line[2048], text[160];
+    snprintf(text, sizeof text,
+             "not done after %llu s (--limit): given up, and what would have come after it",
+             (unsigned long long)c->limit);
+    snprintf(line, sizeof line, TABLE_LINE, "HUNG", scene, builder, text);
+    bb_watchdog_start((uint32_t)c->limit, line);
 }
 
 /* What was given of a splitter or an optimiser alone is no builder yet. */
@@ -140,7 +159,9 @@ static void check_builder(check *c, uint32_t form, bb_conformance *conformance,
 {
     bb_conformed *found = &c->found[form][i];
     const char *builder = c->builders.items[i];
+    watch(c, scene->name, builder);
     bb_status status = bb_conformance_check(conformance, builder, found);
+    bb_watchdog_stop();
     c->conforms[form][i] = status == BB_OK;
     char text[1200];
     snprintf(text, sizeof text, "%s%s", status == BB_OK ? found->note : bb_message(),
@@ -175,6 +196,18 @@ static void say_of_scene(check *c, const bb_scene *scene, bb_conformance *confor
     }
 }
 
+static void check_brute_force(check *c, bb_conformance *conformance, const char *scene)
+{
+    static const char what[] = "no tree, all primitives";
+    watch(c, scene, what);
+    bb_status status = bb_conformance_brute_force(conformance);
+    bb_watchdog_stop();
+    if (status == BB_OK)
+        return;
+    c->failed++;
+    say(c, "FAILED", scene, what, bb_message());
+}
+
 static bb_status check_scene(check *c, uint32_t form, const char *name)
 {
     bb_scene *scene = NULL;
@@ -191,10 +224,8 @@ static bb_status check_scene(check *c, uint32_t form, const char *name)
         status = bb_conformance_create(device, scene, (uint32_t)c->side, c->seed, &conformance);
     if (status == BB_OK)
         say_of_scene(c, scene, conformance);
-    if (status == BB_OK && bb_conformance_brute_force(conformance) != BB_OK) {
-        c->failed++;
-        say(c, "FAILED", name, "no tree, all primitives", bb_message());
-    }
+    if (status == BB_OK)
+        check_brute_force(c, conformance, name);
     for (size_t i = 0; i < c->builders.count && status == BB_OK; i++)
         check_builder(c, form, conformance, scene, i);
     bb_conformance_destroy(conformance);
@@ -277,6 +308,7 @@ static bb_status run_check(check *c, const bb_cli *cli, bb_names *scenes)
     BB_TRY(bb_load_plugins(cli));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &c->seed));
     BB_TRY(bb_cli_u64(cli, "side", 64, 6, 1024, &c->side));
+    BB_TRY(bb_cli_u64(cli, "limit", 900, 0, 1000000, &c->limit));
     BB_TRY(bb_choose_builders(cli, true, &c->builders));
     BB_TRY(complete(c));
     BB_TRY(bb_choose_scenes(cli, default_scenes, scenes));

@@ -13,7 +13,7 @@ typedef struct rogue {
     bb_device *device;
     bool stale, moving, chain, nosy, early, marked, lopsided;
     bool follows, still, forgets; /* has an update() */
-    bool frozen;
+    bool frozen, hangs;
     bb_box *kept;    /* frozen: what prepare() saw */
     bool sees_views; /* `view` was given */
     uint32_t builds;
@@ -21,13 +21,13 @@ typedef struct rogue {
 
 static const bb_option options[] = {
     {"kind", "right",
-     "right|stale|moving|chain|nosy|early|marked|form|follows|still|forgets|frozen",
+     "right|stale|moving|chain|nosy|early|marked|form|follows|still|forgets|frozen|hangs",
      "stale: gives its first tree again and again; moving: another one each time; chain: one "
      "primitive "
      "per level; nosy: fails if it sees what it did not declare; early: works outside the clock; "
      "marked: a side array that is another one each time; form: another tree in form gpu; "
      "follows: refits, which is right; still: does nothing in place of that; forgets: a node; "
-     "frozen: builds over the boxes that it was prepared with"},
+     "frozen: builds over the boxes that it was prepared with; hangs: never ends"},
     {"view", NULL, NULL, "a view to look at"},
     {.name = NULL},
 };
@@ -50,6 +50,7 @@ static bb_status create(const bb_builder_context *context, void **out)
         .still = bb_spec_is(context->spec, options, "kind", "still"),
         .forgets = bb_spec_is(context->spec, options, "kind", "forgets"),
         .frozen = bb_spec_is(context->spec, options, "kind", "frozen"),
+        .hangs = bb_spec_is(context->spec, options, "kind", "hangs"),
         .sees_views = bb_spec_value(context->spec, NULL, "view") != NULL,
     };
     *out = self;
@@ -91,6 +92,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     (void)tree;
     rogue *self = opaque;
+    while (self->hangs)
+        pause();
     if (self->early)
         usleep(WORK_US);
     if (self->frozen) {
