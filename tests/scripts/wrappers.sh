@@ -49,6 +49,6 @@ grep -qxF 'test: skipped: case a_case in build/asan' "$work/said" || fail 'no sk
 expect 'test: 2 tests ran in build/test; skipped: 1 tests and 1 test cases' test --quick
 expect 'setup quick-test' test --quick
 expect 'build test' test -R x --quick
-grep -qE '^ctest .* --label-exclude \^\(oclgrind\|slow\)\$ -R x$' "$work/said" ||
+grep -qE '^ctest .* --label-exclude \^\(oclgrind\|slow\|long\)\$ -R x$' "$work/said" ||
     fail 'arguments do not reach ctest'
 echo "wrappers: ok"
