@@ -219,7 +219,7 @@ static void a_pipeline_is_recorded_by_stages(void **state)
     assert_true(fabs(whole - sum) <= 1e-9 * whole);
     assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(build, "transfer_ms")) > 0);
     assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(build, "inputs")),
-                        "boxes geometry");
+                        "boxes geometry profile");
     cJSON_Delete(json);
 }
 
