@@ -42,12 +42,10 @@ const char *bb_decider_word(bb_decider by);
 
 /* Appends a number, or a word, with its figure as printf() does. A list that is full stays as it
  * is. */
-__attribute__((format(printf, 5, 6))) void bb_decide_number(bb_decisions *list, const char *what,
-                                                            uint64_t value, bb_decider by,
-                                                            const char *figure, ...);
-__attribute__((format(printf, 5, 6))) void bb_decide_word(bb_decisions *list, const char *what,
-                                                          const char *value, bb_decider by,
-                                                          const char *figure, ...);
+void bb_decide_number(bb_decisions *list, const char *what, uint64_t value, bb_decider by,
+                      const char *figure, ...) __attribute__((format(printf, 5, 6)));
+void bb_decide_word(bb_decisions *list, const char *what, const char *value, bb_decider by,
+                    const char *figure, ...) __attribute__((format(printf, 5, 6)));
 
 /* The decision of that name; NULL if there is none. */
 const bb_decision *bb_decision_find(const bb_decisions *list, const char *what);
