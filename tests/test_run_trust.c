@@ -90,7 +90,7 @@ static void scratch_is_in_the_peak(void **state)
     cJSON_Delete(json);
 }
 
-/* More rays than go into one launch: what the clock saw holds what the device saw of all of them. */
+/* More rays than go into one launch: the clock saw what the device saw of all of them. */
 static void all_launches_of_a_set_are_timed(void **state)
 {
     (void)state;
