@@ -250,7 +250,7 @@ static void choose_effort(bb_stress *s)
 {
     const bool quick = s->request->quick;
     s->max_rays = quick ? 1024 : 4096;
-    s->repeats = quick ? 2 : 3;
+    s->repeats = quick ? 1 : 3;
     s->bisections = quick ? 0 : 5;
 }
 
