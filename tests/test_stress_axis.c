@@ -148,8 +148,8 @@ static void fills_and_halves(void **state)
 enum { METHODS = 6 };
 
 /* Method 0 is wrong from 3e3 on; 1 takes three times the time from 50 on; 2 crashes from 7e5 on; 3
- * is wrong everywhere, 4 has a slow spell in its first measurement of 1e4 only, 5 is wrong from 20 to
- * 5e3 only. */
+ * is wrong everywhere, 4 has a slow spell in its first measurement of 1e4 only, 5 is wrong from 20
+ * to 5e3 only. */
 typedef struct made_up {
     uint32_t calls, spells;
 } made_up;

@@ -36,8 +36,8 @@ typedef struct bb_points {
     char device[256], driver[256]; /* "": not known yet */
 } bb_points;
 
-/* A bb_measure_fn, with a bb_points as `user`. If the process dies, each value is measured by itself,
- * and if that dies too, each method, to see which it was. */
+/* A bb_measure_fn, with a bb_points as `user`. If the process dies, each value is measured by
+ * itself, and if that dies too, each method, to see which it was. */
 bb_status bb_point_measure(void *points, bb_wish *wishes, uint32_t count, bool again);
 
 #endif

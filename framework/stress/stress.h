@@ -1,5 +1,5 @@
-/* Where methods fail: every builder, kernel and intersector on every axis, and the atlas of what was
- * found. */
+/* Where methods fail: every builder, kernel and intersector on every axis, and the atlas of what
+ * was found. */
 #ifndef BB_STRESS_H
 #define BB_STRESS_H
 
@@ -55,9 +55,9 @@ bb_status bb_stress_check(const bb_stress_request *request);
 bb_status bb_stress_run(const bb_stress_request *request, bb_stress *out);
 void bb_stress_free(bb_stress *stress);
 
-/* What is a bug, not a weak spot: a crash, a hang, a flood of memory, a failure that nobody foresaw,
- * wrong answers of what must be exact and where the axis says of no limit, a method without a
- * verdict. Returns their number, and writes a line each unless `out` is NULL. */
+/* What is a bug, not a weak spot: a crash, a hang, a flood of memory, a failure that nobody
+ * foresaw, wrong answers of what must be exact and where the axis says of no limit, a method
+ * without a verdict. Returns their number, and writes a line each unless `out` is NULL. */
 uint32_t bb_stress_blame(const bb_stress *stress, FILE *out);
 
 /* ---- the atlas ---- */

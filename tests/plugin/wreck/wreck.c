@@ -1,5 +1,5 @@
-/* wreck: one leaf over everything, which is right, until a scene has more primitives than it is told;
- * then it goes wrong in the manner it is told. For the tests of `stress`. */
+/* wreck: one leaf over everything, which is right, until a scene has more primitives than it is
+ * told; then it goes wrong in the manner it is told. For the tests of `stress`. */
 #include "framework/builder/builder.h"
 
 #include <math.h>
