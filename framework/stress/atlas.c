@@ -60,7 +60,7 @@ static void item_of(const bb_threshold *t, const char *name, const bb_figures *f
 {
     char from[48], much[48] = "";
     if (t->from_start)
-        snprintf(from, sizeof from, "anywhere");
+        snprintf(from, sizeof from, "from the first value");
     else
         snprintf(from, sizeof from, "from %.3g", t->at);
     if (isfinite(t->ratio) && !t->from_start)
@@ -119,7 +119,7 @@ static void item_of_part(const bb_stress *s, const entry *entries, uint32_t firs
     const bb_method_part part = s->request->methods[entries[first].method].part;
     const uint32_t size = size_of_part(s, part);
     double least = INFINITY, most = 0;
-    char from[48] = "anywhere", much[64] = "";
+    char from[48] = "from the first value", much[64] = "";
     for (uint32_t i = first; i < first + size; i++) {
         least = fmin(least, entries[i].t->ratio);
         most = fmax(most, entries[i].t->ratio);
@@ -191,8 +191,7 @@ static void print_axis(const bb_stress *s, const bb_stress_axis *a, FILE *out)
     for (uint32_t m = 0; m < s->request->method_count; m++)
         hold += !fails_anyhow(a, m);
     if (first_reason(s, a) != NULL) {
-        fprintf(out, "  %-*s", INDENT - 2, "");
-        fprintf(out, "\"%.180s\"\n", first_reason(s, a));
+        write_lines(out, first_reason(s, a), INDENT);
     }
     fprintf(out, "  %-*s%u of %u methods\n", INDENT - 2, "no failure", hold,
             s->request->method_count);

@@ -43,8 +43,8 @@ function entryOf(axis, method, manner) {
   const t = firstOf(axis, method, manner);
   const verdict = axis.values.some(v => v.methods[method]);
   if (!t) return el('td', { class: 'fine', title: verdict ? 'no such failure on this axis' : 'not measured' }, verdict ? dash : '?');
-  const from = t.from_start ? 'all' : brief(t.at);
-  const title = `${t.word} ${t.from_start ? 'everywhere' : `from ${brief(t.at)} on; not at ${brief(t.below)}`}` +
+  const from = !t.from_start ? brief(t.at) : t.returns ? 'some' : 'all';
+  const title = `${t.word} ${t.from_start ? 'from the first value on' : `from ${brief(t.at)} on; not at ${brief(t.below)}`}` +
                 `${isNumber(t.ratio) ? `; ${brief(t.ratio)} times` : ''}${t.returns ? '; not throughout' : ''}`;
   const button = el('button', { type: 'button', title }, `${short[t.manner]} ${from}`);
   button.addEventListener('click', () => { $('pick-axis').value = axis.name; showAxis(); $('axis-title').scrollIntoView(); });
@@ -125,7 +125,7 @@ function showFailures(axis, methods) {
     const here = axis.values.find(v => v.x === t.at), f = here && here.methods[m.index];
     const much = isNumber(t.ratio) ? `${brief(t.ratio)} times` : f && f.reason ? f.reason
                : t.manner === 'wrong' && f ? `${brief(1e6 * f.wrong / f.checked)} ppm` : '';
-    return el('tr', {}, el('th', { scope: 'row' }, m.name), el('td', {}, t.word), el('td', {}, t.from_start ? 'everywhere' : brief(t.at)),
+    return el('tr', {}, el('th', { scope: 'row' }, m.name), el('td', {}, t.word), el('td', {}, t.from_start ? 'the first value' : brief(t.at)),
               el('td', {}, t.from_start ? '' : brief(t.below)), el('td', {}, much + (t.returns ? ' (not throughout)' : '')));
   }));
   const head = ['Method', 'Fails', 'from', 'not yet at', 'there'].map(text => el('th', { scope: 'col' }, text));

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Opens the page of a made-up history in a headless Chromium and uses it (exercise_history.js): no console message, marks at the right
-# revisions, a band around the median. Leaves screenshots. Exit status 77 (skipped) where there is no Chromium.
-#   check_history.sh TEST_HISTORY FOLDER      the test executable, which writes the sample, and a folder for it
+# Opens a page in a headless Chromium and uses it as EXERCISE.js does: no console message, and all that it expects. Leaves screenshots.
+# Exit status 77 (skipped) where there is no Chromium.
+#   check_page.sh EXERCISE.js PAGE.html FOLDER COMMAND...      a command that writes PAGE.html into FOLDER
 set -eu
-test_history=$1
-folder=$2
+exercise=$1 page=$2 folder=$3
+shift 3
 here=$(cd "$(dirname "$0")" && pwd)
 
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
@@ -31,9 +31,9 @@ open_page() {
 rm -rf "$folder"
 mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
-"$test_history" --write "$folder" >"$folder/table.txt" || fail "the sample was not written"
-! grep -qE '(src|href)="(https?:)?//' "$folder/history.html" || fail "the page loads something"
-{ cat "$folder/history.html"; echo '<script>'; cat "$here/exercise_history.js"; echo '</script>'; } >"$folder/exercise.html"
+"$@" >"$folder/table.txt" || fail "the page was not written"
+! grep -qE '(src|href)="(https?:)?//' "$folder/$page" || fail "the page loads something"
+{ cat "$folder/$page"; echo '<script>'; cat "$here/$exercise"; echo '</script>'; } >"$folder/exercise.html"
 for width in 400 1280; do
     open_page --window-size="$width,1500" --dump-dom >"$folder/dom"
     grep -q 'EXERCISE: [0-9]* charts, all well' "$folder/dom" ||
