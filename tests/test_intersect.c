@@ -142,6 +142,18 @@ static double clearance(const bb_ray *ray, const float *v)
     return cosine < 0.05 ? 0 : least * cosine;
 }
 
+/* t at which the ray is as far away as the farthest coordinate. */
+static double reach(const bb_ray *ray, const float *v)
+{
+    double farthest = 0, length = 0;
+    for (int k = 0; k < 3; k++) {
+        length = hypot(length, ray->d[k]);
+        for (int c = 0; c < 3; c++)
+            farthest = fmax(farthest, fabs((double)v[3 * c + k] - ray->o[k]));
+    }
+    return farthest / length;
+}
+
 static void compare_away_from_edges(const bb_intersector *intersector)
 {
     float *vertices = calloc((size_t)CASES * LANES * 9, sizeof *vertices);
@@ -162,8 +174,8 @@ static void compare_away_from_edges(const bb_intersector *intersector)
         double t = NAN;
         bool met = bb_exact_meets_triangle(o, ray->d, v, v + 3, v + 6) &&
                    bb_exact_plane_t(o, ray->d, v, v + 3, v + 6, &t);
-        /* the floats' error is of the coordinates, which are about 1, not of the distance */
-        double tolerance = 1e-4 * (fabs(t) + 1e-2);
+        /* the floats' error is of the coordinates, not of the distance */
+        double tolerance = 1e-4 * (fabs(t) + 1e-2 * reach(ray, v));
         bool ahead = met && t > tolerance;
         if (met && !ahead && t > -tolerance)
             continue; /* at the origin */
