@@ -1,5 +1,6 @@
 /* `bvhbench stress` from outside: a builder that goes wrong beyond 100 primitives, in every manner;
- * what is found of it, what becomes of the run, and that it goes on where it was cut off. */
+ * what is found of it, what becomes of the run, and that it goes on where it was cut off. All of it
+ * only with BVHBENCH_SLOW_TESTS=1. */
 #include "tests/program_fixture.h"
 
 #include <math.h>
@@ -49,6 +50,8 @@ static void finds_every_manner(void **state)
     } cases[] = {
         {"crash", "crashed", "crashes on crowd at 1000: signal 6"},
         {"exit", "crashed", "crashes on crowd at 1000: ended by exit(3)"},
+        {"exit0", "crashed", "crashes on crowd at 1000: ended by exit(0)"},
+        {"term", "crashed", "crashes on crowd at 1000: signal 15"},
         {"flood", "memory", "beyond the limit of memory on crowd at 1000: killed beyond 1500 MiB"},
         {"wrong", "failed", "fails on crowd at 1000: leaf 0 does not contain its primitive"},
         {"fail", "failed", "fails on crowd at 1000: wreck: it fails, as told"},
@@ -70,6 +73,34 @@ static void finds_every_manner(void **state)
         assert_int_equal((int)number(atlas, "bugs"), cases[i].words != NULL);
         cJSON_Delete(atlas);
     }
+}
+
+/* What dies only after many builds in one process, and so never by itself, is a bug all the same. */
+static void tells_of_mishaps(void **state)
+{
+    (void)state;
+    start();
+    const outcome *o = run(STRESS "--quick " WRECK "wreck:how=late,above=5");
+    assert_int_equal(o->exit_status, 1);
+    assert_non_null(
+        strstr(o->err, "crowd: a process with several measurements crashed, from 10 on"));
+    assert_non_null(strstr(o->err, "none does so by itself"));
+}
+
+/* A stack that is too small answers wrongly, and says so; who is right beside it is not blamed. */
+static void blames_who_is_wrong(void **state)
+{
+    (void)state;
+    start();
+    const outcome *o = run("stress --axis depth --quick --quiet --no-pictures --out o "
+                           "--kernel stack:stack=4,stack8,stack");
+    if (o->exit_status != 0 || o->err[0] != '\0')
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    assert_non_null(strstr(o->out, "stack overflow caught    stack:stack=4"));
+    cJSON *atlas = read_results("o/stress.json");
+    const cJSON *t = threshold_of(atlas, "wrong");
+    assert_true(number(t, "method") == 0);
+    cJSON_Delete(atlas);
 }
 
 /* Alone, since it takes its time: what hangs is killed, and the others that were in its process
@@ -155,6 +186,9 @@ static void goes_on(void **state)
     /* another seed is another run */
     o = run(STRESS "--builder lbvh,sah --seed 2");
     assert_null(strstr(o->out, "of an earlier run"));
+    o = run(STRESS "--builder lbvh,sah --seed 9007199254740992");
+    o = run(STRESS "--builder lbvh,sah --seed 9007199254740993"); /* the same as a double */
+    assert_null(strstr(o->out, "of an earlier run"));
     /* a file that is cut off is measured again */
     char command[256];
     snprintf(command, sizeof command,
@@ -221,7 +255,14 @@ static void refuses_what_makes_no_sense(void **state)
 
 int main(void)
 {
+    const struct CMUnitTest few[] = {
+        cmocka_unit_test(tells_of_mishaps),
+        cmocka_unit_test(compares_parts),
+        cmocka_unit_test(refuses_what_makes_no_sense),
+    };
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tells_of_mishaps),
+        cmocka_unit_test(blames_who_is_wrong),
         cmocka_unit_test(finds_every_manner),
         cmocka_unit_test(kills_what_hangs),
         cmocka_unit_test(judges_times_twice),
@@ -230,5 +271,7 @@ int main(void)
         cmocka_unit_test(compares_parts),
         cmocka_unit_test(refuses_what_makes_no_sense),
     };
+    if (getenv("BVHBENCH_SLOW_TESTS") == NULL)
+        return cmocka_run_group_tests(few, make_folder, remove_folder);
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -71,9 +71,11 @@ static void refuses_what_is_no_axis(void **state)
         {"1e6", "1", "must differ"},
         {"1e6", "-1", "above 0"},
         {"1e6", "0", "above 0"},
-        {"1e6", "1e6, \"steps\": \"cubic\"", "log, linear or whole"},
+        {"1e6", "1e6, \"steps\": \"cubic\"", "log, linear, whole or count"},
         {"1e6", "1e6, \"also\": [1, 2, 3, 4, 5]", "up to 4"},
         {"1e6", "1e6, \"also\": [\"0\"]", "numbers"},
+        {"\"t\"", "\"a\\u001b[2J\"", "printable"},
+        {"\"random\",", "\"ran\\u0007dom\",", "printable"},
         {"1e6", "1e6, \"intervals\": 0", "\"intervals\""},
         {"1e6", "1e6, \"intervals\": 1000", "\"intervals\""},
         {"1e6", "1e6, \"n\": 0", "\"n\""},
@@ -137,6 +139,12 @@ static void fills_and_halves(void **state)
     assert_int_equal(bb_axis_values(&down, 2, values), 3);
     assert_true(values[1] == 1e-3);
     assert_true(bb_axis_middle(&down, 1e-3, 1e-5, &x) && x == 1e-4);
+
+    bb_axis corners = {.from = 0, .to = 100, .steps = BB_STEPS_COUNT};
+    assert_int_equal(bb_axis_values(&corners, 3, values), 4);
+    assert_true(values[1] == 33 && values[2] == 67);
+    assert_true(bb_axis_middle(&corners, 0, 3, &x) && x == 2);
+    assert_false(bb_axis_middle(&corners, 0, 1, &x));
 
     bb_axis number = {.from = 1, .to = 4, .steps = BB_STEPS_WHOLE};
     assert_int_equal(bb_axis_values(&number, 8, values), 4); /* no value twice */
@@ -234,6 +242,39 @@ static void finds_thresholds(void **state)
     free(s);
 }
 
+/* Method 0 has two gaps; in one of them the first stage sees nothing, and the search for method 1
+ * comes by. */
+static bb_status measure_gaps(void *user, bb_wish *wishes, uint32_t count, bool again)
+{
+    (void)user;
+    (void)again;
+    for (uint32_t i = 0; i < count; i++) {
+        const double x = wishes[i].x;
+        for (uint32_t k = 0; k < 2; k++)
+            wishes[i].figures[k] = (bb_figures){
+                .outcome = BB_MEASURED,
+                .wrong = k == 0 ? (x > 5 && x < 50) || x > 5e4 : 0,
+                .overflowed = x >= 20, /* both: the same values are measured for both */
+            };
+    }
+    return BB_OK;
+}
+
+static void tells_of_all_values(void **state)
+{
+    (void)state;
+    bb_axis axis = {.name = "x", .from = 1, .to = 1e6, .steps = BB_STEPS_LOG};
+    bb_search *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    *s = (bb_search){
+        .axis = &axis, .method_count = 2, .intervals = 3, .bisections = 2, .measure = measure_gaps};
+    ASSERT_OK(bb_search_run(s));
+    const bb_threshold *t = &s->thresholds[0][BB_MANNER_WRONG];
+    assert_true(t->found && t->at == 10 && t->below == 1 && t->returns);
+    bb_search_free(s);
+    free(s);
+}
+
 static bb_status fail_to_measure(void *user, bb_wish *wishes, uint32_t count, bool again)
 {
     (void)again;
@@ -264,6 +305,7 @@ int main(void)
         cmocka_unit_test(built_in_axes_are_in_order),
         cmocka_unit_test(fills_and_halves),
         cmocka_unit_test(finds_thresholds),
+        cmocka_unit_test(tells_of_all_values),
         cmocka_unit_test(passes_failures_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

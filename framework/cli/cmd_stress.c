@@ -9,6 +9,7 @@
 #include "traversal/traversal.h"
 
 #include <cjson/cJSON.h>
+#include <dirent.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -121,10 +122,13 @@ static bb_status choose_axes(const bb_cli *cli, bb_names *names)
 {
     uint32_t count;
     char *const *values = bb_cli_values(cli, "axis", &count);
+    bool all = count == 0;
     for (uint32_t i = 0; i < count; i++)
         if (strcmp(values[i], "all") != 0)
             BB_TRY(bb_names_add(names, values[i]));
-    if (names->count > 0)
+        else
+            all = true;
+    if (!all)
         return BB_OK;
     for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++)
         BB_TRY(bb_names_add(names, s->name));
@@ -152,8 +156,30 @@ static void add_text(XXH3_state_t *state, const char *text)
     XXH3_64bits_update(state, text, strlen(text) + 1);
 }
 
-/* The library's code, the plug-ins', and the options that choose device and device code. A folder
- * of device code is known by its name alone: who edits there starts with an empty --out. */
+/* All files of a folder of device code, in any order. */
+static void add_folder(XXH3_state_t *state, const char *path)
+{
+    DIR *folder = path != NULL ? opendir(path) : NULL;
+    uint64_t sum = 0;
+    for (const struct dirent *e; folder != NULL && (e = readdir(folder)) != NULL;) {
+        char file[4352];
+        XXH3_state_t *one = XXH3_createState();
+        if (one == NULL)
+            continue;
+        XXH3_64bits_reset(one);
+        snprintf(file, sizeof file, "%s/%s", path, e->d_name);
+        add_text(one, e->d_name);
+        add_file(one, file);
+        sum += XXH3_64bits_digest(one);
+        XXH3_freeState(one);
+    }
+    if (folder != NULL)
+        closedir(folder);
+    XXH3_64bits_update(state, &sum, sizeof sum);
+}
+
+/* The library's code, the plug-ins', device code of a folder, and the options that choose a device.
+ */
 static bb_status identify(const bb_cli *cli, uint64_t *identity)
 {
     static const char *const words[] = {"device", "form", "handover", "kernels-from"};
@@ -168,7 +194,14 @@ static bb_status identify(const bb_cli *cli, uint64_t *identity)
         add_file(state, info.dli_fname);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         add_text(state, bb_cli_value(cli, words[i]));
-    add_text(state, getenv("BVHBENCH_PLUGINS"));
+    for (const char *path = getenv("BVHBENCH_PLUGINS"); path != NULL && *path != '\0';) {
+        char one[4096];
+        size_t length = strcspn(path, ":");
+        snprintf(one, sizeof one, "%.*s", (int)length, path);
+        add_file(state, one);
+        path += length + (path[length] == ':');
+    }
+    add_folder(state, bb_cli_value(cli, "kernels-from"));
     for (uint32_t i = 0; i < count; i++)
         add_file(state, plugins[i]);
     *identity = XXH3_64bits_digest(state);

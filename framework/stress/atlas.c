@@ -259,7 +259,7 @@ static bool put_values(cJSON *axis, const bb_stress *s, const bb_search *search)
 
 static bool put_axis(cJSON *list, const bb_stress *s, const bb_stress_axis *a)
 {
-    static const char *const steps[] = {"log", "linear", "whole"};
+    static const char *const steps[] = {"log", "linear", "whole", "count"};
     const bb_axis *axis = &a->axis;
     cJSON *entry = cJSON_CreateObject();
     bool ok =

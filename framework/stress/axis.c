@@ -26,6 +26,15 @@ static const cJSON *member(reader *r, const char *name)
     return item;
 }
 
+/* Nothing that steers a terminal or breaks a line. */
+static bool is_plain(const char *text)
+{
+    for (; *text != '\0'; text++)
+        if (*text < ' ' || *text > '~')
+            return false;
+    return true;
+}
+
 /* `fallback`: what an absent member is; NULL: it must be there. */
 static bb_status read_text(reader *r, const char *name, const char *fallback, char *out,
                            size_t capacity)
@@ -35,6 +44,9 @@ static bb_status read_text(reader *r, const char *name, const char *fallback, ch
     if (text == NULL || (item != NULL && text[0] == '\0') || strlen(text) >= capacity)
         return bb_fail(BB_INVALID, "axis %s: \"%s\" must be a text of 1 to %zu characters", r->name,
                        name, capacity - 1);
+    if (!is_plain(text))
+        return bb_fail(BB_INVALID, "axis %s: \"%s\" must be of printable ASCII characters", r->name,
+                       name);
     snprintf(out, capacity, "%s", text);
     return BB_OK;
 }
@@ -60,8 +72,10 @@ static bb_status read_rays(reader *r, bb_axis *axis)
     cJSON_ArrayForEach(item, list)
     {
         const char *text = cJSON_GetStringValue(item);
-        if (text == NULL || text[0] == '\0' || strlen(text) >= sizeof axis->rays[0])
-            return bb_fail(BB_INVALID, "axis %s: \"rays\" must be texts of 1 to %zu characters",
+        if (text == NULL || text[0] == '\0' || strlen(text) >= sizeof axis->rays[0] ||
+            !is_plain(text))
+            return bb_fail(BB_INVALID,
+                           "axis %s: \"rays\" must be texts of 1 to %zu printable characters",
                            r->name, sizeof axis->rays[0] - 1);
         snprintf(axis->rays[axis->ray_count++], sizeof axis->rays[0], "%s", text);
     }
@@ -84,9 +98,14 @@ static bb_status read_also(reader *r, bb_axis *axis)
     return BB_OK;
 }
 
+static bool by_differences(const bb_axis *axis)
+{
+    return axis->steps == BB_STEPS_LINEAR || axis->steps == BB_STEPS_COUNT;
+}
+
 static bb_status read_range(reader *r, bb_axis *axis)
 {
-    static const char *const words[] = {"log", "linear", "whole"};
+    static const char *const words[] = {"log", "linear", "whole", "count"};
     char steps[16];
     double intervals, n, quick_n;
     BB_TRY(read_number(r, "from", NAN, -1e300, 1e300, &axis->from));
@@ -97,17 +116,18 @@ static bb_status read_range(reader *r, bb_axis *axis)
     BB_TRY(read_number(r, "quick_n", n < 4000 ? n : 4000, 1, 1e9, &quick_n));
     BB_TRY(read_also(r, axis));
     uint32_t word = 0;
-    while (word < 3 && strcmp(steps, words[word]) != 0)
+    while (word < 4 && strcmp(steps, words[word]) != 0)
         word++;
-    if (word == 3)
-        return bb_fail(BB_INVALID, "axis %s: \"steps\" must be log, linear or whole", r->name);
+    if (word == 4)
+        return bb_fail(BB_INVALID, "axis %s: \"steps\" must be log, linear, whole or count",
+                       r->name);
     axis->steps = (bb_axis_steps)word;
     axis->intervals = (uint32_t)intervals;
     axis->n = (uint64_t)n;
     axis->quick_n = (uint64_t)quick_n;
     if (axis->from == axis->to)
         return bb_fail(BB_INVALID, "axis %s: \"from\" and \"to\" must differ", r->name);
-    if (axis->steps != BB_STEPS_LINEAR && !(axis->from > 0 && axis->to > 0))
+    if (!by_differences(axis) && !(axis->from > 0 && axis->to > 0))
         return bb_fail(BB_INVALID,
                        "axis %s: \"from\" and \"to\" must be above 0, since its steps are ratios",
                        r->name);
@@ -209,7 +229,7 @@ void bb_axis_free(bb_axis *axis)
 static double rounded(const bb_axis *axis, double x)
 {
     char digits[32];
-    if (axis->steps == BB_STEPS_WHOLE)
+    if (axis->steps == BB_STEPS_WHOLE || axis->steps == BB_STEPS_COUNT)
         return round(x);
     snprintf(digits, sizeof digits, "%.2e", x);
     return strtod(digits, NULL);
@@ -217,8 +237,7 @@ static double rounded(const bb_axis *axis, double x)
 
 static double between(const bb_axis *axis, double a, double b, double share)
 {
-    return axis->steps == BB_STEPS_LINEAR ? a + (b - a) * share
-                                          : exp(log(a) + (log(b) - log(a)) * share);
+    return by_differences(axis) ? a + (b - a) * share : exp(log(a) + (log(b) - log(a)) * share);
 }
 
 uint32_t bb_axis_values(const bb_axis *axis, uint32_t intervals, double *values)
@@ -239,7 +258,7 @@ uint32_t bb_axis_values(const bb_axis *axis, uint32_t intervals, double *values)
 
 bool bb_axis_middle(const bb_axis *axis, double a, double b, double *middle)
 {
-    if (axis->steps != BB_STEPS_LINEAR && !(a > 0 && b > 0))
+    if (!by_differences(axis) && !(a > 0 && b > 0))
         return false;
     *middle = rounded(axis, between(axis, a, b, 0.5));
     return *middle > fmin(a, b) && *middle < fmax(a, b);

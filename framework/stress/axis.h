@@ -17,6 +17,7 @@ typedef enum bb_axis_steps {
     BB_STEPS_LOG,    /* equal ratios */
     BB_STEPS_LINEAR, /* equal differences */
     BB_STEPS_WHOLE,  /* equal ratios, rounded to whole numbers */
+    BB_STEPS_COUNT,  /* equal differences, rounded to whole numbers */
 } bb_axis_steps;
 
 typedef struct bb_axis {

@@ -12,23 +12,28 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 enum {
-    DONE = 0,
-    GAVE_UP = 10, /* no exit status of a library that ends the process */
-    LOOK_MS = 10, /* between looks at the child */
+    DONE = 1,
+    GAVE_UP = 2,
+    LOOK_MS = 10,         /* between looks at the child */
+    FILE_BYTES = 1 << 28, /* that the child may write into one file: its log, say */
 };
 
-/* Shared by parent and child: pieces of work that were done. NULL: there is no child. */
-static atomic_uint *pieces;
+/* Shared by parent and child. NULL: there is no child. */
+static struct page {
+    atomic_uint pieces; /* of work that were done */
+    atomic_uint ended;  /* work() returned: DONE or GAVE_UP; what a library exits with is neither */
+} * page;
 
 void bb_child_alive(void)
 {
-    if (pieces != NULL)
-        atomic_fetch_add(pieces, 1);
+    if (page != NULL)
+        atomic_fetch_add(&page->pieces, 1);
 }
 
 /* Resident memory, in MiB; 0: not known. */
@@ -51,15 +56,21 @@ static double resident(pid_t child)
 static void be_child(int (*work)(void *user), void *user, const char *log, pid_t parent)
 {
     int out = open(log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const struct rlimit most = {FILE_BYTES, FILE_BYTES};
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    setrlimit(RLIMIT_FSIZE, &most);
+    signal(SIGINT, SIG_DFL); /* it ends by them: half of the work is no result */
+    signal(SIGTERM, SIG_DFL);
+    signal(SIGHUP, SIG_DFL);
     if (getppid() != parent)
-        _exit(GAVE_UP);
+        _exit(1);
     if (out >= 0) {
         dup2(out, STDOUT_FILENO);
         dup2(out, STDERR_FILENO);
     }
-    _exit(work(user) == 0 ? DONE : GAVE_UP);
+    atomic_store(&page->ended, work(user) == 0 ? DONE : GAVE_UP);
+    _exit(0);
 }
 
 /* Waits for the child, or kills it. */
@@ -69,10 +80,12 @@ static bb_child_end watch(pid_t child, const bb_child_limits *limits, int *statu
     unsigned done = 0;
     const struct timespec pause = {0, LOOK_MS * 1000000L};
     bb_child_end killed = BB_CHILD_DONE;
-    while (waitpid(child, status, WNOHANG) == 0) {
+    for (pid_t ended = 0; (ended = waitpid(child, status, WNOHANG)) != child;) {
+        if (ended < 0 && errno != EINTR)
+            break; /* somebody else has waited for it: the page says how it ended */
         if (killed == BB_CHILD_DONE) {
-            if (atomic_load(pieces) != done) {
-                done = atomic_load(pieces);
+            if (atomic_load(&page->pieces) != done) {
+                done = atomic_load(&page->pieces);
                 start = bb_wall_ms();
             }
             if (bb_interrupted())
@@ -96,9 +109,10 @@ bb_status bb_child_run(int (*work)(void *user), void *user, const bb_child_limit
                        const char *log, bb_child_end *end, char *words, size_t capacity)
 {
     pid_t parent = getpid();
-    pieces = mmap(NULL, sizeof *pieces, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (pieces == MAP_FAILED) {
-        pieces = NULL;
+    signal(SIGCHLD, SIG_DFL); /* ignored, it leaves no status */
+    page = mmap(NULL, sizeof *page, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (page == MAP_FAILED) {
+        page = NULL;
         return bb_fail(BB_FAILED, "cannot start a process: %s", strerror(errno));
     }
     fflush(NULL); /* or the child would write it too */
@@ -110,8 +124,9 @@ bb_status bb_child_run(int (*work)(void *user), void *user, const bb_child_limit
     const int problem = errno;
     if (child > 0)
         *end = watch(child, limits, &status);
-    munmap(pieces, sizeof *pieces);
-    pieces = NULL;
+    const unsigned ended = atomic_load(&page->ended);
+    munmap(page, sizeof *page);
+    page = NULL;
     if (child < 0)
         return bb_fail(BB_FAILED, "cannot start a process: %s", strerror(problem));
     if (*end == BB_CHILD_HUNG)
@@ -123,10 +138,10 @@ bb_status bb_child_run(int (*work)(void *user), void *user, const bb_child_limit
     else if (WIFSIGNALED(status)) {
         *end = BB_CHILD_CRASHED;
         snprintf(words, capacity, "signal %d (%s)", WTERMSIG(status), strsignal(WTERMSIG(status)));
-    } else if (WEXITSTATUS(status) == GAVE_UP) {
+    } else if (ended == GAVE_UP) {
         *end = BB_CHILD_GAVE_UP;
         snprintf(words, capacity, "gave up");
-    } else if (WEXITSTATUS(status) != DONE) {
+    } else if (ended != DONE) {
         *end = BB_CHILD_CRASHED;
         snprintf(words, capacity, "ended by exit(%d)", WEXITSTATUS(status));
     }

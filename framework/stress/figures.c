@@ -2,6 +2,13 @@
 
 #include <math.h>
 
+void bb_clean_text(char *text)
+{
+    for (; *text != '\0'; text++)
+        if (*text < ' ' || *text > '~')
+            *text = '?';
+}
+
 const char *bb_outcome_word(bb_outcome outcome)
 {
     static const char *const words[BB_OUTCOMES] = {
@@ -57,7 +64,7 @@ bool bb_manner_shows(bb_manner manner, const bb_figures *normal, const bb_figure
     case BB_MANNER_REFUSED:
         return here->outcome == BB_OUT_REFUSED;
     case BB_MANNER_WRONG:
-        return here->outcome == BB_MEASURED && (here->wrong > 0 || here->unlike > 0);
+        return here->outcome == BB_MEASURED && here->wrong > 0;
     case BB_MANNER_OVERFLOWED:
         return here->outcome == BB_MEASURED && here->overflowed > 0;
     default:

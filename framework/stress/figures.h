@@ -67,6 +67,10 @@ extern const bb_manner_about bb_manners[BB_MANNERS];
  * measured. */
 double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figures *here);
 
+/* What others wrote, made fit for a terminal, a line and JSON: all but printable ASCII becomes '?'.
+ */
+void bb_clean_text(char *text);
+
 /* Whether it fails in that manner. */
 bool bb_manner_shows(bb_manner manner, const bb_figures *normal, const bb_figures *here);
 

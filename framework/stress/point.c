@@ -15,13 +15,31 @@ static void add_text(XXH3_state_t *state, const char *text)
     XXH3_64bits_update(state, text, strlen(text) + 1);
 }
 
+/* What a scene file has in it. */
+static void add_scene(XXH3_state_t *state, const bb_points *p, double x)
+{
+    char text[2 * BB_AXIS_TEXT], buffer[1 << 14];
+    size_t size;
+    if (bb_axis_fill(p->axis->scene, x, p->n, text, sizeof text) != BB_OK)
+        return;
+    FILE *file = fopen(text, "rb");
+    while (file != NULL && (size = fread(buffer, 1, sizeof buffer, file)) > 0)
+        XXH3_64bits_update(state, buffer, size);
+    if (file != NULL)
+        fclose(file);
+}
+
 /* All that the figures depend on. */
 static bb_status hash_of(const bb_point_work *work, uint64_t *hash)
 {
     const bb_points *p = work->points;
-    const double numbers[] = {(double)p->n,    p->max_rays,       p->repeats,
-                              (double)p->seed, p->limits.seconds, (double)p->limits.megabytes,
-                              work->again};
+    const uint64_t numbers[] = {p->n,
+                                p->max_rays,
+                                p->repeats,
+                                p->seed,
+                                (uint64_t)p->limits.seconds,
+                                p->limits.megabytes,
+                                work->again};
     XXH3_state_t *state = XXH3_createState();
     if (state == NULL)
         return bb_fail(BB_FAILED, "axis %s: no memory", p->axis->name);
@@ -32,6 +50,7 @@ static bb_status hash_of(const bb_point_work *work, uint64_t *hash)
     for (uint32_t i = 0; i < work->count; i++) {
         const bb_wish *wish = &work->wishes[i];
         XXH3_64bits_update(state, &wish->x, sizeof wish->x);
+        add_scene(state, p, wish->x);
         for (uint32_t m = 0; m < p->method_count; m++) {
             const uint32_t part = p->methods[m].part;
             if (!wish->wanted[m])
@@ -70,6 +89,7 @@ static void add_last_line(const char *log, char *words, size_t capacity)
     if (file != NULL)
         fclose(file);
     last[strcspn(last, "\n")] = '\0';
+    bb_clean_text(last);
     size_t used = strlen(words);
     if (last[0] != '\0' && used < capacity)
         snprintf(words + used, capacity - used, ": %s", last);
@@ -93,52 +113,86 @@ static bb_status run_once(bb_point_work *work, char path[1200], bool *died)
     *died = false;
     BB_TRY(hash_of(work, &hash));
     snprintf(path, 1200, "%s/%s-%016llx.json", p->folder, p->axis->name, (unsigned long long)hash);
-    snprintf(log, sizeof log, "%s/log.txt", p->folder);
+    snprintf(log, sizeof log, "%s/log-%ld.txt", p->folder, (long)getpid());
     work->path = path;
     if (access(path, F_OK) == 0 && bb_point_read(work) == BB_OK) {
         p->taken_over += work->count;
         return BB_OK;
     }
     BB_TRY(bb_child_run(bb_point_child, work, &p->limits, log, &end, words, sizeof words));
-    if (end == BB_CHILD_INTERRUPTED)
-        return BB_OK;
-    if (end == BB_CHILD_DONE) {
+    if (end == BB_CHILD_DONE && bb_point_read(work) == BB_OK)
         p->measured += work->count;
-        return bb_point_read(work);
+    if (end == BB_CHILD_DONE && bb_point_read(work) != BB_OK) {
+        end = BB_CHILD_GAVE_UP;
+        snprintf(words, sizeof words, "%s", bb_message());
     }
-    *died = true;
-    add_last_line(log, words, sizeof words);
+    *died = end != BB_CHILD_DONE && end != BB_CHILD_INTERRUPTED;
+    if (*died)
+        add_last_line(log, words, sizeof words);
+    unlink(log);
+    if (!*died)
+        return BB_OK;
     set_all(work, outcome_of(end), words);
     return BB_OK;
 }
 
-/* What dies by itself has its verdict, which is kept like any other. */
-static bb_status run_wishes(bb_points *points, bb_wish *wishes, uint32_t count, bool again)
+/* How many of the wanted methods ended in that way. */
+static uint32_t count_outcome(const bb_points *points, const bb_wish *wishes, uint32_t count,
+                              bb_outcome outcome)
 {
-    char path[1200];
-    bb_point_work work = {.points = points, .wishes = wishes, .count = count, .again = again};
-    uint32_t methods = 0;
-    bool died;
-    BB_TRY(run_once(&work, path, &died));
-    for (uint32_t m = 0; m < points->method_count; m++)
-        methods += wishes[0].wanted[m];
-    if (!died || bb_interrupted())
-        return BB_OK;
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t m = 0; m < points->method_count; m++)
+            found += wishes[i].wanted[m] && wishes[i].figures[m].outcome == outcome;
+    return found;
+}
+
+static bb_status run_wishes(bb_points *points, bb_wish *wishes, uint32_t count, bool again);
+
+/* One by one: values if there are several, else methods. */
+static bb_status run_apart(bb_points *points, bb_wish *wishes, uint32_t count, bool again)
+{
     for (uint32_t i = 0; count > 1 && i < count && !bb_interrupted(); i++)
         BB_TRY(run_wishes(points, &wishes[i], 1, again));
-    if (count > 1)
-        return BB_OK;
-    for (uint32_t m = 0; methods > 1 && m < points->method_count && !bb_interrupted(); m++) {
+    for (uint32_t m = 0; count == 1 && m < points->method_count && !bb_interrupted(); m++) {
         bb_wish one = {.x = wishes[0].x, .figures = wishes[0].figures};
         if (!wishes[0].wanted[m])
             continue;
         one.wanted[m] = true;
         BB_TRY(run_wishes(points, &one, 1, again));
     }
-    if (methods > 1)
+    return BB_OK;
+}
+
+/* What dies by itself has its verdict, which is kept like any other. What dies only in company
+ * leaves a mishap, which is a bug too. */
+static bb_status run_wishes(bb_points *points, bb_wish *wishes, uint32_t count, bool again)
+{
+    char path[1200], reason[256];
+    bb_point_work work = {.points = points, .wishes = wishes, .count = count, .again = again};
+    uint32_t methods = 0, first = 0;
+    bool died;
+    BB_TRY(run_once(&work, path, &died));
+    if (!died || bb_interrupted())
         return BB_OK;
-    points->measured++;
-    return bb_point_write(&work, NULL);
+    for (uint32_t m = points->method_count; m-- > 0;)
+        if (wishes[0].wanted[m]) {
+            methods++;
+            first = m;
+        }
+    const bb_outcome end = wishes[0].figures[first].outcome;
+    if (count == 1 && methods == 1) {
+        points->measured++;
+        return bb_point_write(&work, NULL);
+    }
+    snprintf(reason, sizeof reason, "%s", wishes[0].figures[first].reason);
+    set_all(&work, BB_NOT_MEASURED, "");
+    BB_TRY(run_apart(points, wishes, count, again));
+    if (!bb_interrupted() && count_outcome(points, wishes, count, end) == 0)
+        snprintf(points->mishap, sizeof points->mishap,
+                 "%s: a process with several measurements %s, from %.9g on: %s", points->axis->name,
+                 bb_outcome_word(end), wishes[0].x, reason);
+    return BB_OK;
 }
 
 bb_status bb_point_measure(void *user, bb_wish *wishes, uint32_t count, bool again)

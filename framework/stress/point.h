@@ -33,6 +33,8 @@ typedef struct bb_points {
     void *user;
     /* out */
     uint32_t measured, taken_over; /* values */
+    char mishap[512]; /* the last process that died with several methods, none of which did so by
+                         itself; "": there was none */
     char device[256], driver[256]; /* "": not known yet */
 } bb_points;
 

@@ -32,6 +32,7 @@ static void end_as(bb_figures *f, bb_outcome outcome, const char *reason)
 {
     f->outcome = outcome;
     snprintf(f->reason, sizeof f->reason, "%s", reason);
+    bb_clean_text(f->reason);
 }
 
 static bb_outcome outcome_of(const char *status)

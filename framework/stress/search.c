@@ -301,6 +301,32 @@ static bb_status halve(state *st, bool *more)
     return status;
 }
 
+/* What all values say in the end, also those that were measured for other thresholds. */
+static void settle(state *st, uint32_t method, bb_manner manner)
+{
+    const bb_search *s = st->search;
+    bb_threshold *t = &st->search->thresholds[method][manner];
+    double before = NAN;
+    *t = (bb_threshold){.ratio = NAN, .below = NAN, .at = NAN};
+    for (uint32_t i = 0; i < s->probe_count; i++) {
+        const bb_figures *here = &s->probes[i].figures[method];
+        const double x = s->probes[i].x;
+        double ratio;
+        if (here->outcome == BB_NOT_MEASURED)
+            continue;
+        bool fails = shows(st, method, manner, x, &ratio);
+        if (fails && !t->found)
+            *t = (bb_threshold){.found = true,
+                                .from_start = x == s->axis->from,
+                                .below = before,
+                                .at = x,
+                                .ratio = ratio};
+        else if (t->found && !fails && here->outcome == BB_MEASURED)
+            t->returns = true;
+        before = x;
+    }
+}
+
 bb_status bb_search_run(bb_search *s)
 {
     double values[BB_AXIS_POINTS_MAX + 4];
@@ -317,6 +343,9 @@ bb_status bb_search_run(bb_search *s)
     bool more = true;
     for (uint32_t i = 0; i < s->bisections && more && status == BB_OK && !bb_interrupted(); i++)
         status = halve(&st, &more);
+    for (uint32_t m = 0; m < s->method_count && status == BB_OK; m++)
+        for (uint32_t f = 0; f < BB_MANNERS; f++)
+            settle(&st, m, (bb_manner)f);
     for (uint32_t i = 0; i < st.look_count; i++) {
         free(st.looks[i].here);
         free(st.looks[i].normal);

@@ -4,6 +4,7 @@
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
 #include "framework/bench/bench.h"
+#include "framework/device/device.h"
 #include "framework/judge/oracle.h"
 #include "framework/picture/picture.h"
 #include "framework/scene/scene.h"
@@ -13,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
 
 static const char *part_word(bb_method_part part)
 {
@@ -99,28 +102,35 @@ static int try_device(void *user)
 {
     const bb_stress_request *request = user;
     bb_device *device = NULL;
-    if (request->open_device(request->user, &device) == BB_OK)
-        return 0;
-    fprintf(stderr, "%s\n", bb_message());
-    return 1;
+    bb_status status = request->open_device(request->user, &device);
+    if (status == BB_OK)
+        fprintf(stderr, "%s, %s, %s\n", device->name, device->driver, device->version);
+    else
+        fprintf(stderr, "%s\n", bb_message());
+    return status != BB_OK;
 }
 
-static bb_status check_device(const bb_stress_request *request, const char *folder)
+/* What the device calls itself goes into `identity`: points of another are not taken over. */
+static bb_status check_device(const bb_stress_request *request, const char *folder,
+                              uint64_t *identity)
 {
     char log[1200], words[256], line[512] = "";
     bb_child_end end;
     const bb_child_limits limits = {300, request->limits.megabytes};
-    snprintf(log, sizeof log, "%s/log.txt", folder);
+    snprintf(log, sizeof log, "%s/log-%ld.txt", folder, (long)getpid());
     BB_TRY(bb_child_run(try_device, (void *)request, &limits, log, &end, words, sizeof words));
-    if (end == BB_CHILD_DONE || end == BB_CHILD_INTERRUPTED)
-        return BB_OK;
     FILE *file = fopen(log, "r");
     if (file != NULL) {
         if (fgets(line, sizeof line, file) == NULL)
             line[0] = '\0';
         fclose(file);
     }
+    unlink(log);
     line[strcspn(line, "\n")] = '\0';
+    bb_clean_text(line);
+    *identity = XXH3_64bits_withSeed(line, strlen(line), request->identity);
+    if (end == BB_CHILD_DONE || end == BB_CHILD_INTERRUPTED)
+        return BB_OK;
     return end == BB_CHILD_GAVE_UP && line[0] != '\0'
                ? bb_fail(BB_INVALID, "%s", line)
                : bb_fail(BB_FAILED, "the device cannot be opened: %s", words);
@@ -183,8 +193,9 @@ static bb_status add_picture(const bb_stress_request *request, bb_stress_axis *a
     BB_TRY(bb_axis_fill(a->axis.scene, a->picture_at, a->n, p.scene, sizeof p.scene));
     snprintf(a->picture, sizeof a->picture, "stress-%s.png", a->axis.name);
     snprintf(p.path, sizeof p.path, "%s/%s", request->folder, a->picture);
-    snprintf(log, sizeof log, "%s/points/log.txt", request->folder);
+    snprintf(log, sizeof log, "%s/points/log-%ld.txt", request->folder, (long)getpid());
     BB_TRY(bb_child_run(make_picture, &p, &request->limits, log, &end, words, sizeof words));
+    unlink(log);
     if (end != BB_CHILD_DONE)
         a->picture[0] = '\0';
     return BB_OK;
@@ -220,7 +231,7 @@ static bb_status search_axis(bb_stress *s, bb_stress_axis *a, const char *points
                             .seed = r->seed,
                             .limits = r->limits,
                             .folder = points,
-                            .identity = r->identity,
+                            .identity = s->identity,
                             .open_device = r->open_device,
                             .user = r->user}};
     a->search = (bb_search){.axis = &a->axis,
@@ -234,6 +245,7 @@ static bb_status search_axis(bb_stress *s, bb_stress_axis *a, const char *points
                       a->axis.name);
     bb_progress_weigh(progress, 1);
     bb_status status = bb_search_run(&a->search);
+    snprintf(a->mishap, sizeof a->mishap, "%s", w.points.mishap);
     s->measured += w.points.measured;
     s->taken_over += w.points.taken_over;
     if (w.points.device[0] != '\0') {
@@ -267,7 +279,7 @@ bb_status bb_stress_run(const bb_stress_request *request, bb_stress *out)
     out->axes = calloc(request->axis_count, sizeof *out->axes);
     if (out->axes == NULL)
         return bb_fail(BB_FAILED, "stress: no memory");
-    BB_TRY(check_device(request, points));
+    BB_TRY(check_device(request, points, &out->identity));
     bb_progress progress;
     bb_progress_start(&progress, request->quiet);
     bb_progress_plan(&progress, request->axis_count);
@@ -320,9 +332,38 @@ static void tell(FILE *out, const bb_stress_axis *a, const bb_method *method, do
                 method->text, what, a->axis.name, x, reason[0] != '\0' ? ": " : "", reason);
 }
 
+/* Answers that no judge finds wrong, and that are yet unlike those of another exact cell: told where
+ * nothing exact is wrong, since else it is not known whom to blame. */
+static uint32_t blame_unlike(const bb_stress *s, const bb_stress_axis *a, FILE *out)
+{
+    for (uint32_t p = 0; p < a->search.probe_count; p++) {
+        const bb_figures *f = a->search.probes[p].figures;
+        uint32_t unlike = 0, wrong = 0, last = 0;
+        for (uint32_t m = 0; m < s->request->method_count; m++) {
+            if (!s->request->methods[m].exact || f[m].outcome != BB_MEASURED)
+                continue;
+            wrong += f[m].wrong > 0 || f[m].overflowed > 0;
+            unlike += f[m].unlike > 0;
+            last = f[m].unlike > 0 ? m : last;
+        }
+        if (unlike > 0 && wrong == 0) {
+            tell(out, a, &s->request->methods[last], a->search.probes[p].x,
+                 "answers unlike another method that must be exact", "");
+            return 1;
+        }
+    }
+    return 0;
+}
+
 uint32_t bb_stress_blame(const bb_stress *s, FILE *out)
 {
     uint32_t bugs = 0;
+    for (uint32_t i = 0; i < s->axis_count; i++) {
+        const char *mishap = s->axes[i].mishap;
+        bugs += (mishap[0] != '\0') + blame_unlike(s, &s->axes[i], out);
+        if (mishap[0] != '\0' && out != NULL)
+            fprintf(out, "bvhbench: %s; none does so by itself\n", mishap);
+    }
     for (uint32_t i = 0; i < s->axis_count; i++)
         for (uint32_t m = 0; m < s->request->method_count; m++) {
             const bb_stress_axis *a = &s->axes[i];

@@ -34,10 +34,12 @@ typedef struct bb_stress_axis {
     char picture[160]; /* relative to the folder; "": there is none */
     double picture_at; /* value of the axis that it shows */
     bool complete;     /* not interrupted */
+    char mishap[512];  /* bb_points.mishap */
 } bb_stress_axis;
 
 typedef struct bb_stress {
     const bb_stress_request *request;
+    uint64_t identity; /* the request's, and the device's */
     uint32_t max_rays, repeats, bisections;
     uint32_t axis_count; /* that were begun */
     bb_stress_axis *axes;

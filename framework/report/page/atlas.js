@@ -164,7 +164,8 @@ function start() {
   const c = atlas.context, used = [...new Set(atlas.methods.map(m => m.part))];
   $('where').textContent = `${c.revision}, ${c.device}: ${atlas.methods.length} methods on ${atlas.axes.length} axes, up to ` +
     `${atlas.rays_per_set} rays a set, ${Math.round(atlas.ms / 1000)} s${atlas.quick ? ' (--quick: few values, small scenes, times not judged)' : ''}`;
-  $('bugs').textContent = atlas.bugs === 0 ? 'No crash, no hang, no failure, and no wrong answer of what must be exact.'
+  const cut = atlas.axes.length === 0 || atlas.axes.some(a => !a.complete);
+  $('bugs').textContent = cut ? `Interrupted: not all was measured. ${atlas.bugs} bugs so far.` : atlas.bugs === 0 ? 'No crash, no hang, no failure, and no wrong answer of what must be exact.'
     : `${atlas.bugs} bugs: a crash, a hang, a failure, or wrong answers of what must be exact.`;
   if (atlas.bugs > 0) $('bugs').firstChild.replaceWith(el('b', { class: 'bad' }, $('bugs').textContent));
   fill('pick-part', used.map(part => [part, parts[part]]));
@@ -172,10 +173,11 @@ function start() {
   fill('pick-manner', [['', 'all'], ...manners]);
   fill('pick-axis', atlas.axes.map(a => [a.name, `${a.name}: ${a.title}`]));
   const facts = ['date', 'revision', 'host', 'cpu', 'device', 'driver', 'build_flags', 'seed', 'command'];
-  $('context').replaceChildren(...facts.filter(name => c[name] ?? '' !== '').map(name =>
+  $('context').replaceChildren(...facts.filter(name => (c[name] ?? '') !== '').map(name =>
     el('div', {}, el('dt', {}, name), el('dd', {}, String(c[name])))));
   for (const id of ['pick-part', 'pick-manner', 'pick-axis'])
     $(id).addEventListener('change', () => { showTable(); showAxis(); });
+  if (atlas.axes.length === 0) return;
   showTable();
   showAxis();
 }

@@ -3,15 +3,19 @@
 #include "framework/builder/builder.h"
 
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 static const bb_option options[] = {
     {"above", "100", NULL, "primitives from which on all goes wrong"},
-    {"how", "right", "right|crash|exit|hang|flood|wrong|refuse|fail|slow|big", "what goes wrong"},
+    {"how", "right", "right|crash|exit|exit0|term|late|hang|flood|wrong|refuse|fail|slow|big",
+     "what goes wrong"},
     {.name = NULL},
 };
+
+static unsigned builds; /* late: in this process */
 
 typedef struct wreck {
     const bb_builder_context *context;
@@ -51,6 +55,12 @@ static bb_status go_wrong(wreck *self, const char *how, bb_tree *tree)
         abort();
     if (strcmp(how, "exit") == 0)
         _exit(3);
+    if (strcmp(how, "exit0") == 0)
+        _exit(0);
+    if (strcmp(how, "term") == 0)
+        kill(getpid(), SIGTERM);
+    if (strcmp(how, "late") == 0 && ++builds > 5)
+        abort();
     if (strcmp(how, "flood") == 0)
         flood();
     while (strcmp(how, "hang") == 0)
