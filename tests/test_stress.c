@@ -75,7 +75,8 @@ static void finds_every_manner(void **state)
     }
 }
 
-/* What dies only after many builds in one process, and so never by itself, is a bug all the same. */
+/* What dies only after many builds in one process, and so never by itself, is a bug all the same.
+ */
 static void tells_of_mishaps(void **state)
 {
     (void)state;

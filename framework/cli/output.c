@@ -260,8 +260,13 @@ bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
     char *command = bb_cli_command_line(comparison->cli);
     bb_interrupt_catch();
     bb_status status = bb_open_device(comparison->cli, &device);
-    if (status == BB_OK)
+    if (status == BB_OK) {
         status = compare(comparison, command, device, exit_status);
+    } else if (bb_interrupted()) { /* a signal makes compilers fail */
+        fprintf(stderr, "bvhbench: interrupted before anything was measured\n");
+        *exit_status = BB_EXIT_INTERRUPTED;
+        status = BB_OK;
+    }
     bb_device_close(device);
     if (!there)
         (void)rmdir(comparison->folder); /* if nothing was put into it */

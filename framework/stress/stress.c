@@ -332,8 +332,8 @@ static void tell(FILE *out, const bb_stress_axis *a, const bb_method *method, do
                 method->text, what, a->axis.name, x, reason[0] != '\0' ? ": " : "", reason);
 }
 
-/* Answers that no judge finds wrong, and that are yet unlike those of another exact cell: told where
- * nothing exact is wrong, since else it is not known whom to blame. */
+/* Answers that no judge finds wrong, and that are yet unlike those of another exact cell: told
+ * where nothing exact is wrong, since else it is not known whom to blame. */
 static uint32_t blame_unlike(const bb_stress *s, const bb_stress_axis *a, FILE *out)
 {
     for (uint32_t p = 0; p < a->search.probe_count; p++) {
