@@ -339,6 +339,25 @@ static void revisions_are_compared(void **state)
     refuses("", "report --history nowhere.db", "cannot open it");
 }
 
+static void a_page_never_replaces_its_database(void **state)
+{
+    (void)state;
+    char path[600];
+    static const char *const made[] = {"-c 'cp kept.db page.html'", "-c 'ln -s kept.db soft.db'",
+                                       "-c 'ln kept.db hard.db'"};
+    snprintf(path, sizeof path, "%s/kept.db", folder);
+    history_fill(path);
+    for (size_t i = 0; i < sizeof made / sizeof made[0]; i++)
+        assert_int_equal(run_program("", "sh", made[i])->exit_status, 0);
+    refuses("", "report --history page.html", "would overwrite the database");
+    refuses("", "report --history kept.db --out kept.db", "would overwrite the database");
+    refuses("", "report --history kept.db --out ./kept.db", "would overwrite the database");
+    refuses("", "report --history kept.db --out hard.db", "would overwrite the database");
+    refuses("", "report --history soft.db --out kept.db", "would overwrite the database");
+    expect(0, "report --history kept.db --out other.html", "1 worse");
+    expect(0, "report --history page.html --out page2.html", "1 worse");
+}
+
 /* Programs that run at once: they hand out a file, with a bit of noise by turns. */
 static void write_programs(void)
 {
@@ -405,6 +424,7 @@ int main(void)
         cmocka_unit_test(files_are_compared),
         cmocka_unit_test(results_as_google_benchmark),
         cmocka_unit_test(revisions_are_compared),
+        cmocka_unit_test(a_page_never_replaces_its_database),
         cmocka_unit_test(programs_are_run_in_turns),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
