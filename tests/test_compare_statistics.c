@@ -309,6 +309,25 @@ static void adjusted_p_values_hold(void **state)
     }
 }
 
+/* A coarse clock: more than half of the values are one and the same, and the others count. */
+static void times_that_tie_are_told_apart(void **state)
+{
+    (void)state;
+    bb_family_row rows[2];
+    memset(rows, 0, sizeof rows);
+    for (int k = 0; k < 20; k++) {
+        bb_samples_add(&rows[0].before, log(10));
+        bb_samples_add(&rows[1].before, log(10));
+        if (k < 8) {
+            bb_samples_add(&rows[0].after, log(20));
+            bb_samples_add(&rows[1].after, log(10));
+        }
+    }
+    ASSERT_OK(bb_family_of_runs(rows, 2));
+    assert_true(rows[0].p_up <= BB_COMPARE_LEVEL_OF_RUNS && rows[0].p_down > 0.5);
+    assert_true(rows[1].p_up == 1 && rows[1].p_down == 1);
+}
+
 /* What the tests above rely on: without control, equals would raise alarms. */
 static void intervals_alone_would(void **state)
 {
@@ -367,6 +386,7 @@ int main(void)
         cmocka_unit_test(too_few_rounds_have_no_interval),
         cmocka_unit_test(equals_raise_no_alarms),
         cmocka_unit_test(adjusted_p_values_hold),
+        cmocka_unit_test(times_that_tie_are_told_apart),
         cmocka_unit_test(intervals_alone_would),
         cmocka_unit_test(planted_changes_are_found),
     };
