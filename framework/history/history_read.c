@@ -44,9 +44,10 @@ static bb_status end(bb_history *history, sqlite3_stmt *statement, bb_status sta
 
 bb_status bb_history_list(bb_history *history, bb_history_entry **entries, uint32_t *count)
 {
-    /* of a bare column beside max(), SQLite takes the row of the maximum */
-    static const char sql[] = "SELECT " COLUMNS ", max(id), count(*) FROM runs"
-                              " GROUP BY revision, host, cpu, device, driver ORDER BY min(id)";
+    static const char sql[] =
+        "SELECT " COLUMNS ", last, runs FROM runs JOIN (SELECT min(id) AS first, max(id) AS last,"
+        " count(*) AS runs FROM runs GROUP BY revision, host, cpu, device, driver) ON id = last"
+        " ORDER BY first";
     sqlite3_stmt *statement = NULL;
     bb_status status = BB_OK;
     uint32_t capacity = 0;
@@ -248,13 +249,15 @@ static bb_status read_run(bb_history *history, int64_t run, bb_cell_set *set)
 
 enum { PAIRS_MAX = 20 }; /* of runs that are compared for a floor: the latest */
 
-/* Pairs of runs of one revision that follow each other on the machine. */
+/* Pairs of runs of one revision that follow each other on the machine. What is not known, or has
+ * changes that were not committed, may be two programs. */
 static bb_status find_pairs(bb_history *history, const bb_origin *o, int64_t pairs[PAIRS_MAX][2],
                             uint32_t *count)
 {
     static const char sql[] =
         "SELECT a, b FROM (SELECT id AS b, lag(id) OVER (PARTITION BY revision ORDER BY id) AS a"
-        " FROM runs WHERE " MACHINE " AND interrupted = 0) WHERE a IS NOT NULL"
+        " FROM runs WHERE " MACHINE " AND interrupted = 0 AND revision <> ''"
+        " AND revision NOT LIKE '%-dirty') WHERE a IS NOT NULL"
         " ORDER BY b DESC LIMIT 20";
     sqlite3_stmt *statement = NULL;
     int code;
