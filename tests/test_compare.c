@@ -226,6 +226,85 @@ static void worst_comes_first_and_markdown_holds(void **state)
     bb_compare_free(&r);
 }
 
+/* ---- pairs: what happens in any that counts ---- */
+
+enum { PAIRS = 10 };
+
+/* Equals, but for `edit` in set `number` of `side`; as text. */
+static bb_status compare_pairs(edit_fn *edit, int side, uint32_t number,
+                               bb_comparison_result *result, char *text, size_t capacity)
+{
+    static bb_cell_set sets[2][PAIRS];
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = 0; i < PAIRS; i++) {
+            bb_results *r = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 2 * i + k);
+            if (k == side && i == number)
+                edit(r);
+            bb_cell_set_free(&sets[k][i]);
+            ASSERT_OK(bb_cell_set_of_results(r, k == 0 ? "OLD" : "NEW", &sets[k][i]));
+            bb_results_destroy(r);
+        }
+    bb_status status =
+        bb_compare(&(bb_side){sets[0], PAIRS}, &(bb_side){sets[1], PAIRS}, NAN, NULL, result);
+    FILE *out = fmemopen(text, capacity, "w");
+    assert_non_null(out);
+    if (status == BB_OK)
+        ASSERT_OK(bb_report_compare(result, false, out));
+    fclose(out);
+    return status;
+}
+
+static void edit_revision(bb_results *r)
+{
+    set_text(member(bb_results_json(r), "context"), "revision", "two");
+}
+
+static void any_pair_that_counts_decides(void **state)
+{
+    (void)state;
+    static const struct {
+        edit_fn *edit;
+        int side;
+        uint32_t number, worse, moves;
+        const char *words;
+    } cases[] = {
+        {edit_failed, 1, 5, 1, 1, "ok -> failed"},
+        {edit_failed, 0, 9, 0, 1, "failed -> ok"},
+        {edit_failed, 1, 0, 0, 0, "nothing is worse"}, /* the discarded one */
+        {edit_missed, 1, 9, 1, 1, "missed"},
+        {edit_missed, 0, 4, 0, 1, "better: 1"},
+        {edit_missed, 1, 0, 0, 0, "nothing is worse"},
+        {edit_gone, 1, 3, 0, 0, "WARNING: 1 cells are not in all pairs"},
+        {edit_gone, 0, 0, 0, 0, "nothing is worse"},
+        {edit_rays, 1, 7, 0, 0, "their scene or their rays"},
+        {edit_sah, 1, 2, 0, 0, "nothing is worse"}, /* a builder that is not deterministic */
+    };
+    static char text[1 << 20];
+    bb_comparison_result r;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ASSERT_OK(
+            compare_pairs(cases[i].edit, cases[i].side, cases[i].number, &r, text, sizeof text));
+        if (r.worse != cases[i].worse || r.move_count != cases[i].moves ||
+            strstr(text, cases[i].words) == NULL ||
+            (cases[i].number == 0 && strstr(text, "not in all pairs") != NULL))
+            fail_msg("case %zu: %u worse, %u moved, expected %u, %u and '%s':\n%s", i, r.worse,
+                     r.move_count, cases[i].worse, cases[i].moves, cases[i].words, text);
+        bb_compare_free(&r);
+    }
+    static const struct {
+        edit_fn *edit;
+        const char *words;
+    } refused[] = {{edit_revision, "NEW is of another revision in pair 6"},
+                   {edit_slower_host, "NEW is of another machine in pair 6"},
+                   {edit_slower_elsewhere, "another machine"},
+                   {edit_seed, "another seed"}};
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        assert_int_equal(compare_pairs(refused[i].edit, 1, 6, &r, text, sizeof text), BB_INVALID);
+        assert_non_null(strstr(bb_message(), refused[i].words));
+        bb_compare_free(&r);
+    }
+}
+
 static void senses_of_figures(void **state)
 {
     (void)state;
@@ -420,6 +499,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_moved_and_what_is_worse),
         cmocka_unit_test(worst_comes_first_and_markdown_holds),
+        cmocka_unit_test(any_pair_that_counts_decides),
         cmocka_unit_test(senses_of_figures),
         cmocka_unit_test(files_are_compared),
         cmocka_unit_test(results_as_google_benchmark),

@@ -21,6 +21,22 @@ typedef struct bb_side {
     uint32_t count;
 } bb_side;
 
+/* ---- a side as one (side.c) ---- */
+
+/* The first set that counts. */
+uint32_t bb_side_first(const bb_side *side);
+/* A cell in the sets that count: the first that is not ok, else the first; NULL if none has it. */
+const bb_measured *bb_side_find(const bb_side *side, const char *key);
+/* The keys of all sets that count, each once; NULL after the last. Begin with a place of 0, 0. */
+typedef struct bb_side_place {
+    uint32_t set, cell;
+} bb_side_place;
+const char *bb_side_next(const bb_side *side, bb_side_place *place);
+/* How many of the sets that count lack the cell. */
+uint32_t bb_side_lacks(const bb_side *side, const char *key);
+/* BB_INVALID if not all sets are of one revision, machine and seed. */
+bb_status bb_side_check(const bb_side *side);
+
 /* An effect that a program showed against itself, as a share: 0.02 for 2 %. */
 typedef struct bb_floor {
     double share;   /* NAN: there is none */
@@ -58,6 +74,7 @@ typedef struct bb_comparison_result {
     uint32_t faulty; /* cells that are not ok on both sides */
     bool machines_differ, hosts_differ; /* the former: no times are compared */
     uint32_t only_before, only_after;
+    uint32_t lacking;   /* of pairs: cells in both that are not in all pairs that count */
     uint32_t one_sided; /* figures that only one side has */
     bb_move *moves;     /* worst first: what is worse, better, changed; each by size */
     uint32_t move_count, move_capacity;
@@ -69,7 +86,7 @@ typedef struct bb_comparison_result {
 /* Compares. Both sides have one set, or equally many of at least 2 pairs. `threshold` replaces the
  * floor (a share; NAN: not given); else `floor` is that of runs by themselves if one is known
  * (NULL: none), and pairs measure their own. The result points into the sides. BB_INVALID if they
- * have no cell in common. Release with bb_compare_free(), also after a failure. */
+ * have no cell in common, or the runs of a side are not of one program and machine. Release with bb_compare_free(), also after a failure. */
 bb_status bb_compare(const bb_side *before, const bb_side *after, double threshold,
                      const bb_floor *floor, bb_comparison_result *result);
 void bb_compare_free(bb_comparison_result *result);

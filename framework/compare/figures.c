@@ -5,14 +5,25 @@
 #include <stdio.h>
 #include <string.h>
 
-static const bb_field_id costs[] = {
-    BB_F_TREE_BYTES,         BB_F_TREE_BYTES_PEAK,    BB_F_TRACE_NODE_TESTS, BB_F_TRACE_PRIM_TESTS,
-    BB_F_TRACE_UNLIKE,       BB_F_ACCURACY_MISSED,    BB_F_ACCURACY_FALSE,   BB_F_ACCURACY_WRONG_T,
-    BB_F_ACCURACY_UNWRITTEN, BB_F_ACCURACY_OVERFLOWED};
+static const bb_field_id costs[] = {BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK, BB_F_TRACE_NODE_TESTS,
+                                    BB_F_TRACE_PRIM_TESTS};
+static const bb_field_id wrongs[] = {BB_F_TRACE_UNLIKE,       BB_F_ACCURACY_MISSED,
+                                     BB_F_ACCURACY_FALSE,     BB_F_ACCURACY_WRONG_T,
+                                     BB_F_ACCURACY_UNWRITTEN, BB_F_ACCURACY_OVERFLOWED};
+
+bool bb_figure_is_wrong(const char *name)
+{
+    for (size_t i = 0; i < sizeof wrongs / sizeof wrongs[0]; i++)
+        if (strcmp(name, bb_fields[wrongs[i]].name) == 0)
+            return true;
+    return false;
+}
 
 /* Metrics of trees are costs; those of layouts have the layout's name after a blank. */
 bb_figure_sense bb_figure_sense_of(const char *name)
 {
+    if (bb_figure_is_wrong(name))
+        return BB_FIGURE_LESS_BETTER;
     for (size_t i = 0; i < sizeof costs / sizeof costs[0]; i++)
         if (strcmp(name, bb_fields[costs[i]].name) == 0)
             return BB_FIGURE_LESS_BETTER;

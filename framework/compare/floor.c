@@ -75,13 +75,17 @@ static int rising(const void *a, const void *b)
 
 bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor)
 {
-    const bb_cell_set *set = &before->sets[0];
-    double *effects = calloc(set->count + 1, sizeof *effects);
+    uint32_t cells = 0;
+    bb_side_place place = {0, 0};
+    while (bb_side_next(before, &place) != NULL)
+        cells++;
+    double *effects = calloc(cells + 1, sizeof *effects);
     if (effects == NULL)
         return bb_fail(BB_FAILED, "comparison: no memory");
     start(floor);
-    for (uint32_t c = 0; c < set->count; c++) {
-        double effect = bb_floor_of_cell(before, after, set->cells[c].key);
+    place = (bb_side_place){0, 0};
+    for (const char *key; (key = bb_side_next(before, &place)) != NULL;) {
+        double effect = bb_floor_of_cell(before, after, key);
         if (isfinite(effect))
             effects[floor->cells++] = effect;
     }

@@ -125,7 +125,10 @@ static void print_differences(const page *p, const bb_comparison_result *r)
 
 static void print_gaps(const page *p, const bb_comparison_result *r)
 {
-    const bb_cell_set *a = &r->before.sets[0], *b = &r->after.sets[0];
+    const bb_cell_set *a = &r->before.sets[bb_side_first(&r->before)];
+    const bb_cell_set *b = &r->after.sets[bb_side_first(&r->after)];
+    if (r->lacking > 0)
+        NOTE(p, "WARNING: %u cells are not in all pairs that count", r->lacking);
     if (r->unlike > 0)
         NOTE(p, "WARNING: %u cells are not compared: their scene or their rays are not the same",
              r->unlike);
@@ -214,17 +217,17 @@ static void print_moves(const page *p, const bb_comparison_result *r, bb_verdict
 
 static void print_only(const page *p, const bb_side *in, const bb_side *other, uint32_t count)
 {
-    const bb_cell_set *set = &in->sets[0];
     uint32_t shown = 0;
+    bb_side_place place = {0, 0};
     if (count == 0)
         return;
     fprintf(p->out, "\n%s%u cells are in ", p->github ? "" : " ", count);
-    print_text(p, set->origin.what);
+    print_text(p, in->sets[0].origin.what);
     fputs(p->github ? " only:\n\n" : " only:\n", p->out);
-    for (uint32_t i = 0; i < set->count && shown < KEYS_MAX; i++)
-        if (bb_cell_set_find(&other->sets[0], set->cells[i].key) == NULL) {
+    for (const char *key; shown < KEYS_MAX && (key = bb_side_next(in, &place)) != NULL;)
+        if (bb_side_find(other, key) == NULL) {
             fputs(p->github ? "- " : "  ", p->out);
-            print_key(p, set->cells[i].key);
+            print_key(p, key);
             fputc('\n', p->out);
             shown++;
         }
