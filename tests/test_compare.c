@@ -479,7 +479,7 @@ static void programs_are_run_in_turns(void **state)
     assert_true(first > 0 && first < 10);
     expect(0, "compare --run ./quick ./quick --rounds 9 --quiet -- --repeats 6",
            "nothing is worse");
-    expect(0, "compare a.json a.json --history programs.db", "compare --run A A");
+    expect(0, "compare a.json a.json --history programs.db", "(compare --run)");
     refuses("", "compare --run ./quick", "give two programs");
     refuses("", "compare --run ./quick ./nobody", "./nobody: No such file");
     refuses("", "compare --run ./quick .", "is no program that can be run");

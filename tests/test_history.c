@@ -134,6 +134,7 @@ static void earlier_versions_are_brought_forward(void **state)
     bb_floor floor;
     ASSERT_OK(bb_history_floor(history, &set.origin, &floor));
     assert_true(floor.share == 0.03);
+    bb_floor_free(&floor);
     bb_history_close(history);
     bb_cell_set_free(&set);
     assert_string_equal(ask(path, "PRAGMA user_version"), "2");
@@ -357,6 +358,7 @@ static void unclear_revisions_make_no_floor(void **state)
         ASSERT_OK(bb_history_list(history, &entries, &count));
         ASSERT_OK(bb_history_floor(history, &entries[0].origin, &floor));
         assert_int_equal(isfinite(floor.share) != 0, cases[i].floor);
+        bb_floor_free(&floor);
         free(entries);
         bb_history_close(history);
     }

@@ -47,8 +47,8 @@ typedef struct range {
     double low, high; /* NAN: no set has it */
 } range;
 
-/* Of all runs of a side that count: a figure that no clock decides has one value, unless a builder is not
- * deterministic. */
+/* Of all runs of a side that count: a figure that no clock decides has one value, unless a builder
+ * is not deterministic. */
 static range range_of(const bb_side *side, const char *key, const char *name)
 {
     range r = {NAN, NAN};
@@ -118,7 +118,7 @@ typedef struct timing {
     const bb_measured *before, *after;
     double from, to;
     bb_effect effect;
-    double own; /* of pairs: its effect against itself; NAN: not known, or not asked for */
+    double own; /* its effect against itself; NAN: not known, or not asked for */
 } timing;
 
 /* Without the discarded round. */
@@ -128,9 +128,9 @@ static void take_logarithms(const bb_samples *ms, bb_samples *out)
         bb_samples_add(out, log(ms->values[i]));
 }
 
-static void time_runs(timing *t, bb_family_row *row)
+static void time_runs(const bb_comparison_result *result, timing *t, bb_family_row *row)
 {
-    t->own = NAN;
+    t->own = bb_floor_own(&result->floor, t->before->key);
     t->effect = bb_effect_of_runs(&t->before->ms, &t->after->ms);
     t->from = bb_samples_median(&t->before->ms);
     t->to = bb_samples_median(&t->after->ms);
@@ -206,7 +206,7 @@ static bb_status compare_times(bb_comparison_result *result, timing *timings, ui
         if (result->pairs)
             time_pairs(result, &timings[i], &rows[i]);
         else
-            time_runs(&timings[i], &rows[i]);
+            time_runs(result, &timings[i], &rows[i]);
         if (isfinite(timings[i].effect.ratio))
             result->ratios[result->ratio_count++] = timings[i].effect.ratio;
     }

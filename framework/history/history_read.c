@@ -285,21 +285,23 @@ static bb_status kept_floor(bb_history *history, const bb_origin *o, bb_floor *f
     if (code == SQLITE_ROW && sqlite3_column_int(statement, 1) > 0) {
         floor->share = sqlite3_column_double(statement, 0);
         snprintf(floor->from, sizeof floor->from,
-                 "the largest effect of one program against itself (compare --run A A), %d times",
+                 "what 90 %% of the cells do not exceed of one program against itself (compare "
+                 "--run), the most of %d times",
                  sqlite3_column_int(statement, 1));
     }
     sqlite3_finalize(statement);
     return code == SQLITE_ROW ? BB_OK : bb_history_fail(history, "read it");
 }
 
-static bb_status floor_of_pair(bb_history *history, const int64_t runs[2], bb_floor *floor)
+/* Into `floor`. */
+static bb_status take_pair(bb_history *history, const int64_t runs[2], bb_floor *floor)
 {
     bb_cell_set sets[2] = {{.count = 0}, {.count = 0}};
     bb_status status = read_run(history, runs[0], &sets[0]);
     if (status == BB_OK)
         status = read_run(history, runs[1], &sets[1]);
     if (status == BB_OK)
-        status = bb_floor_of_runs(&(bb_side){sets, 2}, 0, floor);
+        status = bb_floor_take_runs(floor, &(bb_side){sets, 2}, 0);
     bb_cell_set_free(&sets[0]);
     bb_cell_set_free(&sets[1]);
     return status;
@@ -309,21 +311,24 @@ bb_status bb_history_floor(bb_history *history, const bb_origin *machine, bb_flo
 {
     int64_t pairs[PAIRS_MAX][2];
     uint32_t count, useful = 0;
-    bb_floor between = {.share = NAN};
-    *floor = (bb_floor){.share = NAN};
-    BB_TRY(kept_floor(history, machine, floor));
+    bb_floor kept = BB_NO_FLOOR;
+    *floor = BB_NO_FLOOR;
+    BB_TRY(kept_floor(history, machine, &kept));
     BB_TRY(find_pairs(history, machine, pairs, &count));
     for (uint32_t i = 0; i < count; i++) {
-        bb_floor one;
-        BB_TRY(floor_of_pair(history, pairs[i], &one));
-        useful += isfinite(one.share);
-        between.share = fmax(between.share, one.share); /* a NAN gives way */
-        between.cells += one.cells;
+        uint32_t cells = floor->cells;
+        BB_TRY(take_pair(history, pairs[i], floor));
+        useful += floor->cells > cells;
     }
-    if (isnan(between.share) || between.share <= floor->share)
+    bb_floor_finish_runs(floor);
+    if (isfinite(floor->share) && !(floor->share <= kept.share)) {
+        snprintf(floor->from, sizeof floor->from,
+                 "what 90 %% of the cells do not exceed between runs of one revision in the "
+                 "history, %u times; each cell's own counts too",
+                 useful);
         return BB_OK;
-    *floor = between;
-    snprintf(floor->from, sizeof floor->from,
-             "the largest effect between runs of one revision in the history, %u times", useful);
+    }
+    floor->share = kept.share; /* with the cells' own, where they are known */
+    memcpy(floor->from, kept.from, sizeof floor->from);
     return BB_OK;
 }
