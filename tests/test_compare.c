@@ -157,6 +157,31 @@ static void edit_no_figure(bb_results *r)
     cJSON_DeleteItemFromObject(member(build_at(r, 3), "tree"), "sah");
 }
 
+static void edit_no_tree(bb_results *r)
+{
+    set_item(build_at(r, 3), "tree", cJSON_CreateNull());
+}
+static void edit_unjudged(bb_results *r)
+{
+    set_item(trace_at(r, 5), "accuracy", cJSON_CreateNull());
+}
+static void edit_fewer_judged(bb_results *r)
+{
+    scale(member(trace_at(r, 5), "accuracy"), "checked", 0.5);
+}
+static void edit_none_judged(bb_results *r)
+{
+    scale(member(trace_at(r, 5), "accuracy"), "checked", 0);
+}
+static void edit_all_scenes(bb_results *r)
+{
+    cJSON *scene;
+    cJSON_ArrayForEach(scene, section(r, "scenes"))
+    {
+        set_text(scene, "hash", "0123456789abcdef");
+    }
+}
+
 static void what_moved_and_what_is_worse(void **state)
 {
     (void)state;
@@ -184,7 +209,12 @@ static void what_moved_and_what_is_worse(void **state)
         {edit_gone, 0, 0, "1 cells are in OLD only"},
         {edit_twice, 0, 0, "WARNING: 1 cells are left out: their keys occur twice"},
         {edit_seed, 0, 0, "another seed: 1234567890123456789, 7"},
-        {edit_no_figure, 0, 0, "1 figures are in one of the two only"},
+        {edit_no_figure, 0, 1, "1 figures are in one of the two only"},
+        {edit_no_figure, 0, 1, " changed: 1"},
+        {edit_no_tree, 0, 9, "bytes_tree"},
+        {edit_unjudged, 5, 7, "missed"},
+        {edit_fewer_judged, 0, 1, "checked"},
+        {edit_none_judged, 1, 1, "checked"},
     };
     static char text[1 << 20];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -338,6 +368,8 @@ static void files_are_compared(void **state)
     write_document("b.json", edit_nothing, 2);
     write_document("slow.json", edit_slower, 2);
     write_document("sah.json", edit_sah, 2);
+    write_document("elsewhere.json", edit_all_scenes, 2);
+    refuses("", "compare a.json elsewhere.json", "nothing can be compared");
     expect(0, "compare a.json b.json", "nothing is worse");
     expect(1, "compare a.json slow.json", "1 figures are worse");
     expect(0, "compare slow.json a.json", "better: 1");

@@ -57,11 +57,24 @@ static void free_inputs(inputs *in)
     bb_history_close(in->history);
 }
 
+/* Whoever asked for a comparison must not take none for one in which nothing is worse. */
+static bb_status check_compared(const bb_comparison_result *r)
+{
+    if (r->unlike < r->common)
+        return BB_OK;
+    return bb_fail(BB_INVALID,
+                   "compare: the scene or the rays of all %u cells that %s and %s have in common "
+                   "are not the same: nothing can be compared",
+                   r->common, r->before.sets[0].origin.what, r->after.sets[0].origin.what);
+}
+
 static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
 {
     bb_comparison_result result;
     const bb_side before = {in->sets[0], in->counts[0]}, after = {in->sets[1], in->counts[1]};
     bb_status status = bb_compare(&before, &after, in->threshold, floor, &result);
+    if (status == BB_OK)
+        status = check_compared(&result);
     if (status == BB_OK)
         status = bb_report_compare(&result, in->github, stdout);
     *exit_status = result.worse > 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
@@ -256,7 +269,8 @@ const bb_command bb_command_compare = {
         "A --history\n"
         "DB` and two runs of one revision feed; where there is none, 10 % is assumed, and said.\n"
         "SAH, nodes, tests per ray, bytes, wrong rays and status are compared exactly.\n"
-        "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, or a cell now fails.",
+        "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, a cell now fails,\n"
+        "or its answers are not judged any more.",
     .options = options,
     .run = run,
 };

@@ -61,15 +61,27 @@ static range range_of(const bb_side *side, const char *key, const char *name)
     return r;
 }
 
+/* A figure that only one side has. Of layouts that is another choice of kernels; else one that is
+ * gone is named, and answers that nobody judges any more are worse. `was`: NAN if it is new. */
+static bb_status compare_one_sided(bb_comparison_result *result, const bb_measured *before,
+                                   const bb_measured *after, const char *name, double was)
+{
+    result->one_sided++;
+    if (isnan(was) || strchr(name, ' ') != NULL)
+        return BB_OK;
+    bb_move move = start_move(before, after, name);
+    move.from = was;
+    move.verdict = bb_figure_is_judgement(name) ? BB_WORSE : BB_CHANGED;
+    return add_move(result, &move);
+}
+
 static bb_status compare_figure(bb_comparison_result *result, const bb_measured *before,
                                 const bb_measured *after, const char *name)
 {
     range a = range_of(&result->before, before->key, name);
     range b = range_of(&result->after, before->key, name);
-    if (isnan(a.low) || isnan(b.low)) {
-        result->one_sided++;
-        return BB_OK;
-    }
+    if (isnan(a.low) || isnan(b.low))
+        return compare_one_sided(result, before, after, name, a.high);
     if (bb_figure_is_wrong(name)) { /* of these the most counts, in whatever run it was */
         a.low = a.high;
         b.low = b.high;
@@ -84,6 +96,8 @@ static bb_status compare_figure(bb_comparison_result *result, const bb_measured 
     move.verdict = bb_figure_sense_of(name) == BB_FIGURE_NEUTRAL ? BB_CHANGED
                    : more                                        ? BB_WORSE
                                                                  : BB_BETTER;
+    if (bb_figure_is_judged(name) && move.to == 0)
+        move.verdict = BB_WORSE;
     return add_move(result, &move);
 }
 

@@ -14,5 +14,9 @@ bb_figure_sense bb_figure_sense_of(const char *name);
 
 /* Whether it counts wrong answers, of which any is one too many. */
 bool bb_figure_is_wrong(const char *name);
+/* Whether it is there for every cell whose answers were judged. */
+bool bb_figure_is_judgement(const char *name);
+/* Whether it is how many were. */
+bool bb_figure_is_judged(const char *name);
 
 #endif
