@@ -256,6 +256,37 @@ static void worst_comes_first_and_markdown_holds(void **state)
     bb_compare_free(&r);
 }
 
+static void edit_texts(bb_results *r)
+{
+    cJSON *context = member(bb_results_json(r), "context");
+    set_text(context, "revision",
+             "[x](https://e.test) ![i](u) @all #1 <b> *a* _b_ `c | $d$\033[2J");
+    set_text(context, "driver", "www.e.test");
+    set_text(context, "device", "see http://e.test");
+}
+
+/* Whatever a file says, nothing of it is markup. */
+static void texts_of_files_are_no_markup(void **state)
+{
+    (void)state;
+    static char text[1 << 20];
+    bb_comparison_result r = compare_with(edit_texts, text, sizeof text, true);
+    static const char *const parts[] = {"[x](", "![i]", "@all", "#1 ",      "<b>",          "*a*",
+                                        "_b_",  "$d$",  "[2J",  "www.e.te", "http://e.test"};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        const char *at = strstr(text, parts[i]);
+        uint32_t ticks = 0;
+        assert_non_null(at);
+        for (; at > text && at[-1] != '\n'; at--)
+            ticks += at[-1] == '`';
+        if (ticks % 2 != 1)
+            fail_msg("'%s' is not within code:\n%s", parts[i], text);
+    }
+    assert_null(strchr(text, '\033'));
+    assert_null(strstr(text, "`c"));
+    bb_compare_free(&r);
+}
+
 /* ---- pairs: what happens in any that counts ---- */
 
 enum { PAIRS = 10 };
@@ -359,6 +390,36 @@ static void write_document(const char *name, edit_fn *edit, uint64_t seed)
     snprintf(path, sizeof path, "%s/%s", folder, name);
     ASSERT_OK(bb_results_write(results, path));
     bb_results_destroy(results);
+}
+
+static void write_texts(bb_results *r)
+{
+    set_text(member(bb_results_json(r), "context"), "shard", "\033[2J\033]0;title\007");
+}
+
+/* Nor does it steer the terminal from within a message. */
+static void messages_do_not_steer(void **state)
+{
+    (void)state;
+    write_document("a.json", edit_nothing, 1);
+    write_document("steer.json", write_texts, 1);
+    const char *script = "#!/bin/sh\nprintf 'bvhbench: \\033[2J\\302\\233 broken\\n' >&2\nexit 2\n";
+    char path[600];
+    write_file("steers", script, strlen(script));
+    snprintf(path, sizeof path, "%s/steers", folder);
+    assert_int_equal(chmod(path, 0755), 0);
+    static const char *const arguments[] = {"merge a.json steer.json --out m",
+                                            "compare --run ./steers ./steers --quiet",
+                                            "compare a.json $'\\033[2J'"};
+    for (size_t i = 0; i < sizeof arguments / sizeof arguments[0]; i++) {
+        const outcome *o = run(arguments[i]);
+        assert_int_equal(o->exit_status, 2);
+        assert_null(strchr(o->err, '\033'));
+        assert_null(strstr(o->err, "\302\233"));
+        assert_non_null(strstr(o->err, "bvhbench: "));
+    }
+    refuses("", "compare --run ./steers ./steers --quiet", "?[2J? broken");
+    refuses("", "merge a.json steer.json --out m", "?[2J");
 }
 
 static void files_are_compared(void **state)
@@ -532,6 +593,8 @@ int main(void)
         cmocka_unit_test(what_moved_and_what_is_worse),
         cmocka_unit_test(worst_comes_first_and_markdown_holds),
         cmocka_unit_test(any_pair_that_counts_decides),
+        cmocka_unit_test(texts_of_files_are_no_markup),
+        cmocka_unit_test(messages_do_not_steer),
         cmocka_unit_test(senses_of_figures),
         cmocka_unit_test(files_are_compared),
         cmocka_unit_test(results_as_google_benchmark),

@@ -6,6 +6,7 @@
 #include "framework/compare/compare.h"
 #include "framework/compare/family.h"
 #include "framework/history/history.h"
+#include "framework/report/columns.h"
 #include "framework/report/report_compare.h"
 
 #include <math.h>
@@ -115,9 +116,12 @@ static bb_status read_side(const inputs *in, const side *s, bb_cell_set *set)
 {
     if (!s->revision)
         return read_file(s->argument, set);
-    if (s->others > 0)
-        fprintf(stderr, "%s was measured on %u other machines too: here it is that of %s\n",
-                s->entry.origin.revision, s->others, s->entry.origin.host);
+    if (s->others > 0) {
+        bb_print_text(stderr, s->entry.origin.revision, 0);
+        fprintf(stderr, " was measured on %u other machines too: here it is that of ", s->others);
+        bb_print_text(stderr, s->entry.origin.host, 0);
+        fputc('\n', stderr);
+    }
     return bb_history_set(in->history, &s->entry, set);
 }
 

@@ -16,14 +16,33 @@ typedef struct page {
     bool github;
 } page;
 
-/* Texts of files must not steer a terminal, nor end a table's cell or begin HTML. */
+/* What Markdown could read as a link, an image, a mention, a reference, emphasis, HTML or a
+ * formula. */
+static bool is_markup(const char *text)
+{
+    return strpbrk(text, "[]!@*_<>~#&$\\|`") != NULL || strstr(text, "://") != NULL ||
+           strstr(text, "www.") != NULL;
+}
+
+/* Within a span of code nothing is markup but what ends it, or a table's cell. */
+static void print_code(const page *p, const char *text)
+{
+    char plain[2 * BB_CELL_KEY];
+    snprintf(plain, sizeof plain, "%s", text);
+    for (char *at = plain; *at != '\0'; at++)
+        *at = strchr("|`", *at) != NULL ? '?' : *at;
+    fputc('`', p->out);
+    bb_print_text(p->out, plain, 0);
+    fputc('`', p->out);
+}
+
+/* Texts of files must not steer a terminal, nor what Markdown makes of them. */
 static void print_text(const page *p, const char *text)
 {
-    char plain[BB_CELL_KEY];
-    snprintf(plain, sizeof plain, "%s", text);
-    for (char *at = plain; *at != '\0' && p->github; at++)
-        *at = strchr("|`<", *at) != NULL ? '?' : *at;
-    bb_print_text(p->out, plain, 0);
+    if (p->github && is_markup(text))
+        print_code(p, text);
+    else
+        bb_print_text(p->out, text, 0);
 }
 
 /* A note of its own, a list item in Markdown. */
@@ -52,9 +71,10 @@ static void print_key(const page *p, const char *key)
         if (bb_cell_key_format(&cell, brief) != BB_OK)
             snprintf(brief, sizeof brief, "%s", key);
     }
-    fputs(p->github ? "`" : "", p->out);
-    print_text(p, brief);
-    fputs(p->github ? "`" : "", p->out);
+    if (p->github)
+        print_code(p, brief);
+    else
+        print_text(p, brief);
 }
 
 static void figure(double value, char *text, size_t capacity)
