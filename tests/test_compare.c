@@ -182,6 +182,18 @@ static void edit_all_scenes(bb_results *r)
     }
 }
 
+static void edit_all_failed(bb_results *r)
+{
+    static const char *const sections[] = {"builds", "traces"};
+    for (size_t i = 0; i < 2; i++) {
+        cJSON *entry;
+        cJSON_ArrayForEach(entry, section(r, sections[i]))
+        {
+            set_text(entry, "status", "failed");
+        }
+    }
+}
+
 static void what_moved_and_what_is_worse(void **state)
 {
     (void)state;
@@ -431,6 +443,9 @@ static void files_are_compared(void **state)
     write_document("sah.json", edit_sah, 2);
     write_document("elsewhere.json", edit_all_scenes, 2);
     refuses("", "compare a.json elsewhere.json", "nothing can be compared");
+    write_document("failed.json", edit_all_failed, 2);
+    refuses("", "compare failed.json failed.json", "nothing can be compared");
+    expect(1, "compare a.json failed.json", "ok -> failed");
     expect(0, "compare a.json b.json", "nothing is worse");
     expect(1, "compare a.json slow.json", "1 figures are worse");
     expect(0, "compare slow.json a.json", "better: 1");

@@ -61,12 +61,13 @@ static void free_inputs(inputs *in)
 /* Whoever asked for a comparison must not take none for one in which nothing is worse. */
 static bb_status check_compared(const bb_comparison_result *r)
 {
-    if (r->unlike < r->common)
+    if (r->unlike + r->faulty < r->common || r->move_count > 0)
         return BB_OK;
     return bb_fail(BB_INVALID,
-                   "compare: the scene or the rays of all %u cells that %s and %s have in common "
-                   "are not the same: nothing can be compared",
-                   r->common, r->before.sets[0].origin.what, r->after.sets[0].origin.what);
+                   "compare: nothing can be compared: of the %u cells that %s and %s have in "
+                   "common, %u are of another scene or of other rays, and %u failed",
+                   r->common, r->before.sets[0].origin.what, r->after.sets[0].origin.what,
+                   r->unlike, r->faulty);
 }
 
 static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
