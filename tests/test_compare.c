@@ -157,6 +157,43 @@ static void edit_no_figure(bb_results *r)
     cJSON_DeleteItemFromObject(member(build_at(r, 3), "tree"), "sah");
 }
 
+static void edit_no_tree(bb_results *r)
+{
+    set_item(build_at(r, 3), "tree", cJSON_CreateNull());
+}
+static void edit_unjudged(bb_results *r)
+{
+    set_item(trace_at(r, 5), "accuracy", cJSON_CreateNull());
+}
+static void edit_fewer_judged(bb_results *r)
+{
+    scale(member(trace_at(r, 5), "accuracy"), "checked", 0.5);
+}
+static void edit_none_judged(bb_results *r)
+{
+    scale(member(trace_at(r, 5), "accuracy"), "checked", 0);
+}
+static void edit_all_scenes(bb_results *r)
+{
+    cJSON *scene;
+    cJSON_ArrayForEach(scene, section(r, "scenes"))
+    {
+        set_text(scene, "hash", "0123456789abcdef");
+    }
+}
+
+static void edit_all_failed(bb_results *r)
+{
+    static const char *const sections[] = {"builds", "traces"};
+    for (size_t i = 0; i < 2; i++) {
+        cJSON *entry;
+        cJSON_ArrayForEach(entry, section(r, sections[i]))
+        {
+            set_text(entry, "status", "failed");
+        }
+    }
+}
+
 static void what_moved_and_what_is_worse(void **state)
 {
     (void)state;
@@ -184,7 +221,12 @@ static void what_moved_and_what_is_worse(void **state)
         {edit_gone, 0, 0, "1 cells are in OLD only"},
         {edit_twice, 0, 0, "WARNING: 1 cells are left out: their keys occur twice"},
         {edit_seed, 0, 0, "another seed: 1234567890123456789, 7"},
-        {edit_no_figure, 0, 0, "1 figures are in one of the two only"},
+        {edit_no_figure, 0, 1, "1 figures are in one of the two only"},
+        {edit_no_figure, 0, 1, " changed: 1"},
+        {edit_no_tree, 0, 9, "bytes_tree"},
+        {edit_unjudged, 5, 7, "missed"},
+        {edit_fewer_judged, 0, 1, "checked"},
+        {edit_none_judged, 1, 1, "checked"},
     };
     static char text[1 << 20];
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -226,6 +268,116 @@ static void worst_comes_first_and_markdown_holds(void **state)
     bb_compare_free(&r);
 }
 
+static void edit_texts(bb_results *r)
+{
+    cJSON *context = member(bb_results_json(r), "context");
+    set_text(context, "revision",
+             "[x](https://e.test) ![i](u) @all #1 <b> *a* _b_ `c | $d$\033[2J");
+    set_text(context, "driver", "www.e.test");
+    set_text(context, "device", "see http://e.test");
+}
+
+/* Whatever a file says, nothing of it is markup. */
+static void texts_of_files_are_no_markup(void **state)
+{
+    (void)state;
+    static char text[1 << 20];
+    bb_comparison_result r = compare_with(edit_texts, text, sizeof text, true);
+    static const char *const parts[] = {"[x](", "![i]", "@all", "#1 ",      "<b>",          "*a*",
+                                        "_b_",  "$d$",  "[2J",  "www.e.te", "http://e.test"};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        const char *at = strstr(text, parts[i]);
+        uint32_t ticks = 0;
+        assert_non_null(at);
+        for (; at > text && at[-1] != '\n'; at--)
+            ticks += at[-1] == '`';
+        if (ticks % 2 != 1)
+            fail_msg("'%s' is not within code:\n%s", parts[i], text);
+    }
+    assert_null(strchr(text, '\033'));
+    assert_null(strstr(text, "`c"));
+    bb_compare_free(&r);
+}
+
+/* ---- pairs: what happens in any that counts ---- */
+
+enum { PAIRS = 10 };
+
+/* Equals, but for `edit` in set `number` of `side`; as text. */
+static bb_status compare_pairs(edit_fn *edit, int side, uint32_t number,
+                               bb_comparison_result *result, char *text, size_t capacity)
+{
+    static bb_cell_set sets[2][PAIRS];
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = 0; i < PAIRS; i++) {
+            bb_results *r = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 2 * i + k);
+            if (k == side && i == number)
+                edit(r);
+            bb_cell_set_free(&sets[k][i]);
+            ASSERT_OK(bb_cell_set_of_results(r, k == 0 ? "OLD" : "NEW", &sets[k][i]));
+            bb_results_destroy(r);
+        }
+    bb_status status =
+        bb_compare(&(bb_side){sets[0], PAIRS}, &(bb_side){sets[1], PAIRS}, NAN, NULL, result);
+    FILE *out = fmemopen(text, capacity, "w");
+    assert_non_null(out);
+    if (status == BB_OK)
+        ASSERT_OK(bb_report_compare(result, false, out));
+    fclose(out);
+    return status;
+}
+
+static void edit_revision(bb_results *r)
+{
+    set_text(member(bb_results_json(r), "context"), "revision", "two");
+}
+
+static void any_pair_that_counts_decides(void **state)
+{
+    (void)state;
+    static const struct {
+        edit_fn *edit;
+        int side;
+        uint32_t number, worse, moves;
+        const char *words;
+    } cases[] = {
+        {edit_failed, 1, 5, 1, 1, "ok -> failed"},
+        {edit_failed, 0, 9, 0, 1, "failed -> ok"},
+        {edit_failed, 1, 0, 0, 0, "nothing is worse"}, /* the discarded one */
+        {edit_missed, 1, 9, 1, 1, "missed"},
+        {edit_missed, 0, 4, 0, 1, "better: 1"},
+        {edit_missed, 1, 0, 0, 0, "nothing is worse"},
+        {edit_gone, 1, 3, 0, 0, "WARNING: 1 cells are not in all pairs"},
+        {edit_gone, 0, 0, 0, 0, "nothing is worse"},
+        {edit_rays, 1, 7, 0, 0, "their scene or their rays"},
+        {edit_sah, 1, 2, 0, 0, "nothing is worse"}, /* a builder that is not deterministic */
+    };
+    static char text[1 << 20];
+    bb_comparison_result r;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ASSERT_OK(
+            compare_pairs(cases[i].edit, cases[i].side, cases[i].number, &r, text, sizeof text));
+        if (r.worse != cases[i].worse || r.move_count != cases[i].moves ||
+            strstr(text, cases[i].words) == NULL ||
+            (cases[i].number == 0 && strstr(text, "not in all pairs") != NULL))
+            fail_msg("case %zu: %u worse, %u moved, expected %u, %u and '%s':\n%s", i, r.worse,
+                     r.move_count, cases[i].worse, cases[i].moves, cases[i].words, text);
+        bb_compare_free(&r);
+    }
+    static const struct {
+        edit_fn *edit;
+        const char *words;
+    } refused[] = {{edit_revision, "NEW is of another revision in pair 6"},
+                   {edit_slower_host, "NEW is of another machine in pair 6"},
+                   {edit_slower_elsewhere, "another machine"},
+                   {edit_seed, "another seed"}};
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        assert_int_equal(compare_pairs(refused[i].edit, 1, 6, &r, text, sizeof text), BB_INVALID);
+        assert_non_null(strstr(bb_message(), refused[i].words));
+        bb_compare_free(&r);
+    }
+}
+
 static void senses_of_figures(void **state)
 {
     (void)state;
@@ -252,6 +404,36 @@ static void write_document(const char *name, edit_fn *edit, uint64_t seed)
     bb_results_destroy(results);
 }
 
+static void write_texts(bb_results *r)
+{
+    set_text(member(bb_results_json(r), "context"), "shard", "\033[2J\033]0;title\007");
+}
+
+/* Nor does it steer the terminal from within a message. */
+static void messages_do_not_steer(void **state)
+{
+    (void)state;
+    write_document("a.json", edit_nothing, 1);
+    write_document("steer.json", write_texts, 1);
+    const char *script = "#!/bin/sh\nprintf 'bvhbench: \\033[2J\\302\\233 broken\\n' >&2\nexit 2\n";
+    char path[600];
+    write_file("steers", script, strlen(script));
+    snprintf(path, sizeof path, "%s/steers", folder);
+    assert_int_equal(chmod(path, 0755), 0);
+    static const char *const arguments[] = {"merge a.json steer.json --out m",
+                                            "compare --run ./steers ./steers --quiet",
+                                            "compare a.json $'\\033[2J'"};
+    for (size_t i = 0; i < sizeof arguments / sizeof arguments[0]; i++) {
+        const outcome *o = run(arguments[i]);
+        assert_int_equal(o->exit_status, 2);
+        assert_null(strchr(o->err, '\033'));
+        assert_null(strstr(o->err, "\302\233"));
+        assert_non_null(strstr(o->err, "bvhbench: "));
+    }
+    refuses("", "compare --run ./steers ./steers --quiet", "?[2J? broken");
+    refuses("", "merge a.json steer.json --out m", "?[2J");
+}
+
 static void files_are_compared(void **state)
 {
     (void)state;
@@ -259,6 +441,11 @@ static void files_are_compared(void **state)
     write_document("b.json", edit_nothing, 2);
     write_document("slow.json", edit_slower, 2);
     write_document("sah.json", edit_sah, 2);
+    write_document("elsewhere.json", edit_all_scenes, 2);
+    refuses("", "compare a.json elsewhere.json", "nothing can be compared");
+    write_document("failed.json", edit_all_failed, 2);
+    refuses("", "compare failed.json failed.json", "nothing can be compared");
+    expect(1, "compare a.json failed.json", "ok -> failed");
     expect(0, "compare a.json b.json", "nothing is worse");
     expect(1, "compare a.json slow.json", "1 figures are worse");
     expect(0, "compare slow.json a.json", "better: 1");
@@ -339,6 +526,25 @@ static void revisions_are_compared(void **state)
     refuses("", "report --history nowhere.db", "cannot open it");
 }
 
+static void a_page_never_replaces_its_database(void **state)
+{
+    (void)state;
+    char path[600];
+    static const char *const made[] = {"-c 'cp kept.db page.html'", "-c 'ln -s kept.db soft.db'",
+                                       "-c 'ln kept.db hard.db'"};
+    snprintf(path, sizeof path, "%s/kept.db", folder);
+    history_fill(path);
+    for (size_t i = 0; i < sizeof made / sizeof made[0]; i++)
+        assert_int_equal(run_program("", "sh", made[i])->exit_status, 0);
+    refuses("", "report --history page.html", "would overwrite the database");
+    refuses("", "report --history kept.db --out kept.db", "would overwrite the database");
+    refuses("", "report --history kept.db --out ./kept.db", "would overwrite the database");
+    refuses("", "report --history kept.db --out hard.db", "would overwrite the database");
+    refuses("", "report --history soft.db --out kept.db", "would overwrite the database");
+    expect(0, "report --history kept.db --out other.html", "1 worse");
+    expect(0, "report --history page.html --out page2.html", "1 worse");
+}
+
 /* Programs that run at once: they hand out a file, with a bit of noise by turns. */
 static void write_programs(void)
 {
@@ -381,7 +587,7 @@ static void programs_are_run_in_turns(void **state)
     assert_true(first > 0 && first < 10);
     expect(0, "compare --run ./quick ./quick --rounds 9 --quiet -- --repeats 6",
            "nothing is worse");
-    expect(0, "compare a.json a.json --history programs.db", "compare --run A A");
+    expect(0, "compare a.json a.json --history programs.db", "(compare --run)");
     refuses("", "compare --run ./quick", "give two programs");
     refuses("", "compare --run ./quick ./nobody", "./nobody: No such file");
     refuses("", "compare --run ./quick .", "is no program that can be run");
@@ -401,10 +607,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_moved_and_what_is_worse),
         cmocka_unit_test(worst_comes_first_and_markdown_holds),
+        cmocka_unit_test(any_pair_that_counts_decides),
+        cmocka_unit_test(texts_of_files_are_no_markup),
+        cmocka_unit_test(messages_do_not_steer),
         cmocka_unit_test(senses_of_figures),
         cmocka_unit_test(files_are_compared),
         cmocka_unit_test(results_as_google_benchmark),
         cmocka_unit_test(revisions_are_compared),
+        cmocka_unit_test(a_page_never_replaces_its_database),
         cmocka_unit_test(programs_are_run_in_turns),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

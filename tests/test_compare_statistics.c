@@ -234,14 +234,15 @@ static found compare_made_up(uint32_t pairs, double slow, uint32_t slow_cells, d
     return f;
 }
 
-/* What is measured of a machine by `compare --run A A`: the floor for comparing two runs. */
+/* What is known of a machine from runs of one program: the floor for comparing two runs. */
 static bb_floor made_up_floor(bb_random *random)
 {
     bb_cell_set sets[11];
-    bb_floor floor;
+    bb_floor floor = BB_NO_FLOOR;
     for (uint32_t i = 0; i < 11; i++)
         make_run(&sets[i], &usual, 1, 0, 1, random);
-    ASSERT_OK(bb_floor_of_runs(&(bb_side){sets, 11}, 1, &floor));
+    ASSERT_OK(bb_floor_take_runs(&floor, &(bb_side){sets, 11}, 1));
+    bb_floor_finish_runs(&floor);
     for (uint32_t i = 0; i < 11; i++)
         bb_cell_set_free(&sets[i]);
     return floor;
@@ -267,6 +268,7 @@ static void equals_raise_no_alarms(void **state)
         }
         print_message("%s: %u alarms in 100 comparisons; floor of runs %.2f %%\n",
                       way == 0 ? "pairs" : "runs", all, 100 * floor.share);
+        bb_floor_free(&floor);
     }
 }
 
@@ -307,6 +309,25 @@ static void adjusted_p_values_hold(void **state)
                       100.0 * alarms / TRIALS);
         assert_true(alarms <= TRIALS * (level + 0.05) && alarms >= TRIALS * 0.01);
     }
+}
+
+/* A coarse clock: more than half of the values are one and the same, and the others count. */
+static void times_that_tie_are_told_apart(void **state)
+{
+    (void)state;
+    bb_family_row rows[2];
+    memset(rows, 0, sizeof rows);
+    for (int k = 0; k < 20; k++) {
+        bb_samples_add(&rows[0].before, log(10));
+        bb_samples_add(&rows[1].before, log(10));
+        if (k < 8) {
+            bb_samples_add(&rows[0].after, log(20));
+            bb_samples_add(&rows[1].after, log(10));
+        }
+    }
+    ASSERT_OK(bb_family_of_runs(rows, 2));
+    assert_true(rows[0].p_up <= BB_COMPARE_LEVEL_OF_RUNS && rows[0].p_down > 0.5);
+    assert_true(rows[1].p_up == 1 && rows[1].p_down == 1);
 }
 
 /* What the tests above rely on: without control, equals would raise alarms. */
@@ -357,6 +378,42 @@ static void planted_changes_are_found(void **state)
     uint32_t many = compare_made_up(1, 1.3, 30, 1, &floor, &random).right;
     print_message("30 %% in 30 cells of two runs: %u found\n", many);
     assert_true(many >= 20);
+    bb_floor_free(&floor);
+}
+
+/* One cell that doubles from run to run, and a reference that does: the others' floor stays. */
+static void one_cell_sets_no_floor(void **state)
+{
+    (void)state;
+    bb_random random = bb_random_make(17, 0);
+    bb_cell_set sets[2];
+    bb_floor floor = BB_NO_FLOOR;
+    make_run(&sets[0], &usual, 1, 0, 1, &random);
+    make_run(&sets[1], &usual, 2, 1, 1, &random);
+    const char *slow = "scene=s0/builder=b0/kernel=k0",
+               *reference = "scene=s0/builder=b1/kernel=k1";
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = 0; i < CELLS; i++) {
+            bb_measured *cell = &sets[k].cells[i];
+            cell->reference = strcmp(cell->key, reference) == 0;
+            for (uint32_t r = 0; r < cell->ms.count && cell->reference; r++)
+                cell->ms.values[r] *= k == 0 ? 1 : 3;
+        }
+    ASSERT_OK(bb_floor_take_runs(&floor, &(bb_side){sets, 2}, 0));
+    bb_floor_finish_runs(&floor);
+    assert_int_equal(floor.cells, CELLS - 1);
+    assert_true(floor.share >= BB_COMPARE_FLOOR_LEAST && floor.share < 0.1);
+    assert_true(bb_floor_own(&floor, slow) > 0.8);
+    assert_true(isnan(bb_floor_own(&floor, reference)));
+    /* with that floor, the same once more is nothing new */
+    bb_comparison_result result;
+    ASSERT_OK(bb_compare(&(bb_side){&sets[0], 1}, &(bb_side){&sets[1], 1}, NAN, &floor, &result));
+    for (uint32_t i = 0; i < result.move_count; i++)
+        assert_false(result.moves[i].timed && result.moves[i].counts);
+    bb_compare_free(&result);
+    bb_floor_free(&floor);
+    bb_cell_set_free(&sets[0]);
+    bb_cell_set_free(&sets[1]);
 }
 
 int main(void)
@@ -367,8 +424,10 @@ int main(void)
         cmocka_unit_test(too_few_rounds_have_no_interval),
         cmocka_unit_test(equals_raise_no_alarms),
         cmocka_unit_test(adjusted_p_values_hold),
+        cmocka_unit_test(times_that_tie_are_told_apart),
         cmocka_unit_test(intervals_alone_would),
         cmocka_unit_test(planted_changes_are_found),
+        cmocka_unit_test(one_cell_sets_no_floor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

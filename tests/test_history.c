@@ -134,6 +134,7 @@ static void earlier_versions_are_brought_forward(void **state)
     bb_floor floor;
     ASSERT_OK(bb_history_floor(history, &set.origin, &floor));
     assert_true(floor.share == 0.03);
+    bb_floor_free(&floor);
     bb_history_close(history);
     bb_cell_set_free(&set);
     assert_string_equal(ask(path, "PRAGMA user_version"), "2");
@@ -308,6 +309,61 @@ static void trends_mark_what_moved(void **state)
     bb_history_close(history);
 }
 
+/* Origin and labels are those of the latest run, whatever order the rows are in. */
+static void an_entry_is_its_latest_run(void **state)
+{
+    (void)state;
+    const char *path = history_path("latest");
+    bb_history *history;
+    bb_history_entry *entries;
+    uint32_t count;
+    history_add(path, "bbbb", "north", "2024-01-01T00:00:00Z", nothing, 1);
+    history_add(path, "aaaa", "north", "2024-01-02T00:00:00Z", nothing, 2);
+    history_add(path, "bbbb", "north", "2024-01-03T00:00:00Z", nothing, 3);
+    execute(path, "UPDATE runs SET interrupted = 1, seed = '5', shard = '1/2' WHERE id = 1;"
+                  "UPDATE runs SET seed = '7', embree = 'late' WHERE id = 3");
+    ASSERT_OK(bb_history_open(path, false, &history));
+    ASSERT_OK(bb_history_list(history, &entries, &count));
+    assert_int_equal(count, 2);
+    assert_string_equal(entries[0].origin.revision, "bbbb"); /* its first run is the oldest */
+    assert_string_equal(entries[0].origin.date, "2024-01-03T00:00:00Z");
+    assert_string_equal(entries[0].origin.seed, "7");
+    assert_string_equal(entries[0].origin.embree, "late");
+    assert_string_equal(entries[0].origin.shard, "");
+    assert_false(entries[0].origin.interrupted);
+    assert_int_equal(entries[0].last, 3);
+    assert_int_equal(entries[0].runs, 2);
+    free(entries);
+    bb_history_close(history);
+}
+
+/* Two runs of a revision are evidence of one program only if the revision says which. */
+static void unclear_revisions_make_no_floor(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *revision;
+        bool floor;
+    } cases[] = {{"", false}, {"aaaa-dirty", false}, {"aaaa", true}};
+    const char *path = history_path("unclear");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bb_history *history;
+        bb_history_entry *entries;
+        uint32_t count;
+        bb_floor floor;
+        unlink(path);
+        history_add(path, cases[i].revision, "north", "2024-01-01T00:00:00Z", nothing, 1);
+        history_add(path, cases[i].revision, "north", "2024-01-02T00:00:00Z", nothing, 2);
+        ASSERT_OK(bb_history_open(path, false, &history));
+        ASSERT_OK(bb_history_list(history, &entries, &count));
+        ASSERT_OK(bb_history_floor(history, &entries[0].origin, &floor));
+        assert_int_equal(isfinite(floor.share) != 0, cases[i].floor);
+        bb_floor_free(&floor);
+        free(entries);
+        bb_history_close(history);
+    }
+}
+
 /* ---- several processes ---- */
 
 static void append_many(const char *path, int runs, uint64_t seed)
@@ -407,6 +463,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(revisions_are_found_by_their_beginnings),
         cmocka_unit_test(trends_mark_what_moved),
+        cmocka_unit_test(an_entry_is_its_latest_run),
+        cmocka_unit_test(unclear_revisions_make_no_floor),
         cmocka_unit_test(two_writers_wait_for_each_other),
         cmocka_unit_test(killed_writers_leave_whole_runs),
     };

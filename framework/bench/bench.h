@@ -81,4 +81,8 @@ void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more);
 /* Checks the names and parameters of a request before anything is loaded. */
 bb_status bb_bench_check(const bb_bench_request *request);
 
+/* Of all that decides which cells are measured, and how; not of the shard. `hash`: what comes
+ * before, 0 if nothing does. */
+uint64_t bb_bench_request_hash(const bb_bench_request *request, uint64_t hash);
+
 #endif

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
@@ -108,6 +109,19 @@ static bb_status page_of_history(const char *database, char page[PATH_MAX])
     return BB_OK;
 }
 
+/* By whatever name: a link leads to the database too. */
+static bb_status check_page(const char *page, const char *database)
+{
+    struct stat a, b;
+    bool same = strcmp(page, database) == 0 || (stat(page, &a) == 0 && stat(database, &b) == 0 &&
+                                                a.st_dev == b.st_dev && a.st_ino == b.st_ino);
+    return same ? bb_fail(BB_INVALID,
+                          "report: the page would overwrite the database %.300s: name another "
+                          "file with --out",
+                          database)
+                : BB_OK;
+}
+
 static bb_status report_history(const bb_cli *cli, const char *database)
 {
     static const char *const others[] = {"table", "markdown", "csv", "google-benchmark", "charts"};
@@ -123,6 +137,7 @@ static bb_status report_history(const bb_cli *cli, const char *database)
         if (bb_cli_value(cli, others[i]) != NULL)
             return bb_fail(BB_INVALID, "report: --history and --%s do not go together", others[i]);
     BB_TRY(page_of_history(database, beside));
+    BB_TRY(check_page(out != NULL ? out : beside, database));
     BB_TRY(bb_history_open(database, false, &history));
     bb_status status = bb_history_trends(history, &trends, &count);
     if (status == BB_OK)

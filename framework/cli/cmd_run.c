@@ -199,6 +199,19 @@ static bb_status compare(void *user, bb_device *device, bb_results *results,
     return BB_OK;
 }
 
+static uint64_t hash_of(const comparison *c)
+{
+    bb_bench_request request = c->request;
+    uint64_t hash = c->telling;
+    if (c->cells.group_count == 0)
+        return bb_bench_request_hash(&request, hash);
+    for (uint32_t i = 0; i < c->cells.group_count; i++) {
+        bb_cells_request(&c->cells.groups[i], &request);
+        hash = bb_bench_request_hash(&request, hash);
+    }
+    return hash;
+}
+
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
@@ -223,6 +236,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
             .folder = folder,
             .history = bb_cli_value(cli, "history"),
             .shard = bb_cli_value(cli, "shard"),
+            .shard_of = hash_of(&wanted),
             .seed = wanted.request.seed,
             .charts = charts,
             .quiet = wanted.request.quiet,

@@ -218,7 +218,8 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
     bb_bystanders watch;
     BB_TRY(bb_results_create(&(bb_context){device, c->seed, command}, &results));
     bb_bystanders_start(&watch);
-    bb_status status = c->shard != NULL ? bb_results_set_shard(results, c->shard) : BB_OK;
+    bb_status status =
+        c->shard != NULL ? bb_results_set_shard(results, c->shard, c->shard_of) : BB_OK;
     if (status == BB_OK)
         status = c->compare(c->request, device, results, &outcome);
     bool measured = bb_results_section(results, "builds")->child != NULL;

@@ -13,6 +13,7 @@ typedef struct bb_comparison {
     const char *folder;
     const char *history; /* database to which the run is appended; NULL: none */
     const char *shard;   /* "2/8"; NULL: all cells */
+    uint64_t shard_of;   /* hash of what all shards of the run are asked for */
     uint64_t seed;
     bool charts; /* as pictures too */
     bool quiet;  /* does not say on standard error what was written */

@@ -56,10 +56,10 @@ static const bb_field_id of_builds[] = {BB_F_TREE_NODES,     BB_F_TREE_LEAVES, B
                                         BB_F_TREE_ARITY,     BB_F_TREE_DEPTH,  BB_F_TREE_BYTES,
                                         BB_F_TREE_BYTES_PEAK};
 static const bb_field_id of_traces[] = {
-    BB_F_TRACE_COUNT,         BB_F_TRACE_STACK,       BB_F_TRACE_NODE_TESTS,
-    BB_F_TRACE_PRIM_TESTS,    BB_F_TRACE_UNLIKE,      BB_F_ACCURACY_MISSED,
-    BB_F_ACCURACY_FALSE,      BB_F_ACCURACY_WRONG_T,  BB_F_ACCURACY_UNWRITTEN,
-    BB_F_ACCURACY_OVERFLOWED, BB_F_ACCURACY_T_ULP_MAX};
+    BB_F_TRACE_COUNT,         BB_F_TRACE_STACK,        BB_F_TRACE_NODE_TESTS,
+    BB_F_TRACE_PRIM_TESTS,    BB_F_TRACE_UNLIKE,       BB_F_ACCURACY_MISSED,
+    BB_F_ACCURACY_FALSE,      BB_F_ACCURACY_WRONG_T,   BB_F_ACCURACY_UNWRITTEN,
+    BB_F_ACCURACY_OVERFLOWED, BB_F_ACCURACY_T_ULP_MAX, BB_F_ACCURACY_CHECKED};
 
 static bb_status add_fields(bb_measured *cell, const cJSON *entry, const bb_field_id *fields,
                             size_t count)

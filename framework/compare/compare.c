@@ -47,12 +47,12 @@ typedef struct range {
     double low, high; /* NAN: no set has it */
 } range;
 
-/* Of all runs of a side: a figure that no clock decides has one value, unless a builder is not
- * deterministic. */
+/* Of all runs of a side that count: a figure that no clock decides has one value, unless a builder
+ * is not deterministic. */
 static range range_of(const bb_side *side, const char *key, const char *name)
 {
     range r = {NAN, NAN};
-    for (uint32_t i = 0; i < side->count; i++) {
+    for (uint32_t i = bb_side_first(side); i < side->count; i++) {
         const bb_measured *cell = bb_cell_set_find(&side->sets[i], key);
         double value = cell != NULL ? bb_measured_figure(cell, name) : (double)NAN;
         r.low = fmin(r.low, value); /* a NAN gives way */
@@ -61,14 +61,30 @@ static range range_of(const bb_side *side, const char *key, const char *name)
     return r;
 }
 
+/* A figure that only one side has. Of layouts that is another choice of kernels; else one that is
+ * gone is named, and answers that nobody judges any more are worse. `was`: NAN if it is new. */
+static bb_status compare_one_sided(bb_comparison_result *result, const bb_measured *before,
+                                   const bb_measured *after, const char *name, double was)
+{
+    result->one_sided++;
+    if (isnan(was) || strchr(name, ' ') != NULL)
+        return BB_OK;
+    bb_move move = start_move(before, after, name);
+    move.from = was;
+    move.verdict = bb_figure_is_judgement(name) ? BB_WORSE : BB_CHANGED;
+    return add_move(result, &move);
+}
+
 static bb_status compare_figure(bb_comparison_result *result, const bb_measured *before,
                                 const bb_measured *after, const char *name)
 {
     range a = range_of(&result->before, before->key, name);
     range b = range_of(&result->after, before->key, name);
-    if (isnan(a.low) || isnan(b.low)) {
-        result->one_sided++;
-        return BB_OK;
+    if (isnan(a.low) || isnan(b.low))
+        return compare_one_sided(result, before, after, name, a.high);
+    if (bb_figure_is_wrong(name)) { /* of these the most counts, in whatever run it was */
+        a.low = a.high;
+        b.low = b.high;
     }
     if (!(b.low > a.high) && !(b.high < a.low))
         return BB_OK;
@@ -80,6 +96,8 @@ static bb_status compare_figure(bb_comparison_result *result, const bb_measured 
     move.verdict = bb_figure_sense_of(name) == BB_FIGURE_NEUTRAL ? BB_CHANGED
                    : more                                        ? BB_WORSE
                                                                  : BB_BETTER;
+    if (bb_figure_is_judged(name) && move.to == 0)
+        move.verdict = BB_WORSE;
     return add_move(result, &move);
 }
 
@@ -114,7 +132,7 @@ typedef struct timing {
     const bb_measured *before, *after;
     double from, to;
     bb_effect effect;
-    double own; /* of pairs: its effect against itself; NAN: not known, or not asked for */
+    double own; /* its effect against itself; NAN: not known, or not asked for */
 } timing;
 
 /* Without the discarded round. */
@@ -124,9 +142,9 @@ static void take_logarithms(const bb_samples *ms, bb_samples *out)
         bb_samples_add(out, log(ms->values[i]));
 }
 
-static void time_runs(timing *t, bb_family_row *row)
+static void time_runs(const bb_comparison_result *result, timing *t, bb_family_row *row)
 {
-    t->own = NAN;
+    t->own = bb_floor_own(&result->floor, t->before->key);
     t->effect = bb_effect_of_runs(&t->before->ms, &t->after->ms);
     t->from = bb_samples_median(&t->before->ms);
     t->to = bb_samples_median(&t->after->ms);
@@ -202,7 +220,7 @@ static bb_status compare_times(bb_comparison_result *result, timing *timings, ui
         if (result->pairs)
             time_pairs(result, &timings[i], &rows[i]);
         else
-            time_runs(&timings[i], &rows[i]);
+            time_runs(result, &timings[i], &rows[i]);
         if (isfinite(timings[i].effect.ratio))
             result->ratios[result->ratio_count++] = timings[i].effect.ratio;
     }
@@ -243,34 +261,60 @@ static bb_status set_floor(bb_comparison_result *result, double threshold, const
 
 static void count_only(bb_comparison_result *result)
 {
-    const bb_cell_set *a = &result->before.sets[0], *b = &result->after.sets[0];
-    for (uint32_t i = 0; i < a->count; i++)
-        result->only_before += bb_cell_set_find(b, a->cells[i].key) == NULL;
-    result->only_after = b->count - (a->count - result->only_before);
-    result->common = a->count - result->only_before;
+    const bb_side *a = &result->before, *b = &result->after;
+    bb_side_place place = {0, 0};
+    for (const char *key; (key = bb_side_next(a, &place)) != NULL;) {
+        bool both = bb_side_find(b, key) != NULL;
+        result->common += both;
+        result->only_before += !both;
+        result->lacking += both && bb_side_lacks(a, key) + bb_side_lacks(b, key) > 0;
+    }
+    place = (bb_side_place){0, 0};
+    for (const char *key; (key = bb_side_next(b, &place)) != NULL;)
+        result->only_after += bb_side_find(a, key) == NULL;
+}
+
+/* Whether all runs that count had the same scene and rays. */
+static bool same_inputs(const bb_comparison_result *result, const bb_measured *like)
+{
+    const bb_side *sides[] = {&result->before, &result->after};
+    for (uint32_t s = 0; s < 2; s++)
+        for (uint32_t i = bb_side_first(sides[s]); i < sides[s]->count; i++) {
+            const bb_measured *cell = bb_cell_set_find(&sides[s]->sets[i], like->key);
+            if (cell != NULL && !bb_same_input(cell, like))
+                return false;
+        }
+    return true;
+}
+
+static bb_status compare_cell(bb_comparison_result *result, const bb_measured *before,
+                              const bb_measured *after, timing *timings, uint32_t *count)
+{
+    bool both_ok;
+    if (!same_inputs(result, before)) {
+        result->unlike++;
+        return BB_OK;
+    }
+    BB_TRY(compare_status(result, before, after, &both_ok));
+    if (!both_ok)
+        return BB_OK;
+    BB_TRY(compare_figures(result, before, after));
+    if (!result->machines_differ && before->ms.count > 0 && after->ms.count > 0)
+        timings[(*count)++] = (timing){.before = before, .after = after};
+    return BB_OK;
 }
 
 static bb_status compare_cells(bb_comparison_result *result)
 {
-    const bb_cell_set *a = &result->before.sets[0], *b = &result->after.sets[0];
     timing *timings = calloc(result->common + 1, sizeof *timings);
     uint32_t count = 0;
+    bb_side_place place = {0, 0};
     bb_status status = timings != NULL ? BB_OK : bb_fail(BB_FAILED, "comparison: no memory");
-    for (uint32_t i = 0; i < a->count && status == BB_OK; i++) {
-        const bb_measured *before = &a->cells[i], *after = bb_cell_set_find(b, before->key);
-        bool both_ok = true;
-        if (after == NULL)
-            continue;
-        if (!bb_same_input(before, after)) {
-            result->unlike++;
-            continue;
-        }
-        status = compare_status(result, before, after, &both_ok);
-        if (status != BB_OK || !both_ok)
-            continue;
-        status = compare_figures(result, before, after);
-        if (!result->machines_differ && before->ms.count > 0 && after->ms.count > 0)
-            timings[count++] = (timing){.before = before, .after = after};
+    for (const char *key; status == BB_OK && (key = bb_side_next(&result->before, &place));) {
+        const bb_measured *before = bb_side_find(&result->before, key);
+        const bb_measured *after = bb_side_find(&result->after, key);
+        if (after != NULL)
+            status = compare_cell(result, before, after, timings, &count);
     }
     if (status == BB_OK)
         status = compare_times(result, timings, count);
@@ -304,6 +348,8 @@ bb_status bb_compare(const bb_side *before, const bb_side *after, double thresho
     *result = (bb_comparison_result){.before = *before, .after = *after};
     const bb_origin *a = &before->sets[0].origin, *b = &after->sets[0].origin;
     bool host;
+    BB_TRY(bb_side_check(before));
+    BB_TRY(bb_side_check(after));
     result->pairs = before->count > 1;
     result->machines_differ = !bb_same_machine(a, b, &host);
     result->hosts_differ = !host;

@@ -6,6 +6,8 @@
 #include "framework/compare/cell_set.h"
 #include "framework/compare/effect.h"
 
+#include <math.h>
+
 /* The chance that any cell of a comparison of equals in pairs is called slower. Six rounds against
  * six cannot show that much: for runs by themselves, where the floor decides, it is less strict. */
 #define BB_COMPARE_LEVEL 0.002
@@ -21,11 +23,35 @@ typedef struct bb_side {
     uint32_t count;
 } bb_side;
 
+/* ---- a side as one (side.c) ---- */
+
+/* The first set that counts. */
+uint32_t bb_side_first(const bb_side *side);
+/* A cell in the sets that count: the first that is not ok, else the first; NULL if none has it. */
+const bb_measured *bb_side_find(const bb_side *side, const char *key);
+/* The keys of all sets that count, each once; NULL after the last. Begin with a place of 0, 0. */
+typedef struct bb_side_place {
+    uint32_t set, cell;
+} bb_side_place;
+const char *bb_side_next(const bb_side *side, bb_side_place *place);
+/* How many of the sets that count lack the cell. */
+uint32_t bb_side_lacks(const bb_side *side, const char *key);
+/* BB_INVALID if not all sets are of one revision, machine and seed. */
+bb_status bb_side_check(const bb_side *side);
+
+/* A cell's own floor. */
+typedef struct bb_cell_floor {
+    char *key;
+    double share;
+} bb_cell_floor;
+
 /* An effect that a program showed against itself, as a share: 0.02 for 2 %. */
 typedef struct bb_floor {
-    double share;   /* NAN: there is none */
-    uint32_t cells; /* of which it was taken */
-    char from[200]; /* in words */
+    double share;       /* NAN: there is none */
+    uint32_t cells;     /* of which it was taken */
+    char from[200];     /* in words */
+    bb_cell_floor *own; /* of runs by themselves: by key, once finished; NULL: not known */
+    uint32_t own_count, own_capacity;
 } bb_floor;
 
 typedef enum bb_verdict {
@@ -58,6 +84,7 @@ typedef struct bb_comparison_result {
     uint32_t faulty; /* cells that are not ok on both sides */
     bool machines_differ, hosts_differ; /* the former: no times are compared */
     uint32_t only_before, only_after;
+    uint32_t lacking;   /* of pairs: cells in both that are not in all pairs that count */
     uint32_t one_sided; /* figures that only one side has */
     bb_move *moves;     /* worst first: what is worse, better, changed; each by size */
     uint32_t move_count, move_capacity;
@@ -68,8 +95,9 @@ typedef struct bb_comparison_result {
 
 /* Compares. Both sides have one set, or equally many of at least 2 pairs. `threshold` replaces the
  * floor (a share; NAN: not given); else `floor` is that of runs by themselves if one is known
- * (NULL: none), and pairs measure their own. The result points into the sides. BB_INVALID if they
- * have no cell in common. Release with bb_compare_free(), also after a failure. */
+ * (NULL: none), and pairs measure their own. The result points into the sides and the floor.
+ * BB_INVALID if they have no cell in common, or the runs of a side are not of one program and
+ * machine. Release with bb_compare_free(), also after a failure. */
 bb_status bb_compare(const bb_side *before, const bb_side *after, double threshold,
                      const bb_floor *floor, bb_comparison_result *result);
 void bb_compare_free(bb_comparison_result *result);
@@ -86,9 +114,17 @@ double bb_compare_level(const bb_comparison_result *result);
 double bb_floor_of_cell(const bb_side *before, const bb_side *after, const char *key);
 /* The median of that over all cells. */
 bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor);
-/* Of runs by themselves, the largest effect of any cell whose interval excludes 1: each set against
- * the next one; `first` is the first that counts. */
-bb_status bb_floor_of_runs(const bb_side *runs, uint32_t first, bb_floor *floor);
+/* Of runs by themselves: a cell's own floor is the largest effect between two of them whose
+ * interval excludes 1, that of all what 90 % of the cells do not exceed. Reference rows say
+ * nothing. Takes set against the next set, from `first` on, into a floor that began as
+ * BB_NO_FLOOR; after all are taken, finish it. Release with bb_floor_free(), also after a failure.
+ */
+#define BB_NO_FLOOR ((bb_floor){.share = (double)NAN})
+bb_status bb_floor_take_runs(bb_floor *floor, const bb_side *runs, uint32_t first);
+void bb_floor_finish_runs(bb_floor *floor);
+/* NAN: not known. */
+double bb_floor_own(const bb_floor *floor, const char *key);
+void bb_floor_free(bb_floor *floor);
 
 /* The ratio of the medians of a cell, after by before; NAN if one has none or is not ok. */
 double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after);

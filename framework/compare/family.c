@@ -12,8 +12,8 @@
  *
  * The statistic: mean / sqrt(spread^2 + s0^2), where s0 is the median spread of all cells, so that
  * no cell has a large statistic by chance of a small spread (Tusher, Tibshirani, Chu, PNAS 98,
- * 2001). Values far from the centre are drawn in to three times the median distance. Spread and
- * centre are those of all values of a cell, which no exchange changes. */
+ * 2001). Values far from the centre are drawn in to three times the median distance, unless that is
+ * 0. Spread and centre are those of all values of a cell, which no exchange changes. */
 #include "framework/compare/family.h"
 
 #include "framework/base/random.h"
@@ -67,6 +67,8 @@ static void draw_in(row *r, const double *values, double centre)
         if (isfinite(values[i]))
             sorted[known++] = fabs(values[i] - centre);
     double most = 3 * median(sorted, known);
+    if (!(most > 0)) /* most values are the same: what differs is all there is to see */
+        most = INFINITY;
     for (uint32_t i = 0; i < r->count; i++) {
         double v = isfinite(values[i]) ? values[i] - centre : 0;
         r->values[i] = (float)fmax(-most, fmin(most, v));

@@ -1,9 +1,9 @@
 /* What a program shows against itself on a machine. Pairs have labels that may be exchanged, so
  * that their p-values are exact (family.c), and the floor is but a measure of what matters: that of
  * the typical cell, and the cell's own. Between two runs by themselves much may differ that all
- * rounds of a run share: there the largest effect of any cell is the floor. Those whose interval
- * has 1 in it raise no alarm anyway and are left out, or the noisiest cell would set the floor for
- * all. */
+ * rounds of a run share: there the floor is high, what 90 % of the cells do not exceed, and a cell
+ * that is known to vary more has its own. No cell sets the floor of all others. An effect whose
+ * interval has 1 in it raises no alarm and counts as none. */
 #include "framework/compare/compare.h"
 
 #include <math.h>
@@ -28,26 +28,6 @@ double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after)
         return NAN;
     double ratio = bb_samples_median(&after->ms) / bb_samples_median(&before->ms);
     return isfinite(ratio) && ratio > 0 ? ratio : (double)NAN;
-}
-
-static void start(bb_floor *floor)
-{
-    *floor = (bb_floor){.share = BB_COMPARE_FLOOR_LEAST};
-}
-
-static void take(bb_floor *floor, const bb_effect *effect)
-{
-    if (!isfinite(effect->low))
-        return;
-    floor->cells++;
-    if (bb_effect_excludes_one(effect))
-        floor->share = fmax(floor->share, expm1(fabs(log(effect->ratio))));
-}
-
-static void finish(bb_floor *floor)
-{
-    if (floor->cells == 0)
-        floor->share = NAN;
 }
 
 /* Pairs 1 and 2, 3 and 4 ...: of each side the ratio from one to the other. They are as many as the
@@ -75,20 +55,25 @@ static int rising(const void *a, const void *b)
 
 bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor)
 {
-    const bb_cell_set *set = &before->sets[0];
-    double *effects = calloc(set->count + 1, sizeof *effects);
+    uint32_t cells = 0;
+    bb_side_place place = {0, 0};
+    while (bb_side_next(before, &place) != NULL)
+        cells++;
+    double *effects = calloc(cells + 1, sizeof *effects);
     if (effects == NULL)
         return bb_fail(BB_FAILED, "comparison: no memory");
-    start(floor);
-    for (uint32_t c = 0; c < set->count; c++) {
-        double effect = bb_floor_of_cell(before, after, set->cells[c].key);
+    *floor = (bb_floor){.share = BB_COMPARE_FLOOR_LEAST};
+    place = (bb_side_place){0, 0};
+    for (const char *key; (key = bb_side_next(before, &place)) != NULL;) {
+        double effect = bb_floor_of_cell(before, after, key);
         if (isfinite(effect))
             effects[floor->cells++] = effect;
     }
     qsort(effects, floor->cells, sizeof *effects, rising);
     if (floor->cells > 0)
         floor->share = fmax(floor->share, effects[floor->cells / 2]);
-    finish(floor);
+    else
+        floor->share = NAN;
     free(effects);
     snprintf(floor->from, sizeof floor->from,
              "the median effect of each side against itself, from pair to pair; each cell's own "
@@ -96,19 +81,99 @@ bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floo
     return BB_OK;
 }
 
-bb_status bb_floor_of_runs(const bb_side *runs, uint32_t first, bb_floor *floor)
+/* ---- of runs by themselves ---- */
+
+static int by_key(const void *a, const void *b)
 {
-    start(floor);
-    for (uint32_t i = first; i + 1 < runs->count; i++)
-        for (uint32_t c = 0; c < runs->sets[i].count; c++) {
-            const bb_measured *a = &runs->sets[i].cells[c];
-            const bb_measured *b = bb_cell_set_find(&runs->sets[i + 1], a->key);
-            if (!isfinite(bb_ratio_of_medians(a, b)))
-                continue;
-            bb_effect effect = bb_effect_of_runs(&a->ms, &b->ms);
-            take(floor, &effect);
-        }
-    finish(floor);
-    snprintf(floor->from, sizeof floor->from, "the largest effect between runs of one program");
+    return strcmp(((const bb_cell_floor *)a)->key, ((const bb_cell_floor *)b)->key);
+}
+
+static bb_cell_floor *find_own(const bb_floor *floor, uint32_t count, const char *key)
+{
+    const bb_cell_floor wanted = {.key = (char *)(uintptr_t)key};
+    return count == 0 ? NULL : bsearch(&wanted, floor->own, count, sizeof wanted, by_key);
+}
+
+/* Of the first `sorted` cells one may be this; else it is added. */
+static bb_status note(bb_floor *floor, uint32_t sorted, const char *key, double share)
+{
+    bb_cell_floor *own = find_own(floor, sorted, key);
+    if (own != NULL) {
+        own->share = fmax(own->share, share);
+        return BB_OK;
+    }
+    if (floor->own_count == floor->own_capacity) {
+        uint32_t capacity = 2 * floor->own_capacity + 64;
+        bb_cell_floor *grown = realloc(floor->own, capacity * sizeof *grown);
+        if (grown == NULL)
+            return bb_fail(BB_FAILED, "comparison: no memory");
+        floor->own = grown;
+        floor->own_capacity = capacity;
+    }
+    char *copy = strdup(key);
+    if (copy == NULL)
+        return bb_fail(BB_FAILED, "comparison: no memory");
+    floor->own[floor->own_count++] = (bb_cell_floor){copy, share};
     return BB_OK;
+}
+
+static bb_status take_two(bb_floor *floor, const bb_cell_set *before, const bb_cell_set *after)
+{
+    const uint32_t sorted = floor->own_count;
+    bb_status status = BB_OK;
+    for (uint32_t c = 0; c < before->count && status == BB_OK; c++) {
+        const bb_measured *a = &before->cells[c], *b = bb_cell_set_find(after, a->key);
+        if (a->reference || !isfinite(bb_ratio_of_medians(a, b)))
+            continue;
+        bb_effect effect = bb_effect_of_runs(&a->ms, &b->ms);
+        if (!isfinite(effect.low))
+            continue;
+        bool shows = bb_effect_excludes_one(&effect);
+        floor->cells++;
+        status = note(floor, sorted, a->key, shows ? expm1(fabs(log(effect.ratio))) : 0);
+    }
+    if (floor->own_count > sorted)
+        qsort(floor->own, floor->own_count, sizeof *floor->own, by_key);
+    return status;
+}
+
+bb_status bb_floor_take_runs(bb_floor *floor, const bb_side *runs, uint32_t first)
+{
+    for (uint32_t i = first; i + 1 < runs->count; i++)
+        BB_TRY(take_two(floor, &runs->sets[i], &runs->sets[i + 1]));
+    return BB_OK;
+}
+
+static int by_share(const void *a, const void *b)
+{
+    double x = ((const bb_cell_floor *)a)->share, y = ((const bb_cell_floor *)b)->share;
+    return (x > y) - (x < y);
+}
+
+void bb_floor_finish_runs(bb_floor *floor)
+{
+    snprintf(floor->from, sizeof floor->from,
+             "what 90 %% of the cells do not exceed between runs of one program");
+    if (floor->own_count == 0) {
+        floor->share = NAN;
+        return;
+    }
+    qsort(floor->own, floor->own_count, sizeof *floor->own, by_share);
+    uint32_t rank = (uint32_t)ceil(0.9 * floor->own_count);
+    floor->share = fmax(BB_COMPARE_FLOOR_LEAST, floor->own[rank - 1].share);
+    qsort(floor->own, floor->own_count, sizeof *floor->own, by_key);
+}
+
+double bb_floor_own(const bb_floor *floor, const char *key)
+{
+    const bb_cell_floor *own = find_own(floor, floor->own_count, key);
+    return own != NULL ? own->share : (double)NAN;
+}
+
+void bb_floor_free(bb_floor *floor)
+{
+    for (uint32_t i = 0; i < floor->own_count; i++)
+        free(floor->own[i].key);
+    free(floor->own);
+    *floor = BB_NO_FLOOR;
 }

@@ -46,7 +46,8 @@ bb_status bb_history_find(bb_history *history, const char *text, const bb_origin
 bb_status bb_history_set(bb_history *history, const bb_history_entry *entry, bb_cell_set *set);
 
 /* The floor of runs by themselves on this machine: the largest that was kept, or found between runs
- * of one revision in the history. Its share is NAN if there is none. */
+ * of one revision in the history, with each cell's own from these. Its share is NAN if there is
+ * none. Release with bb_floor_free(), also after a failure. */
 bb_status bb_history_floor(bb_history *history, const bb_origin *machine, bb_floor *floor);
 
 #endif

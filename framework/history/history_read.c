@@ -44,9 +44,10 @@ static bb_status end(bb_history *history, sqlite3_stmt *statement, bb_status sta
 
 bb_status bb_history_list(bb_history *history, bb_history_entry **entries, uint32_t *count)
 {
-    /* of a bare column beside max(), SQLite takes the row of the maximum */
-    static const char sql[] = "SELECT " COLUMNS ", max(id), count(*) FROM runs"
-                              " GROUP BY revision, host, cpu, device, driver ORDER BY min(id)";
+    static const char sql[] =
+        "SELECT " COLUMNS ", last, runs FROM runs JOIN (SELECT min(id) AS first, max(id) AS last,"
+        " count(*) AS runs FROM runs GROUP BY revision, host, cpu, device, driver) ON id = last"
+        " ORDER BY first";
     sqlite3_stmt *statement = NULL;
     bb_status status = BB_OK;
     uint32_t capacity = 0;
@@ -248,13 +249,15 @@ static bb_status read_run(bb_history *history, int64_t run, bb_cell_set *set)
 
 enum { PAIRS_MAX = 20 }; /* of runs that are compared for a floor: the latest */
 
-/* Pairs of runs of one revision that follow each other on the machine. */
+/* Pairs of runs of one revision that follow each other on the machine. What is not known, or has
+ * changes that were not committed, may be two programs. */
 static bb_status find_pairs(bb_history *history, const bb_origin *o, int64_t pairs[PAIRS_MAX][2],
                             uint32_t *count)
 {
     static const char sql[] =
         "SELECT a, b FROM (SELECT id AS b, lag(id) OVER (PARTITION BY revision ORDER BY id) AS a"
-        " FROM runs WHERE " MACHINE " AND interrupted = 0) WHERE a IS NOT NULL"
+        " FROM runs WHERE " MACHINE " AND interrupted = 0 AND revision <> ''"
+        " AND revision NOT LIKE '%-dirty') WHERE a IS NOT NULL"
         " ORDER BY b DESC LIMIT 20";
     sqlite3_stmt *statement = NULL;
     int code;
@@ -282,21 +285,23 @@ static bb_status kept_floor(bb_history *history, const bb_origin *o, bb_floor *f
     if (code == SQLITE_ROW && sqlite3_column_int(statement, 1) > 0) {
         floor->share = sqlite3_column_double(statement, 0);
         snprintf(floor->from, sizeof floor->from,
-                 "the largest effect of one program against itself (compare --run A A), %d times",
+                 "what 90 %% of the cells do not exceed of one program against itself (compare "
+                 "--run), the most of %d times",
                  sqlite3_column_int(statement, 1));
     }
     sqlite3_finalize(statement);
     return code == SQLITE_ROW ? BB_OK : bb_history_fail(history, "read it");
 }
 
-static bb_status floor_of_pair(bb_history *history, const int64_t runs[2], bb_floor *floor)
+/* Into `floor`. */
+static bb_status take_pair(bb_history *history, const int64_t runs[2], bb_floor *floor)
 {
     bb_cell_set sets[2] = {{.count = 0}, {.count = 0}};
     bb_status status = read_run(history, runs[0], &sets[0]);
     if (status == BB_OK)
         status = read_run(history, runs[1], &sets[1]);
     if (status == BB_OK)
-        status = bb_floor_of_runs(&(bb_side){sets, 2}, 0, floor);
+        status = bb_floor_take_runs(floor, &(bb_side){sets, 2}, 0);
     bb_cell_set_free(&sets[0]);
     bb_cell_set_free(&sets[1]);
     return status;
@@ -306,21 +311,24 @@ bb_status bb_history_floor(bb_history *history, const bb_origin *machine, bb_flo
 {
     int64_t pairs[PAIRS_MAX][2];
     uint32_t count, useful = 0;
-    bb_floor between = {.share = NAN};
-    *floor = (bb_floor){.share = NAN};
-    BB_TRY(kept_floor(history, machine, floor));
+    bb_floor kept = BB_NO_FLOOR;
+    *floor = BB_NO_FLOOR;
+    BB_TRY(kept_floor(history, machine, &kept));
     BB_TRY(find_pairs(history, machine, pairs, &count));
     for (uint32_t i = 0; i < count; i++) {
-        bb_floor one;
-        BB_TRY(floor_of_pair(history, pairs[i], &one));
-        useful += isfinite(one.share);
-        between.share = fmax(between.share, one.share); /* a NAN gives way */
-        between.cells += one.cells;
+        uint32_t cells = floor->cells;
+        BB_TRY(take_pair(history, pairs[i], floor));
+        useful += floor->cells > cells;
     }
-    if (isnan(between.share) || between.share <= floor->share)
+    bb_floor_finish_runs(floor);
+    if (isfinite(floor->share) && !(floor->share <= kept.share)) {
+        snprintf(floor->from, sizeof floor->from,
+                 "what 90 %% of the cells do not exceed between runs of one revision in the "
+                 "history, %u times; each cell's own counts too",
+                 useful);
         return BB_OK;
-    *floor = between;
-    snprintf(floor->from, sizeof floor->from,
-             "the largest effect between runs of one revision in the history, %u times", useful);
+    }
+    floor->share = kept.share; /* with the cells' own, where they are known */
+    memcpy(floor->from, kept.from, sizeof floor->from);
     return BB_OK;
 }

@@ -124,6 +124,7 @@ void bb_trends_free(bb_trend *trends, uint32_t count)
             if (trends[t].steps != NULL)
                 bb_compare_free(&trends[t].steps[i]);
         }
+        bb_floor_free(&trends[t].floor);
         free(trends[t].entries);
         free(trends[t].sets);
         free(trends[t].steps);

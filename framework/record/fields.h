@@ -57,6 +57,7 @@ FIELD(CONTEXT_COMMAND, CONTEXT, "command", "", TEXT | NONE, C(STRING, command), 
       NULL)
 FIELD(CONTEXT_SHARD, CONTEXT, "shard", "", TEXT | NONE, LATER, AS_TEXT, "Shard",
       "which part of the cells, of how many")
+FIELD(CONTEXT_SHARD_OF, CONTEXT, "shard_of", "", TEXT | NONE, LATER, AS_TEXT, NULL, NULL)
 FIELD(CONTEXT_SHARDS, CONTEXT, "shards", "", TEXTS | NONE, LATER, AS_TEXT, "Merged from",
       "shards of one run, with their hosts")
 FIELD(CONTEXT_INTERRUPTED, CONTEXT, "interrupted", "", BOOLEAN | NONE, LATER, AS_TEXT, NULL, NULL)

@@ -7,6 +7,7 @@
 #include "framework/scene/prim.h"
 
 #include <cjson/cJSON.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -201,12 +202,17 @@ bb_status bb_results_set_others(bb_results *results, double processors)
     return bb_put_number(context, name, processors) ? BB_OK : no_memory();
 }
 
-bb_status bb_results_set_shard(bb_results *results, const char *shard)
+bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of)
 {
+    char hash[24];
     cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
     const char *name = bb_fields[BB_F_CONTEXT_SHARD].name;
+    const char *whole = bb_fields[BB_F_CONTEXT_SHARD_OF].name;
+    snprintf(hash, sizeof hash, "%016" PRIx64, of);
     cJSON_DeleteItemFromObjectCaseSensitive(context, name);
-    return bb_put_text(context, name, shard) ? BB_OK : no_memory();
+    cJSON_DeleteItemFromObjectCaseSensitive(context, whole);
+    return bb_put_text(context, name, shard) && bb_put_text(context, whole, hash) ? BB_OK
+                                                                                  : no_memory();
 }
 
 bb_status bb_results_set_interrupted(bb_results *results)

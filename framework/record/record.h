@@ -141,8 +141,8 @@ bb_status bb_results_set_total(bb_results *results, double build_ms, double trac
                                double total_ms);
 /* Processors that other programs kept busy meanwhile; NAN: not known. A later call replaces it. */
 bb_status bb_results_set_others(bb_results *results, double processors);
-/* Which part of the cells this is: "2/8". */
-bb_status bb_results_set_shard(bb_results *results, const char *shard);
+/* Which part of the cells this is: "2/8"; and of which run: a hash of what was asked for. */
+bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of);
 /* That the run was interrupted: what is there is whole, but not all that was asked for. */
 bb_status bb_results_set_interrupted(bb_results *results);
 /* A ray set that the scene does not have, and why: no hole goes unsaid. */

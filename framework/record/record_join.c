@@ -44,6 +44,18 @@ static bb_status check_contexts(const cJSON *a, const cJSON *b)
     return BB_OK;
 }
 
+/* Shards of runs that asked for other cells deal these out otherwise: some would be missing. */
+static bb_status check_requests(const cJSON *a, const cJSON *b)
+{
+    const char *x = bb_get_text(a, BB_F_CONTEXT_SHARD_OF),
+               *y = bb_get_text(b, BB_F_CONTEXT_SHARD_OF);
+    if (strcmp(x, y) == 0)
+        return BB_OK;
+    return bb_fail(BB_INVALID, "shards of one run are made with the same options, these are not "
+                               "(see \"command\" in the files): run them alike but for --shard and "
+                               "--out");
+}
+
 static bb_status check_scenes(const bb_results *a, const bb_results *b)
 {
     const cJSON *scene;
@@ -240,6 +252,7 @@ bb_status bb_results_join(bb_results *a, const bb_results *b)
     const double others[] = {bb_get_number(context, BB_F_CONTEXT_OTHERS),
                              bb_get_number(other, BB_F_CONTEXT_OTHERS)};
     BB_TRY(check_contexts(context, other));
+    BB_TRY(check_requests(context, other));
     BB_TRY(check_scenes(a, b));
     BB_TRY(check_traces(a, b));
     if (bb_get(context, BB_F_CONTEXT_SHARDS) == NULL)
@@ -256,7 +269,7 @@ bb_status bb_results_join(bb_results *a, const bb_results *b)
 
 void bb_results_end_join(bb_results *results)
 {
-    cJSON_DeleteItemFromObjectCaseSensitive(
-        cJSON_GetObjectItemCaseSensitive(results->root, "context"),
-        bb_fields[BB_F_CONTEXT_SHARD].name);
+    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
+    cJSON_DeleteItemFromObjectCaseSensitive(context, bb_fields[BB_F_CONTEXT_SHARD].name);
+    cJSON_DeleteItemFromObjectCaseSensitive(context, bb_fields[BB_F_CONTEXT_SHARD_OF].name);
 }

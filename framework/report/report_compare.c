@@ -16,14 +16,33 @@ typedef struct page {
     bool github;
 } page;
 
-/* Texts of files must not steer a terminal, nor end a table's cell or begin HTML. */
+/* What Markdown could read as a link, an image, a mention, a reference, emphasis, HTML or a
+ * formula. */
+static bool is_markup(const char *text)
+{
+    return strpbrk(text, "[]!@*_<>~#&$\\|`") != NULL || strstr(text, "://") != NULL ||
+           strstr(text, "www.") != NULL;
+}
+
+/* Within a span of code nothing is markup but what ends it, or a table's cell. */
+static void print_code(const page *p, const char *text)
+{
+    char plain[2 * BB_CELL_KEY];
+    snprintf(plain, sizeof plain, "%s", text);
+    for (char *at = plain; *at != '\0'; at++)
+        *at = strchr("|`", *at) != NULL ? '?' : *at;
+    fputc('`', p->out);
+    bb_print_text(p->out, plain, 0);
+    fputc('`', p->out);
+}
+
+/* Texts of files must not steer a terminal, nor what Markdown makes of them. */
 static void print_text(const page *p, const char *text)
 {
-    char plain[BB_CELL_KEY];
-    snprintf(plain, sizeof plain, "%s", text);
-    for (char *at = plain; *at != '\0' && p->github; at++)
-        *at = strchr("|`<", *at) != NULL ? '?' : *at;
-    bb_print_text(p->out, plain, 0);
+    if (p->github && is_markup(text))
+        print_code(p, text);
+    else
+        bb_print_text(p->out, text, 0);
 }
 
 /* A note of its own, a list item in Markdown. */
@@ -52,9 +71,10 @@ static void print_key(const page *p, const char *key)
         if (bb_cell_key_format(&cell, brief) != BB_OK)
             snprintf(brief, sizeof brief, "%s", key);
     }
-    fputs(p->github ? "`" : "", p->out);
-    print_text(p, brief);
-    fputs(p->github ? "`" : "", p->out);
+    if (p->github)
+        print_code(p, brief);
+    else
+        print_text(p, brief);
 }
 
 static void figure(double value, char *text, size_t capacity)
@@ -125,7 +145,10 @@ static void print_differences(const page *p, const bb_comparison_result *r)
 
 static void print_gaps(const page *p, const bb_comparison_result *r)
 {
-    const bb_cell_set *a = &r->before.sets[0], *b = &r->after.sets[0];
+    const bb_cell_set *a = &r->before.sets[bb_side_first(&r->before)];
+    const bb_cell_set *b = &r->after.sets[bb_side_first(&r->after)];
+    if (r->lacking > 0)
+        NOTE(p, "WARNING: %u cells are not in all pairs that count", r->lacking);
     if (r->unlike > 0)
         NOTE(p, "WARNING: %u cells are not compared: their scene or their rays are not the same",
              r->unlike);
@@ -214,17 +237,17 @@ static void print_moves(const page *p, const bb_comparison_result *r, bb_verdict
 
 static void print_only(const page *p, const bb_side *in, const bb_side *other, uint32_t count)
 {
-    const bb_cell_set *set = &in->sets[0];
     uint32_t shown = 0;
+    bb_side_place place = {0, 0};
     if (count == 0)
         return;
     fprintf(p->out, "\n%s%u cells are in ", p->github ? "" : " ", count);
-    print_text(p, set->origin.what);
+    print_text(p, in->sets[0].origin.what);
     fputs(p->github ? " only:\n\n" : " only:\n", p->out);
-    for (uint32_t i = 0; i < set->count && shown < KEYS_MAX; i++)
-        if (bb_cell_set_find(&other->sets[0], set->cells[i].key) == NULL) {
+    for (const char *key; shown < KEYS_MAX && (key = bb_side_next(in, &place)) != NULL;)
+        if (bb_side_find(other, key) == NULL) {
             fputs(p->github ? "- " : "  ", p->out);
-            print_key(p, set->cells[i].key);
+            print_key(p, key);
             fputc('\n', p->out);
             shown++;
         }

@@ -30,7 +30,7 @@ for count in 3 13; do
     "$program" merge "shard-$count-"* --out "merged-$count" --history bench.db >/dev/null || fail "$count shards are not merged"
     cells "merged-$count/results.json" | diff - shards.txt >&2 || fail "$count shards merged have other cells"
     diff <(exact whole/results.json) <(exact "merged-$count/results.json") >&2 || fail "$count shards merged have other figures"
-    jq -e '[.builds[] | select(.unmeasured)] == [] and .context.shard == null and (.context.shards | length) == '"$count" \
+    jq -e '[.builds[] | select(.unmeasured)] == [] and .context.shard == null and .context.shard_of == null and (.context.shards | length) == '"$count" \
         "merged-$count/results.json" >/dev/null || fail "$count shards: the context, or a build that nobody measured"
     # each trace has its own scene's build
     jq -e '(.builds | map({key: (.id | tostring), value: .}) | from_entries) as $b
@@ -72,6 +72,8 @@ cp -r shard-3-1 copy
 refused 'are both shard 1' merge shard-3-1 copy --out bad
 jq '.context.shard = "2/3"' shard-3-1/results.json >copy/results.json
 refused 'is in two of the files' merge shard-3-1 copy --out bad
+"$program" run "${arguments[@]/stack,stack8/stack}" --shard 2/3 --out other >/dev/null
+refused 'made with the same options' merge shard-3-1 other --out bad
 jq '.context.revision = "other"' shard-3-2/results.json >copy/results.json
 refused 'have the same revision' merge shard-3-1 copy --out bad
 jq '.context.shard = "4/3"' shard-3-2/results.json >copy/results.json
