@@ -427,6 +427,36 @@ static void nothing_right_enough_is_status_1(void **state)
     expect(0, arguments, "careless: ");
 }
 
+static const cJSON *find(const cJSON *list, const char *builder, const char *kernel,
+                         const char *intersector)
+{
+    const cJSON *one;
+    cJSON_ArrayForEach(one, list)
+    {
+        if (is(one, "builder", builder) && is(one, "kernel", kernel) &&
+            is(one, "intersector", intersector))
+            return one;
+    }
+    return NULL;
+}
+
+/* The first kernel's stack is too short: whoever is right gives other answers. */
+static void who_is_right_stays_beside_one_that_is_wrong(void **state)
+{
+    (void)state;
+    const outcome *o = run("advise --scene ladder --builder lbvh:bits=30 --kernel "
+                           "stack:stack=4,stack --rays primary --quick --quiet --size 32x32 "
+                           "--max-rays 1024 --json");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = cJSON_Parse(o->out);
+    const cJSON *field = part(json, "contenders");
+    const cJSON *wrong = find(field, "lbvh:bits=30", "stack:stack=4", "exact");
+    assert_true(is(wrong, "state", "too wrong") && number(wrong, "wrong") > 0);
+    assert_true(is(find(field, "lbvh:bits=30", "stack", "exact"), "state", "chosen"));
+    cJSON_Delete(json);
+}
+
 static void what_cannot_be_done_is_refused(void **state)
 {
     (void)state;
@@ -502,6 +532,7 @@ int main(void)
         cmocka_unit_test(advice_as_json),
         cmocka_unit_test(advice_as_text),
         cmocka_unit_test(nothing_right_enough_is_status_1),
+        cmocka_unit_test(who_is_right_stays_beside_one_that_is_wrong),
         cmocka_unit_test(what_cannot_be_done_is_refused),
         cmocka_unit_test(kernels_take_what_is_given),
     };

@@ -82,12 +82,13 @@ static bool add_trace(const cJSON *trace, double rays, bb_tried_figures *f)
     f->trace_ms += factor * bb_samples_median(&ms);
     double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
     double ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
+    double unlike = bb_get_number(trace, BB_F_TRACE_UNLIKE);
     if (checked > 0 && isfinite(ppm)) {
         f->checked += checked;
         f->wrong += round(ppm * checked / 1e6);
+    } else if (unlike > 0) {
+        f->unlike += unlike;
     }
-    double unlike = bb_get_number(trace, BB_F_TRACE_UNLIKE);
-    f->unlike += unlike > 0 ? unlike : 0;
     return true;
 }
 
