@@ -1,6 +1,8 @@
 /* Advice: racing on made-up samples, the order of leastness, the choice; then the program from
  * outside. Seed of the simulation: BVHBENCH_TEST_SEED. */
 #include "framework/advise/advice.h"
+#include "framework/advise/heat.h"
+#include "framework/advise/scouts.h"
 #include "framework/base/random.h"
 #include "tests/program_fixture.h"
 
@@ -280,6 +282,135 @@ static void it_is_an_order(void **state)
     }
 }
 
+/* ---- scouts ---- */
+
+static bb_tried list_of(const char *const *texts)
+{
+    bb_tried list = {.count = 0};
+    for (; *texts != NULL; texts++)
+        ASSERT_OK(bb_tried_add(&list, *texts));
+    return list;
+}
+
+/* Scouts of two builders, three kernels and the presets from the most careless on. */
+typedef struct party {
+    bb_tried builders, kernels, intersectors;
+    bb_entered scouts;
+} party;
+
+static party make_party(void)
+{
+    party p = {.builders = list_of((const char *const[]){"lbvh", "sah", NULL}),
+               .kernels = list_of((const char *const[]){"stack", "stack8", "stackless", NULL}),
+               .intersectors = list_of((const char *const[]){"careless", "exact", NULL})};
+    ASSERT_OK(bb_scouts_enter(&p.builders, &p.kernels, &p.intersectors, &p.scouts));
+    return p;
+}
+
+static void end_party(party *p)
+{
+    bb_tried_free(&p->builders);
+    bb_tried_free(&p->kernels);
+    bb_tried_free(&p->intersectors);
+    bb_entered_free(&p->scouts);
+}
+
+static uint32_t scout_of(const party *p, const char *kernel, const char *intersector)
+{
+    for (uint32_t i = 0; i < p->scouts.count; i++)
+        if (strcmp(p->scouts.who[i].kernel, kernel) == 0 &&
+            strcmp(p->scouts.who[i].intersector, intersector) == 0)
+            return i;
+    fail_msg("there is no scout %s, %s", kernel, intersector);
+    return 0;
+}
+
+static void takes(party *p, const char *kernel, const char *intersector, double ms)
+{
+    bb_racer *racer = &p->scouts.racers[scout_of(p, kernel, intersector)];
+    for (int round = 0; round <= 8; round++)
+        bb_samples_add(&racer->cost, ms);
+}
+
+/* Pairs of kernel and intersector that are left for another builder. */
+static const char *left(const party *p)
+{
+    static char text[256];
+    uint32_t count;
+    size_t used = 0;
+    bb_contender *who = bb_contenders_make(&p->builders, &p->kernels, &p->intersectors, &count);
+    count = bb_scouts_keep(&p->scouts, who, count);
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(who[i].builder, "sah") == 0)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s+%s ", who[i].kernel,
+                                     who[i].intersector);
+    free(who);
+    return text;
+}
+
+static void kernels_scout_with_the_most_careful(void **state)
+{
+    (void)state;
+    party p = make_party();
+    assert_int_equal(p.scouts.count, 4);
+    scout_of(&p, "stack", "exact");
+    scout_of(&p, "stack8", "exact");
+    scout_of(&p, "stackless", "exact");
+    p.scouts.racers[scout_of(&p, "stack", "careless")].state = BB_TOO_WRONG;
+    p.scouts.racers[scout_of(&p, "stack8", "exact")].state = BB_NOT_RUN;
+    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    assert_string_equal(left(&p), "stack+exact stack8+careless stack8+exact stackless+careless "
+                                  "stackless+exact ");
+    end_party(&p);
+}
+
+/* The kernel that all intersectors were tried with is slow; that is not their fault. */
+static void a_slow_kernel_drops_no_intersector(void **state)
+{
+    (void)state;
+    party p = make_party();
+    takes(&p, "stack", "exact", 10);
+    takes(&p, "stack", "careless", 9);
+    takes(&p, "stack8", "exact", 3);
+    takes(&p, "stackless", "exact", 4.1);
+    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    const bb_racer *slow = &p.scouts.racers[scout_of(&p, "stackless", "exact")];
+    assert_int_equal(slow->state, BB_TOO_SLOW);
+    assert_int_equal(slow->behind, scout_of(&p, "stack8", "exact"));
+    assert_string_equal(left(&p), "stack8+careless stack8+exact ");
+    end_party(&p);
+}
+
+static void a_slow_intersector_drops_no_kernel(void **state)
+{
+    (void)state;
+    party p = make_party();
+    takes(&p, "stack", "exact", 3);
+    takes(&p, "stack", "careless", 10);
+    takes(&p, "stack8", "exact", 3);
+    takes(&p, "stackless", "exact", 3);
+    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    const bb_racer *slow = &p.scouts.racers[scout_of(&p, "stack", "careless")];
+    assert_int_equal(slow->state, BB_TOO_SLOW);
+    assert_int_equal(slow->behind, scout_of(&p, "stack", "exact"));
+    assert_string_equal(left(&p), "stack+exact stack8+exact stackless+exact ");
+    end_party(&p);
+}
+
+/* Who is faster may be wrong when more is measured. */
+static void the_most_careful_is_never_too_slow(void **state)
+{
+    (void)state;
+    party p = make_party();
+    takes(&p, "stack", "exact", 10);
+    takes(&p, "stack", "careless", 1);
+    takes(&p, "stack8", "exact", 10);
+    takes(&p, "stackless", "exact", 20);
+    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    assert_string_equal(left(&p), "stack+careless stack+exact stack8+careless stack8+exact ");
+    end_party(&p);
+}
+
 /* ---- the choice ---- */
 
 static void set(bb_entered *field, uint32_t i, double ms, double bytes)
@@ -457,6 +588,24 @@ static void who_is_right_stays_beside_one_that_is_wrong(void **state)
     cJSON_Delete(json);
 }
 
+/* What an intersector gets wrong is not the kernels' fault. */
+static void kernels_are_not_dropped_for_an_intersector(void **state)
+{
+    (void)state;
+    const outcome *o = run(SMALL "--scene slivers --builder lbvh,sah --kernel stackless,stack "
+                                 "--intersector careless,exact --rays primary --json");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = cJSON_Parse(o->out);
+    const cJSON *scouts = part(json, "scouts");
+    assert_int_equal(cJSON_GetArraySize(scouts), 3);
+    assert_true(is(find(scouts, "lbvh", "stackless", "careless"), "state", "too wrong"));
+    assert_false(is(find(scouts, "lbvh", "stackless", "exact"), "state", "too wrong"));
+    assert_false(is(find(scouts, "lbvh", "stack", "exact"), "state", "too wrong"));
+    assert_true(is(part(json, "choice"), "intersector", "exact"));
+    cJSON_Delete(json);
+}
+
 static void what_cannot_be_done_is_refused(void **state)
 {
     (void)state;
@@ -527,12 +676,17 @@ int main(void)
         cmocka_unit_test(the_first_difference_decides),
         cmocka_unit_test(unknown_memory_is_the_most),
         cmocka_unit_test(it_is_an_order),
+        cmocka_unit_test(kernels_scout_with_the_most_careful),
+        cmocka_unit_test(a_slow_kernel_drops_no_intersector),
+        cmocka_unit_test(a_slow_intersector_drops_no_kernel),
+        cmocka_unit_test(the_most_careful_is_never_too_slow),
         cmocka_unit_test(the_least_of_the_fast_is_chosen),
         cmocka_unit_test(kinds_are_counted),
         cmocka_unit_test(advice_as_json),
         cmocka_unit_test(advice_as_text),
         cmocka_unit_test(nothing_right_enough_is_status_1),
         cmocka_unit_test(who_is_right_stays_beside_one_that_is_wrong),
+        cmocka_unit_test(kernels_are_not_dropped_for_an_intersector),
         cmocka_unit_test(what_cannot_be_done_is_refused),
         cmocka_unit_test(kernels_take_what_is_given),
     };
