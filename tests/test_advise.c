@@ -554,6 +554,11 @@ static void nothing_right_enough_is_status_1(void **state)
     snprintf(arguments, sizeof arguments, "%s --max-rays 20k --json", careless);
     const outcome *o = expect(1, arguments, "\"choice\":\tnull");
     assert_non_null(strstr(o->out, "too wrong"));
+    /* all are out before the last heat, whose document has nothing of the scene */
+    cJSON *json = cJSON_Parse(o->out);
+    assert_true(number(json, "prims") > 0);
+    part(part(json, "needs"), "code bits");
+    cJSON_Delete(json);
     snprintf(arguments, sizeof arguments, "%s --max-rays 20k --max-wrong-ppm 1e6", careless);
     expect(0, arguments, "careless: ");
 }

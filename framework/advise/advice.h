@@ -34,7 +34,7 @@ typedef struct bb_saving {
 
 typedef struct bb_advice {
     const bb_advise_request *request;
-    const cJSON *scene; /* its entry, in a document */
+    const cJSON *scene; /* its entry, in the first document */
     bb_entered scouts, field;
     uint32_t best, choice;    /* of the field; BB_NONE_CHOSEN */
     bb_estimate choice_ratio; /* to the best */

@@ -222,15 +222,14 @@ static void put_search(writer *w, cJSON *root, const bb_advice *a)
 bb_status bb_advice_add(const bb_advice *a, bb_results *results)
 {
     const bb_advise_request *r = a->request;
-    const cJSON *scene = cJSON_GetArrayItem(bb_results_section(results, "scenes"), 0);
-    const cJSON *needs = bb_get(scene, BB_F_SCENE_DECISIONS);
+    const cJSON *needs = bb_get(a->scene, BB_F_SCENE_DECISIONS);
     writer w = {false};
     cJSON *root = open_object(&w, bb_results_json(results), "advice");
     if (root == NULL)
         return bb_fail(BB_FAILED, "advise: no memory");
     put_text(&w, root, "schema", "bvhbench-advice/1");
     put_text(&w, root, "scene", r->scene);
-    put_number(&w, root, "prims", bb_get_number(scene, BB_F_SCENE_PRIMS));
+    put_number(&w, root, "prims", bb_get_number(a->scene, BB_F_SCENE_PRIMS));
     put_number(&w, root, "image_rays", r->image_rays);
     cJSON *rays = open_array(&w, root, "rays");
     for (uint32_t i = 0; i < r->ray_count && rays != NULL; i++)

@@ -8,6 +8,7 @@
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
 
+#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,6 +44,13 @@ static bb_status add_document(course *c, bb_results **out)
     return BB_OK;
 }
 
+/* The first document that has it: the last one may have nothing. */
+static void note_scene(course *c, const bb_results *document)
+{
+    if (c->advice.scene == NULL)
+        c->advice.scene = cJSON_GetArrayItem(bb_results_section(document, "scenes"), 0);
+}
+
 /* What is found out of the clocks of an earlier comparison counts for the last one too. */
 static bb_status compare(course *c, const bb_heat *heat, bb_entered *field)
 {
@@ -51,6 +59,7 @@ static bb_status compare(course *c, const bb_heat *heat, bb_entered *field)
     BB_TRY(add_document(c, &document));
     BB_TRY(bb_heat_run(c->request, heat, field, document, &outcome));
     bb_audit_add(&c->outcome->audit, &outcome.audit);
+    note_scene(c, document);
     return BB_OK;
 }
 
@@ -61,6 +70,7 @@ static bb_status compare_last(course *c, const bb_heat *heat, bb_entered *field)
     BB_TRY(bb_heat_run(c->request, heat, field, c->results, &outcome));
     outcome.wrong = outcome.unbuilt = outcome.unjudged = 0; /* an advice is not wrong by them */
     bb_bench_outcome_add(c->outcome, &outcome);
+    note_scene(c, c->results);
     return BB_OK;
 }
 
