@@ -445,6 +445,34 @@ static void the_least_of_the_fast_is_chosen(void **state)
     assert_int_equal(least, BB_NONE_CHOSEN);
 }
 
+/* Slower in one round, with which its median is the higher one; faster in all others. */
+static void the_fastest_is_so_round_by_round(void **state)
+{
+    (void)state;
+    static bb_tried_figures figures[3];
+    static const double costs[3][7] = {
+        {1, 1, 2, 3, 10, 11, 12}, {1, 0.9, 1.9, 9.5, 9.6, 10.5, 11.5}, {1, 20, 20, 20, 20, 20, 20}};
+    bb_racer racers[3];
+    bb_contender who[3] = {{NULL, NULL, NULL}};
+    bb_entered field = {who, racers, figures, 3};
+    uint32_t best, least, within;
+    for (uint32_t i = 0; i < 3; i++) {
+        set(&field, i, 0, i == 1 ? 1e6 : 2e6);
+        racers[i].cost.count = 0;
+        for (int round = 0; round < 7; round++)
+            bb_samples_add(&racers[i].cost, costs[i][round]);
+    }
+    assert_int_equal(bb_race_best(racers, 3), 0);
+    bb_choose_least(&field, &best, &least, &within);
+    assert_int_equal(best, 1);
+    assert_int_equal(least, 1);
+    assert_true(bb_race_ratio(&racers[0], &racers[1]).value > 1);
+    racers[1].state = BB_TOO_WRONG;
+    assert_int_equal(bb_race_fastest(racers, 3), 0);
+    racers[0].state = racers[2].state = BB_NOT_RUN;
+    assert_int_equal(bb_race_fastest(racers, 3), BB_NO_RACER);
+}
+
 static void kinds_are_counted(void **state)
 {
     (void)state;
@@ -530,8 +558,9 @@ static void advice_as_text(void **state)
                                     "--kernel stack --out kept --charts no",
                               "What the scene asks for");
     static const char *const words[] = {
-        "The least that does it", "lbvh:bits=auto",          "none wrong of 256 judged, below",
-        "lbvh:bits=63",           "a stack of 1024, not 16", "bvhbench run --scene cube"};
+        "The least that does it",          "paired round by round", "lbvh:bits=auto",
+        "none wrong of 256 judged, below", "lbvh:bits=63",          "a stack of 1024, not 16",
+        "bvhbench run --scene cube"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         if (strstr(o->out, words[i]) == NULL)
             fail_msg("no '%s' in:\n%s", words[i], o->out);
@@ -686,6 +715,7 @@ int main(void)
         cmocka_unit_test(a_slow_intersector_drops_no_kernel),
         cmocka_unit_test(the_most_careful_is_never_too_slow),
         cmocka_unit_test(the_least_of_the_fast_is_chosen),
+        cmocka_unit_test(the_fastest_is_so_round_by_round),
         cmocka_unit_test(kinds_are_counted),
         cmocka_unit_test(advice_as_json),
         cmocka_unit_test(advice_as_text),

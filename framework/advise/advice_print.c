@@ -95,12 +95,16 @@ static void print_choice(const cJSON *a, FILE *out)
     fprintf(out, "   memory       %s: %s for tree and scratch, %s for the layout\n",
             megabytes(number(c, "bytes"), all), megabytes(number(c, "bytes_build"), build),
             megabytes(number(c, "bytes_layout"), layout));
-    fprintf(out, "   time         %.1f ms: %.1f build, %.1f layout, %.1f rays; of the fastest's: ",
-            number(c, "image_ms"), number(c, "build_ms"), number(c, "layout_ms"),
-            number(c, "trace_ms"));
+    fprintf(
+        out,
+        "   time         %.1f ms: %.1f build, %.1f layout, %.1f rays (medians)\n   to fastest   ",
+        number(c, "image_ms"), number(c, "build_ms"), number(c, "layout_ms"),
+        number(c, "trace_ms"));
     print_interval(out, c, "ratio", "%.3f");
-    fprintf(out, "\n   fastest      %s, %s, %s: %s\n", text(best, "builder"), text(best, "kernel"),
-            text(best, "intersector"), megabytes(number(best, "bytes"), all));
+    fprintf(out,
+            " times its time, paired round by round\n   fastest      %s, %s, %s: %s, %.1f ms\n",
+            text(best, "builder"), text(best, "kernel"), text(best, "intersector"),
+            megabytes(number(best, "bytes"), all), number(best, "image_ms"));
     print_decisions(part(c, "decisions"), out);
 }
 
@@ -207,8 +211,9 @@ static uint32_t count_states(const cJSON *contenders, const char *state)
 static void print_others(const cJSON *a, FILE *out)
 {
     const cJSON *scouts = part(a, "scouts"), *field = part(a, "contenders");
-    print_state(field, "more than needed", "As fast, and more than is needed", out);
-    print_state(field, "slower", "Slower than that in the last heat", out);
+    print_state(field, "more than needed",
+                "As fast, and more than is needed; ratios to the fastest, paired", out);
+    print_state(field, "slower", "Slower than that in the last heat; likewise", out);
     print_state(field, "too slow", "Dropped on the way, slower by more than 5 % in each round",
                 out);
     print_state(scouts, "too slow", "Dropped by the scouts, slower by more than 31 % in each round",
@@ -240,8 +245,8 @@ static void print_search(const cJSON *a, FILE *out)
     fprintf(out, "   fastest      %s, %s, %s\n   the choice takes ", text(best, "builder"),
             text(best, "kernel"), text(best, "intersector"));
     print_interval(out, all, "ratio", "%.3f");
-    fprintf(out, " of its time\n   least        %s, %s, %s: %s\n", text(least, "builder"),
-            text(least, "kernel"), text(least, "intersector"),
+    fprintf(out, " of its time, paired round by round\n   least        %s, %s, %s: %s\n",
+            text(least, "builder"), text(least, "kernel"), text(least, "intersector"),
             megabytes(number(least, "bytes"), bytes));
 }
 

@@ -157,7 +157,7 @@ static bb_status race(course *c)
 
 void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, uint32_t *within)
 {
-    *best = bb_race_best(field->racers, field->count);
+    *best = bb_race_fastest(field->racers, field->count);
     *least = *best == BB_NO_RACER ? BB_NONE_CHOSEN : *best;
     *best = *least;
     *within = 0;
