@@ -4,6 +4,7 @@
 #include "framework/advise/heat.h"
 #include "framework/advise/scouts.h"
 #include "framework/base/random.h"
+#include "framework/base/shell_word.h"
 #include "tests/program_fixture.h"
 
 #include <math.h>
@@ -571,6 +572,54 @@ static void advice_as_text(void **state)
     expect(0, "report kept --table", "lbvh:bits=auto"); /* it is a result file like any */
 }
 
+static void words_are_quoted_for_a_shell(void **state)
+{
+    (void)state;
+    static const char *const words[][2] = {
+        {"lbvh:bits=63,size=1.5", "lbvh:bits=63,size=1.5"},
+        {"", "''"},
+        {"my scene.ply", "'my scene.ply'"},
+        {"$(touch pwned)`ls`", "'$(touch pwned)`ls`'"},
+        {"it's", "'it'\\''s'"},
+        {"~/a\nb", "'~/a\nb'"},
+    };
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        char *text = NULL;
+        size_t size;
+        FILE *out = open_memstream(&text, &size);
+        assert_non_null(out);
+        bb_put_shell_word(out, words[i][0]);
+        fclose(out);
+        assert_string_equal(text, words[i][1]);
+        free(text);
+    }
+}
+
+/* A file whose name a shell would take to pieces; the command is run by one. */
+static void the_command_is_the_same_to_a_shell(void **state)
+{
+    (void)state;
+    char name[600], command[2048];
+    snprintf(name, sizeof name, "%s/a $(touch pwned) b's.obj", folder);
+    FILE *file = fopen(name, "w");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", file);
+    assert_int_equal(fclose(file), 0);
+    const outcome *o = run(SMALL "--scene 'a $(touch pwned) b'\\''s.obj' --rays primary --builder "
+                                 "lbvh --kernel stack --seed 7 --max-rays 1k --device 0 --json");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = cJSON_Parse(o->out);
+    const char *text = part(json, "command")->valuestring;
+    assert_non_null(strstr(text, " --size 16x16 --max-rays 1k --seed 7 --device 0"));
+    snprintf(command, sizeof command, "%s --quick --quiet --charts no --no-pictures",
+             text + strlen("bvhbench "));
+    expect(0, command, "lbvh");
+    snprintf(name, sizeof name, "%s/pwned", folder);
+    assert_null(fopen(name, "r"));
+    cJSON_Delete(json);
+}
+
 /* Rays at edges, and an intersector that loses some of them. */
 static void nothing_right_enough_is_status_1(void **state)
 {
@@ -719,6 +768,8 @@ int main(void)
         cmocka_unit_test(kinds_are_counted),
         cmocka_unit_test(advice_as_json),
         cmocka_unit_test(advice_as_text),
+        cmocka_unit_test(words_are_quoted_for_a_shell),
+        cmocka_unit_test(the_command_is_the_same_to_a_shell),
         cmocka_unit_test(nothing_right_enough_is_status_1),
         cmocka_unit_test(who_is_right_stays_beside_one_that_is_wrong),
         cmocka_unit_test(kernels_are_not_dropped_for_an_intersector),

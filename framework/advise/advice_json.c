@@ -1,9 +1,11 @@
 /* The advice as the member "advice" of a document: framework/advise/README.md has its schema. */
 #include "framework/advise/advice.h"
+#include "framework/base/shell_word.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A place to put members; remembers that memory ran out. */
@@ -129,15 +131,32 @@ static void put_field(writer *w, cJSON *parent, const char *name, const bb_enter
 
 static void put_command(writer *w, cJSON *root, const bb_advise_request *r, const bb_contender *who)
 {
-    char rays[1024] = "", text[4096];
-    for (uint32_t i = 0; i < r->ray_count; i++) {
-        size_t used = strlen(rays);
-        snprintf(rays + used, sizeof rays - used, "%s%s", i > 0 ? "," : "", r->rays[i]);
+    const char *const words[][2] = {{"--scene", r->scene},
+                                    {"--builder", who->builder},
+                                    {"--kernel", who->kernel},
+                                    {"--intersector", who->intersector}};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL) {
+        w->failed = true;
+        return;
     }
-    snprintf(text, sizeof text,
-             "bvhbench run --scene %s --builder %s --kernel %s --intersector %s --rays %s",
-             r->scene, who->builder, who->kernel, who->intersector, rays);
-    put_text(w, root, "command", text);
+    fputs("bvhbench run", out);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        fprintf(out, " %s ", words[i][0]);
+        bb_put_shell_word(out, words[i][1]);
+    }
+    for (uint32_t i = 0; i < r->ray_count; i++) {
+        fputs(i > 0 ? "," : " --rays ", out);
+        bb_put_shell_word(out, r->rays[i]);
+    }
+    fputs(r->further, out);
+    if (fclose(out) == 0)
+        put_text(w, root, "command", text);
+    else
+        w->failed = true;
+    free(text);
 }
 
 /* What builder and kernel decided, each with its figure. */

@@ -212,8 +212,9 @@ static void print_others(const cJSON *a, FILE *out)
 {
     const cJSON *scouts = part(a, "scouts"), *field = part(a, "contenders");
     print_state(field, "more than needed",
-                "As fast, and more than is needed; ratios to the fastest, paired", out);
-    print_state(field, "slower", "Slower than that in the last heat; likewise", out);
+                "As fast, and more than is needed; paired ratios to the fastest", out);
+    print_state(field, "slower", "Slower than that in the last heat; paired ratios to the fastest",
+                out);
     print_state(field, "too slow", "Dropped on the way, slower by more than 5 % in each round",
                 out);
     print_state(scouts, "too slow", "Dropped by the scouts, slower by more than 31 % in each round",

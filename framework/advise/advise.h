@@ -39,6 +39,8 @@ typedef struct bb_advise_request {
     bool quiet;
     uint64_t seed;
     const char *command; /* the command line */
+    const char *further; /* options for the command that measures the choice again, each after a
+                            blank and quoted for a shell; "": none */
 } bb_advise_request;
 
 /* Checks the names and parameters before anything is loaded. */
