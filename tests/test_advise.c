@@ -641,6 +641,35 @@ static void nothing_right_enough_is_status_1(void **state)
     expect(0, arguments, "careless: ");
 }
 
+/* 256 rays without a wrong one show a rate below 11,719 per million, and no less. */
+static void a_limit_that_rays_cannot_show_is_said(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *limit, *text;
+        bool shown;
+    } cases[] = {{"0", NULL, false},
+                 {"11718", "257 judged rays if none is wrong", false},
+                 {"10", "300,000 judged rays if none is wrong", false},
+                 {"11719", NULL, true},
+                 {"1e6", NULL, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char arguments[512];
+        snprintf(arguments, sizeof arguments,
+                 SMALL "--scene cube --rays primary --builder lbvh --kernel stack --intersector "
+                       "exact --max-wrong-ppm %s --out limit%zu --charts no",
+                 cases[i].limit, i);
+        const outcome *o =
+            expect(0, arguments, cases[i].text != NULL ? cases[i].text : "none wrong of 256");
+        assert_int_equal(strstr(o->out, "do not show") != NULL, cases[i].text != NULL);
+        snprintf(arguments, sizeof arguments, "limit%zu/results.json", i);
+        cJSON *json = read_results(arguments);
+        const cJSON *choice = part(part(json, "advice"), "choice");
+        assert_int_equal(cJSON_IsTrue(part(choice, "limit_shown")), cases[i].shown);
+        cJSON_Delete(json);
+    }
+}
+
 static const cJSON *find(const cJSON *list, const char *builder, const char *kernel,
                          const char *intersector)
 {
@@ -771,6 +800,7 @@ int main(void)
         cmocka_unit_test(words_are_quoted_for_a_shell),
         cmocka_unit_test(the_command_is_the_same_to_a_shell),
         cmocka_unit_test(nothing_right_enough_is_status_1),
+        cmocka_unit_test(a_limit_that_rays_cannot_show_is_said),
         cmocka_unit_test(who_is_right_stays_beside_one_that_is_wrong),
         cmocka_unit_test(kernels_are_not_dropped_for_an_intersector),
         cmocka_unit_test(what_cannot_be_done_is_refused),

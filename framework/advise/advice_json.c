@@ -183,6 +183,9 @@ static void put_choice(writer *w, cJSON *root, const bb_advice *a)
         return;
     put_who(w, choice, &field->who[a->choice]);
     put_figures(w, choice, &field->figures[a->choice]);
+    const bb_tried_figures *f = &field->figures[a->choice];
+    const double at_most = bb_wrong_rate_of(f->wrong, f->checked).high;
+    put(w, choice, "limit_shown", cJSON_CreateBool(at_most <= a->request->max_wrong_ppm));
     put_estimate(w, choice, "ratio", a->choice_ratio);
     put_decisions(w, choice, &field->figures[a->choice]);
     cJSON *best = open_object(w, root, "fastest");

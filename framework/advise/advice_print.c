@@ -81,6 +81,19 @@ static void print_decisions(const cJSON *all, FILE *out)
 
 /* ---- the choice ---- */
 
+/* A limit of 0 cannot be shown by any number of rays: the bound says how far they go. */
+static void print_limit(const cJSON *a, FILE *out)
+{
+    char rays[32];
+    const double limit = number(a, "max_wrong_ppm");
+    if (limit > 0 && cJSON_IsFalse(part(part(a, "choice"), "limit_shown")))
+        fprintf(
+            out,
+            "                These rays do not show that it is within %g per million: that takes\n"
+            "                %s judged rays if none is wrong, more if some are (--max-rays)\n",
+            limit, grouped(ceil(3e6 / limit), rays));
+}
+
 static void print_choice(const cJSON *a, FILE *out)
 {
     const cJSON *c = part(a, "choice"), *best = part(a, "fastest");
@@ -92,6 +105,7 @@ static void print_choice(const cJSON *a, FILE *out)
             number(c, "wrong") > 0 ? grouped(number(c, "wrong"), all) : "none",
             grouped(number(c, "checked"), checked), number(c, "wrong") > 0 ? "at most" : "below",
             number(c, "wrong_ppm_at_most"));
+    print_limit(a, out);
     fprintf(out, "   memory       %s: %s for tree and scratch, %s for the layout\n",
             megabytes(number(c, "bytes"), all), megabytes(number(c, "bytes_build"), build),
             megabytes(number(c, "bytes_layout"), layout));
