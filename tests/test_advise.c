@@ -620,6 +620,35 @@ static void the_command_is_the_same_to_a_shell(void **state)
     cJSON_Delete(json);
 }
 
+/* A name with what clears a terminal, sets its title, turns the writing. */
+static void a_name_does_not_steer_the_terminal(void **state)
+{
+    (void)state;
+#define EVIL "\033[2J\033]0;x\007\302\233\342\200\256.obj"
+    char name[600];
+    snprintf(name, sizeof name, "%s/" EVIL, folder);
+    FILE *file = fopen(name, "w");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", file);
+    assert_int_equal(fclose(file), 0);
+    static const char *const arguments[] = {
+        "advise --size 16x16 --quick --count 1000 --scene '" EVIL
+        "' --rays primary --builder lbvh --kernel stack",
+        "advise --scene 'nosuch" EVIL "'"};
+    for (int i = 0; i < 2; i++) {
+        const outcome *o = run(arguments[i]);
+        assert_int_equal(o->exit_status, i == 0 ? 0 : 2);
+        const char *shown = i == 0 ? o->out : o->err;
+        if (strstr(shown, "?[2J?]0;x???.obj") == NULL)
+            fail_msg("the name is not shown:\n%s", shown);
+        assert_null(strstr(o->out, "\033[2J"));
+        assert_null(strstr(o->err, "\033[2J"));
+        assert_null(strstr(o->out, "\342\200\256"));
+        assert_null(strstr(o->err, "\342\200\256"));
+    }
+#undef EVIL
+}
+
 /* Rays at edges, and an intersector that loses some of them. */
 static void nothing_right_enough_is_status_1(void **state)
 {
@@ -799,6 +828,7 @@ int main(void)
         cmocka_unit_test(advice_as_text),
         cmocka_unit_test(words_are_quoted_for_a_shell),
         cmocka_unit_test(the_command_is_the_same_to_a_shell),
+        cmocka_unit_test(a_name_does_not_steer_the_terminal),
         cmocka_unit_test(nothing_right_enough_is_status_1),
         cmocka_unit_test(a_limit_that_rays_cannot_show_is_said),
         cmocka_unit_test(who_is_right_stays_beside_one_that_is_wrong),

@@ -1,5 +1,6 @@
 /* The advice as text: what the scene needs, the choice, what it saves, what else was tried. */
 #include "framework/advise/advice.h"
+#include "framework/base/steering.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -265,12 +266,10 @@ static void print_search(const cJSON *a, FILE *out)
             megabytes(number(least, "bytes"), bytes));
 }
 
-bb_status bb_advice_print(const bb_results *results, FILE *out)
+static void print_all(const cJSON *a, FILE *out)
 {
-    const cJSON *a = bb_results_section(results, "advice"), *rays;
+    const cJSON *rays;
     char prims[32], count[32];
-    if (a == NULL)
-        return bb_fail(BB_FAILED, "advise: the document has no advice");
     fprintf(out, "%s, %s primitives; for %s rays:", text(a, "scene"),
             grouped(number(a, "prims"), prims), grouped(number(a, "image_rays"), count));
     cJSON_ArrayForEach(rays, part(a, "rays"))
@@ -287,5 +286,30 @@ bb_status bb_advice_print(const bb_results *results, FILE *out)
     print_search(a, out);
     if (text(a, "command")[0] != '\0')
         fprintf(out, "\n %s\n", text(a, "command"));
+}
+
+/* Names are a file's, and reasons may have them. */
+static void calm(cJSON *item)
+{
+    for (; item != NULL; item = item->next) {
+        if (cJSON_IsString(item))
+            bb_calm_text(item->valuestring);
+        if (item->string != NULL)
+            bb_calm_text(item->string);
+        calm(item->child);
+    }
+}
+
+bb_status bb_advice_print(const bb_results *results, FILE *out)
+{
+    const cJSON *advice = bb_results_section(results, "advice");
+    if (advice == NULL)
+        return bb_fail(BB_FAILED, "advise: the document has no advice");
+    cJSON *a = cJSON_Duplicate(advice, true);
+    if (a == NULL)
+        return bb_fail(BB_FAILED, "advise: no memory");
+    calm(a);
+    print_all(a, out);
+    cJSON_Delete(a);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the advice") : BB_OK;
 }
