@@ -1,7 +1,10 @@
 /* Advice: racing on made-up samples, the order of leastness, the choice; then the program from
  * outside. Seed of the simulation: BVHBENCH_TEST_SEED. */
 #include "framework/advise/advice.h"
+#include "framework/advise/heat.h"
+#include "framework/advise/scouts.h"
 #include "framework/base/random.h"
+#include "framework/base/shell_word.h"
 #include "tests/program_fixture.h"
 
 #include <math.h>
@@ -280,6 +283,135 @@ static void it_is_an_order(void **state)
     }
 }
 
+/* ---- scouts ---- */
+
+static bb_tried list_of(const char *const *texts)
+{
+    bb_tried list = {.count = 0};
+    for (; *texts != NULL; texts++)
+        ASSERT_OK(bb_tried_add(&list, *texts));
+    return list;
+}
+
+/* Scouts of two builders, three kernels and the presets from the most careless on. */
+typedef struct party {
+    bb_tried builders, kernels, intersectors;
+    bb_entered scouts;
+} party;
+
+static party make_party(void)
+{
+    party p = {.builders = list_of((const char *const[]){"lbvh", "sah", NULL}),
+               .kernels = list_of((const char *const[]){"stack", "stack8", "stackless", NULL}),
+               .intersectors = list_of((const char *const[]){"careless", "exact", NULL})};
+    ASSERT_OK(bb_scouts_enter(&p.builders, &p.kernels, &p.intersectors, &p.scouts));
+    return p;
+}
+
+static void end_party(party *p)
+{
+    bb_tried_free(&p->builders);
+    bb_tried_free(&p->kernels);
+    bb_tried_free(&p->intersectors);
+    bb_entered_free(&p->scouts);
+}
+
+static uint32_t scout_of(const party *p, const char *kernel, const char *intersector)
+{
+    for (uint32_t i = 0; i < p->scouts.count; i++)
+        if (strcmp(p->scouts.who[i].kernel, kernel) == 0 &&
+            strcmp(p->scouts.who[i].intersector, intersector) == 0)
+            return i;
+    fail_msg("there is no scout %s, %s", kernel, intersector);
+    return 0;
+}
+
+static void takes(party *p, const char *kernel, const char *intersector, double ms)
+{
+    bb_racer *racer = &p->scouts.racers[scout_of(p, kernel, intersector)];
+    for (int round = 0; round <= 8; round++)
+        bb_samples_add(&racer->cost, ms);
+}
+
+/* Pairs of kernel and intersector that are left for another builder. */
+static const char *left(const party *p)
+{
+    static char text[256];
+    uint32_t count;
+    size_t used = 0;
+    bb_contender *who = bb_contenders_make(&p->builders, &p->kernels, &p->intersectors, &count);
+    count = bb_scouts_keep(&p->scouts, who, count);
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(who[i].builder, "sah") == 0)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s+%s ", who[i].kernel,
+                                     who[i].intersector);
+    free(who);
+    return text;
+}
+
+static void kernels_scout_with_the_most_careful(void **state)
+{
+    (void)state;
+    party p = make_party();
+    assert_int_equal(p.scouts.count, 4);
+    scout_of(&p, "stack", "exact");
+    scout_of(&p, "stack8", "exact");
+    scout_of(&p, "stackless", "exact");
+    p.scouts.racers[scout_of(&p, "stack", "careless")].state = BB_TOO_WRONG;
+    p.scouts.racers[scout_of(&p, "stack8", "exact")].state = BB_NOT_RUN;
+    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    assert_string_equal(left(&p), "stack+exact stack8+careless stack8+exact stackless+careless "
+                                  "stackless+exact ");
+    end_party(&p);
+}
+
+/* The kernel that all intersectors were tried with is slow; that is not their fault. */
+static void a_slow_kernel_drops_no_intersector(void **state)
+{
+    (void)state;
+    party p = make_party();
+    takes(&p, "stack", "exact", 10);
+    takes(&p, "stack", "careless", 9);
+    takes(&p, "stack8", "exact", 3);
+    takes(&p, "stackless", "exact", 4.1);
+    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    const bb_racer *slow = &p.scouts.racers[scout_of(&p, "stackless", "exact")];
+    assert_int_equal(slow->state, BB_TOO_SLOW);
+    assert_int_equal(slow->behind, scout_of(&p, "stack8", "exact"));
+    assert_string_equal(left(&p), "stack8+careless stack8+exact ");
+    end_party(&p);
+}
+
+static void a_slow_intersector_drops_no_kernel(void **state)
+{
+    (void)state;
+    party p = make_party();
+    takes(&p, "stack", "exact", 3);
+    takes(&p, "stack", "careless", 10);
+    takes(&p, "stack8", "exact", 3);
+    takes(&p, "stackless", "exact", 3);
+    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    const bb_racer *slow = &p.scouts.racers[scout_of(&p, "stack", "careless")];
+    assert_int_equal(slow->state, BB_TOO_SLOW);
+    assert_int_equal(slow->behind, scout_of(&p, "stack", "exact"));
+    assert_string_equal(left(&p), "stack+exact stack8+exact stackless+exact ");
+    end_party(&p);
+}
+
+/* Who is faster may be wrong when more is measured. */
+static void the_most_careful_is_never_too_slow(void **state)
+{
+    (void)state;
+    party p = make_party();
+    takes(&p, "stack", "exact", 10);
+    takes(&p, "stack", "careless", 1);
+    takes(&p, "stack8", "exact", 10);
+    takes(&p, "stackless", "exact", 20);
+    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    assert_string_equal(left(&p), "stack+careless stack+exact stack8+careless stack8+exact ");
+    end_party(&p);
+}
+
 /* ---- the choice ---- */
 
 static void set(bb_entered *field, uint32_t i, double ms, double bytes)
@@ -312,6 +444,34 @@ static void the_least_of_the_fast_is_chosen(void **state)
     bb_choose_least(&field, &best, &least, &within);
     assert_int_equal(best, BB_NONE_CHOSEN);
     assert_int_equal(least, BB_NONE_CHOSEN);
+}
+
+/* Slower in one round, with which its median is the higher one; faster in all others. */
+static void the_fastest_is_so_round_by_round(void **state)
+{
+    (void)state;
+    static bb_tried_figures figures[3];
+    static const double costs[3][7] = {
+        {1, 1, 2, 3, 10, 11, 12}, {1, 0.9, 1.9, 9.5, 9.6, 10.5, 11.5}, {1, 20, 20, 20, 20, 20, 20}};
+    bb_racer racers[3];
+    bb_contender who[3] = {{NULL, NULL, NULL}};
+    bb_entered field = {who, racers, figures, 3};
+    uint32_t best, least, within;
+    for (uint32_t i = 0; i < 3; i++) {
+        set(&field, i, 0, i == 1 ? 1e6 : 2e6);
+        racers[i].cost.count = 0;
+        for (int round = 0; round < 7; round++)
+            bb_samples_add(&racers[i].cost, costs[i][round]);
+    }
+    assert_int_equal(bb_race_best(racers, 3), 0);
+    bb_choose_least(&field, &best, &least, &within);
+    assert_int_equal(best, 1);
+    assert_int_equal(least, 1);
+    assert_true(bb_race_ratio(&racers[0], &racers[1]).value > 1);
+    racers[1].state = BB_TOO_WRONG;
+    assert_int_equal(bb_race_fastest(racers, 3), 0);
+    racers[0].state = racers[2].state = BB_NOT_RUN;
+    assert_int_equal(bb_race_fastest(racers, 3), BB_NO_RACER);
 }
 
 static void kinds_are_counted(void **state)
@@ -399,8 +559,9 @@ static void advice_as_text(void **state)
                                     "--kernel stack --out kept --charts no",
                               "What the scene asks for");
     static const char *const words[] = {
-        "The least that does it", "lbvh:bits=auto",          "none wrong of 256 judged, below",
-        "lbvh:bits=63",           "a stack of 1024, not 16", "bvhbench run --scene cube"};
+        "The least that does it",          "paired round by round", "lbvh:bits=auto",
+        "none wrong of 256 judged, below", "lbvh:bits=63",          "a stack of 1024, not 16",
+        "bvhbench run --scene cube"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         if (strstr(o->out, words[i]) == NULL)
             fail_msg("no '%s' in:\n%s", words[i], o->out);
@@ -409,6 +570,83 @@ static void advice_as_text(void **state)
     assert_true(cJSON_GetArraySize(part(json, "traces")) >= 1);
     cJSON_Delete(json);
     expect(0, "report kept --table", "lbvh:bits=auto"); /* it is a result file like any */
+}
+
+static void words_are_quoted_for_a_shell(void **state)
+{
+    (void)state;
+    static const char *const words[][2] = {
+        {"lbvh:bits=63,size=1.5", "lbvh:bits=63,size=1.5"},
+        {"", "''"},
+        {"my scene.ply", "'my scene.ply'"},
+        {"$(touch pwned)`ls`", "'$(touch pwned)`ls`'"},
+        {"it's", "'it'\\''s'"},
+        {"~/a\nb", "'~/a\nb'"},
+    };
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        char *text = NULL;
+        size_t size;
+        FILE *out = open_memstream(&text, &size);
+        assert_non_null(out);
+        bb_put_shell_word(out, words[i][0]);
+        fclose(out);
+        assert_string_equal(text, words[i][1]);
+        free(text);
+    }
+}
+
+/* A file whose name a shell would take to pieces; the command is run by one. */
+static void the_command_is_the_same_to_a_shell(void **state)
+{
+    (void)state;
+    char name[600], command[2048];
+    snprintf(name, sizeof name, "%s/a $(touch pwned) b's.obj", folder);
+    FILE *file = fopen(name, "w");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", file);
+    assert_int_equal(fclose(file), 0);
+    const outcome *o = run(SMALL "--scene 'a $(touch pwned) b'\\''s.obj' --rays primary --builder "
+                                 "lbvh --kernel stack --seed 7 --max-rays 1k --device 0 --json");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = cJSON_Parse(o->out);
+    const char *text = part(json, "command")->valuestring;
+    assert_non_null(strstr(text, " --size 16x16 --max-rays 1k --seed 7 --device 0"));
+    snprintf(command, sizeof command, "%s --quick --quiet --charts no --no-pictures",
+             text + strlen("bvhbench "));
+    expect(0, command, "lbvh");
+    snprintf(name, sizeof name, "%s/pwned", folder);
+    assert_null(fopen(name, "r"));
+    cJSON_Delete(json);
+}
+
+/* A name with what clears a terminal, sets its title, turns the writing. */
+static void a_name_does_not_steer_the_terminal(void **state)
+{
+    (void)state;
+#define EVIL "\033[2J\033]0;x\007\302\233\342\200\256.obj"
+    char name[600];
+    snprintf(name, sizeof name, "%s/" EVIL, folder);
+    FILE *file = fopen(name, "w");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", file);
+    assert_int_equal(fclose(file), 0);
+    static const char *const arguments[] = {
+        "advise --size 16x16 --quick --count 1000 --scene '" EVIL
+        "' --rays primary --builder lbvh --kernel stack",
+        "advise --scene 'nosuch" EVIL "'"};
+    for (int i = 0; i < 2; i++) {
+        const outcome *o = run(arguments[i]);
+        assert_int_equal(o->exit_status, i == 0 ? 0 : 2);
+        const char *shown = i == 0 ? o->out : o->err;
+        if (strstr(shown, "?[2J?]0;x???.obj") == NULL)
+            fail_msg("the name is not shown:\n%s", shown);
+        assert_null(strstr(o->out, "\033[2J"));
+        assert_null(strstr(o->err, "\033[2J"));
+        assert_null(strstr(o->out, "\342\200\256"));
+        assert_null(strstr(o->err, "\342\200\256"));
+    }
+#undef EVIL
 }
 
 /* Rays at edges, and an intersector that loses some of them. */
@@ -423,8 +661,90 @@ static void nothing_right_enough_is_status_1(void **state)
     snprintf(arguments, sizeof arguments, "%s --max-rays 20k --json", careless);
     const outcome *o = expect(1, arguments, "\"choice\":\tnull");
     assert_non_null(strstr(o->out, "too wrong"));
+    /* all are out before the last heat, whose document has nothing of the scene */
+    cJSON *json = cJSON_Parse(o->out);
+    assert_true(number(json, "prims") > 0);
+    part(part(json, "needs"), "code bits");
+    cJSON_Delete(json);
     snprintf(arguments, sizeof arguments, "%s --max-rays 20k --max-wrong-ppm 1e6", careless);
     expect(0, arguments, "careless: ");
+}
+
+/* 256 rays without a wrong one show a rate below 11,719 per million, and no less. */
+static void a_limit_that_rays_cannot_show_is_said(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *limit, *text;
+        bool shown;
+    } cases[] = {{"0", NULL, false},
+                 {"11718", "257 judged rays if none is wrong", false},
+                 {"10", "300,000 judged rays if none is wrong", false},
+                 {"11719", NULL, true},
+                 {"1e6", NULL, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char arguments[512];
+        snprintf(arguments, sizeof arguments,
+                 SMALL "--scene cube --rays primary --builder lbvh --kernel stack --intersector "
+                       "exact --max-wrong-ppm %s --out limit%zu --charts no",
+                 cases[i].limit, i);
+        const outcome *o =
+            expect(0, arguments, cases[i].text != NULL ? cases[i].text : "none wrong of 256");
+        assert_int_equal(strstr(o->out, "do not show") != NULL, cases[i].text != NULL);
+        snprintf(arguments, sizeof arguments, "limit%zu/results.json", i);
+        cJSON *json = read_results(arguments);
+        const cJSON *choice = part(part(json, "advice"), "choice");
+        assert_int_equal(cJSON_IsTrue(part(choice, "limit_shown")), cases[i].shown);
+        cJSON_Delete(json);
+    }
+}
+
+static const cJSON *find(const cJSON *list, const char *builder, const char *kernel,
+                         const char *intersector)
+{
+    const cJSON *one;
+    cJSON_ArrayForEach(one, list)
+    {
+        if (is(one, "builder", builder) && is(one, "kernel", kernel) &&
+            is(one, "intersector", intersector))
+            return one;
+    }
+    return NULL;
+}
+
+/* The first kernel's stack is too short: whoever is right gives other answers. */
+static void who_is_right_stays_beside_one_that_is_wrong(void **state)
+{
+    (void)state;
+    const outcome *o = run("advise --scene ladder --builder lbvh:bits=30 --kernel "
+                           "stack:stack=4,stack --rays primary --quick --quiet --size 32x32 "
+                           "--max-rays 1024 --json");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = cJSON_Parse(o->out);
+    const cJSON *field = part(json, "contenders");
+    const cJSON *wrong = find(field, "lbvh:bits=30", "stack:stack=4", "exact");
+    assert_true(is(wrong, "state", "too wrong") && number(wrong, "wrong") > 0);
+    assert_true(is(find(field, "lbvh:bits=30", "stack", "exact"), "state", "chosen"));
+    cJSON_Delete(json);
+}
+
+/* What an intersector gets wrong is not the kernels' fault. */
+static void kernels_are_not_dropped_for_an_intersector(void **state)
+{
+    (void)state;
+    const outcome *o = run(SMALL "--scene slivers --builder lbvh,sah --kernel stackless,stack "
+                                 "--intersector careless,exact --rays primary --json");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = cJSON_Parse(o->out);
+    const cJSON *scouts = part(json, "scouts");
+    assert_int_equal(cJSON_GetArraySize(scouts), 3);
+    assert_true(is(find(scouts, "lbvh", "stackless", "careless"), "state", "too wrong"));
+    assert_false(is(find(scouts, "lbvh", "stackless", "exact"), "state", "too wrong"));
+    assert_false(is(find(scouts, "lbvh", "stack", "exact"), "state", "too wrong"));
+    assert_true(is(part(json, "choice"), "intersector", "exact"));
+    cJSON_Delete(json);
 }
 
 static void what_cannot_be_done_is_refused(void **state)
@@ -497,11 +817,22 @@ int main(void)
         cmocka_unit_test(the_first_difference_decides),
         cmocka_unit_test(unknown_memory_is_the_most),
         cmocka_unit_test(it_is_an_order),
+        cmocka_unit_test(kernels_scout_with_the_most_careful),
+        cmocka_unit_test(a_slow_kernel_drops_no_intersector),
+        cmocka_unit_test(a_slow_intersector_drops_no_kernel),
+        cmocka_unit_test(the_most_careful_is_never_too_slow),
         cmocka_unit_test(the_least_of_the_fast_is_chosen),
+        cmocka_unit_test(the_fastest_is_so_round_by_round),
         cmocka_unit_test(kinds_are_counted),
         cmocka_unit_test(advice_as_json),
         cmocka_unit_test(advice_as_text),
+        cmocka_unit_test(words_are_quoted_for_a_shell),
+        cmocka_unit_test(the_command_is_the_same_to_a_shell),
+        cmocka_unit_test(a_name_does_not_steer_the_terminal),
         cmocka_unit_test(nothing_right_enough_is_status_1),
+        cmocka_unit_test(a_limit_that_rays_cannot_show_is_said),
+        cmocka_unit_test(who_is_right_stays_beside_one_that_is_wrong),
+        cmocka_unit_test(kernels_are_not_dropped_for_an_intersector),
         cmocka_unit_test(what_cannot_be_done_is_refused),
         cmocka_unit_test(kernels_take_what_is_given),
     };

@@ -35,7 +35,6 @@ static void a_grid_needs_the_bits_that_count_it(void **state)
         /* two in a cell have one way to be split: a bit for them saves nothing, one more does */
         assert_true(bb_need_code_bits(scene) <= 3 * k);
         assert_true(bb_need_code_bits(scene) + 1 >= 3 * k);
-        assert_int_equal(bb_need_levels(scene), k);
         assert_int_equal(bb_need_size_octaves(scene), 0);
         hand_free(scene);
     }
@@ -74,7 +73,6 @@ static void what_is_one_point_needs_nothing(void **state)
     assert_int_equal(scene->profile.bits_apart, 0);
     assert_int_equal(scene->profile.bits_useful, 0);
     assert_int_equal(bb_need_code_bits(scene), 3); /* the shortest code there is */
-    assert_int_equal(bb_need_levels(scene), 1);
     assert_int_equal(bb_need_size_octaves(scene), 0);
     hand_free(scene);
     scene = hand_scene(1, 0);
@@ -128,6 +126,8 @@ static void decisions_say_what_they_rest_on(void **state)
     bb_decisions needs = {0};
     bb_scene_needs(scene, &needs);
     const bb_decision *kinds = bb_decision_find(&needs, BB_DECIDED_KINDS);
+    /* builders that are octrees decide that for themselves */
+    assert_null(bb_decision_find(&needs, BB_DECIDED_LEVELS));
     assert_string_equal(kinds->value, "spheres");
     assert_string_equal(kinds->figure, "0 triangles, 64 spheres, 0 boxes");
     assert_int_equal(kinds->by, BB_BY_SCENE);

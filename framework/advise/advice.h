@@ -34,7 +34,7 @@ typedef struct bb_saving {
 
 typedef struct bb_advice {
     const bb_advise_request *request;
-    const cJSON *scene; /* its entry, in a document */
+    const cJSON *scene; /* its entry, in the first document */
     bb_entered scouts, field;
     uint32_t best, choice;    /* of the field; BB_NONE_CHOSEN */
     bb_estimate choice_ratio; /* to the best */
@@ -47,8 +47,8 @@ typedef struct bb_advice {
     bb_estimate all_ratio; /* of the choice to the best of them */
 } bb_advice;
 
-/* Chooses among those of a last heat: *best the fastest that is not out, *least the least within
- * the slack of it, *within how many are. BB_NONE_CHOSEN for both if all are out. */
+/* Chooses among those of a last heat: *best the fastest by pairs that is not out, *least the least
+ * within the slack of it, *within how many are. BB_NONE_CHOSEN for both if all are out. */
 void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, uint32_t *within);
 
 /* As the member "advice" of the document. */

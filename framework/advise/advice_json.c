@@ -1,9 +1,11 @@
 /* The advice as the member "advice" of a document: framework/advise/README.md has its schema. */
 #include "framework/advise/advice.h"
+#include "framework/base/shell_word.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A place to put members; remembers that memory ran out. */
@@ -129,15 +131,32 @@ static void put_field(writer *w, cJSON *parent, const char *name, const bb_enter
 
 static void put_command(writer *w, cJSON *root, const bb_advise_request *r, const bb_contender *who)
 {
-    char rays[1024] = "", text[4096];
-    for (uint32_t i = 0; i < r->ray_count; i++) {
-        size_t used = strlen(rays);
-        snprintf(rays + used, sizeof rays - used, "%s%s", i > 0 ? "," : "", r->rays[i]);
+    const char *const words[][2] = {{"--scene", r->scene},
+                                    {"--builder", who->builder},
+                                    {"--kernel", who->kernel},
+                                    {"--intersector", who->intersector}};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL) {
+        w->failed = true;
+        return;
     }
-    snprintf(text, sizeof text,
-             "bvhbench run --scene %s --builder %s --kernel %s --intersector %s --rays %s",
-             r->scene, who->builder, who->kernel, who->intersector, rays);
-    put_text(w, root, "command", text);
+    fputs("bvhbench run", out);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        fprintf(out, " %s ", words[i][0]);
+        bb_put_shell_word(out, words[i][1]);
+    }
+    for (uint32_t i = 0; i < r->ray_count; i++) {
+        fputs(i > 0 ? "," : " --rays ", out);
+        bb_put_shell_word(out, r->rays[i]);
+    }
+    fputs(r->further, out);
+    if (fclose(out) == 0)
+        put_text(w, root, "command", text);
+    else
+        w->failed = true;
+    free(text);
 }
 
 /* What builder and kernel decided, each with its figure. */
@@ -164,6 +183,9 @@ static void put_choice(writer *w, cJSON *root, const bb_advice *a)
         return;
     put_who(w, choice, &field->who[a->choice]);
     put_figures(w, choice, &field->figures[a->choice]);
+    const bb_tried_figures *f = &field->figures[a->choice];
+    const double at_most = bb_wrong_rate_of(f->wrong, f->checked).high;
+    put(w, choice, "limit_shown", cJSON_CreateBool(at_most <= a->request->max_wrong_ppm));
     put_estimate(w, choice, "ratio", a->choice_ratio);
     put_decisions(w, choice, &field->figures[a->choice]);
     cJSON *best = open_object(w, root, "fastest");
@@ -222,15 +244,14 @@ static void put_search(writer *w, cJSON *root, const bb_advice *a)
 bb_status bb_advice_add(const bb_advice *a, bb_results *results)
 {
     const bb_advise_request *r = a->request;
-    const cJSON *scene = cJSON_GetArrayItem(bb_results_section(results, "scenes"), 0);
-    const cJSON *needs = bb_get(scene, BB_F_SCENE_DECISIONS);
+    const cJSON *needs = bb_get(a->scene, BB_F_SCENE_DECISIONS);
     writer w = {false};
     cJSON *root = open_object(&w, bb_results_json(results), "advice");
     if (root == NULL)
         return bb_fail(BB_FAILED, "advise: no memory");
     put_text(&w, root, "schema", "bvhbench-advice/1");
     put_text(&w, root, "scene", r->scene);
-    put_number(&w, root, "prims", bb_get_number(scene, BB_F_SCENE_PRIMS));
+    put_number(&w, root, "prims", bb_get_number(a->scene, BB_F_SCENE_PRIMS));
     put_number(&w, root, "image_rays", r->image_rays);
     cJSON *rays = open_array(&w, root, "rays");
     for (uint32_t i = 0; i < r->ray_count && rays != NULL; i++)

@@ -1,5 +1,6 @@
 /* The advice as text: what the scene needs, the choice, what it saves, what else was tried. */
 #include "framework/advise/advice.h"
+#include "framework/base/steering.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -81,6 +82,19 @@ static void print_decisions(const cJSON *all, FILE *out)
 
 /* ---- the choice ---- */
 
+/* A limit of 0 cannot be shown by any number of rays: the bound says how far they go. */
+static void print_limit(const cJSON *a, FILE *out)
+{
+    char rays[32];
+    const double limit = number(a, "max_wrong_ppm");
+    if (limit > 0 && cJSON_IsFalse(part(part(a, "choice"), "limit_shown")))
+        fprintf(
+            out,
+            "                These rays do not show that it is within %g per million: that takes\n"
+            "                %s judged rays if none is wrong, more if some are (--max-rays)\n",
+            limit, grouped(ceil(3e6 / limit), rays));
+}
+
 static void print_choice(const cJSON *a, FILE *out)
 {
     const cJSON *c = part(a, "choice"), *best = part(a, "fastest");
@@ -92,15 +106,20 @@ static void print_choice(const cJSON *a, FILE *out)
             number(c, "wrong") > 0 ? grouped(number(c, "wrong"), all) : "none",
             grouped(number(c, "checked"), checked), number(c, "wrong") > 0 ? "at most" : "below",
             number(c, "wrong_ppm_at_most"));
+    print_limit(a, out);
     fprintf(out, "   memory       %s: %s for tree and scratch, %s for the layout\n",
             megabytes(number(c, "bytes"), all), megabytes(number(c, "bytes_build"), build),
             megabytes(number(c, "bytes_layout"), layout));
-    fprintf(out, "   time         %.1f ms: %.1f build, %.1f layout, %.1f rays; of the fastest's: ",
-            number(c, "image_ms"), number(c, "build_ms"), number(c, "layout_ms"),
-            number(c, "trace_ms"));
+    fprintf(
+        out,
+        "   time         %.1f ms: %.1f build, %.1f layout, %.1f rays (medians)\n   to fastest   ",
+        number(c, "image_ms"), number(c, "build_ms"), number(c, "layout_ms"),
+        number(c, "trace_ms"));
     print_interval(out, c, "ratio", "%.3f");
-    fprintf(out, "\n   fastest      %s, %s, %s: %s\n", text(best, "builder"), text(best, "kernel"),
-            text(best, "intersector"), megabytes(number(best, "bytes"), all));
+    fprintf(out,
+            " times its time, paired round by round\n   fastest      %s, %s, %s: %s, %.1f ms\n",
+            text(best, "builder"), text(best, "kernel"), text(best, "intersector"),
+            megabytes(number(best, "bytes"), all), number(best, "image_ms"));
     print_decisions(part(c, "decisions"), out);
 }
 
@@ -207,8 +226,10 @@ static uint32_t count_states(const cJSON *contenders, const char *state)
 static void print_others(const cJSON *a, FILE *out)
 {
     const cJSON *scouts = part(a, "scouts"), *field = part(a, "contenders");
-    print_state(field, "more than needed", "As fast, and more than is needed", out);
-    print_state(field, "slower", "Slower than that in the last heat", out);
+    print_state(field, "more than needed",
+                "As fast, and more than is needed; paired ratios to the fastest", out);
+    print_state(field, "slower", "Slower than that in the last heat; paired ratios to the fastest",
+                out);
     print_state(field, "too slow", "Dropped on the way, slower by more than 5 % in each round",
                 out);
     print_state(scouts, "too slow", "Dropped by the scouts, slower by more than 31 % in each round",
@@ -240,17 +261,15 @@ static void print_search(const cJSON *a, FILE *out)
     fprintf(out, "   fastest      %s, %s, %s\n   the choice takes ", text(best, "builder"),
             text(best, "kernel"), text(best, "intersector"));
     print_interval(out, all, "ratio", "%.3f");
-    fprintf(out, " of its time\n   least        %s, %s, %s: %s\n", text(least, "builder"),
-            text(least, "kernel"), text(least, "intersector"),
+    fprintf(out, " of its time, paired round by round\n   least        %s, %s, %s: %s\n",
+            text(least, "builder"), text(least, "kernel"), text(least, "intersector"),
             megabytes(number(least, "bytes"), bytes));
 }
 
-bb_status bb_advice_print(const bb_results *results, FILE *out)
+static void print_all(const cJSON *a, FILE *out)
 {
-    const cJSON *a = bb_results_section(results, "advice"), *rays;
+    const cJSON *rays;
     char prims[32], count[32];
-    if (a == NULL)
-        return bb_fail(BB_FAILED, "advise: the document has no advice");
     fprintf(out, "%s, %s primitives; for %s rays:", text(a, "scene"),
             grouped(number(a, "prims"), prims), grouped(number(a, "image_rays"), count));
     cJSON_ArrayForEach(rays, part(a, "rays"))
@@ -267,5 +286,30 @@ bb_status bb_advice_print(const bb_results *results, FILE *out)
     print_search(a, out);
     if (text(a, "command")[0] != '\0')
         fprintf(out, "\n %s\n", text(a, "command"));
+}
+
+/* Names are a file's, and reasons may have them. */
+static void calm(cJSON *item)
+{
+    for (; item != NULL; item = item->next) {
+        if (cJSON_IsString(item))
+            bb_calm_text(item->valuestring);
+        if (item->string != NULL)
+            bb_calm_text(item->string);
+        calm(item->child);
+    }
+}
+
+bb_status bb_advice_print(const bb_results *results, FILE *out)
+{
+    const cJSON *advice = bb_results_section(results, "advice");
+    if (advice == NULL)
+        return bb_fail(BB_FAILED, "advise: the document has no advice");
+    cJSON *a = cJSON_Duplicate(advice, true);
+    if (a == NULL)
+        return bb_fail(BB_FAILED, "advise: no memory");
+    calm(a);
+    print_all(a, out);
+    cJSON_Delete(a);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the advice") : BB_OK;
 }

@@ -1,7 +1,8 @@
 /* `bvhbench advise`: the least configuration of builder, kernel and intersector that a scene needs.
  *
- *   scout    kernels and intersectors are tried on one builder's trees; what is far too slow there,
- *            or wrong too often, is tried no further
+ *   scout    kernels and intersectors are tried on one builder's trees; kernels and intersectors
+ *            that are far too slow there, and pairs that are wrong too often, are tried no further
+ *            (scouts.h)
  *   race     what is left is tried with all builders, in heats with more and more rays (race.h)
  *   choice   of those that are not wrong too often and within 5 % of the fastest, the least
  *            (leastness.h)
@@ -38,6 +39,8 @@ typedef struct bb_advise_request {
     bool quiet;
     uint64_t seed;
     const char *command; /* the command line */
+    const char *further; /* options for the command that measures the choice again, each after a
+                            blank and quoted for a shell; "": none */
 } bb_advise_request;
 
 /* Checks the names and parameters before anything is loaded. */

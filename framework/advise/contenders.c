@@ -100,6 +100,27 @@ size_t bb_tried_scout(const bb_tried *builders)
     return 0;
 }
 
+uint32_t bb_intersector_doubt(const char *intersector)
+{
+    uint32_t place = 0;
+    size_t length = strcspn(intersector, ":");
+    while (bb_intersectors[place].name != NULL &&
+           (strlen(bb_intersectors[place].name) != length ||
+            strncmp(bb_intersectors[place].name, intersector, length) != 0))
+        place++;
+    return place;
+}
+
+size_t bb_tried_careful(const bb_tried *intersectors)
+{
+    size_t careful = 0;
+    for (size_t i = 1; i < intersectors->count; i++)
+        if (bb_intersector_doubt(intersectors->items[i]) <
+            bb_intersector_doubt(intersectors->items[careful]))
+            careful = i;
+    return careful;
+}
+
 const char *bb_generous_builder(const char *builder)
 {
     bb_pipeline pipeline;

@@ -40,6 +40,14 @@ bb_contender *bb_contenders_make(const bb_tried *builders, const bb_tried *kerne
  * whose tree kernels and intersectors are tried before all others are. */
 size_t bb_tried_scout(const bb_tried *builders);
 
+/* How careless an intersector is: the place of its preset, which are listed from exact to careless.
+ */
+uint32_t bb_intersector_doubt(const char *intersector);
+
+/* The most careful intersector of the list, the first of several: the one with which kernels are
+ * tried, so that none is blamed for what an intersector gets wrong. */
+size_t bb_tried_careful(const bb_tried *intersectors);
+
 /* The generous variant of a builder, as it declares it: enough for any scene. NULL if it declares
  * none, or is made of stages. */
 const char *bb_generous_builder(const char *builder);

@@ -4,9 +4,11 @@
 #include "framework/advise/advice.h"
 #include "framework/advise/heat.h"
 #include "framework/advise/savings.h"
+#include "framework/advise/scouts.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
 
+#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,6 +44,13 @@ static bb_status add_document(course *c, bb_results **out)
     return BB_OK;
 }
 
+/* The first document that has it: the last one may have nothing. */
+static void note_scene(course *c, const bb_results *document)
+{
+    if (c->advice.scene == NULL)
+        c->advice.scene = cJSON_GetArrayItem(bb_results_section(document, "scenes"), 0);
+}
+
 /* What is found out of the clocks of an earlier comparison counts for the last one too. */
 static bb_status compare(course *c, const bb_heat *heat, bb_entered *field)
 {
@@ -50,6 +59,7 @@ static bb_status compare(course *c, const bb_heat *heat, bb_entered *field)
     BB_TRY(add_document(c, &document));
     BB_TRY(bb_heat_run(c->request, heat, field, document, &outcome));
     bb_audit_add(&c->outcome->audit, &outcome.audit);
+    note_scene(c, document);
     return BB_OK;
 }
 
@@ -60,6 +70,7 @@ static bb_status compare_last(course *c, const bb_heat *heat, bb_entered *field)
     BB_TRY(bb_heat_run(c->request, heat, field, c->results, &outcome));
     outcome.wrong = outcome.unbuilt = outcome.unjudged = 0; /* an advice is not wrong by them */
     bb_bench_outcome_add(c->outcome, &outcome);
+    note_scene(c, c->results);
     return BB_OK;
 }
 
@@ -87,53 +98,9 @@ static bb_heat few_rays(const bb_advise_request *request, uint32_t shift)
     return heat;
 }
 
-/* On one builder's trees: all kernels with the first intersector, all intersectors with the first
- * kernel. */
-static bb_status enter_scouts(course *c)
-{
-    const bb_advise_request *r = c->request;
-    const char *builder = r->builders.items[bb_tried_scout(&r->builders)];
-    uint32_t count = 0;
-    bb_contender *who = calloc(r->kernels.count + r->intersectors.count, sizeof *who);
-    for (size_t k = 0; who != NULL && k < r->kernels.count; k++)
-        who[count++] = (bb_contender){builder, r->kernels.items[k], r->intersectors.items[0]};
-    for (size_t i = 1; who != NULL && i < r->intersectors.count; i++)
-        who[count++] = (bb_contender){builder, r->kernels.items[0], r->intersectors.items[i]};
-    return bb_entered_make(who, count, &c->advice.scouts);
-}
-
-/* A kernel, or an intersector, whose only scout is out. A scout that could not run says nothing of
- * other trees. */
-static bool is_left(const bb_entered *scouts, const char *kernel, const char *intersector)
-{
-    for (uint32_t i = 0; i < scouts->count; i++) {
-        const bb_contender *who = &scouts->who[i];
-        const bb_racer_state state = scouts->racers[i].state;
-        if ((kernel == NULL || strcmp(who->kernel, kernel) == 0) &&
-            (intersector == NULL || strcmp(who->intersector, intersector) == 0) &&
-            (state == BB_RACING || state == BB_NOT_RUN))
-            return true;
-    }
-    return false;
-}
-
 static bool is_worth_scouting(const bb_advise_request *r)
 {
     return r->builders.count > 1 && r->kernels.count + r->intersectors.count > 2;
-}
-
-/* Lists of the request's texts, which they do not own. */
-static void keep_left(const course *c, bb_tried *kernels, bb_tried *intersectors)
-{
-    const bb_advise_request *r = c->request;
-    const bb_entered *scouts = &c->advice.scouts;
-    kernels->count = intersectors->count = 0;
-    for (size_t k = 0; k < r->kernels.count; k++)
-        if (scouts->count == 0 || is_left(scouts, r->kernels.items[k], NULL))
-            kernels->items[kernels->count++] = r->kernels.items[k];
-    for (size_t i = 0; i < r->intersectors.count; i++)
-        if (scouts->count == 0 || is_left(scouts, NULL, r->intersectors.items[i]))
-            intersectors->items[intersectors->count++] = r->intersectors.items[i];
 }
 
 static bb_status scout(course *c)
@@ -141,12 +108,13 @@ static bb_status scout(course *c)
     const bb_heat heat = few_rays(c->request, 4);
     if (!is_worth_scouting(c->request))
         return BB_OK;
-    BB_TRY(enter_scouts(c));
     bb_entered *scouts = &c->advice.scouts;
+    BB_TRY(bb_scouts_enter(&c->request->builders, &c->request->kernels, &c->request->intersectors,
+                           scouts));
     bb_progress_note(&c->progress, "%s: %u kernels and intersectors tried on %s", c->request->scene,
                      scouts->count, scouts->who[0].builder);
     BB_TRY(compare(c, &heat, scouts));
-    bb_race_drop(scouts->racers, scouts->count, BB_SCOUT_SLACK);
+    bb_scouts_judge(scouts, (uint32_t)c->request->kernels.count, BB_SCOUT_SLACK);
     return BB_OK;
 }
 
@@ -175,11 +143,11 @@ static bb_status measure(void *user, uint32_t index, bb_racer *racers, uint32_t 
 static bb_status race(course *c)
 {
     const bb_advise_request *r = c->request;
-    bb_tried kernels, intersectors;
     uint32_t count;
     bb_entered *field = &c->advice.field;
-    keep_left(c, &kernels, &intersectors);
-    bb_contender *who = bb_contenders_make(&r->builders, &kernels, &intersectors, &count);
+    bb_contender *who = bb_contenders_make(&r->builders, &r->kernels, &r->intersectors, &count);
+    if (who != NULL)
+        count = bb_scouts_keep(&c->advice.scouts, who, count);
     BB_TRY(bb_entered_make(who, count, field));
     c->advice.heats = r->quick ? HEATS_MAX - 1 : HEATS_MAX;
     return bb_race_run(field->racers, count, c->advice.heats, BB_ADVISE_SLACK, measure, c);
@@ -189,7 +157,7 @@ static bb_status race(course *c)
 
 void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, uint32_t *within)
 {
-    *best = bb_race_best(field->racers, field->count);
+    *best = bb_race_fastest(field->racers, field->count);
     *least = *best == BB_NO_RACER ? BB_NONE_CHOSEN : *best;
     *best = *least;
     *within = 0;

@@ -82,12 +82,13 @@ static bool add_trace(const cJSON *trace, double rays, bb_tried_figures *f)
     f->trace_ms += factor * bb_samples_median(&ms);
     double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
     double ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
+    double unlike = bb_get_number(trace, BB_F_TRACE_UNLIKE);
     if (checked > 0 && isfinite(ppm)) {
         f->checked += checked;
         f->wrong += round(ppm * checked / 1e6);
+    } else if (unlike > 0) {
+        f->unlike += unlike;
     }
-    double unlike = bb_get_number(trace, BB_F_TRACE_UNLIKE);
-    f->unlike += unlike > 0 ? unlike : 0;
     return true;
 }
 
@@ -154,18 +155,6 @@ static uint32_t width_of(const char *kernel)
     return layout != NULL ? layout->width : 0;
 }
 
-/* Place of its preset among the intersectors. */
-static uint32_t doubt_of(const char *intersector)
-{
-    uint32_t place = 0;
-    size_t length = strcspn(intersector, ":");
-    while (bb_intersectors[place].name != NULL &&
-           (strlen(bb_intersectors[place].name) != length ||
-            strncmp(bb_intersectors[place].name, intersector, length) != 0))
-        place++;
-    return place;
-}
-
 static void read_extent(const bb_contender *c, bb_tried_figures *f)
 {
     const cJSON *kinds = decision(f->trace, BB_DECIDED_KINDS);
@@ -178,7 +167,7 @@ static void read_extent(const bb_contender *c, bb_tried_figures *f)
         .stack = (uint32_t)bb_decided_number(f->trace, BB_DECIDED_STACK),
         .kinds = cJSON_IsString(kinds) ? bb_kinds_in(kinds->valuestring) : 0,
         .width = width_of(c->kernel),
-        .doubt = doubt_of(c->intersector),
+        .doubt = bb_intersector_doubt(c->intersector),
         .ms = bb_samples_median(&f->cost),
     };
 }

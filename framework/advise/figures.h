@@ -21,8 +21,8 @@ typedef struct bb_tried_figures {
     bb_samples cost;  /* ms of build, layout and rays, by rounds; sample 0 is the warm-up */
     double build_ms, layout_ms, trace_ms; /* medians; boxes and transfers are in the build's */
     double wrong, checked;                /* rays */
-    double unlike;                        /* rays answered otherwise than by another `exact` */
-    double bytes_build, bytes_layout;     /* peak of tree and scratch; of the layout */
+    double unlike; /* rays that nobody judged, answered otherwise than by another `exact` */
+    double bytes_build, bytes_layout; /* peak of tree and scratch; of the layout */
     bb_extent extent;
     const cJSON *build, *trace; /* the first of its traces; in the results */
 } bb_tried_figures;

@@ -23,6 +23,34 @@ uint32_t bb_race_best(const bb_racer *racers, uint32_t count)
     return best;
 }
 
+static uint32_t beaten_by(const bb_racer *racers, uint32_t count, uint32_t who)
+{
+    uint32_t beaten = 0;
+    for (uint32_t i = 0; i < count; i++)
+        beaten += i != who && racers[i].state == BB_RACING &&
+                  bb_race_ratio(&racers[who], &racers[i]).value < 1;
+    return beaten;
+}
+
+uint32_t bb_race_fastest(const bb_racer *racers, uint32_t count)
+{
+    uint32_t fastest = bb_race_best(racers, count);
+    uint32_t most = fastest != BB_NO_RACER ? beaten_by(racers, count, fastest) : 0;
+    double least = fastest != BB_NO_RACER ? bb_samples_median(&racers[fastest].cost) : 0;
+    for (uint32_t i = 0; i < count && fastest != BB_NO_RACER; i++) {
+        if (racers[i].state != BB_RACING || i == fastest)
+            continue;
+        const uint32_t beaten = beaten_by(racers, count, i);
+        const double cost = bb_samples_median(&racers[i].cost);
+        if (beaten > most || (beaten == most && cost < least)) {
+            fastest = i;
+            most = beaten;
+            least = cost;
+        }
+    }
+    return fastest;
+}
+
 uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack)
 {
     uint32_t best = bb_race_best(racers, count), left = 0;

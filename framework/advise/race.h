@@ -47,6 +47,11 @@ bb_estimate bb_race_ratio(const bb_racer *a, const bb_racer *b);
 /* Of those in the race the one of the lowest median cost, the first of several; BB_NO_RACER. */
 uint32_t bb_race_best(const bb_racer *racers, uint32_t count);
 
+/* Of those in the race the fastest by pairs: the one that beats most of the others round by round,
+ * of several the one of the lowest median cost. The lowest median alone may be luck: the ratio of
+ * another one to it, which is what is shown, could be below 1. BB_NO_RACER. */
+uint32_t bb_race_fastest(const bb_racer *racers, uint32_t count);
+
 /* Drops who is too slow by more than `slack` (1.05: 5 %); returns how many are left. */
 uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack);
 

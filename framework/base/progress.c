@@ -1,6 +1,7 @@
 #include "framework/base/progress.h"
 
 #include "framework/base/clock.h"
+#include "framework/base/steering.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -44,11 +45,13 @@ void bb_progress_note(bb_progress *progress, const char *format, ...)
     if (progress->quiet)
         return;
     clear_line(progress);
+    char note[4096];
     va_list args;
     va_start(args, format);
-    vfprintf(stderr, format, args);
+    vsnprintf(note, sizeof note, format, args);
     va_end(args);
-    fputc('\n', stderr);
+    bb_calm_text(note);
+    fprintf(stderr, "%s\n", note);
 }
 
 void bb_progress_plan(bb_progress *progress, double work)

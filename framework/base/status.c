@@ -1,5 +1,7 @@
 #include "framework/base/status.h"
 
+#include "framework/base/steering.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 
@@ -14,8 +16,9 @@ bb_status bb_fail(bb_status status, const char *format, ...)
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
     for (size_t i = 0; i < sizeof message && message[i] != '\0'; i++)
-        if (message[i] == '\n' || message[i] == '\r')
+        if (message[i] == '\n' || message[i] == '\r' || message[i] == '\t')
             message[i] = ' ';
+    bb_calm_text(message);
     snprintf(last_message, sizeof last_message, "%s", message);
     return status;
 }

@@ -1,6 +1,7 @@
 /* bvhbench advise: the least that a scene needs. */
 #include "framework/advise/advise.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/shell_word.h"
 #include "framework/cli/charts_option.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/output.h"
@@ -135,6 +136,26 @@ static bb_status choose_scene(const bb_cli *cli, bb_advise_request *r)
     return bb_check_scene(r->scene);
 }
 
+/* What was given of all that `run` takes likewise and its times or answers depend on. */
+static bb_status keep_options(const bb_cli *cli, char **text)
+{
+    static const char *const kept[] = {"size", "max-rays", "seed",   "device",
+                                       "form", "handover", "plugin", "kernels-from"};
+    size_t size;
+    FILE *out = open_memstream(text, &size);
+    if (out == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    for (size_t k = 0; k < sizeof kept / sizeof kept[0]; k++) {
+        uint32_t count;
+        char *const *values = bb_cli_values(cli, kept[k], &count);
+        for (uint32_t i = 0; i < count; i++) {
+            fprintf(out, " --%s ", kept[k]);
+            bb_put_shell_word(out, values[i]);
+        }
+    }
+    return fclose(out) == 0 ? BB_OK : bb_fail(BB_FAILED, "out of memory");
+}
+
 static bb_status fill_request(const bb_cli *cli, bb_names *rays, bb_advise_request *r)
 {
     BB_TRY(choose_scene(cli, r));
@@ -201,7 +222,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     BB_TRY(bb_load_plugins(cli));
     char *command = bb_cli_command_line(cli);
     a.request.command = command;
-    bb_status status = fill_request(cli, &rays, &a.request);
+    char *further = NULL;
+    bb_status status = keep_options(cli, &further);
+    a.request.further = further;
+    if (status == BB_OK)
+        status = fill_request(cli, &rays, &a.request);
     const bb_comparison comparison = {
         .cli = cli,
         .folder = folder,
@@ -222,6 +247,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_tried_free(&a.request.kernels);
     bb_tried_free(&a.request.intersectors);
     free(command);
+    free(further);
     return status;
 }
 

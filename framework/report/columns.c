@@ -1,5 +1,7 @@
 #include "framework/report/columns.h"
 
+#include "framework/base/steering.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -70,24 +72,9 @@ void bb_text_field(char entry[BB_ENTRY], const cJSON *row, bb_field_id field)
     }
 }
 
-/* Bytes of a letter in UTF-8 that would steer the terminal: control characters, and what turns the
- * direction of writing; 0 if it is none of these. */
-static int steering_bytes(const char *text)
-{
-    const unsigned char c = (unsigned char)text[0], d = (unsigned char)text[c != 0];
-    const unsigned char e = (unsigned char)text[c != 0 && d != 0 ? 2 : 0];
-    if (c < 0x20 || c == 0x7F)
-        return 1;
-    if (c == 0xC2 && d >= 0x80 && d <= 0x9F) /* U+0080 to U+009F */
-        return 2;
-    bool turns = d == 0x80 && e >= 0xAA && e <= 0xAE;    /* U+202A to U+202E */
-    bool isolates = d == 0x81 && e >= 0xA6 && e <= 0xA9; /* U+2066 to U+2069 */
-    return c == 0xE2 && (turns || isolates) ? 3 : 0;
-}
-
 int bb_print_byte(FILE *out, const char *text)
 {
-    int steering = steering_bytes(text);
+    int steering = bb_steering_bytes(text);
     fputc(steering > 0 ? '?' : *text, out);
     return steering > 0 ? steering : 1;
 }

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { LEAST_BITS = 3, MOST_LEVELS = 21, MOST_OCTAVES = 24 };
+enum { LEAST_BITS = 3, MOST_OCTAVES = 24 };
 
 bb_status bb_needs_check(const bb_scene *scene, const char *what)
 {
@@ -21,12 +21,6 @@ uint32_t bb_need_code_bits(const bb_scene *scene)
 {
     uint32_t bits = scene->profile.bits_useful;
     return bits > LEAST_BITS ? bits : LEAST_BITS;
-}
-
-uint32_t bb_need_levels(const bb_scene *scene)
-{
-    uint32_t levels = (bb_need_code_bits(scene) + 2) / 3;
-    return levels < MOST_LEVELS ? levels : MOST_LEVELS;
 }
 
 static double diagonal(const bb_box *box)
@@ -70,9 +64,6 @@ static void need_code(const bb_scene *scene, bb_decisions *needs)
     bb_decide_number(needs, BB_DECIDED_CODE_BITS, bb_need_code_bits(scene), BB_BY_SCENE,
                      "longer codes save less than 2 %% of a tree's cost; %s all centroids apart",
                      apart);
-    bb_decide_number(needs, BB_DECIDED_LEVELS, bb_need_levels(scene), BB_BY_SCENE,
-                     "3 bits of such a code per level; %u levels for all",
-                     scene->profile.octree_depth);
 }
 
 static void need_sizes(const bb_scene *scene, bb_decisions *needs)

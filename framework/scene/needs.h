@@ -20,9 +20,6 @@ bb_status bb_needs_check(const bb_scene *scene, const char *what);
 /* Bits of a Morton code, 3 to 64: a longer one hardly lowers the cost of a tree. */
 uint32_t bb_need_code_bits(const bb_scene *scene);
 
-/* Levels of an octree, 1 to 21, of such a code. */
-uint32_t bb_need_levels(const bb_scene *scene);
-
 /* How often the scene's diagonal must be halved, 0 to 24, to come down to the size of the median
  * primitive: the bits that tell sizes above it, one per octave. 0 where 98 % of the sizes lie
  * within one octave: then there is nothing to tell apart. */

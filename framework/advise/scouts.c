@@ -1,0 +1,67 @@
+/* Who scouts, and what that says of the others. */
+#include "framework/advise/scouts.h"
+
+#include "framework/advise/heat.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bb_status bb_scouts_enter(const bb_tried *builders, const bb_tried *kernels,
+                          const bb_tried *intersectors, bb_entered *scouts)
+{
+    const char *builder = builders->items[bb_tried_scout(builders)];
+    const size_t careful = bb_tried_careful(intersectors);
+    uint32_t count = 0;
+    bb_contender *who = calloc(kernels->count + intersectors->count, sizeof *who);
+    for (size_t k = 1; who != NULL && k <= kernels->count; k++)
+        who[count++] = (bb_contender){builder, kernels->items[k % kernels->count],
+                                      intersectors->items[careful]};
+    for (size_t i = 0; who != NULL && i < intersectors->count; i++)
+        if (i != careful)
+            who[count++] = (bb_contender){builder, kernels->items[0], intersectors->items[i]};
+    return bb_entered_make(who, count, scouts);
+}
+
+void bb_scouts_judge(bb_entered *scouts, uint32_t kernel_count, double slack)
+{
+    const uint32_t both = kernel_count - 1; /* the scout that the two groups share */
+    bb_racer *intersectors = scouts->racers + both;
+    const bb_racer before = *intersectors;
+    bb_race_drop(intersectors, scouts->count - both, slack);
+    for (uint32_t i = both + 1; i < scouts->count; i++)
+        if (scouts->racers[i].state == BB_TOO_SLOW)
+            scouts->racers[i].behind += both;
+    *intersectors = before;
+    bb_race_drop(scouts->racers, kernel_count, slack);
+}
+
+/* What a scout says of a contender. Those that have the first one's intersector are there for their
+ * kernels. */
+static bool speaks_against(const bb_entered *scouts, uint32_t s, const bb_contender *who)
+{
+    const bb_contender *scout = &scouts->who[s], *first = scouts->who;
+    const bool kernel = strcmp(scout->kernel, who->kernel) == 0;
+    const bool intersector = strcmp(scout->intersector, who->intersector) == 0;
+    const bool tells_kernels = strcmp(scout->intersector, first->intersector) == 0;
+    switch (scouts->racers[s].state) {
+    case BB_TOO_SLOW:
+        return tells_kernels ? kernel : intersector;
+    case BB_TOO_WRONG:
+        return kernel && intersector;
+    default:
+        return false;
+    }
+}
+
+uint32_t bb_scouts_keep(const bb_entered *scouts, bb_contender *who, uint32_t count)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        bool out = false;
+        for (uint32_t s = 0; s < scouts->count && !out; s++)
+            out = speaks_against(scouts, s, &who[i]);
+        if (!out)
+            who[kept++] = who[i];
+    }
+    return kept;
+}
