@@ -193,22 +193,19 @@ function(bvhbench_embed_report target)
     set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_chart_js.c)
     bvhbench_incbin(${output} bb_text_chart_js ${CHART_JS})
     target_sources(${target} PRIVATE ${output})
-    foreach(part html js)
-        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_atlas_${part}.c)
-        bvhbench_incbin(${output} bb_text_atlas_${part}
-                        ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/atlas.${part})
-        target_sources(${target} PRIVATE ${output})
-    endforeach()
-    # The script in parts, in this order: what a part uses stands in it or before it.
-    set(html report.html)
-    set(css report.css)
-    set(js data.js series.js draw.js tables.js charts.js verdict.js page.js)
-    set(history_html history.html) # a page of its own
-    set(history_js history.js)
-    foreach(part html css js history_html history_js)
+    # Scripts in parts, in this order: what a part uses stands in it or before it.
+    set(report_html report.html)
+    set(report_css report.css)
+    set(report_js dom.js data.js series.js draw.js tables.js charts.js verdict.js page.js)
+    set(report_history_html history.html) # a page of its own
+    set(report_history_js dom.js history.js)
+    set(atlas_html atlas.html) # another
+    set(atlas_js dom.js atlas.js)
+    foreach(part report_html report_css report_js report_history_html report_history_js atlas_html
+                 atlas_js)
         list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/)
-        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_report_${part}.c)
-        bvhbench_incbin(${output} bb_text_report_${part} ${${part}})
+        set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${part}.c)
+        bvhbench_incbin(${output} bb_text_${part} ${${part}})
         target_sources(${target} PRIVATE ${output})
     endforeach()
 endfunction()

@@ -591,7 +591,7 @@ static void programs_are_run_in_turns(void **state)
     refuses("", "compare --run ./quick", "give two programs");
     refuses("", "compare --run ./quick ./nobody", "./nobody: No such file");
     refuses("", "compare --run ./quick .", "is no program that can be run");
-    refuses("", "compare --run ./quick ./slow --rounds 8", "--rounds");
+    refuses("", "compare --run ./quick ./slow --rounds 6", "--rounds");
     refuses("", "compare --run ./quick ./slow -- --out x", "leave --out out");
     refuses("", "compare --run ./quick ./broken --quiet", "it is broken");
     refuses("", "compare --run ./dead ./quick --quiet", "killed by signal 9");

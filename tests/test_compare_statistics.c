@@ -155,8 +155,8 @@ static void too_few_rounds_have_no_interval(void **state)
     six.values[3] = 0;
     e = bb_effect_of_runs(&six, &six);
     assert_true(isnan(e.ratio));
-    assert_int_equal(bb_family_pairs_needed(0.01), 7);
-    assert_int_equal(bb_family_pairs_needed(BB_COMPARE_LEVEL), 9);
+    assert_int_equal(bb_family_pairs_needed(0.002), 9);
+    assert_int_equal(bb_family_pairs_needed(BB_COMPARE_LEVEL), 7);
 }
 
 /* ---- whole comparisons on made-up runs ---- */
@@ -166,11 +166,14 @@ enum { CELLS = 100, ROUNDS = 6 };
 typedef struct noise {
     double round, shared, run; /* of each time, of all cells in a round, of a cell in a run */
     bool heavy;
+    double burst; /* how often another takes some of a run's rounds, most of their time */
 } noise;
 
 /* A machine on which rounds have heavy tails and share some of them, and a cell is a bit faster or
  * slower all through one run. Cells differ in how noisy they are. */
-static const noise usual = {0.012, 0.01, 0.004, true};
+static const noise usual = {0.012, 0.01, 0.004, true, 0};
+/* One on which others work, too: in half of the runs, some rounds are up to twice as long. */
+static const noise busy = {0.012, 0.01, 0.004, true, 0.5};
 
 static void make_run(bb_cell_set *set, const noise *n, double slow, uint32_t slow_cells, double sah,
                      bb_random *random)
@@ -180,6 +183,11 @@ static void make_run(bb_cell_set *set, const noise *n, double slow, uint32_t slo
     snprintf(set->origin.what, sizeof set->origin.what, "made up");
     for (uint32_t k = 0; k <= ROUNDS; k++)
         shared[k] = n->shared * fabs(log(draw_heavy(random)) * 100);
+    if (bb_random_unit(random) < n->burst) {
+        uint32_t from = bb_random_below(random, ROUNDS), to = from + bb_random_below(random, 5);
+        for (uint32_t k = from; k <= to && k <= ROUNDS; k++)
+            shared[k] += bb_random_range(random, 0.1, 0.7);
+    }
     for (uint32_t i = 0; i < CELLS; i++) {
         char key[64];
         bb_measured *cell;
@@ -205,14 +213,14 @@ typedef struct found {
 } found;
 
 /* Pairs of runs, the first of which does not count; or, with one, two runs and a floor. */
-static found compare_made_up(uint32_t pairs, double slow, uint32_t slow_cells, double sah,
-                             const bb_floor *floor, bb_random *random)
+static found compare_made_up(const noise *n, uint32_t pairs, double slow, uint32_t slow_cells,
+                             double sah, const bb_floor *floor, bb_random *random)
 {
     static bb_cell_set sets[2][40];
     found f = {0, 0, 0};
     for (uint32_t i = 0; i < pairs; i++) {
-        make_run(&sets[0][i], &usual, 1, 0, 1, random);
-        make_run(&sets[1][i], &usual, slow, slow_cells, sah, random);
+        make_run(&sets[0][i], n, 1, 0, 1, random);
+        make_run(&sets[1][i], n, slow, slow_cells, sah, random);
     }
     bb_comparison_result result;
     ASSERT_OK(
@@ -248,26 +256,35 @@ static bb_floor made_up_floor(bb_random *random)
     return floor;
 }
 
-/* Ten comparisons of equals, of a hundred cells each, raise at most one false alarm; ten times
- * over. The seed is fixed: at 0.2 % for each comparison, one such ten in some thousand has more. */
+/* A hundred comparisons of equals, of a hundred cells each: in at most 1 % of them anything is
+ * called slower, but for chance (more than 5 would be one such test in 2000). So in ten of them at
+ * most one cell in a hundred is. */
 static void equals_raise_no_alarms(void **state)
 {
     (void)state;
-    for (uint32_t way = 0; way < 2; way++) {
-        bb_random random = bb_random_make(3, way);
+    static const struct {
+        const char *name;
+        const noise *noise;
+        uint32_t pairs;
+    } cases[] = {{"pairs", &usual, 11}, {"busy, pairs", &busy, 11}, {"runs", &usual, 1}};
+    for (uint32_t way = 0; way < sizeof cases / sizeof cases[0]; way++) {
+        bb_random random = bb_random_make(seed_or(3), way);
         bb_floor floor = made_up_floor(&random);
-        uint32_t all = 0;
+        uint32_t comparisons = 0;
         for (uint32_t ten = 0; ten < 10; ten++) {
             uint32_t alarms = 0;
-            for (uint32_t i = 0; i < 10; i++)
-                alarms += compare_made_up(way == 0 ? 11 : 1, 1, 0, 1, &floor, &random).slower;
-            if (alarms > 1)
-                fail_msg("%s: %u alarms in ten comparisons of equals", way == 0 ? "pairs" : "runs",
-                         alarms);
-            all += alarms;
+            for (uint32_t i = 0; i < 10; i++) {
+                uint32_t slower =
+                    compare_made_up(cases[way].noise, cases[way].pairs, 1, 0, 1, &floor, &random)
+                        .slower;
+                comparisons += slower > 0;
+                alarms += slower;
+            }
+            assert_true(alarms <= 10 * CELLS / 100);
         }
-        print_message("%s: %u alarms in 100 comparisons; floor of runs %.2f %%\n",
-                      way == 0 ? "pairs" : "runs", all, 100 * floor.share);
+        print_message("%s: an alarm in %u of 100 comparisons; floor of runs %.2f %%\n",
+                      cases[way].name, comparisons, 100 * floor.share);
+        assert_true(comparisons <= 5);
         bb_floor_free(&floor);
     }
 }
@@ -326,7 +343,7 @@ static void times_that_tie_are_told_apart(void **state)
         }
     }
     ASSERT_OK(bb_family_of_runs(rows, 2));
-    assert_true(rows[0].p_up <= BB_COMPARE_LEVEL_OF_RUNS && rows[0].p_down > 0.5);
+    assert_true(rows[0].p_up <= BB_COMPARE_LEVEL && rows[0].p_down > 0.5);
     assert_true(rows[1].p_up == 1 && rows[1].p_down == 1);
 }
 
@@ -354,28 +371,37 @@ static void intervals_alone_would(void **state)
 static void planted_changes_are_found(void **state)
 {
     (void)state;
-    static const uint32_t slow_cells[] = {1, 30};
+    static const struct {
+        const char *name;
+        const noise *noise;
+        uint32_t pairs, slow_cells;
+    } cases[] = {{"usual", &usual, 11, 1},
+                 {"usual", &usual, 11, 30},
+                 {"busy", &busy, 21, 1},
+                 {"busy", &busy, 21, 30}};
     bb_random random = bb_random_make(seed_or(13), 0);
-    for (size_t k = 0; k < 2; k++) {
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         uint32_t found_any = 0, right = 0, wrong = 0;
         enum { TRIALS = 20 };
         for (int i = 0; i < TRIALS; i++) {
-            found f = compare_made_up(11, 1.05, slow_cells[k], 1.02, NULL, &random);
+            found f = compare_made_up(cases[k].noise, cases[k].pairs, 1.05, cases[k].slow_cells,
+                                      1.02, NULL, &random);
             found_any += f.right > 0;
             right += f.right;
             wrong += f.slower - f.right;
             assert_int_equal(f.sah, 1);
         }
-        print_message("5 %% in %u cells: found in %u of %d, %.1f cells each, %u others\n",
-                      slow_cells[k], found_any, TRIALS, (double)right / TRIALS, wrong);
+        print_message("%s: 5 %% in %u cells: found in %u of %d, %.1f cells each, %u others\n",
+                      cases[k].name, cases[k].slow_cells, found_any, TRIALS, (double)right / TRIALS,
+                      wrong);
         assert_true(found_any >= TRIALS - 1 && wrong <= 1);
     }
     /* of two runs by themselves, exact figures just as well */
     bb_floor floor = made_up_floor(&random);
-    assert_int_equal(compare_made_up(1, 1, 0, 1.02, &floor, &random).sah, 1);
-    assert_int_equal(compare_made_up(1, 1, 0, 1, &floor, &random).sah, 0);
+    assert_int_equal(compare_made_up(&usual, 1, 1, 0, 1.02, &floor, &random).sah, 1);
+    assert_int_equal(compare_made_up(&usual, 1, 1, 0, 1, &floor, &random).sah, 0);
     /* and a slowdown that is well above the floor */
-    uint32_t many = compare_made_up(1, 1.3, 30, 1, &floor, &random).right;
+    uint32_t many = compare_made_up(&usual, 1, 1.3, 30, 1, &floor, &random).right;
     print_message("30 %% in 30 cells of two runs: %u found\n", many);
     assert_true(many >= 20);
     bb_floor_free(&floor);

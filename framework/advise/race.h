@@ -9,7 +9,7 @@
  * than the slack, whoever the best is in truth. The lower end of the 95 % interval would not do:
  * the one with the lowest median has had luck, and there are many comparisons. Of one whose median
  * ratio is within the slack, n rounds are all above it with a chance of 2^-n at most. With fewer
- * than BB_INTERVAL_ROUNDS rounds nobody is dropped. tests/test_advise.c simulates races.
+ * than BB_INTERVAL_ROUNDS rounds nobody is dropped. tests/test_advise_race.c simulates races.
  *
  * Nothing here knows what is measured, or how.
  */

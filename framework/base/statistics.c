@@ -103,6 +103,12 @@ double bb_samples_median(const bb_samples *samples)
     return bb_samples_estimate(samples).value;
 }
 
+double bb_samples_least(const bb_samples *samples)
+{
+    const bb_estimate e = bb_samples_estimate(samples);
+    return isfinite(e.least) ? e.least : e.value; /* one alone has no range */
+}
+
 bb_samples bb_samples_ratio(const bb_samples *a, const bb_samples *b)
 {
     bb_samples ratios = {0};

@@ -36,6 +36,9 @@ void bb_samples_add(bb_samples *samples, double value);
 
 /* Median of the samples that count; NAN if there is none. */
 double bb_samples_median(const bb_samples *samples);
+/* The least of them, which is how long it takes when nothing else is at work; NAN if there is none,
+ * or one that is no finite number. */
+double bb_samples_least(const bb_samples *samples);
 
 /* Median, interval and range of the samples that count, which are taken as independent. All NAN if
  * there is none, or one that is no finite number. */

@@ -1,28 +1,67 @@
 /* Letters that steer a terminal. */
 #include "framework/base/steering.h"
 
-#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
 
-int bb_steering_bytes(const char *text)
+/* Length by the first byte; 0 if none begins so (RFC 3629, section 4). */
+static int length_of(unsigned char first)
 {
-    const unsigned char c = (unsigned char)text[0], d = (unsigned char)text[c != 0];
-    const unsigned char e = (unsigned char)text[c != 0 && d != 0 ? 2 : 0];
-    if (c < 0x20 || c == 0x7F)
+    return first < 0x80    ? 1
+           : first < 0xC2  ? 0
+           : first < 0xE0  ? 2
+           : first < 0xF0  ? 3
+           : first <= 0xF4 ? 4
+                           : 0;
+}
+
+/* The code of a letter of `length` bytes; false if it is not well-formed. */
+static bool decode(const unsigned char *bytes, int length, uint32_t *code)
+{
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    *code = length == 1 ? bytes[0] : bytes[0] & (0x7Fu >> length);
+    for (int i = 1; i < length; i++) {
+        if ((bytes[i] & 0xC0) != 0x80)
+            return false;
+        *code = *code << 6 | (bytes[i] & 0x3F);
+    }
+    return *code >= least[length] && *code <= 0x10FFFF && (*code < 0xD800 || *code > 0xDFFF);
+}
+
+int bb_letter(const char *text, bool *calm)
+{
+    const unsigned char *bytes = (const unsigned char *)text;
+    const int length = length_of(bytes[0]);
+    uint32_t code = 0;
+    *calm = false;
+    if (length == 0 || !decode(bytes, length, &code))
         return 1;
-    if (c == 0xC2 && d >= 0x80 && d <= 0x9F) /* U+0080 to U+009F */
-        return 2;
-    bool turns = d == 0x80 && e >= 0xAA && e <= 0xAE;    /* U+202A to U+202E */
-    bool isolates = d == 0x81 && e >= 0xA6 && e <= 0xA9; /* U+2066 to U+2069 */
-    return c == 0xE2 && (turns || isolates) ? 3 : 0;
+    const bool controls = code < 0x20 || (code >= 0x7F && code < 0xA0);
+    const bool turns = (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+    *calm = !controls && !turns;
+    return length;
+}
+
+bool bb_is_calm(const char *text)
+{
+    bool calm = true;
+    while (*text != '\0' && calm)
+        text += bb_letter(text, &calm);
+    return calm;
 }
 
 void bb_calm_text(char *text)
 {
     char *to = text;
     while (*text != '\0') {
-        const int steering = bb_steering_bytes(text);
-        *to++ = steering > 0 ? '?' : *text;
-        text += steering > 0 ? steering : 1;
+        bool calm;
+        const int length = bb_letter(text, &calm);
+        if (calm)
+            memmove(to, text, (size_t)length);
+        else
+            *to = '?';
+        to += calm ? length : 1;
+        text += length;
     }
     *to = '\0';
 }

@@ -1,12 +1,19 @@
-/* What may come from a file, or be its name, must not steer the terminal that it is shown on. */
+/* What may come from a file, or be its name, must not steer the terminal that it is shown on, nor
+ * spoil JSON. */
 #ifndef BB_STEERING_H
 #define BB_STEERING_H
 
-/* Bytes of a letter in UTF-8 that would steer the terminal: control characters, and what turns the
- * direction of writing; 0 if it is none of these. `text` is not empty. */
-int bb_steering_bytes(const char *text);
+#include <stdbool.h>
 
-/* Puts a '?' in the place of each such letter. */
+/* Bytes of the first letter of `text`, which is not empty, in UTF-8; 1 of what is no UTF-8. *calm:
+ * whether it is a letter that steers nothing: no control character, none that turns the direction
+ * of writing. */
+int bb_letter(const char *text, bool *calm);
+
+/* Whether all letters are calm. */
+bool bb_is_calm(const char *text);
+
+/* Puts a '?' in the place of each letter that is not. */
 void bb_calm_text(char *text);
 
 #endif

@@ -1,5 +1,6 @@
 /* bvhbench stress: where methods fail. */
 #include "framework/base/file.h"
+#include "framework/base/identity.h"
 #include "framework/base/interrupt.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
@@ -9,13 +10,11 @@
 #include "traversal/traversal.h"
 
 #include <cjson/cJSON.h>
-#include <dirent.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <xxhash.h>
 
 static const bb_cli_option options[] = {
     {"axis", "A", "an axis of `list axes`, or a file with one; default: all", true},
@@ -139,74 +138,32 @@ static bb_status choose_axes(const bb_cli *cli, bb_names *names)
 
 static const char here[] = "in the library's code";
 
-static void add_file(XXH3_state_t *state, const char *path)
-{
-    char buffer[1 << 14];
-    size_t size;
-    FILE *file = fopen(path, "rb");
-    while (file != NULL && (size = fread(buffer, 1, sizeof buffer, file)) > 0)
-        XXH3_64bits_update(state, buffer, size);
-    if (file != NULL)
-        fclose(file);
-}
-
-static void add_text(XXH3_state_t *state, const char *text)
-{
-    text = text != NULL ? text : "";
-    XXH3_64bits_update(state, text, strlen(text) + 1);
-}
-
-/* All files of a folder of device code, in any order. */
-static void add_folder(XXH3_state_t *state, const char *path)
-{
-    DIR *folder = path != NULL ? opendir(path) : NULL;
-    uint64_t sum = 0;
-    for (const struct dirent *e; folder != NULL && (e = readdir(folder)) != NULL;) {
-        char file[4352];
-        XXH3_state_t *one = XXH3_createState();
-        if (one == NULL)
-            continue;
-        XXH3_64bits_reset(one);
-        snprintf(file, sizeof file, "%s/%s", path, e->d_name);
-        add_text(one, e->d_name);
-        add_file(one, file);
-        sum += XXH3_64bits_digest(one);
-        XXH3_freeState(one);
-    }
-    if (folder != NULL)
-        closedir(folder);
-    XXH3_64bits_update(state, &sum, sizeof sum);
-}
-
 /* The library's code, the plug-ins', device code of a folder, and the options that choose a device.
  */
-static bb_status identify(const bb_cli *cli, uint64_t *identity)
+static bb_status identify(const bb_cli *cli, uint64_t *hash)
 {
     static const char *const words[] = {"device", "form", "handover", "kernels-from"};
-    XXH3_state_t *state = XXH3_createState();
+    bb_identity *identity = bb_identity_begin();
+    const char *folder = bb_cli_value(cli, "kernels-from");
     Dl_info info;
     uint32_t count;
     char *const *plugins = bb_cli_values(cli, "plugin", &count);
-    if (state == NULL)
-        return bb_fail(BB_FAILED, "stress: no memory");
-    XXH3_64bits_reset(state);
     if (dladdr(here, &info) != 0)
-        add_file(state, info.dli_fname);
+        bb_identity_add_file(identity, info.dli_fname);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        add_text(state, bb_cli_value(cli, words[i]));
+        bb_identity_add_text(identity, bb_cli_value(cli, words[i]));
     for (const char *path = getenv("BVHBENCH_PLUGINS"); path != NULL && *path != '\0';) {
         char one[4096];
         size_t length = strcspn(path, ":");
         snprintf(one, sizeof one, "%.*s", (int)length, path);
-        add_file(state, one);
+        bb_identity_add_file(identity, one);
         path += length + (path[length] == ':');
     }
-    add_folder(state, bb_cli_value(cli, "kernels-from"));
+    if (folder != NULL)
+        bb_identity_add_folder(identity, folder);
     for (uint32_t i = 0; i < count; i++)
-        add_file(state, plugins[i]);
-    *identity = XXH3_64bits_digest(state);
-    XXH3_freeState(state);
-    return BB_OK;
+        bb_identity_add_file(identity, plugins[i]);
+    return bb_identity_end(identity, "stress", hash);
 }
 
 /* ---- the command ---- */

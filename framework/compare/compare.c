@@ -158,25 +158,20 @@ static void time_pairs(const bb_comparison_result *result, timing *t, bb_family_
     for (uint32_t i = 0; i < result->before.count; i++) {
         const bb_measured *a = bb_cell_set_find(&result->before.sets[i], t->before->key);
         const bb_measured *b = bb_cell_set_find(&result->after.sets[i], t->before->key);
-        double ratio = bb_ratio_of_medians(a, b);
+        double ratio = bb_ratio_of_leasts(a, b);
         if (i > 0)
             bb_samples_add(&row->before, log(ratio)); /* NAN holds the place of a missing one */
         if (!isfinite(ratio) && i > 0)
             continue;
         bb_samples_add(&ratios, isfinite(ratio) ? ratio : 1);
-        bb_samples_add(&from, isfinite(ratio) ? bb_samples_median(&a->ms) : 1);
-        bb_samples_add(&to, isfinite(ratio) ? bb_samples_median(&b->ms) : 1);
+        bb_samples_add(&from, isfinite(ratio) ? bb_samples_least(&a->ms) : 1);
+        bb_samples_add(&to, isfinite(ratio) ? bb_samples_least(&b->ms) : 1);
     }
     t->own = result->given ? (double)NAN
                            : bb_floor_of_cell(&result->before, &result->after, t->before->key);
     t->effect = bb_effect_of_pairs(&ratios);
     t->from = bb_samples_median(&from);
     t->to = bb_samples_median(&to);
-}
-
-double bb_compare_level(const bb_comparison_result *result)
-{
-    return result->pairs ? BB_COMPARE_LEVEL : BB_COMPARE_LEVEL_OF_RUNS;
 }
 
 /* By the rule of README.md. */
@@ -190,8 +185,7 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
     }
     double p = slower ? row->p_up : row->p_down;
     double floor = fmax(result->floor.share, t->own); /* a NAN gives way */
-    if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) ||
-        p > bb_compare_level(result))
+    if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) || p > BB_COMPARE_LEVEL)
         return BB_OK;
     bb_move move = start_move(t->before, t->after, t->before->trace ? "trace ms" : "build ms");
     move.timed = true;

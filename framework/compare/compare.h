@@ -8,10 +8,8 @@
 
 #include <math.h>
 
-/* The chance that any cell of a comparison of equals in pairs is called slower. Six rounds against
- * six cannot show that much: for runs by themselves, where the floor decides, it is less strict. */
-#define BB_COMPARE_LEVEL 0.002
-#define BB_COMPARE_LEVEL_OF_RUNS 0.01
+/* The chance that any cell of a comparison of equals is called slower, or faster. */
+#define BB_COMPARE_LEVEL 0.01
 /* Of the floor: what nobody would call a change, and what stands where no A/A is known. */
 #define BB_COMPARE_FLOOR_LEAST 0.01
 #define BB_COMPARE_FLOOR_UNKNOWN 0.10
@@ -65,7 +63,7 @@ typedef struct bb_move {
     const bb_measured *before, *after;
     char what[BB_FIGURE_NAME]; /* "build ms", "trace ms", "status", or an exact figure's name */
     bool timed;
-    double from, to;  /* medians in ms, or the figure; NAN of a status */
+    double from, to;  /* medians in ms (of pairs: of the least), or the figure; NAN of a status */
     bb_effect effect; /* of an exact figure: its ratio, NAN if it was 0 */
     double p;         /* of a time: adjusted for all cells */
     bb_verdict verdict;
@@ -105,9 +103,6 @@ void bb_compare_free(bb_comparison_result *result);
 /* The median of the cells' ratios of times; NAN if there are none. */
 double bb_compare_typical(const bb_comparison_result *result);
 
-/* The level of the p-values. */
-double bb_compare_level(const bb_comparison_result *result);
-
 /* ---- floors (floor.c) ---- */
 
 /* Of pairs: a cell on each side against itself, from one pair to the next. NAN: not known. */
@@ -128,6 +123,9 @@ void bb_floor_free(bb_floor *floor);
 
 /* The ratio of the medians of a cell, after by before; NAN if one has none or is not ok. */
 double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after);
+/* The same of the least times, which is what one pair says: noise only lengthens, in bursts that
+ * may be as long as half of a short run. */
+double bb_ratio_of_leasts(const bb_measured *before, const bb_measured *after);
 /* Whether both are of the same scene and the same rays. */
 bool bb_same_input(const bb_measured *a, const bb_measured *b);
 

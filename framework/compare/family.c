@@ -1,9 +1,14 @@
-/* The maximum over all cells, by permutation: Westfall and Young, Resampling-Based Multiple
- * Testing, 1993.
+/* The maximum over cells, by permutation, step by step: Westfall and Young, Resampling-Based
+ * Multiple Testing, 1993, section 2.6.
  *
- *     for each exchange of labels (the one that was measured first):
- *         largest[exchange] = max over cells of the cell's statistic under the exchange
- *     p(cell) = share of exchanges with largest[exchange] >= the cell's statistic as measured
+ *     for each exchange of labels (the one that was measured first), from the cell with the
+ *     smallest statistic, as measured, to the one with the largest:
+ *         largest = max(largest, the cell's statistic under the exchange)
+ *         count[cell] += largest >= the cell's statistic as measured
+ *     p(cell) = the most of count / exchanges of this cell and all with a larger statistic
+ *
+ * A cell stands against those that moved no more than itself: those that moved most, which are
+ * large under many an exchange, are no obstacle to the others.
  *
  * An exchange is the same for all cells: of pairs, the signs of some rounds' log ratios; of two
  * runs, which rounds are called whose. If the labels say nothing, the measured one is as likely as
@@ -161,27 +166,46 @@ static double statistic(const row *r, const float *sign, bool pairs)
     return (after / (r->count - r->first) - before / r->first) / r->scale;
 }
 
-/* largest[e] and smallest[e] over the rows, exchange by exchange; rows of one shape share one. */
-static void find_extremes(const row *rows, uint32_t count, uint32_t exchanges, bool pairs,
-                          double *largest, double *smallest)
+/* ---- step by step ---- */
+
+/* A cell's place among all, by its statistic as measured. */
+typedef struct place {
+    uint32_t row, count; /* count: of exchanges in which the largest is no smaller */
+    double t;
+} place;
+
+static int by_statistic(const void *a, const void *b)
 {
+    const place *p = a, *q = b;
+    return p->t != q->t ? (p->t > q->t) - (p->t < q->t) : (p->row > q->row) - (p->row < q->row);
+}
+
+/* Signs of the exchange for a row of that shape; rows of one shape share them. */
+static void signs_of(uint32_t exchange, const row *r, bool pairs, float *sign)
+{
+    if (pairs)
+        signs_of_pairs(exchange, r->count, sign);
+    else
+        signs_of_runs(exchange, r->first, r->count, sign);
+}
+
+static void step_through(const row *rows, place *places, uint32_t count, uint32_t exchange,
+                         bool pairs, bool up)
+{
+    const double slack = 1e-9; /* sums of the same values in another order */
     float sign[VALUES] = {0};
-    for (uint32_t e = 0; e < exchanges; e++) {
-        uint32_t first = 0, all = 0;
-        for (uint32_t i = 0; i < count; i++) {
-            const row *r = &rows[i];
-            if (r->first != first || r->count != all) {
-                first = r->first;
-                all = r->count;
-                if (pairs)
-                    signs_of_pairs(e, all, sign);
-                else
-                    signs_of_runs(e, first, all, sign);
-            }
-            double t = statistic(r, sign, pairs);
-            largest[e] = fmax(largest[e], t);
-            smallest[e] = fmin(smallest[e], t);
+    double largest = -INFINITY;
+    uint32_t first = 0, all = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const row *r = &rows[places[i].row];
+        if (r->first != first || r->count != all) {
+            first = r->first;
+            all = r->count;
+            signs_of(exchange, r, pairs, sign);
         }
+        double t = statistic(r, sign, pairs);
+        largest = fmax(largest, up ? t : -t);
+        places[i].count += largest >= places[i].t - slack;
     }
 }
 
@@ -190,26 +214,26 @@ static bool has_values(const row *r, bool pairs)
     return pairs ? r->count > 0 : r->first > 0 && r->first < r->count;
 }
 
-static void set_p(bb_family_row *to, const row *r, uint32_t exchanges, bool pairs,
-                  const double *largest, const double *smallest)
+/* One direction: places has room for all rows. */
+static void set_p(bb_family_row *family, const row *rows, place *places, uint32_t count,
+                  uint32_t exchanges, bool pairs, bool up)
 {
-    float sign[VALUES];
-    const double slack = 1e-9; /* sums of the same values in another order */
-    uint32_t above = 0, below = 0;
-    to->p_up = to->p_down = 1;
-    if (!has_values(r, pairs))
-        return;
-    if (pairs)
-        signs_of_pairs(0, r->count, sign);
-    else
-        signs_of_runs(0, r->first, r->count, sign);
-    double t = statistic(r, sign, pairs);
-    for (uint32_t e = 0; e < exchanges; e++) {
-        above += largest[e] >= t - slack;
-        below += smallest[e] <= t + slack;
+    float sign[VALUES] = {0};
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        signs_of(0, &rows[i], pairs, sign);
+        double t = statistic(&rows[i], sign, pairs);
+        places[i] = (place){.row = i, .t = up ? t : -t};
     }
-    to->p_up = (double)above / exchanges;
-    to->p_down = (double)below / exchanges;
+    qsort(places, count, sizeof *places, by_statistic);
+    for (uint32_t e = 0; e < exchanges; e++)
+        step_through(rows, places, count, e, pairs, up);
+    for (uint32_t i = count; i-- > 0;) {
+        bb_family_row *to = &family[places[i].row];
+        most = places[i].count > most ? places[i].count : most;
+        double p = has_values(&rows[places[i].row], pairs) ? (double)most / exchanges : 1;
+        *(up ? &to->p_up : &to->p_down) = p;
+    }
 }
 
 static bb_status adjust(bb_family_row *family, uint32_t count, bool pairs)
@@ -217,9 +241,8 @@ static bb_status adjust(bb_family_row *family, uint32_t count, bool pairs)
     bb_status status = BB_OK;
     uint32_t longest = 0;
     row *rows = calloc(count + 1, sizeof *rows);
-    double *largest = calloc(EXCHANGES, sizeof *largest);
-    double *smallest = calloc(EXCHANGES, sizeof *smallest);
-    if (rows == NULL || largest == NULL || smallest == NULL) {
+    place *places = calloc(count + 1, sizeof *places);
+    if (rows == NULL || places == NULL) {
         status = bb_fail(BB_FAILED, "comparison: no memory");
         goto out;
     }
@@ -232,14 +255,11 @@ static bb_status adjust(bb_family_row *family, uint32_t count, bool pairs)
     }
     status = scale(rows, count);
     uint32_t exchanges = pairs && longest <= ALL_SIGNS ? 1u << longest : EXCHANGES;
-    if (status == BB_OK)
-        find_extremes(rows, count, exchanges, pairs, largest, smallest);
-    for (uint32_t i = 0; i < count && status == BB_OK; i++)
-        set_p(&family[i], &rows[i], exchanges, pairs, largest, smallest);
+    for (int up = 0; up < 2 && status == BB_OK; up++)
+        set_p(family, rows, places, count, exchanges, pairs, up);
 out:
     free(rows);
-    free(largest);
-    free(smallest);
+    free(places);
     return status;
 }
 

@@ -21,13 +21,24 @@ static bool has_times(const bb_measured *cell)
     return strcmp(cell->status, "ok") == 0 && cell->ms.count > 0;
 }
 
-double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after)
+static double ratio_of(const bb_measured *before, const bb_measured *after,
+                       double (*place)(const bb_samples *ms))
 {
     if (before == NULL || after == NULL || !has_times(before) || !has_times(after) ||
         !bb_same_input(before, after))
         return NAN;
-    double ratio = bb_samples_median(&after->ms) / bb_samples_median(&before->ms);
+    double ratio = place(&after->ms) / place(&before->ms);
     return isfinite(ratio) && ratio > 0 ? ratio : (double)NAN;
+}
+
+double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after)
+{
+    return ratio_of(before, after, bb_samples_median);
+}
+
+double bb_ratio_of_leasts(const bb_measured *before, const bb_measured *after)
+{
+    return ratio_of(before, after, bb_samples_least);
 }
 
 /* Pairs 1 and 2, 3 and 4 ...: of each side the ratio from one to the other. They are as many as the
@@ -39,8 +50,8 @@ double bb_floor_of_cell(const bb_side *before, const bb_side *after, const char 
     bb_samples_add(&ratios, 1); /* in the place of the one that does not count */
     for (uint32_t s = 0; s < 2; s++)
         for (uint32_t i = 1; i + 1 < sides[s]->count; i += 2) {
-            double ratio = bb_ratio_of_medians(bb_cell_set_find(&sides[s]->sets[i], key),
-                                               bb_cell_set_find(&sides[s]->sets[i + 1], key));
+            double ratio = bb_ratio_of_leasts(bb_cell_set_find(&sides[s]->sets[i], key),
+                                              bb_cell_set_find(&sides[s]->sets[i + 1], key));
             if (isfinite(ratio) && ratios.count < BB_SAMPLES_MAX)
                 bb_samples_add(&ratios, ratio);
         }

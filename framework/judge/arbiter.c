@@ -8,7 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-enum { NINE = 9, ALL_NINE = (1 << NINE) - 1, HALVINGS = 5, NEAR_MAX = 48 };
+enum { NINE = 9, ALL_NINE = (1 << NINE) - 1, HALVINGS = 5, NEAR_MAX = 48, COVERS_MAX = 16 };
 
 /* One ray under judgement. */
 typedef struct trial {
@@ -288,11 +288,20 @@ static bool all_found(const bb_arbiter *arbiter, search *search, int wanted, dou
 typedef struct gap {
     const bb_arbiter *arbiter;
     const search *search;
-    double common; /* as in search */
-    bb_outline outlines[NEAR_MAX];
-    uint32_t count;
+    double common;                              /* as in search */
+    bb_outline outlines[NEAR_MAX + COVERS_MAX]; /* between whose sides is looked; then large ones */
+    uint32_t count, covers;
     bool scaled_alike; /* outlines by the common eps, else by each primitive's own */
 } gap;
+
+/* May hide much of the unit disc. */
+static bool is_large(const bb_outline *outline)
+{
+    double most = 0;
+    for (uint32_t c = 0; c < outline->count; c++)
+        most = fmax(most, hypot(outline->corners[c][0], outline->corners[c][1]));
+    return most > 1;
+}
 
 /* In the unit disc, which stands for the nine's; so large that what is not seen of it does no
  * matter. */
@@ -310,13 +319,16 @@ static bool add_outline(void *context, uint32_t prim)
     const bb_prim_kind *kind = bb_prim_of(trial->scene, prim, &i);
     bb_outline parts[BB_OUTLINES_MAX];
     uint32_t count = kind->outlines(trial->scene, i, &trial->frame, from, to, parts);
-    for (uint32_t part = 0; part < count && g->count < NEAR_MAX; part++) {
+    for (uint32_t part = 0; part < count; part++) {
         for (uint32_t c = 0; c < parts[part].count; c++)
             for (int k = 0; k < 2; k++)
                 parts[part].corners[c][k] /= unit;
-        g->outlines[g->count++] = parts[part];
+        if (g->count < NEAR_MAX)
+            g->outlines[g->count++] = parts[part];
+        else if (is_large(&parts[part]) && g->covers < COVERS_MAX)
+            g->outlines[NEAR_MAX + g->covers++] = parts[part];
     }
-    return g->count == NEAR_MAX;
+    return g->covers == COVERS_MAX;
 }
 
 static bool is_open(void *context, double x, double y)
@@ -341,10 +353,12 @@ static bool has_gap(const bb_arbiter *arbiter, const search *search, double comm
         bb_probe probe;
         bb_probe_make(search->trial->ray, &probe);
         probe.grow = common;
-        g.count = 0;
+        g.count = g.covers = 0;
         g.scaled_alike = alike;
         bb_box_tree_visit(arbiter->tree, &probe, add_outline, &g);
-        if (bb_find_open_way(g.outlines, g.count, is_open, &g))
+        /* Inside of an outline the primitive is met, by the common eps or by its own. */
+        const bool closed = alike == 1 || search->most == INFINITY;
+        if (bb_find_open_way(g.outlines, g.count, closed ? g.count + g.covers : 0, is_open, &g))
             return true;
     }
     return false;

@@ -7,6 +7,7 @@ enum { SIDES_MAX = 48 * BB_OUTLINE_CORNERS, PLACES_MAX = 1024 };
 
 static const double together = 1e-6;             /* what counts as meeting there */
 static const double same = 1e-9;                 /* what counts as one place */
+static const double clearly = 1e-6;              /* what counts as inside */
 static const double steps[] = {0x1p-4, 0x1p-12}; /* from there */
 
 typedef struct side {
@@ -96,40 +97,72 @@ static bool is_known(places *p, const double at[2])
     return false;
 }
 
-static bool is_open_around(const sides *s, const double at[2], places *known,
-                           bool (*is_open)(void *context, double x, double y), void *context)
+/* ---- the search ---- */
+
+typedef struct hunt {
+    const bb_outline *outlines;
+    uint32_t closed;
+    bool (*is_open)(void *context, double x, double y);
+    void *context;
+    sides sides;
+    places known;
+} hunt;
+
+/* Inside of the convex outline, whichever way round its corners are. */
+static bool is_inside(const bb_outline *outline, double x, double y)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (uint32_t c = 0; c < outline->count; c++) {
+        const double *p = outline->corners[c], *q = outline->corners[(c + 1) % outline->count];
+        double d[2] = {q[0] - p[0], q[1] - p[1]}, length = hypot(d[0], d[1]);
+        double distance = (d[0] * (y - p[1]) - d[1] * (x - p[0])) / length;
+        if (!(length > 0)) /* a corner twice bounds nothing */
+            continue;
+        least = fmin(least, distance);
+        most = fmax(most, distance);
+    }
+    return outline->count > 2 && isfinite(least) && (least > clearly || most < -clearly);
+}
+
+static bool is_open_at(const hunt *h, double x, double y)
+{
+    for (uint32_t i = 0; i < h->closed; i++)
+        if (is_inside(&h->outlines[i], x, y))
+            return false;
+    return h->is_open(h->context, x, y);
+}
+
+static bool is_open_around(hunt *h, const double at[2])
 {
     double angles[2 * SIDES_MAX];
-    if (!(hypot(at[0], at[1]) < 1) || is_known(known, at))
+    if (!(hypot(at[0], at[1]) < 1) || is_known(&h->known, at))
         return false;
-    uint32_t count = leave(s, at, angles);
+    uint32_t count = leave(&h->sides, at, angles);
     for (uint32_t i = 0; i < count; i++) {
         double next = i + 1 < count ? angles[i + 1] : angles[0] + 2 * acos(-1);
         double middle = 0.5 * (angles[i] + next);
         for (uint32_t k = 0; k < sizeof steps / sizeof steps[0] && next > angles[i]; k++) {
             double x = at[0] + steps[k] * cos(middle), y = at[1] + steps[k] * sin(middle);
-            if (hypot(x, y) <= 1 && is_open(context, x, y))
+            if (hypot(x, y) <= 1 && is_open_at(h, x, y))
                 return true;
         }
     }
     return false;
 }
 
-bool bb_find_open_way(const bb_outline *outlines, uint32_t count,
+bool bb_find_open_way(const bb_outline *outlines, uint32_t count, uint32_t closed,
                       bool (*is_open)(void *context, double x, double y), void *context)
 {
-    sides s;
-    places known;
+    hunt h = {.outlines = outlines, .closed = closed, .is_open = is_open, .context = context};
+    const sides *s = &h.sides;
     double at[2];
-    known.count = 0;
-    collect(outlines, count, &s);
-    for (uint32_t i = 0; i < s.count; i++) {
-        nearest_on(&s.all[i], 0, 0, at);
-        if (is_open_around(&s, at, &known, is_open, context) ||
-            is_open_around(&s, s.all[i].p, &known, is_open, context))
+    collect(outlines, count, &h.sides);
+    for (uint32_t i = 0; i < s->count; i++) {
+        nearest_on(&s->all[i], 0, 0, at);
+        if (is_open_around(&h, at) || is_open_around(&h, s->all[i].p))
             return true;
         for (uint32_t k = 0; k < i; k++)
-            if (cross(&s.all[i], &s.all[k], at) && is_open_around(&s, at, &known, is_open, context))
+            if (cross(&s->all[i], &s->all[k], at) && is_open_around(&h, at))
                 return true;
     }
     return false;

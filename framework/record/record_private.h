@@ -2,6 +2,7 @@
 #ifndef BB_RECORD_PRIVATE_H
 #define BB_RECORD_PRIVATE_H
 
+#include "framework/record/put.h"
 #include "framework/record/record.h"
 
 #define BB_RESULTS_SCHEMA "bvhbench-results/1"
@@ -39,11 +40,6 @@ bool bb_put_part(cJSON *object, bb_field_part part, const void *record, const vo
 /* The same as an object of its own, the member `name` of `entry`. */
 bool bb_put_inner(cJSON *entry, const char *name, bb_field_part part, const void *record);
 
-/* Takes `item` over, also when it fails. */
-bool bb_put(cJSON *object, const char *name, cJSON *item);
-bool bb_put_text(cJSON *object, const char *name, const char *text); /* null if empty */
-bool bb_put_number(cJSON *object, const char *name, double value);   /* null if not finite */
-bool bb_put_numbers(cJSON *object, const char *name, const double *values, uint32_t count);
 bool bb_put_samples(cJSON *object, const char *name, const bb_samples *samples);
 bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, uint32_t count);
 

@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Takes `item` over, also when it fails. */
 bool bb_put(cJSON *object, const char *name, cJSON *item)
 {
     if (item != NULL && cJSON_AddItemToObject(object, name, item))

@@ -72,20 +72,22 @@ void bb_text_field(char entry[BB_ENTRY], const cJSON *row, bb_field_id field)
     }
 }
 
-int bb_print_byte(FILE *out, const char *text)
+int bb_print_letter(FILE *out, const char *text)
 {
-    int steering = bb_steering_bytes(text);
-    fputc(steering > 0 ? '?' : *text, out);
-    return steering > 0 ? steering : 1;
+    bool calm;
+    const int length = bb_letter(text, &calm);
+    if (calm)
+        fwrite(text, 1, (size_t)length, out);
+    else
+        fputc('?', out);
+    return length;
 }
 
 void bb_print_text(FILE *out, const char *text, int width)
 {
     int printed = 0;
-    while (*text != '\0') {
-        printed += ((unsigned char)*text & 0xC0) != 0x80;
-        text += bb_print_byte(out, text);
-    }
+    for (; *text != '\0'; printed++)
+        text += bb_print_letter(out, text);
     for (; printed < width; printed++)
         fputc(' ', out);
 }

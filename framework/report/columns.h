@@ -20,8 +20,8 @@ void bb_text_field(char entry[BB_ENTRY], const cJSON *row, bb_field_id field);
 
 /* What may come from a file must not steer the terminal. Filled up with blanks to `width`. */
 void bb_print_text(FILE *out, const char *text, int width);
-/* The first byte of a text, or '?' for all of a letter that would; returns how many were taken. */
-int bb_print_byte(FILE *out, const char *text);
+/* The first letter of a text, or '?' for one that would; returns how many bytes were taken. */
+int bb_print_letter(FILE *out, const char *text);
 
 int bb_larger(int a, int b);
 

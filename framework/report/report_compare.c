@@ -119,7 +119,9 @@ static void print_rule(const page *p, const bb_comparison_result *r)
          "a time moved if its ratio is beyond 1 \xc2\xb1 %.2f %%, its 95 %% interval excludes 1, "
          "and p "
          "for all cells together is at most %.1f %%",
-         100 * r->floor.share, 100 * bb_compare_level(r));
+         100 * r->floor.share, 100 * BB_COMPARE_LEVEL);
+    if (r->pairs)
+        NOTE(p, "of pairs the least times are compared, run by run: noise only lengthens");
     NOTE(p, "the %.2f %%: %s", 100 * r->floor.share, r->floor.from);
 }
 

@@ -27,7 +27,7 @@ static void print_text(FILE *out, const char *text)
     while (*text != '\0') {
         if (*text == '"')
             fputc('"', out);
-        text += bb_print_byte(out, text);
+        text += bb_print_letter(out, text);
     }
     if (quoted)
         fputc('"', out);

@@ -158,7 +158,7 @@ static char *history_json(const bb_trend *trends, uint32_t count)
     cJSON *machines = root != NULL ? cJSON_AddArrayToObject(root, "machines") : NULL;
     bool ok = machines != NULL &&
               cJSON_AddNumberToObject(root, "assumed", BB_COMPARE_FLOOR_UNKNOWN) != NULL &&
-              cJSON_AddNumberToObject(root, "level", BB_COMPARE_LEVEL_OF_RUNS) != NULL;
+              cJSON_AddNumberToObject(root, "level", BB_COMPARE_LEVEL) != NULL;
     for (uint32_t i = 0; i < count && ok; i++)
         ok = add_machine(machines, &trends[i]);
     char *json = ok ? cJSON_PrintUnformatted(root) : NULL;

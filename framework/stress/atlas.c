@@ -1,6 +1,7 @@
 /* The atlas as text and as JSON. */
 #include "framework/stress/stress.h"
 
+#include "framework/record/put.h"
 #include "framework/record/record.h"
 
 #include <math.h>
@@ -8,8 +9,6 @@
 #include <string.h>
 
 enum { COLUMNS = 100, INDENT = 27 };
-
-static const char *const part_words[] = {"builder", "kernel", "intersector"};
 
 /* ---- as text ---- */
 
@@ -70,14 +69,6 @@ static void item_of(const bb_threshold *t, const char *name, const bb_figures *f
     snprintf(out, capacity, "%s (%s%s%s)", name, from, much, t->returns ? ", not throughout" : "");
 }
 
-static const bb_figures *figures_at(const bb_search *s, double x, uint32_t m)
-{
-    for (uint32_t i = 0; i < s->probe_count; i++)
-        if (s->probes[i].x == x)
-            return &s->probes[i].figures[m];
-    return NULL;
-}
-
 /* Sorted by where they begin to fail: the first comes first. */
 typedef struct entry {
     uint32_t method;
@@ -128,7 +119,7 @@ static void item_of_part(const bb_stress *s, const entry *entries, uint32_t firs
         snprintf(from, sizeof from, "from %.3g", entries[first].t->at);
     if (most > 0 && isfinite(least))
         snprintf(much, sizeof much, ", %.2gx to %.2gx", least, most);
-    snprintf(out, capacity, "all %u %ss (%s%s)", size, part_words[part], from, much);
+    snprintf(out, capacity, "all %u %ss (%s%s)", size, bb_method_part_word(part), from, much);
 }
 
 static void print_manner(const bb_stress *s, const bb_stress_axis *a, bb_manner manner, FILE *out)
@@ -154,8 +145,8 @@ static void print_manner(const bb_stress *s, const bb_stress_axis *a, bb_manner 
             i += size_of_part(s, s->request->methods[m].part) - 1;
         } else {
             item_of(entries[i].t, s->request->methods[m].text,
-                    figures_at(&a->search, entries[i].t->at, m), manner == BB_MANNER_WRONG, text,
-                    sizeof text);
+                    bb_search_figures(&a->search, entries[i].t->at, m), manner == BB_MANNER_WRONG,
+                    text, sizeof text);
         }
         write_item(&w, text);
     }
@@ -216,27 +207,16 @@ bb_status bb_atlas_print(const bb_stress *s, FILE *out)
 
 /* ---- as JSON ---- */
 
-static bool put_number(cJSON *object, const char *name, double value)
-{
-    return isfinite(value) ? cJSON_AddNumberToObject(object, name, value) != NULL
-                           : cJSON_AddNullToObject(object, name) != NULL;
-}
-
-static bool put_text(cJSON *object, const char *name, const char *text)
-{
-    return cJSON_AddStringToObject(object, name, text) != NULL;
-}
-
 static bool put_threshold(cJSON *list, uint32_t method, uint32_t manner, const bb_threshold *t)
 {
     cJSON *entry = cJSON_CreateObject();
-    return cJSON_AddItemToArray(list, entry) && put_number(entry, "method", method) &&
-           put_text(entry, "manner", bb_manners[manner].name) &&
-           put_text(entry, "word", bb_manners[manner].word) &&
+    return cJSON_AddItemToArray(list, entry) && bb_put_number(entry, "method", method) &&
+           bb_put_text(entry, "manner", bb_manners[manner].name) &&
+           bb_put_text(entry, "word", bb_manners[manner].word) &&
            cJSON_AddBoolToObject(entry, "from_start", t->from_start) != NULL &&
            cJSON_AddBoolToObject(entry, "timed", bb_manners[manner].timed) != NULL &&
-           put_number(entry, "below", t->below) && put_number(entry, "at", t->at) &&
-           put_number(entry, "ratio", t->ratio) &&
+           bb_put_number(entry, "below", t->below) && bb_put_number(entry, "at", t->at) &&
+           bb_put_number(entry, "ratio", t->ratio) &&
            cJSON_AddBoolToObject(entry, "returns", t->returns) != NULL;
 }
 
@@ -246,7 +226,7 @@ static bool put_values(cJSON *axis, const bb_stress *s, const bb_search *search)
     bool ok = values != NULL;
     for (uint32_t i = 0; i < search->probe_count && ok; i++) {
         cJSON *value = cJSON_CreateObject();
-        ok = cJSON_AddItemToArray(values, value) && put_number(value, "x", search->probes[i].x);
+        ok = cJSON_AddItemToArray(values, value) && bb_put_number(value, "x", search->probes[i].x);
         cJSON *methods = cJSON_AddArrayToObject(value, "methods");
         for (uint32_t m = 0; m < s->request->method_count && ok; m++) {
             const bb_figures *f = &search->probes[i].figures[m];
@@ -263,14 +243,16 @@ static bool put_axis(cJSON *list, const bb_stress *s, const bb_stress_axis *a)
     const bb_axis *axis = &a->axis;
     cJSON *entry = cJSON_CreateObject();
     bool ok =
-        cJSON_AddItemToArray(list, entry) && put_text(entry, "name", axis->name) &&
-        put_text(entry, "title", axis->title) && put_text(entry, "parameter", axis->parameter) &&
-        put_text(entry, "why", axis->why) && put_text(entry, "known", axis->known) &&
-        put_text(entry, "scene", axis->scene) && put_text(entry, "builder", axis->builder) &&
-        put_text(entry, "kernel", axis->kernel) && put_number(entry, "from", axis->from) &&
-        put_number(entry, "to", axis->to) && put_number(entry, "n", (double)a->n) &&
-        put_text(entry, "steps", steps[axis->steps]) && put_text(entry, "picture", a->picture) &&
-        put_number(entry, "picture_at", a->picture_at) &&
+        cJSON_AddItemToArray(list, entry) && bb_put_text(entry, "name", axis->name) &&
+        bb_put_text(entry, "title", axis->title) &&
+        bb_put_text(entry, "parameter", axis->parameter) && bb_put_text(entry, "why", axis->why) &&
+        bb_put_text(entry, "known", axis->known) && bb_put_text(entry, "scene", axis->scene) &&
+        bb_put_text(entry, "builder", axis->builder) &&
+        bb_put_text(entry, "kernel", axis->kernel) && bb_put_number(entry, "from", axis->from) &&
+        bb_put_number(entry, "to", axis->to) && bb_put_number(entry, "n", (double)a->n) &&
+        bb_put_text(entry, "steps", steps[axis->steps]) &&
+        bb_put_text(entry, "picture", a->picture) &&
+        bb_put_number(entry, "picture_at", a->picture_at) &&
         cJSON_AddBoolToObject(entry, "complete", a->complete) != NULL;
     cJSON *rays = cJSON_AddArrayToObject(entry, "rays");
     for (uint32_t i = 0; i < axis->ray_count && ok; i++)
@@ -284,6 +266,14 @@ static bool put_axis(cJSON *list, const bb_stress *s, const bb_stress_axis *a)
     return ok;
 }
 
+/* The metric that figures have as `metric`. */
+static bool put_metric(cJSON *root)
+{
+    const bb_metric *metric = bb_metrics[bb_metric_of_layouts()];
+    cJSON *entry = cJSON_AddObjectToObject(root, "metric");
+    return bb_put_text(entry, "name", metric->name) && bb_put_text(entry, "title", metric->title);
+}
+
 static bool put_methods(cJSON *root, const bb_stress *s)
 {
     cJSON *methods = cJSON_AddArrayToObject(root, "methods");
@@ -292,8 +282,8 @@ static bool put_methods(cJSON *root, const bb_stress *s)
         const bb_method *method = &s->request->methods[m];
         cJSON *entry = cJSON_CreateObject();
         ok = cJSON_AddItemToArray(methods, entry) &&
-             put_text(entry, "part", part_words[method->part]) &&
-             put_text(entry, "name", method->text) &&
+             bb_put_text(entry, "part", bb_method_part_word(method->part)) &&
+             bb_put_text(entry, "name", method->text) &&
              cJSON_AddBoolToObject(entry, "exact", method->exact) != NULL;
     }
     return ok;
@@ -309,19 +299,20 @@ static bool put_context(cJSON *root, const bb_stress *s, const char *command)
     bb_results_destroy(results);
     cJSON_DeleteItemFromObject(context, "device");
     cJSON_DeleteItemFromObject(context, "driver");
-    return cJSON_AddItemToObject(root, "context", context) &&
-           put_text(context, "device", s->device) && put_text(context, "driver", s->driver);
+    return bb_put(root, "context", context) && bb_put_text(context, "device", s->device) &&
+           bb_put_text(context, "driver", s->driver);
 }
 
 cJSON *bb_atlas_json(const bb_stress *s, const char *command)
 {
     cJSON *root = cJSON_CreateObject();
-    bool ok = put_text(root, "schema", "bvhbench-stress/1") && put_context(root, s, command) &&
+    bool ok = bb_put_text(root, "schema", "bvhbench-stress/1") && put_context(root, s, command) &&
               cJSON_AddBoolToObject(root, "quick", s->request->quick) != NULL &&
-              put_number(root, "rays_per_set", s->max_rays) &&
-              put_number(root, "rounds", s->repeats) && put_number(root, "ms", s->ms) &&
-              put_number(root, "factor", BB_STRESS_FACTOR) &&
-              put_number(root, "bugs", bb_stress_blame(s, NULL)) && put_methods(root, s);
+              bb_put_number(root, "rays_per_set", s->max_rays) &&
+              bb_put_number(root, "rounds", s->repeats) && bb_put_number(root, "ms", s->ms) &&
+              bb_put_number(root, "factor", BB_STRESS_FACTOR) &&
+              bb_put_number(root, "bugs", bb_stress_blame(s, NULL)) && put_metric(root) &&
+              put_methods(root, s);
     cJSON *axes = cJSON_AddArrayToObject(root, "axes");
     for (uint32_t i = 0; i < s->axis_count && ok; i++)
         ok = put_axis(axes, s, &s->axes[i]);

@@ -1,6 +1,7 @@
 #include "framework/stress/axis.h"
 
 #include "framework/base/file.h"
+#include "framework/base/steering.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -26,15 +27,6 @@ static const cJSON *member(reader *r, const char *name)
     return item;
 }
 
-/* Nothing that steers a terminal or breaks a line. */
-static bool is_plain(const char *text)
-{
-    for (; *text != '\0'; text++)
-        if (*text < ' ' || *text > '~')
-            return false;
-    return true;
-}
-
 /* `fallback`: what an absent member is; NULL: it must be there. */
 static bb_status read_text(reader *r, const char *name, const char *fallback, char *out,
                            size_t capacity)
@@ -44,8 +36,8 @@ static bb_status read_text(reader *r, const char *name, const char *fallback, ch
     if (text == NULL || (item != NULL && text[0] == '\0') || strlen(text) >= capacity)
         return bb_fail(BB_INVALID, "axis %s: \"%s\" must be a text of 1 to %zu characters", r->name,
                        name, capacity - 1);
-    if (!is_plain(text))
-        return bb_fail(BB_INVALID, "axis %s: \"%s\" must be of printable ASCII characters", r->name,
+    if (!bb_is_calm(text))
+        return bb_fail(BB_INVALID, "axis %s: \"%s\" must be of printable characters", r->name,
                        name);
     snprintf(out, capacity, "%s", text);
     return BB_OK;
@@ -73,7 +65,7 @@ static bb_status read_rays(reader *r, bb_axis *axis)
     {
         const char *text = cJSON_GetStringValue(item);
         if (text == NULL || text[0] == '\0' || strlen(text) >= sizeof axis->rays[0] ||
-            !is_plain(text))
+            !bb_is_calm(text))
             return bb_fail(BB_INVALID,
                            "axis %s: \"rays\" must be texts of 1 to %zu printable characters",
                            r->name, sizeof axis->rays[0] - 1);

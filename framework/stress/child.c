@@ -2,9 +2,9 @@
 
 #include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/steering.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -21,7 +21,7 @@ enum {
     DONE = 1,
     GAVE_UP = 2,
     LOOK_MS = 10,         /* between looks at the child */
-    FILE_BYTES = 1 << 28, /* that the child may write into one file: its log, say */
+    FILE_BYTES = 1 << 28, /* that the child may write into one file */
 };
 
 /* Shared by parent and child. NULL: there is no child. */
@@ -53,9 +53,8 @@ static double resident(pid_t child)
 
 /* In a process group of its own: Ctrl-C is for the parent, and killing the group also gets what
  * drivers start. */
-static void be_child(int (*work)(void *user), void *user, const char *log, pid_t parent)
+static void be_child(int (*work)(void *user), void *user, int out, pid_t parent)
 {
-    int out = open(log, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     const struct rlimit most = {FILE_BYTES, FILE_BYTES};
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -65,10 +64,8 @@ static void be_child(int (*work)(void *user), void *user, const char *log, pid_t
     signal(SIGHUP, SIG_DFL);
     if (getppid() != parent)
         _exit(1);
-    if (out >= 0) {
-        dup2(out, STDOUT_FILENO);
-        dup2(out, STDERR_FILENO);
-    }
+    dup2(out, STDOUT_FILENO);
+    dup2(out, STDERR_FILENO);
     atomic_store(&page->ended, work(user) == 0 ? DONE : GAVE_UP);
     _exit(0);
 }
@@ -105,45 +102,76 @@ static bb_child_end watch(pid_t child, const bb_child_limits *limits, int *statu
     return killed;
 }
 
-bb_status bb_child_run(int (*work)(void *user), void *user, const bb_child_limits *limits,
-                       const char *log, bb_child_end *end, char *words, size_t capacity)
+/* The last line in the file that is none but an end of line. */
+static void read_last_line(int file, char *said, size_t capacity)
 {
-    pid_t parent = getpid();
-    signal(SIGCHLD, SIG_DFL); /* ignored, it leaves no status */
-    page = mmap(NULL, sizeof *page, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (page == MAP_FAILED) {
-        page = NULL;
-        return bb_fail(BB_FAILED, "cannot start a process: %s", strerror(errno));
-    }
-    fflush(NULL); /* or the child would write it too */
-    pid_t child = fork();
-    int status = 0;
-    words[0] = '\0';
-    if (child == 0)
-        be_child(work, user, log, parent);
-    const int problem = errno;
-    if (child > 0)
-        *end = watch(child, limits, &status);
-    const unsigned ended = atomic_load(&page->ended);
-    munmap(page, sizeof *page);
-    page = NULL;
-    if (child < 0)
-        return bb_fail(BB_FAILED, "cannot start a process: %s", strerror(problem));
-    if (*end == BB_CHILD_HUNG)
+    char end[1024];
+    const off_t size = lseek(file, 0, SEEK_END);
+    const off_t from = size > (off_t)sizeof end - 1 ? size - ((off_t)sizeof end - 1) : 0;
+    ssize_t length = pread(file, end, sizeof end - 1, from);
+    while (length > 0 && end[length - 1] == '\n')
+        length--;
+    end[length > 0 ? length : 0] = '\0';
+    const char *line = strrchr(end, '\n');
+    snprintf(said, capacity, "%.*s", (int)capacity - 1, line != NULL ? line + 1 : end);
+    bb_calm_text(said);
+}
+
+static void name_end(const bb_child_limits *limits, int status, unsigned ended,
+                     bb_child_report *report)
+{
+    char *words = report->words;
+    const size_t capacity = sizeof report->words;
+    if (report->end == BB_CHILD_HUNG)
         snprintf(words, capacity, "killed after %g s", limits->seconds);
-    else if (*end == BB_CHILD_FLOODED)
+    else if (report->end == BB_CHILD_FLOODED)
         snprintf(words, capacity, "killed beyond %llu MiB", (unsigned long long)limits->megabytes);
-    else if (*end == BB_CHILD_INTERRUPTED)
+    else if (report->end == BB_CHILD_INTERRUPTED)
         snprintf(words, capacity, "interrupted");
     else if (WIFSIGNALED(status)) {
-        *end = BB_CHILD_CRASHED;
+        report->end = BB_CHILD_CRASHED;
         snprintf(words, capacity, "signal %d (%s)", WTERMSIG(status), strsignal(WTERMSIG(status)));
     } else if (ended == GAVE_UP) {
-        *end = BB_CHILD_GAVE_UP;
+        report->end = BB_CHILD_GAVE_UP;
         snprintf(words, capacity, "gave up");
     } else if (ended != DONE) {
-        *end = BB_CHILD_CRASHED;
+        report->end = BB_CHILD_CRASHED;
         snprintf(words, capacity, "ended by exit(%d)", WEXITSTATUS(status));
     }
+}
+
+static bb_status run_child(int (*work)(void *user), void *user, const bb_child_limits *limits,
+                           int out, bb_child_report *report)
+{
+    const pid_t parent = getpid();
+    int status = 0;
+    signal(SIGCHLD, SIG_DFL); /* ignored, it leaves no status */
+    fflush(NULL);             /* or the child would write it too */
+    const pid_t child = fork();
+    if (child < 0)
+        return bb_fail(BB_FAILED, "cannot start a process: %s", strerror(errno));
+    if (child == 0)
+        be_child(work, user, out, parent);
+    report->end = watch(child, limits, &status);
+    name_end(limits, status, atomic_load(&page->ended), report);
+    read_last_line(out, report->said, sizeof report->said);
     return BB_OK;
+}
+
+bb_status bb_child_run(int (*work)(void *user), void *user, const bb_child_limits *limits,
+                       bb_child_report *report)
+{
+    memset(report, 0, sizeof *report);
+    const int out = memfd_create("bvhbench", MFD_CLOEXEC);
+    if (out < 0)
+        return bb_fail(BB_FAILED, "cannot start a process: %s", strerror(errno));
+    page = mmap(NULL, sizeof *page, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    bb_status status = page != MAP_FAILED
+                           ? run_child(work, user, limits, out, report)
+                           : bb_fail(BB_FAILED, "cannot start a process: %s", strerror(errno));
+    if (page != MAP_FAILED)
+        munmap(page, sizeof *page);
+    page = NULL;
+    close(out);
+    return status;
 }

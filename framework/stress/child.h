@@ -21,12 +21,17 @@ typedef enum bb_child_end {
     BB_CHILD_INTERRUPTED, /* killed since this process is asked to end (interrupt.h) */
 } bb_child_end;
 
-/* Forks and calls `work` in the child, whose standard error goes to the file `log` and whose
- * standard output goes there too; waits. The child is killed when this process dies. `words` says
- * what ended it, "" for BB_CHILD_DONE. The parent must have no other threads, nor an open device:
- * neither survives a fork. BB_FAILED if there can be no child. */
+typedef struct bb_child_report {
+    bb_child_end end;
+    char words[256]; /* what ended it; "" for BB_CHILD_DONE */
+    char said[256];  /* the last line that it wrote to standard output or error; "": none */
+} bb_child_report;
+
+/* Forks and calls `work` in the child; waits. The child is killed when this process dies. The
+ * parent must have no other threads, nor an open device: neither survives a fork. BB_FAILED if
+ * there can be no child. */
 bb_status bb_child_run(int (*work)(void *user), void *user, const bb_child_limits *limits,
-                       const char *log, bb_child_end *end, char *words, size_t capacity);
+                       bb_child_report *report);
 
 /* Called in the child between pieces of its work: its time begins anew. Elsewhere it does nothing.
  */

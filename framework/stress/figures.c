@@ -2,13 +2,6 @@
 
 #include <math.h>
 
-void bb_clean_text(char *text)
-{
-    for (; *text != '\0'; text++)
-        if (*text < ' ' || *text > '~')
-            *text = '?';
-}
-
 const char *bb_outcome_word(bb_outcome outcome)
 {
     static const char *const words[BB_OUTCOMES] = {
@@ -34,13 +27,15 @@ double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figu
 {
     if (normal->outcome != BB_MEASURED || here->outcome != BB_MEASURED)
         return NAN;
+    const bool same_rays = normal->ray_sets == here->ray_sets;
     switch (manner) {
     case BB_MANNER_BIGGER:
         return here->bytes / here->prims / (normal->bytes / normal->prims);
     case BB_MANNER_MORE_TESTS:
-        return here->tests / normal->tests;
+        return same_rays ? here->tests / normal->tests : (double)NAN;
     case BB_MANNER_SLOW_TRACE:
-        return here->trace_ms / here->rays / (normal->trace_ms / normal->rays);
+        return same_rays ? here->trace_ms / here->rays / (normal->trace_ms / normal->rays)
+                         : (double)NAN;
     case BB_MANNER_SLOW_BUILD:
         return here->build_ms / here->prims / (normal->build_ms / normal->prims);
     default:
@@ -64,9 +59,9 @@ bool bb_manner_shows(bb_manner manner, const bb_figures *normal, const bb_figure
     case BB_MANNER_REFUSED:
         return here->outcome == BB_OUT_REFUSED;
     case BB_MANNER_WRONG:
-        return here->outcome == BB_MEASURED && here->wrong > 0;
+        return here->wrong > 0;
     case BB_MANNER_OVERFLOWED:
-        return here->outcome == BB_MEASURED && here->overflowed > 0;
+        return here->overflowed > 0;
     default:
         return false;
     }

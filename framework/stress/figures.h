@@ -20,15 +20,18 @@ typedef enum bb_outcome {
 
 const char *bb_outcome_word(bb_outcome outcome);
 
-/* NAN: not measured. Times are the least of the rounds, which noise can only lengthen. */
+/* NAN: not measured. Times are the least of the rounds, which noise can only lengthen. If some of
+ * the ray sets were refused, the outcome says so, and the figures are those of the others. */
 typedef struct bb_figures {
     bb_outcome outcome;
     char reason[256]; /* of all but BB_MEASURED */
     double prims;     /* of the scene */
     double build_ms;
-    double trace_ms, rays; /* sums over the ray sets */
+    double ray_sets;       /* those that were traced, as bits in the order of the axis; 0: none */
+    double trace_ms, rays; /* sums over these */
     double tests;          /* of boxes and primitives, per ray */
-    double sah, bytes;     /* of the tree; peak, with all scratch */
+    double metric;         /* of the tree: that of bb_metric_of_layouts() */
+    double bytes;          /* of the tree with all scratch, at the peak */
     double wrong, checked; /* answers */
     double unlike;         /* answers unlike those of another cell that must be as exact */
     double overflowed;     /* counted rays that needed more stack than there is */
@@ -64,12 +67,8 @@ extern const bb_manner_about bb_manners[BB_MANNERS];
 #define BB_STRESS_FACTOR 2.0
 
 /* How many times the normal figure this one is, of a manner that compares; NAN if either was not
- * measured. */
+ * measured, or not of the same ray sets. */
 double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figures *here);
-
-/* What others wrote, made fit for a terminal, a line and JSON: all but printable ASCII becomes '?'.
- */
-void bb_clean_text(char *text);
 
 /* Whether it fails in that manner. */
 bool bb_manner_shows(bb_manner manner, const bb_figures *normal, const bb_figures *here);

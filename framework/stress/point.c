@@ -1,67 +1,45 @@
 #include "framework/stress/point_private.h"
 
+#include "framework/base/identity.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/steering.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include <xxhash.h>
 
 /* ---- where it is kept ---- */
 
-static void add_text(XXH3_state_t *state, const char *text)
-{
-    XXH3_64bits_update(state, text, strlen(text) + 1);
-}
-
 /* What a scene file has in it. */
-static void add_scene(XXH3_state_t *state, const bb_points *p, double x)
+static void add_scene(bb_identity *identity, const bb_points *p, double x)
 {
-    char text[2 * BB_AXIS_TEXT], buffer[1 << 14];
-    size_t size;
-    if (bb_axis_fill(p->axis->scene, x, p->n, text, sizeof text) != BB_OK)
-        return;
-    FILE *file = fopen(text, "rb");
-    while (file != NULL && (size = fread(buffer, 1, sizeof buffer, file)) > 0)
-        XXH3_64bits_update(state, buffer, size);
-    if (file != NULL)
-        fclose(file);
+    char text[2 * BB_AXIS_TEXT];
+    if (bb_axis_fill(p->axis->scene, x, p->n, text, sizeof text) == BB_OK)
+        bb_identity_add_file(identity, text);
 }
 
 /* All that the figures depend on. */
 static bb_status hash_of(const bb_point_work *work, uint64_t *hash)
 {
     const bb_points *p = work->points;
-    const uint64_t numbers[] = {p->n,
-                                p->max_rays,
-                                p->repeats,
-                                p->seed,
-                                (uint64_t)p->limits.seconds,
-                                p->limits.megabytes,
-                                work->again};
-    XXH3_state_t *state = XXH3_createState();
-    if (state == NULL)
-        return bb_fail(BB_FAILED, "axis %s: no memory", p->axis->name);
-    XXH3_64bits_reset(state);
-    XXH3_64bits_update(state, &p->identity, sizeof p->identity);
-    XXH3_64bits_update(state, numbers, sizeof numbers);
-    add_text(state, p->axis->text);
+    const uint64_t numbers[] = {p->identity,         p->n,       p->max_rays,
+                                p->repeats,          p->seed,    (uint64_t)p->limits.seconds,
+                                p->limits.megabytes, work->again};
+    bb_identity *identity = bb_identity_begin();
+    bb_identity_add(identity, numbers, sizeof numbers);
+    bb_identity_add_text(identity, p->axis->text);
     for (uint32_t i = 0; i < work->count; i++) {
         const bb_wish *wish = &work->wishes[i];
-        XXH3_64bits_update(state, &wish->x, sizeof wish->x);
-        add_scene(state, p, wish->x);
-        for (uint32_t m = 0; m < p->method_count; m++) {
-            const uint32_t part = p->methods[m].part;
-            if (!wish->wanted[m])
-                continue;
-            XXH3_64bits_update(state, &part, sizeof part);
-            add_text(state, p->methods[m].text);
-        }
+        bb_identity_add(identity, &wish->x, sizeof wish->x);
+        add_scene(identity, p, wish->x);
+        for (uint32_t m = 0; m < p->method_count; m++)
+            if (wish->wanted[m]) {
+                bb_identity_add_text(identity, bb_method_part_word(p->methods[m].part));
+                bb_identity_add_text(identity, p->methods[m].text);
+            }
     }
-    *hash = XXH3_64bits_digest(state);
-    XXH3_freeState(state);
-    return BB_OK;
+    return bb_identity_end(identity, p->axis->name, hash);
 }
 
 /* ---- one process ---- */
@@ -74,25 +52,9 @@ static void set_all(const bb_point_work *work, bb_outcome outcome, const char *w
             if (!work->wishes[i].wanted[m])
                 continue;
             f->outcome = outcome;
-            snprintf(f->reason, sizeof f->reason, "%s", words);
+            snprintf(f->reason, sizeof f->reason, "%.255s", words);
+            bb_calm_text(f->reason); /* the end of a letter may be cut off */
         }
-}
-
-/* The last line that the child wrote, behind `words`. */
-static void add_last_line(const char *log, char *words, size_t capacity)
-{
-    char line[256], last[256] = "";
-    FILE *file = fopen(log, "r");
-    while (file != NULL && fgets(line, sizeof line, file) != NULL)
-        if (line[0] != '\n')
-            snprintf(last, sizeof last, "%s", line);
-    if (file != NULL)
-        fclose(file);
-    last[strcspn(last, "\n")] = '\0';
-    bb_clean_text(last);
-    size_t used = strlen(words);
-    if (last[0] != '\0' && used < capacity)
-        snprintf(words + used, capacity - used, ": %s", last);
 }
 
 static bb_outcome outcome_of(bb_child_end end)
@@ -107,32 +69,30 @@ static bb_outcome outcome_of(bb_child_end end)
 static bb_status run_once(bb_point_work *work, char path[1200], bool *died)
 {
     bb_points *p = work->points;
-    char log[1200], words[256];
-    bb_child_end end;
+    bb_child_report report;
+    char words[520];
     uint64_t hash = 0;
     *died = false;
     BB_TRY(hash_of(work, &hash));
     snprintf(path, 1200, "%s/%s-%016llx.json", p->folder, p->axis->name, (unsigned long long)hash);
-    snprintf(log, sizeof log, "%s/log-%ld.txt", p->folder, (long)getpid());
     work->path = path;
     if (access(path, F_OK) == 0 && bb_point_read(work) == BB_OK) {
         p->taken_over += work->count;
         return BB_OK;
     }
-    BB_TRY(bb_child_run(bb_point_child, work, &p->limits, log, &end, words, sizeof words));
-    if (end == BB_CHILD_DONE && bb_point_read(work) == BB_OK)
-        p->measured += work->count;
-    if (end == BB_CHILD_DONE && bb_point_read(work) != BB_OK) {
-        end = BB_CHILD_GAVE_UP;
-        snprintf(words, sizeof words, "%s", bb_message());
-    }
-    *died = end != BB_CHILD_DONE && end != BB_CHILD_INTERRUPTED;
-    if (*died)
-        add_last_line(log, words, sizeof words);
-    unlink(log);
-    if (!*died)
+    BB_TRY(bb_child_run(bb_point_child, work, &p->limits, &report));
+    if (report.end == BB_CHILD_INTERRUPTED)
         return BB_OK;
-    set_all(work, outcome_of(end), words);
+    if (report.end == BB_CHILD_DONE && bb_point_read(work) == BB_OK) {
+        p->measured += work->count;
+        return BB_OK;
+    }
+    if (report.end == BB_CHILD_DONE)
+        snprintf(report.words, sizeof report.words, "%s", bb_message());
+    snprintf(words, sizeof words, "%s%s%s", report.words, report.said[0] != '\0' ? ": " : "",
+             report.said);
+    set_all(work, outcome_of(report.end), words);
+    *died = true;
     return BB_OK;
 }
 

@@ -9,13 +9,26 @@
 
 /* What a method is: the part that changes; the other parts are those of the axis, and the first
  * intersector. */
-typedef enum bb_method_part { BB_A_BUILDER, BB_A_KERNEL, BB_AN_INTERSECTOR } bb_method_part;
+typedef enum bb_method_part {
+    BB_A_BUILDER,
+    BB_A_KERNEL,
+    BB_AN_INTERSECTOR,
+    BB_METHOD_PARTS
+} bb_method_part;
+
+/* "builder", "kernel", "intersector" */
+const char *bb_method_part_word(bb_method_part part);
 
 typedef struct bb_method {
     bb_method_part part;
     const char *text; /* a specification */
     bool exact;       /* must never be wrong, but where an axis says that nobody promises it */
 } bb_method;
+
+/* What traces for a method on an axis, itself included. A reference has no kernel and no
+ * intersector: what is said of these is void. */
+void bb_method_cell(const bb_axis *axis, const bb_method *method,
+                    const char *parts[BB_METHOD_PARTS]);
 
 typedef struct bb_points {
     const bb_axis *axis;

@@ -17,12 +17,12 @@ static const struct {
     const char *name;
     size_t offset;
 } numbers[] = {
-    {"prims", offsetof(bb_figures, prims)},           {"build_ms", offsetof(bb_figures, build_ms)},
-    {"trace_ms", offsetof(bb_figures, trace_ms)},     {"rays", offsetof(bb_figures, rays)},
-    {"tests_per_ray", offsetof(bb_figures, tests)},   {"sah", offsetof(bb_figures, sah)},
-    {"bytes", offsetof(bb_figures, bytes)},           {"wrong", offsetof(bb_figures, wrong)},
-    {"checked", offsetof(bb_figures, checked)},       {"unlike", offsetof(bb_figures, unlike)},
-    {"overflowed", offsetof(bb_figures, overflowed)},
+    {"prims", offsetof(bb_figures, prims)},       {"build_ms", offsetof(bb_figures, build_ms)},
+    {"ray_sets", offsetof(bb_figures, ray_sets)}, {"trace_ms", offsetof(bb_figures, trace_ms)},
+    {"rays", offsetof(bb_figures, rays)},         {"tests_per_ray", offsetof(bb_figures, tests)},
+    {"metric", offsetof(bb_figures, metric)},     {"bytes", offsetof(bb_figures, bytes)},
+    {"wrong", offsetof(bb_figures, wrong)},       {"checked", offsetof(bb_figures, checked)},
+    {"unlike", offsetof(bb_figures, unlike)},     {"overflowed", offsetof(bb_figures, overflowed)},
 };
 
 enum { NUMBERS = sizeof numbers / sizeof numbers[0] };
@@ -39,7 +39,7 @@ cJSON *bb_figures_json(const bb_figures *f)
     if (f->outcome != BB_MEASURED)
         ok = ok && cJSON_AddStringToObject(object, "reason", f->reason) != NULL;
     for (size_t i = 0; i < NUMBERS; i++)
-        if (isfinite(*number_of(f, i)) && f->outcome == BB_MEASURED)
+        if (isfinite(*number_of(f, i)))
             ok = ok && cJSON_AddNumberToObject(object, numbers[i].name, *number_of(f, i)) != NULL;
     if (ok)
         return object;

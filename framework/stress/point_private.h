@@ -2,6 +2,7 @@
 #ifndef BB_POINT_PRIVATE_H
 #define BB_POINT_PRIVATE_H
 
+#include "framework/bench/bench.h"
 #include "framework/stress/point.h"
 
 /* What the child is to do. */
@@ -15,6 +16,23 @@ typedef struct bb_point_work {
 
 /* In the child: opens the device, measures, writes the file. 0, or 1 if there is no file. */
 int bb_point_child(void *work);
+
+/* The comparison that measures a value of the axis. Points into itself: not to be copied. */
+typedef struct bb_point_request {
+    bb_bench_request bench; /* without a device */
+    const bb_points *points;
+    const bool *wanted; /* of the methods */
+    char scene[2 * BB_AXIS_TEXT];
+    char rays[BB_AXIS_RAYS_MAX][2 * BB_AXIS_TEXT];
+    char *scenes[1], *ray_sets[BB_AXIS_RAYS_MAX];
+    char *builders[BB_METHODS_MAX + 1], *kernels[BB_METHODS_MAX + 1];
+    char *intersectors[BB_METHODS_MAX + 1];
+} bb_point_request;
+
+/* What points->axis, methods, n, max_rays, repeats and seed ask for. BB_INVALID where a text of the
+ * axis is too long at x. */
+bb_status bb_point_request_make(const bb_points *points, double x, const bool *wanted,
+                                bb_point_request *out);
 
 /* Measures a wish on an open device. Never fails as a whole: what goes wrong is an outcome. */
 void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish);

@@ -74,7 +74,7 @@ static bb_status probe_at(bb_search *s, double x, bb_probe **out)
     return BB_OK;
 }
 
-static const bb_figures *figures_at(const bb_search *s, double x, uint32_t method)
+const bb_figures *bb_search_figures(const bb_search *s, double x, uint32_t method)
 {
     for (uint32_t i = 0; i < s->probe_count; i++)
         if (s->probes[i].x == x)
@@ -91,7 +91,7 @@ static bb_status grant(state *st)
         bb_wish wish = st->wishes[i];
         bool any = false;
         for (uint32_t m = 0; m < s->method_count; m++) {
-            const bb_figures *f = figures_at(s, wish.x, m);
+            const bb_figures *f = bb_search_figures(s, wish.x, m);
             wish.wanted[m] = wish.wanted[m] && (f == NULL || f->outcome == BB_NOT_MEASURED);
             any = any || wish.wanted[m];
         }
@@ -132,8 +132,8 @@ static second_look *look_at(state *st, double x, bool make)
 
 static bool first_says(const bb_search *s, uint32_t method, bb_manner manner, double x)
 {
-    const bb_figures *here = figures_at(s, x, method);
-    const bb_figures *normal = figures_at(s, s->axis->from, method);
+    const bb_figures *here = bb_search_figures(s, x, method);
+    const bb_figures *normal = bb_search_figures(s, s->axis->from, method);
     return here != NULL && normal != NULL && bb_manner_shows(manner, normal, here);
 }
 
@@ -195,8 +195,8 @@ static bb_status look_again(state *st, const double *values, uint32_t count)
 static bool shows(state *st, uint32_t method, bb_manner manner, double x, double *ratio)
 {
     const bb_search *s = st->search;
-    const bb_figures *here = figures_at(s, x, method);
-    const bb_figures *normal = figures_at(s, s->axis->from, method);
+    const bb_figures *here = bb_search_figures(s, x, method);
+    const bb_figures *normal = bb_search_figures(s, s->axis->from, method);
     *ratio = NAN;
     if (here == NULL || normal == NULL || !first_says(s, method, manner, x))
         return false;
@@ -228,80 +228,7 @@ static bb_status look_end_to_end(state *st, const double *values, uint32_t count
     return bb_interrupted() ? BB_OK : look_again(st, values, count);
 }
 
-/* The first of the values at which it fails; sets `returns` by those behind. */
-static void find_bracket(state *st, const double *values, uint32_t count, uint32_t method,
-                         bb_manner manner)
-{
-    bb_threshold *t = &st->search->thresholds[method][manner];
-    *t = (bb_threshold){.ratio = NAN, .below = NAN, .at = NAN};
-    for (uint32_t i = 0; i < count; i++) {
-        double ratio;
-        const bb_figures *here = figures_at(st->search, values[i], method);
-        if (here == NULL || here->outcome == BB_NOT_MEASURED)
-            continue;
-        bool fails = shows(st, method, manner, values[i], &ratio);
-        if (t->found)
-            t->returns = t->returns || (!fails && here->outcome == BB_MEASURED);
-        if (t->found || !fails)
-            continue;
-        t->found = true;
-        t->from_start = i == 0;
-        t->below = i == 0 ? NAN : values[i - 1];
-        t->at = values[i];
-        t->ratio = ratio;
-    }
-}
-
-/* The value that halves what is known of a threshold; NAN if nothing is left to halve. */
-static double middle_of(const bb_search *s, const bb_threshold *t)
-{
-    double middle;
-    return t->found && !t->from_start && bb_axis_middle(s->axis, t->below, t->at, &middle) ? middle
-                                                                                           : NAN;
-}
-
-/* One step of all bisections, measured together. *more is false when all are done. */
-static bb_status halve(state *st, bool *more)
-{
-    bb_search *s = st->search;
-    double middles[BB_METHODS_MAX][BB_MANNERS], values[BB_WISHES_MAX];
-    uint32_t count = 0;
-    bb_status status = BB_OK;
-    for (uint32_t m = 0; m < s->method_count && status == BB_OK; m++)
-        for (uint32_t f = 0; f < BB_MANNERS && status == BB_OK; f++) {
-            bb_wish *wish = NULL;
-            middles[m][f] = middle_of(s, &s->thresholds[m][f]);
-            if (isnan(middles[m][f]))
-                continue;
-            status = wish_for(st, middles[m][f], &wish);
-            if (status == BB_OK)
-                wish->wanted[m] = true;
-        }
-    *more = st->wish_count > 0;
-    for (uint32_t i = 0; i < st->wish_count; i++)
-        values[count++] = st->wishes[i].x;
-    if (status == BB_OK)
-        status = grant(st);
-    drop_wishes(st);
-    if (status == BB_OK && !bb_interrupted())
-        status = look_again(st, values, count);
-    for (uint32_t m = 0; m < s->method_count && status == BB_OK && !bb_interrupted(); m++)
-        for (uint32_t f = 0; f < BB_MANNERS; f++) {
-            bb_threshold *t = &s->thresholds[m][f];
-            double ratio;
-            if (isnan(middles[m][f]))
-                continue;
-            if (shows(st, m, (bb_manner)f, middles[m][f], &ratio)) {
-                t->at = middles[m][f];
-                t->ratio = ratio;
-            } else {
-                t->below = middles[m][f];
-            }
-        }
-    return status;
-}
-
-/* What all values say in the end, also those that were measured for other thresholds. */
+/* What all values say so far, also those that were measured for other thresholds. */
 static void settle(state *st, uint32_t method, bb_manner manner)
 {
     const bb_search *s = st->search;
@@ -327,6 +254,51 @@ static void settle(state *st, uint32_t method, bb_manner manner)
     }
 }
 
+static void settle_all(state *st)
+{
+    for (uint32_t m = 0; m < st->search->method_count; m++)
+        for (uint32_t f = 0; f < BB_MANNERS; f++)
+            settle(st, m, (bb_manner)f);
+}
+
+/* The value that halves what is known of a threshold; NAN if nothing is left to halve. */
+static double middle_of(const bb_search *s, const bb_threshold *t)
+{
+    double middle;
+    return t->found && !t->from_start && bb_axis_middle(s->axis, t->below, t->at, &middle) ? middle
+                                                                                           : NAN;
+}
+
+/* One step of all bisections, measured together. *more is false when all are done. */
+static bb_status halve(state *st, bool *more)
+{
+    bb_search *s = st->search;
+    double values[BB_WISHES_MAX];
+    bb_status status = BB_OK;
+    for (uint32_t m = 0; m < s->method_count && status == BB_OK; m++)
+        for (uint32_t f = 0; f < BB_MANNERS && status == BB_OK; f++) {
+            const double middle = middle_of(s, &s->thresholds[m][f]);
+            bb_wish *wish = NULL;
+            if (isnan(middle))
+                continue;
+            status = wish_for(st, middle, &wish);
+            if (status == BB_OK)
+                wish->wanted[m] = true;
+        }
+    const uint32_t count = st->wish_count;
+    *more = count > 0;
+    for (uint32_t i = 0; i < count; i++)
+        values[i] = st->wishes[i].x;
+    if (status == BB_OK)
+        status = grant(st);
+    drop_wishes(st);
+    if (status == BB_OK && !bb_interrupted())
+        status = look_again(st, values, count);
+    if (status == BB_OK)
+        settle_all(st);
+    return status;
+}
+
 bb_status bb_search_run(bb_search *s)
 {
     double values[BB_AXIS_POINTS_MAX + 4];
@@ -337,15 +309,11 @@ bb_status bb_search_run(bb_search *s)
     bb_status status = st.looks == NULL || st.wishes == NULL
                            ? bb_fail(BB_FAILED, "axis %s: no memory", s->axis->name)
                            : look_end_to_end(&st, values, count);
-    for (uint32_t m = 0; m < s->method_count && status == BB_OK; m++)
-        for (uint32_t f = 0; f < BB_MANNERS; f++)
-            find_bracket(&st, values, count, m, (bb_manner)f);
+    if (status == BB_OK)
+        settle_all(&st);
     bool more = true;
     for (uint32_t i = 0; i < s->bisections && more && status == BB_OK && !bb_interrupted(); i++)
         status = halve(&st, &more);
-    for (uint32_t m = 0; m < s->method_count && status == BB_OK; m++)
-        for (uint32_t f = 0; f < BB_MANNERS; f++)
-            settle(&st, m, (bb_manner)f);
     for (uint32_t i = 0; i < st.look_count; i++) {
         free(st.looks[i].here);
         free(st.looks[i].normal);

@@ -55,4 +55,7 @@ typedef struct bb_search {
 bb_status bb_search_run(bb_search *search);
 void bb_search_free(bb_search *search);
 
+/* A method's figures at a value; NULL if nothing was measured there. */
+const bb_figures *bb_search_figures(const bb_search *search, double x, uint32_t method);
+
 #endif

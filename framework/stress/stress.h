@@ -40,7 +40,7 @@ typedef struct bb_stress_axis {
 typedef struct bb_stress {
     const bb_stress_request *request;
     uint64_t identity; /* the request's, and the device's */
-    uint32_t max_rays, repeats, bisections;
+    uint32_t max_rays, repeats;
     uint32_t axis_count; /* that were begun */
     bb_stress_axis *axes;
     char device[256], driver[256];

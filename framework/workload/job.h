@@ -35,9 +35,16 @@ typedef struct bb_rays_job {
             "origins are moved off the surface by this, in scene diagonals (but by 2^-20 of "      \
             "their largest coordinate at least)"                                                   \
     }
+#define BB_COUNT_OPTION                                                                            \
+    {                                                                                              \
+        "count", NULL, NULL, "number of rays; default: the run's limit"                            \
+    }
 #define BB_END_OPTION                                                                              \
     {                                                                                              \
         NULL, NULL, NULL, NULL                                                                     \
     }
+
+/* What BB_COUNT_OPTION says, at most the run's limit. */
+bb_status bb_job_count(const bb_rays_job *job, uint64_t *count);
 
 #endif

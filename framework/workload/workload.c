@@ -55,6 +55,16 @@ bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, co
     return workload->must_hit != NULL && workload->must_hit(scene, spec);
 }
 
+bb_status bb_job_count(const bb_rays_job *job, uint64_t *count)
+{
+    const uint64_t limit = job->request->max_rays;
+    *count = limit;
+    if (bb_spec_value(job->request->spec, job->options, "count") != NULL)
+        BB_TRY(bb_spec_u64(job->request->spec, job->options, "count", 1, INT32_MAX, count));
+    *count = *count < limit ? *count : limit;
+    return BB_OK;
+}
+
 static bb_status begin_job(const bb_workload *workload, const bb_scene *scene,
                            const bb_rays_request *request, bb_rays_job *job)
 {

@@ -12,7 +12,7 @@
 #include <math.h>
 
 static const bb_option options_table[] = {
-    {"count", NULL, NULL, "number of rays; default: the run's limit"},
+    BB_COUNT_OPTION,
     {"tilt", "0", NULL, "off the axis by up to this in both other components, 0 to 1"},
     BB_TMIN_OPTION,
     BB_END_OPTION,
@@ -40,12 +40,9 @@ static void make_ray(const bb_rays_job *job, double tilt, bb_random *random, bb_
 static bb_status make_axial(bb_rays_job *job)
 {
     const bb_spec *spec = job->request->spec;
-    uint64_t count = job->request->max_rays;
+    uint64_t count;
     double tilt;
-    if (bb_spec_value(spec, job->options, "count") != NULL) {
-        BB_TRY(bb_spec_u64(spec, job->options, "count", 1, INT32_MAX, &count));
-        count = count < job->request->max_rays ? count : job->request->max_rays;
-    }
+    BB_TRY(bb_job_count(job, &count));
     BB_TRY(bb_spec_double(spec, job->options, "tilt", 0, 1, &tilt));
     BB_TRY(bb_rays_reserve(job->rays, (uint32_t)count));
     bb_random random = bb_random_make(job->request->seed, 0x61786961);

@@ -12,7 +12,7 @@
 #include <math.h>
 
 static const bb_option options_table[] = {
-    {"count", NULL, NULL, "number of rays; default: the run's limit"},
+    BB_COUNT_OPTION,
     {"angle", "1e-3", NULL, "largest sine of the angle to the plane, 0 to 1"},
     BB_TMIN_OPTION,
     BB_END_OPTION,
@@ -65,12 +65,9 @@ static bool make_ray(const bb_rays_job *job, double angle, bb_random *random, bb
 static bb_status make_grazing(bb_rays_job *job)
 {
     const bb_spec *spec = job->request->spec;
-    uint64_t count = job->request->max_rays, tries = 0;
+    uint64_t count, tries = 0;
     double angle;
-    if (bb_spec_value(spec, job->options, "count") != NULL) {
-        BB_TRY(bb_spec_u64(spec, job->options, "count", 1, INT32_MAX, &count));
-        count = count < job->request->max_rays ? count : job->request->max_rays;
-    }
+    BB_TRY(bb_job_count(job, &count));
     BB_TRY(bb_spec_double(spec, job->options, "angle", 0, 1, &angle));
     if (job->scene->prims[BB_TRIANGLE].count == 0)
         return bb_fail(BB_UNSUPPORTED, "rays grazing: scene '%s' has no triangles",

@@ -16,7 +16,7 @@
 #include <string.h>
 
 static const bb_option options_table[] = {
-    {"count", NULL, NULL, "number of rays; default: the run's limit"},
+    BB_COUNT_OPTION,
     {"query", "closest", "closest|any|interval",
      "what is asked of them; nothing stops them: interval"},
     BB_TMIN_OPTION,
@@ -62,11 +62,8 @@ static bool make_line(const bb_rays_job *job, bb_random *random, bb_ray *ray)
 static bb_status make_lines(bb_rays_job *job)
 {
     const bb_spec *spec = job->request->spec;
-    uint64_t count = job->request->max_rays;
-    if (bb_spec_value(spec, job->options, "count") != NULL) {
-        BB_TRY(bb_spec_u64(spec, job->options, "count", 1, INT32_MAX, &count));
-        count = count < job->request->max_rays ? count : job->request->max_rays;
-    }
+    uint64_t count;
+    BB_TRY(bb_job_count(job, &count));
     if (!(job->diagonal > 0.0))
         return bb_fail(BB_UNSUPPORTED, "rays lines: scene '%s' is a single point",
                        job->scene->name);

@@ -8,7 +8,7 @@
 #include <math.h>
 
 static const bb_option options_table[] = {
-    {"count", NULL, NULL, "number of rays; default: the run's limit"},
+    BB_COUNT_OPTION,
     {"near", "0", NULL, "share of rays from close to one primitive to close to another"},
     BB_TMIN_OPTION,
     BB_END_OPTION,
@@ -65,11 +65,8 @@ static bb_status make_random_ray(const bb_rays_job *job, double near, bb_random 
 
 static bb_status make_random(bb_rays_job *job)
 {
-    uint64_t count = job->request->max_rays;
-    if (bb_spec_value(job->request->spec, job->options, "count") != NULL) {
-        BB_TRY(bb_spec_u64(job->request->spec, job->options, "count", 1, INT32_MAX, &count));
-        count = count < job->request->max_rays ? count : job->request->max_rays;
-    }
+    uint64_t count;
+    BB_TRY(bb_job_count(job, &count));
     double near;
     BB_TRY(bb_spec_double(job->request->spec, job->options, "near", 0, 1, &near));
     if (!(job->diagonal > 0.0))

@@ -4,7 +4,7 @@
 # The loop in the kernel is calibrated first, with a slowdown that is plain to see. Takes minutes, needs jq, and is for a machine that
 # does little else: not a part of `ctest`.
 set -euo pipefail
-program=$(realpath "$1") folder=$2 percent=${3:-5} pairs=${4:-10}
+program=$(realpath "$1") folder=$2 percent=${3:-5} pairs=${4:-20}
 source=$(cd "$(dirname "$0")/../.." && pwd)
 arguments=("${@:5}")
 [ ${#arguments[@]} -gt 0 ] || arguments=(--scene sphere-mesh:n=60 --builder lbvh,sah,llbvh,emc --kernel stack,stack8

@@ -8,37 +8,11 @@ test_report=$1
 folder=$2
 here=$(cd "$(dirname "$0")" && pwd)
 
-browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
-if [ -z "$browser" ]; then
-    echo "skipped: there is no chromium (apt-get install --no-install-recommends chromium)"
-    exit 77
-fi
-
-fail() {
-    echo "FAILED: $1"
-    exit 1
-}
-
-# open_page FILE OPTION...: the browser on a page of the folder; console messages go to FILE.log.
-open_page() {
-    page=$1
-    shift
-    "$browser" --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking \
-        --disable-component-update --disable-sync --disable-dev-shm-usage --host-resolver-rules='MAP * ~NOTFOUND' \
-        --user-data-dir="$folder/profile" --enable-logging=stderr --v=0 --virtual-time-budget=5000 \
-        "$@" "file://$folder/$page" 2>"$folder/$page.log"
-}
+. "$here/browser.sh"
 
 # dom FILE: what the page is after its script ran.
 dom() {
     open_page "$1" --dump-dom >"$folder/$1.dom"
-}
-
-# silent FILE WHEN
-silent() {
-    if grep 'CONSOLE' "$folder/$1.log"; then
-        fail "the page writes to the console ($2)"
-    fi
 }
 
 # screenshot NAME WIDTH HEIGHT OPTION...: a PNG of that size.

@@ -39,7 +39,7 @@ for (const part of values('pick-part'))
   for (const axis of values('pick-axis')) {
     choose('pick-part', part);
     choose('pick-axis', axis);
-    for (const id of ['wrong', 'trace', 'sah', 'build']) {
+    for (const id of ['wrong', 'trace', 'metric', 'build']) {
       const chart = Chart.getChart(`chart-${id}`), own = part === 'builder' || id === 'wrong' || id === 'trace';
       expect((chart.data.datasets.length === 2) === own, `${part} ${axis} ${id}: ${chart.data.datasets.length} curves`);
       for (const set of chart.data.datasets) expect(set.data.every(p => Number.isFinite(p.x) && p.y > 0), `${axis} ${id}: ${set.label}`);

@@ -1,19 +1,7 @@
 /* The atlas: a table of thresholds, axis by method, and the figures along an axis. All text of the figures goes through textContent. */
-'use strict';
 const atlas = JSON.parse(document.getElementById('data').textContent);
-const $ = id => document.getElementById(id);
-const isNumber = Number.isFinite;
-const dash = '\u2013';
 const parts = { builder: 'Builders', kernel: 'Kernels', intersector: 'Intersectors' };
 const charts = {}, hidden = new Set();
-
-function el(tag, attributes, ...children) {
-  const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes || {}))
-    if ((value ?? false) !== false) node.setAttribute(name, value === true ? '' : value);
-  node.append(...children.filter(child => (child ?? null) !== null));
-  return node;
-}
 
 function brief(value) {
   if (!isNumber(value)) return dash;
@@ -67,7 +55,7 @@ const theme = name => getComputedStyle(document.documentElement).getPropertyValu
 const figures = {
   wrong: f => isNumber(f.wrong) && f.checked > 0 ? Math.max(1e6 * f.wrong / f.checked, 0) : NaN,
   trace: f => 1e6 * f.trace_ms / f.rays,
-  sah: f => f.sah,
+  metric: f => f.metric,
   build: f => 1e6 * f.build_ms / f.prims,
 };
 
@@ -138,8 +126,8 @@ function showAxis() {
   const scene = axis.scene.replaceAll('{n}', String(axis.n));
   $('axis-title').textContent = axis.title;
   $('axis-why').textContent = axis.why;
-  $('axis-known').textContent = axis.known;
-  $('axis-known').hidden = axis.known === '';
+  $('axis-known').textContent = axis.known || '';
+  $('axis-known').hidden = !axis.known;
   $('axis-what').textContent = `x is the ${axis.parameter}, from ${brief(axis.from)} to ${brief(axis.to)}, in scene ${scene} and rays ` +
     `${axis.rays.join(', ')}. Kernels and intersectors trace the trees of ${axis.builder}; builders and intersectors are traced by ` +
     `${axis.kernel}.`;
@@ -168,6 +156,7 @@ function start() {
   $('bugs').textContent = cut ? `Interrupted: not all was measured. ${atlas.bugs} bugs so far.` : atlas.bugs === 0 ? 'No crash, no hang, no failure, and no wrong answer of what must be exact.'
     : `${atlas.bugs} bugs: a crash, a hang, a failure, or wrong answers of what must be exact.`;
   if (atlas.bugs > 0) $('bugs').firstChild.replaceWith(el('b', { class: 'bad' }, $('bugs').textContent));
+  $('metric-title').textContent = atlas.metric.title;
   fill('pick-part', used.map(part => [part, parts[part]]));
   const manners = [...new Map(atlas.axes.flatMap(a => a.thresholds.map(t => [t.manner, t.word])))];
   fill('pick-manner', [['', 'all'], ...manners]);

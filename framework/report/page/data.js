@@ -5,20 +5,8 @@ const data = JSON.parse(document.getElementById('data').textContent);
 const schema = JSON.parse(document.getElementById('schema-data').textContent);
 const sets = JSON.parse(document.getElementById('chart-data').textContent);
 const pictures = JSON.parse(document.getElementById('picture-data').textContent);
-const $ = id => document.getElementById(id);
 
 /* ---- small helpers ---- */
-function el(tag, attributes, ...children) {
-  const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes || {}))
-    if ((value ?? false) !== false) node.setAttribute(name, value === true ? '' : value);
-  node.append(...children.filter(child => (child ?? null) !== null));
-  return node;
-}
-
-const isNumber = Number.isFinite;
-const dash = '\u2013';
-
 /* About three digits, thousands grouped; a dash where nothing was measured. */
 function figure(value) {
   if (!isNumber(value)) return dash;

@@ -1,20 +1,8 @@
 /* The page of the history: a machine, a cell, a figure; its chart over the revisions, with marks where it moved; all that moved. All
  * text of the records goes through textContent. */
-(() => {
-'use strict';
 const data = JSON.parse(document.getElementById('data').textContent);
-const $ = id => document.getElementById(id);
 const dark = window.matchMedia('(prefers-color-scheme: dark)');
-const isNumber = Number.isFinite, dash = '\u2013';
 const ROWS = 500;
-
-function el(tag, attributes, ...children) {
-  const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes || {}))
-    if ((value ?? false) !== false) node.setAttribute(name, value === true ? '' : value);
-  node.append(...children.filter(child => (child ?? null) !== null));
-  return node;
-}
 
 /* Some significant digits; whole numbers as they are. */
 function figure(value) {
@@ -198,4 +186,3 @@ $('pick-figure').addEventListener('change', () => { what = $('pick-figure').valu
 $('filter').addEventListener('input', draw);
 dark.addEventListener('change', draw);
 start();
-})();

@@ -1,0 +1,98 @@
+/* Before anything runs: axes, methods and the device are in order. */
+#include "framework/stress/stress_private.h"
+
+#include "framework/base/identity.h"
+#include "framework/scene/scene.h"
+#include "framework/stress/point_private.h"
+
+#include <string.h>
+
+/* ---- axes and methods ---- */
+
+/* In a child: where all is to be normal, there must be a scene. */
+static int load_scene(void *user)
+{
+    bb_scene *scene = NULL;
+    if (bb_scene_load(user, &scene) == BB_OK)
+        return 0;
+    fprintf(stderr, "%s\n", bb_message());
+    return 1;
+}
+
+static bb_status check_scene(const bb_stress_request *request, char *scene)
+{
+    bb_child_report report;
+    BB_TRY(bb_child_run(load_scene, scene, &request->limits, &report));
+    if (report.end == BB_CHILD_DONE || report.end == BB_CHILD_INTERRUPTED)
+        return BB_OK;
+    return bb_fail(BB_INVALID, "%s", report.end == BB_CHILD_GAVE_UP ? report.said : report.words);
+}
+
+static bb_status check_axis(const bb_stress_request *request, const bb_axis *axis)
+{
+    const bb_points points = bb_stress_points(request, axis);
+    bool wanted[BB_METHODS_MAX];
+    char reason[1024];
+    bb_point_request asked;
+    memset(wanted, true, sizeof wanted);
+    bb_status status = bb_point_request_make(&points, axis->from, wanted, &asked);
+    if (status == BB_OK)
+        status = bb_bench_check(&asked.bench);
+    if (status == BB_OK)
+        status = check_scene(request, asked.scene);
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    return status == BB_OK ? BB_OK : bb_fail(status, "axis %s: %s", axis->name, reason);
+}
+
+bb_status bb_stress_check(const bb_stress_request *request)
+{
+    char names[BB_STRESS_AXES_MAX][64];
+    if (request->axis_count == 0 || request->axis_count > BB_STRESS_AXES_MAX)
+        return bb_fail(BB_INVALID, "stress: %u axes, must be 1 to %d", request->axis_count,
+                       BB_STRESS_AXES_MAX);
+    if (request->method_count == 0 || request->method_count > BB_METHODS_MAX)
+        return bb_fail(BB_INVALID, "stress: %u methods, must be 1 to %d: choose some",
+                       request->method_count, BB_METHODS_MAX);
+    for (uint32_t i = 0; i < request->axis_count; i++) {
+        bb_axis axis;
+        bb_status status = bb_axis_load(request->axes[i], &axis);
+        if (status == BB_OK)
+            status = check_axis(request, &axis);
+        snprintf(names[i], sizeof names[i], "%s", axis.name);
+        bb_axis_free(&axis);
+        BB_TRY(status);
+        for (uint32_t k = 0; k < i; k++)
+            if (strcmp(names[k], names[i]) == 0)
+                return bb_fail(BB_INVALID, "stress: two axes are called %s: drop one", names[i]);
+    }
+    return BB_OK;
+}
+
+/* ---- the device ---- */
+
+static int open_device(void *user)
+{
+    const bb_stress_request *request = user;
+    bb_device *device = NULL;
+    bb_status status = request->open_device(request->user, &device);
+    if (status == BB_OK)
+        fprintf(stderr, "%s, %s, %s\n", device->name, device->driver, device->version);
+    else
+        fprintf(stderr, "%s\n", bb_message());
+    return status != BB_OK;
+}
+
+bb_status bb_stress_identify(const bb_stress_request *request, uint64_t *hash)
+{
+    bb_child_report report;
+    const bb_child_limits limits = {300, request->limits.megabytes};
+    BB_TRY(bb_child_run(open_device, (void *)request, &limits, &report));
+    if (report.end != BB_CHILD_DONE && report.end != BB_CHILD_INTERRUPTED)
+        return report.end == BB_CHILD_GAVE_UP && report.said[0] != '\0'
+                   ? bb_fail(BB_INVALID, "%s", report.said)
+                   : bb_fail(BB_FAILED, "the device cannot be opened: %s", report.words);
+    bb_identity *identity = bb_identity_begin();
+    bb_identity_add(identity, &request->identity, sizeof request->identity);
+    bb_identity_add_text(identity, report.said);
+    return bb_identity_end(identity, "stress", hash);
+}
