@@ -72,18 +72,23 @@ static double race_of_many(track *t, uint32_t *dropped)
     return left / winner;
 }
 
-/* Factors of noise up to 1.1, 1.5. */
-static void the_winner_is_never_dropped(void **state)
+/* Factors of noise up to 1.1, 1.5: luck drops the winner in less than 1 of 1000, for one that is as
+ * good. */
+static void the_winner_is_hardly_ever_dropped(void **state)
 {
     (void)state;
     const uint64_t seed = seed_or(20261122);
     enum { TRIALS = 2000 };
-    uint32_t dropped = 0;
+    uint32_t dropped = 0, lost = 0;
     for (uint64_t trial = 0; trial < TRIALS; trial++) {
         track t = make_track(seed + trial, trial % 2 ? 0.025 : 0.1, 8);
-        if (race_of_many(&t, &dropped) != 1)
-            fail_msg("seed %llu: the winner was dropped", (unsigned long long)(seed + trial));
+        double left = race_of_many(&t, &dropped);
+        lost += left != 1;
+        if (left > BB_ADVISE_SLACK)
+            fail_msg("seed %llu: all that are left are slower than the winner by %.3f",
+                     (unsigned long long)(seed + trial), left);
     }
+    assert_in_range(lost, 0, 4);
     assert_true(dropped > TRIALS * MANY / 3); /* it is a race all the same */
 }
 
@@ -284,7 +289,7 @@ static void it_is_an_order(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_winner_is_never_dropped),
+        cmocka_unit_test(the_winner_is_hardly_ever_dropped),
         cmocka_unit_test(noise_costs_little),
         cmocka_unit_test(who_is_surely_slower_is_dropped),
         cmocka_unit_test(too_few_rounds_drop_nobody),

@@ -71,10 +71,11 @@ static void exact_answers_are_right(void **state)
 
 /* ---- cheats ---- */
 
-/* More than one, and more than 1 in 20, of the plainly wrong. */
+/* More than three, and more than 1 in 20, of the plainly wrong: a few lie where the margin of
+ * another primitive is larger. */
 static bool is_overlooked(const outcome *o, uint32_t found)
 {
-    return found + 1 < 0.95 * o->plain;
+    return found + 3 < 0.95 * o->plain;
 }
 
 /* Nearly all that is plainly wrong is found, most of it in the right class, and nothing else. */

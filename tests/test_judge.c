@@ -381,13 +381,13 @@ static void a_corner_of_many_is_looked_at_once(void **state)
         fan[i] =
             (bb_outline){{{0, 0}, {2 * cos(from), 2 * sin(from)}, {2 * cos(to), 2 * sin(to)}}, 3};
     }
-    assert_false(bb_find_open_way(fan, FAN, 0, count_and_say_no, &asked));
+    assert_false(bb_find_open_way(fan, FAN, NULL, 0, count_and_say_no, &asked));
     assert_in_range(asked, FAN, 8 * FAN);
     /* where all is closed inside, hardly anything is left to ask about but a missing triangle */
     uint32_t asked_closed = 0, asked_open = 0;
-    assert_false(bb_find_open_way(fan, FAN, FAN, count_and_say_no, &asked_closed));
+    assert_false(bb_find_open_way(fan, FAN, fan, FAN, count_and_say_no, &asked_closed));
     assert_in_range(asked_closed, 0, 4);
-    assert_false(bb_find_open_way(fan, FAN - 1, FAN - 1, count_and_say_no, &asked_open));
+    assert_false(bb_find_open_way(fan, FAN - 1, fan, FAN - 1, count_and_say_no, &asked_open));
     assert_in_range(asked_open, 1, 8);
 }
 

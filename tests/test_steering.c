@@ -35,9 +35,10 @@ static void what_steers_goes(void **state)
 {
     (void)state;
     expect_calm("a\x1b[2J\nb\tc\x7f", "a?[2J?b?c?");
-    expect_calm("\xc2\x80 \xc2\x9f", "? ?");       /* U+0080, U+009F */
-    expect_calm("\xe2\x80\xaa\xe2\x80\xae", "??"); /* U+202A, U+202E */
-    expect_calm("\xe2\x81\xa6\xe2\x81\xa9", "??"); /* U+2066, U+2069 */
+    expect_calm("\xc2\x80 \xc2\x9f", "? ?");                /* U+0080, U+009F */
+    expect_calm("\xe2\x80\xaa\xe2\x80\xae", "??");          /* U+202A, U+202E */
+    expect_calm("\xd8\x9c\xe2\x80\x8e\xe2\x80\x8f", "???"); /* U+061C, U+200E, U+200F */
+    expect_calm("\xe2\x81\xa6\xe2\x81\xa9", "??");          /* U+2066, U+2069 */
 }
 
 static void what_is_no_letter_goes(void **state)

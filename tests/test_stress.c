@@ -42,6 +42,21 @@ static double number(const cJSON *object, const char *name)
     return cJSON_IsNumber(item) ? item->valuedouble : (double)NAN;
 }
 
+/* What was not measured has no figures: no method has anything but a scene with primitives. */
+static bool has_false_zeros(const cJSON *atlas)
+{
+    const cJSON *axis, *value, *method;
+    cJSON_ArrayForEach(axis, cJSON_GetObjectItem(atlas, "axes"))
+        cJSON_ArrayForEach(value, cJSON_GetObjectItem(axis, "values"))
+            cJSON_ArrayForEach(method, cJSON_GetObjectItem(value, "methods"))
+    {
+        const cJSON *prims = cJSON_GetObjectItem(method, "prims");
+        if (prims != NULL && !(prims->valuedouble > 0))
+            return true;
+    }
+    return false;
+}
+
 static void finds_every_manner(void **state)
 {
     (void)state;
@@ -71,6 +86,7 @@ static void finds_every_manner(void **state)
         const cJSON *t = threshold_of(atlas, cases[i].manner);
         assert_true(number(t, "at") == 1000 && number(t, "below") == 100);
         assert_int_equal((int)number(atlas, "bugs"), cases[i].words != NULL);
+        assert_false(has_false_zeros(atlas));
         cJSON_Delete(atlas);
     }
 }

@@ -270,7 +270,38 @@ static void tells_of_all_values(void **state)
         .axis = &axis, .method_count = 2, .intervals = 3, .bisections = 2, .measure = measure_gaps};
     ASSERT_OK(bb_search_run(s));
     const bb_threshold *t = &s->thresholds[0][BB_MANNER_WRONG];
-    assert_true(t->found && t->at == 10 && t->below < 5 && t->returns);
+    assert_true(t->found && t->at == 10 && t->below > 3 && t->below < 5 && t->returns);
+    bb_search_free(s);
+    free(s);
+}
+
+/* Slow from 10 on; from 1e4 on, one of the two ray sets cannot be traced. */
+static bb_status measure_fewer_rays(void *user, bb_wish *wishes, uint32_t count, bool again)
+{
+    (void)user;
+    (void)again;
+    for (uint32_t i = 0; i < count; i++) {
+        wishes[i].figures[0] = bb_no_figures(BB_MEASURED);
+        wishes[i].figures[0].ray_sets = wishes[i].x >= 1e4 ? 1 : 3;
+        wishes[i].figures[0].tests = wishes[i].x >= 1e4 || wishes[i].x < 10 ? 30 : 90;
+    }
+    return BB_OK;
+}
+
+static void what_cannot_be_compared_tells_nothing(void **state)
+{
+    (void)state;
+    bb_axis axis = {.name = "x", .from = 1, .to = 1e6, .steps = BB_STEPS_LOG};
+    bb_search *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    *s = (bb_search){.axis = &axis,
+                     .method_count = 1,
+                     .intervals = 3,
+                     .bisections = 2,
+                     .measure = measure_fewer_rays};
+    ASSERT_OK(bb_search_run(s));
+    const bb_threshold *t = &s->thresholds[0][BB_MANNER_MORE_TESTS];
+    assert_true(t->found && t->at == 10 && !t->returns);
     bb_search_free(s);
     free(s);
 }
@@ -306,6 +337,7 @@ int main(void)
         cmocka_unit_test(fills_and_halves),
         cmocka_unit_test(finds_thresholds),
         cmocka_unit_test(tells_of_all_values),
+        cmocka_unit_test(what_cannot_be_compared_tells_nothing),
         cmocka_unit_test(passes_failures_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -37,7 +37,8 @@ int bb_letter(const char *text, bool *calm)
     if (length == 0 || !decode(bytes, length, &code))
         return 1;
     const bool controls = code < 0x20 || (code >= 0x7F && code < 0xA0);
-    const bool turns = (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+    const bool turns = code == 0x061C || code == 0x200E || code == 0x200F ||
+                       (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
     *calm = !controls && !turns;
     return length;
 }

@@ -8,7 +8,8 @@
 
 #include <math.h>
 
-/* The chance that any cell of a comparison of equals is called slower, or faster. */
+/* The chance that any cell of a comparison of equals is called slower; and that one is called
+ * faster. */
 #define BB_COMPARE_LEVEL 0.01
 /* Of the floor: what nobody would call a change, and what stands where no A/A is known. */
 #define BB_COMPARE_FLOOR_LEAST 0.01
@@ -123,8 +124,8 @@ void bb_floor_free(bb_floor *floor);
 
 /* The ratio of the medians of a cell, after by before; NAN if one has none or is not ok. */
 double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after);
-/* The same of the least times, which is what one pair says: noise only lengthens, in bursts that
- * may be as long as half of a short run. */
+/* The same of the least times, of equally many rounds, which is what one pair says: noise only
+ * lengthens, in bursts that may be as long as half of a short run. */
 double bb_ratio_of_leasts(const bb_measured *before, const bb_measured *after);
 /* Whether both are of the same scene and the same rays. */
 bool bb_same_input(const bb_measured *a, const bb_measured *b);

@@ -10,10 +10,10 @@
  * A cell stands against those that moved no more than itself: those that moved most, which are
  * large under many an exchange, are no obstacle to the others.
  *
- * An exchange is the same for all cells: of pairs, the signs of some rounds' log ratios; of two
- * runs, which rounds are called whose. If the labels say nothing, the measured one is as likely as
- * any other to have the largest maximum, so P(any p <= level) <= level, however cells depend on
- * each other and however the noise is distributed.
+ * An exchange is the same for all cells with as many rounds: of pairs, the signs of some rounds'
+ * log ratios; of two runs, which rounds are called whose. If the labels say nothing, the measured
+ * one is as likely as any other to have the largest maximum, so P(any p <= level) <= level, however
+ * these cells depend on each other and however the noise is distributed.
  *
  * The statistic: mean / sqrt(spread^2 + s0^2), where s0 is the median spread of all cells, so that
  * no cell has a large statistic by chance of a small spread (Tusher, Tibshirani, Chu, PNAS 98,

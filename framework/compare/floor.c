@@ -38,7 +38,10 @@ double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after)
 
 double bb_ratio_of_leasts(const bb_measured *before, const bb_measured *after)
 {
-    return ratio_of(before, after, bb_samples_least);
+    /* of more rounds the least is less */
+    return before != NULL && after != NULL && before->ms.count == after->ms.count
+               ? ratio_of(before, after, bb_samples_least)
+               : (double)NAN;
 }
 
 /* Pairs 1 and 2, 3 and 4 ...: of each side the ratio from one to the other. They are as many as the

@@ -10,6 +10,10 @@
 
 enum { NINE = 9, ALL_NINE = (1 << NINE) - 1, HALVINGS = 5, NEAR_MAX = 48, COVERS_MAX = 16 };
 
+/* A cover of a margin so many units large is off by 2^-52 / 2^-20 of that: a millionth. */
+#define COVER_RATIO 1024.0
+static const double inside = 0x1p-30; /* of a distance: what rounding may add to it */
+
 /* One ray under judgement. */
 typedef struct trial {
     const bb_scene *scene;
@@ -288,9 +292,13 @@ static bool all_found(const bb_arbiter *arbiter, search *search, int wanted, dou
 typedef struct gap {
     const bb_arbiter *arbiter;
     const search *search;
-    double common;                              /* as in search */
-    bb_outline outlines[NEAR_MAX + COVERS_MAX]; /* between whose sides is looked; then large ones */
-    uint32_t count, covers;
+    double common;                 /* as in search */
+    bb_outline outlines[NEAR_MAX]; /* between whose sides is looked */
+    uint32_t count;
+    /* inside of these a primitive is met for sure: those, a bit shorter along the ray, and others
+     * that may hide much */
+    bb_outline covers[NEAR_MAX + COVERS_MAX];
+    uint32_t cover_count;
     bool scaled_alike; /* outlines by the common eps, else by each primitive's own */
 } gap;
 
@@ -301,6 +309,20 @@ static bool is_large(const bb_outline *outline)
     for (uint32_t c = 0; c < outline->count; c++)
         most = fmax(most, hypot(outline->corners[c][0], outline->corners[c][1]));
     return most > 1;
+}
+
+/* Its flat parts between two distances, in units. */
+static uint32_t see(const trial *trial, uint32_t prim, double from, double to, double unit,
+                    bb_outline parts[BB_OUTLINES_MAX])
+{
+    uint32_t i;
+    const bb_prim_kind *kind = bb_prim_of(trial->scene, prim, &i);
+    uint32_t count = kind->outlines(trial->scene, i, &trial->frame, from, to, parts);
+    for (uint32_t part = 0; part < count; part++)
+        for (uint32_t c = 0; c < parts[part].count; c++)
+            for (int k = 0; k < 2; k++)
+                parts[part].corners[c][k] /= unit;
+    return count;
 }
 
 /* In the unit disc, which stands for the nine's; so large that what is not seen of it does no
@@ -315,20 +337,18 @@ static bool add_outline(void *context, uint32_t prim)
     if (prim == g->search->prim || eps > g->search->most ||
         pass(trial, prim, from, to).distance > unit)
         return false;
-    uint32_t i;
-    const bb_prim_kind *kind = bb_prim_of(trial->scene, prim, &i);
     bb_outline parts[BB_OUTLINES_MAX];
-    uint32_t count = kind->outlines(trial->scene, i, &trial->frame, from, to, parts);
-    for (uint32_t part = 0; part < count; part++) {
-        for (uint32_t c = 0; c < parts[part].count; c++)
-            for (int k = 0; k < 2; k++)
-                parts[part].corners[c][k] /= unit;
-        if (g->count < NEAR_MAX)
-            g->outlines[g->count++] = parts[part];
-        else if (is_large(&parts[part]) && g->covers < COVERS_MAX)
-            g->outlines[NEAR_MAX + g->covers++] = parts[part];
-    }
-    return g->covers == COVERS_MAX;
+    uint32_t count = see(trial, prim, from, to, unit, parts);
+    bool shown = g->count < NEAR_MAX;
+    for (uint32_t part = 0; part < count && g->count < NEAR_MAX; part++)
+        g->outlines[g->count++] = parts[part];
+    if (eps > COVER_RATIO * unit)
+        return false;
+    count = see(trial, prim, from + inside * from, to - inside * to, unit, parts);
+    for (uint32_t part = 0; part < count && g->cover_count < NEAR_MAX + COVERS_MAX; part++)
+        if (shown || is_large(&parts[part]))
+            g->covers[g->cover_count++] = parts[part];
+    return g->cover_count == NEAR_MAX + COVERS_MAX;
 }
 
 static bool is_open(void *context, double x, double y)
@@ -353,12 +373,13 @@ static bool has_gap(const bb_arbiter *arbiter, const search *search, double comm
         bb_probe probe;
         bb_probe_make(search->trial->ray, &probe);
         probe.grow = common;
-        g.count = g.covers = 0;
+        g.count = g.cover_count = 0;
         g.scaled_alike = alike;
         bb_box_tree_visit(arbiter->tree, &probe, add_outline, &g);
         /* Inside of an outline the primitive is met, by the common eps or by its own. */
         const bool closed = alike == 1 || search->most == INFINITY;
-        if (bb_find_open_way(g.outlines, g.count, closed ? g.count + g.covers : 0, is_open, &g))
+        if (bb_find_open_way(g.outlines, g.count, g.covers, closed ? g.cover_count : 0, is_open,
+                             &g))
             return true;
     }
     return false;

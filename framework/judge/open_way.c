@@ -100,8 +100,8 @@ static bool is_known(places *p, const double at[2])
 /* ---- the search ---- */
 
 typedef struct hunt {
-    const bb_outline *outlines;
-    uint32_t closed;
+    const bb_outline *covers;
+    uint32_t cover_count;
     bool (*is_open)(void *context, double x, double y);
     void *context;
     sides sides;
@@ -126,8 +126,8 @@ static bool is_inside(const bb_outline *outline, double x, double y)
 
 static bool is_open_at(const hunt *h, double x, double y)
 {
-    for (uint32_t i = 0; i < h->closed; i++)
-        if (is_inside(&h->outlines[i], x, y))
+    for (uint32_t i = 0; i < h->cover_count; i++)
+        if (is_inside(&h->covers[i], x, y))
             return false;
     return h->is_open(h->context, x, y);
 }
@@ -150,10 +150,11 @@ static bool is_open_around(hunt *h, const double at[2])
     return false;
 }
 
-bool bb_find_open_way(const bb_outline *outlines, uint32_t count, uint32_t closed,
-                      bool (*is_open)(void *context, double x, double y), void *context)
+bool bb_find_open_way(const bb_outline *outlines, uint32_t count, const bb_outline *covers,
+                      uint32_t cover_count, bool (*is_open)(void *context, double x, double y),
+                      void *context)
 {
-    hunt h = {.outlines = outlines, .closed = closed, .is_open = is_open, .context = context};
+    hunt h = {.covers = covers, .cover_count = cover_count, .is_open = is_open, .context = context};
     const sides *s = &h.sides;
     double at[2];
     collect(outlines, count, &h.sides);

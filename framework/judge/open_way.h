@@ -11,12 +11,12 @@
 #include <stdint.h>
 
 /* Whether is_open() says so of some point of the unit disc. It is asked about points close to each
- * place in which sides of the first `count` outlines meet or cross, one in each of the angles
- * between them, and on both sides of each side. An opening that is bounded by anything else may be
- * overlooked. It is not asked of what is clearly inside of one of the first `closed` outlines,
- * which may be more, or none: it is exact, and slow, and where many sides cross there are many
- * places. */
-bool bb_find_open_way(const bb_outline *outlines, uint32_t count, uint32_t closed,
-                      bool (*is_open)(void *context, double x, double y), void *context);
+ * place in which sides of the outlines meet or cross, one in each of the angles between them, and
+ * on both sides of each side. An opening that is bounded by anything else may be overlooked. It is
+ * not asked of what is clearly inside of one of the `covers`, of which it is known to say no: it is
+ * exact, and slow, and where many sides cross there are many places. */
+bool bb_find_open_way(const bb_outline *outlines, uint32_t count, const bb_outline *covers,
+                      uint32_t cover_count, bool (*is_open)(void *context, double x, double y),
+                      void *context);
 
 #endif

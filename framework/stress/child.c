@@ -66,6 +66,7 @@ static void be_child(int (*work)(void *user), void *user, int out, pid_t parent)
         _exit(1);
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
+    setvbuf(stdout, NULL, _IOLBF, 0); /* nobody flushes it when the child ends */
     atomic_store(&page->ended, work(user) == 0 ? DONE : GAVE_UP);
     _exit(0);
 }

@@ -9,6 +9,23 @@ const char *bb_outcome_word(bb_outcome outcome)
     return words[outcome];
 }
 
+bb_figures bb_no_figures(bb_outcome outcome)
+{
+    return (bb_figures){.outcome = outcome,
+                        .prims = NAN,
+                        .build_ms = NAN,
+                        .ray_sets = NAN,
+                        .trace_ms = NAN,
+                        .rays = NAN,
+                        .tests = NAN,
+                        .metric = NAN,
+                        .bytes = NAN,
+                        .wrong = NAN,
+                        .checked = NAN,
+                        .unlike = NAN,
+                        .overflowed = NAN};
+}
+
 const bb_manner_about bb_manners[BB_MANNERS] = {
     [BB_MANNER_CRASHED] = {"crashed", "crashes", false, false},
     [BB_MANNER_HUNG] = {"hung", "hangs", false, false},

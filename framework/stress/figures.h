@@ -66,6 +66,9 @@ extern const bb_manner_about bb_manners[BB_MANNERS];
 /* What is twice, in all manners that compare. */
 #define BB_STRESS_FACTOR 2.0
 
+/* Nothing of it was measured. */
+bb_figures bb_no_figures(bb_outcome outcome);
+
 /* How many times the normal figure this one is, of a manner that compares; NAN if either was not
  * measured, or not of the same ray sets. */
 double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figures *here);

@@ -51,7 +51,7 @@ static void set_all(const bb_point_work *work, bb_outcome outcome, const char *w
             bb_figures *f = &work->wishes[i].figures[m];
             if (!work->wishes[i].wanted[m])
                 continue;
-            f->outcome = outcome;
+            *f = bb_no_figures(outcome);
             snprintf(f->reason, sizeof f->reason, "%.255s", words);
             bb_calm_text(f->reason); /* the end of a letter may be cut off */
         }

@@ -11,22 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bb_figures nothing(void)
-{
-    return (bb_figures){.outcome = BB_NOT_MEASURED,
-                        .prims = NAN,
-                        .build_ms = NAN,
-                        .trace_ms = NAN,
-                        .rays = NAN,
-                        .tests = NAN,
-                        .metric = NAN,
-                        .bytes = NAN,
-                        .wrong = NAN,
-                        .checked = NAN,
-                        .unlike = NAN,
-                        .overflowed = NAN};
-}
-
 static void end_as(bb_figures *f, bb_outcome outcome, const char *reason)
 {
     f->outcome = outcome;
@@ -195,7 +179,7 @@ void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish)
     snprintf(reason, sizeof reason, "%s", bb_message());
     for (uint32_t m = 0; m < points->method_count; m++) {
         bb_figures *f = &wish->figures[m];
-        *f = nothing();
+        *f = bb_no_figures(BB_NOT_MEASURED);
         if (wish->wanted[m] && status != BB_OK) {
             end_as(f, whole, reason);
         } else if (wish->wanted[m]) {

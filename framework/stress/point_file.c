@@ -51,7 +51,7 @@ static bool figures_of(const cJSON *object, bb_figures *f)
 {
     const char *word = cJSON_GetStringValue(cJSON_GetObjectItem(object, "outcome"));
     const char *reason = cJSON_GetStringValue(cJSON_GetObjectItem(object, "reason"));
-    *f = (bb_figures){.outcome = BB_NOT_MEASURED};
+    *f = bb_no_figures(BB_NOT_MEASURED);
     for (uint32_t i = 0; i < BB_OUTCOMES && word != NULL; i++)
         if (strcmp(word, bb_outcome_word((bb_outcome)i)) == 0)
             f->outcome = (bb_outcome)i;

@@ -228,6 +228,16 @@ static bb_status look_end_to_end(state *st, const double *values, uint32_t count
     return bb_interrupted() ? BB_OK : look_again(st, values, count);
 }
 
+/* Whether the method could fail there in that manner: what compares needs something to compare. */
+static bool can_tell(const state *st, uint32_t method, bb_manner manner, double x)
+{
+    const bb_search *s = st->search;
+    const bb_figures *here = bb_search_figures(s, x, method);
+    const bb_figures *normal = bb_search_figures(s, s->axis->from, method);
+    return !bb_manners[manner].relative ||
+           (here != NULL && normal != NULL && isfinite(bb_manner_ratio(manner, normal, here)));
+}
+
 /* What all values say so far, also those that were measured for other thresholds. */
 static void settle(state *st, uint32_t method, bb_manner manner)
 {
@@ -239,7 +249,7 @@ static void settle(state *st, uint32_t method, bb_manner manner)
         const bb_figures *here = &s->probes[i].figures[method];
         const double x = s->probes[i].x;
         double ratio;
-        if (here->outcome == BB_NOT_MEASURED)
+        if (here->outcome == BB_NOT_MEASURED || !can_tell(st, method, manner, x))
             continue;
         bool fails = shows(st, method, manner, x, &ratio);
         if (fails && !t->found)

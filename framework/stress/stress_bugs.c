@@ -33,7 +33,7 @@ static uint32_t blame_unlike(const bb_stress *s, const bb_stress_axis *a, FILE *
         const bb_figures *f = a->search.probes[p].figures;
         uint32_t unlike = 0, wrong = 0, last = 0;
         for (uint32_t m = 0; m < s->request->method_count; m++) {
-            if (!s->request->methods[m].exact || f[m].outcome != BB_MEASURED)
+            if (!s->request->methods[m].exact)
                 continue;
             wrong += f[m].wrong > 0 || f[m].overflowed > 0;
             unlike += f[m].unlike > 0;

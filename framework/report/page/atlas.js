@@ -150,7 +150,7 @@ function fill(id, options) {
 
 function start() {
   const c = atlas.context, used = [...new Set(atlas.methods.map(m => m.part))];
-  $('where').textContent = `${c.revision}, ${c.device}: ${atlas.methods.length} methods on ${atlas.axes.length} axes, up to ` +
+  $('where').textContent = `${c.revision}, ${c.device || 'no device'}: ${atlas.methods.length} methods on ${atlas.axes.length} axes, up to ` +
     `${atlas.rays_per_set} rays a set, ${Math.round(atlas.ms / 1000)} s${atlas.quick ? ' (--quick: few values, small scenes, times not judged)' : ''}`;
   const cut = atlas.axes.length === 0 || atlas.axes.some(a => !a.complete);
   $('bugs').textContent = cut ? `Interrupted: not all was measured. ${atlas.bugs} bugs so far.` : atlas.bugs === 0 ? 'No crash, no hang, no failure, and no wrong answer of what must be exact.'
