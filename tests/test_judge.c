@@ -375,20 +375,28 @@ static void a_corner_of_many_is_looked_at_once(void **state)
     (void)state;
     enum { FAN = 64 };
     bb_outline fan[FAN];
+    bb_cover covers[FAN];
     uint32_t asked = 0;
     for (int i = 0; i < FAN; i++) {
         double from = 2 * acos(-1) * i / FAN, to = 2 * acos(-1) * (i + 1) / FAN;
         fan[i] =
             (bb_outline){{{0, 0}, {2 * cos(from), 2 * sin(from)}, {2 * cos(to), 2 * sin(to)}}, 3};
+        covers[i] = (bb_cover){fan[i], 1e-6};
     }
     assert_false(bb_find_open_way(fan, FAN, NULL, 0, count_and_say_no, &asked));
     assert_in_range(asked, FAN, 8 * FAN);
     /* where all is closed inside, hardly anything is left to ask about but a missing triangle */
     uint32_t asked_closed = 0, asked_open = 0;
-    assert_false(bb_find_open_way(fan, FAN, fan, FAN, count_and_say_no, &asked_closed));
+    assert_false(bb_find_open_way(fan, FAN, covers, FAN, count_and_say_no, &asked_closed));
     assert_in_range(asked_closed, 0, 4);
-    assert_false(bb_find_open_way(fan, FAN - 1, fan, FAN - 1, count_and_say_no, &asked_open));
+    assert_false(bb_find_open_way(fan, FAN - 1, covers, FAN - 1, count_and_say_no, &asked_open));
     assert_in_range(asked_open, 1, 8);
+    /* corners that may be off by more than the way to the next side hide nothing */
+    for (int i = 0; i < FAN; i++)
+        covers[i].clear = 0.2;
+    uint32_t asked_coarse = 0;
+    assert_false(bb_find_open_way(fan, FAN, covers, FAN, count_and_say_no, &asked_coarse));
+    assert_int_equal(asked_coarse, asked);
 }
 
 /* The margin against the smallest height, of the primitive reported and of the oracle's. */

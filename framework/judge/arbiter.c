@@ -10,8 +10,10 @@
 
 enum { NINE = 9, ALL_NINE = (1 << NINE) - 1, HALVINGS = 5, NEAR_MAX = 48, COVERS_MAX = 16 };
 
-/* A cover of a margin so many units large is off by 2^-52 / 2^-20 of that: a millionth. */
-#define COVER_RATIO 1024.0
+/* A corner is off by some 2^-52 of the numbers that it is made of, which are a margin times 2^20;
+ * this leaves room for a few roundings. */
+static const double corner_error = 0x1p-29; /* in margins */
+static const double clearly = 1e-6;   /* in units: what is_open() rounds a point by, at least */
 static const double inside = 0x1p-30; /* of a distance: what rounding may add to it */
 
 /* One ray under judgement. */
@@ -297,7 +299,7 @@ typedef struct gap {
     uint32_t count;
     /* inside of these a primitive is met for sure: those, a bit shorter along the ray, and others
      * that may hide much */
-    bb_outline covers[NEAR_MAX + COVERS_MAX];
+    bb_cover covers[NEAR_MAX + COVERS_MAX];
     uint32_t cover_count;
     bool scaled_alike; /* outlines by the common eps, else by each primitive's own */
 } gap;
@@ -342,12 +344,12 @@ static bool add_outline(void *context, uint32_t prim)
     bool shown = g->count < NEAR_MAX;
     for (uint32_t part = 0; part < count && g->count < NEAR_MAX; part++)
         g->outlines[g->count++] = parts[part];
-    if (eps > COVER_RATIO * unit)
-        return false;
-    count = see(trial, prim, from + inside * from, to - inside * to, unit, parts);
+    const double clear = fmax(clearly, corner_error * eps / unit);
+    const double last = isfinite(to) ? to - inside * fabs(to) : to;
+    count = see(trial, prim, from + inside * fabs(from), last, unit, parts);
     for (uint32_t part = 0; part < count && g->cover_count < NEAR_MAX + COVERS_MAX; part++)
         if (shown || is_large(&parts[part]))
-            g->covers[g->cover_count++] = parts[part];
+            g->covers[g->cover_count++] = (bb_cover){parts[part], clear};
     return g->cover_count == NEAR_MAX + COVERS_MAX;
 }
 

@@ -7,7 +7,6 @@ enum { SIDES_MAX = 48 * BB_OUTLINE_CORNERS, PLACES_MAX = 1024 };
 
 static const double together = 1e-6;             /* what counts as meeting there */
 static const double same = 1e-9;                 /* what counts as one place */
-static const double clearly = 1e-6;              /* what counts as inside */
 static const double steps[] = {0x1p-4, 0x1p-12}; /* from there */
 
 typedef struct side {
@@ -100,7 +99,7 @@ static bool is_known(places *p, const double at[2])
 /* ---- the search ---- */
 
 typedef struct hunt {
-    const bb_outline *covers;
+    const bb_cover *covers;
     uint32_t cover_count;
     bool (*is_open)(void *context, double x, double y);
     void *context;
@@ -109,8 +108,9 @@ typedef struct hunt {
 } hunt;
 
 /* Inside of the convex outline, whichever way round its corners are. */
-static bool is_inside(const bb_outline *outline, double x, double y)
+static bool is_inside(const bb_cover *cover, double x, double y)
 {
+    const bb_outline *outline = &cover->outline;
     double least = INFINITY, most = -INFINITY;
     for (uint32_t c = 0; c < outline->count; c++) {
         const double *p = outline->corners[c], *q = outline->corners[(c + 1) % outline->count];
@@ -121,7 +121,7 @@ static bool is_inside(const bb_outline *outline, double x, double y)
         least = fmin(least, distance);
         most = fmax(most, distance);
     }
-    return outline->count > 2 && isfinite(least) && (least > clearly || most < -clearly);
+    return outline->count > 2 && isfinite(least) && (least > cover->clear || most < -cover->clear);
 }
 
 static bool is_open_at(const hunt *h, double x, double y)
@@ -150,7 +150,7 @@ static bool is_open_around(hunt *h, const double at[2])
     return false;
 }
 
-bool bb_find_open_way(const bb_outline *outlines, uint32_t count, const bb_outline *covers,
+bool bb_find_open_way(const bb_outline *outlines, uint32_t count, const bb_cover *covers,
                       uint32_t cover_count, bool (*is_open)(void *context, double x, double y),
                       void *context)
 {
