@@ -44,18 +44,14 @@ static void add_name(names *n, const char *name)
         n->items[n->count++] = (char *)name;
 }
 
-static bool fits(const char *asked, const char *has)
-{
-    return asked == NULL || strcmp(asked, has) == 0;
-}
-
 static bool takes(const void *user, const char *builder, const char *kernel,
                   const char *intersector)
 {
     const bb_entered *field = user;
     for (uint32_t i = 0; i < field->count; i++)
-        if (field->racers[i].state == BB_RACING && fits(builder, field->who[i].builder) &&
-            fits(kernel, field->who[i].kernel) && fits(intersector, field->who[i].intersector))
+        if (field->racers[i].state == BB_RACING && bb_bench_fits(builder, field->who[i].builder) &&
+            bb_bench_fits(kernel, field->who[i].kernel) &&
+            bb_bench_fits(intersector, field->who[i].intersector))
             return true;
     return false;
 }

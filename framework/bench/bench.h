@@ -8,6 +8,7 @@
 #include "framework/record/record.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 /* A part of the cells. They are dealt out by ray set, so that all cells that are interleaved, and
  * compared by ratios, stay together: set k of the comparison (scene by scene, each with its rays in
@@ -53,6 +54,12 @@ typedef struct bb_bench_request {
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;
+
+/* For takes(), and for reading the record: whether what is asked for, NULL for any, is this. */
+static inline bool bb_bench_fits(const char *asked, const char *text)
+{
+    return asked == NULL || strcmp(asked, text) == 0;
+}
 
 /* Wall times of a comparison: timed builds, timed traces, all of it. */
 typedef struct bb_bench_times {

@@ -3,7 +3,6 @@
 
 #include "framework/base/options.h"
 #include "framework/base/suggest.h"
-#include "framework/report/columns.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -181,10 +180,7 @@ static int end(bb_status status, int exit_status)
         status = flush_output();
     if (status == BB_OK)
         return exit_status;
-    /* texts of files and of other programs are in it: they must not steer the terminal */
-    fputs("bvhbench: ", stderr);
-    bb_print_text(stderr, bb_message(), 0);
-    fputc('\n', stderr);
+    fprintf(stderr, "bvhbench: %s\n", bb_message());
     return BB_EXIT_CANNOT;
 }
 

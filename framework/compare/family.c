@@ -170,8 +170,9 @@ static double statistic(const row *r, const float *sign, bool pairs)
 
 /* A cell's place among all, by its statistic as measured. */
 typedef struct place {
-    uint32_t row, count; /* count: of exchanges in which the largest is no smaller */
-    double t;
+    uint32_t row;
+    uint32_t above, below; /* exchanges in which one up to here is as large, from here as small */
+    double t, exchanged;   /* as measured; under the exchange */
 } place;
 
 static int by_statistic(const void *a, const void *b)
@@ -180,32 +181,37 @@ static int by_statistic(const void *a, const void *b)
     return p->t != q->t ? (p->t > q->t) - (p->t < q->t) : (p->row > q->row) - (p->row < q->row);
 }
 
-/* Signs of the exchange for a row of that shape; rows of one shape share them. */
-static void signs_of(uint32_t exchange, const row *r, bool pairs, float *sign)
+/* Sets the statistics of all under an exchange; rows of one shape share its signs. */
+static void exchange_all(const row *rows, place *places, uint32_t count, uint32_t exchange,
+                         bool pairs)
 {
-    if (pairs)
-        signs_of_pairs(exchange, r->count, sign);
-    else
-        signs_of_runs(exchange, r->first, r->count, sign);
-}
-
-static void step_through(const row *rows, place *places, uint32_t count, uint32_t exchange,
-                         bool pairs, bool up)
-{
-    const double slack = 1e-9; /* sums of the same values in another order */
     float sign[VALUES] = {0};
-    double largest = -INFINITY;
     uint32_t first = 0, all = 0;
     for (uint32_t i = 0; i < count; i++) {
         const row *r = &rows[places[i].row];
         if (r->first != first || r->count != all) {
             first = r->first;
             all = r->count;
-            signs_of(exchange, r, pairs, sign);
+            if (pairs)
+                signs_of_pairs(exchange, all, sign);
+            else
+                signs_of_runs(exchange, first, all, sign);
         }
-        double t = statistic(r, sign, pairs);
-        largest = fmax(largest, up ? t : -t);
-        places[i].count += largest >= places[i].t - slack;
+        places[i].exchanged = statistic(r, sign, pairs);
+    }
+}
+
+static void count_exchange(place *places, uint32_t count)
+{
+    const double slack = 1e-9; /* sums of the same values in another order */
+    double largest = -INFINITY, smallest = INFINITY;
+    for (uint32_t i = 0; i < count; i++) {
+        largest = fmax(largest, places[i].exchanged);
+        places[i].above += largest >= places[i].t - slack;
+    }
+    for (uint32_t i = count; i-- > 0;) {
+        smallest = fmin(smallest, places[i].exchanged);
+        places[i].below += smallest <= places[i].t + slack;
     }
 }
 
@@ -214,26 +220,39 @@ static bool has_values(const row *r, bool pairs)
     return pairs ? r->count > 0 : r->first > 0 && r->first < r->count;
 }
 
-/* One direction: places has room for all rows. */
-static void set_p(bb_family_row *family, const row *rows, place *places, uint32_t count,
-                  uint32_t exchanges, bool pairs, bool up)
+/* The most of this cell's count and of all that moved more. */
+static void set_p(bb_family_row *family, const row *rows, const place *places, uint32_t count,
+                  uint32_t exchanges, bool pairs)
 {
-    float sign[VALUES] = {0};
     uint32_t most = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        signs_of(0, &rows[i], pairs, sign);
-        double t = statistic(&rows[i], sign, pairs);
-        places[i] = (place){.row = i, .t = up ? t : -t};
-    }
-    qsort(places, count, sizeof *places, by_statistic);
-    for (uint32_t e = 0; e < exchanges; e++)
-        step_through(rows, places, count, e, pairs, up);
     for (uint32_t i = count; i-- > 0;) {
-        bb_family_row *to = &family[places[i].row];
-        most = places[i].count > most ? places[i].count : most;
-        double p = has_values(&rows[places[i].row], pairs) ? (double)most / exchanges : 1;
-        *(up ? &to->p_up : &to->p_down) = p;
+        most = places[i].above > most ? places[i].above : most;
+        family[places[i].row].p_up =
+            has_values(&rows[places[i].row], pairs) ? (double)most / exchanges : 1;
     }
+    most = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        most = places[i].below > most ? places[i].below : most;
+        family[places[i].row].p_down =
+            has_values(&rows[places[i].row], pairs) ? (double)most / exchanges : 1;
+    }
+}
+
+/* `places` has room for all rows. */
+static void step_through(bb_family_row *family, const row *rows, place *places, uint32_t count,
+                         uint32_t exchanges, bool pairs)
+{
+    for (uint32_t i = 0; i < count; i++)
+        places[i] = (place){.row = i};
+    exchange_all(rows, places, count, 0, pairs);
+    for (uint32_t i = 0; i < count; i++)
+        places[i].t = places[i].exchanged;
+    qsort(places, count, sizeof *places, by_statistic);
+    for (uint32_t e = 0; e < exchanges; e++) {
+        exchange_all(rows, places, count, e, pairs);
+        count_exchange(places, count);
+    }
+    set_p(family, rows, places, count, exchanges, pairs);
 }
 
 static bb_status adjust(bb_family_row *family, uint32_t count, bool pairs)
@@ -255,8 +274,8 @@ static bb_status adjust(bb_family_row *family, uint32_t count, bool pairs)
     }
     status = scale(rows, count);
     uint32_t exchanges = pairs && longest <= ALL_SIGNS ? 1u << longest : EXCHANGES;
-    for (int up = 0; up < 2 && status == BB_OK; up++)
-        set_p(family, rows, places, count, exchanges, pairs, up);
+    if (status == BB_OK)
+        step_through(family, rows, places, count, exchanges, pairs);
 out:
     free(rows);
     free(places);

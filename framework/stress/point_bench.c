@@ -59,16 +59,11 @@ typedef struct row {
     const char *builder, *kernel, *intersector;
 } row;
 
-static bool fits(const char *asked, const char *has)
-{
-    return asked == NULL || strcmp(asked, has) == 0;
-}
-
 static bool is_row(const cJSON *trace, const row *r)
 {
-    return fits(r->builder, bb_get_text(trace, BB_F_TRACE_BUILDER)) &&
-           fits(r->kernel, bb_get_text(trace, BB_F_TRACE_KERNEL)) &&
-           fits(r->intersector, bb_get_text(trace, BB_F_TRACE_INTERSECTOR));
+    return bb_bench_fits(r->builder, bb_get_text(trace, BB_F_TRACE_BUILDER)) &&
+           bb_bench_fits(r->kernel, bb_get_text(trace, BB_F_TRACE_KERNEL)) &&
+           bb_bench_fits(r->intersector, bb_get_text(trace, BB_F_TRACE_INTERSECTOR));
 }
 
 static void read_build(const bb_results *results, const char *builder, bb_figures *f)

@@ -6,11 +6,6 @@
 
 #include <string.h>
 
-static bool fits(const char *asked, const char *has)
-{
-    return asked == NULL || strcmp(asked, has) == 0;
-}
-
 /* A bb_bench_request.takes. */
 static bool takes(const void *user, const char *builder, const char *kernel,
                   const char *intersector)
@@ -20,8 +15,9 @@ static bool takes(const void *user, const char *builder, const char *kernel,
     for (uint32_t m = 0; m < points->method_count; m++) {
         const char *parts[BB_METHOD_PARTS];
         bb_method_cell(points->axis, &points->methods[m], parts);
-        if (request->wanted[m] && fits(builder, parts[BB_A_BUILDER]) &&
-            fits(kernel, parts[BB_A_KERNEL]) && fits(intersector, parts[BB_AN_INTERSECTOR]))
+        if (request->wanted[m] && bb_bench_fits(builder, parts[BB_A_BUILDER]) &&
+            bb_bench_fits(kernel, parts[BB_A_KERNEL]) &&
+            bb_bench_fits(intersector, parts[BB_AN_INTERSECTOR]))
             return true;
     }
     return false;
