@@ -20,8 +20,9 @@ static void add_view(void *user, const char *name, const bb_view *view)
         bb_scene_add_view(user, name, view);
 }
 
-static bb_status load(const char *path, bb_scene *scene)
+static bb_status load(const char *path, const bb_spec *spec, bb_scene *scene)
 {
+    (void)spec;
     return bb_gltf_load(path, reserve, add_view, scene, &scene->ignored);
 }
 

@@ -342,8 +342,9 @@ void read_mesh(Lines &lines, Mesh &mesh)
              mesh.path, static_cast<unsigned long long>(mesh.ignored));
 }
 
-bb_status load(const char *path, bb_scene *scene)
+bb_status load(const char *path, const bb_spec *spec, bb_scene *scene)
 {
+    (void)spec;
     try {
         Lines lines(path);
         Mesh mesh(path, lines);
@@ -367,5 +368,5 @@ const char *const endings[] = {".obj", nullptr};
 
 extern "C" {
 extern const bb_scene_format bb_scene_format_obj;
-const bb_scene_format bb_scene_format_obj = {"OBJ", endings, load};
+const bb_scene_format bb_scene_format_obj = {"OBJ", endings, load, nullptr};
 }

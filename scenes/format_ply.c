@@ -259,8 +259,9 @@ static bb_status read_file(ply *ply, bb_scene *scene)
     return walk(ply, scene);
 }
 
-static bb_status load(const char *path, bb_scene *scene)
+static bb_status load(const char *path, const bb_spec *spec, bb_scene *scene)
 {
+    (void)spec;
     ply *ply = calloc(1, sizeof *ply);
     if (ply == NULL)
         return bb_fail(BB_REFUSED, "%s: no memory to read it", path);

@@ -173,7 +173,11 @@ static bb_timing time_trace(bed *b, const bb_buffer *rays, bb_buffer *hits, bool
     bb_stopwatch watch;
     bb_timing timing;
     check(bb_tracer_get(device, &request, &b->layout, &tracer), "tracer");
-    const bb_pass pass = {&bb_query_closest, tracer, &b->layout, rays, hits, NULL};
+    const bb_pass pass = {.query = &bb_query_closest,
+                          .tracer = tracer,
+                          .layout = &b->layout,
+                          .rays = rays,
+                          .results = hits};
     check(bb_pass_launch(&pass, RAYS), "warm up");
     check(bb_stopwatch_start(device, &watch), "start");
     check(bb_pass_launch(&pass, RAYS), "trace");

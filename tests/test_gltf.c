@@ -513,7 +513,8 @@ static void test_bad_files(void **state)
     expect_failure(path_of("text.GLB"), BB_INVALID,
                    "is not binary glTF: it does not begin with 'glTF'");
     write_text(path_of("thing.stl"), "solid");
-    expect_failure(path_of("thing.stl"), BB_INVALID, "one of .gltf, .glb, .obj, .ply");
+    expect_failure(path_of("thing.stl"), BB_INVALID,
+                   "one of .gltf, .glb, .nrrd, .nhdr, .obj, .ply");
     mkdir(path_of("folder.glb"), 0777);
     expect_failure(path_of("folder.glb"), BB_INVALID, "regular file");
 }

@@ -157,7 +157,12 @@ static void trace_with(const char *parameters, const bb_layout_data *layout,
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *hits, "hits", &d_hits), "hits");
     check(bb_buffer_reserve(device, NULL, sizeof counts, "counts", &d_counts), "counts");
     check(bb_buffer_write(&d_rays, 0, RAYS * sizeof *rays, rays), "rays");
-    const bb_pass pass = {query, tracer, layout, &d_rays, &d_hits, &d_counts};
+    const bb_pass pass = {.query = query,
+                          .tracer = tracer,
+                          .layout = layout,
+                          .rays = &d_rays,
+                          .results = &d_hits,
+                          .counts = &d_counts};
     check(bb_pass_run(&pass, RAYS, hits, counting ? counts : NULL), "trace");
     if (counting) {
         for (uint32_t i = 0; i < RAYS; i++)

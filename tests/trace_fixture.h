@@ -85,7 +85,12 @@ static inline void trace(const bed *b, const char *intersector, const bb_ray *ra
     check(bb_buffer_reserve(device, NULL, count * sizeof *hits, "hits", &d_hits), "hits");
     check(bb_buffer_reserve(device, NULL, count * sizeof *counts, "counts", &d_counts), "counts");
     check(bb_buffer_write(&d_rays, 0, count * sizeof *rays, rays), "rays");
-    const bb_pass pass = {query, tracer, &b->layout, &d_rays, &d_hits, &d_counts};
+    const bb_pass pass = {.query = query,
+                          .tracer = tracer,
+                          .layout = &b->layout,
+                          .rays = &d_rays,
+                          .results = &d_hits,
+                          .counts = &d_counts};
     check(bb_pass_run(&pass, count, hits, counts), "trace");
     bb_buffer_release(&d_rays);
     bb_buffer_release(&d_hits);

@@ -14,7 +14,7 @@ bb_status bb_pass_poison(const bb_pass *pass, uint32_t count)
 bb_status bb_pass_launch(const bb_pass *pass, uint32_t count)
 {
     return bb_tracer_launch(pass->tracer, pass->layout, pass->rays, count, pass->results,
-                            pass->counts);
+                            pass->counts, pass->more, pass->more_count);
 }
 
 bb_status bb_pass_run(const bb_pass *pass, uint32_t count, void *results, bb_count *counts)

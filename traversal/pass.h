@@ -13,6 +13,8 @@ typedef struct bb_pass {
     const bb_buffer *rays; /* bb_ray[count] */
     bb_buffer *results;    /* as the query has them: bb_hit[count] of closest and any hits */
     bb_buffer *counts;     /* bb_count[count], if the tracer counts; else NULL */
+    const bb_arg *more;    /* what the query's kernels take besides */
+    uint32_t more_count;
 } bb_pass;
 
 /* Fills the results with BB_POISON, so that unwritten ones are detected; waits. */

@@ -220,9 +220,10 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
         strcat(intersector, " -cl-fp32-correctly-rounded-divide-sqrt");
     bool persistent = bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
     snprintf(defines, sizeof defines,
-             "%s %s -DBB_KINDS=%u -D%s -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,
+             "%s %s -DBB_KINDS=%u -D%s %s -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,
              request->kernel->defines != NULL ? request->kernel->defines : "", v.kinds,
-             query->define, request->counting, persistent);
+             query->define, request->defines != NULL ? request->defines : "", request->counting,
+             persistent);
     if (v.stack_size > 0)
         append_number("BB_STACK_SIZE", v.stack_size, defines, sizeof defines);
     if (v.levels > 0)
@@ -292,12 +293,13 @@ uint64_t bb_tracer_launched(const bb_tracer *tracer)
 }
 
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
-                           uint32_t count, bb_buffer *results, bb_buffer *counts)
+                           uint32_t count, bb_buffer *results, bb_buffer *counts,
+                           const bb_arg *more, uint32_t more_count)
 {
-    assert(layout->format == tracer->format);
+    assert(layout->format == tracer->format && more_count <= BB_MORE_ARGS_MAX);
     bb_device *device = tracer->device;
     tracer->launched += count;
-    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 8];
+    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 8 + BB_MORE_ARGS_MAX];
     uint32_t n = 0;
     for (uint32_t i = 0; i < layout->buffer_count; i++)
         args[n++] = BB_MEM(layout->buffers[i]);
@@ -309,9 +311,12 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
     args[n++] = BB_MEM(*results);
     if (tracer->counting)
         args[n++] = BB_MEM(*counts);
+    if (tracer->persistent)
+        args[n++] = BB_MEM(tracer->taken);
+    for (uint32_t i = 0; i < more_count; i++)
+        args[n++] = more[i];
     if (!tracer->persistent)
         return bb_launch_args(device, tracer->kernel, count, tracer->group, args, n);
-    args[n++] = BB_MEM(tracer->taken);
     BB_TRY(bb_buffer_fill(&tracer->taken, sizeof(cl_uint), 0));
     uint64_t items = (uint64_t)device->compute_units * GROUPS_PER_UNIT * tracer->group;
     return bb_launch_args(device, tracer->kernel, items < count ? items : count, tracer->group,

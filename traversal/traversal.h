@@ -14,6 +14,7 @@
 
 enum {
     BB_LAYOUT_BUFFERS_MAX = 4,
+    BB_MORE_ARGS_MAX = 4, /* of a query's own */
     BB_TRAIL_MAX =
         1 << 14, /* levels: 4 KiB of private memory per ray with 2 children, 8 KiB with 8 */
 };
@@ -164,7 +165,8 @@ typedef struct bb_tracer_request {
     const bb_spec *spec;
     const bb_intersector *intersector;
     const bb_query *query;
-    bool counting; /* the variant that counts tests, and overflow */
+    bool counting;       /* the variant that counts tests, and overflow */
+    const char *defines; /* what the query needs besides; NULL: nothing */
 } bb_tracer_request;
 
 /* A tracer for layouts that need no more than this one: primitive kinds, stack entries (rounded up
@@ -183,8 +185,11 @@ bb_tracer_stack_size(const bb_tracer *tracer);        /* 0: it needs no stack of
 uint64_t bb_tracer_launched(const bb_tracer *tracer); /* rays, in all its launches */
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout has the format of triangles
- * that the intersector reads. `counts` (bb_count[count]) only for counting tracers, else NULL. */
+ * that the intersector reads. `counts` (bb_count[count]) only for counting tracers, else NULL.
+ * `more`: arguments that the query's kernels take besides, at most BB_MORE_ARGS_MAX; may be NULL.
+ */
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
-                           uint32_t count, bb_buffer *results, bb_buffer *counts);
+                           uint32_t count, bb_buffer *results, bb_buffer *counts,
+                           const bb_arg *more, uint32_t more_count);
 
 #endif

@@ -61,8 +61,11 @@ static bb_status trace(bb_conformance *c, const bb_ray_set *set, const bb_kernel
     bb_tracer *tracer;
     BB_TRY(bb_tracer_get(c->device, &request, layout, &tracer));
     *overflows = !kernel->stackless && layout->stack_need > bb_tracer_stack_size(tracer);
-    const bb_pass pass = {set->rays->query,      tracer,        layout,
-                          &set->rays->on_device, &c->d_results, NULL};
+    const bb_pass pass = {.query = set->rays->query,
+                          .tracer = tracer,
+                          .layout = layout,
+                          .rays = &set->rays->on_device,
+                          .results = &c->d_results};
     return bb_pass_run(&pass, count, c->results, NULL);
 }
 
@@ -219,13 +222,8 @@ static uint32_t opposite(uint32_t i, uint32_t count)
     return stays ? i : count - 1 - i;
 }
 
-static bb_status reverse(const bb_scene *scene, bb_scene **out)
+static bb_status reverse_prims(const bb_scene *scene, bb_scene *reversed)
 {
-    bb_scene *reversed = calloc(1, sizeof *reversed);
-    if (reversed == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
-    *out = reversed;
-    snprintf(reversed->name, sizeof reversed->name, "%s", scene->name);
     bb_prim_counts counts;
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         counts.of[kind] = scene->prims[kind].count;
@@ -238,6 +236,26 @@ static bb_status reverse(const bb_scene *scene, bb_scene **out)
             memcpy((char *)reversed->prims[kind].data + i * bytes,
                    (const char *)prims->data + opposite(i, prims->count) * bytes, bytes);
     }
+    return BB_OK;
+}
+
+/* Boxes of bricks follow from voxels, so these are what is turned about. */
+static bb_status reverse_volume(const bb_scene *scene, bb_scene *reversed)
+{
+    bb_volume *turned;
+    BB_TRY(bb_volume_turn(scene->volume, scene->name, &turned));
+    return bb_scene_take_volume(reversed, turned, &scene->volume->transfer);
+}
+
+static bb_status reverse(const bb_scene *scene, bb_scene **out)
+{
+    bb_scene *reversed = calloc(1, sizeof *reversed);
+    if (reversed == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = reversed;
+    snprintf(reversed->name, sizeof reversed->name, "%s", scene->name);
+    BB_TRY(scene->volume != NULL ? reverse_volume(scene, reversed)
+                                 : reverse_prims(scene, reversed));
     reversed->profile = scene->profile;
     reversed->view_count = scene->view_count;
     memcpy(reversed->views, scene->views, sizeof reversed->views);

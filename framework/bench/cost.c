@@ -54,7 +54,12 @@ static bb_status count_set(counter *c, const bb_rays *set, double *tests)
     for (uint32_t i = 0; i < count; i++)
         rays[i] = set->rays[(uint64_t)i * set->count / count];
     BB_TRY(bb_buffer_write(&c->rays, 0, count * sizeof *rays, rays));
-    const bb_pass pass = {set->query, tracer, &c->layout, &c->rays, &c->answers, &c->counts};
+    const bb_pass pass = {.query = set->query,
+                          .tracer = tracer,
+                          .layout = &c->layout,
+                          .rays = &c->rays,
+                          .results = &c->answers,
+                          .counts = &c->counts};
     BB_TRY(bb_pass_run(&pass, count, answers, counts));
     *tests = 0;
     for (uint32_t i = 0; i < count; i++)

@@ -14,10 +14,15 @@ bb_status bb_instance_check(const char *text)
 
 static bb_status check_kinds(const bb_pipeline *pipeline, const bb_scene *scene)
 {
-    for (uint32_t i = 0; i < pipeline->count; i++)
-        if ((scene->kinds & ~pipeline->stages[i].builder->kinds) != 0)
+    for (uint32_t i = 0; i < pipeline->count; i++) {
+        const bb_builder *builder = pipeline->stages[i].builder;
+        if ((scene->kinds & ~builder->kinds) != 0)
             return bb_fail(BB_UNSUPPORTED, "builder %s does not take the primitives of scene %s",
-                           pipeline->stages[i].builder->name, scene->name);
+                           builder->name, scene->name);
+        if ((builder->inputs & BB_INPUT_VOLUME) != 0 && scene->volume == NULL)
+            return bb_fail(BB_UNSUPPORTED, "builder %s is for volumes, and scene %s is none",
+                           builder->name, scene->name);
+    }
     return BB_OK;
 }
 
@@ -145,6 +150,12 @@ static bb_scene declared_part(const bb_stage *stage, const bb_scene *scene)
         part.vertices = on_host ? scene->vertices : NULL;
         part.on_device.vertices = scene->on_device.vertices;
         part.on_device.prims = scene->on_device.prims;
+    }
+    if ((inputs & BB_INPUT_VOLUME) != 0) {
+        part.volume = scene->volume;
+        part.on_device.bricks = scene->on_device.bricks;
+        part.on_device.ranges = scene->on_device.ranges;
+        part.on_device.seen = scene->on_device.seen;
     }
     if ((inputs & BB_INPUT_PROFILE) != 0) {
         part.bounds = scene->bounds;

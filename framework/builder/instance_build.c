@@ -42,7 +42,10 @@ static bb_status warm_up(const bb_scene *part)
         return BB_OK;
     BB_TRY(read_buffer(&there->boxes));
     BB_TRY(read_buffer(&there->vertices));
-    return read_buffer(&there->prims);
+    BB_TRY(read_buffer(&there->prims));
+    BB_TRY(read_buffer(&there->bricks));
+    BB_TRY(read_buffer(&there->ranges));
+    return read_buffer(&there->seen);
 }
 
 /* Untimed, and recorded. */

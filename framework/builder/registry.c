@@ -160,7 +160,8 @@ bb_status bb_builder_validate(const bb_builder *builder)
                        "builder with the bad name '%.40s': a letter, then a-z, 0-9 and '-', and "
                        "neither \"all\" nor \"" BB_REFERENCE_NAME "\"",
                        builder->name == NULL ? "" : builder->name);
-    const uint32_t inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY | BB_INPUT_TREE | BB_INPUT_PROFILE;
+    const uint32_t inputs =
+        BB_INPUT_BOXES | BB_INPUT_GEOMETRY | BB_INPUT_TREE | BB_INPUT_PROFILE | BB_INPUT_VOLUME;
     const struct {
         bool good;
         const char *problem;

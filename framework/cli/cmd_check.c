@@ -58,6 +58,7 @@ static const char *const procedural_scenes[] = {
     "slivers:aspect=40",
     "scales:from=-8,to=8,n=1",
     "ground",
+    "nbody:n=65",
     "ladder",
     "wave:n=2000,frames=4",
 };

@@ -154,6 +154,13 @@ static bb_status list_devices(cJSON *list)
     return BB_OK;
 }
 
+static bb_status list_transfers(cJSON *list)
+{
+    for (const bb_transfer_preset *p = bb_transfer_presets; p->name != NULL; p++)
+        add(list, p->name, p->summary, NULL, NULL);
+    return BB_OK;
+}
+
 static const struct {
     const char *name;
     bb_status (*fill)(cJSON *list);
@@ -161,7 +168,7 @@ static const struct {
     {"builders", list_builders},         {"kernels", list_kernels}, {"layouts", list_layouts},
     {"intersectors", list_intersectors}, {"scenes", list_scenes},   {"rays", list_rays},
     {"metrics", list_metrics},           {"papers", list_papers},   {"axes", list_axes},
-    {"devices", list_devices},
+    {"transfers", list_transfers},       {"devices", list_devices},
 };
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
@@ -204,7 +211,7 @@ static bb_status unknown_kind(const char *kind)
         bb_suggest(&meant, kinds[i].name);
     return bb_fail(BB_INVALID,
                    "nothing is called '%s'%s: list takes builders, kernels, layouts, "
-                   "intersectors, scenes, rays, metrics, papers, axes or devices",
+                   "intersectors, scenes, rays, metrics, papers, axes, transfers or devices",
                    kind, bb_suggested(&meant));
 }
 
@@ -243,7 +250,8 @@ const bb_command bb_command_list = {
     .name = "list",
     .summary = "list builders, kernels, layouts, intersectors, scenes, rays, metrics, papers, "
                "axes, devices",
-    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|devices]",
+    .arguments =
+        "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|transfers|devices]",
     .options = options,
     .run = run,
 };

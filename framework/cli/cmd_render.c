@@ -149,8 +149,12 @@ static bb_status trace(rendering *r)
                              &r->d_counts));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_hit), "hits", &r->hits));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_count), "counts", &r->counts));
-    const bb_pass pass = {&bb_query_closest,   tracer,     &r->layout,
-                          &r->rays->on_device, &r->d_hits, &r->d_counts};
+    const bb_pass pass = {.query = &bb_query_closest,
+                          .tracer = tracer,
+                          .layout = &r->layout,
+                          .rays = &r->rays->on_device,
+                          .results = &r->d_hits,
+                          .counts = &r->d_counts};
     return bb_pass_run(&pass, count, r->hits, r->counts);
 }
 

@@ -10,6 +10,7 @@
 
 #include "framework/base/options.h"
 #include "framework/device/device.h"
+#include "framework/volume/volume.h"
 #include "kernels/bb_shared.h"
 
 #include <stdbool.h>
@@ -70,6 +71,10 @@ typedef struct bb_scene_device {
     bb_buffer boxes;    /* bb_box[prim_count] */
     bb_buffer vertices; /* float[3 * vertex_count] */
     bb_buffer prims;    /* the data of all kinds, one after the other */
+    /* of a volume, as in bb_volume */
+    bb_buffer bricks;
+    bb_buffer ranges;
+    bb_buffer seen;
 } bb_scene_device;
 
 /* How a moving scene is brought to another frame: scene_frame.c. */
@@ -111,6 +116,11 @@ typedef struct bb_scene {
     uint32_t frame_count; /* states of a moving scene; 1 of one that stays still */
     uint32_t frame;       /* the current one, see bb_scene_set_frame(); BB_NONE: none, it failed */
     struct bb_scene_motion *motion; /* NULL: it stays still */
+    /* NULL: none. Else the scene's primitives are the boxes of those bricks in which its transfer
+     * function sees something, in the order of the bricks, and its bounds are the whole volume's.
+     */
+    bb_volume *volume;
+    uint32_t *bricks; /* of a volume: which brick a primitive is */
     bb_scene_device on_device;
     double load_ms;
 } bb_scene;
@@ -138,19 +148,23 @@ extern const bb_generator *const bb_generators[]; /* generated table; ends with 
 typedef struct bb_scene_format {
     const char *name;           /* as records name it */
     const char *const *endings; /* of files, in small letters with the dot; ends with NULL */
-    /* Reads the file's primitives into the scene; bb_scene_finish() comes after. BB_INVALID for a
-     * bad file. */
-    bb_status (*load)(const char *path, bb_scene *scene);
+    /* Reads the file's primitives into the scene; bb_scene_finish() comes after. `spec` has what
+     * was given of `options`. BB_INVALID for a bad file. */
+    bb_status (*load)(const char *path, const bb_spec *spec, bb_scene *scene);
+    const bb_option *options; /* that may stand behind a file's name; NULL: none */
 } bb_scene_format;
 
 extern const bb_scene_format *const bb_scene_formats[]; /* generated table; ends with NULL */
 
-/* Loads what `text` names: an existing file (.gltf, .glb), a shipped scene (coffee, scorpion, ...:
- * see bb_shipped_scenes), or a generator with parameters. Finishes it and takes its views: from
+/* Loads what `text` names: an existing file (.gltf, .glb, ...), also with options behind its name
+ * (FILE:key=value), a shipped scene (coffee, scorpion, ...: see bb_shipped_scenes), or a generator
+ * with parameters. Finishes it and takes its views: from
  * `NAME.views` beside the file, from the generator, or derived from the profile, which are put
  * after the cameras of the file if it has any. BB_INVALID, with one clear line, for anything that
  * is wrong with the input. Owned by the caller: bb_scene_free(). */
 bb_status bb_scene_load(const char *text, bb_scene **scene);
+/* The same, but a volume of which nothing is seen, and which so has no primitive, is loaded too. */
+bb_status bb_scene_load_any(const char *text, bb_scene **scene);
 void bb_scene_free(bb_scene *scene); /* NULL is allowed; releases the device side too */
 
 /* Sets counts and kinds of an empty scene and allocates its vertices and primitives, not cleared;
@@ -180,6 +194,15 @@ enum {
  * no such frame: the scene is unchanged. After any other failure the scene is at no frame until a
  * call succeeds. */
 bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed);
+
+/* For loaders and generators: makes the scene that of a volume, which it owns from now on. */
+bb_status bb_scene_take_volume(bb_scene *scene, bb_volume *volume, const bb_transfer *transfer);
+
+/* Gives the scene's volume another transfer function: its primitives become the bricks in which
+ * that sees something, on the device too, if the scene is there (waited for); profile and hash
+ * follow, views and bounds stay. There may be no primitive then. `changed` gets
+ * BB_CHANGED_TRANSFER. BB_INVALID if there is no volume. */
+bb_status bb_scene_set_transfer(bb_scene *scene, const bb_transfer *transfer, uint32_t *changed);
 
 /* Sets scene->scale and scene->out_of_range from its primitives and bounds; called by
  * bb_scene_finish().

@@ -47,6 +47,8 @@ static bb_status make_boxes(bb_scene *scene)
     memset(&scene->bounds, 0, sizeof scene->bounds);
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         BB_TRY(make_boxes_of(scene, kind));
+    if (scene->volume != NULL)
+        bb_scene_volume_bounds(scene, &scene->bounds);
     for (int axis = 0; axis < 3; axis++)
         if (!isfinite(scene->bounds.hi[axis] - scene->bounds.lo[axis]))
             return bb_fail(
@@ -77,6 +79,8 @@ static bb_status hash_geometry(bb_scene *scene)
         if (scene->prims[kind].count > 0)
             XXH3_64bits_update(state, scene->prims[kind].data,
                                scene->prims[kind].count * bb_prim_bytes(kind));
+    if (scene->volume != NULL)
+        XXH3_64bits_update(state, &scene->volume->hash, sizeof scene->volume->hash);
     scene->hash = XXH3_64bits_digest(state);
     XXH3_freeState(state);
     return BB_OK;
@@ -99,13 +103,13 @@ bb_status bb_scene_finish(bb_scene *scene)
     uint64_t prims = 0;
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         prims += scene->prims[kind].count;
-    if (prims == 0)
+    if (prims == 0 && scene->volume == NULL)
         return bb_fail(BB_INVALID, "%s: has no primitive", scene->name);
     if (prims > PRIM_LIMIT)
         return bb_fail(BB_REFUSED, "%s: has %llu primitives, at most 2^31 - 1 can be handled",
                        scene->name, (unsigned long long)prims);
     bb_scene_number_kinds(scene);
-    BB_TRY(bb_host_alloc(NULL, (size_t)scene->prim_count * sizeof(bb_box), "the scene's boxes",
+    BB_TRY(bb_host_alloc(NULL, bb_scene_box_room(scene) * sizeof(bb_box), "the scene's boxes",
                          &scene->boxes));
     if (scene->frame_count == 0)
         scene->frame_count = 1;

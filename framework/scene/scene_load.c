@@ -11,6 +11,8 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+enum { PARAMETERS_MAX = 512 };
+
 const char *const bb_shipped_scenes[] = {"coffee", "mountain", "scorpion", NULL};
 
 static bool is_folder(const char *path)
@@ -101,7 +103,7 @@ static bb_status read_views_beside(const char *path, bb_scene *scene, bool *give
 }
 
 /* *given: its views are all that it shall have. */
-static bb_status load_file(const char *path, bb_scene *scene, bool *given)
+static bb_status load_file(const char *path, const char *parameters, bb_scene *scene, bool *given)
 {
     if (!exists(path))
         return bb_fail(BB_INVALID, "%s: there is no such file: check the path", path);
@@ -111,7 +113,13 @@ static bb_status load_file(const char *path, bb_scene *scene, bool *given)
         return bb_fail(BB_INVALID,
                        "%s: is no scene file that can be read: its ending must be one of %s", path,
                        list_endings(endings, sizeof endings));
-    BB_TRY(format->load(path, scene));
+    bb_spec spec;
+    char text[PARAMETERS_MAX];
+    if ((size_t)snprintf(text, sizeof text, "%s%s", format->name, parameters) >= sizeof text)
+        return bb_fail(BB_INVALID, "%s: the options behind it are too long", path);
+    BB_TRY(bb_spec_parse(text, &spec));
+    BB_TRY(bb_spec_validate(&spec, format->options, path));
+    BB_TRY(format->load(path, &spec, scene));
     snprintf(scene->source, sizeof scene->source, "%s", format->name);
     return read_views_beside(path, scene, given);
 }
@@ -124,7 +132,7 @@ static bb_status load_shipped(const bb_spec *spec, bb_scene *scene, bool *given)
     if (length < 0 || (size_t)length >= sizeof path)
         return bb_fail(BB_INVALID, "the path of the scenes folder is too long: %.80s...",
                        bb_scene_folder());
-    return load_file(path, scene, given);
+    return load_file(path, "", scene, given);
 }
 
 /* ---- names ---- */
@@ -183,22 +191,46 @@ static void set_name(bb_scene *scene, const char *text)
     snprintf(scene->name, sizeof scene->name, "%s", length > room ? text + (length - room) : text);
 }
 
+/* FILE:key=value... where FILE is there: *parameters begins at the colon. */
+static bool split_parameters(const char *text, char path[PATH_MAX], const char **parameters)
+{
+    for (const char *at = strchr(text, ':'); at != NULL; at = strchr(at + 1, ':')) {
+        size_t length = (size_t)(at - text);
+        if (length >= PATH_MAX)
+            return false;
+        memcpy(path, text, length);
+        path[length] = '\0';
+        *parameters = at;
+        if (exists(path) && !is_folder(path))
+            return true;
+    }
+    return false;
+}
+
 static bb_status load(const char *text, bb_scene *scene)
 {
     bool given = false;
+    char path[PATH_MAX];
+    const char *parameters;
     set_name(scene, text);
-    if ((exists(text) && !is_folder(text)) || looks_like_file(text))
-        BB_TRY(load_file(text, scene, &given));
+    if (exists(text) && !is_folder(text))
+        BB_TRY(load_file(text, "", scene, &given));
+    else if (split_parameters(text, path, &parameters))
+        BB_TRY(load_file(path, parameters, scene, &given));
+    else if (looks_like_file(text))
+        BB_TRY(load_file(text, "", scene, &given));
     else
         BB_TRY(load_named(text, scene, &given));
+    given = given || scene->volume != NULL;
     BB_TRY(bb_scene_finish(scene));
-    BB_TRY(bb_scene_profile(scene));
+    if (scene->prim_count > 0)
+        BB_TRY(bb_scene_profile(scene));
     if (!given)
         bb_scene_add_derived_views(scene);
     return BB_OK;
 }
 
-bb_status bb_scene_load(const char *text, bb_scene **out)
+bb_status bb_scene_load_any(const char *text, bb_scene **out)
 {
     *out = NULL;
     double start = bb_wall_ms();
@@ -213,4 +245,18 @@ bb_status bb_scene_load(const char *text, bb_scene **out)
     scene->load_ms = bb_wall_ms() - start;
     *out = scene;
     return BB_OK;
+}
+
+bb_status bb_scene_load(const char *text, bb_scene **out)
+{
+    BB_TRY(bb_scene_load_any(text, out));
+    if ((*out)->prim_count > 0)
+        return BB_OK;
+    bb_status status = bb_fail(BB_INVALID,
+                               "%s: nothing of it is seen with the transfer function '%s': choose "
+                               "another (transfer=)",
+                               text, (*out)->volume->transfer.name);
+    bb_scene_free(*out);
+    *out = NULL;
+    return status;
 }

@@ -80,10 +80,15 @@ void bb_scene_free(bb_scene *scene)
     bb_buffer_release(&scene->on_device.boxes);
     bb_buffer_release(&scene->on_device.vertices);
     bb_buffer_release(&scene->on_device.prims);
+    bb_buffer_release(&scene->on_device.bricks);
+    bb_buffer_release(&scene->on_device.ranges);
+    bb_buffer_release(&scene->on_device.seen);
     bb_host_free(scene->vertices);
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         bb_host_free(scene->prims[kind].data);
     bb_host_free(scene->boxes);
     bb_host_free(scene->motion);
+    bb_host_free(scene->bricks);
+    bb_volume_free(scene->volume);
     free(scene);
 }

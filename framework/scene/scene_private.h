@@ -22,6 +22,12 @@ bb_status bb_scene_remember_motion(const bb_generator *generator, const char *te
 /* As bb_scene_derive_views(), but behind the views that there are. */
 void bb_scene_add_derived_views(bb_scene *scene);
 
+/* The box of the whole volume. */
+void bb_scene_volume_bounds(const bb_scene *scene, bb_box *bounds);
+
+/* Boxes that there is room for: of a volume, all of its bricks. */
+uint32_t bb_scene_box_room(const bb_scene *scene);
+
 /* Writes vertices and data of primitives to the device again, where bb_scene_upload() has made
  * room, and makes the boxes anew. Does nothing if the scene is on no device. */
 bb_status bb_scene_upload_again(bb_scene *scene);

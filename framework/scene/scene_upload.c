@@ -38,6 +38,8 @@ static bb_status check_room(const bb_scene *scene, const bb_device *device, cons
 static uint64_t prim_bytes(const bb_scene *scene)
 {
     uint64_t bytes = 0;
+    if (scene->volume != NULL)
+        return bb_scene_box_room(scene) * bb_prim_bytes(BB_AABB);
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         bytes += (uint64_t)scene->prims[kind].count * bb_prim_bytes(kind);
     return bytes;
@@ -56,7 +58,17 @@ static bb_status write_prims(bb_scene *scene)
     return BB_OK;
 }
 
-/* What there is room for. After a failure the scene is on no device. */
+/* What of a volume stays as it is. */
+static bb_status write_bricks(bb_scene *scene)
+{
+    bb_scene_device *there = &scene->on_device;
+    const bb_volume *volume = scene->volume;
+    BB_TRY(bb_buffer_write(&there->ranges, 0, volume->brick_count * sizeof *volume->ranges,
+                           volume->ranges));
+    return bb_buffer_write(&there->bricks, 0, (size_t)bb_volume_bytes(volume), volume->bricks);
+}
+
+/* What may change, where there is room for it. After a failure the scene is on no device. */
 static bb_status fill(bb_scene *scene)
 {
     bb_scene_device *there = &scene->on_device;
@@ -66,7 +78,9 @@ static bb_status fill(bb_scene *scene)
         status = bb_buffer_write(&there->vertices, 0, bytes, scene->vertices);
     if (status == BB_OK)
         status = write_prims(scene);
-    if (status == BB_OK)
+    if (status == BB_OK && scene->volume != NULL)
+        status = bb_buffer_write(&there->seen, 0, sizeof scene->volume->seen, scene->volume->seen);
+    if (status == BB_OK && scene->prim_count > 0)
         status = bb_scene_make_boxes(scene);
     if (status == BB_OK)
         status = bb_finish(there->device);
@@ -80,11 +94,16 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
     bb_scene_device *there = &scene->on_device;
     if (there->device == device)
         return BB_OK;
+    const bb_volume *volume = scene->volume;
     const part parts[] = {
-        {"the scene's boxes", &there->boxes, (uint64_t)scene->prim_count * sizeof(bb_box)},
+        {"the scene's boxes", &there->boxes, bb_scene_box_room(scene) * sizeof(bb_box)},
         {"the scene's vertices", &there->vertices,
          (uint64_t)scene->vertex_count * 3 * sizeof(float)},
         {"the scene's primitives", &there->prims, prim_bytes(scene)},
+        {"the volume's bricks", &there->bricks, volume != NULL ? bb_volume_bytes(volume) : 0},
+        {"the ranges of the volume's bricks", &there->ranges,
+         volume != NULL ? volume->brick_count * sizeof *volume->ranges : 0},
+        {"what of the volume is seen", &there->seen, volume != NULL ? sizeof volume->seen : 0},
     };
     enum { PARTS = sizeof parts / sizeof parts[0] };
     for (size_t i = 0; i < PARTS; i++)
@@ -96,6 +115,8 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
         size_t bytes = parts[i].bytes > 0 ? (size_t)parts[i].bytes : sizeof(bb_box);
         BB_TRY(bb_buffer_reserve(device, &there->account, bytes, parts[i].what, parts[i].buffer));
     }
+    if (volume != NULL)
+        BB_TRY(write_bricks(scene));
     there->device = device;
     return fill(scene);
 }

@@ -31,7 +31,8 @@ static inline void fuzz_check_triangles(const bb_scene *scene)
 /* What everything after the loader relies on. */
 static inline void fuzz_check_scene(const bb_scene *scene)
 {
-    FUZZ_CHECK(scene->prim_count > 0 && scene->prim_count == scene->prims[BB_TRIANGLE].count);
+    uint32_t kind = scene->volume != NULL ? BB_AABB : BB_TRIANGLE;
+    FUZZ_CHECK(scene->prim_count > 0 && scene->prim_count == scene->prims[kind].count);
     fuzz_check_triangles(scene);
     for (uint32_t i = 0; i < scene->prim_count; i++)
         for (int axis = 0; axis < 3; axis++) {
