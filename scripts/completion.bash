@@ -73,6 +73,7 @@ _bvhbench_value()
     --scene | --builder | --kernel | --intersector) _bvhbench_specs "$1" "${3#--}s" "$4" ;;
     --rays | --metrics) _bvhbench_specs "$1" "${3#--}" "$4" ;;
     --axis) _bvhbench_names "$1" axes ;;
+    --transfer) _bvhbench_names "$1" transfers ;;
     --device) _bvhbench_names "$1" devices ;;
     --format) compgen -W "$(_bvhbench_choices "$1" "$2" "$3")" -- "$4" ;;
     esac

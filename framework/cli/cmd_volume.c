@@ -1,0 +1,264 @@
+/* bvhbench volume: pictures of volumes, with trees and without. */
+#include "framework/base/file.h"
+#include "framework/base/interrupt.h"
+#include "framework/base/number.h"
+#include "framework/cli/choice.h"
+#include "framework/cli/inputs.h"
+#include "framework/device/device_private.h"
+#include "framework/dvr/dvr.h"
+#include "framework/record/put.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+extern const char bb_build_revision[];
+
+static const bb_cli_option options[] = {
+    {"scene", "S", "volume: a file (.raw, .raw.zst, .nrrd, .vox) or `nbody:n=N` (may be repeated)",
+     BB_CLI_REPEATED},
+    {"transfer", "T",
+     "transfer function: of `list transfers`, or a file; several follow each other; default: the "
+     "scene's",
+     BB_CLI_LIST},
+    {"builder", "B", "default: vlbvh,lbvh", BB_CLI_LIST},
+    {"kernel", "K", "default: stack,stack8", BB_CLI_LIST},
+    {"view", "V", "view of the scene; default: all", false},
+    {"turns", "N",
+     "instead: the volume turned about each axis by N times 2 degrees, in parallel projection",
+     false},
+    {"size", "WxH", "of a picture; default: 256x256", false},
+    {"step", "X", "distance of samples, in voxels; default: 0.5", false},
+    {"cutoff", "X",
+     "a ray ends where less than this is left of the light behind; default: 0, never", false},
+    {"steps", "LIST", "for the accuracy: steps in voxels; default: 4,2,1,0.5,0.25; none: not",
+     BB_CLI_LIST},
+    {"repeats", "N", "measured rounds; default: 10", false},
+    {"seed", "N", "random seed; default: 1", false},
+    {"json", NULL, "print JSON", false},
+    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
+     false},
+    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
+    {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
+    {"out", "DIR", "folder for volume.json and PNG pictures; default: none", false},
+    {.name = NULL},
+};
+
+typedef struct job {
+    const bb_cli *cli;
+    bb_dvr_request request;
+    bb_dvr_result *result;
+    cJSON *results; /* of the document */
+    bool json, wrong;
+    uint32_t pictures; /* sets of them, so far */
+} job;
+
+/* ---- the request ---- */
+
+static bb_status read_steps(const bb_cli *cli, bb_dvr_request *request)
+{
+    static const double usual[] = {4, 2, 1, 0.5, 0.25};
+    uint32_t count;
+    char *const *given = bb_cli_values(cli, "steps", &count);
+    request->step_count = count;
+    if (count == 1 && strcmp(given[0], "none") == 0)
+        request->step_count = 0;
+    if (count == 0) {
+        request->step_count = sizeof usual / sizeof usual[0];
+        memcpy(request->steps, usual, sizeof usual);
+        return BB_OK;
+    }
+    if (request->step_count > BB_DVR_STEPS_MAX)
+        return bb_fail(BB_INVALID, "--steps has %u, at most %d are taken", count, BB_DVR_STEPS_MAX);
+    for (uint32_t i = 0; i < request->step_count; i++) {
+        double *step = &request->steps[i];
+        if (!bb_read_real(given[i], step) || !(*step >= 1e-3 && *step <= 1e3))
+            return bb_fail(BB_INVALID, "--steps: '%s' is no number from 0.001 to 1000", given[i]);
+        if (i > 0 && *step >= step[-1])
+            return bb_fail(BB_INVALID, "--steps: %g comes after %g: they must descend", *step,
+                           step[-1]);
+    }
+    return BB_OK;
+}
+
+static bb_status read_numbers(const bb_cli *cli, bb_dvr_request *request)
+{
+    uint64_t turns, repeats;
+    request->width = request->height = 256;
+    BB_TRY(bb_cli_size(cli, "size", &request->width, &request->height));
+    BB_TRY(bb_cli_u64(cli, "turns", 0, 1, 180, &turns));
+    BB_TRY(bb_cli_u64(cli, "repeats", 10, 1, BB_SAMPLES_MAX - 1, &repeats));
+    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
+    BB_TRY(bb_cli_double(cli, "step", 0.5, 1e-3, 1e3, &request->step));
+    BB_TRY(bb_cli_double(cli, "cutoff", 0, 0, 1, &request->cutoff));
+    request->turns = (uint32_t)turns;
+    request->repeats = (uint32_t)repeats;
+    request->view = bb_cli_value(cli, "view");
+    if (request->view != NULL && turns > 0)
+        return bb_fail(BB_INVALID, "--turns makes views of its own: drop --view");
+    return read_steps(cli, request);
+}
+
+static bb_status read_names(const bb_cli *cli, bb_names *builders, bb_names *kernels)
+{
+    uint32_t count;
+    bb_cli_values(cli, "builder", &count);
+    BB_TRY(count > 0 ? bb_choose_builders(cli, true, builders)
+                     : bb_names_add(builders, "vlbvh,lbvh"));
+    bb_cli_values(cli, "kernel", &count);
+    return count > 0 ? bb_choose_kernels(cli, kernels) : bb_names_add(kernels, "stack,stack8");
+}
+
+/* ---- the work ---- */
+
+static bb_status compare(job *j, bb_scene *scene)
+{
+    char folder[PATH_MAX], path[PATH_MAX];
+    const char *out = bb_cli_value(j->cli, "out");
+    j->pictures++;
+    if (out != NULL) {
+        snprintf(folder, sizeof folder, "volume-%u-%s", j->pictures, scene->volume->transfer.name);
+        BB_TRY(bb_join_path(path, out, folder));
+        j->request.pictures = path;
+    }
+    BB_TRY(bb_dvr_run(&j->request, scene, j->result));
+    for (uint32_t w = 0; w < j->result->way_count; w++)
+        j->wrong = j->wrong || j->result->ways[w].differ > 0;
+    if (!j->json)
+        bb_dvr_print(j->result);
+    cJSON *entry = bb_dvr_json(j->result);
+    if (entry != NULL && cJSON_AddItemToArray(j->results, entry))
+        return BB_OK;
+    cJSON_Delete(entry);
+    return bb_fail(BB_REFUSED, "no memory for the results");
+}
+
+static bb_status compare_scene(job *j, const char *name)
+{
+    bb_scene *scene;
+    uint32_t count, changed;
+    char *const *transfers = bb_cli_values(j->cli, "transfer", &count);
+    BB_TRY(bb_scene_load_any(name, &scene));
+    bb_status status =
+        scene->volume != NULL
+            ? bb_scene_upload(scene, j->request.device)
+            : bb_fail(BB_INVALID, "%s: is no volume: take nbody, or a file of voxels", name);
+    if (status == BB_OK && count == 0)
+        status = compare(j, scene);
+    for (uint32_t i = 0; i < count && status == BB_OK; i++) {
+        bb_transfer transfer;
+        status = bb_transfer_load(transfers[i], &transfer);
+        if (status == BB_OK)
+            status = bb_scene_set_transfer(scene, &transfer, &changed);
+        if (status == BB_OK)
+            status = compare(j, scene);
+    }
+    bb_tracers_clear(j->request.device);
+    bb_scene_free(scene);
+    return status;
+}
+
+/* Before anything is measured. */
+static bb_status check_transfers(const bb_cli *cli)
+{
+    uint32_t count;
+    char *const *transfers = bb_cli_values(cli, "transfer", &count);
+    for (uint32_t i = 0; i < count; i++) {
+        bb_transfer transfer;
+        BB_TRY(bb_transfer_load(transfers[i], &transfer));
+    }
+    return BB_OK;
+}
+
+static bb_status write_document(const job *j, const cJSON *document)
+{
+    const char *out = bb_cli_value(j->cli, "out");
+    char path[PATH_MAX];
+    char *text = cJSON_Print(document);
+    if (text == NULL)
+        return bb_fail(BB_REFUSED, "no memory for the results");
+    bb_status status = BB_OK;
+    if (j->json)
+        printf("%s\n", text);
+    if (out != NULL)
+        status = bb_join_path(path, out, "volume.json");
+    if (out != NULL && status == BB_OK)
+        status = bb_file_write(path, text, strlen(text), "results");
+    free(text);
+    return status;
+}
+
+static bb_status compare_all(job *j)
+{
+    uint32_t count;
+    char *const *scenes = bb_cli_values(j->cli, "scene", &count);
+    cJSON *document = cJSON_CreateObject();
+    j->results = cJSON_CreateArray();
+    bool put = document != NULL && bb_put_text(document, "schema", "bvhbench-volume/1") &&
+               bb_put_text(document, "revision", bb_build_revision) &&
+               bb_put_text(document, "device", j->request.device->name) &&
+               bb_put_number(document, "step", j->request.step) &&
+               bb_put_number(document, "cutoff", j->request.cutoff);
+    put = bb_put(document, "results", j->results) && put;
+    bb_status status = put ? BB_OK : bb_fail(BB_REFUSED, "no memory for the results");
+    for (uint32_t i = 0; i < count && status == BB_OK; i++)
+        status = compare_scene(j, scenes[i]);
+    if (status == BB_OK)
+        status = write_document(j, document);
+    cJSON_Delete(document);
+    return status;
+}
+
+static bb_status run(const bb_cli *cli, int *exit_status)
+{
+    bb_names builders = {{0}, 0}, kernels = {{0}, 0};
+    uint32_t scenes;
+    job j = {.cli = cli, .json = bb_cli_value(cli, "json") != NULL};
+    bb_cli_values(cli, "scene", &scenes);
+    if (scenes == 0)
+        return bb_fail(BB_INVALID, "volume needs --scene: see `bvhbench volume --help`");
+    BB_TRY(bb_load_plugins(cli));
+    BB_TRY(read_numbers(cli, &j.request));
+    BB_TRY(check_transfers(cli));
+    if (bb_cli_value(cli, "out") != NULL)
+        BB_TRY(bb_make_folder(bb_cli_value(cli, "out")));
+    bb_status status = read_names(cli, &builders, &kernels);
+    j.result = calloc(1, sizeof *j.result);
+    if (status == BB_OK && j.result == NULL)
+        status = bb_fail(BB_REFUSED, "no memory for the results");
+    if (status == BB_OK)
+        status = bb_open_device(cli, &j.request.device);
+    if (status == BB_OK) {
+        bb_interrupt_catch();
+        j.request.builders = (const char *const *)builders.items;
+        j.request.builder_count = (uint32_t)builders.count;
+        j.request.kernels = (const char *const *)kernels.items;
+        j.request.kernel_count = (uint32_t)kernels.count;
+        status = compare_all(&j);
+        bb_device_close(j.request.device);
+    }
+    if (status == BB_OK && j.wrong)
+        *exit_status = BB_EXIT_WRONG;
+    free(j.result);
+    bb_names_free(&builders);
+    bb_names_free(&kernels);
+    return status;
+}
+
+extern const bb_command bb_command_volume;
+const bb_command bb_command_volume = {
+    .name = "volume",
+    .summary = "pictures of volumes: builders and kernels against a march without a tree",
+    .details = "Of each volume and each transfer function: build, layout and picture of each "
+               "builder with\n"
+               "each kernel, in turns with the march without a tree, and whether the pictures are "
+               "the same;\n"
+               "then how far pictures are from converged ones, by the distance of samples.\n"
+               "The paper's settings: --turns 180 --size 2160x2160 --repeats 50.\n"
+               "Exit status 1: a picture differs from the one without a tree.",
+    .options = options,
+    .run = run,
+};
