@@ -61,6 +61,8 @@ static bb_status check_data_file(const char *path, const char *name)
 static bb_status check_lines(const char *path, char *header, bool whole)
 {
     char *rest = header;
+    if (strncmp(header, "NRRD000", 7) != 0) /* teem takes other formats too */
+        return bb_fail(BB_INVALID, "%s: is no NRRD file: it does not begin with 'NRRD000'", path);
     for (char *line = strsep(&rest, "\n"); line != NULL; line = strsep(&rest, "\n")) {
         line[strcspn(line, "\r")] = '\0';
         if (line[0] == '\0')

@@ -173,7 +173,10 @@ static void bad_nrrd_volumes_are_refused(void **state)
     static const struct {
         const char *header, *words;
     } cases[] = {
-        {"", "teem does not read it"},
+        {"", "does not begin with 'NRRD000'"},
+        {"P5 8 8 255\n", "does not begin with 'NRRD000'"},
+        {"NRRD0009\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n",
+         "teem does not read it"},
         {"NRRD0004\ntype: uchar\ndimension: 2\nsizes: 8 8\nencoding: raw\n\n", "2 axes"},
         {"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 2 2 2 8\nencoding: raw\n\n", "4 axes"},
         {"NRRD0004\ntype: block\nblock size: 1\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n",

@@ -104,6 +104,15 @@ bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern)
     return BB_OK;
 }
 
+bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes)
+{
+    if (bytes > 0)
+        BB_CL_TRY(
+            clEnqueueCopyBuffer(to->device->queue, from->mem, to->mem, 0, 0, bytes, 0, NULL, NULL),
+            "copying %zu bytes on the device", bytes);
+    return BB_OK;
+}
+
 bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer)
 {
     cl_int error;

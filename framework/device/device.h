@@ -93,6 +93,8 @@ bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const 
 bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, void *target);
 /* Fills with a 32-bit pattern; enqueued, not waited for. `bytes` is a multiple of 4. */
 bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern);
+/* Copies the first `bytes` from one buffer to another on the device; enqueued, not waited for. */
+bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes);
 /* Maps for host access (no copy on devices that share memory); blocking. */
 bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer);
 bb_status bb_buffer_unmap(const bb_buffer *buffer, void *pointer);

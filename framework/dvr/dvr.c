@@ -36,6 +36,7 @@ typedef struct comparison {
     bb_dvr_pictures pictures;
     entrant *entrants;
     runner *runners; /* of all ways; the first has no tree */
+    bb_buffer copy;  /* room for the bricks once more; empty: there is none */
     bb_light *without, *with;
     bb_count *counts;
 } comparison;
@@ -276,8 +277,26 @@ static bb_status time_picture(comparison *c, runner *r)
     return BB_OK;
 }
 
+/* What votes are compared with: how fast memory is. */
+static bb_status time_copy(comparison *c)
+{
+    bb_stopwatch watch;
+    bb_timing timing;
+    if (c->copy.mem == NULL)
+        return BB_OK;
+    BB_TRY(bb_stopwatch_start(c->device, &watch));
+    bb_status status = bb_buffer_copy(&c->scene->on_device.bricks, &c->copy,
+                                      (size_t)bb_volume_bytes(c->scene->volume));
+    bb_status stopped = bb_stopwatch_stop(&watch, &timing);
+    BB_TRY(status);
+    BB_TRY(stopped);
+    bb_samples_add(&c->result->copy, timing.ms);
+    return BB_OK;
+}
+
 static bb_status time_round(comparison *c, uint32_t round)
 {
+    BB_TRY(time_copy(c));
     const uint32_t ways = c->result->way_count, builders = c->request->builder_count;
     for (uint32_t i = 0; i < builders; i++)
         BB_TRY(time_entrant(c, &c->entrants[(i + round) % builders]));
@@ -339,6 +358,10 @@ static bb_status prepare(comparison *c)
         return bb_fail(BB_REFUSED, "no memory for a comparison");
     BB_TRY(bb_marcher_create(c->scene, NULL, &c->marcher));
     BB_TRY(bb_marcher_set(c->marcher, &settings));
+    bb_status room = bb_buffer_reserve(c->device, NULL, (size_t)c->result->volume_bytes,
+                                       "a copy of the bricks", &c->copy);
+    if (room != BB_OK && room != BB_REFUSED)
+        return room;
     c->runners[0].way = &c->result->ways[0];
     for (uint32_t i = 0; i < request->builder_count; i++)
         BB_TRY(make_entrant(c, i));
@@ -375,6 +398,7 @@ static void release(comparison *c)
     free(c->entrants);
     bb_marcher_destroy(c->marcher);
     bb_dvr_release(&c->pictures);
+    bb_buffer_release(&c->copy);
     bb_host_free(c->with);
     bb_host_free(c->without);
     bb_host_free(c->counts);

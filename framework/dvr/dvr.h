@@ -71,6 +71,7 @@ typedef struct bb_dvr_result {
     uint32_t dims[3], bytes; /* of the voxels */
     uint32_t brick_side, bricks, seen;
     uint64_t volume_bytes; /* of the bricks */
+    bb_samples copy;       /* ms, of all bricks from one buffer to another; empty: no room for it */
     uint32_t pictures;
     uint64_t pixels; /* of all */
     uint32_t way_count;

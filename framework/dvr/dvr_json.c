@@ -81,6 +81,7 @@ static bool put_result(cJSON *root, const bb_dvr_result *r)
         bb_put_number(root, "volume_bytes", (double)r->volume_bytes) &&
         bb_put_number(root, "pictures", r->pictures) &&
         bb_put_number(root, "pixels", (double)r->pixels);
+    put = put && put_samples(root, "copy_ms", &r->copy);
     put = bb_put(root, "ways", ways) && put;
     for (uint32_t w = 0; w < r->way_count && put; w++)
         put = put_way(ways, r, &r->ways[w]);

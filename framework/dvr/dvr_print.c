@@ -93,6 +93,9 @@ void bb_dvr_print(const bb_dvr_result *r)
            "without a tree;\n builders other than vlbvh get the boxes of what is seen, and find "
            "nothing out themselves\n\n");
     print_phases(r);
+    if (r->copy.count > 0)
+        printf(" %-24s ms: %.3f, %.1f GB/s\n", "a copy of the bricks", bb_samples_median(&r->copy),
+               (double)r->volume_bytes / 1e6 / bb_samples_median(&r->copy));
     print_errors(r);
     printf("\n");
 }
