@@ -42,9 +42,11 @@ static bb_status check_data_file(const char *path, const char *name)
 {
     char beside[PATH_MAX];
     const char *slash = strrchr(path, '/');
-    if (strncmp(name, "LIST", 4) == 0 || strpbrk(name, "% ") != NULL)
+    if (strncmp(name, "LIST", 4) == 0 || strncmp(name, "SKIPLIST", 8) == 0 ||
+        strpbrk(name, "% ") != NULL)
         return bb_fail(BB_INVALID, "%s: its data are in several files: join them", path);
-    if (name[0] == '/' || strstr(name, "..") != NULL || strcmp(name, "-") == 0)
+    if (name[0] == '/' || strchr(name, ':') != NULL || strstr(name, "..") != NULL ||
+        strcmp(name, "-") == 0)
         return bb_fail(BB_INVALID,
                        "%s: its data are in '%.200s': a file in its folder or below is read", path,
                        name);
@@ -64,8 +66,12 @@ static bb_status check_lines(const char *path, char *header, bool whole)
     if (strncmp(header, "NRRD000", 7) != 0) /* teem takes other formats too */
         return bb_fail(BB_INVALID, "%s: is no NRRD file: it does not begin with 'NRRD000'", path);
     for (char *line = strsep(&rest, "\n"); line != NULL; line = strsep(&rest, "\n")) {
-        line[strcspn(line, "\r")] = '\0';
-        if (line[0] == '\0')
+        size_t length = strcspn(line, "\r");
+        if (line[length] != '\0' && line[length + 1] != '\0') /* for teem that ends a line, too */
+            return bb_fail(BB_INVALID, "%s: has a carriage return inside a line of its header",
+                           path);
+        line[length] = '\0';
+        if (length == 0)
             return BB_OK;
         size_t key = strcspn(line, ":");
         if ((key != 9 || strncasecmp(line, "data file", key) != 0) &&
@@ -131,9 +137,16 @@ static bb_status check_shape(const char *path, const Nrrd *nrrd, const NrrdIoSta
         return bb_fail(BB_INVALID, "%s: has %u axes: a volume of numbers has 3", path, nrrd->dim);
     if (nrrd->type == nrrdTypeBlock || nrrdElementSize(nrrd) == 0)
         return bb_fail(BB_INVALID, "%s: its values are no numbers", path);
+    if (io->byteSkip < 0 && io->encoding != nrrdEncodingRaw)
+        return bb_fail(BB_INVALID, "%s: counts the bytes to skip from the end of compressed data",
+                       path);
     double bytes = (double)nrrdElementSize(nrrd);
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
+        if (nrrd->axis[k].size > UINT32_MAX)
+            return bb_fail(BB_REFUSED, "%s: has %zu values along %c", path, nrrd->axis[k].size,
+                           "xyz"[k]);
         bytes *= (double)nrrd->axis[k].size;
+    }
     if (bytes > (double)bb_host_limit())
         return bb_fail(BB_REFUSED,
                        "%s: claims %.0f bytes, three quarters of the host's memory are "

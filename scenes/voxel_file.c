@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 static uint64_t bytes_of(const bb_voxels *voxels)
 {
@@ -37,33 +38,23 @@ bb_status bb_voxel_file_read(const char *path, const bb_voxels *voxels)
     return status;
 }
 
-/* One frame after the other, into what there is room for. */
+/* All at once: a stream would take the window that a frame's header asks for, up to 128 MB. */
 static bb_status expand(const char *path, const char *packed, size_t size, const bb_voxels *voxels)
 {
-    char after;
-    ZSTD_inBuffer in = {packed, size, 0};
-    ZSTD_outBuffer out = {voxels->values, (size_t)bytes_of(voxels), 0};
-    ZSTD_outBuffer beyond = {&after, 1, 0};
-    ZSTD_DStream *stream = ZSTD_createDStream();
-    if (stream == NULL)
-        return bb_fail(BB_REFUSED, "%s: no memory to expand it", path);
-    size_t left = 0, before;
-    do {
-        ZSTD_outBuffer *to = out.pos < out.size ? &out : &beyond;
-        before = in.pos + to->pos;
-        left = ZSTD_decompressStream(stream, to, &in);
-        if (ZSTD_isError(left) || in.pos + to->pos == before)
-            break;
-    } while (beyond.pos == 0 && (left != 0 || in.pos < in.size));
-    ZSTD_freeDStream(stream);
-    if (ZSTD_isError(left))
-        return bb_fail(BB_INVALID, "%s: is no zstd file, or damaged: %s", path,
-                       ZSTD_getErrorName(left));
-    if (beyond.pos > 0)
-        return wrong_size(path, "expands to more", voxels);
-    if (left != 0 || out.pos < out.size)
-        return wrong_size(path, "ends too soon", voxels);
-    return BB_OK;
+    size_t expanded = ZSTD_decompress(voxels->values, (size_t)bytes_of(voxels), packed, size);
+    if (ZSTD_isError(expanded))
+        switch (ZSTD_getErrorCode(expanded)) {
+        case ZSTD_error_memory_allocation:
+            return bb_fail(BB_REFUSED, "%s: no memory to expand it", path);
+        case ZSTD_error_dstSize_tooSmall:
+            return wrong_size(path, "expands to more", voxels);
+        case ZSTD_error_srcSize_wrong:
+            return wrong_size(path, "ends too soon", voxels);
+        default:
+            return bb_fail(BB_INVALID, "%s: is no zstd file, or damaged: %s", path,
+                           ZSTD_getErrorName(expanded));
+        }
+    return expanded == bytes_of(voxels) ? BB_OK : wrong_size(path, "ends too soon", voxels);
 }
 
 bb_status bb_voxel_file_read_zst(const char *path, const bb_voxels *voxels)

@@ -118,6 +118,50 @@ static void nothing_is_seen_of_an_empty_volume(void **state)
     cJSON_Delete(root);
 }
 
+/* Ways that cannot, beside one that can: each says why. */
+static void ways_that_cannot_say_so(void **state)
+{
+    (void)state;
+    const outcome *o = run("volume --scene nbody:n=40,transfer=empty --builder vlbvh+rotate,vlbvh "
+                           "--kernel stack --size 16x16 --steps none --repeats 1 --json");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->out, "there is nothing to build over"));
+    o = run("volume --scene nbody:n=70,brick=4 --builder vlbvh --kernel stack:stack=4,stack --size "
+            "32x32 --steps none --repeats 1 --json");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->out, "its stack was too small for"));
+    cJSON *root = cJSON_Parse(o->out);
+    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
+    const cJSON *ways = cJSON_GetObjectItem(result, "ways");
+    assert_true(median(cJSON_GetArrayItem(ways, 2), "picture_ms") > 0);
+    cJSON_Delete(root);
+}
+
+/* What fails later leaves what was measured before. */
+static void what_was_measured_is_kept(void **state)
+{
+    (void)state;
+    const outcome *o = run("volume --scene nbody:n=34 --scene cube --builder vlbvh --kernel stack "
+                           "--size 12x12 --steps none --repeats 1 --out kept");
+    assert_int_equal(o->exit_status, 2);
+    assert_non_null(strstr(o->err, "cube: is no volume"));
+    cJSON *root = read_json("kept/volume.json");
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(root, "results")), 1);
+    cJSON_Delete(root);
+}
+
+/* A path as a generator's parameter, and a file that is called as a generator is. */
+static void names_and_paths_are_told_apart(void **state)
+{
+    (void)state;
+    write_file("t.txt", "0 0.1\n", 6);
+    write_file("nbody", "x", 1);
+    const outcome *o = run("volume --scene nbody:n=34,transfer=./t.txt --builder vlbvh --kernel "
+                           "stack --size 12x12 --steps none --repeats 1");
+    if (o->exit_status != 0 || strstr(o->out, "transfer function t.txt") == NULL)
+        fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
+}
+
 static void the_paper_turns_the_volume(void **state)
 {
     (void)state;
@@ -155,6 +199,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_are_compared),
         cmocka_unit_test(nothing_is_seen_of_an_empty_volume),
+        cmocka_unit_test(ways_that_cannot_say_so),
+        cmocka_unit_test(what_was_measured_is_kept),
+        cmocka_unit_test(names_and_paths_are_told_apart),
         cmocka_unit_test(the_paper_turns_the_volume),
         cmocka_unit_test(what_makes_no_sense_is_refused),
     };

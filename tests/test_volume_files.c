@@ -201,6 +201,18 @@ static void bad_nrrd_volumes_are_refused(void **state)
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n"
          "data file: none.raw\n\n",
          "none.raw"},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n"
+         "content: x\rdata file: /etc/passwd\n\n",
+         "carriage return"},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n"
+         "data file: SKIPLIST\n0 /etc/passwd\n",
+         "several files"},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: a:x\n\n",
+         "'a:x'"},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 4\nencoding: gzip\nbyte skip: -1\n\n",
+         "from the end of compressed data"},
+        {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4294967298 2 2\nencoding: raw\n\n",
+         "4294967298 values along x"},
         {"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 4 -4\nencoding: raw\n\n",
          "teem does not read it"},
     };

@@ -148,7 +148,7 @@ static bb_status compare_scene(job *j, const char *name)
             : bb_fail(BB_INVALID, "%s: is no volume: take nbody, or a file of voxels", name);
     if (status == BB_OK && count == 0)
         status = compare(j, scene);
-    for (uint32_t i = 0; i < count && status == BB_OK; i++) {
+    for (uint32_t i = 0; i < count && status == BB_OK && !bb_interrupted(); i++) {
         bb_transfer transfer;
         status = bb_transfer_load(transfers[i], &transfer);
         if (status == BB_OK)
@@ -204,12 +204,14 @@ static bb_status compare_all(job *j)
                bb_put_number(document, "cutoff", j->request.cutoff);
     put = bb_put(document, "results", j->results) && put;
     bb_status status = put ? BB_OK : bb_fail(BB_REFUSED, "no memory for the results");
-    for (uint32_t i = 0; i < count && status == BB_OK; i++)
+    for (uint32_t i = 0; i < count && status == BB_OK && !bb_interrupted(); i++)
         status = compare_scene(j, scenes[i]);
-    if (status == BB_OK)
-        status = write_document(j, document);
+    /* what was measured before a failure is kept */
+    bb_status written = BB_OK;
+    if (put && (status == BB_OK || cJSON_GetArraySize(j->results) > 0))
+        written = write_document(j, document);
     cJSON_Delete(document);
-    return status;
+    return status != BB_OK ? status : written;
 }
 
 static bb_status run(const bb_cli *cli, int *exit_status)
@@ -242,6 +244,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     }
     if (status == BB_OK && j.wrong)
         *exit_status = BB_EXIT_WRONG;
+    if (bb_interrupted()) {
+        fprintf(stderr, "bvhbench: interrupted: the results are those of what was measured\n");
+        *exit_status = BB_EXIT_INTERRUPTED;
+        status = BB_OK;
+    }
     free(j.result);
     bb_names_free(&builders);
     bb_names_free(&kernels);

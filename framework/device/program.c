@@ -285,7 +285,9 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
 {
     char options[2048], key[2304];
     const char *standard = strstr(defines, "-cl-std=") == NULL ? "-cl-std=CL1.2 " : "";
-    if (snprintf(options, sizeof options, "%s%s", standard, defines) >= (int)sizeof options)
+    /* Without warnings (-w): nobody is shown the log of what compiles, but clang within PoCL counts
+     * its warnings on stderr, such as those on vectors wider than the processor's registers. */
+    if (snprintf(options, sizeof options, "-w %s%s", standard, defines) >= (int)sizeof options)
         return bb_fail(BB_INVALID, "%s: the build options are too long", source->name);
     snprintf(key, sizeof key, "%.200s %s", source->name, options);
     for (const struct bb_program_cache *entry = device->programs; entry != NULL;

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 /* A way at work. */
 typedef struct runner {
@@ -83,10 +84,15 @@ static bb_status make_runner(comparison *c, entrant *e, runner *r, const char *t
 static bb_status make_tree(comparison *c, entrant *e, const char *builder)
 {
     BB_TRY(bb_instance_create(c->device, builder, c->scene, c->request->seed, &e->instance));
-    if (is_blank(c) && (bb_instance_inputs(&e->instance) & BB_INPUT_VOLUME) == 0)
+    bool alone = e->instance.pipeline.count == 1;
+    if (is_blank(c) && (!alone || (bb_instance_inputs(&e->instance) & BB_INPUT_VOLUME) == 0))
         return bb_fail(BB_UNSUPPORTED, "there is nothing to build over");
     BB_TRY(bb_instance_build(&e->instance, c->scene, false, NULL));
-    return is_blank(c) ? BB_OK : bb_tree_upload(&e->instance.tree, c->device, NULL);
+    if (is_blank(c))
+        return BB_OK;
+    BB_TRY(bb_tree_download(&e->instance.tree, NULL));
+    BB_TRY(bb_tree_check(&e->instance.tree, c->scene));
+    return bb_tree_upload(&e->instance.tree, c->device, NULL);
 }
 
 static bb_status make_entrant(comparison *c, uint32_t i)
@@ -106,6 +112,21 @@ static bb_status make_entrant(comparison *c, uint32_t i)
             BB_TRY(note(way, make_runner(c, e, &e->runners[k], request->kernels[k])));
     }
     return BB_OK;
+}
+
+/* Whether the bricks on the device are still those that were loaded: builders are handed them, and
+ * a picture of others would be the same with any tree. */
+static bb_status check_bricks(const comparison *c)
+{
+    const bb_volume *volume = c->scene->volume;
+    const bb_buffer *bricks = &c->scene->on_device.bricks;
+    void *mapped;
+    BB_TRY(bb_buffer_map(bricks, false, &mapped));
+    bool same = XXH3_64bits(mapped, (size_t)bb_volume_bytes(volume)) == volume->bricks_hash;
+    BB_TRY(bb_buffer_unmap(bricks, mapped));
+    return same ? BB_OK
+                : bb_fail(BB_FAILED, "%s: a builder has changed the volume on the device",
+                          c->scene->name);
 }
 
 /* ---- pictures ---- */
@@ -164,11 +185,11 @@ static void add_differences(const comparison *c, bb_dvr_way *way)
         for (int k = 0; k < 4; k++) {
             double apart = fabs((double)channels[k][0] - (double)channels[k][1]);
             int apart_8 = abs((int)in_8_bits(channels[k][0]) - (int)in_8_bits(channels[k][1]));
-            /* not fmax(), for which a NaN is nothing */
-            way->most = apart <= way->most ? way->most : apart;
+            way->most = bb_dvr_most(way->most, apart);
             way->most_8 = (uint32_t)apart_8 > way->most_8 ? (uint32_t)apart_8 : way->most_8;
         }
         way->samples += (double)c->counts[i].prims / (double)c->result->pixels;
+        way->overflown += c->counts[i].overflow;
     }
 }
 
@@ -194,6 +215,9 @@ static bb_status compare_pictures(comparison *c)
         BB_TRY(bb_dvr_take_view(c->scene, &c->pictures, v, c->device));
         BB_TRY(bb_march_check(c->scene, &c->pictures.rays,
                               (float)(c->request->step * bb_volume_voxel(c->scene->volume))));
+        if (c->request->step_count > 0)
+            BB_TRY(bb_march_check(c->scene, &c->pictures.rays,
+                                  bb_dvr_finest_step(c->request, c->scene)));
         BB_TRY(make_picture(c, &c->runners[0], c->without));
         memcpy(c->with, c->without, c->pictures.pixels * sizeof *c->with);
         add_differences(c, &c->result->ways[0]);
@@ -206,6 +230,24 @@ static bb_status compare_pictures(comparison *c)
             add_differences(c, &c->result->ways[w]);
         }
     }
+    for (uint32_t w = 1; w < c->result->way_count; w++) {
+        bb_dvr_way *way = &c->result->ways[w];
+        if (way->overflown == 0)
+            continue;
+        snprintf(way->refused, sizeof way->refused, "its stack was too small for %llu of %llu rays",
+                 (unsigned long long)way->overflown, (unsigned long long)c->result->pixels);
+        way->differ = 0;
+    }
+    return BB_OK;
+}
+
+/* Of a picture that was timed, of the last view. */
+static bb_status compare_timed(comparison *c, const runner *r)
+{
+    const bb_dvr_pictures *p = &c->pictures;
+    BB_TRY(bb_buffer_read(&p->lights, 0, p->pixels * sizeof *c->with, c->with));
+    for (uint32_t i = 0; i < p->pixels; i++)
+        r->way->differ += memcmp(&c->without[i], &c->with[i], sizeof *c->with) != 0;
     return BB_OK;
 }
 
@@ -235,6 +277,9 @@ static bb_status time_entrant(comparison *c, entrant *e)
     if (refused)
         return BB_OK;
     BB_TRY(bb_instance_build(&e->instance, c->scene, false, &timing));
+    double upload_ms = 0;
+    if (!is_blank(c))
+        BB_TRY(bb_tree_upload(&e->instance.tree, c->device, &upload_ms));
     BB_TRY(bb_instance_build(&e->instance, c->scene, true, NULL));
     if (!is_blank(c))
         BB_TRY(bb_tree_upload(&e->instance.tree, c->device, NULL));
@@ -251,7 +296,7 @@ static bb_status time_entrant(comparison *c, entrant *e)
             BB_TRY(bb_layout_maker_make(&r->maker, c->scene, &e->instance.tree, (uint32_t)leaf,
                                         BB_FORMAT_VERTICES, &r->layout));
         }
-        bb_samples_add(&r->way->layout, is_blank(c) ? 0 : r->layout.timing.ms);
+        bb_samples_add(&r->way->layout, is_blank(c) ? 0 : upload_ms + r->layout.timing.ms);
     }
     return BB_OK;
 }
@@ -306,8 +351,12 @@ static bb_status time_round(comparison *c, uint32_t round)
         BB_TRY(bb_dvr_take_view(c->scene, &c->pictures, v, c->device));
         for (uint32_t i = 0; i < ways; i++) {
             runner *r = &c->runners[(i + round) % ways];
-            if (r->way->refused[0] == '\0')
-                BB_TRY(time_picture(c, r));
+            if (r->way->refused[0] != '\0')
+                continue;
+            BB_TRY(time_picture(c, r));
+            bool last = round == c->request->repeats && v + 1 == c->pictures.count;
+            if (last && (r->way->builder[0] == '\0' || !is_blank(c)))
+                BB_TRY(compare_timed(c, r));
         }
     }
     for (uint32_t w = 0; w < ways; w++) {
@@ -370,13 +419,14 @@ static bb_status prepare(comparison *c)
 
 static bb_status measure(comparison *c)
 {
+    BB_TRY(check_bricks(c));
     BB_TRY(compare_pictures(c));
-    for (uint32_t round = 0; round <= c->request->repeats; round++) {
-        if (bb_interrupted())
-            return bb_fail(BB_FAILED, "interrupted in round %u of %u", round, c->request->repeats);
+    for (uint32_t round = 0; round <= c->request->repeats && !bb_interrupted(); round++)
         BB_TRY(time_round(c, round));
-    }
-    if (c->request->step_count == 0)
+    if (bb_interrupted() && c->result->ways[0].march.count < 2)
+        return bb_fail(BB_FAILED, "%s: interrupted before a round that counts", c->scene->name);
+    BB_TRY(check_bricks(c));
+    if (c->request->step_count == 0 || bb_interrupted())
         return BB_OK;
     const runner *first = NULL;
     for (uint32_t w = 1; w < c->result->way_count && first == NULL && !is_blank(c); w++)

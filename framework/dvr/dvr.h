@@ -46,15 +46,17 @@ typedef struct bb_dvr_phase {
 typedef struct bb_dvr_way {
     char builder[128], kernel[96]; /* "": no tree */
     char refused[320];             /* why there are no figures; "": there are */
+    /* layout: with the transfer of a tree that was made on the host */
     bb_samples build, layout, march, march_cpu;
     uint32_t phase_count;
     bb_dvr_phase phases[BB_PHASES_MAX];
     uint32_t nodes, leaves;
-    uint64_t bytes;  /* of tree and scratch at most, and of the layout */
-    double samples;  /* per ray */
-    double most;     /* largest difference of a channel from the picture without a tree */
-    uint32_t most_8; /* the same in 8 bits */
-    uint64_t differ; /* pixels that differ at all */
+    uint64_t bytes;     /* of tree and scratch at most, and of the layout */
+    double samples;     /* per ray */
+    double most;        /* largest difference of a channel from the picture without a tree */
+    uint32_t most_8;    /* the same in 8 bits */
+    uint64_t differ;    /* pixels that differ at all */
+    uint64_t overflown; /* rays for which a stack was too small */
 } bb_dvr_way;
 
 /* How far a picture is from one with samples so close that more of them change nothing. */
@@ -82,11 +84,12 @@ typedef struct bb_dvr_result {
 } bb_dvr_result;
 
 /* Measures the scene with the transfer function that it has. What a builder or kernel cannot do is
- * said in its way. The scene is on the device. */
+ * said in its way. Interrupted after a round that counts, it ends with the rounds that there are,
+ * and without accuracy; before that it fails. The scene is on the device. */
 bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_dvr_result *result);
 
-/* Of both together and the build alone, the ratio to the march without a tree: below 1 the tree
- * pays. */
+/* Of the pictures, with build and layout or without, the ratio to the march without a tree: below 1
+ * the tree pays. */
 bb_estimate bb_dvr_ratio(const bb_dvr_result *result, const bb_dvr_way *way, bool with_build);
 
 /* As text on standard output. */

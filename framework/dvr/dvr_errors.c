@@ -50,6 +50,12 @@ static bb_status march(const study *s, bb_dvr_error *error)
     return BB_OK;
 }
 
+float bb_dvr_finest_step(const bb_dvr_request *request, const bb_scene *scene)
+{
+    return (float)(request->steps[request->step_count - 1] / FINER *
+                   bb_volume_voxel(scene->volume));
+}
+
 /* Adds the squares to error->rms, for the time being. */
 static void add_error(const study *s, const bb_light *lights, bb_dvr_error *error)
 {
@@ -59,7 +65,7 @@ static void add_error(const study *s, const bb_light *lights, bb_dvr_error *erro
                                 a->left - b->left};
         for (int k = 0; k < 4; k++) {
             double size = fabs((double)apart[k]);
-            error->most = size <= error->most ? error->most : size;
+            error->most = bb_dvr_most(error->most, size);
             error->rms += size * size;
         }
     }

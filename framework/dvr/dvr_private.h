@@ -4,6 +4,8 @@
 
 #include "framework/dvr/dvr.h"
 
+#include <math.h>
+
 /* Rays and pictures, one view after the other. */
 typedef struct bb_dvr_pictures {
     bb_view views[BB_DVR_PICTURES_MAX];
@@ -22,6 +24,15 @@ void bb_dvr_release(bb_dvr_pictures *pictures);
 /* Rays of view `i`, on the device. */
 bb_status bb_dvr_take_view(const bb_scene *scene, bb_dvr_pictures *pictures, uint32_t i,
                            bb_device *device);
+
+/* The larger of a difference so far and a new one; a NaN stays. */
+static inline double bb_dvr_most(double most, double apart)
+{
+    return isnan(most) || most >= apart ? most : apart;
+}
+
+/* The shortest step of the study of errors, in scene units: the reference's. */
+float bb_dvr_finest_step(const bb_dvr_request *request, const bb_scene *scene);
 
 /* Step against error. `pass` is one way's, complete but for its results; NULL: without a tree. */
 bb_status bb_dvr_measure_errors(const bb_dvr_request *request, const bb_scene *scene,

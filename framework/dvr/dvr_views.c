@@ -11,7 +11,8 @@ static const double degrees = 2, radian = 3.14159265358979323846 / 180;
 
 /* Section 4: parallel projection, the whole extent visible; turned about one axis. The eye goes
  * round instead of the volume. */
-static bb_view turned_view(const bb_scene *scene, uint32_t axis, uint32_t turn)
+static bb_view turned_view(const bb_scene *scene, uint32_t width, uint32_t height, uint32_t axis,
+                           uint32_t turn)
 {
     bb_view view = {.parallel = true};
     double diagonal = 0, angle = degrees * turn * radian;
@@ -33,7 +34,7 @@ static bb_view turned_view(const bb_scene *scene, uint32_t axis, uint32_t turn)
         view.eye[k] = view.target[k] - diagonal * forward[k];
         view.up[k] = up[k];
     }
-    view.fov_y = diagonal;
+    view.fov_y = diagonal * (width < height ? (double)height / width : 1);
     snprintf(view.name, sizeof view.name, "%c%03.0f", "xyz"[axis], degrees * turn);
     return view;
 }
@@ -43,8 +44,8 @@ bb_status bb_dvr_choose_views(const bb_dvr_request *request, const bb_scene *sce
 {
     pictures->count = 0;
     for (uint32_t i = 0; i < 3 * request->turns; i++)
-        pictures->views[pictures->count++] =
-            turned_view(scene, i / request->turns, i % request->turns);
+        pictures->views[pictures->count++] = turned_view(scene, request->width, request->height,
+                                                         i / request->turns, i % request->turns);
     if (request->turns > 0)
         return BB_OK;
     for (uint32_t i = 0; i < scene->view_count; i++)

@@ -97,7 +97,7 @@ typedef struct bb_scene {
     char name[256];                /* the specification: what records and tables show */
     char source[64];               /* "glTF" or the generator's name */
     uint32_t kinds;                /* that it has, as bits */
-    uint32_t prim_count;           /* of all kinds, 1 .. 2^31 - 1 */
+    uint32_t prim_count;           /* of all kinds, 1 .. 2^31 - 1; 0: see bb_scene_load_any() */
     bb_prims prims[BB_KIND_COUNT]; /* by kind: BB_TRIANGLE, ... */
     uint32_t vertex_count;
     float *vertices; /* x y z */

@@ -207,6 +207,18 @@ static bool split_parameters(const char *text, char path[PATH_MAX], const char *
     return false;
 }
 
+/* Whether what stands before the parameters is one that needs no file. */
+static bool is_name(const char *text)
+{
+    char name[64];
+    size_t length = strcspn(text, ":");
+    if (length >= sizeof name)
+        return false;
+    memcpy(name, text, length);
+    name[length] = '\0';
+    return is_shipped(name) || find_generator(name) != NULL;
+}
+
 static bb_status load(const char *text, bb_scene *scene)
 {
     bool given = false;
@@ -215,6 +227,8 @@ static bb_status load(const char *text, bb_scene *scene)
     set_name(scene, text);
     if (exists(text) && !is_folder(text))
         BB_TRY(load_file(text, "", scene, &given));
+    else if (is_name(text))
+        BB_TRY(load_named(text, scene, &given));
     else if (split_parameters(text, path, &parameters))
         BB_TRY(load_file(path, parameters, scene, &given));
     else if (looks_like_file(text))

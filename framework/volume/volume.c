@@ -39,7 +39,9 @@ bb_status bb_voxels_reserve(const char *name, uint32_t side, bb_voxels *voxels)
                            BB_BRICKS_ALONG_MAX * side + 1);
         if (!(voxels->spacing[k] > 0) || !(voxels->spacing[k] * dims[k] < 1e30) ||
             !(voxels->spacing[k] > 1e-30))
-            return bb_fail(BB_INVALID, "%s: voxels along %c are %g apart: it must be above 1e-30",
+            return bb_fail(BB_INVALID,
+                           "%s: voxels along %c are %g apart: it must be above 1e-30, and all of "
+                           "them within 1e30",
                            name, "xyz"[k], voxels -> spacing[k]);
         values *= dims[k];
         bricks *= bricks_along(dims[k], side);
@@ -145,9 +147,10 @@ static void set_grid(const bb_voxels *voxels, uint32_t side, bb_volume *volume)
 
 static void set_hash(bb_volume *volume)
 {
+    volume->bricks_hash = XXH3_64bits(volume->bricks, (size_t)bb_volume_bytes(volume));
     XXH64_hash_t parts[2] = {
         XXH3_64bits(&volume->grid, sizeof volume->grid),
-        XXH3_64bits(volume->bricks, (size_t)bb_volume_bytes(volume)),
+        volume->bricks_hash,
     };
     volume->hash = XXH3_64bits(parts, sizeof parts);
 }

@@ -43,8 +43,9 @@ typedef struct bb_volume {
     /* brick after brick, each of bb_brick_voxels(side) values, x fastest; what lies beyond the
      * lattice repeats its last value */
     void *bricks;
-    uint32_t *ranges; /* of each brick: smallest value | largest << 16 */
-    uint64_t hash;    /* XXH3 of dimensions, spacing and bricks */
+    uint32_t *ranges;     /* of each brick: smallest value | largest << 16 */
+    uint64_t bricks_hash; /* XXH3 of the bricks */
+    uint64_t hash;        /* of dimensions and spacing, too */
     bb_transfer transfer;
     /* seen[i]: how many entries of the transfer function's table before i absorb; so a range of
      * them absorbs nowhere if seen[] is the same on both of its sides */
