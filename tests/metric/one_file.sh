@@ -55,8 +55,8 @@ run()
         --no-pictures --quiet --out "$work/$1" "${@:2}" >"$work/$1.txt" 2>"$work/$1.err" ||
         fail "run $1: $(cat "$work/$1.err")"
 }
-"$program" list metrics | grep -q '^  dropped_in  *nodes and a quarter' || fail "list does not show it"
-"$program" run --help | grep -q '^  dropped_in ' || fail "the help does not show it"
+grep -q '^  dropped_in  *nodes and a quarter' <<<"$("$program" list metrics)" || fail "list does not show it"
+grep -q '^  dropped_in ' <<<"$("$program" run --help)" || fail "the help does not show it"
 run with --metrics dropped_in
 run without
 value=$(grep -E '"nodes":' "$work/with/results.json" | head -1 | tr -dc 0-9).25

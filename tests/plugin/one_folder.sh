@@ -50,7 +50,7 @@ if [ -n "${BVHBENCH_SLOW_TESTS-}" ]; then
         cmake --build "$work/build" -j 2 --target bvhbench-program test_no_stack >"$work/log" 2>&1 ||
         fail "build: $(tail -5 "$work/log")"
     for builder in my-tree strips; do
-        "$work/build/bvhbench" list builders | grep -q "^ *$builder " || fail "list does not show $builder"
+        grep -q "^ *$builder " <<<"$("$work/build/bvhbench" list builders)" || fail "list does not show $builder"
         "$work/build/bvhbench" check --builder "$builder" --scene cube >"$work/log" 2>&1 ||
             fail "check: $(cat "$work/log")"
     done

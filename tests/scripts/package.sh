@@ -16,8 +16,8 @@ cpack -G DEB --config "$build/CPackConfig.cmake" -B "$work/made" >"$work/log" 2>
     fail "cpack: $(cat "$work/log")"
 package=$(echo "$work"/made/bvhbench_*.deb)
 [ -f "$package" ] || fail "no package: $(ls "$work/made")"
-dpkg-deb -f "$package" Depends | grep -q libembree || fail "does not depend on Embree"
-dpkg-deb -f "$package" Recommends | grep -q 'pocl-opencl-icd | opencl-icd' || fail "no OpenCL driver"
+grep -q libembree <<<"$(dpkg-deb -f "$package" Depends)" || fail "does not depend on Embree"
+grep -q 'pocl-opencl-icd | opencl-icd' <<<"$(dpkg-deb -f "$package" Recommends)" || fail "no OpenCL driver"
 dpkg-deb -x "$package" "$work/root"
 share=$work/root/usr/share
 for file in doc/bvhbench/LICENSE bvhbench/scenes/data/{coffee,mountain,scorpion}.LICENSE.md; do

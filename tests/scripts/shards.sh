@@ -37,9 +37,9 @@ for count in 3 13; do
         | all(.traces[]; $b[.build | tostring] | .status == "ok") and all(.traces[]; .builder == $b[.build | tostring].builder
         and .scene == $b[.build | tostring].scene)' "merged-$count/results.json" >/dev/null || fail "a trace has another's build"
     [ "$(find "merged-$count" -name '*.png' | wc -l)" -eq "$(find whole -maxdepth 1 -name '*.png' | wc -l)" ] || fail "pictures are missing"
-    "$program" compare whole "merged-$count" | grep -q 'nothing is worse' || fail "the merged run is worse"
+    grep -q 'nothing is worse' <<<"$("$program" compare whole "merged-$count")" || fail "the merged run is worse"
 done
-"$program" report --history bench.db --out page.html | grep -q '  2 runs' || fail "the merged runs are not in the history"
+grep -q '  2 runs' <<<"$("$program" report --history bench.db --out page.html)" || fail "the merged runs are not in the history"
 
 # A shard's own interleaved cells: all builders of a ray set are together.
 jq -r '.traces[] | .cell' shard-3-2/results.json | sed 's,/builder=.*,,' | sort | uniq -c | awk '{ print $1 }' | sort -u >counts.txt
