@@ -32,12 +32,13 @@ typedef uint8_t bb_u8;
 #define BB_POISON 0xDEADBEEFu
 
 /* Kinds of primitives, in the order in which a scene numbers them, with the 32-bit words of one: of
- * its data in the scene, and of what a layout keeps of it (triangles: their vertices). A kind is a
+ * its data in the scene, and of what a layout keeps of it (of meshes: vertices). A kind is a
  * row here, framework/scene/prim_NAME.c and, named in prims.clh, kernels/prim_NAME.clh. */
 #define BB_PRIM_KINDS(X)                                                                           \
     X(TRIANGLE, triangle, 3, 9)                                                                    \
     X(SPHERE, sphere, 4, 4)                                                                        \
-    X(AABB, aabb, 6, 6)
+    X(AABB, aabb, 6, 6)                                                                            \
+    X(TETRAHEDRON, tetrahedron, 4, 12)
 
 enum {
 #define BB_KIND_NUMBER(NAME, name, words, kept) BB_##NAME,

@@ -1,18 +1,18 @@
 /* A heap of axis-aligned boxes, as voxel worlds and bricks of volumes are: cells of a grid, of
  * which half are filled by a box that shares its faces with its neighbours, bit for bit; others
- * hold a plate without thickness, a rod, a small box or nothing. `mixed` puts spheres and octahedra
- * into some of the empty ones, so that all kinds of primitives lie in one tree.
+ * hold a plate without thickness, a rod, a small box or nothing. `mixed` puts spheres, octahedra
+ * and tetrahedra into some of the empty ones, so that all kinds of primitives lie in one tree.
  */
 #include "framework/base/random.h"
 #include "scenes/shapes.h"
 
 enum { SIDE_MAX = 400 };
 
-typedef enum cell { FULL, PLATE, ROD, SMALL, BALL, MESH, EMPTY } cell;
+typedef enum cell { FULL, PLATE, ROD, SMALL, BALL, MESH, TET, EMPTY } cell;
 
 static const bb_option options_table[] = {
     {"side", "16", NULL, "cells along an edge of the heap"},
-    {"mixed", "no", "no|yes", "spheres and triangles as well"},
+    {"mixed", "no", "no|yes", "spheres, triangles and tetrahedra as well"},
     {"seed", "1", NULL, "seed"},
     {0},
 };
@@ -20,12 +20,12 @@ static const bb_option options_table[] = {
 /* What is in a cell, and the axis it lies along. */
 static cell choose(uint64_t seed, uint64_t number, bool mixed, uint32_t *axis)
 {
-    static const cell cells[] = {FULL,  FULL, FULL,  FULL, FULL, FULL,  FULL,  FULL,
-                                 PLATE, ROD,  SMALL, BALL, MESH, EMPTY, EMPTY, EMPTY};
+    static const cell cells[] = {FULL,  FULL, FULL,  FULL, FULL, FULL, FULL,  FULL,
+                                 PLATE, ROD,  SMALL, BALL, MESH, TET,  EMPTY, EMPTY};
     bb_random random = bb_random_make(seed, number);
     cell chosen = cells[bb_random_below(&random, 16)];
     *axis = bb_random_below(&random, 3);
-    return (chosen == BALL || chosen == MESH) && !mixed ? EMPTY : chosen;
+    return chosen >= BALL && !mixed ? EMPTY : chosen;
 }
 
 /* Cells are cubes of side 1; all coordinates are multiples of 1/8, and so exact. */
@@ -49,9 +49,21 @@ static void put_box(cell chosen, uint32_t axis, const double corner[3], float to
     }
 }
 
+/* A corner of the cell, cut off. */
+static void put_tet(bb_shape_cursor *cursor, uint32_t axis, const double corner[3], uint32_t to[4])
+{
+    for (uint32_t c = 0; c < 4; c++) {
+        double p[3];
+        for (uint32_t k = 0; k < 3; k++)
+            p[k] = corner[k] + ((k + axis) % 3 + 1 == c ? 1.0 : 0.0);
+        to[c] = bb_shape_vertex(cursor, p);
+    }
+}
+
 static void fill(uint64_t side, bool mixed, uint64_t seed, bb_scene *scene)
 {
     float *boxes = bb_scene_floats(scene, BB_AABB), *balls = bb_scene_floats(scene, BB_SPHERE);
+    uint32_t *tets = (uint32_t *)scene->prims[BB_TETRAHEDRON].data;
     bb_shape_cursor cursor = bb_shape_start(scene, NULL);
     for (uint64_t i = 0; i < side * side * side; i++) {
         uint32_t axis;
@@ -69,6 +81,9 @@ static void fill(uint64_t side, bool mixed, uint64_t seed, bb_scene *scene)
             balls += 4;
         } else if (chosen == MESH) {
             bb_shape_sphere(&cursor, middle, 0.5, 1);
+        } else if (chosen == TET) {
+            put_tet(&cursor, axis, corner, tets);
+            tets += 4;
         }
     }
 }
@@ -87,7 +102,8 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
         counts.of[BB_AABB] += chosen <= SMALL;
         counts.of[BB_SPHERE] += chosen == BALL;
         counts.of[BB_TRIANGLE] += chosen == MESH ? bb_shape_sphere_triangles(1) : 0;
-        vertices += chosen == MESH ? bb_shape_sphere_vertices(1) : 0;
+        counts.of[BB_TETRAHEDRON] += chosen == TET;
+        vertices += chosen == MESH ? bb_shape_sphere_vertices(1) : chosen == TET ? 4 : 0;
     }
     BB_TRY(bb_scene_reserve(scene, vertices, &counts));
     fill(side, mixed, seed, scene);
@@ -97,7 +113,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_blocks;
 const bb_generator bb_generator_blocks = {
     .name = "blocks",
-    .summary = "heap of axis-aligned boxes that share faces; with spheres and triangles if mixed",
+    .summary = "heap of axis-aligned boxes that share faces; with all other kinds if mixed",
     .options = options_table,
     .make = make,
 };

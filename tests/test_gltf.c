@@ -514,7 +514,7 @@ static void test_bad_files(void **state)
                    "is not binary glTF: it does not begin with 'glTF'");
     write_text(path_of("thing.stl"), "solid");
     expect_failure(path_of("thing.stl"), BB_INVALID,
-                   "one of .gltf, .glb, .nrrd, .nhdr, .obj, .ply");
+                   "one of .gltf, .glb, .msh, .mesh, .vtk, .nrrd");
     mkdir(path_of("folder.glb"), 0777);
     expect_failure(path_of("folder.glb"), BB_INVALID, "regular file");
 }

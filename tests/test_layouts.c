@@ -317,7 +317,8 @@ static void every_layout_has_maps_for_vertices(void **state)
     make_random_tree(scene, 3, 1, &random, &tree);
     check(bb_tree_upload(&tree, device, NULL), "upload");
     for (const bb_layout *const *layout = bb_layouts; *layout != NULL; layout++)
-        compare_forms(*layout, scene, &tree);
+        if ((*layout)->array.name == NULL) /* which this tree has not */
+            compare_forms(*layout, scene, &tree);
     bb_tree_release(&tree);
     free_triangles(scene);
 }

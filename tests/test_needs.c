@@ -129,7 +129,7 @@ static void decisions_say_what_they_rest_on(void **state)
     /* builders that are octrees decide that for themselves */
     assert_null(bb_decision_find(&needs, BB_DECIDED_LEVELS));
     assert_string_equal(kinds->value, "spheres");
-    assert_string_equal(kinds->figure, "0 triangles, 64 spheres, 0 boxes");
+    assert_string_equal(kinds->figure, "0 triangles, 64 spheres, 0 boxes, 0 tetrahedra");
     assert_int_equal(kinds->by, BB_BY_SCENE);
     assert_non_null(strstr(bb_decision_find(&needs, BB_DECIDED_CODE_BITS)->figure, "6 tell all"));
     assert_string_equal(bb_decision_find(&needs, BB_DECIDED_SIZE_BITS)->value, "0");

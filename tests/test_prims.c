@@ -148,7 +148,7 @@ static void primitives_are_numbered_through(void **state)
     assert_int_equal(scene->kinds, BB_ALL_KINDS);
     char names[64];
     bb_prim_kind_names(scene->kinds, names, sizeof names);
-    assert_string_equal(names, "triangles+spheres+boxes");
+    assert_string_equal(names, "triangles+spheres+boxes+tetrahedra");
     bb_scene_free(scene);
 }
 

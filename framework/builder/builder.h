@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 7 };
+enum { BB_ABI_VERSION = 8 };
 
 /* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
  * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the
@@ -38,14 +38,16 @@ enum { BB_ABI_VERSION = 7 };
  *
  * After a splitter, boxes and prim_count are those of its references, and the tree's refs are
  * indices of references, which the harness then replaces by primitives. Profile and counts per kind
- * remain the scene's. References have no BB_INPUT_GEOMETRY, nor BB_INPUT_VOLUME: a builder that
- * declares one is refused after a splitter. */
+ * remain the scene's. References have none of BB_INPUTS_OF_PRIMITIVES: a builder that declares one
+ * is refused after a splitter. */
 enum {
     BB_INPUT_BOXES = 1u << 0,    /* on_device.boxes; for builders on the host also boxes */
     BB_INPUT_GEOMETRY = 1u << 1, /* vertices and data of prims, likewise */
     BB_INPUT_TREE = 1u << 2,     /* of an optimiser: the tree of another builder */
     BB_INPUT_PROFILE = 1u << 3,  /* bounds and profile: measured by the harness, not timed */
     BB_INPUT_VOLUME = 1u << 4,   /* volume, and on_device.bricks, ranges and seen */
+    BB_INPUT_TETS = 1u << 5,     /* tets and on_device.tet_flags, where there are tetrahedra */
+    BB_INPUTS_OF_PRIMITIVES = BB_INPUT_GEOMETRY | BB_INPUT_VOLUME | BB_INPUT_TETS,
 };
 
 enum { BB_STAGES_MAX = 4 }; /* of a pipeline */

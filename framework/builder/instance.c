@@ -157,6 +157,10 @@ static bb_scene declared_part(const bb_stage *stage, const bb_scene *scene)
         part.on_device.ranges = scene->on_device.ranges;
         part.on_device.seen = scene->on_device.seen;
     }
+    if ((inputs & BB_INPUT_TETS) != 0) {
+        part.tets = scene->tets;
+        part.on_device.tet_flags = scene->on_device.tet_flags;
+    }
     if ((inputs & BB_INPUT_PROFILE) != 0) {
         part.bounds = scene->bounds;
         part.profile = scene->profile;

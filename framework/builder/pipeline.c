@@ -61,7 +61,7 @@ static bb_status check_order(const bb_builder *before, const bb_builder *stage)
     if (!bb_is_splitter(before))
         return bb_fail(BB_INVALID, "%s takes no tree, so it can't come after %s", name,
                        before->name);
-    if ((stage->inputs & (BB_INPUT_GEOMETRY | BB_INPUT_VOLUME)) != 0)
+    if ((stage->inputs & BB_INPUTS_OF_PRIMITIVES) != 0)
         return bb_fail(BB_INVALID,
                        "%s reads the primitives' geometry: it can't be fed with %s's references",
                        name, before->name);
@@ -115,7 +115,7 @@ static const bb_builder *default_beside(const bb_builder *stage)
         bool compared = builder->compared == NULL || builder->compared[0] != '\0';
         int kinds = __builtin_popcount(stage->kinds & builder->kinds);
         if (!compared || bb_is_splitter(builder) || bb_is_optimiser(builder) ||
-            (builder->inputs & (BB_INPUT_GEOMETRY | BB_INPUT_VOLUME)) != 0 || kinds <= most)
+            (builder->inputs & BB_INPUTS_OF_PRIMITIVES) != 0 || kinds <= most)
             continue;
         best = builder;
         most = kinds;

@@ -161,7 +161,7 @@ bb_status bb_builder_validate(const bb_builder *builder)
                        "neither \"all\" nor \"" BB_REFERENCE_NAME "\"",
                        builder->name == NULL ? "" : builder->name);
     const uint32_t inputs =
-        BB_INPUT_BOXES | BB_INPUT_GEOMETRY | BB_INPUT_TREE | BB_INPUT_PROFILE | BB_INPUT_VOLUME;
+        BB_INPUT_BOXES | BB_INPUT_TREE | BB_INPUT_PROFILE | BB_INPUTS_OF_PRIMITIVES;
     const struct {
         bool good;
         const char *problem;

@@ -115,6 +115,26 @@ bool bb_exact_meets_triangle(const double o[3], const float d[3], const float a[
     return (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
 }
 
+int bb_exact_side(const double p[3], const float a[3], const float b[3], const float c[3])
+{
+    double da[3], z[3], x[3], y[3], error;
+    widen(a, da);
+    for (int i = 0; i < 3; i++)
+        z[i] = p[i] - da[i];
+    subtract(b, da, x);
+    subtract(c, da, y);
+    double value = determinant(z, x, y, &error);
+    if (!(fabs(value) > error)) {
+        two zz[3], xx[3], yy[3];
+        for (int i = 0; i < 3; i++)
+            zz[i] = two_sum(p[i], -da[i]);
+        subtract_exactly(b, da, xx);
+        subtract_exactly(c, da, yy);
+        value = exact_determinant(zz, xx, yy);
+    }
+    return value > 0.0 ? 1 : value < 0.0 ? -1 : 0;
+}
+
 /* normal . vector, for the normal (b - a) cross (c - a) and vector p - o or, with o NULL, p.
  * Relative error below PRECISION. */
 static double along_normal(const float p[3], const double *o, const float a[3], const float b[3],

@@ -26,4 +26,8 @@ bool bb_exact_meets_sphere(const double o[3], const float d[3], const float sphe
  * if it does not. */
 bool bb_exact_sphere_t(const double o[3], const float d[3], const float sphere[4], double t[2]);
 
+/* On which side of the plane through a, b, c the point p is: the sign of (p - a) . ((b - a) cross
+ * (c - a)). 0: on it, or a, b and c lie on one line. */
+int bb_exact_side(const double p[3], const float a[3], const float b[3], const float c[3]);
+
 #endif

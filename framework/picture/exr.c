@@ -1,5 +1,6 @@
 /* EXR by a module that is loaded at first use. */
 #include "framework/picture/exr.h"
+#include "framework/base/beside.h"
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 
@@ -8,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 typedef struct exr_module {
     void *library;
@@ -17,34 +17,11 @@ typedef struct exr_module {
     __typeof__(bb_exr_compare) *compare;
 } exr_module;
 
-/* Beside the library in which this function lives; false if that is unknown. */
-static bool beside_library(char *path, size_t capacity)
-{
-    Dl_info info;
-    bb_status (*self)(void) = bb_exr_check;
-    void *address;
-    memcpy(&address, &self, sizeof address);
-    if (dladdr(address, &info) == 0 || info.dli_fname == NULL)
-        return false;
-    char *folder = bb_file_folder(info.dli_fname);
-    if (folder == NULL)
-        return false;
-    int length = snprintf(path, capacity, "%s/bvhbench-exr.so", folder);
-    free(folder);
-    return length > 0 && (size_t)length < capacity;
-}
-
 /* Stays loaded: OpenImageIO does not survive being unloaded. */
 static bb_status exr_load(exr_module *module)
 {
-    const char *installed = BB_LIBDIR[0] == '/' ? BB_LIBDIR "/bvhbench-exr.so"
-                                                : BB_INSTALL_PREFIX "/" BB_LIBDIR
-                                                                    "/bvhbench-exr.so";
-    char beside[4096];
-    const char *path = beside;
-    if (!beside_library(beside, sizeof beside) || access(beside, F_OK) != 0)
-        path = installed;
-    if (access(path, F_OK) != 0)
+    char path[4096];
+    if (!bb_find_beside("bvhbench-exr.so", path, sizeof path))
         return bb_fail(BB_UNSUPPORTED,
                        "EXR needs OpenImageIO: install libopenimageio-dev, configure and build "
                        "again (cmake --preset release, scripts/build release), or write .png");

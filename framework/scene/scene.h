@@ -75,6 +75,9 @@ typedef struct bb_scene_device {
     bb_buffer bricks;
     bb_buffer ranges;
     bb_buffer seen;
+    /* of tetrahedra, as in bb_tets */
+    bb_buffer tet_flags;
+    bb_buffer field;
 } bb_scene_device;
 
 /* How a moving scene is brought to another frame: scene_frame.c. */
@@ -84,7 +87,8 @@ struct bb_scene_motion;
 typedef struct bb_prims {
     uint32_t first, count;
     /* triangles: u32[3 * count], indices of vertices; spheres: float[4 * count], centre and
-     * radius >= 0; boxes: float[6 * count], lower and upper corner */
+     * radius >= 0; boxes: float[6 * count], lower and upper corner; tetrahedra: u32[4 * count],
+     * indices of vertices */
     void *data;
 } bb_prims;
 
@@ -120,7 +124,8 @@ typedef struct bb_scene {
      * function sees something, in the order of the bricks, and its bounds are the whole volume's.
      */
     bb_volume *volume;
-    uint32_t *bricks; /* of a volume: which brick a primitive is */
+    uint32_t *bricks;     /* of a volume: which brick a primitive is */
+    struct bb_tets *tets; /* of tetrahedra: tets.h; NULL: there are none */
     bb_scene_device on_device;
     double load_ms;
 } bb_scene;

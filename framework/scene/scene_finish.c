@@ -1,6 +1,7 @@
 /* What makes a filled scene complete: its checks, its boxes and its hash. */
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
+#include "framework/scene/tets.h"
 
 #include <math.h>
 #include <string.h>
@@ -113,5 +114,6 @@ bb_status bb_scene_finish(bb_scene *scene)
                          &scene->boxes));
     if (scene->frame_count == 0)
         scene->frame_count = 1;
-    return bb_scene_finish_frame(scene);
+    BB_TRY(bb_scene_finish_frame(scene));
+    return bb_scene_finish_tets(scene);
 }

@@ -108,7 +108,7 @@ static bb_status load_file(const char *path, const char *parameters, bb_scene *s
     if (!exists(path))
         return bb_fail(BB_INVALID, "%s: there is no such file: check the path", path);
     const bb_scene_format *format = find_format(path);
-    char endings[128];
+    char endings[192];
     if (format == NULL)
         return bb_fail(BB_INVALID,
                        "%s: is no scene file that can be read: its ending must be one of %s", path,
@@ -155,7 +155,7 @@ static const bb_generator *find_generator(const char *name)
 
 static bb_status unknown(const char *text)
 {
-    char names[512] = "", endings[128];
+    char names[512] = "", endings[192];
     size_t used = 0;
     for (size_t i = 0; bb_shipped_scenes[i] != NULL && used < sizeof names; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s, ", bb_shipped_scenes[i]);

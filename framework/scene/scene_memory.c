@@ -1,5 +1,6 @@
 /* A scene's memory on the host. */
 #include "framework/scene/prim.h"
+#include "framework/scene/tets.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -83,6 +84,8 @@ void bb_scene_free(bb_scene *scene)
     bb_buffer_release(&scene->on_device.bricks);
     bb_buffer_release(&scene->on_device.ranges);
     bb_buffer_release(&scene->on_device.seen);
+    bb_buffer_release(&scene->on_device.tet_flags);
+    bb_buffer_release(&scene->on_device.field);
     bb_host_free(scene->vertices);
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         bb_host_free(scene->prims[kind].data);
@@ -90,5 +93,6 @@ void bb_scene_free(bb_scene *scene)
     bb_host_free(scene->motion);
     bb_host_free(scene->bricks);
     bb_volume_free(scene->volume);
+    bb_tets_free(scene->tets);
     free(scene);
 }

@@ -1,6 +1,7 @@
 /* A scene's copy on the device. */
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
+#include "framework/scene/tets.h"
 
 enum { GROUP_SIZE = 64 };
 
@@ -68,6 +69,16 @@ static bb_status write_bricks(bb_scene *scene)
     return bb_buffer_write(&there->bricks, 0, (size_t)bb_volume_bytes(volume), volume->bricks);
 }
 
+static bb_status write_tets(bb_scene *scene)
+{
+    bb_scene_device *there = &scene->on_device;
+    const bb_tets *tets = scene->tets;
+    BB_TRY(bb_buffer_write(&there->tet_flags, 0,
+                           scene->prims[BB_TETRAHEDRON].count * sizeof *tets->flags, tets->flags));
+    return bb_buffer_write(&there->field, 0, scene->vertex_count * sizeof *tets->field,
+                           tets->field);
+}
+
 /* What may change, where there is room for it. After a failure the scene is on no device. */
 static bb_status fill(bb_scene *scene)
 {
@@ -95,6 +106,7 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
     if (there->device == device)
         return BB_OK;
     const bb_volume *volume = scene->volume;
+    const uint64_t word = sizeof(uint32_t);
     const part parts[] = {
         {"the scene's boxes", &there->boxes, bb_scene_box_room(scene) * sizeof(bb_box)},
         {"the scene's vertices", &there->vertices,
@@ -104,6 +116,8 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
         {"the ranges of the volume's bricks", &there->ranges,
          volume != NULL ? volume->brick_count * sizeof *volume->ranges : 0},
         {"what of the volume is seen", &there->seen, volume != NULL ? sizeof volume->seen : 0},
+        {"flags of tetrahedra", &there->tet_flags, scene->prims[BB_TETRAHEDRON].count * word},
+        {"a scalar field", &there->field, scene->tets != NULL ? scene->vertex_count * word : 0},
     };
     enum { PARTS = sizeof parts / sizeof parts[0] };
     for (size_t i = 0; i < PARTS; i++)
@@ -117,6 +131,8 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
     }
     if (volume != NULL)
         BB_TRY(write_bricks(scene));
+    if (scene->tets != NULL)
+        BB_TRY(write_tets(scene));
     there->device = device;
     return fill(scene);
 }

@@ -20,7 +20,7 @@ printf '#include "%s"\n' "$@" >"$work/all.c"
     # static inline functions, whose body was cut off, are no part of the library
     sed -nE '/\binline\b/s/^[^(]*\b(bb_[a-z0-9_]+)\(.*/\1/p' "$work/declarations" | sort -u >"$work/inline"
     sort -u "$work/functions" | comm -23 - "$work/inline"
-    sed -nE '/^ *extern [^(]*$/s/.*\b(bb_[a-z0-9_]+)(\[\])? *$/\1/p' "$work/declarations"
+    sed -nE '/^ *extern [^(]*$/s/.*\b(bb_[a-z0-9_]+)(\[[0-9]*\])* *$/\1/p' "$work/declarations"
     echo bb_main
 } | sort -u >"$work/declared"
 

@@ -1,0 +1,33 @@
+/* A flat face with three corners, for the kinds of primitives that are made of such: prim.h says
+ * what each function is for. */
+#ifndef BB_FACE_H
+#define BB_FACE_H
+
+#include "framework/base/random.h"
+
+#include <stdbool.h>
+
+typedef struct bb_face {
+    const float *v[3]; /* corners: x y z */
+} bb_face;
+
+/* Of any length: twice the area. */
+void bb_face_normal(const bb_face *face, double normal[3]);
+double bb_face_twice_area(const bb_face *face);
+
+/* Whether its area is exactly 0. */
+bool bb_face_is_flat(const bb_face *face);
+
+/* On a plane of constant coordinate the point is exactly on it. */
+void bb_face_sample(const bb_face *face, bb_random *random, double point[3], double normal[3]);
+
+/* Shrinks lo..hi towards the part of the face in it; false if there is none. */
+bool bb_face_shrink(const bb_face *face, double lo[3], double hi[3]);
+
+/* The smallest height; 0 if it has no area. */
+float bb_face_height(const bb_face *face);
+
+/* max |v - o| over the coordinates of `count` corners. */
+double bb_corners_reach(const float *const v[], int count, const double o[3]);
+
+#endif

@@ -1,0 +1,45 @@
+/* The `octree` layout: of an octree of cells, what a walk down by octants needs.
+ *
+ *   node n: x = first(n), a node or BB_LEAF_BIT | first leaf primitive
+ *           y = which octants have a child (bits 0 to 7), BB_OCTREE_BOUNDARY
+ *   and the grid that the cells are of: its box is the root's
+ *
+ * The k-th of a node's children is that of the k-th of its octants, so no box is needed.
+ */
+#include "bb_device.h"
+#include "octree.clh"
+
+kernel void octree_nodes(global const bb_node *nodes, global const uint *cells, uint count,
+                         global uint2 *out)
+{
+    uint n = get_global_id(0);
+    if (n >= count)
+        return;
+    uint first = nodes[n].first, octants = 0;
+    if ((first & BB_LEAF_BIT) == 0)
+        for (uint child = first; child != nodes[n].skip && octants <= 0xFFu; child++) {
+            octants |= 1u << (cells[child] & BB_CELL_OCTANT);
+            if (nodes[child].skip == nodes[n].skip)
+                break;
+        }
+    if ((cells[n] & BB_CELL_BOUNDARY) != 0u)
+        octants |= BB_OCTREE_BOUNDARY;
+    out[n] = (uint2)(first, octants);
+}
+
+kernel void octree_grid(global const bb_node *nodes, uint root, uint bits,
+                        global bb_cell_grid *grid)
+{
+    if (get_global_id(0) != 0)
+        return;
+    grid->bits = bits;
+    grid->cells = 1u << bits;
+    grid->pad = 0;
+    for (uint axis = 0; axis < 3; axis++) {
+        float lo = nodes[root].lo[axis], hi = nodes[root].hi[axis];
+        float step = (hi - lo) / (float)(1u << bits);
+        grid->lo[axis] = lo;
+        grid->hi[axis] = hi;
+        grid->step[axis] = step >= FLT_MIN ? step : 0.0f;
+    }
+}

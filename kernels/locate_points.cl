@@ -1,0 +1,56 @@
+/* Finds the tetrahedra of many points, and the scalar field there.
+ *
+ *   -D: those of locate.clh and tet_point.clh, and BB_COUNTING
+ */
+#include "bb_device.h"
+#include "locate.clh"
+#include "prims.clh"
+
+#if BB_LOCATE_OCTREE
+#define BB_LOCATE_NODE uint2
+#else
+#define BB_LOCATE_NODE float
+#endif
+
+kernel void locate_points(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
+#if BB_LOCATE_OCTREE
+                          global const bb_cell_grid *grid,
+#endif
+                          bb_locate_args args, global const uint *flags, global const uint *data,
+                          bb_prim_ends ends, global const float *field, global const float *points,
+                          uint count, global bb_located *results
+#if BB_COUNTING
+                          ,
+                          global bb_count *counts
+#endif
+)
+{
+    uint i = (uint)get_global_id(0);
+    if (i >= count)
+        return;
+    bb_locate_tree tree;
+    bb_location found;
+    tree.nodes = nodes;
+    tree.leaf_prims = leaf_prims;
+    tree.flags = flags;
+    tree.args = args;
+#if BB_LOCATE_OCTREE
+    tree.grid = *grid;
+#endif
+    bb_locate(&tree, vload3(i, points), &found);
+    results[i].prim = found.tet;
+    results[i].value = 0.0f;
+    if (found.tet != BB_NONE) {
+        uint kind;
+        global const uint *corners = bb_prim_data(data, found.tet, &ends, &kind);
+        float values[4];
+        for (uint c = 0; c < 4; c++)
+            values[c] = field[corners[c]];
+        results[i].value = bb_tet_value(&found.weights, values);
+    }
+#if BB_COUNTING
+    counts[i].nodes = found.nodes;
+    counts[i].prims = found.tests;
+    counts[i].overflow = 0;
+#endif
+}

@@ -1,0 +1,227 @@
+/* Points in tetrahedra: by trees on the device against exact arithmetic over all of them, for
+ * points anywhere, on corners, edges, faces and planes of cells, and beside these. Real meshes only
+ * where ../shared is there. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). Seed:
+ * BVHBENCH_TEST_SEED. */
+#include "framework/locate/locate.h"
+
+#include "framework/base/random.h"
+#include "framework/builder/instance.h"
+#include "tests/device_forms.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { HOLDERS_MAX = 64, WAYS = 3 };
+
+static bool small;
+
+static const struct {
+    const char *builder, *layout;
+} ways[WAYS] = {{"lbvh", "skip"}, {"olbvh", "skip"}, {"olbvh", "octree"}};
+
+/* ---- points ---- */
+
+static const float *corner_of(const bb_scene *scene, bb_random *random, uint32_t tet)
+{
+    return scene->vertices + 3 * (size_t)bb_scene_tet(scene, tet)[bb_random_below(random, 4)];
+}
+
+/* Anywhere; on a corner; in the middle of an edge or on a face, but for rounding; on a plane of the
+ * grid of 32 cells; then perhaps a float further. */
+static void make_point(const bb_scene *scene, bb_random *random, float point[3])
+{
+    const bb_box *bounds = &scene->bounds;
+    uint32_t tet = bb_random_below(random, scene->prims[BB_TETRAHEDRON].count);
+    uint32_t kind = bb_random_below(random, 5);
+    const float *v[3];
+    double w[3] = {bb_random_unit(random), bb_random_unit(random), 0};
+    for (int c = 0; c < 3; c++)
+        v[c] = corner_of(scene, random, tet);
+    if (w[0] + w[1] > 1 || kind == 2)
+        w[0] = w[1] = kind == 2 ? 0.5 : 0.25;
+    w[2] = 1 - w[0] - w[1];
+    for (int k = 0; k < 3; k++) {
+        float side = bounds->hi[k] - bounds->lo[k];
+        point[k] =
+            (float)(w[0] * (double)v[0][k] + w[1] * (double)v[1][k] + w[2] * (double)v[2][k]);
+        if (kind == 0)
+            point[k] = bounds->lo[k] + (float)bb_random_range(random, -0.05, 1.05) * side;
+        if (kind == 1)
+            point[k] = v[0][k];
+        if (kind == 3 && bb_random_below(random, 2) == 0)
+            point[k] = bounds->lo[k] + side / 32 * (float)bb_random_below(random, 33);
+        if (bb_random_below(random, 8) == 0)
+            point[k] = nextafterf(point[k], bb_random_below(random, 2) == 0 ? -INFINITY : INFINITY);
+    }
+}
+
+/* ---- comparison ---- */
+
+typedef struct tally {
+    uint32_t points, held, borders, misses, false_holds, others;
+} tally;
+
+static void judge(const bb_scene *scene, const float *points, const bb_located *found,
+                  uint32_t count, tally *t)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const double p[3] = {points[3 * i], points[3 * i + 1], points[3 * i + 2]};
+        uint32_t holders[HOLDERS_MAX], n = bb_locate_all(scene, p, holders, HOLDERS_MAX);
+        bool among = false;
+        assert_true(n <= HOLDERS_MAX);
+        for (uint32_t h = 0; h < n; h++)
+            among = among || holders[h] == found[i].prim;
+        t->points++;
+        t->held += n > 0;
+        t->borders += n > 1;
+        t->misses += n > 0 && found[i].prim == BB_NONE;
+        t->false_holds += found[i].prim != BB_NONE && !among;
+        t->others += n > 0 && among && found[i].prim != holders[0];
+        if (found[i].prim != BB_NONE)
+            assert_true(found[i].value >= scene->tets->field_lo - 1e-6f &&
+                        found[i].value <= scene->tets->field_hi + 1e-6f);
+    }
+}
+
+static void search(bb_device *on, bb_scene *scene, int way, bool floats, const bb_buffer *points,
+                   uint32_t count, bb_located *found)
+{
+    bb_instance instance = {0};
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    bb_locator *locator;
+    bb_buffer results, counts;
+    const bb_layout *layout = bb_layout_find(ways[way].layout);
+    bb_count *counted = malloc(count * sizeof *counted);
+    uint64_t tests = 0;
+    check(bb_instance_create(on, ways[way].builder, scene, 1, &instance), ways[way].builder);
+    check(bb_instance_build(&instance, scene, false, NULL), ways[way].builder);
+    check(bb_layout_maker_create(layout, on, &maker), layout->name);
+    check(bb_layout_maker_make(&maker, scene, &instance.tree, 1, BB_FORMAT_VERTICES, &data),
+          layout->name);
+    check(bb_locator_create(scene, &locator), "locator");
+    if (floats)
+        bb_locator_take_floats(locator);
+    results = counts = (bb_buffer){0};
+    check(bb_buffer_reserve(on, NULL, count * sizeof *found, "test", &results), "results");
+    check(bb_buffer_reserve(on, NULL, count * sizeof *counted, "test", &counts), "counts");
+    check(bb_buffer_fill(&results, count * sizeof *found, BB_POISON), "poison");
+    check(bb_locate_points(locator, layout, &data, points, count, &results, &counts), "locate");
+    check(bb_buffer_read(&results, 0, count * sizeof *found, found), "results");
+    check(bb_buffer_read(&counts, 0, count * sizeof *counted, counted), "counts");
+    for (uint32_t i = 0; i < count; i++)
+        tests += counted[i].prims;
+    assert_true(tests > 0);
+    check(bb_locate_points(locator, layout, &data, points, count, &results, NULL), "locate");
+    bb_located *again = malloc(count * sizeof *again);
+    check(bb_buffer_read(&results, 0, count * sizeof *again, again), "results");
+    assert_memory_equal(found, again, count * sizeof *again);
+    free(again);
+    free(counted);
+    bb_buffer_release(&results);
+    bb_buffer_release(&counts);
+    bb_locator_destroy(locator);
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
+    bb_instance_destroy(&instance);
+}
+
+static void compare(bb_device *on, const char *name, uint32_t count, bool overlaps)
+{
+    bb_scene *scene = NULL;
+    bb_buffer on_device = {0};
+    check(bb_scene_load(name, &scene), name);
+    check(bb_scene_upload(scene, on), name);
+    float *points = malloc(3 * (size_t)count * sizeof *points);
+    bb_located *found = malloc(count * sizeof *found);
+    for (uint32_t i = 0; i < count; i++) {
+        bb_random random = bb_random_make(seed, i);
+        make_point(scene, &random, points + 3 * (size_t)i);
+    }
+    check(bb_buffer_reserve(on, NULL, 3 * (size_t)count * sizeof *points, "test", &on_device),
+          name);
+    check(bb_buffer_write(&on_device, 0, 3 * (size_t)count * sizeof *points, points), name);
+    for (int floats = 0; floats < 2; floats++)
+        for (int way = 0; way < WAYS; way++) {
+            tally t = {0};
+            search(on, scene, way, floats != 0, &on_device, count, found);
+            judge(scene, points, found, count, &t);
+            print_message("%s, %s by %s, %s: %u points, %u held, %u on borders; %u missed, %u held "
+                          "wrongly, %u not the lowest\n",
+                          name, ways[way].builder, ways[way].layout, floats ? "floats" : "doubles",
+                          t.points, t.held, t.borders, t.misses, t.false_holds, t.others);
+            assert_int_equal(t.misses, 0);
+            assert_true(t.held > count / 4 && t.borders > count / 50);
+            assert_true(t.false_holds <= (floats ? count / 2 : 1 + count / 100000));
+            assert_true(overlaps || t.others <= (floats ? count / 5 : 1 + count / 100000));
+        }
+    bb_buffer_release(&on_device);
+    free(points);
+    free(found);
+    bb_scene_free(scene);
+}
+
+static void no_point_is_missed(void **state)
+{
+    (void)state;
+    for (int form = first_form(); form < LEVELS_FORM + 1; form++) {
+        bb_device *on = devices[form];
+        compare(on, "tets:side=2", small ? 200 : 20000, false);
+        if (small || form != first_form())
+            continue;
+        compare(on, "tets:side=6,shape=block,jitter=0", 50000, false);
+        compare(on, "tets:side=6,shape=shell", 20000, false);
+        compare(on, "tets:side=6,flip=2,flat=5", 20000, false);
+        compare(on, "tets:side=5,twins=3", 20000, true);
+        compare(on, "tets:side=10,grade=8,jitter=0", 10000, false); /* 8^9 times as wide */
+        compare(on, "tets:side=4,jitter=1", 20000, true);           /* tangled */
+    }
+}
+
+static void real_meshes(void **state)
+{
+    (void)state;
+    static const char *const meshes[] = {"gargoyle/gargoyle.msh", "cubes_v41/cubes_v41.msh",
+                                         "mat100x100/mat100x100t40.msh", "rod300x33/rod300x33.msh"};
+    if (access(BB_TEST_SOURCE_DIR "/../shared/data/tet", F_OK) != 0) {
+        print_message("skipped: ../shared/data/tet is not there\n");
+        skip();
+    }
+    for (size_t i = 0; i < sizeof meshes / sizeof meshes[0] && !small; i++) {
+        char path[256];
+        snprintf(path, sizeof path, "%s/../shared/data/tet/%s", BB_TEST_SOURCE_DIR, meshes[i]);
+        compare(devices[first_form()], path, 1000, false);
+    }
+}
+
+static void scenes_without_tetrahedra_are_refused(void **state)
+{
+    (void)state;
+    bb_scene *scene = NULL;
+    bb_locator *locator;
+    check(bb_scene_load("cube", &scene), "cube");
+    assert_int_equal(bb_locator_create(scene, &locator), BB_UNSUPPORTED);
+    assert_null(locator);
+    assert_false(bb_locator_takes(bb_layout_find("pair")));
+    assert_true(bb_locator_takes(bb_layout_find("skip")));
+    bb_scene_free(scene);
+}
+
+static int set_up(void **state)
+{
+    small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    seed = seed_or(20261122);
+    return open_devices(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_point_is_missed),
+        cmocka_unit_test(real_meshes),
+        cmocka_unit_test(scenes_without_tetrahedra_are_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, close_devices);
+}
