@@ -37,7 +37,7 @@ kernel void octree_grid(global const bb_node *nodes, uint root, uint bits,
     grid->pad = 0;
     for (uint axis = 0; axis < 3; axis++) {
         float lo = nodes[root].lo[axis], hi = nodes[root].hi[axis];
-        float step = (hi - lo) / (float)(1u << bits);
+        float step = ldexp(hi - lo, -(int)bits);
         grid->lo[axis] = lo;
         grid->hi[axis] = hi;
         grid->step[axis] = step >= FLT_MIN ? step : 0.0f;

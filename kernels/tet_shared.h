@@ -4,8 +4,9 @@
 
 #include "bb_shared.h"
 
-/* Flags of a tetrahedron. The first four: beyond face f, which has all corners but the f-th, there
- * is no tetrahedron. */
+/* Flags of a tetrahedron. The first four: of face f, which has all corners but the f-th, not both
+ * sides have a tetrahedron with a volume that has the same face, by its indices. So those beside
+ * one without a volume, or beside vertices that only lie at one place, are flagged too. */
 #define BB_TET_BOUNDARY 0xFu
 #define BB_TET_FLAT 0x10u     /* its volume is exactly 0: no point is in it */
 #define BB_TET_NEGATIVE 0x20u /* its corners are listed the other way round */
@@ -25,5 +26,15 @@ typedef struct bb_locate_args {
     bb_u32 id_word; /* the one with its number */
     float scale;
 } bb_locate_args;
+
+/* What a march along a ray through tetrahedra is told. */
+typedef struct bb_tet_march_args {
+    float lo[3]; /* of all of them */
+    float hi[3];
+    float field_lo;
+    float per_field; /* entries of the transfer function's table per unit of the field */
+    float step;      /* distance of samples, in scene units */
+    float cutoff;    /* it ends where less than this is left of the light behind; 0: never */
+} bb_tet_march_args;
 
 #endif

@@ -1,80 +1,164 @@
 /* Gmsh's .msh (2.2 and 4.1, ASCII and binary), MEDIT's .mesh and VTK's .vtk, by Gmsh's own library
  * in a process beside (gmsh/gmsh_reader.c). */
 #include "framework/base/beside.h"
+#include "framework/base/clock.h"
+#include "framework/base/file.h"
 #include "framework/base/memory.h"
+#include "framework/base/steering.h"
 #include "framework/scene/tets.h"
 #include "scenes/gmsh/gmsh_stream.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <limits.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { CPU_SECONDS = 600 }; /* a file on which Gmsh runs for longer is one on which it hangs */
+enum { SECONDS = 600 }; /* a file that takes Gmsh longer is one on which it hangs */
 
 typedef struct reader {
     const char *path;
+    char folder[PATH_MAX], name[PATH_MAX]; /* a link to the file: see make_link() */
     pid_t process;
     int pipe;
+    double until; /* ms */
 } reader;
+
+/* ---- what Gmsh is shown ---- */
+
+static bool has(const char *text, size_t size, const char *word)
+{
+    return memmem(text, size, word, strlen(word)) != NULL;
+}
+
+/* What the file is by its first bytes. Gmsh runs files of an unknown kind as scripts, which may
+ * call a shell: so it gets none but these. */
+static const char *ending_of(const char *text, size_t size)
+{
+    if (size > 11 && memcmp(text, "$MeshFormat", 11) == 0)
+        return ".msh";
+    if (size > 14 && memcmp(text, "# vtk DataFile", 14) == 0)
+        return ".vtk";
+    return has(text, size, "MeshVersionFormatted") ? ".mesh" : NULL;
+}
+
+/* A link of our own in a folder of our own: Gmsh goes by the ending's letters, and reads options,
+ * which are scripts, from a file beside. */
+static bb_status make_link(reader *r)
+{
+    char start[4096], whole[PATH_MAX];
+    struct stat info;
+    bb_input input;
+    BB_TRY(bb_input_open(r->path, "scene", &input));
+    size_t size = input.size < sizeof start ? (size_t)input.size : sizeof start;
+    bb_status status = bb_input_read(&input, start, size);
+    bb_input_close(&input);
+    BB_TRY(status);
+    const char *ending = ending_of(start, size);
+    if (ending == NULL)
+        return bb_fail(BB_INVALID,
+                       "%s: is no mesh of Gmsh, MEDIT or VTK (legacy): it does not begin as such",
+                       r->path);
+    if (realpath(r->path, whole) == NULL || stat(whole, &info) != 0)
+        return bb_fail(BB_INVALID, "%s: cannot be read: %s", r->path, strerror(errno));
+    const char *base = getenv("TMPDIR");
+    snprintf(r->folder, sizeof r->folder, "%.4000s/bvhbench-gmsh-XXXXXX",
+             base != NULL && base[0] != '\0' ? base : "/tmp");
+    if (mkdtemp(r->folder) == NULL) {
+        bb_fail(BB_INVALID, "%s: no folder for a link to it, %s: %s", r->path, r->folder,
+                strerror(errno));
+        r->folder[0] = '\0';
+        return BB_INVALID;
+    }
+    snprintf(r->name, sizeof r->name, "%.4060s/mesh%s", r->folder, ending);
+    return symlink(whole, r->name) == 0
+               ? BB_OK
+               : bb_fail(BB_INVALID, "%s: no link to it: %s", r->path, strerror(errno));
+}
+
+static void remove_link(const reader *r)
+{
+    if (r->folder[0] == '\0')
+        return;
+    unlink(r->name);
+    rmdir(r->folder);
+}
+
+/* ---- the process ---- */
+
+enum { NOT_STARTED = 127 };
 
 /* Only calls that are safe between fork and exec. */
 static void be_reader(const char *program, const char *path, int pipe, rlim_t memory)
 {
     char *const arguments[] = {(char *)(uintptr_t)program, (char *)(uintptr_t)path, NULL};
+    char libraries[4096 + 32] = "LD_LIBRARY_PATH=";
+    const char *set = getenv("LD_LIBRARY_PATH");
+    if (set != NULL && strlen(set) < 4096)
+        strcat(libraries, set);
     char *const environment[] = {(char *)(uintptr_t) "LC_ALL=C",
-                                 (char *)(uintptr_t) "OMP_NUM_THREADS=1", NULL};
-    const struct rlimit time = {CPU_SECONDS, CPU_SECONDS}, room = {memory, memory}, none = {0, 0};
+                                 (char *)(uintptr_t) "OMP_NUM_THREADS=1",
+                                 set != NULL ? libraries : NULL, NULL};
+    const struct rlimit time = {SECONDS, SECONDS}, room = {memory, memory}, none = {0, 0};
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     setrlimit(RLIMIT_CPU, &time);
     setrlimit(RLIMIT_DATA, &room);
     setrlimit(RLIMIT_CORE, &none);
-    int nowhere = open("/dev/null", O_RDWR);
-    if (nowhere < 0 || dup2(nowhere, STDIN_FILENO) < 0 || dup2(nowhere, STDERR_FILENO) < 0 ||
-        dup2(pipe, STDOUT_FILENO) < 0)
-        _exit(126);
+    setrlimit(RLIMIT_FSIZE, &none); /* of files, not of pipes */
+    signal(SIGXFSZ, SIG_IGN);       /* what Gmsh would like to write fails */
+    int out = fcntl(pipe, F_DUPFD_CLOEXEC, 3), nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (out < 0 || nowhere < 0 || dup2(nowhere, STDIN_FILENO) < 0 ||
+        dup2(nowhere, STDERR_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0)
+        _exit(NOT_STARTED);
     execve(program, arguments, environment);
-    _exit(127);
+    _exit(NOT_STARTED);
 }
 
-static bb_status start(const char *path, reader *r)
+static bb_status start(reader *r)
 {
     char program[4096];
     int ends[2];
-    r->path = path;
-    if (access(path, R_OK) != 0)
-        return bb_fail(BB_INVALID, "%s: cannot be read: %s", path, strerror(errno));
     if (!bb_find_beside("bvhbench-gmsh", program, sizeof program))
         return bb_fail(BB_UNSUPPORTED,
                        "%s: needs Gmsh: install libgmsh-dev, configure and build again (cmake "
                        "--preset release, scripts/build release), or take TetGen's .node and .ele",
-                       path);
+                       r->path);
+    BB_TRY(make_link(r));
     if (pipe2(ends, O_CLOEXEC) != 0)
-        return bb_fail(BB_FAILED, "%s: no pipe to read it by: %s", path, strerror(errno));
+        return bb_fail(BB_FAILED, "%s: no pipe to read it by: %s", r->path, strerror(errno));
     uint64_t limit = bb_host_limit();
+    r->until = bb_wall_ms() + 1e3 * SECONDS;
     r->process = fork();
     if (r->process == 0)
-        be_reader(program, path, ends[1], limit == UINT64_MAX ? RLIM_INFINITY : (rlim_t)limit);
+        be_reader(program, r->name, ends[1], limit == UINT64_MAX ? RLIM_INFINITY : (rlim_t)limit);
     close(ends[1]);
     r->pipe = ends[0];
     if (r->process > 0)
         return BB_OK;
     close(ends[0]);
-    return bb_fail(BB_FAILED, "%s: no process to read it by: %s", path, strerror(errno));
+    return bb_fail(BB_FAILED, "%s: no process to read it by: %s", r->path, strerror(errno));
 }
 
 static bool read_all(const reader *r, void *to, uint64_t bytes)
 {
     char *at = to;
     while (bytes > 0) {
-        ssize_t got = read(r->pipe, at, bytes < 1 << 30 ? (size_t)bytes : 1 << 30);
-        if (got < 0 && errno == EINTR)
+        struct pollfd ready = {.fd = r->pipe, .events = POLLIN};
+        double left = r->until - bb_wall_ms();
+        int came = left > 0 ? poll(&ready, 1, (int)left) : 0;
+        if (came < 0 && errno == EINTR)
+            continue;
+        ssize_t got = came > 0 ? read(r->pipe, at, bytes < 1 << 30 ? (size_t)bytes : 1 << 30) : -1;
+        if (got < 0 && came > 0 && errno == EINTR)
             continue;
         if (got <= 0)
             return false;
@@ -84,21 +168,31 @@ static bool read_all(const reader *r, void *to, uint64_t bytes)
     return true;
 }
 
-/* After the pipe has ended early: why. */
+/* After the data have ended early: why. */
 static bb_status ended(const reader *r, int status)
 {
+    if (bb_wall_ms() >= r->until)
+        return bb_fail(BB_INVALID, "%s: Gmsh does not come to an end with it in %d s", r->path,
+                       SECONDS);
     if (WIFSIGNALED(status))
         return bb_fail(BB_INVALID,
                        "%s: Gmsh does not survive it (%s): it is damaged, or no mesh at all",
                        r->path, strsignal(WTERMSIG(status)));
+    if (WEXITSTATUS(status) == NOT_STARTED)
+        return bb_fail(BB_FAILED,
+                       "%s: the program bvhbench-gmsh, or Gmsh's library, cannot be started: build "
+                       "again",
+                       r->path);
     return bb_fail(BB_INVALID, "%s: Gmsh ends on it (exit status %d): it is damaged, or no mesh",
                    r->path, WEXITSTATUS(status));
 }
 
-static bb_status check_head(const reader *r, const bb_gmsh_head *head)
+static bb_status check_head(const reader *r, bb_gmsh_head *head)
 {
+    head->message[sizeof head->message - 1] = '\0';
+    bb_calm_text(head->message);
     if (head->message[0] != '\0')
-        return bb_fail(BB_INVALID, "%s: %.*s", r->path, (int)sizeof head->message, head->message);
+        return bb_fail(BB_INVALID, "%s: %s", r->path, head->message);
     if (head->tets == 0 || head->vertices == 0)
         return bb_fail(BB_INVALID, "%s: has no tetrahedra: Gmsh finds none in it", r->path);
     if (head->others > 0)
@@ -129,20 +223,27 @@ static bb_status take(const reader *r, bb_scene *scene, bool *early)
     return *early ? BB_FAILED : BB_OK;
 }
 
+static bb_status load_link(reader *r, bb_scene *scene)
+{
+    bool early;
+    int status = 0;
+    BB_TRY(start(r));
+    bb_status taken = take(r, scene, &early);
+    close(r->pipe);
+    if (taken != BB_OK && (!early || bb_wall_ms() >= r->until))
+        kill(r->process, SIGKILL); /* which would write on, or hangs */
+    while (waitpid(r->process, &status, 0) < 0 && errno == EINTR)
+        continue;
+    return early ? ended(r, status) : taken;
+}
+
 static bb_status load(const char *path, const bb_spec *spec, bb_scene *scene)
 {
     (void)spec;
-    reader r;
-    bool early;
-    int status = 0;
-    BB_TRY(start(path, &r));
-    bb_status taken = take(&r, scene, &early);
-    close(r.pipe);
-    if (taken != BB_OK && !early)
-        kill(r.process, SIGKILL);
-    while (waitpid(r.process, &status, 0) < 0 && errno == EINTR)
-        continue;
-    return early ? ended(&r, status) : taken;
+    reader r = {.path = path};
+    bb_status status = load_link(&r, scene);
+    remove_link(&r);
+    return status;
 }
 
 static const char *const endings[] = {".msh", ".mesh", ".vtk", NULL};

@@ -3,9 +3,11 @@
  * markers, regions, and the nodes of edges that tetrahedra of 10 nodes have are left out. Si 2015
  * ("TetGen, a Delaunay-Based Quality Tetrahedral Mesh Generator"), manual, section 5.
  */
+#include "framework/base/memory.h"
 #include "framework/scene/tets.h"
 #include "scenes/text_table.h"
 
+#include <ctype.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,7 +22,7 @@ typedef struct tetgen {
     uint64_t first; /* number of the first vertex: 0 or 1 */
 } tetgen;
 
-/* FILE.ele.zst has FILE.node.zst beside it, and the other way round. */
+/* FILE.ele.zst has FILE.node.zst beside it, and the other way round; FILE.ELE FILE.NODE. */
 static bb_status find_both(const char *path, tetgen *t)
 {
     static const char *const endings[] = {".node", ".ele", ".node.zst", ".ele.zst"};
@@ -29,12 +31,15 @@ static bb_status find_both(const char *path, tetgen *t)
         size_t ending = strlen(endings[i]);
         if (length <= ending || strcasecmp(path + length - ending, endings[i]) != 0)
             continue;
-        int stem = (int)(length - ending), packed = i & 2;
-        if ((size_t)snprintf(t->node_path, PATH_MAX, "%.*s%s", stem, path, endings[packed]) >=
-                PATH_MAX ||
-            (size_t)snprintf(t->ele_path, PATH_MAX, "%.*s%s", stem, path, endings[packed + 1]) >=
-                PATH_MAX)
+        int stem = (int)(length - ending);
+        char *given = i % 2 == 0 ? t->node_path : t->ele_path;
+        char *other = i % 2 == 0 ? t->ele_path : t->node_path;
+        if (length + strlen(endings[2]) >= PATH_MAX)
             return bb_fail(BB_INVALID, "%.80s...: the path is too long", path);
+        snprintf(given, PATH_MAX, "%s", path);
+        snprintf(other, PATH_MAX, "%.*s%s", stem, path, endings[i ^ 1]);
+        for (char *c = other + stem; isupper((unsigned char)path[stem + 1]) && *c != '\0'; c++)
+            *c = (char)toupper((unsigned char)*c);
         return BB_OK;
     }
     return bb_fail(BB_INVALID, "%s: ends neither in .node nor in .ele", path);
@@ -125,8 +130,9 @@ static bb_status load(const char *path, const bb_spec *spec, bb_scene *scene)
     (void)spec;
     tetgen t = {.first = 0};
     BB_TRY(find_both(path, &t));
-    BB_TRY(bb_text_table_open(t.node_path, &t.nodes));
-    bb_status status = bb_text_table_open(t.ele_path, &t.elements);
+    uint64_t room = bb_host_limit();
+    BB_TRY(bb_text_table_open(t.node_path, &room, &t.nodes));
+    bb_status status = bb_text_table_open(t.ele_path, &room, &t.elements);
     if (status == BB_OK)
         status = read_both(&t, scene);
     bb_text_table_close(&t.nodes);

@@ -6,6 +6,8 @@
 #include "framework/base/random.h"
 #include "framework/scene/tets.h"
 
+#include <math.h>
+
 enum { SIDE_MAX = 400, KUHN = 6 };
 
 static const bb_option options_table[] = {
@@ -13,6 +15,7 @@ static const bb_option options_table[] = {
     {"shape", "ball", "block|ball|shell", "which of the cubes there are"},
     {"jitter", "0.2", NULL, "corners are moved by up to half of this, in sides of a cube; 0 to 1"},
     {"grade", "1", NULL, "width of each cube along x over that before it, 0.1 to 10"},
+    {"thin", "0", NULL, "heights along z are divided by 2^N, 0 to 140"},
     {"flip", "0", NULL, "every N-th is listed the other way round; 0: none"},
     {"flat", "0", NULL, "after every N-th comes one without a volume; 0: none"},
     {"twins", "0", NULL, "after every N-th comes a copy of it; 0: none"},
@@ -21,7 +24,7 @@ static const bb_option options_table[] = {
 };
 
 typedef struct lattice {
-    uint64_t side, flip, flat, twins, seed;
+    uint64_t side, thin, flip, flat, twins, seed;
     bool ball, shell;
     double jitter, grade;
 } lattice;
@@ -33,6 +36,7 @@ static bb_status read_options(const bb_spec *spec, const bb_option *options, lat
     BB_TRY(bb_spec_u64(spec, options, "side", 1, SIDE_MAX, &l->side));
     BB_TRY(bb_spec_double(spec, options, "jitter", 0, 1, &l->jitter));
     BB_TRY(bb_spec_double(spec, options, "grade", 0.1, 10, &l->grade));
+    BB_TRY(bb_spec_u64(spec, options, "thin", 0, 140, &l->thin));
     BB_TRY(bb_spec_u64(spec, options, "flip", 0, UINT32_MAX, &l->flip));
     BB_TRY(bb_spec_u64(spec, options, "flat", 0, UINT32_MAX, &l->flat));
     BB_TRY(bb_spec_u64(spec, options, "twins", 0, UINT32_MAX, &l->twins));
@@ -57,7 +61,7 @@ static uint32_t vertex_of(const lattice *l, const uint64_t at[3])
     return (uint32_t)((at[2] * (l->side + 1) + at[1]) * (l->side + 1) + at[0]);
 }
 
-/* Only sums and products, so that they are the same on every machine. */
+/* Only sums, products and powers of two, so that they are the same on every machine. */
 static void put_vertices(const lattice *l, bb_scene *scene)
 {
     for (uint64_t z = 0; z <= l->side; z++)
@@ -70,7 +74,8 @@ static void put_vertices(const lattice *l, bb_scene *scene)
                 const double place[3] = {x0, (double)y, (double)z}, wide[3] = {width, 1, 1};
                 for (int k = 0; k < 3; k++) {
                     double moved = l->jitter * wide[k] * (bb_random_unit(&random) - 0.5);
-                    scene->vertices[3 * (size_t)number + (size_t)k] = (float)(place[k] + moved);
+                    double at = ldexp(place[k] + moved, k == 2 ? -(int)l->thin : 0);
+                    scene->vertices[3 * (size_t)number + (size_t)k] = (float)at;
                 }
                 x0 += width;
                 width *= l->grade;

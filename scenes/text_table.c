@@ -1,7 +1,6 @@
 #include "scenes/text_table.h"
 
 #include "framework/base/file.h"
-#include "framework/base/memory.h"
 
 #include <ctype.h>
 #include <inttypes.h>
@@ -13,15 +12,15 @@
 #include <strings.h>
 #include <zstd.h>
 
-static bb_status expand(const char *path, const char *packed, size_t size, char **text,
-                        size_t *length)
+static bb_status expand(const char *path, const char *packed, size_t size, uint64_t room,
+                        char **text, size_t *length)
 {
     unsigned long long whole = ZSTD_getFrameContentSize(packed, size);
     if (whole == ZSTD_CONTENTSIZE_ERROR)
         return bb_fail(BB_INVALID, "%s: is no zstd file", path);
     if (whole == ZSTD_CONTENTSIZE_UNKNOWN)
         return bb_fail(BB_INVALID, "%s: does not say how long it is: pack it from a file", path);
-    if (whole >= bb_host_limit())
+    if (whole >= room)
         return bb_fail(BB_REFUSED, "%s: expands to %llu bytes, more than there is memory for", path,
                        whole);
     *text = malloc((size_t)whole + 1);
@@ -29,27 +28,29 @@ static bb_status expand(const char *path, const char *packed, size_t size, char 
         return bb_fail(BB_REFUSED, "%s: no memory to expand it to %llu bytes", path, whole);
     *length = ZSTD_decompress(*text, (size_t)whole, packed, size);
     if (ZSTD_isError(*length))
-        return bb_fail(BB_INVALID, "%s: is damaged: %s", path, ZSTD_getErrorName(*length));
+        return bb_fail(BB_INVALID, "%s: is damaged, or of several frames: %s", path,
+                       ZSTD_getErrorName(*length));
     (*text)[*length] = '\0';
     return BB_OK;
 }
 
-bb_status bb_text_table_open(const char *path, bb_text_table *table)
+bb_status bb_text_table_open(const char *path, uint64_t *room, bb_text_table *table)
 {
     size_t size, length = strlen(path);
     *table = (bb_text_table){.path = path};
-    BB_TRY(bb_file_read(path, (size_t)bb_host_limit(), "scene", &table->text, &size));
+    BB_TRY(bb_file_read(path, (size_t)*room, "scene", &table->text, &size));
     bb_status status = BB_OK;
     if (length > 4 && strcasecmp(path + length - 4, ".zst") == 0) {
         char *packed = table->text;
         table->text = NULL;
-        status = expand(path, packed, size, &table->text, &size);
+        status = expand(path, packed, size, *room - size, &table->text, &size);
         free(packed);
     }
     if (status != BB_OK) {
         bb_text_table_close(table);
         return status;
     }
+    *room -= size;
     table->at = table->text;
     table->end = table->text + size;
     return BB_OK;

@@ -15,7 +15,9 @@ typedef struct bb_text_table {
     uint64_t line; /* that bb_text_table_next() gave */
 } bb_text_table;
 
-bb_status bb_text_table_open(const char *path, bb_text_table *table);
+/* `room`: bytes that it may take; what it has taken is subtracted. BB_REFUSED if that is too
+ * little. */
+bb_status bb_text_table_open(const char *path, uint64_t *room, bb_text_table *table);
 void bb_text_table_close(bb_text_table *table);
 
 /* Reads the numbers of the next line: at least `least`, and those beyond `most` are left out; their

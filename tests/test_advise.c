@@ -313,7 +313,7 @@ static void kernels_take_what_is_given(void **state)
         bool all = strstr(kernel->valuestring, "kinds=all") != NULL;
         bool large = strstr(kernel->valuestring, "stack=1024") != NULL;
         assert_true(is(kinds, "by", all ? "given" : "scene"));
-        assert_true(is(kinds, "value", all ? "triangles+spheres+boxes" : "triangles"));
+        assert_true(is(kinds, "value", all ? "triangles+spheres+boxes+tetrahedra" : "triangles"));
         assert_true(is(stack, "by", large ? "given" : "tree"));
         assert_true(number(stack, "value") == number(trace, "stack_size"));
         assert_true((number(stack, "value") == 1024) == large);

@@ -118,6 +118,42 @@ static void nothing_is_seen_of_an_empty_volume(void **state)
     cJSON_Delete(root);
 }
 
+/* Of a mesh all ways give the picture of the first; only trees with cells are searched by these. */
+static void meshes_are_compared(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run("volume --scene tets:side=6,shape=shell --builder lbvh,olbvh --search "
+            "skip,octree,octree:interval=no --size 24x20 --steps 2,1,0.5 --repeats 6 --out mesh");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
+    assert_non_null(strstr(o->out, "field 'made'"));
+    cJSON *root = read_json("mesh/volume.json");
+    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
+    const cJSON *ways = cJSON_GetObjectItem(result, "ways");
+    assert_int_equal(cJSON_GetArraySize(ways), 6);
+    assert_string_equal(text(result, "field"), "made");
+    assert_true(number(result, "boundary_tetrahedra") > 100 && number(result, "tetrahedra") > 300);
+    double samples = number(cJSON_GetArrayItem(ways, 0), "samples_per_ray");
+    assert_true(samples > 1);
+    for (int w = 0; w < 6; w++) {
+        const cJSON *way = cJSON_GetArrayItem(ways, w);
+        if (w == 1 || w == 2) {
+            assert_non_null(strstr(text(way, "refused"), "'cells'"));
+            continue;
+        }
+        assert_true(number(way, "largest_difference") == 0);
+        assert_true(number(way, "pixels_that_differ") == 0);
+        assert_true(number(way, "samples_per_ray") == samples);
+        assert_true(median(way, "build_ms") > 0 && median(way, "picture_ms") > 0);
+        assert_true(number(way, "tree_bytes") > 0 && number(way, "references") > 300);
+    }
+    expect_accuracy(result, 3);
+    cJSON_Delete(root);
+    static char png[1 << 16];
+    assert_true(read_file("mesh/volume-1-ramp-above.png", png, sizeof png) > 100);
+}
+
 /* Ways that cannot, beside one that can: each says why. */
 static void ways_that_cannot_say_so(void **state)
 {
@@ -144,7 +180,7 @@ static void what_was_measured_is_kept(void **state)
     const outcome *o = run("volume --scene nbody:n=34 --scene cube --builder vlbvh --kernel stack "
                            "--size 12x12 --steps none --repeats 1 --out kept");
     assert_int_equal(o->exit_status, 2);
-    assert_non_null(strstr(o->err, "cube: is no volume"));
+    assert_non_null(strstr(o->err, "cube: is neither a volume nor a mesh"));
     cJSON *root = read_json("kept/volume.json");
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(root, "results")), 1);
     cJSON_Delete(root);
@@ -179,7 +215,11 @@ static void what_makes_no_sense_is_refused(void **state)
 {
     (void)state;
     refuses("", "volume", "needs --scene");
-    refuses("", "volume --scene cube", "is no volume");
+    refuses("", "volume --scene cube", "is neither a volume nor a mesh");
+    refuses("", "volume --scene tets:side=2 --search octre", "no search 'octre'");
+    refuses("", "volume --scene tets:side=2 --search octree:interval=maybe", "interval");
+    refuses("", "volume --scene tets:side=2 --search skip:interval=no", "interval");
+    refuses("", "volume --scene tets:side=2 --builder lbvh --search octree", "'cells'");
     refuses("", "volume --scene nbody:n=1", "n=1");
     refuses("", "volume --scene nbody:n=20 --transfer rmp", "unknown transfer function 'rmp'");
     refuses("", "volume --scene nbody:n=20 --view side", "no view 'side'");
@@ -199,6 +239,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_are_compared),
         cmocka_unit_test(nothing_is_seen_of_an_empty_volume),
+        cmocka_unit_test(meshes_are_compared),
         cmocka_unit_test(ways_that_cannot_say_so),
         cmocka_unit_test(what_was_measured_is_kept),
         cmocka_unit_test(names_and_paths_are_told_apart),

@@ -154,8 +154,8 @@ static void compare(bb_device *on, const char *name, uint32_t count, bool overla
                           t.points, t.held, t.borders, t.misses, t.false_holds, t.others);
             assert_int_equal(t.misses, 0);
             assert_true(t.held > count / 4 && t.borders > count / 50);
-            assert_true(t.false_holds <= (floats ? count / 2 : 1 + count / 100000));
-            assert_true(overlaps || t.others <= (floats ? count / 5 : 1 + count / 100000));
+            assert_true(t.false_holds <= (floats ? count : 2 + count / 50));
+            assert_true(overlaps || t.others <= (floats ? count / 5 : 2 + count / 50));
         }
     bb_buffer_release(&on_device);
     free(points);
@@ -177,6 +177,8 @@ static void no_point_is_missed(void **state)
         compare(on, "tets:side=5,twins=3", 20000, true);
         compare(on, "tets:side=10,grade=8,jitter=0", 10000, false); /* 8^9 times as wide */
         compare(on, "tets:side=4,jitter=1", 20000, true);           /* tangled */
+        compare(on, "tets:side=3,shape=block,thin=100", 10000, false);
+        compare(on, "tets:side=3,shape=block,thin=130", 10000, true); /* no normal floats */
     }
 }
 

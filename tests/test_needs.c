@@ -191,7 +191,7 @@ static void auto_is_what_it_decides_given_by_hand(void **state)
         ASSERT_OK(bb_scene_upload(scene, device));
         for (size_t i = 0; i < sizeof by_scene / sizeof by_scene[0]; i++) {
             bb_decisions decided = {0}, given = {0};
-            char text[160], bits[32], sizes[32] = "";
+            char text[200], bits[48], sizes[48] = "";
             uint64_t hash = build(by_scene[i][0], scene, &decided);
             snprintf(bits, sizeof bits, "%s",
                      value_of(&decided, BB_DECIDED_CODE_BITS, BB_BY_SCENE));

@@ -330,6 +330,26 @@ static void damaged_meshes_are_no_crash(void **state)
     }
     expect_failure(text_file("empty.msh", ""), BB_INVALID, "empty.msh: ");
     expect_failure(text_file("noise.msh", "no mesh at all"), BB_INVALID, "noise.msh: ");
+    /* of what is no mesh Gmsh would run the commands */
+    char trace[1024];
+    snprintf(trace, sizeof trace, "%s", test_path("tets", "trace"));
+    static const char *const names[] = {"script.msh", "script.mesh", "script.Vtk"};
+    remove(trace);
+    for (int i = 0; i < 3; i++) {
+        char script[1200];
+        snprintf(script, sizeof script, "SystemCall \"touch %s\";\n", trace);
+        expect_failure(text_file(names[i], script), BB_INVALID, "is no mesh of Gmsh, MEDIT or VTK");
+        snprintf(script, sizeof script, "// MeshVersionFormatted\nSystemCall \"touch %s\";\n",
+                 trace);
+        bb_scene *scene = NULL;
+        assert_int_not_equal(bb_scene_load(text_file(names[i], script), &scene), BB_OK);
+        assert_int_not_equal(access(trace, F_OK), 0);
+    }
+    char options[1200];
+    snprintf(options, sizeof options, "SystemCall \"touch %s\";\n", trace);
+    text_file("one.msh.opt", options);
+    bb_scene_free(load_scene(text_file("one.msh", msh)));
+    assert_int_not_equal(access(trace, F_OK), 0);
     expect_failure(text_file("hex.msh",
                              "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n"
                              "3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n"

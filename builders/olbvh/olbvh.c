@@ -157,27 +157,33 @@ static bb_status choose_bits(olbvh *self, const bb_scene *scene, uint32_t *bits)
     return BB_OK;
 }
 
-/* Bytes per reference while it is built, and of a tree with about as many nodes as references. */
-static uint64_t bytes_for(uint64_t references)
+/* While it is built, at most; a level has no more nodes than cells, or than references. */
+static uint64_t bytes_for(uint64_t references, uint32_t bits)
 {
-    const uint64_t words = 2 + 2 + 1 + 2 /* sorting */ + 8 /* per node */;
-    return references * (words * sizeof(uint32_t) + sizeof(bb_node));
+    uint64_t nodes = 0;
+    for (uint32_t level = 0; level <= bits; level++)
+        nodes += (uint64_t)1 << 3 * level < references ? (uint64_t)1 << 3 * level : references;
+    return references * (2 + 2 + 1 + 2) * sizeof(uint32_t) /* those of the sort, too */ +
+           nodes * (10 * sizeof(uint32_t) + sizeof(bb_node));
 }
 
 static bb_status check_room(const olbvh *self, const bb_scene *scene, uint64_t references)
 {
     const bb_device *device = self->device;
-    uint64_t bytes = bytes_for(references);
-    if (references <= REFS_MAX && references * sizeof(bb_node) <= device->largest_allocation &&
-        bytes <= device->global_bytes)
+    /* what an earlier build took is taken again */
+    const uint64_t own = self->account->bytes;
+    const uint64_t others = device->bytes > own ? device->bytes - own : 0;
+    const uint64_t left = device->global_bytes > others ? device->global_bytes - others : 0;
+    uint64_t bytes = bytes_for(references, self->grid.bits);
+    if (references <= REFS_MAX && bytes <= left)
         return BB_OK;
-    return bb_fail(
-        BB_REFUSED,
-        "olbvh: %u cells along an axis make %llu references of %u primitives, and about "
-        "%llu bytes; %s has %llu: take fewer (alpha=%g, or bits=%u)",
-        self->grid.cells, (unsigned long long)references, scene->prim_count,
-        (unsigned long long)bytes, device->name, (unsigned long long)device->global_bytes,
-        fmin(self->alpha + 2, BB_CELL_BITS_MAX), self->grid.bits > 2 ? self->grid.bits - 2 : 0);
+    return bb_fail(BB_REFUSED,
+                   "olbvh: %u cells along an axis make %llu references of %u primitives, and about "
+                   "%llu bytes; %s has %llu left: take fewer (alpha=%g, or bits=%u)",
+                   self->grid.cells, (unsigned long long)references, scene->prim_count,
+                   (unsigned long long)bytes, device->name, (unsigned long long)left,
+                   fmin(self->alpha + 2, BB_CELL_BITS_MAX),
+                   self->grid.bits > 2 ? self->grid.bits - 2 : 0);
 }
 
 static bb_status count_references(olbvh *self, const bb_scene *scene)

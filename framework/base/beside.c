@@ -13,7 +13,7 @@
 static bool has(const char *folder, const char *name, char *path, size_t capacity)
 {
     int length = snprintf(path, capacity, "%s/%s", folder, name);
-    return length > 0 && (size_t)length < capacity && access(path, F_OK) == 0;
+    return length > 0 && (size_t)length < capacity && access(path, R_OK) == 0;
 }
 
 bool bb_find_beside(const char *name, char *path, size_t capacity)

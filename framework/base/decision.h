@@ -26,7 +26,7 @@ enum { BB_DECISIONS_MAX = 8 }; /* of one builder, kernel or scene */
 
 typedef struct bb_decision {
     const char *what; /* a constant, such as those above */
-    char value[32];   /* a number in plain digits, or a word */
+    char value[48];   /* a number in plain digits, or a word */
     bb_decider by;
     char figure[128]; /* what it rests on; given: what there would have been to rest on */
 } bb_decision;

@@ -4,6 +4,7 @@
 
 #include "framework/bench/cost.h"
 #include "framework/device/device_private.h"
+#include "framework/scene/tets.h"
 #include "traversal/pass.h"
 
 #include <math.h>
@@ -229,6 +230,11 @@ static bb_status reverse_prims(const bb_scene *scene, bb_scene *reversed)
         counts.of[kind] = scene->prims[kind].count;
     BB_TRY(bb_scene_reserve(reversed, scene->vertex_count, &counts));
     memcpy(reversed->vertices, scene->vertices, 3 * sizeof(float) * (size_t)scene->vertex_count);
+    if (scene->tets != NULL) {
+        float *field;
+        BB_TRY(bb_scene_reserve_field(reversed, scene->tets->field_name, &field));
+        memcpy(field, scene->tets->field, sizeof *field * (size_t)scene->vertex_count);
+    }
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
         const bb_prims *prims = &scene->prims[kind];
         size_t bytes = bb_prim_bytes(kind);

@@ -45,7 +45,8 @@ static bb_status warm_up(const bb_scene *part)
     BB_TRY(read_buffer(&there->prims));
     BB_TRY(read_buffer(&there->bricks));
     BB_TRY(read_buffer(&there->ranges));
-    return read_buffer(&there->seen);
+    BB_TRY(read_buffer(&there->seen));
+    return read_buffer(&there->tet_flags);
 }
 
 /* Untimed, and recorded. */
@@ -294,7 +295,8 @@ static bb_status read_inputs(uint32_t inputs, const bb_scene *scene, double *ms)
         const bb_buffer *buffer;
     } parts[] = {{BB_INPUT_BOXES, &there->boxes},
                  {BB_INPUT_GEOMETRY, &there->vertices},
-                 {BB_INPUT_GEOMETRY, &there->prims}};
+                 {BB_INPUT_GEOMETRY, &there->prims},
+                 {BB_INPUT_TETS, &there->tet_flags}};
     size_t most = 0;
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
         if ((inputs & parts[i].input) != 0 && parts[i].buffer->bytes > most)

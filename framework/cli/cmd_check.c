@@ -59,6 +59,9 @@ static const char *const procedural_scenes[] = {
     "scales:from=-8,to=8,n=1",
     "ground",
     "nbody:n=65",
+    "tets",
+    "tets:side=4,shape=shell,flip=3,flat=5,twins=7",
+    "tets:side=3,shape=block,thin=130",
     "ladder",
     "wave:n=2000,frames=4",
 };

@@ -16,20 +16,27 @@
 extern const char bb_build_revision[];
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "volume: a file (.raw, .raw.zst, .nrrd, .vox) or `nbody:n=N` (may be repeated)",
+    {"scene", "S",
+     "volume: a file (.raw, .raw.zst, .nrrd, .vox) or `nbody:n=N`; or a mesh of tetrahedra: a file "
+     "(.node, .ele, .msh, .mesh, .vtk) or `tets:side=N` (may be repeated)",
      BB_CLI_REPEATED},
     {"transfer", "T",
      "transfer function: of `list transfers`, or a file; several follow each other; default: the "
-     "scene's",
+     "scene's; of a mesh, ramp",
      BB_CLI_LIST},
-    {"builder", "B", "default: vlbvh,lbvh", BB_CLI_LIST},
-    {"kernel", "K", "default: stack,stack8", BB_CLI_LIST},
+    {"builder", "B", "default: vlbvh,lbvh; for a mesh lbvh,olbvh,olbvh:alpha=1,olbvh:alpha=2",
+     BB_CLI_LIST},
+    {"kernel", "K", "of a volume; default: stack,stack8", BB_CLI_LIST},
+    {"search", "S",
+     "of a mesh, how samples are found: skip, octree, octree:interval=no; default: skip,octree",
+     BB_CLI_LIST},
     {"view", "V", "view of the scene; default: all", false},
     {"turns", "N",
      "instead: the volume turned about each axis by N times 2 degrees, in parallel projection",
      false},
     {"size", "WxH", "of a picture; default: 256x256", false},
-    {"step", "X", "distance of samples, in voxels; default: 0.5", false},
+    {"step", "X",
+     "distance of samples, in voxels; of a mesh in 1/128 of its longest side; default: 0.5", false},
     {"cutoff", "X",
      "a ray ends where less than this is left of the light behind; default: 0, never", false},
     {"steps", "LIST", "for the accuracy: steps in voxels; default: 4,2,1,0.5,0.25; none: not",
@@ -53,7 +60,8 @@ typedef struct job {
     bb_dvr_result *result;
     cJSON *results; /* of the document */
     bool json, wrong;
-    uint32_t pictures; /* sets of them, so far */
+    uint32_t pictures;                       /* sets of them, so far */
+    bb_names builders[2], kernels, searches; /* builders of volumes, of meshes */
 } job;
 
 /* ---- the request ---- */
@@ -102,14 +110,41 @@ static bb_status read_numbers(const bb_cli *cli, bb_dvr_request *request)
     return read_steps(cli, request);
 }
 
-static bb_status read_names(const bb_cli *cli, bb_names *builders, bb_names *kernels)
+static bb_status read_searches(const bb_cli *cli, bb_names *searches)
 {
     uint32_t count;
-    bb_cli_values(cli, "builder", &count);
-    BB_TRY(count > 0 ? bb_choose_builders(cli, true, builders)
-                     : bb_names_add(builders, "vlbvh,lbvh"));
-    bb_cli_values(cli, "kernel", &count);
-    return count > 0 ? bb_choose_kernels(cli, kernels) : bb_names_add(kernels, "stack,stack8");
+    char *const *given = bb_cli_values(cli, "search", &count);
+    for (uint32_t i = 0; i < count; i++) {
+        bb_spec spec;
+        BB_TRY(bb_dvr_search_parse(given[i], &spec));
+        BB_TRY(bb_names_add(searches, given[i]));
+    }
+    return count > 0 ? BB_OK : bb_names_add(searches, "skip,octree");
+}
+
+static bb_status read_names(job *j)
+{
+    static const char *const usual[2] = {"vlbvh,lbvh", "lbvh,olbvh,olbvh:alpha=1,olbvh:alpha=2"};
+    uint32_t count;
+    bb_cli_values(j->cli, "builder", &count);
+    for (int mesh = 0; mesh < 2; mesh++)
+        BB_TRY(count > 0 ? bb_choose_builders(j->cli, true, &j->builders[mesh])
+                         : bb_names_add(&j->builders[mesh], usual[mesh]));
+    BB_TRY(read_searches(j->cli, &j->searches));
+    bb_cli_values(j->cli, "kernel", &count);
+    return count > 0 ? bb_choose_kernels(j->cli, &j->kernels)
+                     : bb_names_add(&j->kernels, "stack,stack8");
+}
+
+static void choose_names(job *j, bool mesh)
+{
+    bb_dvr_request *request = &j->request;
+    request->builders = (const char *const *)j->builders[mesh].items;
+    request->builder_count = (uint32_t)j->builders[mesh].count;
+    request->kernels = (const char *const *)j->kernels.items;
+    request->kernel_count = (uint32_t)j->kernels.count;
+    request->searches = (const char *const *)j->searches.items;
+    request->search_count = (uint32_t)j->searches.count;
 }
 
 /* ---- the work ---- */
@@ -120,7 +155,8 @@ static bb_status compare(job *j, bb_scene *scene)
     const char *out = bb_cli_value(j->cli, "out");
     j->pictures++;
     if (out != NULL) {
-        snprintf(folder, sizeof folder, "volume-%u-%s", j->pictures, scene->volume->transfer.name);
+        snprintf(folder, sizeof folder, "volume-%u-%s", j->pictures,
+                 scene->volume != NULL ? scene->volume->transfer.name : j->request.transfer->name);
         BB_TRY(bb_join_path(path, out, folder));
         j->request.pictures = path;
     }
@@ -136,26 +172,43 @@ static bb_status compare(job *j, bb_scene *scene)
     return bb_fail(BB_REFUSED, "no memory for the results");
 }
 
-static bb_status compare_scene(job *j, const char *name)
+/* One transfer function after the other, of those given. */
+static bb_status compare_transfers(job *j, bb_scene *scene)
 {
-    bb_scene *scene;
     uint32_t count, changed;
     char *const *transfers = bb_cli_values(j->cli, "transfer", &count);
-    BB_TRY(bb_scene_load_any(name, &scene));
-    bb_status status =
-        scene->volume != NULL
-            ? bb_scene_upload(scene, j->request.device)
-            : bb_fail(BB_INVALID, "%s: is no volume: take nbody, or a file of voxels", name);
-    if (status == BB_OK && count == 0)
-        status = compare(j, scene);
-    for (uint32_t i = 0; i < count && status == BB_OK && !bb_interrupted(); i++) {
+    const bool mesh = scene->volume == NULL;
+    bb_status status = BB_OK;
+    if (count == 0 && !mesh)
+        return compare(j, scene);
+    for (uint32_t i = 0; (i < count || i == 0) && status == BB_OK && !bb_interrupted(); i++) {
         bb_transfer transfer;
-        status = bb_transfer_load(transfers[i], &transfer);
-        if (status == BB_OK)
+        status =
+            bb_transfer_load(count > 0 ? transfers[i] : bb_transfer_presets[0].name, &transfer);
+        j->request.transfer = &transfer;
+        if (status == BB_OK && !mesh)
             status = bb_scene_set_transfer(scene, &transfer, &changed);
         if (status == BB_OK)
             status = compare(j, scene);
     }
+    return status;
+}
+
+static bb_status compare_scene(job *j, const char *name)
+{
+    bb_scene *scene;
+    BB_TRY(bb_scene_load_any(name, &scene));
+    bb_status status = BB_OK;
+    if (scene->volume == NULL && scene->kinds != BB_TETRAHEDRONS)
+        status = bb_fail(BB_INVALID,
+                         "%s: is neither a volume nor a mesh of tetrahedra: take nbody, tets, or a "
+                         "file of such",
+                         name);
+    choose_names(j, scene->volume == NULL);
+    if (status == BB_OK)
+        status = bb_scene_upload(scene, j->request.device);
+    if (status == BB_OK)
+        status = compare_transfers(j, scene);
     bb_tracers_clear(j->request.device);
     bb_scene_free(scene);
     return status;
@@ -216,7 +269,6 @@ static bb_status compare_all(job *j)
 
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
-    bb_names builders = {{0}, 0}, kernels = {{0}, 0};
     uint32_t scenes;
     job j = {.cli = cli, .json = bb_cli_value(cli, "json") != NULL};
     bb_cli_values(cli, "scene", &scenes);
@@ -227,7 +279,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     BB_TRY(check_transfers(cli));
     if (bb_cli_value(cli, "out") != NULL)
         BB_TRY(bb_make_folder(bb_cli_value(cli, "out")));
-    bb_status status = read_names(cli, &builders, &kernels);
+    bb_status status = read_names(&j);
     j.result = calloc(1, sizeof *j.result);
     if (status == BB_OK && j.result == NULL)
         status = bb_fail(BB_REFUSED, "no memory for the results");
@@ -235,10 +287,6 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         status = bb_open_device(cli, &j.request.device);
     if (status == BB_OK) {
         bb_interrupt_catch();
-        j.request.builders = (const char *const *)builders.items;
-        j.request.builder_count = (uint32_t)builders.count;
-        j.request.kernels = (const char *const *)kernels.items;
-        j.request.kernel_count = (uint32_t)kernels.count;
         status = compare_all(&j);
         bb_device_close(j.request.device);
     }
@@ -250,22 +298,27 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         status = BB_OK;
     }
     free(j.result);
-    bb_names_free(&builders);
-    bb_names_free(&kernels);
+    for (int mesh = 0; mesh < 2; mesh++)
+        bb_names_free(&j.builders[mesh]);
+    bb_names_free(&j.kernels);
+    bb_names_free(&j.searches);
     return status;
 }
 
 extern const bb_command bb_command_volume;
 const bb_command bb_command_volume = {
     .name = "volume",
-    .summary = "pictures of volumes: builders and kernels against a march without a tree",
-    .details = "Of each volume and each transfer function: build, layout and picture of each "
-               "builder with\n"
-               "each kernel, in turns with the march without a tree, and whether the pictures are "
-               "the same;\n"
-               "then how far pictures are from converged ones, by the distance of samples.\n"
-               "The paper's settings: --turns 180 --size 2160x2160 --repeats 50.\n"
-               "Exit status 1: a picture differs from the one without a tree.",
+    .summary = "pictures of volumes and tetrahedra: builders and kernels against each other",
+    .details =
+        "Of each volume and each transfer function: build, layout and picture of each "
+        "builder with\n"
+        "each kernel, in turns with the march without a tree, and whether the pictures are "
+        "the same;\n"
+        "then how far pictures are from converged ones, by the distance of samples.\n"
+        "Of a mesh of tetrahedra: each builder with each search, against the first of them.\n"
+        "The papers' settings: --turns 180 --size 2160x2160 --repeats 50; for meshes --size "
+        "1024x1024.\n"
+        "Exit status 1: a picture differs from the one without a tree, or from the first.",
     .options = options,
     .run = run,
 };

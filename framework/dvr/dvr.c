@@ -11,21 +11,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
-
-/* A way at work. */
-typedef struct runner {
-    bb_dvr_way *way;
-    bb_spec kernel;
-    bb_layout_maker maker;
-    bb_layout_data layout;
-    bb_tracer *tracers[2]; /* not counting, counting */
-    double ms, cpu_ms;     /* of the pictures of this round */
-} runner;
 
 typedef struct entrant {
     bb_instance instance;
-    runner *runners; /* one per kernel */
+    bb_dvr_runner *runners; /* one per kernel */
 } entrant;
 
 typedef struct comparison {
@@ -33,11 +22,13 @@ typedef struct comparison {
     bb_scene *scene;
     bb_device *device;
     bb_dvr_result *result;
-    bb_marcher *marcher;
+    bb_dvr_renderer renderer;
     bb_dvr_pictures pictures;
     entrant *entrants;
-    runner *runners; /* of all ways; the first has no tree */
-    bb_buffer copy;  /* room for the bricks once more; empty: there is none */
+    bb_dvr_runner *runners; /* of all ways */
+    const char *const *kernels;
+    uint32_t kernel_count;
+    uint32_t first; /* way with a tree */
     bb_light *without, *with;
     bb_count *counts;
 } comparison;
@@ -58,26 +49,14 @@ static bb_status note(bb_dvr_way *way, bb_status status)
     return BB_OK;
 }
 
-static bb_status make_runner(comparison *c, entrant *e, runner *r, const char *text)
+static bb_status make_runner(comparison *c, entrant *e, bb_dvr_runner *r, const char *text)
 {
-    const bb_kernel *kernel;
-    uint64_t leaf;
-    BB_TRY(bb_kernel_parse(text, &r->kernel, &kernel));
-    BB_TRY(bb_spec_u64(&r->kernel, bb_kernel_common_options, "leaf", 1, BB_LEAF_MAX, &leaf));
-    BB_TRY(bb_layout_maker_create(bb_layout_find(kernel->layout), c->device, &r->maker));
-    BB_TRY(bb_layout_maker_make(&r->maker, c->scene, &e->instance.tree, (uint32_t)leaf,
-                                BB_FORMAT_VERTICES, &r->layout));
-    for (int counting = 0; counting < 2; counting++) {
-        bb_tracer_request request = {.kernel = kernel,
-                                     .spec = &r->kernel,
-                                     .intersector = &bb_intersectors[0],
-                                     .counting = counting != 0};
-        bb_march_tracer_request(c->marcher, &request);
-        BB_TRY(bb_tracer_get(c->device, &request, &r->layout, &r->tracers[counting]));
-    }
+    BB_TRY(c->renderer.make(c->renderer.self, text, &e->instance.tree, r));
     r->way->nodes = e->instance.tree.info.node_count;
     r->way->leaves = e->instance.tree.info.leaf_count;
+    r->way->references = e->instance.tree.info.ref_count;
     r->way->bytes = e->instance.account.peak + r->layout.bytes;
+    r->way->tree_bytes = bb_tree_bytes(&e->instance.tree);
     return BB_OK;
 }
 
@@ -100,72 +79,46 @@ static bb_status make_entrant(comparison *c, uint32_t i)
     const bb_dvr_request *request = c->request;
     entrant *e = &c->entrants[i];
     bb_status status = make_tree(c, e, request->builders[i]);
-    e->runners = &c->runners[1 + i * request->kernel_count];
-    for (uint32_t k = 0; k < request->kernel_count; k++) {
-        bb_dvr_way *way = &c->result->ways[1 + i * request->kernel_count + k];
-        e->runners[k].way = way;
+    const uint32_t first = c->first + i * c->kernel_count;
+    e->runners = &c->runners[first];
+    for (uint32_t k = 0; k < c->kernel_count; k++) {
+        bb_dvr_way *way = &c->result->ways[first + k];
         snprintf(way->builder, sizeof way->builder, "%s", request->builders[i]);
-        snprintf(way->kernel, sizeof way->kernel, "%s", request->kernels[k]);
+        snprintf(way->kernel, sizeof way->kernel, "%s", c->kernels[k]);
         if (status != BB_OK)
             BB_TRY(note(way, status));
         else if (!is_blank(c))
-            BB_TRY(note(way, make_runner(c, e, &e->runners[k], request->kernels[k])));
+            BB_TRY(note(way, make_runner(c, e, &e->runners[k], c->kernels[k])));
     }
     return BB_OK;
 }
 
-/* Whether the bricks on the device are still those that were loaded: builders are handed them, and
- * a picture of others would be the same with any tree. */
-static bb_status check_bricks(const comparison *c)
+static bb_status check_input(const comparison *c)
 {
-    const bb_volume *volume = c->scene->volume;
-    const bb_buffer *bricks = &c->scene->on_device.bricks;
-    void *mapped;
-    BB_TRY(bb_buffer_map(bricks, false, &mapped));
-    bool same = XXH3_64bits(mapped, (size_t)bb_volume_bytes(volume)) == volume->bricks_hash;
-    BB_TRY(bb_buffer_unmap(bricks, mapped));
-    return same ? BB_OK
-                : bb_fail(BB_FAILED, "%s: a builder has changed the volume on the device",
-                          c->scene->name);
+    return c->renderer.check != NULL ? c->renderer.check(c->renderer.self) : BB_OK;
 }
 
 /* ---- pictures ---- */
 
-static bb_pass pass_of(const comparison *c, const runner *r, bool counting)
+static const bb_dvr_runner *tree_of(const bb_dvr_runner *r)
 {
-    bb_dvr_pictures *p = (bb_dvr_pictures *)&c->pictures;
-    bb_pass pass = {.tracer = r->tracers[counting],
-                    .layout = &r->layout,
-                    .rays = &p->rays.on_device,
-                    .results = &p->lights,
-                    .counts = counting ? &p->counts : NULL};
-    bb_march_pass(c->marcher, &pass);
-    return pass;
-}
-
-static bb_status read_picture(comparison *c, bb_light *lights)
-{
-    const bb_dvr_pictures *p = &c->pictures;
-    BB_TRY(bb_buffer_read(&p->lights, 0, p->pixels * sizeof *lights, lights));
-    return bb_buffer_read(&p->counts, 0, p->pixels * sizeof *c->counts, c->counts);
+    return r->way->builder[0] == '\0' ? NULL : r;
 }
 
 /* Lights and counts of a way. */
-static bb_status make_picture(comparison *c, const runner *r, bb_light *lights)
+static bb_status make_picture(comparison *c, const bb_dvr_runner *r, bb_light *lights)
 {
     bb_dvr_pictures *p = &c->pictures;
-    if (r->way->builder[0] == '\0') {
-        BB_TRY(bb_march_all(c->marcher, &p->rays.on_device, p->pixels, &p->lights, &p->counts));
-        return read_picture(c, lights);
-    }
     for (uint32_t i = 0; is_blank(c) && i < p->pixels; i++) {
         lights[i] = (bb_light){{0, 0, 0}, 1};
         c->counts[i] = (bb_count){0, 0, 0};
     }
-    if (is_blank(c))
+    if (is_blank(c) && tree_of(r) != NULL)
         return BB_OK;
-    const bb_pass pass = pass_of(c, r, true);
-    return bb_pass_run(&pass, p->pixels, lights, c->counts);
+    BB_TRY(bb_buffer_fill(&p->lights, p->pixels * sizeof *lights, BB_POISON));
+    BB_TRY(c->renderer.launch(c->renderer.self, tree_of(r), p, true));
+    BB_TRY(bb_buffer_read(&p->lights, 0, p->pixels * sizeof *lights, lights));
+    return bb_buffer_read(&p->counts, 0, p->pixels * sizeof *c->counts, c->counts);
 }
 
 static uint32_t in_8_bits(float channel)
@@ -211,17 +164,22 @@ static bb_status write_picture(const comparison *c, uint32_t view)
 
 static bb_status compare_pictures(comparison *c)
 {
+    const bb_dvr_request *request = c->request;
     for (uint32_t v = 0; v < c->pictures.count; v++) {
         BB_TRY(bb_dvr_take_view(c->scene, &c->pictures, v, c->device));
-        BB_TRY(bb_march_check(c->scene, &c->pictures.rays,
-                              (float)(c->request->step * bb_volume_voxel(c->scene->volume))));
-        if (c->request->step_count > 0)
+        BB_TRY(
+            bb_march_check(c->scene, &c->pictures.rays, (float)(request->step * c->renderer.unit)));
+        if (request->step_count > 0)
             BB_TRY(bb_march_check(c->scene, &c->pictures.rays,
-                                  bb_dvr_finest_step(c->request, c->scene)));
+                                  bb_dvr_finest_step(request, c->renderer.unit)));
+        if (c->result->ways[0].refused[0] != '\0')
+            return bb_fail(BB_UNSUPPORTED, "%s by %s, which others are compared with: %s",
+                           c->result->ways[0].builder, c->result->ways[0].kernel,
+                           c->result->ways[0].refused);
         BB_TRY(make_picture(c, &c->runners[0], c->without));
         memcpy(c->with, c->without, c->pictures.pixels * sizeof *c->with);
         add_differences(c, &c->result->ways[0]);
-        if (c->request->turns == 0)
+        if (request->turns == 0)
             BB_TRY(write_picture(c, v));
         for (uint32_t w = 1; w < c->result->way_count; w++) {
             if (c->result->ways[w].refused[0] != '\0')
@@ -242,7 +200,7 @@ static bb_status compare_pictures(comparison *c)
 }
 
 /* Of a picture that was timed, of the last view. */
-static bb_status compare_timed(comparison *c, const runner *r)
+static bb_status compare_timed(comparison *c, const bb_dvr_runner *r)
 {
     const bb_dvr_pictures *p = &c->pictures;
     BB_TRY(bb_buffer_read(&p->lights, 0, p->pixels * sizeof *c->with, c->with));
@@ -272,7 +230,7 @@ static bb_status time_entrant(comparison *c, entrant *e)
 {
     bb_build_timing timing;
     bool refused = true;
-    for (uint32_t k = 0; k < c->request->kernel_count; k++)
+    for (uint32_t k = 0; k < c->kernel_count; k++)
         refused = refused && e->runners[k].way->refused[0] != '\0';
     if (refused)
         return BB_OK;
@@ -283,37 +241,29 @@ static bb_status time_entrant(comparison *c, entrant *e)
     BB_TRY(bb_instance_build(&e->instance, c->scene, true, NULL));
     if (!is_blank(c))
         BB_TRY(bb_tree_upload(&e->instance.tree, c->device, NULL));
-    for (uint32_t k = 0; k < c->request->kernel_count; k++) {
-        runner *r = &e->runners[k];
-        uint64_t leaf = 1;
+    for (uint32_t k = 0; k < c->kernel_count; k++) {
+        bb_dvr_runner *r = &e->runners[k];
         if (r->way->refused[0] != '\0')
             continue;
         bb_samples_add(&r->way->build, timing.timing.ms);
         add_phases(r->way, &e->instance);
-        if (!is_blank(c)) {
-            BB_TRY(
-                bb_spec_u64(&r->kernel, bb_kernel_common_options, "leaf", 1, BB_LEAF_MAX, &leaf));
-            BB_TRY(bb_layout_maker_make(&r->maker, c->scene, &e->instance.tree, (uint32_t)leaf,
+        if (!is_blank(c))
+            BB_TRY(bb_layout_maker_make(&r->maker, c->scene, &e->instance.tree, r->leaf,
                                         BB_FORMAT_VERTICES, &r->layout));
-        }
         bb_samples_add(&r->way->layout, is_blank(c) ? 0 : upload_ms + r->layout.timing.ms);
     }
     return BB_OK;
 }
 
-static bb_status time_picture(comparison *c, runner *r)
+static bb_status time_picture(comparison *c, bb_dvr_runner *r)
 {
     bb_dvr_pictures *p = &c->pictures;
     bb_stopwatch watch;
     bb_timing timing;
-    bool without = r->way->builder[0] == '\0';
-    if (!without && is_blank(c))
+    if (tree_of(r) != NULL && is_blank(c))
         return BB_OK; /* a blank picture takes no rays */
-    const bb_pass pass = pass_of(c, r, false);
     BB_TRY(bb_stopwatch_start(c->device, &watch));
-    bb_status status =
-        without ? bb_march_all(c->marcher, &p->rays.on_device, p->pixels, &p->lights, NULL)
-                : bb_pass_launch(&pass, p->pixels);
+    bb_status status = c->renderer.launch(c->renderer.self, tree_of(r), p, false);
     bb_status stopped = bb_stopwatch_stop(&watch, &timing);
     BB_TRY(status);
     BB_TRY(stopped);
@@ -322,26 +272,10 @@ static bb_status time_picture(comparison *c, runner *r)
     return BB_OK;
 }
 
-/* What votes are compared with: how fast memory is. */
-static bb_status time_copy(comparison *c)
-{
-    bb_stopwatch watch;
-    bb_timing timing;
-    if (c->copy.mem == NULL)
-        return BB_OK;
-    BB_TRY(bb_stopwatch_start(c->device, &watch));
-    bb_status status = bb_buffer_copy(&c->scene->on_device.bricks, &c->copy,
-                                      (size_t)bb_volume_bytes(c->scene->volume));
-    bb_status stopped = bb_stopwatch_stop(&watch, &timing);
-    BB_TRY(status);
-    BB_TRY(stopped);
-    bb_samples_add(&c->result->copy, timing.ms);
-    return BB_OK;
-}
-
 static bb_status time_round(comparison *c, uint32_t round)
 {
-    BB_TRY(time_copy(c));
+    if (c->renderer.time != NULL)
+        BB_TRY(c->renderer.time(c->renderer.self, c->result));
     const uint32_t ways = c->result->way_count, builders = c->request->builder_count;
     for (uint32_t i = 0; i < builders; i++)
         BB_TRY(time_entrant(c, &c->entrants[(i + round) % builders]));
@@ -350,12 +284,12 @@ static bb_status time_round(comparison *c, uint32_t round)
     for (uint32_t v = 0; v < c->pictures.count; v++) {
         BB_TRY(bb_dvr_take_view(c->scene, &c->pictures, v, c->device));
         for (uint32_t i = 0; i < ways; i++) {
-            runner *r = &c->runners[(i + round) % ways];
+            bb_dvr_runner *r = &c->runners[(i + round) % ways];
             if (r->way->refused[0] != '\0')
                 continue;
             BB_TRY(time_picture(c, r));
             bool last = round == c->request->repeats && v + 1 == c->pictures.count;
-            if (last && (r->way->builder[0] == '\0' || !is_blank(c)))
+            if (last && (tree_of(r) == NULL || !is_blank(c)))
                 BB_TRY(compare_timed(c, r));
         }
     }
@@ -370,31 +304,38 @@ static bb_status time_round(comparison *c, uint32_t round)
 
 /* ---- all of it ---- */
 
+static bb_status choose_renderer(comparison *c)
+{
+    const bb_dvr_request *request = c->request;
+    const bool tets = c->scene->volume == NULL;
+    c->kernels = tets ? request->searches : request->kernels;
+    c->kernel_count = tets ? request->search_count : request->kernel_count;
+    BB_TRY(tets ? bb_dvr_render_tets(request, c->scene, &c->renderer)
+                : bb_dvr_render_volume(c->scene, &c->renderer));
+    c->first = c->renderer.without ? 1 : 0;
+    c->result->way_count = c->first + request->builder_count * c->kernel_count;
+    if (c->result->way_count > BB_DVR_WAYS_MAX || c->result->way_count == 0)
+        return bb_fail(BB_INVALID, "%u builders with %u kernels are more than %d ways, or none",
+                       request->builder_count, c->kernel_count, BB_DVR_WAYS_MAX - 1);
+    return BB_OK;
+}
+
 static void describe(const comparison *c)
 {
-    const bb_volume *volume = c->scene->volume;
     bb_dvr_result *result = c->result;
     snprintf(result->scene, sizeof result->scene, "%s", c->scene->name);
-    snprintf(result->transfer, sizeof result->transfer, "%s", volume->transfer.name);
-    for (int k = 0; k < 3; k++)
-        result->dims[k] = volume->grid.cells[k] + 1;
-    result->bytes = volume->bytes;
-    result->brick_side = volume->grid.side;
-    result->bricks = volume->brick_count;
-    result->seen = c->scene->prim_count;
-    result->volume_bytes = bb_volume_bytes(volume);
     result->pictures = c->pictures.count;
     result->pixels = (uint64_t)c->pictures.count * c->pictures.pixels;
-    result->way_count = 1 + c->request->builder_count * c->request->kernel_count;
+    c->renderer.describe(c->renderer.self, result);
 }
 
 static bb_status prepare(comparison *c)
 {
     const bb_dvr_request *request = c->request;
-    const double voxel = bb_volume_voxel(c->scene->volume);
-    const bb_march_settings settings = {.step = (float)(request->step * voxel),
-                                        .cutoff = (float)request->cutoff};
     size_t pixels = (size_t)request->width * request->height;
+    BB_TRY(choose_renderer(c));
+    const bb_march_settings settings = {.step = (float)(request->step * c->renderer.unit),
+                                        .cutoff = (float)request->cutoff};
     BB_TRY(bb_dvr_choose_views(request, c->scene, &c->pictures));
     BB_TRY(bb_dvr_reserve(request, &c->pictures));
     BB_TRY(bb_host_alloc(NULL, pixels * sizeof *c->with, "pictures", &c->with));
@@ -405,35 +346,36 @@ static bb_status prepare(comparison *c)
     c->runners = calloc(c->result->way_count, sizeof *c->runners);
     if (c->entrants == NULL || c->runners == NULL)
         return bb_fail(BB_REFUSED, "no memory for a comparison");
-    BB_TRY(bb_marcher_create(c->scene, NULL, &c->marcher));
-    BB_TRY(bb_marcher_set(c->marcher, &settings));
-    bb_status room = bb_buffer_reserve(c->device, NULL, (size_t)c->result->volume_bytes,
-                                       "a copy of the bricks", &c->copy);
-    if (room != BB_OK && room != BB_REFUSED)
-        return room;
-    c->runners[0].way = &c->result->ways[0];
+    for (uint32_t w = 0; w < c->result->way_count; w++)
+        c->runners[w].way = &c->result->ways[w];
+    BB_TRY(c->renderer.set(c->renderer.self, &settings));
     for (uint32_t i = 0; i < request->builder_count; i++)
         BB_TRY(make_entrant(c, i));
     return BB_OK;
 }
 
+/* The first that has a tree and is not refused; NULL: none. */
+static const bb_dvr_runner *first_runner(const comparison *c)
+{
+    for (uint32_t w = c->first; w < c->result->way_count && !is_blank(c); w++)
+        if (c->result->ways[w].refused[0] == '\0')
+            return &c->runners[w];
+    return NULL;
+}
+
 static bb_status measure(comparison *c)
 {
-    BB_TRY(check_bricks(c));
+    BB_TRY(check_input(c));
     BB_TRY(compare_pictures(c));
     for (uint32_t round = 0; round <= c->request->repeats && !bb_interrupted(); round++)
         BB_TRY(time_round(c, round));
     if (bb_interrupted() && c->result->ways[0].march.count < 2)
         return bb_fail(BB_FAILED, "%s: interrupted before a round that counts", c->scene->name);
-    BB_TRY(check_bricks(c));
+    BB_TRY(check_input(c));
     if (c->request->step_count == 0 || bb_interrupted())
         return BB_OK;
-    const runner *first = NULL;
-    for (uint32_t w = 1; w < c->result->way_count && first == NULL && !is_blank(c); w++)
-        first = c->result->ways[w].refused[0] == '\0' ? &c->runners[w] : NULL;
-    const bb_pass pass = first != NULL ? pass_of(c, first, true) : (bb_pass){0};
-    return bb_dvr_measure_errors(c->request, c->scene, c->marcher, first != NULL ? &pass : NULL,
-                                 &c->pictures, c->result);
+    return bb_dvr_measure_errors(c->request, c->scene, &c->renderer, first_runner(c), &c->pictures,
+                                 c->result);
 }
 
 static void release(comparison *c)
@@ -446,9 +388,9 @@ static void release(comparison *c)
         bb_instance_destroy(&c->entrants[i].instance);
     free(c->runners);
     free(c->entrants);
-    bb_marcher_destroy(c->marcher);
+    if (c->renderer.destroy != NULL)
+        c->renderer.destroy(c->renderer.self);
     bb_dvr_release(&c->pictures);
-    bb_buffer_release(&c->copy);
     bb_host_free(c->with);
     bb_host_free(c->without);
     bb_host_free(c->counts);
@@ -457,9 +399,6 @@ static void release(comparison *c)
 bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_dvr_result *result)
 {
     memset(result, 0, sizeof *result);
-    if (1 + request->builder_count * request->kernel_count > BB_DVR_WAYS_MAX)
-        return bb_fail(BB_INVALID, "%u builders with %u kernels are more than %d ways: take fewer",
-                       request->builder_count, request->kernel_count, BB_DVR_WAYS_MAX - 1);
     comparison *c = calloc(1, sizeof *c);
     if (c == NULL)
         return bb_fail(BB_REFUSED, "no memory for a comparison");
@@ -475,11 +414,19 @@ bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_dvr_resu
     return status;
 }
 
-bb_estimate bb_dvr_ratio(const bb_dvr_result *result, const bb_dvr_way *way, bool with_build)
+/* Without a tree there is nothing to build. */
+static bb_samples time_of(const bb_dvr_way *way, bool with_build)
 {
     bb_samples sum = way->march;
     for (uint32_t i = 0; with_build && i < sum.count && i < way->build.count; i++)
         sum.values[i] += way->build.values[i] + way->layout.values[i];
-    bb_samples ratio = bb_samples_ratio(&sum, &result->ways[0].march);
+    return sum;
+}
+
+bb_estimate bb_dvr_ratio(const bb_dvr_result *result, const bb_dvr_way *way, bool with_build)
+{
+    const bb_samples own = time_of(way, with_build);
+    const bb_samples first = time_of(&result->ways[0], with_build);
+    bb_samples ratio = bb_samples_ratio(&own, &first);
     return bb_samples_estimate(&ratio);
 }

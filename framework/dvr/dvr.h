@@ -21,13 +21,16 @@ typedef struct bb_dvr_request {
     bb_device *device;
     const char *const *builders; /* specifications */
     uint32_t builder_count;
-    const char *const *kernels; /* the same */
+    const char *const *kernels; /* the same; for volumes */
     uint32_t kernel_count;
-    const char *view; /* NULL: all of the scene's */
-    uint32_t turns;   /* 0: these. Else pictures of the paper: in parallel, all of the volume in
+    const char *const *searches; /* for tetrahedra: see bb_dvr_search_parse() */
+    uint32_t search_count;
+    const bb_transfer *transfer; /* for tetrahedra; a volume has its own */
+    const char *view;            /* NULL: all of the scene's */
+    uint32_t turns; /* 0: these. Else pictures of the paper: in parallel, all of the volume in
                          sight, which is turned about each axis by so many times 2 degrees */
     uint32_t width, height;
-    double step;      /* distance of samples, in voxels */
+    double step;      /* distance of samples, in voxels; of tetrahedra, bb_tet_march_width() */
     double cutoff;    /* see bb_march_settings */
     uint32_t repeats; /* rounds that count, after one that does not */
     uint32_t step_count;
@@ -42,7 +45,8 @@ typedef struct bb_dvr_phase {
     bb_samples ms;
 } bb_dvr_phase;
 
-/* A tree and a kernel, or no tree. Times in ms; of pictures the mean over all, in each round. */
+/* A tree and a kernel or search, or no tree. Times in ms; of pictures the mean over all, in each
+ * round. */
 typedef struct bb_dvr_way {
     char builder[128], kernel[96]; /* "": no tree */
     char refused[320];             /* why there are no figures; "": there are */
@@ -51,9 +55,11 @@ typedef struct bb_dvr_way {
     uint32_t phase_count;
     bb_dvr_phase phases[BB_PHASES_MAX];
     uint32_t nodes, leaves;
+    uint32_t references;
+    uint64_t tree_bytes;
     uint64_t bytes;     /* of tree and scratch at most, and of the layout */
     double samples;     /* per ray */
-    double most;        /* largest difference of a channel from the picture without a tree */
+    double most;        /* largest difference of a channel from the picture of the first way */
     uint32_t most_8;    /* the same in 8 bits */
     uint64_t differ;    /* pixels that differ at all */
     uint64_t overflown; /* rays for which a stack was too small */
@@ -67,17 +73,19 @@ typedef struct bb_dvr_error {
     double samples;   /* per ray */
 } bb_dvr_error;
 
-/* One volume with one transfer function. */
+/* One volume or mesh with one transfer function. */
 typedef struct bb_dvr_result {
     char scene[256], transfer[64];
     uint32_t dims[3], bytes; /* of the voxels */
     uint32_t brick_side, bricks, seen;
     uint64_t volume_bytes; /* of the bricks */
     bb_samples copy;       /* ms, of all bricks from one buffer to another; empty: no room for it */
+    uint32_t tets, vertices, boundary; /* of a mesh; else 0: tetrahedra, those on the boundary */
+    char field[64];
     uint32_t pictures;
     uint64_t pixels; /* of all */
     uint32_t way_count;
-    bb_dvr_way ways[BB_DVR_WAYS_MAX]; /* the first is without a tree */
+    bb_dvr_way ways[BB_DVR_WAYS_MAX]; /* the first is without a tree, for a volume */
     uint32_t error_count;
     bb_dvr_error errors[BB_DVR_STEPS_MAX];
     double converged; /* difference of the reference from one of twice its step */
@@ -88,9 +96,14 @@ typedef struct bb_dvr_result {
  * and without accuracy; before that it fails. The scene is on the device. */
 bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_dvr_result *result);
 
-/* Of the pictures, with build and layout or without, the ratio to the march without a tree: below 1
- * the tree pays. */
+/* Of the pictures, with build and layout or without, the ratio to the first way. For a volume, that
+ * is the march without a tree: below 1 the tree pays. */
 bb_estimate bb_dvr_ratio(const bb_dvr_result *result, const bb_dvr_way *way, bool with_build);
+
+/* How tetrahedra are searched: `skip` on any tree; `octree` on one with cells, `interval=no`
+ * without intervals by its boundary. BB_INVALID for anything else. */
+extern const bb_option bb_dvr_search_options[];
+bb_status bb_dvr_search_parse(const char *text, bb_spec *spec);
 
 /* As text on standard output. */
 void bb_dvr_print(const bb_dvr_result *result);

@@ -11,8 +11,9 @@ enum { FINER = 8, ROUNDS = 6 }; /* of the reference, beside the shortest step th
 typedef struct study {
     const bb_dvr_request *request;
     const bb_scene *scene;
-    bb_marcher *marcher;
-    const bb_pass *pass; /* NULL: without a tree */
+    const bb_dvr_renderer *renderer;
+    const bb_dvr_runner *runner; /* NULL: without a tree */
+    const bb_dvr_runner *reference_runner;
     bb_dvr_pictures *pictures;
     bb_light *reference, *lights;
     bb_count *counts;
@@ -21,39 +22,34 @@ typedef struct study {
 static bb_status set_step(const study *s, double step)
 {
     const bb_march_settings settings = {
-        .step = (float)(step * bb_volume_voxel(s->scene->volume)),
+        .step = (float)(step * s->renderer->unit),
         .cutoff = 0,
     };
     BB_TRY(bb_march_check(s->scene, &s->pictures->rays, settings.step));
-    return bb_marcher_set(s->marcher, &settings);
+    return s->renderer->set(s->renderer->self, &settings);
 }
 
-static bb_status march_without(const study *s, bb_light *lights)
+static bb_status march_reference(const study *s, bb_light *lights)
 {
     bb_dvr_pictures *p = s->pictures;
-    BB_TRY(bb_march_all(s->marcher, &p->rays.on_device, p->pixels, &p->lights, NULL));
+    BB_TRY(s->renderer->launch(s->renderer->self, s->reference_runner, p, false));
     return bb_buffer_read(&p->lights, 0, p->pixels * sizeof *lights, lights);
 }
 
 static bb_status march(const study *s, bb_dvr_error *error)
 {
     bb_dvr_pictures *p = s->pictures;
-    if (s->pass != NULL) {
-        BB_TRY(bb_pass_run(s->pass, p->pixels, s->lights, s->counts));
-    } else {
-        BB_TRY(bb_march_all(s->marcher, &p->rays.on_device, p->pixels, &p->lights, &p->counts));
-        BB_TRY(bb_buffer_read(&p->lights, 0, p->pixels * sizeof *s->lights, s->lights));
-        BB_TRY(bb_buffer_read(&p->counts, 0, p->pixels * sizeof *s->counts, s->counts));
-    }
+    BB_TRY(s->renderer->launch(s->renderer->self, s->runner, p, true));
+    BB_TRY(bb_buffer_read(&p->lights, 0, p->pixels * sizeof *s->lights, s->lights));
+    BB_TRY(bb_buffer_read(&p->counts, 0, p->pixels * sizeof *s->counts, s->counts));
     for (uint32_t i = 0; i < p->pixels; i++)
         error->samples += (double)s->counts[i].prims / ((double)p->pixels * p->count);
     return BB_OK;
 }
 
-float bb_dvr_finest_step(const bb_dvr_request *request, const bb_scene *scene)
+float bb_dvr_finest_step(const bb_dvr_request *request, double unit)
 {
-    return (float)(request->steps[request->step_count - 1] / FINER *
-                   bb_volume_voxel(scene->volume));
+    return (float)(request->steps[request->step_count - 1] / FINER * unit);
 }
 
 /* Adds the squares to error->rms, for the time being. */
@@ -76,9 +72,9 @@ static bb_status study_view(const study *s, bb_dvr_result *result, bb_dvr_error 
     const bb_dvr_request *request = s->request;
     const double finest = request->steps[request->step_count - 1] / FINER;
     BB_TRY(set_step(s, finest));
-    BB_TRY(march_without(s, s->reference));
+    BB_TRY(march_reference(s, s->reference));
     BB_TRY(set_step(s, 2 * finest));
-    BB_TRY(march_without(s, s->lights));
+    BB_TRY(march_reference(s, s->lights));
     add_error(s, s->lights, coarser);
     for (uint32_t i = 0; i < request->step_count; i++) {
         bb_dvr_error *error = &result->errors[i];
@@ -90,7 +86,7 @@ static bb_status study_view(const study *s, bb_dvr_result *result, bb_dvr_error 
     return BB_OK;
 }
 
-/* All steps in turns; counting, as the pictures were: the same kernel for all. */
+/* All steps in turns. */
 static bb_status time_steps(const study *s, bb_dvr_result *result)
 {
     bb_dvr_pictures *p = s->pictures;
@@ -100,9 +96,8 @@ static bb_status time_steps(const study *s, bb_dvr_result *result)
             bb_timing timing;
             BB_TRY(set_step(s, result->errors[i].step));
             BB_TRY(bb_stopwatch_start(s->request->device, &watch));
-            bb_status status = s->pass != NULL ? bb_pass_launch(s->pass, p->pixels)
-                                               : bb_march_all(s->marcher, &p->rays.on_device,
-                                                              p->pixels, &p->lights, NULL);
+            /* counting, as the pictures were: the same kernel for all */
+            bb_status status = s->renderer->launch(s->renderer->self, s->runner, p, true);
             bb_status stopped = bb_stopwatch_stop(&watch, &timing);
             BB_TRY(status);
             BB_TRY(stopped);
@@ -131,11 +126,15 @@ static bb_status study_all(study *s, bb_dvr_result *result)
 }
 
 bb_status bb_dvr_measure_errors(const bb_dvr_request *request, const bb_scene *scene,
-                                bb_marcher *marcher, const bb_pass *pass, bb_dvr_pictures *pictures,
-                                bb_dvr_result *result)
+                                const bb_dvr_renderer *renderer, const bb_dvr_runner *runner,
+                                bb_dvr_pictures *pictures, bb_dvr_result *result)
 {
-    study s = {
-        .request = request, .scene = scene, .marcher = marcher, .pass = pass, .pictures = pictures};
+    study s = {.request = request,
+               .scene = scene,
+               .renderer = renderer,
+               .runner = runner,
+               .reference_runner = renderer->without ? NULL : runner,
+               .pictures = pictures};
     bb_status status = study_all(&s, result);
     bb_host_free(s.reference);
     bb_host_free(s.lights);

@@ -48,6 +48,8 @@ static bool put_way(cJSON *list, const bb_dvr_result *result, const bb_dvr_way *
            put_samples(entry, "layout_ms", &way->layout) && put_phases(entry, way) &&
            put_ratio(entry, "picture_ratio", bb_dvr_ratio(result, way, false)) &&
            put_ratio(entry, "all_ratio", bb_dvr_ratio(result, way, true)) &&
+           bb_put_number(entry, "references", way->references) &&
+           bb_put_number(entry, "tree_bytes", (double)way->tree_bytes) &&
            bb_put_number(entry, "nodes", way->nodes) &&
            bb_put_number(entry, "leaves", way->leaves) &&
            bb_put_number(entry, "bytes", (double)way->bytes) &&
@@ -69,19 +71,28 @@ static bool put_error(cJSON *list, const bb_dvr_error *error)
            put_samples(entry, "picture_ms", &error->march);
 }
 
-static bool put_result(cJSON *root, const bb_dvr_result *r)
+static bool put_scene(cJSON *root, const bb_dvr_result *r)
 {
     const double dims[3] = {r->dims[0], r->dims[1], r->dims[2]};
+    if (r->tets > 0)
+        return bb_put_number(root, "tetrahedra", r->tets) &&
+               bb_put_number(root, "vertices", r->vertices) &&
+               bb_put_number(root, "boundary_tetrahedra", r->boundary) &&
+               bb_put_text(root, "field", r->field);
+    return bb_put_numbers(root, "voxels", dims, 3) && bb_put_number(root, "bits", 8 * r->bytes) &&
+           bb_put_number(root, "brick_side", r->brick_side) &&
+           bb_put_number(root, "bricks", r->bricks) &&
+           bb_put_number(root, "bricks_seen", r->seen) &&
+           bb_put_number(root, "volume_bytes", (double)r->volume_bytes) &&
+           put_samples(root, "copy_ms", &r->copy);
+}
+
+static bool put_result(cJSON *root, const bb_dvr_result *r)
+{
     cJSON *ways = cJSON_CreateArray(), *errors = NULL;
-    bool put =
-        bb_put_text(root, "scene", r->scene) && bb_put_text(root, "transfer", r->transfer) &&
-        bb_put_numbers(root, "voxels", dims, 3) && bb_put_number(root, "bits", 8 * r->bytes) &&
-        bb_put_number(root, "brick_side", r->brick_side) &&
-        bb_put_number(root, "bricks", r->bricks) && bb_put_number(root, "bricks_seen", r->seen) &&
-        bb_put_number(root, "volume_bytes", (double)r->volume_bytes) &&
-        bb_put_number(root, "pictures", r->pictures) &&
-        bb_put_number(root, "pixels", (double)r->pixels);
-    put = put && put_samples(root, "copy_ms", &r->copy);
+    bool put = bb_put_text(root, "scene", r->scene) && bb_put_text(root, "transfer", r->transfer) &&
+               put_scene(root, r) && bb_put_number(root, "pictures", r->pictures) &&
+               bb_put_number(root, "pixels", (double)r->pixels);
     put = bb_put(root, "ways", ways) && put;
     for (uint32_t w = 0; w < r->way_count && put; w++)
         put = put_way(ways, r, &r->ways[w]);

@@ -15,9 +15,16 @@ static void put_interval(bb_estimate e, const char *format)
     printf(" %-16s", text);
 }
 
+/* Of those that count, in millions per second. */
+static double sampling_rate(const bb_dvr_result *result, const bb_dvr_way *way)
+{
+    double rays = (double)result->pixels / result->pictures;
+    return way->samples * rays / bb_samples_median(&way->march) / 1e3;
+}
+
 static void print_way(const bb_dvr_result *result, const bb_dvr_way *way)
 {
-    char name[96];
+    char name[240];
     bool without = way->builder[0] == '\0';
     snprintf(name, sizeof name, "%s, %s", way->builder, way->kernel);
     printf(" %-38s", without ? "no tree" : name);
@@ -31,13 +38,14 @@ static void print_way(const bb_dvr_result *result, const bb_dvr_way *way)
         printf("%8.2f %8.2f", bb_samples_median(&way->build), bb_samples_median(&way->layout));
     printf(" %9.1f", bb_samples_median(&way->march));
     if (without) {
-        printf(" %24s %9.1f\n", "", way->samples);
+        printf(" %24s %9.1f %8.2f\n", "", way->samples, sampling_rate(result, way));
         return;
     }
     bb_estimate with_build = bb_dvr_ratio(result, way, true);
     printf(" %7.3f", with_build.value);
     put_interval(with_build, "[%.3f, %.3f]");
-    printf(" %9.1f %9.2g %u/255", way->samples, way->most, way->most_8);
+    printf(" %9.1f %8.2f %9.2g %u/255", way->samples, sampling_rate(result, way), way->most,
+           way->most_8);
     if (way->differ > 0)
         printf(", %llu pixels", (unsigned long long)way->differ);
     printf("\n");
@@ -46,7 +54,7 @@ static void print_way(const bb_dvr_result *result, const bb_dvr_way *way)
 static void print_phases(const bb_dvr_result *result)
 {
     const char *last = "";
-    for (uint32_t w = 1; w < result->way_count; w++) {
+    for (uint32_t w = 0; w < result->way_count; w++) {
         const bb_dvr_way *way = &result->ways[w];
         if (way->phase_count == 0 || strcmp(way->builder, last) == 0)
             continue;
@@ -66,7 +74,8 @@ static void print_errors(const bb_dvr_result *result)
     printf("\n Accuracy of the march, against %g of its shortest step (which is converged to "
            "%.2g)\n",
            0.125, result->converged);
-    printf("  step/voxel   largest error         RMS   samples/ray   ms (last picture)\n");
+    printf("  step/%s   largest error         RMS   samples/ray   ms (last picture)\n",
+           result->tets > 0 ? "width" : "voxel");
     for (uint32_t i = 0; i < result->error_count; i++) {
         const bb_dvr_error *e = &result->errors[i];
         printf("  %10g %15.3g %11.3g %13.1f %10.1f\n", e->step, e->most, e->rms, e->samples,
@@ -74,24 +83,54 @@ static void print_errors(const bb_dvr_result *result)
     }
 }
 
-void bb_dvr_print(const bb_dvr_result *r)
+static void print_scene(const bb_dvr_result *r)
 {
     printf("%s, transfer function %s\n", r->scene, r->transfer);
+    if (r->tets > 0) {
+        printf(" %u tetrahedra, %u on the boundary, %u vertices, field '%s'\n", r->tets,
+               r->boundary, r->vertices, r->field);
+        return;
+    }
     printf(" %u x %u x %u voxels of %u bits, %.1f MiB in bricks of %u cells a side; %u of %u seen "
            "(%.2f %%)\n",
            r->dims[0], r->dims[1], r->dims[2], 8 * r->bytes, (double)r->volume_bytes / (1 << 20),
            r->brick_side, r->seen, r->bricks, 100.0 * r->seen / r->bricks);
+}
+
+/* Trees of a mesh differ in size, too. */
+static void print_trees(const bb_dvr_result *r)
+{
+    const char *last = "";
+    for (uint32_t w = 0; w < r->way_count && r->tets > 0; w++) {
+        const bb_dvr_way *way = &r->ways[w];
+        if (way->nodes == 0 || strcmp(way->builder, last) == 0)
+            continue;
+        last = way->builder;
+        printf(" %-24s tree: %.2f MiB, %u nodes, %.2f references per tetrahedron\n", way->builder,
+               (double)way->tree_bytes / (1 << 20), way->nodes, (double)way->references / r->tets);
+    }
+}
+
+void bb_dvr_print(const bb_dvr_result *r)
+{
+    const bool mesh = r->tets > 0;
+    print_scene(r);
     printf(" %u pictures, %llu pixels in all; ms per picture, medians of %u rounds\n\n",
            r->pictures, (unsigned long long)r->pixels,
            r->ways[0].march.count > 1 ? r->ways[0].march.count - 1 : 1);
-    printf(" %-38s%8s %8s %9s %7s %-16s %9s %9s %s\n", "", "build", "layout", "picture", "all",
-           "/no tree", "samples", "differs", "8 bits");
+    printf(" %-38s%8s %8s %9s %7s %-16s %9s %8s %9s %s\n", "", "build", "layout", "picture", "all",
+           mesh ? "/first" : "/no tree", "samples", "M/s", "differs", "8 bits");
     for (uint32_t w = 0; w < r->way_count; w++)
         print_way(r, &r->ways[w]);
-    printf(" all: build, layout and picture, by the march without a tree, paired round by round "
-           "(95 %%);\n samples: per ray; differs: largest difference of a channel from the picture "
-           "without a tree;\n builders other than vlbvh get the boxes of what is seen, and find "
-           "nothing out themselves\n\n");
+    printf(" all: build, layout and picture, by those of %s, paired round by round (95 %%);\n "
+           "samples: per ray%s, and per second; differs: largest difference of a channel from that "
+           "picture\n",
+           mesh ? "the first way" : "the march without a tree", mesh ? ", in tetrahedra only" : "");
+    if (!mesh)
+        printf(" builders other than vlbvh get the boxes of what is seen, and find nothing out "
+               "themselves\n");
+    printf("\n");
+    print_trees(r);
     print_phases(r);
     if (r->copy.count > 0)
         printf(" %-24s ms: %.3f, %.1f GB/s\n", "a copy of the bricks", bb_samples_median(&r->copy),

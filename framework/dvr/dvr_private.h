@@ -15,6 +15,42 @@ typedef struct bb_dvr_pictures {
     bb_buffer lights, counts;
 } bb_dvr_pictures;
 
+/* A way at work. */
+typedef struct bb_dvr_runner {
+    bb_dvr_way *way;
+    uint32_t leaf; /* most references in one, of the layout */
+    bb_layout_maker maker;
+    bb_layout_data layout;
+    bb_tracer *tracers[2]; /* of a volume: not counting, counting */
+    bool interval;         /* of tetrahedra, see bb_tet_way */
+    double ms, cpu_ms;     /* of the pictures of this round */
+} bb_dvr_runner;
+
+/* What makes pictures of one kind of scene. */
+typedef struct bb_dvr_renderer {
+    void *self;
+    bool without; /* there is a way without a tree, the first: launch() with NULL */
+    double unit;  /* of steps, in scene units */
+    /* Fills result->scene and what else tells of the scene. */
+    void (*describe)(const void *self, bb_dvr_result *result);
+    /* Makes layout and programs of a way, whose tree is on the device. */
+    bb_status (*make)(void *self, const char *kernel, bb_tree *tree, bb_dvr_runner *runner);
+    bb_status (*set)(void *self, const bb_march_settings *settings);
+    /* Enqueues the picture; with `counting`, its counts too. */
+    bb_status (*launch)(void *self, const bb_dvr_runner *runner, bb_dvr_pictures *pictures,
+                        bool counting);
+    /* Whether what builders were handed is as it was. Optional. */
+    bb_status (*check)(void *self);
+    /* Measures in each round what belongs to no way. Optional. */
+    bb_status (*time)(void *self, bb_dvr_result *result);
+    void (*destroy)(void *self); /* NULL is allowed */
+} bb_dvr_renderer;
+
+/* For a scene that is on the device. Owned by the caller, also after a failure. */
+bb_status bb_dvr_render_volume(bb_scene *scene, bb_dvr_renderer *renderer);
+bb_status bb_dvr_render_tets(const bb_dvr_request *request, bb_scene *scene,
+                             bb_dvr_renderer *renderer);
+
 /* Views of the request. BB_INVALID if there is no such view. */
 bb_status bb_dvr_choose_views(const bb_dvr_request *request, const bb_scene *scene,
                               bb_dvr_pictures *pictures);
@@ -32,11 +68,12 @@ static inline double bb_dvr_most(double most, double apart)
 }
 
 /* The shortest step of the study of errors, in scene units: the reference's. */
-float bb_dvr_finest_step(const bb_dvr_request *request, const bb_scene *scene);
+float bb_dvr_finest_step(const bb_dvr_request *request, double unit);
 
-/* Step against error. `pass` is one way's, complete but for its results; NULL: without a tree. */
+/* Step against error, by one way; `runner` NULL: without a tree, as the reference is where there is
+ * such a way. */
 bb_status bb_dvr_measure_errors(const bb_dvr_request *request, const bb_scene *scene,
-                                bb_marcher *marcher, const bb_pass *pass, bb_dvr_pictures *pictures,
-                                bb_dvr_result *result);
+                                const bb_dvr_renderer *renderer, const bb_dvr_runner *runner,
+                                bb_dvr_pictures *pictures, bb_dvr_result *result);
 
 #endif

@@ -55,7 +55,7 @@ bool bb_locator_takes(const bb_layout *layout)
     return way_of(layout) >= 0;
 }
 
-static bool has_doubles(const bb_device *device)
+bool bb_locate_has_doubles(const bb_device *device)
 {
     cl_device_fp_config config = 0;
     return clGetDeviceInfo(device->id, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof config, &config, NULL) ==
@@ -69,11 +69,22 @@ static bb_status compile(bb_locator *locator, int way, int counting)
     if (locator->kernels[way][counting] != NULL)
         return BB_OK;
     snprintf(defines, sizeof defines, "-DBB_LOCATE_OCTREE=%d -DBB_COUNTING=%d -DBB_HAS_DOUBLES=%d",
-             way, counting, !locator->floats && has_doubles(locator->device));
+             way, counting, !locator->floats && bb_locate_has_doubles(locator->device));
     BB_TRY(bb_program_build(locator->device, bb_source_find("locate_points.cl"), defines,
                             &locator->programs[way][counting]));
     return bb_kernel_get(locator->programs[way][counting], "locate_points",
                          &locator->kernels[way][counting]);
+}
+
+bb_locate_args bb_locate_args_of(const bb_scene *scene, const bb_layout_data *data)
+{
+    return (bb_locate_args){
+        .root = data->root,
+        .first = scene->prims[BB_TETRAHEDRON].first,
+        .words = bb_leaf_prim_words(data->kinds, data->format),
+        .id_word = bb_leaf_prim_payload(data->kinds, data->format),
+        .scale = data->scale,
+    };
 }
 
 bb_status bb_locate_points(bb_locator *locator, const bb_layout *layout, const bb_layout_data *data,
@@ -88,13 +99,7 @@ bb_status bb_locate_points(bb_locator *locator, const bb_layout *layout, const b
                        "layout %s cannot be searched for points: take skip or octree",
                        layout->name);
     BB_TRY(compile(locator, way, counting));
-    const bb_locate_args search = {
-        .root = data->root,
-        .first = scene->prims[BB_TETRAHEDRON].first,
-        .words = bb_leaf_prim_words(data->kinds, data->format),
-        .id_word = bb_leaf_prim_payload(data->kinds, data->format),
-        .scale = data->scale,
-    };
+    const bb_locate_args search = bb_locate_args_of(scene, data);
     bb_arg args[12];
     uint32_t n = 0;
     for (uint32_t i = 0; i < data->buffer_count; i++)

@@ -17,6 +17,11 @@ void bb_locator_take_floats(bb_locator *locator);
 /* Whether the tree of such a layout can be searched: "skip" and "octree". */
 bool bb_locator_takes(const bb_layout *layout);
 
+/* What kernels/locate.clh is told of such a layout of the scene, and whether the device has
+ * doubles. */
+bb_locate_args bb_locate_args_of(const bb_scene *scene, const bb_layout_data *data);
+bool bb_locate_has_doubles(const bb_device *device);
+
 /* Enqueues the search for `count` points (float[3] each, in scene units) by the layout, which was
  * made of the scene; does not wait. `results` gets bb_located, `counts`, if not NULL, bb_count.
  * BB_UNSUPPORTED for other layouts. */

@@ -105,15 +105,21 @@ bb_status bb_marcher_create(const bb_scene *scene, bb_account *account, bb_march
     return BB_OK;
 }
 
-bb_status bb_marcher_set(bb_marcher *marcher, const bb_march_settings *settings)
+bb_status bb_march_check_settings(const bb_march_settings *settings)
 {
-    const bb_volume *volume = marcher->scene->volume;
-    bb_transfer_entry table[BB_TRANSFER_STEPS];
     if (!(settings->step > 0) || !isfinite(settings->step))
         return bb_fail(BB_INVALID, "samples %g apart: it must be above 0", (double)settings->step);
     if (!(settings->cutoff >= 0 && settings->cutoff <= 1))
         return bb_fail(BB_INVALID, "a march that ends where %g is left: it must be 0 to 1",
                        (double)settings->cutoff);
+    return BB_OK;
+}
+
+bb_status bb_marcher_set(bb_marcher *marcher, const bb_march_settings *settings)
+{
+    const bb_volume *volume = marcher->scene->volume;
+    bb_transfer_entry table[BB_TRANSFER_STEPS];
+    BB_TRY(bb_march_check_settings(settings));
     marcher->args = (bb_march_args){volume->grid, settings->step, settings->cutoff};
     bb_transfer_table(&volume->transfer, bb_volume_voxel(volume), table);
     return bb_buffer_write(&marcher->table, 0, sizeof table, table);

@@ -29,6 +29,9 @@ void bb_marcher_destroy(bb_marcher *marcher); /* NULL is allowed */
 /* Takes settings and the volume's transfer function as it is now. */
 bb_status bb_marcher_set(bb_marcher *marcher, const bb_march_settings *settings);
 
+/* BB_INVALID for settings that no march has. */
+bb_status bb_march_check_settings(const bb_march_settings *settings);
+
 /* BB_REFUSED if a ray has more samples than a float counts. */
 bb_status bb_march_check(const bb_scene *scene, const bb_rays *rays, float step);
 

@@ -84,15 +84,15 @@ static double area(const bb_scene *scene, uint32_t i)
 static double beyond(const float *const v[4], int f, const bb_face *face, const double point[3],
                      double normal[3])
 {
-    double at = 0.0, inside = 0.0;
+    const double opposite[3] = {v[f][0], v[f][1], v[f][2]};
+    double at = 0.0;
+    bool inwards = bb_exact_side(opposite, face->v[0], face->v[1], face->v[2]) > 0;
     bb_face_normal(face, normal);
     for (int k = 0; k < 3; k++) {
         at += normal[k] * (point[k] - (double)face->v[0][k]);
-        inside += normal[k] * ((double)v[f][k] - (double)face->v[0][k]);
+        normal[k] = inwards ? -normal[k] : normal[k];
     }
-    for (int k = 0; k < 3 && inside > 0.0; k++)
-        normal[k] = -normal[k];
-    return inside > 0.0 ? -at : at;
+    return inwards ? -at : at;
 }
 
 static void sample(const bb_scene *scene, uint32_t i, bb_random *random, double point[3],
@@ -213,8 +213,29 @@ static int hits(const bb_scene *scene, uint32_t i, const double o[3], const floa
     return count;
 }
 
-/* As if its faces were moved outwards by eps; rounded, as all that is compared with a margin. One
- * without a volume has no outside: 0. */
+/* From the first corner along the line to the last, and a bit more. */
+static void extent(const float *const v[4], const double o[3], const float d[3], double eps,
+                   double t[2])
+{
+    double square = 0.0;
+    for (int k = 0; k < 3; k++)
+        square += (double)d[k] * (double)d[k];
+    t[0] = (double)INFINITY;
+    t[1] = -(double)INFINITY;
+    for (int c = 0; c < 4; c++) {
+        double along = 0.0;
+        for (int k = 0; k < 3; k++)
+            along += ((double)v[c][k] - o[k]) * (double)d[k];
+        t[0] = fmin(t[0], along / square);
+        t[1] = fmax(t[1], along / square);
+    }
+    t[0] -= 2.0 * eps / sqrt(square);
+    t[1] += 2.0 * eps / sqrt(square);
+}
+
+/* As if its faces were moved outwards by eps, within its extent along the line; rounded, as all
+ * that is compared with a margin. One without a volume has no outside, and a line along a face may
+ * be near all of it: 0. */
 static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
                   double eps, double t[2])
 {
@@ -224,14 +245,14 @@ static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const fl
     corners_of(scene, i, v);
     if (bb_tet_side(v) == 0)
         return 0;
-    t[0] = -(double)INFINITY;
-    t[1] = (double)INFINITY;
+    extent(v, o, d, eps, t);
+    const double long_way = t[1] - t[0];
     for (int f = 0; f < FACES; f++) {
-        double n[3], slope = 0.0;
-        double out = beyond(v, f, &faces[f], o, n) - eps * bb_face_twice_area(&faces[f]);
+        double n[3], slope = 0.0, grown = eps * bb_face_twice_area(&faces[f]);
+        double out = beyond(v, f, &faces[f], o, n) - grown;
         for (int k = 0; k < 3; k++)
             slope += n[k] * (double)d[k];
-        if (slope == 0.0 && out > 0.0)
+        if (fabs(slope) * long_way <= 4.0 * grown)
             return 0;
         if (slope < 0.0)
             t[0] = fmax(t[0], -out / slope);

@@ -193,7 +193,8 @@ static float made_value(const bb_box *bounds, const float v[3])
         square += at * at / 3;
         dents += cos(2.0 * M_PI * at) / 12;
     }
-    return (float)(0.5 - 0.5 * cos(4.0 * M_PI * (sqrt(square) + dents)));
+    double value = 0.5 - 0.5 * cos(4.0 * M_PI * (sqrt(square) + dents));
+    return isfinite(value) ? (float)value : 0; /* of a vertex that no tetrahedron has */
 }
 
 static bb_status finish_field(bb_scene *scene)
@@ -226,8 +227,14 @@ bb_status bb_scene_finish_tets(bb_scene *scene)
     if (count > TETS_MAX)
         return bb_fail(BB_REFUSED, "%s: has %u tetrahedra, at most %d can be handled", scene->name,
                        count, TETS_MAX);
+    if (scene->frame_count > 1)
+        return bb_fail(BB_UNSUPPORTED,
+                       "%s: tetrahedra that move cannot be handled: their flags "
+                       "are those of one frame",
+                       scene->name);
     BB_TRY(take_tets(scene));
     bb_tets *tets = scene->tets;
+    tets->boundary_count = tets->flat_count = tets->negative_count = 0;
     BB_TRY(bb_host_alloc(NULL, count * sizeof *tets->flags, "flags of tetrahedra", &tets->flags));
     memset(tets->flags, 0, count * sizeof *tets->flags);
     BB_TRY(flag_boundary(scene, tets));

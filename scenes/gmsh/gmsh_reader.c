@@ -138,7 +138,25 @@ static int number_vertices(mesh *m)
     return 0;
 }
 
-/* Values that the view does not have stay 0. */
+/* True if the view has one value per node. Values that it does not have stay 0. */
+static int take_view(mesh *m, int view)
+{
+    int error;
+    char *type = NULL;
+    size_t *tags = NULL, tag_count, value_count;
+    double *values = NULL, time;
+    int components;
+    gmshViewGetHomogeneousModelData(view, 0, &type, &tags, &tag_count, &values, &value_count, &time,
+                                    &components, &error);
+    if (error != 0 || components != 1 || strcmp(type, "NodeData") != 0 || value_count != tag_count)
+        return 0;
+    for (size_t i = 0; i < tag_count; i++)
+        if (tags[i] <= m->tag_max && m->number_of[tags[i]] >= 2)
+            m->field[m->number_of[tags[i]] - 2] = (float)values[i];
+    m->head.fielded = 1;
+    return 1;
+}
+
 static int read_field(mesh *m)
 {
     int *views = NULL, error;
@@ -146,23 +164,13 @@ static int read_field(mesh *m)
     gmshViewGetTags(&views, &view_count, &error);
     if (error != 0 || view_count == 0)
         return 0;
-    char *type = NULL;
-    size_t *tags = NULL, tag_count, value_count;
-    double *values = NULL, time;
-    int components;
-    gmshViewGetHomogeneousModelData(views[0], 0, &type, &tags, &tag_count, &values, &value_count,
-                                    &time, &components, &error);
-    if (error != 0 || components != 1 || strcmp(type, "NodeData") != 0 || value_count != tag_count)
-        return 0;
     m->field = calloc(m->head.vertices + 1, sizeof *m->field);
     if (m->field == NULL) {
         complain(m, "no memory for its field", NULL);
         return 1;
     }
-    for (size_t i = 0; i < tag_count; i++)
-        if (tags[i] <= m->tag_max && m->number_of[tags[i]] >= 2)
-            m->field[m->number_of[tags[i]] - 2] = (float)values[i];
-    m->head.fielded = 1;
+    for (size_t i = 0; i < view_count && !take_view(m, views[i]); i++)
+        continue;
     return 0;
 }
 

@@ -74,7 +74,7 @@ fetch "by hand from https://example.org/" home "$work/out"
 fetch "no scene 'none'" none "$work/out"
 fetch "usage"
 
-complete='\| https://[^ ]*/[0-9a-f]{40}/[^ ]*\.glb \| (unknown|[0-9a-f]{64})$'
+complete='\| https://[^ ]*/[0-9a-f]{40}/[^ ]*\.(glb|vox|msh) \| (unknown|[0-9a-f]{64})$'
 entries=$(grep -cE "$complete" "$source/scenes/fetch.txt")
 listed=$("$source/scripts/fetch-scenes" --list | grep -c '^download ')
 [ "$listed" -gt 0 ] && [ "$entries" -eq "$listed" ] ||

@@ -1,0 +1,108 @@
+/* The light along rays through tetrahedra with a scalar field: absorption and emission, from front
+ * to back, as in march.clh.
+ *
+ *   sample k is at t = (k + 1/2) step on each ray, whatever tree is used
+ *   for each between where the ray enters and leaves: which tetrahedron holds it (locate.clh)?
+ *       none: it is outside and counts for nothing
+ *   value of the field there; entry of the transfer function's table; a = 1 - exp(-extinction step)
+ *   light += left a rgb;  left *= 1 - a
+ *
+ * Samples are the same for all ways of finding them, bit for bit, and so are the pictures of meshes
+ * that do not overlap themselves.
+ *
+ *   BB_TET_INTERVAL   1: only where the ray may be inside, by cells of the boundary
+ *                     (octree_interval.clh; BB_LOCATE_OCTREE); 0: between the bounds of all
+ *   and those of locate_points.cl
+ */
+#include "bb_device.h"
+#include "locate.clh"
+#include "octree_interval.clh"
+#include "prims.clh"
+#include "volume_shared.h"
+
+#ifndef BB_TET_INTERVAL
+#define BB_TET_INTERVAL 0
+#endif
+#if BB_LOCATE_OCTREE
+#define BB_LOCATE_NODE uint2
+#else
+#define BB_LOCATE_NODE float
+#endif
+
+kernel void tet_march(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
+#if BB_LOCATE_OCTREE
+                      global const bb_cell_grid *grid,
+#endif
+                      bb_locate_args args, global const uint *flags, global const uint *data,
+                      bb_prim_ends ends, global const float *field, global const float4 *table,
+                      bb_tet_march_args march, global const bb_ray *rays, uint count,
+                      global bb_light *lights
+#if BB_COUNTING
+                      ,
+                      global bb_count *counts
+#endif
+)
+{
+    uint id = (uint)get_global_id(0);
+    if (id >= count)
+        return;
+    bb_locate_tree tree;
+    tree.nodes = nodes;
+    tree.leaf_prims = leaf_prims;
+    tree.flags = flags;
+    tree.args = args;
+    float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
+    float entry = rays[id].tmin, exit = BB_MIN(FLT_MAX, rays[id].tmax);
+    float dt = march.step / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    uint visited = 0, samples = 0;
+    bb_interval_slab(march.lo[0], march.hi[0], o.x, d.x, &entry, &exit);
+    bb_interval_slab(march.lo[1], march.hi[1], o.y, d.y, &entry, &exit);
+    bb_interval_slab(march.lo[2], march.hi[2], o.z, d.z, &entry, &exit);
+#if BB_LOCATE_OCTREE
+    tree.grid = *grid;
+#if BB_TET_INTERVAL
+    if (entry <= exit)
+        bb_octree_interval(nodes, args.root, &tree.grid, o, d, &entry, &exit, &visited);
+#endif
+#endif
+    float3 light = (float3)(0.0f);
+    float left = 1.0f;
+    /* rather one sample too many on either side */
+    float from = entry / dt - 1.5f, to = exit / dt + 0.5f;
+    uint k = from > 0.0f ? (uint)from : 0u, end = entry <= exit && to > 0.0f ? (uint)to + 1u : 0u;
+    for (; k < end; k++) {
+        float t = ((float)k + 0.5f) * dt;
+        if (t <= rays[id].tmin || t >= rays[id].tmax)
+            continue;
+        bb_location found;
+        bb_locate(&tree, o + t * d, &found);
+        visited += found.nodes;
+        if (found.tet == BB_NONE)
+            continue;
+        uint kind;
+        global const uint *corners = bb_prim_data(data, found.tet, &ends, &kind);
+        float values[4];
+        for (uint c = 0; c < 4; c++)
+            values[c] = field[corners[c]];
+        samples++;
+        float x = (bb_tet_value(&found.weights, values) - march.field_lo) * march.per_field;
+        x = BB_MIN((float)(BB_TRANSFER_STEPS - 1), BB_MAX(0.0f, x));
+        uint i = min((uint)x, BB_TRANSFER_STEPS - 2u);
+        float4 seen = table[i];
+        seen += (table[i + 1u] - seen) * (x - (float)i);
+        if (seen.w <= 0.0f)
+            continue;
+        float through = exp(-seen.w * march.step);
+        light += left * (1.0f - through) * seen.xyz;
+        left *= through;
+        if (left < march.cutoff)
+            break;
+    }
+    vstore3(light, 0, lights[id].rgb);
+    lights[id].left = left;
+#if BB_COUNTING
+    counts[id].nodes = visited;
+    counts[id].prims = samples;
+    counts[id].overflow = 0;
+#endif
+}
