@@ -108,10 +108,15 @@ static void be_reader(const char *program, const char *path, int pipe, rlim_t me
     char *const environment[] = {(char *)(uintptr_t) "LC_ALL=C",
                                  (char *)(uintptr_t) "OMP_NUM_THREADS=1",
                                  set != NULL ? libraries : NULL, NULL};
-    const struct rlimit time = {SECONDS, SECONDS}, room = {memory, memory}, none = {0, 0};
+    const struct rlimit time = {SECONDS, SECONDS}, none = {0, 0};
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     setrlimit(RLIMIT_CPU, &time);
+#ifdef __SANITIZE_ADDRESS__
+    (void)memory; /* the sanitizer's shadow, terabytes that are never touched, would count */
+#else
+    const struct rlimit room = {memory, memory};
     setrlimit(RLIMIT_DATA, &room);
+#endif
     setrlimit(RLIMIT_CORE, &none);
     setrlimit(RLIMIT_FSIZE, &none); /* of files, not of pipes */
     signal(SIGXFSZ, SIG_IGN);       /* what Gmsh would like to write fails */

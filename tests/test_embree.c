@@ -80,7 +80,6 @@ static void test_trace_by_hand(void **state)
     hand_free(scene);
 }
 
-/* Leaves the floating-point mode alone, and sleeps between calls. */
 /* What Embree does not take, on which some builds of it abort, is a miss. */
 static void test_too_large(void **state)
 {
@@ -102,6 +101,7 @@ static void test_too_large(void **state)
     bb_scene_free(scene);
 }
 
+/* Leaves the floating-point mode alone, and sleeps between calls. */
 static void test_manners(void **state)
 {
     (void)state;
@@ -133,11 +133,15 @@ static void test_manners(void **state)
         found += hits[i].prim != BB_NONE;
     assert_in_range(found, COUNT / 10, COUNT);
 
+    /* TBB spins for a moment after a build, a longer one where other processes want the cores. */
     const struct timespec nap = {0, 300000000};
-    nanosleep(&nap, NULL); /* TBB spins for a moment after a build */
-    double cpu = bb_cpu_ms();
-    nanosleep(&nap, NULL);
-    assert_true(bb_cpu_ms() - cpu < 30);
+    double busy = INFINITY;
+    for (int naps = 0; naps < 20 && busy >= 30; naps++) {
+        double cpu = bb_cpu_ms();
+        nanosleep(&nap, NULL);
+        busy = bb_cpu_ms() - cpu;
+    }
+    assert_true(busy < 30);
     bb_embree_destroy(embree);
     free(rays);
     free(hits);
