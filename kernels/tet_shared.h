@@ -27,6 +27,23 @@ typedef struct bb_locate_args {
     float scale;
 } bb_locate_args;
 
+/* A slice: voxels between planes lo + i * step on two axes, the last being hi; and between two
+ * planes on the third. */
+typedef struct bb_slice_args {
+    float lo[2], hi[2], step[2]; /* of the two other axes, in ascending order */
+    bb_u32 size[2];              /* voxels along them */
+    bb_u32 axis;                 /* across the slice */
+    float below, above;
+    float field_lo, field_hi; /* of the mesh */
+} bb_slice_args;
+
+/* A voxel of a slice. */
+typedef struct bb_sliced {
+    bb_u32 prim; /* the tetrahedron whose field it has; BB_NONE: no material */
+    float value;
+    bb_u32 inside; /* 1: the tetrahedron holds its centre */
+} bb_sliced;
+
 /* What a march along a ray through tetrahedra is told. */
 typedef struct bb_tet_march_args {
     float lo[3]; /* of all of them */

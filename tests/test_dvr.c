@@ -124,7 +124,7 @@ static void meshes_are_compared(void **state)
     (void)state;
     const outcome *o =
         run("volume --scene tets:side=6,shape=shell --builder lbvh,olbvh --search "
-            "skip,octree,octree:interval=no --size 24x20 --steps 2,1,0.5 --repeats 6 --out mesh");
+            "skip,octree,octree:boundary=no --size 24x20 --steps 2,1,0.5 --repeats 6 --out mesh");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
     assert_non_null(strstr(o->out, "field 'made'"));
@@ -218,7 +218,7 @@ static void what_makes_no_sense_is_refused(void **state)
     refuses("", "volume --scene cube", "is neither a volume nor a mesh");
     refuses("", "volume --scene tets:side=2 --search octre", "no search 'octre'");
     refuses("", "volume --scene tets:side=2 --search octree:interval=maybe", "interval");
-    refuses("", "volume --scene tets:side=2 --search skip:interval=no", "interval");
+    refuses("", "volume --scene tets:side=2 --search skip:boundary=no", "boundary");
     refuses("", "volume --scene tets:side=2 --builder lbvh --search octree", "'cells'");
     refuses("", "volume --scene nbody:n=1", "n=1");
     refuses("", "volume --scene nbody:n=20 --transfer rmp", "unknown transfer function 'rmp'");

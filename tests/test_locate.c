@@ -108,13 +108,15 @@ static void search(bb_device *on, bb_scene *scene, int way, bool floats, const b
     check(bb_buffer_reserve(on, NULL, count * sizeof *found, "test", &results), "results");
     check(bb_buffer_reserve(on, NULL, count * sizeof *counted, "test", &counts), "counts");
     check(bb_buffer_fill(&results, count * sizeof *found, BB_POISON), "poison");
-    check(bb_locate_points(locator, layout, &data, points, count, &results, &counts), "locate");
+    bb_tet_search how;
+    check(bb_tet_search_by(scene, layout, &data, &how), "search");
+    check(bb_locate_points(locator, &how, points, count, &results, &counts), "locate");
     check(bb_buffer_read(&results, 0, count * sizeof *found, found), "results");
     check(bb_buffer_read(&counts, 0, count * sizeof *counted, counted), "counts");
     for (uint32_t i = 0; i < count; i++)
         tests += counted[i].prims;
     assert_true(tests > 0);
-    check(bb_locate_points(locator, layout, &data, points, count, &results, NULL), "locate");
+    check(bb_locate_points(locator, &how, points, count, &results, NULL), "locate");
     bb_located *again = malloc(count * sizeof *again);
     check(bb_buffer_read(&results, 0, count * sizeof *again, again), "results");
     assert_memory_equal(found, again, count * sizeof *again);
@@ -206,8 +208,8 @@ static void scenes_without_tetrahedra_are_refused(void **state)
     check(bb_scene_load("cube", &scene), "cube");
     assert_int_equal(bb_locator_create(scene, &locator), BB_UNSUPPORTED);
     assert_null(locator);
-    assert_false(bb_locator_takes(bb_layout_find("pair")));
-    assert_true(bb_locator_takes(bb_layout_find("skip")));
+    assert_false(bb_tet_search_takes(bb_layout_find("pair")));
+    assert_true(bb_tet_search_takes(bb_layout_find("skip")));
     bb_scene_free(scene);
 }
 

@@ -58,19 +58,21 @@ static void march(bb_scene *scene, bb_tet_marcher *marcher, int way, const bb_bu
     bb_layout_data data = {0};
     bb_buffer there, counted;
     const bb_layout *layout = bb_layout_find(ways[way].layout);
-    const bb_tet_way how = {layout, &data, ways[way].interval};
+    const bool interval = ways[way].interval;
+    bb_tet_search how;
     check(bb_instance_create(device, ways[way].builder, scene, 1, &instance), ways[way].builder);
     check(bb_instance_build(&instance, scene, false, NULL), ways[way].builder);
     check(bb_layout_maker_create(layout, device, &maker), layout->name);
     check(bb_layout_maker_make(&maker, scene, &instance.tree, 1, BB_FORMAT_VERTICES, &data),
           layout->name);
+    check(bb_tet_search_by(scene, layout, &data, &how), layout->name);
     make_buffer(&there, NULL, RAYS * sizeof *lights);
     make_buffer(&counted, NULL, RAYS * sizeof *counts);
     check(bb_buffer_fill(&there, RAYS * sizeof *lights, BB_POISON), "poison");
-    check(bb_tet_march(marcher, &how, rays, RAYS, &there, NULL), "march");
+    check(bb_tet_march(marcher, &how, interval, rays, RAYS, &there, NULL), "march");
     check(bb_buffer_read(&there, 0, RAYS * sizeof *lights, lights), "lights");
     bb_light *again = malloc(RAYS * sizeof *again);
-    check(bb_tet_march(marcher, &how, rays, RAYS, &there, &counted), "march");
+    check(bb_tet_march(marcher, &how, interval, rays, RAYS, &there, &counted), "march");
     check(bb_buffer_read(&there, 0, RAYS * sizeof *again, again), "lights");
     check(bb_buffer_read(&counted, 0, RAYS * sizeof *counts, counts), "counts");
     assert_memory_equal(again, lights, RAYS * sizeof *lights);
@@ -220,10 +222,11 @@ static void what_cannot_be_is_refused(void **state)
     check(bb_tet_marcher_create(scene, NULL, &marcher), "march");
     assert_int_equal(bb_tet_marcher_set(marcher, &(bb_march_settings){0, 0}, &transfer),
                      BB_INVALID);
-    const bb_tet_way wrong[] = {{bb_layout_find("pair"), &data, false},
-                                {bb_layout_find("skip"), &data, true}};
-    for (int i = 0; i < 2; i++)
-        assert_int_equal(bb_tet_march(marcher, &wrong[i], &none, 1, &none, NULL), BB_UNSUPPORTED);
+    bb_tet_search search;
+    assert_int_equal(bb_tet_search_by(scene, bb_layout_find("pair"), &data, &search),
+                     BB_UNSUPPORTED);
+    check(bb_tet_search_by(scene, bb_layout_find("skip"), &data, &search), "skip");
+    assert_int_equal(bb_tet_march(marcher, &search, true, &none, 1, &none, NULL), BB_UNSUPPORTED);
     bb_tet_marcher_destroy(marcher);
     bb_scene_free(scene);
 }

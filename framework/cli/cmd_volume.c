@@ -1,19 +1,15 @@
 /* bvhbench volume: pictures of volumes, with trees and without. */
-#include "framework/base/file.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/number.h"
-#include "framework/cli/choice.h"
+#include "framework/cli/contest_options.h"
 #include "framework/cli/inputs.h"
 #include "framework/device/device_private.h"
 #include "framework/dvr/dvr.h"
 #include "framework/record/put.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-extern const char bb_build_revision[];
 
 static const bb_cli_option options[] = {
     {"scene", "S",
@@ -24,11 +20,10 @@ static const bb_cli_option options[] = {
      "transfer function: of `list transfers`, or a file; several follow each other; default: the "
      "scene's; of a mesh, ramp",
      BB_CLI_LIST},
-    {"builder", "B", "default: vlbvh,lbvh; for a mesh lbvh,olbvh,olbvh:alpha=1,olbvh:alpha=2",
-     BB_CLI_LIST},
+    {"builder", "B", "default: vlbvh,lbvh; for a mesh " BB_USUAL_TET_BUILDERS, BB_CLI_LIST},
     {"kernel", "K", "of a volume; default: stack,stack8", BB_CLI_LIST},
     {"search", "S",
-     "of a mesh, how samples are found: skip, octree, octree:interval=no; default: skip,octree",
+     "of a mesh, how samples are found: skip, octree, octree:boundary=no; default: skip,octree",
      BB_CLI_LIST},
     {"view", "V", "view of the scene; default: all", false},
     {"turns", "N",
@@ -110,27 +105,13 @@ static bb_status read_numbers(const bb_cli *cli, bb_dvr_request *request)
     return read_steps(cli, request);
 }
 
-static bb_status read_searches(const bb_cli *cli, bb_names *searches)
-{
-    uint32_t count;
-    char *const *given = bb_cli_values(cli, "search", &count);
-    for (uint32_t i = 0; i < count; i++) {
-        bb_spec spec;
-        BB_TRY(bb_dvr_search_parse(given[i], &spec));
-        BB_TRY(bb_names_add(searches, given[i]));
-    }
-    return count > 0 ? BB_OK : bb_names_add(searches, "skip,octree");
-}
-
 static bb_status read_names(job *j)
 {
-    static const char *const usual[2] = {"vlbvh,lbvh", "lbvh,olbvh,olbvh:alpha=1,olbvh:alpha=2"};
+    static const char *const usual[2] = {"vlbvh,lbvh", BB_USUAL_TET_BUILDERS};
     uint32_t count;
-    bb_cli_values(j->cli, "builder", &count);
     for (int mesh = 0; mesh < 2; mesh++)
-        BB_TRY(count > 0 ? bb_choose_builders(j->cli, true, &j->builders[mesh])
-                         : bb_names_add(&j->builders[mesh], usual[mesh]));
-    BB_TRY(read_searches(j->cli, &j->searches));
+        BB_TRY(bb_choose_tree_builders(j->cli, usual[mesh], &j->builders[mesh]));
+    BB_TRY(bb_choose_searches(j->cli, &j->searches));
     bb_cli_values(j->cli, "kernel", &count);
     return count > 0 ? bb_choose_kernels(j->cli, &j->kernels)
                      : bb_names_add(&j->kernels, "stack,stack8");
@@ -226,43 +207,24 @@ static bb_status check_transfers(const bb_cli *cli)
     return BB_OK;
 }
 
-static bb_status write_document(const job *j, const cJSON *document)
-{
-    const char *out = bb_cli_value(j->cli, "out");
-    char path[PATH_MAX];
-    char *text = cJSON_Print(document);
-    if (text == NULL)
-        return bb_fail(BB_REFUSED, "no memory for the results");
-    bb_status status = BB_OK;
-    if (j->json)
-        printf("%s\n", text);
-    if (out != NULL)
-        status = bb_join_path(path, out, "volume.json");
-    if (out != NULL && status == BB_OK)
-        status = bb_file_write(path, text, strlen(text), "results");
-    free(text);
-    return status;
-}
-
 static bb_status compare_all(job *j)
 {
     uint32_t count;
+    cJSON *document;
     char *const *scenes = bb_cli_values(j->cli, "scene", &count);
-    cJSON *document = cJSON_CreateObject();
-    j->results = cJSON_CreateArray();
-    bool put = document != NULL && bb_put_text(document, "schema", "bvhbench-volume/1") &&
-               bb_put_text(document, "revision", bb_build_revision) &&
-               bb_put_text(document, "device", j->request.device->name) &&
-               bb_put_number(document, "step", j->request.step) &&
-               bb_put_number(document, "cutoff", j->request.cutoff);
-    put = bb_put(document, "results", j->results) && put;
-    bb_status status = put ? BB_OK : bb_fail(BB_REFUSED, "no memory for the results");
+    if (!bb_contest_document("bvhbench-volume/1", j->request.device, &document, &j->results) ||
+        !bb_put_number(document, "step", j->request.step) ||
+        !bb_put_number(document, "cutoff", j->request.cutoff)) {
+        cJSON_Delete(document);
+        return bb_fail(BB_REFUSED, "no memory for the results");
+    }
+    bb_status status = BB_OK;
     for (uint32_t i = 0; i < count && status == BB_OK && !bb_interrupted(); i++)
         status = compare_scene(j, scenes[i]);
     /* what was measured before a failure is kept */
     bb_status written = BB_OK;
-    if (put && (status == BB_OK || cJSON_GetArraySize(j->results) > 0))
-        written = write_document(j, document);
+    if (status == BB_OK || cJSON_GetArraySize(j->results) > 0)
+        written = bb_contest_write(j->cli, document, "volume.json");
     cJSON_Delete(document);
     return status != BB_OK ? status : written;
 }
@@ -290,19 +252,12 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         status = compare_all(&j);
         bb_device_close(j.request.device);
     }
-    if (status == BB_OK && j.wrong)
-        *exit_status = BB_EXIT_WRONG;
-    if (bb_interrupted()) {
-        fprintf(stderr, "bvhbench: interrupted: the results are those of what was measured\n");
-        *exit_status = BB_EXIT_INTERRUPTED;
-        status = BB_OK;
-    }
     free(j.result);
     for (int mesh = 0; mesh < 2; mesh++)
         bb_names_free(&j.builders[mesh]);
     bb_names_free(&j.kernels);
     bb_names_free(&j.searches);
-    return status;
+    return bb_contest_end(status, j.wrong, exit_status);
 }
 
 extern const bb_command bb_command_volume;

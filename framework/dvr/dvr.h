@@ -7,12 +7,10 @@
 #ifndef BB_DVR_H
 #define BB_DVR_H
 
-#include "framework/base/statistics.h"
-#include "framework/builder/instance.h"
+#include "framework/contest/contest.h"
 #include "framework/march/march.h"
 
 enum {
-    BB_DVR_WAYS_MAX = 64,
     BB_DVR_STEPS_MAX = 12,
     BB_DVR_PICTURES_MAX = 3 * 180,
 };
@@ -23,7 +21,7 @@ typedef struct bb_dvr_request {
     uint32_t builder_count;
     const char *const *kernels; /* the same; for volumes */
     uint32_t kernel_count;
-    const char *const *searches; /* for tetrahedra: see bb_dvr_search_parse() */
+    const char *const *searches; /* for tetrahedra: see bb_tet_search_parse() */
     uint32_t search_count;
     const bb_transfer *transfer; /* for tetrahedra; a volume has its own */
     const char *view;            /* NULL: all of the scene's */
@@ -38,32 +36,6 @@ typedef struct bb_dvr_request {
     uint64_t seed;
     const char *pictures; /* the beginning of paths of PNG files; NULL: none */
 } bb_dvr_request;
-
-/* A phase of a build. */
-typedef struct bb_dvr_phase {
-    char name[48];
-    bb_samples ms;
-} bb_dvr_phase;
-
-/* A tree and a kernel or search, or no tree. Times in ms; of pictures the mean over all, in each
- * round. */
-typedef struct bb_dvr_way {
-    char builder[128], kernel[96]; /* "": no tree */
-    char refused[320];             /* why there are no figures; "": there are */
-    /* layout: with the transfer of a tree that was made on the host */
-    bb_samples build, layout, march, march_cpu;
-    uint32_t phase_count;
-    bb_dvr_phase phases[BB_PHASES_MAX];
-    uint32_t nodes, leaves;
-    uint32_t references;
-    uint64_t tree_bytes;
-    uint64_t bytes;     /* of tree and scratch at most, and of the layout */
-    double samples;     /* per ray */
-    double most;        /* largest difference of a channel from the picture of the first way */
-    uint32_t most_8;    /* the same in 8 bits */
-    uint64_t differ;    /* pixels that differ at all */
-    uint64_t overflown; /* rays for which a stack was too small */
-} bb_dvr_way;
 
 /* How far a picture is from one with samples so close that more of them change nothing. */
 typedef struct bb_dvr_error {
@@ -85,7 +57,8 @@ typedef struct bb_dvr_result {
     uint32_t pictures;
     uint64_t pixels; /* of all */
     uint32_t way_count;
-    bb_dvr_way ways[BB_DVR_WAYS_MAX]; /* the first is without a tree, for a volume */
+    bb_contest_way ways[BB_CONTEST_WAYS_MAX]; /* the first of a volume is without a tree; work:
+                                                 samples per ray */
     uint32_t error_count;
     bb_dvr_error errors[BB_DVR_STEPS_MAX];
     double converged; /* difference of the reference from one of twice its step */
@@ -95,15 +68,6 @@ typedef struct bb_dvr_result {
  * said in its way. Interrupted after a round that counts, it ends with the rounds that there are,
  * and without accuracy; before that it fails. The scene is on the device. */
 bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_dvr_result *result);
-
-/* Of the pictures, with build and layout or without, the ratio to the first way. For a volume, that
- * is the march without a tree: below 1 the tree pays. */
-bb_estimate bb_dvr_ratio(const bb_dvr_result *result, const bb_dvr_way *way, bool with_build);
-
-/* How tetrahedra are searched: `skip` on any tree; `octree` on one with cells, `interval=no`
- * without intervals by its boundary. BB_INVALID for anything else. */
-extern const bb_option bb_dvr_search_options[];
-bb_status bb_dvr_search_parse(const char *text, bb_spec *spec);
 
 /* As text on standard output. */
 void bb_dvr_print(const bb_dvr_result *result);

@@ -12,8 +12,8 @@ typedef struct study {
     const bb_dvr_request *request;
     const bb_scene *scene;
     const bb_dvr_renderer *renderer;
-    const bb_dvr_runner *runner; /* NULL: without a tree */
-    const bb_dvr_runner *reference_runner;
+    const bb_contest_runner *runner; /* NULL: without a tree */
+    const bb_contest_runner *reference_runner;
     bb_dvr_pictures *pictures;
     bb_light *reference, *lights;
     bb_count *counts;
@@ -126,7 +126,7 @@ static bb_status study_all(study *s, bb_dvr_result *result)
 }
 
 bb_status bb_dvr_measure_errors(const bb_dvr_request *request, const bb_scene *scene,
-                                const bb_dvr_renderer *renderer, const bb_dvr_runner *runner,
+                                const bb_dvr_renderer *renderer, const bb_contest_runner *runner,
                                 bb_dvr_pictures *pictures, bb_dvr_result *result)
 {
     study s = {.request = request,

@@ -1,70 +1,32 @@
 /* A comparison as text. */
 #include "framework/dvr/dvr.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <string.h>
-
-static void put_interval(bb_estimate e, const char *format)
-{
-    char text[64];
-    if (isnan(e.low))
-        snprintf(text, sizeof text, "[too few rounds]");
-    else
-        snprintf(text, sizeof text, format, e.low, e.high);
-    printf(" %-16s", text);
-}
 
 /* Of those that count, in millions per second. */
-static double sampling_rate(const bb_dvr_result *result, const bb_dvr_way *way)
+static double sampling_rate(const bb_dvr_result *result, const bb_contest_way *way)
 {
     double rays = (double)result->pixels / result->pictures;
-    return way->samples * rays / bb_samples_median(&way->march) / 1e3;
+    return way->work * rays / bb_samples_median(&way->answer) / 1e3;
 }
 
-static void print_way(const bb_dvr_result *result, const bb_dvr_way *way)
+static void print_way(const bb_dvr_result *result, const bb_contest_way *way)
 {
-    char name[240];
-    bool without = way->builder[0] == '\0';
-    snprintf(name, sizeof name, "%s, %s", way->builder, way->kernel);
-    printf(" %-38s", without ? "no tree" : name);
-    if (way->refused[0] != '\0') {
-        printf(" %s\n", way->refused);
+    if (!bb_contest_print_name(way))
+        return;
+    printf(" %9.1f", bb_samples_median(&way->answer));
+    if (way->builder[0] == '\0') {
+        printf(" %24s %9.1f %8.2f\n", "", way->work, sampling_rate(result, way));
         return;
     }
-    if (without)
-        printf("%8s %8s", "", "");
-    else
-        printf("%8.2f %8.2f", bb_samples_median(&way->build), bb_samples_median(&way->layout));
-    printf(" %9.1f", bb_samples_median(&way->march));
-    if (without) {
-        printf(" %24s %9.1f %8.2f\n", "", way->samples, sampling_rate(result, way));
-        return;
-    }
-    bb_estimate with_build = bb_dvr_ratio(result, way, true);
+    bb_estimate with_build = bb_contest_ratio(&result->ways[0], way, true);
     printf(" %7.3f", with_build.value);
-    put_interval(with_build, "[%.3f, %.3f]");
-    printf(" %9.1f %8.2f %9.2g %u/255", way->samples, sampling_rate(result, way), way->most,
+    bb_contest_print_interval(with_build);
+    printf(" %9.1f %8.2f %9.2g %u/255", way->work, sampling_rate(result, way), way->most,
            way->most_8);
     if (way->differ > 0)
         printf(", %llu pixels", (unsigned long long)way->differ);
     printf("\n");
-}
-
-static void print_phases(const bb_dvr_result *result)
-{
-    const char *last = "";
-    for (uint32_t w = 0; w < result->way_count; w++) {
-        const bb_dvr_way *way = &result->ways[w];
-        if (way->phase_count == 0 || strcmp(way->builder, last) == 0)
-            continue;
-        last = way->builder;
-        printf(" %-24s ms: ", way->builder);
-        for (uint32_t p = 0; p < way->phase_count; p++)
-            printf("%s%s %.3f", p > 0 ? ", " : "", way->phases[p].name,
-                   bb_samples_median(&way->phases[p].ms));
-        printf("\n");
-    }
 }
 
 static void print_errors(const bb_dvr_result *result)
@@ -97,27 +59,13 @@ static void print_scene(const bb_dvr_result *r)
            r->brick_side, r->seen, r->bricks, 100.0 * r->seen / r->bricks);
 }
 
-/* Trees of a mesh differ in size, too. */
-static void print_trees(const bb_dvr_result *r)
-{
-    const char *last = "";
-    for (uint32_t w = 0; w < r->way_count && r->tets > 0; w++) {
-        const bb_dvr_way *way = &r->ways[w];
-        if (way->nodes == 0 || strcmp(way->builder, last) == 0)
-            continue;
-        last = way->builder;
-        printf(" %-24s tree: %.2f MiB, %u nodes, %.2f references per tetrahedron\n", way->builder,
-               (double)way->tree_bytes / (1 << 20), way->nodes, (double)way->references / r->tets);
-    }
-}
-
 void bb_dvr_print(const bb_dvr_result *r)
 {
     const bool mesh = r->tets > 0;
     print_scene(r);
     printf(" %u pictures, %llu pixels in all; ms per picture, medians of %u rounds\n\n",
            r->pictures, (unsigned long long)r->pixels,
-           r->ways[0].march.count > 1 ? r->ways[0].march.count - 1 : 1);
+           r->ways[0].answer.count > 1 ? r->ways[0].answer.count - 1 : 1);
     printf(" %-38s%8s %8s %9s %7s %-16s %9s %8s %9s %s\n", "", "build", "layout", "picture", "all",
            mesh ? "/first" : "/no tree", "samples", "M/s", "differs", "8 bits");
     for (uint32_t w = 0; w < r->way_count; w++)
@@ -130,8 +78,9 @@ void bb_dvr_print(const bb_dvr_result *r)
         printf(" builders other than vlbvh get the boxes of what is seen, and find nothing out "
                "themselves\n");
     printf("\n");
-    print_trees(r);
-    print_phases(r);
+    if (mesh)
+        bb_contest_print_trees(r->ways, r->way_count, r->tets);
+    bb_contest_print_phases(r->ways, r->way_count);
     if (r->copy.count > 0)
         printf(" %-24s ms: %.3f, %.1f GB/s\n", "a copy of the bricks", bb_samples_median(&r->copy),
                (double)r->volume_bytes / 1e6 / bb_samples_median(&r->copy));

@@ -15,17 +15,6 @@ typedef struct bb_dvr_pictures {
     bb_buffer lights, counts;
 } bb_dvr_pictures;
 
-/* A way at work. */
-typedef struct bb_dvr_runner {
-    bb_dvr_way *way;
-    uint32_t leaf; /* most references in one, of the layout */
-    bb_layout_maker maker;
-    bb_layout_data layout;
-    bb_tracer *tracers[2]; /* of a volume: not counting, counting */
-    bool interval;         /* of tetrahedra, see bb_tet_way */
-    double ms, cpu_ms;     /* of the pictures of this round */
-} bb_dvr_runner;
-
 /* What makes pictures of one kind of scene. */
 typedef struct bb_dvr_renderer {
     void *self;
@@ -34,10 +23,11 @@ typedef struct bb_dvr_renderer {
     /* Fills result->scene and what else tells of the scene. */
     void (*describe)(const void *self, bb_dvr_result *result);
     /* Makes layout and programs of a way, whose tree is on the device. */
-    bb_status (*make)(void *self, const char *kernel, bb_tree *tree, bb_dvr_runner *runner);
+    bb_status (*make)(void *self, const char *kernel, bb_tree *const *trees,
+                      bb_contest_runner *runner);
     bb_status (*set)(void *self, const bb_march_settings *settings);
     /* Enqueues the picture; with `counting`, its counts too. */
-    bb_status (*launch)(void *self, const bb_dvr_runner *runner, bb_dvr_pictures *pictures,
+    bb_status (*launch)(void *self, const bb_contest_runner *runner, bb_dvr_pictures *pictures,
                         bool counting);
     /* Whether what builders were handed is as it was. Optional. */
     bb_status (*check)(void *self);
@@ -73,7 +63,7 @@ float bb_dvr_finest_step(const bb_dvr_request *request, double unit);
 /* Step against error, by one way; `runner` NULL: without a tree, as the reference is where there is
  * such a way. */
 bb_status bb_dvr_measure_errors(const bb_dvr_request *request, const bb_scene *scene,
-                                const bb_dvr_renderer *renderer, const bb_dvr_runner *runner,
+                                const bb_dvr_renderer *renderer, const bb_contest_runner *runner,
                                 bb_dvr_pictures *pictures, bb_dvr_result *result);
 
 #endif

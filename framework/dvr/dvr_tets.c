@@ -1,31 +1,16 @@
 /* Pictures of tetrahedra, by trees that say which of them holds a sample. */
+#include "framework/contest/tet_runner.h"
 #include "framework/dvr/dvr_private.h"
 #include "framework/march/tet_march.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 typedef struct tet_renderer {
     bb_scene *scene;
     const bb_transfer *transfer;
     bb_tet_marcher *marcher;
 } tet_renderer;
-
-const bb_option bb_dvr_search_options[] = {
-    {"interval", "yes", "yes|no", "only where cells of the boundary say that a ray may be inside"},
-    {.name = NULL},
-};
-
-bb_status bb_dvr_search_parse(const char *text, bb_spec *spec)
-{
-    BB_TRY(bb_spec_parse(text, spec));
-    if (strcmp(spec->name, "skip") == 0)
-        return bb_spec_validate(spec, NULL, "search skip");
-    if (strcmp(spec->name, "octree") == 0)
-        return bb_spec_validate(spec, bb_dvr_search_options, "search octree");
-    return bb_fail(BB_INVALID, "there is no search '%s': take skip or octree", spec->name);
-}
 
 static void describe(const void *opaque, bb_dvr_result *result)
 {
@@ -38,18 +23,11 @@ static void describe(const void *opaque, bb_dvr_result *result)
     result->boundary = scene->tets->boundary_count;
 }
 
-static bb_status make(void *opaque, const char *text, bb_tree *tree, bb_dvr_runner *runner)
+static bb_status make(void *opaque, const char *search, bb_tree *const *trees,
+                      bb_contest_runner *runner)
 {
     tet_renderer *self = opaque;
-    bb_spec spec;
-    BB_TRY(bb_dvr_search_parse(text, &spec));
-    runner->leaf = 1;
-    runner->interval = strcmp(spec.name, "octree") == 0 &&
-                       bb_spec_is(&spec, bb_dvr_search_options, "interval", "yes");
-    BB_TRY(bb_layout_maker_create(bb_layout_find(spec.name), self->scene->on_device.device,
-                                  &runner->maker));
-    return bb_layout_maker_make(&runner->maker, self->scene, tree, 1, BB_FORMAT_VERTICES,
-                                &runner->layout);
+    return bb_tet_runner_make(&self->scene, 1, search, trees, runner);
 }
 
 static bb_status set(void *opaque, const bb_march_settings *settings)
@@ -58,13 +36,14 @@ static bb_status set(void *opaque, const bb_march_settings *settings)
     return bb_tet_marcher_set(self->marcher, settings, self->transfer);
 }
 
-static bb_status launch(void *opaque, const bb_dvr_runner *runner, bb_dvr_pictures *p,
+static bb_status launch(void *opaque, const bb_contest_runner *runner, bb_dvr_pictures *p,
                         bool counting)
 {
     tet_renderer *self = opaque;
-    const bb_tet_way way = {runner->maker.layout, &runner->layout, runner->interval};
-    return bb_tet_march(self->marcher, &way, &p->rays.on_device, p->pixels, &p->lights,
-                        counting ? &p->counts : NULL);
+    bb_tet_search search;
+    BB_TRY(bb_tet_runner_search(runner, self->scene, 0, NULL, &search));
+    return bb_tet_march(self->marcher, &search, runner->by_boundary, &p->rays.on_device, p->pixels,
+                        &p->lights, counting ? &p->counts : NULL);
 }
 
 static void destroy(void *opaque)

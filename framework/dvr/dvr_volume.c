@@ -27,7 +27,8 @@ static void describe(const void *opaque, bb_dvr_result *result)
     result->volume_bytes = bb_volume_bytes(volume);
 }
 
-static bb_status make(void *opaque, const char *text, bb_tree *tree, bb_dvr_runner *runner)
+static bb_status make(void *opaque, const char *text, bb_tree *const *trees,
+                      bb_contest_runner *runner)
 {
     volume_renderer *self = opaque;
     const bb_kernel *kernel;
@@ -36,16 +37,18 @@ static bb_status make(void *opaque, const char *text, bb_tree *tree, bb_dvr_runn
     BB_TRY(bb_kernel_parse(text, &spec, &kernel));
     BB_TRY(bb_spec_u64(&spec, bb_kernel_common_options, "leaf", 1, BB_LEAF_MAX, &leaf));
     runner->leaf = (uint32_t)leaf;
-    BB_TRY(bb_layout_maker_create(bb_layout_find(kernel->layout), self->device, &runner->maker));
-    BB_TRY(bb_layout_maker_make(&runner->maker, self->scene, tree, runner->leaf, BB_FORMAT_VERTICES,
-                                &runner->layout));
+    BB_TRY(
+        bb_layout_maker_create(bb_layout_find(kernel->layout), self->device, &runner->makers[0]));
+    BB_TRY(bb_layout_maker_make(&runner->makers[0], self->scene, trees[0], runner->leaf,
+                                BB_FORMAT_VERTICES, &runner->layouts[0]));
     for (int counting = 0; counting < 2; counting++) {
         bb_tracer_request request = {.kernel = kernel,
                                      .spec = &spec,
                                      .intersector = &bb_intersectors[0],
                                      .counting = counting != 0};
         bb_march_tracer_request(self->marcher, &request);
-        BB_TRY(bb_tracer_get(self->device, &request, &runner->layout, &runner->tracers[counting]));
+        BB_TRY(
+            bb_tracer_get(self->device, &request, &runner->layouts[0], &runner->tracers[counting]));
     }
     return BB_OK;
 }
@@ -56,7 +59,7 @@ static bb_status set(void *opaque, const bb_march_settings *settings)
     return bb_marcher_set(self->marcher, settings);
 }
 
-static bb_status launch(void *opaque, const bb_dvr_runner *runner, bb_dvr_pictures *p,
+static bb_status launch(void *opaque, const bb_contest_runner *runner, bb_dvr_pictures *p,
                         bool counting)
 {
     volume_renderer *self = opaque;
@@ -64,7 +67,7 @@ static bb_status launch(void *opaque, const bb_dvr_runner *runner, bb_dvr_pictur
     if (runner == NULL)
         return bb_march_all(self->marcher, &p->rays.on_device, p->pixels, &p->lights, counts);
     bb_pass pass = {.tracer = runner->tracers[counting],
-                    .layout = &runner->layout,
+                    .layout = &runner->layouts[0],
                     .rays = &p->rays.on_device,
                     .results = &p->lights,
                     .counts = counts};

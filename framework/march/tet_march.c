@@ -1,19 +1,17 @@
 #include "framework/march/tet_march.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { GROUP_SIZE = 64, WIDTHS = 128, WAYS = 3 }; /* skip; octree; octree by intervals */
+enum { GROUP_SIZE = 64, WIDTHS = 128 };
 
 struct bb_tet_marcher {
     const bb_scene *scene;
     bb_device *device;
     bb_tet_march_args args;
     bb_buffer table;
-    cl_program programs[WAYS][2]; /* not counting, counting */
-    cl_kernel kernels[WAYS][2];
+    bb_tet_kernels kernels;
 };
 
 bb_status bb_tet_marcher_create(const bb_scene *scene, bb_account *account, bb_tet_marcher **out)
@@ -26,6 +24,8 @@ bb_status bb_tet_marcher_create(const bb_scene *scene, bb_account *account, bb_t
         return bb_fail(BB_REFUSED, "no memory for a march");
     marcher->scene = scene;
     marcher->device = scene->on_device.device;
+    marcher->kernels = (bb_tet_kernels){
+        .source = "tet_march.cl", .name = "tet_march", .option = "BB_TET_INTERVAL"};
     bb_status status =
         bb_buffer_reserve(marcher->device, account, BB_TRANSFER_STEPS * sizeof(bb_transfer_entry),
                           "table of a transfer function", &marcher->table);
@@ -42,11 +42,7 @@ void bb_tet_marcher_destroy(bb_tet_marcher *marcher)
     if (marcher == NULL)
         return;
     bb_buffer_release(&marcher->table);
-    for (int way = 0; way < WAYS; way++)
-        for (int counting = 0; counting < 2; counting++) {
-            bb_kernel_release(marcher->kernels[way][counting]);
-            bb_program_release(marcher->programs[way][counting]);
-        }
+    bb_tet_kernels_release(&marcher->kernels);
     free(marcher);
 }
 
@@ -77,47 +73,28 @@ bb_status bb_tet_marcher_set(bb_tet_marcher *marcher, const bb_march_settings *s
     return bb_buffer_write(&marcher->table, 0, sizeof table, table);
 }
 
-static bb_status compile(bb_tet_marcher *marcher, int way, int counting)
-{
-    char defines[128];
-    if (marcher->kernels[way][counting] != NULL)
-        return BB_OK;
-    snprintf(defines, sizeof defines,
-             "-DBB_LOCATE_OCTREE=%d -DBB_TET_INTERVAL=%d -DBB_COUNTING=%d -DBB_HAS_DOUBLES=%d",
-             way > 0, way == 2, counting, bb_locate_has_doubles(marcher->device));
-    BB_TRY(bb_program_build(marcher->device, bb_source_find("tet_march.cl"), defines,
-                            &marcher->programs[way][counting]));
-    return bb_kernel_get(marcher->programs[way][counting], "tet_march",
-                         &marcher->kernels[way][counting]);
-}
-
-bb_status bb_tet_march(bb_tet_marcher *marcher, const bb_tet_way *way, const bb_buffer *rays,
-                       uint32_t count, bb_buffer *lights, bb_buffer *counts)
+bb_status bb_tet_march(bb_tet_marcher *marcher, const bb_tet_search *search, bool interval,
+                       const bb_buffer *rays, uint32_t count, bb_buffer *lights, bb_buffer *counts)
 {
     const bb_scene_device *there = &marcher->scene->on_device;
-    const bool octree = strcmp(way->layout->name, "octree") == 0;
-    const int number = octree ? 1 + way->interval : 0, counting = counts != NULL;
-    if (!bb_locator_takes(way->layout) || (way->interval && !octree))
-        return bb_fail(BB_UNSUPPORTED, "layout %s cannot be marched through%s", way->layout->name,
-                       way->interval ? " by intervals: it has no flags of the boundary" : "");
-    BB_TRY(compile(marcher, number, counting));
-    const bb_locate_args search = bb_locate_args_of(marcher->scene, way->data);
-    bb_arg args[14];
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < way->data->buffer_count; i++)
-        args[n++] = BB_MEM(way->data->buffers[i]);
-    args[n++] = BB_VALUE(search);
-    args[n++] = BB_MEM(there->tet_flags);
+    const bb_prim_ends ends = bb_scene_ends(marcher->scene);
+    bb_arg args[BB_TET_SEARCH_ARGS + 9];
+    cl_kernel kernel;
+    if (interval && search->way != BB_SEARCH_OCTREE)
+        return bb_fail(BB_UNSUPPORTED,
+                       "there are no cells with flags of the boundary to find intervals by");
+    BB_TRY(bb_tet_kernels_get(&marcher->kernels, marcher->device, search->way, interval,
+                              counts != NULL, &kernel));
+    uint32_t n = bb_tet_search_args(search, args);
     args[n++] = BB_MEM(there->prims);
-    args[n++] = BB_VALUE(way->data->ends);
+    args[n++] = BB_VALUE(ends);
     args[n++] = BB_MEM(there->field);
     args[n++] = BB_MEM(marcher->table);
     args[n++] = BB_VALUE(marcher->args);
     args[n++] = BB_MEM(*rays);
     args[n++] = BB_VALUE(count);
     args[n++] = BB_MEM(*lights);
-    if (counting)
+    if (counts != NULL)
         args[n++] = BB_MEM(*counts);
-    return bb_launch_args(marcher->device, marcher->kernels[number][counting], count, GROUP_SIZE,
-                          args, n);
+    return bb_launch_args(marcher->device, kernel, count, GROUP_SIZE, args, n);
 }

@@ -20,18 +20,10 @@ double bb_tet_march_width(const bb_scene *scene);
 bb_status bb_tet_marcher_set(bb_tet_marcher *marcher, const bb_march_settings *settings,
                              const bb_transfer *transfer);
 
-/* How a picture is made: from which layout, and whether only where cells of the boundary say that a
- * ray may be inside, which takes the layout `octree`. */
-typedef struct bb_tet_way {
-    const bb_layout *layout;
-    const bb_layout_data *data;
-    bool interval;
-} bb_tet_way;
-
-/* Enqueues the rays; does not wait. `lights` gets bb_light; `counts`, if not NULL, nodes that were
- * visited, and as primitives the samples that are in a tetrahedron. BB_UNSUPPORTED for other
- * layouts. */
-bb_status bb_tet_march(bb_tet_marcher *marcher, const bb_tet_way *way, const bb_buffer *rays,
-                       uint32_t count, bb_buffer *lights, bb_buffer *counts);
+/* Enqueues the rays; does not wait. `interval`: only where cells of the boundary say that a ray may
+ * be inside, BB_UNSUPPORTED without cells. `lights` gets bb_light; `counts`, if not NULL, nodes that
+ * were visited, and as primitives the samples that are in a tetrahedron. */
+bb_status bb_tet_march(bb_tet_marcher *marcher, const bb_tet_search *search, bool interval,
+                       const bb_buffer *rays, uint32_t count, bb_buffer *lights, bb_buffer *counts);
 
 #endif

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# A metric of trees is one file: one_file.sh SOURCE BUILD
+# A metric of trees is one file: one_file.sh SOURCE BUILD FOLDER (of dropped_in.sh)
 # 1. No file of the harness but its own names a metric, apart from papers, whose data do, and SAH, which the harness itself
-# uses for layouts. 2. With BVHBENCH_SLOW_TESTS set: a metric dropped into framework/tree is in every output: list, help,
+# uses for layouts. 2. With BVHBENCH_SLOW_TESTS set: a metric dropped into framework/tree (dropped_in.c) is in every output: list, help,
 # file, tables, page, charts.
 . "$(dirname "$0")/../source_copy.sh"
 
@@ -19,36 +19,8 @@ if [ -z "${BVHBENCH_SLOW_TESTS-}" ]; then
     echo "one file: nobody else names a metric"
     exit 0
 fi
-cat >framework/tree/metric_dropped_in.c <<'END'
-#include "framework/tree/metric.h"
-
-static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
-                         uint64_t seed, double *value, double *half)
-{
-    (void)scene;
-    (void)samples;
-    (void)seed;
-    *value = tree->info.node_count + 0.25;
-    *half = 0.125;
-    return BB_OK;
-}
-
-extern const bb_metric bb_metric_dropped_in;
-const bb_metric bb_metric_dropped_in = {
-    .name = "dropped_in",
-    .title = "DROP",
-    .full_title = "nodes and a quarter",
-    .unit = "nodes",
-    .summary = "Nobody else knows of this.",
-    .on_request = true,
-    .sampled = true,
-    .compute = compute,
-};
-END
-generator=$(grep '^CMAKE_GENERATOR:' "$build/CMakeCache.txt" | cut -d= -f2)
-cmake -S . -B "$work/build" -G "$generator" -DCMAKE_BUILD_TYPE=Debug >"$work/log" 2>&1 &&
-    cmake --build "$work/build" -j 2 >"$work/log" 2>&1 || fail "build: $(tail -5 "$work/log")"
-program=$work/build/bvhbench
+program=$3/build/bvhbench
+[ -x "$program" ] || fail "$program is not built: run dropped_in.sh first"
 run()
 {
     "$program" run --table --scene cube --builder lbvh,embree-native --kernel stack --rays primary --size 16x16 --repeats 1 \

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The plug-in rule: a new builder is one new folder, and no other file is touched: one_folder.sh SOURCE BUILD
+# The plug-in rule: a new builder is one new folder, and no other file is touched: one_folder.sh SOURCE BUILD FOLDER (of dropped_in.sh)
 # 1. No file of the harness names a builder, but for papers, whose experiments are about theirs. 2. scripts/new-builder adds one folder and nothing else, and what it makes
-# compiles. 3. With BVHBENCH_SLOW_TESTS set: configured and built with it, and with a builder of several device files that takes
+# compiles. 3. With BVHBENCH_SLOW_TESTS set: built with it (dropped_in.sh), and with a builder of several device files that takes
 # triangles only, the program lists and checks both; and a test that walks the registry skips what a builder does not take.
 . "$(dirname "$0")/../source_copy.sh"
 
@@ -43,22 +43,20 @@ for bad in '' Upper all common embree-native my-tree ../x 'a b'; do
 done
 
 if [ -n "${BVHBENCH_SLOW_TESTS-}" ]; then
-    cp -r tests/plugin/strips builders/strips
-    rm builders/strips/CMakeLists.txt
-    generator=$(grep '^CMAKE_GENERATOR:' "$build/CMakeCache.txt" | cut -d= -f2)
-    cmake -S . -B "$work/build" -G "$generator" -DCMAKE_BUILD_TYPE=Release -DBVHBENCH_TESTS=ON >"$work/log" 2>&1 &&
-        cmake --build "$work/build" -j 2 --target bvhbench-program test_no_stack >"$work/log" 2>&1 ||
-        fail "build: $(tail -5 "$work/log")"
+    dropped=$3
+    [ -x "$dropped/build/bvhbench" ] || fail "$dropped/build is not built: run dropped_in.sh first"
     for builder in my-tree strips; do
-        grep -q "^ *$builder " <<<"$("$work/build/bvhbench" list builders)" || fail "list does not show $builder"
-        "$work/build/bvhbench" check --builder "$builder" --scene cube >"$work/log" 2>&1 ||
+        grep -q "^ *$builder " <<<"$("$dropped/build/bvhbench" list builders)" || fail "list does not show $builder"
+        "$dropped/build/bvhbench" check --builder "$builder" --scene cube >"$work/log" 2>&1 ||
             fail "check: $(cat "$work/log")"
     done
-    "$work/build/tests/test_no_stack" >"$work/log" 2>&1 || fail "test_no_stack with a triangle-only builder: $(tail -5 "$work/log")"
+    "$dropped/build/tests/test_no_stack" >"$work/log" 2>&1 || fail "test_no_stack with a triangle-only builder: $(tail -5 "$work/log")"
     grep -q '^skipped: strips: ' "$work/log" || fail "test_no_stack does not say that it skips strips"
-    mkdir builders/clash
-    cp tests/plugin/strips/strips.c builders/clash/clash.c
-    cp tests/plugin/strips/strips.clh builders/clash/
+    for builder in strips clash; do
+        mkdir "builders/$builder"
+        cp tests/plugin/strips/strips.c "builders/$builder/$builder.c"
+        cp tests/plugin/strips/strips.clh "builders/$builder/"
+    done
     ! cmake -S . -B "$work/build" >"$work/log" 2>&1 || fail "two device files of one name were taken"
     grep -q 'two device files of one name' "$work/log" || fail "clash: $(tail -5 "$work/log")"
 fi

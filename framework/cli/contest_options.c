@@ -1,0 +1,78 @@
+#include "framework/cli/contest_options.h"
+
+#include "framework/base/file.h"
+#include "framework/base/interrupt.h"
+#include "framework/builder/pipeline.h"
+#include "framework/cli/inputs.h"
+#include "framework/locate/tet_search.h"
+#include "framework/record/put.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+extern const char bb_build_revision[];
+
+bb_status bb_choose_searches(const bb_cli *cli, bb_names *searches)
+{
+    uint32_t count;
+    char *const *given = bb_cli_values(cli, "search", &count);
+    for (uint32_t i = 0; i < count; i++) {
+        bb_spec spec;
+        BB_TRY(bb_tet_search_parse(given[i], &spec));
+        BB_TRY(bb_names_add(searches, given[i]));
+    }
+    return count > 0 ? BB_OK : bb_names_add(searches, "skip,octree");
+}
+
+bb_status bb_choose_tree_builders(const bb_cli *cli, const char *usual, bb_names *builders)
+{
+    uint32_t count;
+    bb_cli_values(cli, "builder", &count);
+    return count > 0 ? bb_choose_builders(cli, true, builders) : bb_names_add(builders, usual);
+}
+
+bool bb_contest_document(const char *schema, const bb_device *device, cJSON **document,
+                         cJSON **results)
+{
+    *document = cJSON_CreateObject();
+    *results = cJSON_CreateArray();
+    bool put = *document != NULL && bb_put_text(*document, "schema", schema) &&
+               bb_put_text(*document, "revision", bb_build_revision) &&
+               bb_put_text(*document, "device", device->name);
+    put = bb_put(*document, "results", *results) && put;
+    if (put)
+        return true;
+    cJSON_Delete(*document);
+    *document = NULL;
+    return false;
+}
+
+bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name)
+{
+    const char *out = bb_cli_value(cli, "out");
+    char path[PATH_MAX];
+    char *text = cJSON_Print(document);
+    if (text == NULL)
+        return bb_fail(BB_REFUSED, "no memory for the results");
+    bb_status status = BB_OK;
+    if (bb_cli_value(cli, "json") != NULL)
+        printf("%s\n", text);
+    if (out != NULL)
+        status = bb_join_path(path, out, name);
+    if (out != NULL && status == BB_OK)
+        status = bb_file_write(path, text, strlen(text), "results");
+    free(text);
+    return status;
+}
+
+bb_status bb_contest_end(bb_status status, bool wrong, int *exit_status)
+{
+    if (status == BB_OK && wrong)
+        *exit_status = BB_EXIT_WRONG;
+    if (!bb_interrupted())
+        return status;
+    fprintf(stderr, "bvhbench: interrupted: the results are those of what was measured\n");
+    *exit_status = BB_EXIT_INTERRUPTED;
+    return BB_OK;
+}

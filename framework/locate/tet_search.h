@@ -1,0 +1,70 @@
+/* How tetrahedra are searched: by a layout of a tree, or one after the other; what kernels that
+ * include kernels/locate.clh are told of it. */
+#ifndef BB_TET_SEARCH_H
+#define BB_TET_SEARCH_H
+
+#include "framework/scene/tets.h"
+#include "traversal/traversal.h"
+
+/* ---- choosing ---- */
+
+/* "skip" on any tree; "octree" on one with cells, `boundary=no` without what cells say of the
+ * mesh's boundary. BB_INVALID for anything else. */
+extern const bb_option bb_tet_search_options[];
+bb_status bb_tet_search_parse(const char *text, bb_spec *spec);
+
+/* Of a specification that was parsed. */
+bool bb_tet_search_by_boundary(const bb_spec *spec);
+
+/* ---- what is searched ---- */
+
+typedef enum bb_tet_search_way {
+    BB_SEARCH_SKIP,
+    BB_SEARCH_OCTREE,
+    BB_SEARCH_ALL
+} bb_tet_search_way;
+
+enum { BB_TET_SEARCH_ARGS = 5 };
+
+/* One scene's tetrahedra by one way. It must not move once args were asked for. */
+typedef struct bb_tet_search {
+    bb_tet_search_way way;
+    const bb_scene *scene; /* on the device */
+    const bb_layout_data *data;
+    const bb_buffer *list;
+    bb_locate_args args;
+} bb_tet_search;
+
+/* Whether such a layout can be searched: "skip" and "octree". */
+bool bb_tet_search_takes(const bb_layout *layout);
+
+/* BB_UNSUPPORTED for other layouts. */
+bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,
+                           const bb_layout_data *data, bb_tet_search *search);
+
+/* All of them, without a tree: made once per scene into `list`, which the caller owns. */
+bb_status bb_tet_list_make(const bb_scene *scene, bb_buffer *list);
+void bb_tet_search_all(const bb_scene *scene, const bb_buffer *list, bb_tet_search *search);
+
+/* The first arguments of a kernel: nodes, leaf primitives, the grid of a layout with cells, `args`,
+ * flags. Their number. */
+uint32_t bb_tet_search_args(const bb_tet_search *search, bb_arg args[BB_TET_SEARCH_ARGS]);
+
+/* ---- kernels ---- */
+
+/* The variants of a kernel that searches, compiled as they are asked for. */
+typedef struct bb_tet_kernels {
+    const char *source, *name; /* of the file and of the kernel in it */
+    const char *option;        /* a macro of the file's own, 0 or 1; NULL: none */
+    bool floats;               /* as on a device that has no doubles */
+    cl_program programs[3][2][2];
+    cl_kernel kernels[3][2][2]; /* by way, option, counting */
+} bb_tet_kernels;
+
+bb_status bb_tet_kernels_get(bb_tet_kernels *kernels, bb_device *device, bb_tet_search_way way,
+                             bool option, bool counting, cl_kernel *kernel);
+void bb_tet_kernels_release(bb_tet_kernels *kernels);
+
+bool bb_device_has_doubles(const bb_device *device);
+
+#endif

@@ -1,0 +1,20 @@
+/* Which tetrahedra of one mesh meet another mesh: kernels/overlap_tets.cl. */
+#ifndef BB_OVERLAP_H
+#define BB_OVERLAP_H
+
+#include "framework/locate/tet_search.h"
+
+typedef struct bb_overlapper bb_overlapper;
+
+bb_status bb_overlapper_create(bb_device *device, bb_overlapper **out);
+void bb_overlapper_destroy(bb_overlapper *overlapper); /* NULL is allowed */
+
+/* Enqueues the question which tetrahedra of `scene` meet one of those that `search` finds, in
+ * another scene or the same; does not wait. Both are on the device. `by_flags`: cells that are all
+ * inside or all outside of the other mesh spare tests; they are found out first, and written down in
+ * the layout; BB_UNSUPPORTED without cells. `results` gets 1 or 0, a uint32_t for each; `counts`,
+ * if not NULL, bb_count. */
+bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_tet_search *search,
+                     bool by_flags, bb_buffer *results, bb_buffer *counts);
+
+#endif

@@ -1,0 +1,153 @@
+/* Which tetrahedra of one mesh share a point with one of another: those without a volume are left
+ * out, touching is sharing (Stroeter, Mueller-Roemer, Stork, Fellner 2020, section 4.4).
+ *
+ *   for each tetrahedron of the one: is a tetrahedron of the other among those whose boxes meet its
+ *   box that it meets (solids.clh)?  One is enough.
+ *   BB_OVERLAP_FLAGS: in a cell that is all inside of the other mesh (octree_inside.cl) it is
+ *   enough to have a corner, or to hold the cell's centre; in one that is all outside there is
+ *   nothing to look for
+ *
+ *   BB_OVERLAP_FLAGS   1, or 0; 1 with BB_LOCATE_OCTREE only
+ *   and those of locate_points.cl, and BB_LOCATE_ALL
+ */
+#include "bb_device.h"
+#include "locate.clh"
+#include "prims.clh"
+#include "solids.clh"
+
+#ifndef BB_OVERLAP_FLAGS
+#define BB_OVERLAP_FLAGS 0
+#endif
+
+typedef struct bb_visitor {
+    float3 lo, hi;     /* of the tetrahedron that asks, in the unit of leaf primitives */
+    float3 corners[4]; /* the same */
+    uint flags;
+    uint tests;
+    const bb_locate_tree *tree;
+} bb_visitor;
+
+#include "tet_walk.clh"
+
+#if BB_LOCATE_OCTREE
+#define BB_LOCATE_NODE uint2
+#else
+#define BB_LOCATE_NODE float
+#endif
+
+/* Whether one has a corner of the other for sure, which most that meet do. */
+bool bb_overlap_corner(const bb_visitor *visitor, uint flags, const float3 corners[4])
+{
+    bb_tet_weights weights;
+    for (uint c = 0; c < 4; c++)
+        if ((bb_tet_point_of(corners[0], corners[1], corners[2], corners[3], flags,
+                             visitor->corners[c], &weights) &&
+             weights.strict) ||
+            (bb_tet_point_of(visitor->corners[0], visitor->corners[1], visitor->corners[2],
+                             visitor->corners[3], visitor->flags, corners[c], &weights) &&
+             weights.strict))
+            return true;
+    return false;
+}
+
+bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corners[4])
+{
+    (void)prim;
+    if ((flags & BB_TET_FLAT) != 0u)
+        return false;
+    float3 origin = visitor->corners[0], side = (float3)(0.0f);
+    for (uint c = 0; c < 4; c++)
+        side = BB_MAX(side, BB_MAX(fabs(corners[c] - origin), fabs(visitor->corners[c] - origin)));
+    bb_real unit = bb_solid_unit(side);
+    bb_solid own = bb_solid_tet(visitor->corners, origin, unit);
+    bb_solid other = bb_solid_tet(corners, origin, unit);
+    visitor->tests++;
+    return bb_overlap_corner(visitor, flags, corners) || bb_tets_meet(&own, &other);
+}
+
+#if BB_LOCATE_OCTREE
+#if BB_OVERLAP_FLAGS
+/* Whether it has a part of the closed cell for sure. */
+bool bb_overlap_cell(const bb_visitor *visitor, uint3 cell)
+{
+    const bb_cell_grid *grid = &visitor->tree->grid;
+    float3 lo = (float3)(bb_cell_plane(grid, 0, cell.x), bb_cell_plane(grid, 1, cell.y),
+                         bb_cell_plane(grid, 2, cell.z));
+    float3 hi = (float3)(bb_cell_plane(grid, 0, cell.x + 1u), bb_cell_plane(grid, 1, cell.y + 1u),
+                         bb_cell_plane(grid, 2, cell.z + 1u));
+    float3 centre = (0.5f * lo + 0.5f * hi) * visitor->tree->args.scale;
+    lo *= visitor->tree->args.scale;
+    hi *= visitor->tree->args.scale;
+    for (uint c = 0; c < 4; c++)
+        if (all(visitor->corners[c] >= lo) && all(visitor->corners[c] <= hi))
+            return true;
+    bb_tet_weights weights;
+    return bb_tet_point_of(visitor->corners[0], visitor->corners[1], visitor->corners[2],
+                           visitor->corners[3], visitor->flags, centre, &weights) &&
+           weights.strict;
+}
+#endif
+
+bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
+{
+    (void)index;
+#if BB_OVERLAP_FLAGS
+    if ((node.y & BB_OCTREE_OUTSIDE) != 0u)
+        return false;
+    if ((node.y & BB_OCTREE_INSIDE) != 0u && bb_overlap_cell(visitor, cell))
+        return true;
+#else
+    (void)cell;
+#endif
+    return bb_walk_leaf(visitor->tree, node.x, visitor);
+}
+#endif
+
+/* `own_...`: of the mesh whose tetrahedra ask; all else is of the other. */
+kernel void overlap_tets(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
+#if BB_LOCATE_OCTREE
+                         global const bb_cell_grid *grid,
+#endif
+                         bb_locate_args search, global const uint *flags,
+                         global const uint *own_flags, global const uint *own_data,
+                         bb_prim_ends own_ends, global const float *own_vertices, uint own_first,
+                         uint own_count, global uint *results
+#if BB_COUNTING
+                         ,
+                         global bb_count *counts
+#endif
+)
+{
+    uint i = (uint)get_global_id(0), kind, visited = 0;
+    if (i >= own_count)
+        return;
+    bb_locate_tree tree;
+    bb_visitor visitor;
+    tree.nodes = nodes;
+    tree.leaf_prims = leaf_prims;
+    tree.flags = flags;
+    tree.args = search;
+#if BB_LOCATE_OCTREE
+    tree.grid = *grid;
+#endif
+    visitor.tree = &tree;
+    visitor.tests = 0;
+    visitor.flags = own_flags[i];
+    global const uint *corners = bb_prim_data(own_data, own_first + i, &own_ends, &kind);
+    float3 places[4];
+    for (uint c = 0; c < 4; c++) {
+        places[c] = vload3(corners[c], own_vertices);
+        visitor.corners[c] = places[c] * search.scale;
+    }
+    float3 lo = BB_MIN(BB_MIN(places[0], places[1]), BB_MIN(places[2], places[3]));
+    float3 hi = BB_MAX(BB_MAX(places[0], places[1]), BB_MAX(places[2], places[3]));
+    visitor.lo = lo * search.scale;
+    visitor.hi = hi * search.scale;
+    bool meets = (visitor.flags & BB_TET_FLAT) == 0u && bb_walk(&tree, lo, hi, &visitor, &visited);
+    results[i] = meets ? 1u : 0u;
+#if BB_COUNTING
+    counts[i].nodes = visited;
+    counts[i].prims = visitor.tests;
+    counts[i].overflow = 0;
+#endif
+}

@@ -1,0 +1,181 @@
+/* A slice of a mesh of tetrahedra, as a printer would fill it: material in each voxel that a
+ * tetrahedron with a volume shares a point with (Stroeter, Mueller-Roemer, Stork, Fellner 2020,
+ * section 4.3).
+ *
+ *   a tetrahedron holds the voxel's centre?           the field there
+ *   else the nearest to the centre of those that      its field, which is linear, continued to the
+ *   lie on the mesh's boundary and meet the voxel     centre, but not beyond all of the field's
+ *   no such tetrahedron                               no material
+ *
+ * A voxel whose centre is outside meets the mesh only if it meets a tetrahedron of the boundary, in
+ * a cell that lists it. Of tetrahedra at one distance the lowest is taken.
+ *
+ *   BB_WALK_BOUNDARY   1: the second search goes to cells of the boundary only; 0: to all
+ *   and those of locate_points.cl, and BB_LOCATE_ALL
+ */
+#include "bb_device.h"
+#include "locate.clh"
+#include "prims.clh"
+#include "solids.clh"
+
+typedef struct bb_visitor {
+    float3 lo, hi, centre; /* of the voxel */
+    bb_real least;         /* squared distance so far */
+    uint nearest, tests;
+    const bb_locate_tree *tree;
+} bb_visitor;
+
+#include "tet_walk.clh"
+
+#if BB_LOCATE_OCTREE
+#define BB_LOCATE_NODE uint2
+#else
+#define BB_LOCATE_NODE float
+#endif
+
+/* Not less than the squared distance of the tetrahedron's box from the centre, were it not for
+ * rounding. */
+bb_real bb_box_distance(const bb_visitor *visitor, const float3 corners[4])
+{
+    bb_real3 lo = BB_REAL3(BB_MIN(BB_MIN(corners[0], corners[1]), BB_MIN(corners[2], corners[3])));
+    bb_real3 hi = BB_REAL3(BB_MAX(BB_MAX(corners[0], corners[1]), BB_MAX(corners[2], corners[3])));
+    bb_real3 centre = BB_REAL3(visitor->centre);
+    bb_real3 beyond = BB_MAX(BB_MAX(lo - centre, centre - hi), (bb_real3)(0));
+    return dot(beyond, beyond);
+}
+
+bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corners[4])
+{
+    if ((flags & BB_TET_BOUNDARY) == 0u || (flags & BB_TET_FLAT) != 0u || prim == visitor->nearest)
+        return false;
+    float3 side = BB_MAX(visitor->hi - visitor->lo, fabs(corners[0] - visitor->centre));
+    for (uint c = 1; c < 4; c++)
+        side = BB_MAX(side, fabs(corners[c] - visitor->centre));
+    bb_real unit = bb_solid_unit(side);
+    /* what is further away for sure need not be looked at */
+    if (bb_box_distance(visitor, corners) * (bb_real)0.999f > visitor->least)
+        return false;
+    bb_solid tet = bb_solid_tet(corners, visitor->centre, unit);
+    bb_real distance = bb_tet_distance(&tet) / (unit * unit);
+    visitor->tests++;
+    if (distance > visitor->least || (distance == visitor->least && prim > visitor->nearest))
+        return false;
+    bb_solid box = bb_solid_box(visitor->lo, visitor->hi, visitor->centre, unit);
+    if (!bb_tet_meets_box(&tet, &box))
+        return false;
+    visitor->least = distance;
+    visitor->nearest = prim;
+    return false;
+}
+
+#if BB_LOCATE_OCTREE
+bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
+{
+    (void)index;
+    (void)cell;
+    return bb_walk_leaf(visitor->tree, node.x, visitor);
+}
+#endif
+
+float bb_slice_plane(const bb_slice_args *args, uint axis, uint i)
+{
+    float at = args->lo[axis] + args->step[axis] * (float)i;
+    return i >= args->size[axis] ? args->hi[axis] : BB_MIN(args->hi[axis], at);
+}
+
+float3 bb_slice_point(const bb_slice_args *args, float u, float v, float n)
+{
+    return args->axis == 0u   ? (float3)(n, u, v)
+           : args->axis == 1u ? (float3)(u, n, v)
+                              : (float3)(u, v, n);
+}
+
+/* The tetrahedron's field at a point that need not be in it, by its weights. */
+float bb_slice_field(global const uint *corners, global const float *vertices,
+                     global const float *field, float3 point, const bb_slice_args *args)
+{
+    float3 places[4];
+    bb_real error, sum = 0, value = 0;
+    for (uint c = 0; c < 4; c++)
+        places[c] = vload3(corners[c], vertices);
+    float3 side = fabs(places[0] - point);
+    for (uint c = 1; c < 4; c++)
+        side = BB_MAX(side, fabs(places[c] - point));
+    bb_solid tet = bb_solid_tet(places, point, bb_solid_unit(side));
+    bb_real3 a = tet.corners[0], b = tet.corners[1], c = tet.corners[2], d = tet.corners[3];
+    bb_real weights[4] = {bb_triple(d, b, c, &error), -bb_triple(d, a, c, &error),
+                          bb_triple(d, a, b, &error), -bb_triple(a, b, c, &error)};
+    for (uint i = 0; i < 4; i++) {
+        sum += weights[i];
+        value += weights[i] * (bb_real)field[corners[i]];
+    }
+    value = sum != 0 ? value / sum : (bb_real)field[corners[0]];
+    return (float)BB_MAX((bb_real)args->field_lo, BB_MIN((bb_real)args->field_hi, value));
+}
+
+kernel void slice_tets(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
+#if BB_LOCATE_OCTREE
+                       global const bb_cell_grid *grid,
+#endif
+                       bb_locate_args search, global const uint *flags, global const uint *data,
+                       bb_prim_ends ends, global const float *vertices, global const float *field,
+                       bb_slice_args args, global bb_sliced *voxels
+#if BB_COUNTING
+                       ,
+                       global bb_count *counts
+#endif
+)
+{
+    uint u = (uint)get_global_id(0), v = u / args.size[0];
+    uint i = u;
+    u -= v * args.size[0];
+    if (v >= args.size[1])
+        return;
+    bb_locate_tree tree;
+    tree.nodes = nodes;
+    tree.leaf_prims = leaf_prims;
+    tree.flags = flags;
+    tree.args = search;
+#if BB_LOCATE_OCTREE
+    tree.grid = *grid;
+#endif
+    float u0 = bb_slice_plane(&args, 0, u), u1 = bb_slice_plane(&args, 0, u + 1u);
+    float v0 = bb_slice_plane(&args, 1, v), v1 = bb_slice_plane(&args, 1, v + 1u);
+    float3 lo = bb_slice_point(&args, u0, v0, args.below);
+    float3 hi = bb_slice_point(&args, u1, v1, args.above);
+    float3 centre = 0.5f * lo + 0.5f * hi;
+    bb_location found;
+    bb_locate(&tree, centre, &found);
+    bb_sliced voxel;
+    voxel.prim = found.tet;
+    voxel.value = 0.0f;
+    voxel.inside = found.tet != BB_NONE;
+    if (found.tet == BB_NONE) {
+        bb_visitor visitor;
+        visitor.lo = lo * search.scale;
+        visitor.hi = hi * search.scale;
+        visitor.centre = centre * search.scale;
+        visitor.least = INFINITY;
+        visitor.nearest = BB_NONE;
+        visitor.tests = 0;
+        visitor.tree = &tree;
+        bb_walk(&tree, lo, hi, &visitor, &found.nodes);
+        found.tests += visitor.tests;
+        voxel.prim = visitor.nearest;
+    }
+    if (voxel.prim != BB_NONE) {
+        uint kind;
+        global const uint *corners = bb_prim_data(data, voxel.prim, &ends, &kind);
+        float values[4];
+        for (uint c = 0; c < 4; c++)
+            values[c] = field[corners[c]];
+        voxel.value = voxel.inside ? bb_tet_value(&found.weights, values)
+                                   : bb_slice_field(corners, vertices, field, centre, &args);
+    }
+    voxels[i] = voxel;
+#if BB_COUNTING
+    counts[i].nodes = found.nodes;
+    counts[i].prims = found.tests;
+    counts[i].overflow = 0;
+#endif
+}
