@@ -1,12 +1,13 @@
 /* Which cells of the `octree` layout that list no primitive of the boundary lie inside of the mesh,
  * and which outside.
  *
- * No part of the mesh's boundary is in such a cell, so all of it is where its centre is: inside if
- * a tetrahedron holds the centre for sure, outside if none does. (Such cells may well be outside:
- * they list primitives by their boxes.) Where rounding leaves that open, neither is said.
+ * No part of the mesh's boundary is in such a cell, so all of it is where any of its points is:
+ * inside if a tetrahedron holds that for sure, outside if none does. (Such cells may well be
+ * outside: they list primitives by their boxes.) Where rounding leaves that open, neither is said;
+ * so the point is not the centre, which in regular meshes is on the faces of tetrahedra.
  *
- * Launched for all cells of a grid of 2^part a side, or of the tree's grid where that has fewer; each walks to the
- * leaves within.
+ * Launched for all cells of a grid of 2^part a side, or of the tree's grid where that has fewer;
+ * each walks to the leaves within.
  *
  *   those of locate_points.cl, with BB_LOCATE_OCTREE
  */
@@ -33,8 +34,9 @@ bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
     bb_location found;
     found.tet = BB_NONE;
     found.tests = 0;
-    bool inside =
-        bb_locate_leaf(tree, node.x, (0.5f * lo + 0.5f * hi) * tree->args.scale, &found);
+    const float3 part = (float3)(0.37f, 0.41f, 0.59f);
+    float3 point = (1.0f - part) * lo + part * hi;
+    bool inside = bb_locate_leaf(tree, node.x, point * tree->args.scale, &found);
     if (inside)
         visitor->out[index].y = node.y | BB_OCTREE_INSIDE;
     else if (found.tet == BB_NONE)

@@ -4,8 +4,8 @@
  *   for each tetrahedron of the one: is a tetrahedron of the other among those whose boxes meet its
  *   box that it meets (solids.clh)?  One is enough.
  *   BB_OVERLAP_FLAGS: in a cell that is all inside of the other mesh (octree_inside.cl) it is
- *   enough to have a corner, or to hold the cell's centre; in one that is all outside there is
- *   nothing to look for
+ *   enough to have a corner, which is looked at first, or to hold the cell's centre; in one that is
+ *   all outside there is nothing to look for
  *
  *   BB_OVERLAP_FLAGS   1, or 0; 1 with BB_LOCATE_OCTREE only
  *   and those of locate_points.cl, and BB_LOCATE_ALL
@@ -67,7 +67,7 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
 
 #if BB_LOCATE_OCTREE
 #if BB_OVERLAP_FLAGS
-/* Whether it has a part of the closed cell for sure. */
+/* Whether it holds the centre of a cell for sure. */
 bool bb_overlap_cell(const bb_visitor *visitor, uint3 cell)
 {
     const bb_cell_grid *grid = &visitor->tree->grid;
@@ -75,15 +75,10 @@ bool bb_overlap_cell(const bb_visitor *visitor, uint3 cell)
                          bb_cell_plane(grid, 2, cell.z));
     float3 hi = (float3)(bb_cell_plane(grid, 0, cell.x + 1u), bb_cell_plane(grid, 1, cell.y + 1u),
                          bb_cell_plane(grid, 2, cell.z + 1u));
-    float3 centre = (0.5f * lo + 0.5f * hi) * visitor->tree->args.scale;
-    lo *= visitor->tree->args.scale;
-    hi *= visitor->tree->args.scale;
-    for (uint c = 0; c < 4; c++)
-        if (all(visitor->corners[c] >= lo) && all(visitor->corners[c] <= hi))
-            return true;
     bb_tet_weights weights;
     return bb_tet_point_of(visitor->corners[0], visitor->corners[1], visitor->corners[2],
-                           visitor->corners[3], visitor->flags, centre, &weights) &&
+                           visitor->corners[3], visitor->flags,
+                           (0.5f * lo + 0.5f * hi) * visitor->tree->args.scale, &weights) &&
            weights.strict;
 }
 #endif
@@ -143,7 +138,13 @@ kernel void overlap_tets(global const BB_LOCATE_NODE *nodes, global const float 
     float3 hi = BB_MAX(BB_MAX(places[0], places[1]), BB_MAX(places[2], places[3]));
     visitor.lo = lo * search.scale;
     visitor.hi = hi * search.scale;
-    bool meets = (visitor.flags & BB_TET_FLAT) == 0u && bb_walk(&tree, lo, hi, &visitor, &visited);
+    bool meets = false, flat = (visitor.flags & BB_TET_FLAT) != 0u;
+#if BB_OVERLAP_FLAGS
+    for (uint c = 0; c < 4 && !meets && !flat; c++)
+        meets = (bb_octree_leaf(nodes, search.root, &tree.grid, places[c], &visited).y &
+                 BB_OCTREE_INSIDE) != 0u;
+#endif
+    meets = meets || (!flat && bb_walk(&tree, lo, hi, &visitor, &visited));
     results[i] = meets ? 1u : 0u;
 #if BB_COUNTING
     counts[i].nodes = visited;

@@ -119,8 +119,8 @@ static int run(const plant *p, char *out, size_t capacity)
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/* All with BVHBENCH_TEST_LONG; else some, others with each seed; few where it is only the host's code
- * that counts. They come first; how many. */
+/* All with BVHBENCH_TEST_LONG; else some, others with each seed; few where it is only the host's
+ * code that counts. They come first; how many. */
 static int choose_plants(void)
 {
     const char *seed = getenv("BVHBENCH_TEST_SEED");

@@ -15,8 +15,8 @@ bb_status bb_choose_searches(const bb_cli *cli, bb_names *searches);
 /* --builder; `usual` if there is none. */
 bb_status bb_choose_tree_builders(const bb_cli *cli, const char *usual, bb_names *builders);
 
-/* A document of this schema with revision and device, and its list of results, which is in it. False:
- * no memory, and there is no document. */
+/* A document of this schema with revision and device, and its list of results, which is in it.
+ * False: no memory, and there is no document. */
 bool bb_contest_document(const char *schema, const bb_device *device, cJSON **document,
                          cJSON **results);
 

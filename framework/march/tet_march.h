@@ -21,8 +21,8 @@ bb_status bb_tet_marcher_set(bb_tet_marcher *marcher, const bb_march_settings *s
                              const bb_transfer *transfer);
 
 /* Enqueues the rays; does not wait. `interval`: only where cells of the boundary say that a ray may
- * be inside, BB_UNSUPPORTED without cells. `lights` gets bb_light; `counts`, if not NULL, nodes that
- * were visited, and as primitives the samples that are in a tetrahedron. */
+ * be inside, BB_UNSUPPORTED without cells. `lights` gets bb_light; `counts`, if not NULL, nodes
+ * that were visited, and as primitives the samples that are in a tetrahedron. */
 bb_status bb_tet_march(bb_tet_marcher *marcher, const bb_tet_search *search, bool interval,
                        const bb_buffer *rays, uint32_t count, bb_buffer *lights, bb_buffer *counts);
 

@@ -11,9 +11,9 @@ void bb_overlapper_destroy(bb_overlapper *overlapper); /* NULL is allowed */
 
 /* Enqueues the question which tetrahedra of `scene` meet one of those that `search` finds, in
  * another scene or the same; does not wait. Both are on the device. `by_flags`: cells that are all
- * inside or all outside of the other mesh spare tests; they are found out first, and written down in
- * the layout; BB_UNSUPPORTED without cells. `results` gets 1 or 0, a uint32_t for each; `counts`,
- * if not NULL, bb_count. */
+ * inside or all outside of the other mesh spare tests; they are found out first, and written down
+ * in the layout; BB_UNSUPPORTED without cells. `results` gets 1 or 0, a uint32_t for each;
+ * `counts`, if not NULL, bb_count. */
 bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_tet_search *search,
                      bool by_flags, bb_buffer *results, bb_buffer *counts);
 

@@ -31,8 +31,8 @@ typedef struct bb_overlap_result {
 } bb_overlap_result;
 
 /* Both scenes are on the device, and may be one. Each asks the other; times are of both directions
- * together. What a builder or search cannot do is said in its way. The result is released also after
- * a failure. */
+ * together. What a builder or search cannot do is said in its way. The result is released also
+ * after a failure. */
 bb_status bb_overlap_run(const bb_overlap_request *request, bb_scene *const scenes[2],
                          bb_overlap_result *result);
 void bb_overlap_release(bb_overlap_result *result);

@@ -3,11 +3,11 @@
 #include "framework/overlap/overlap_contest.h"
 
 #include "framework/base/memory.h"
-#include "framework/picture/image.h"
 #include "framework/judge/queries.h"
+#include "framework/picture/image.h"
 #include "framework/picture/picture.h"
-#include "framework/workload/workload.h"
 #include "framework/scene/tets_gather.h"
+#include "framework/workload/workload.h"
 
 #include <stdio.h>
 

@@ -26,8 +26,8 @@ bb_status bb_slicer_create(const bb_scene *scene, bb_slicer **out);
 void bb_slicer_destroy(bb_slicer *slicer); /* NULL is allowed */
 
 /* Enqueues the slice; does not wait. `by_boundary`: the search for what meets a voxel goes to cells
- * of the boundary only, BB_UNSUPPORTED without cells. `voxels` gets bb_sliced, row by row, the first
- * axis fastest; `counts`, if not NULL, bb_count. */
+ * of the boundary only, BB_UNSUPPORTED without cells. `voxels` gets bb_sliced, row by row, the
+ * first axis fastest; `counts`, if not NULL, bb_count. */
 bb_status bb_slice(bb_slicer *slicer, const bb_tet_search *search, bool by_boundary,
                    const bb_slice_args *args, bb_buffer *voxels, bb_buffer *counts);
 

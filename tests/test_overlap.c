@@ -1,0 +1,230 @@
+/* Tetrahedra of two meshes that meet: by trees on the device against exact arithmetic over all
+ * pairs, where they overlap, touch by a face, an edge or a corner, and just do not; then by trees
+ * against no tree, on what is awkward. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind).
+ * Seed: BVHBENCH_TEST_SEED. */
+#include "framework/overlap/overlap.h"
+#include "framework/scene/tets_gather.h"
+#include "tests/lattice_mesh.h"
+
+static bool small;
+
+static uint32_t tets_of(const bb_scene *scene)
+{
+    return scene->prims[BB_TETRAHEDRON].count;
+}
+
+/* Asks a way twice, counting and not; returns the pairs that it looked at. */
+static uint64_t overlap(const bb_scene *scene, bb_scene *other, const tet_way *way,
+                        uint32_t *results)
+{
+    const uint32_t count = tets_of(scene);
+    searched s = {0};
+    bb_overlapper *overlapper;
+    bb_buffer there, counted;
+    bb_count *counts = malloc(count * sizeof *counts);
+    uint32_t *again = malloc(count * sizeof *again);
+    uint64_t tests = 0;
+    open_search(&s, other, way);
+    check(bb_overlapper_create(device, &overlapper), "overlapper");
+    make_buffer(&there, NULL, count * sizeof *results);
+    make_buffer(&counted, NULL, count * sizeof *counts);
+    for (int counting = 0; counting < 2; counting++) {
+        uint32_t *to = counting ? again : results;
+        check(bb_buffer_fill(&there, count * sizeof *results, BB_POISON), "poison");
+        check(bb_overlap(overlapper, scene, &s.search, way->boundary, &there,
+                         counting ? &counted : NULL),
+              "overlap");
+        check(bb_buffer_read(&there, 0, count * sizeof *results, to), "results");
+    }
+    assert_memory_equal(results, again, count * sizeof *again);
+    check(bb_buffer_read(&counted, 0, count * sizeof *counts, counts), "counts");
+    for (uint32_t i = 0; i < count; i++)
+        tests += counts[i].prims;
+    bb_buffer_release(&there);
+    bb_buffer_release(&counted);
+    bb_overlapper_destroy(overlapper);
+    close_search(&s);
+    free(counts);
+    free(again);
+    return tests;
+}
+
+/* ---- against exact arithmetic ---- */
+
+static void expect_exact(bb_scene *const scenes[2], const lattice lattices[2], uint32_t *meeting)
+{
+    for (int s = 0; s < 2; s++)
+        check(bb_scene_upload(scenes[s], device), "upload");
+    for (int asking = 0; asking < 2; asking++) {
+        const bb_scene *own = scenes[asking], *other = scenes[1 - asking];
+        const uint32_t count = tets_of(own);
+        uint32_t *expected = calloc(count, sizeof *expected);
+        uint32_t *found = malloc(count * sizeof *found);
+        for (uint32_t i = 0; i < count; i++) {
+            const solid a = tet_of(own, &lattices[asking], i);
+            for (uint32_t k = 0; k < tets_of(other) && expected[i] == 0; k++) {
+                const solid b = tet_of(other, &lattices[1 - asking], k);
+                expected[i] = has_volume(&a) && has_volume(&b) && solids_meet(&a, &b);
+            }
+            *meeting += expected[i];
+        }
+        for (int w = 0; w < TET_WAYS; w++) {
+            overlap(own, scenes[1 - asking], &tet_ways[w], found);
+            for (uint32_t i = 0; i < count; i++)
+                if (found[i] != expected[i])
+                    fail_msg("way %d, mesh %d, tetrahedron %u: %u, not %u", w, asking, i, found[i],
+                             expected[i]);
+        }
+        free(expected);
+        free(found);
+    }
+}
+
+static void overlap_is_exact_on_lattices(void **state)
+{
+    (void)state;
+    /* The second beside the first: deep inside it, partly, on a face, on an edge, on a corner, and
+     * one step away from each of these. */
+    static const int64_t shifts[][3] = {{10, 13, 7},  {40, 33, 21}, {64, 0, 0},  {64, 64, 5},
+                                        {64, 64, 64}, {65, 0, 0},   {64, 65, 5}, {64, 64, 65},
+                                        {-32, 0, 3},  {0, -33, 3},  {1, 0, 0}};
+    uint32_t touching = 0, apart = 0;
+    for (size_t i = 0; i < sizeof shifts / sizeof shifts[0]; i += small ? 5 : 1)
+        for (int form = 0; form < (small ? 1 : 3); form++) {
+            /* as it is; far away; tiny, with holes */
+            const double scale = form == 2 ? 0x1p-60 : 1;
+            const int64_t far = form == 1 ? 1 << 21 : 0;
+            lattice lattices[2] = {{small ? 2 : 4, 5, form == 2 ? 3 : 0, {far, 0, far}, scale},
+                                   {small ? 1 : 2, 4, 0, {far, 0, far}, scale}};
+            bb_scene *scenes[2];
+            uint32_t meeting = 0;
+            for (int k = 0; k < 3; k++)
+                lattices[1].shift[k] += shifts[i][k];
+            for (int s = 0; s < 2; s++)
+                scenes[s] = make_lattice(&lattices[s], 2 * i + (uint64_t)s);
+            expect_exact(scenes, lattices, &meeting);
+            touching += meeting > 0;
+            apart += meeting == 0;
+            for (int s = 0; s < 2; s++)
+                bb_scene_free(scenes[s]);
+        }
+    assert_true(small || (touching > 10 && apart >= 6));
+}
+
+/* ---- against no tree ---- */
+
+/* All ways agree; returns how many meet. */
+static uint32_t expect_agreement(const char *a, const char *b)
+{
+    bb_scene *scenes[2];
+    uint32_t meeting = 0;
+    check(bb_scene_load(a, &scenes[0]), a);
+    check(bb_scene_load(b, &scenes[1]), b);
+    for (int s = 0; s < 2; s++)
+        check(bb_scene_upload(scenes[s], device), "upload");
+    for (int asking = 0; asking < 2; asking++) {
+        const uint32_t count = tets_of(scenes[asking]);
+        uint32_t *expected = malloc(count * sizeof *expected);
+        uint32_t *found = malloc(count * sizeof *found);
+        overlap(scenes[asking], scenes[1 - asking], &tet_ways[TET_WAYS - 1], expected);
+        for (uint32_t i = 0; i < count; i++)
+            meeting += expected[i];
+        for (int w = 0; w + 1 < TET_WAYS; w++) {
+            overlap(scenes[asking], scenes[1 - asking], &tet_ways[w], found);
+            for (uint32_t i = 0; i < count; i++)
+                if (found[i] != expected[i])
+                    fail_msg("%s, %s, way %d, mesh %d, tetrahedron %u: %u, not %u", a, b, w, asking,
+                             i, found[i], expected[i]);
+        }
+        free(expected);
+        free(found);
+    }
+    for (int s = 0; s < 2; s++)
+        bb_scene_free(scenes[s]);
+    return meeting;
+}
+
+/* Slivers, tetrahedra without a volume, inverted ones, copies, one alone; widths that grow a
+ * billionfold; meshes that are far smaller or thinner than the other. */
+static void awkward_meshes_agree(void **state)
+{
+    (void)state;
+    static const char *const pairs[][2] = {
+        {"tets:side=5", "tets:side=4,shape=shell,jitter=0.6"},
+        {"tets:side=4,flat=3", "tets:side=4,flip=2,twins=5"},
+        {"tets:side=1,shape=block", "tets:side=6,jitter=0"},
+        {"tets:side=12,shape=block,grade=5.6,jitter=0", "tets:side=3"},
+        {"tets:side=4,thin=60", "tets:side=4"},
+        {"tets:side=4,thin=20", "tets:side=3,thin=20,jitter=0.9"},
+        {"tets:side=3,jitter=1", "tets:side=3,jitter=1,seed=2"},
+    };
+    uint32_t most = 0;
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i += small ? 3 : 1) {
+        uint32_t meeting = expect_agreement(pairs[i][0], pairs[i][1]);
+        most = meeting > most ? meeting : most;
+    }
+    assert_true(most > 100 || small);
+}
+
+/* Cells that are all inside spare tests: of a mesh in the middle of a large one, all. */
+static void flags_spare_tests(void **state)
+{
+    (void)state;
+    bb_scene *large = NULL, *little = NULL, *moved = NULL;
+    if (small)
+        return;
+    check(bb_scene_load("tets:side=16,shape=block,jitter=0", &large), "large");
+    check(bb_scene_load("tets:side=3,jitter=0.5", &little), "little");
+    bb_tets_part part = {.scene = little, .scale = 1};
+    for (int k = 0; k < 3; k++)
+        part.shift[k] = ((double)large->bounds.lo[k] + (double)large->bounds.hi[k] -
+                         (double)little->bounds.lo[k] - (double)little->bounds.hi[k]) /
+                        2;
+    check(bb_tets_gather("moved", &part, 1, &moved), "moved");
+    check(bb_scene_upload(large, device), "large");
+    check(bb_scene_upload(moved, device), "moved");
+    uint32_t *results = malloc(tets_of(moved) * sizeof *results);
+    const tet_way without = {"olbvh", "octree", false}, with = {"olbvh", "octree", true};
+    assert_true(overlap(moved, large, &without, results) >= tets_of(moved));
+    assert_true(overlap(moved, large, &with, results) == 0);
+    for (uint32_t i = 0; i < tets_of(moved); i++)
+        assert_int_equal(results[i], 1);
+    free(results);
+    bb_scene_free(large);
+    bb_scene_free(little);
+    bb_scene_free(moved);
+}
+
+static void what_cannot_be_is_refused(void **state)
+{
+    (void)state;
+    bb_scene *scene = NULL;
+    bb_overlapper *overlapper;
+    bb_buffer none = {0};
+    searched s = {0};
+    check(bb_scene_load("tets:side=1", &scene), "tets");
+    check(bb_scene_upload(scene, device), "tets");
+    open_search(&s, scene, &tet_ways[0]);
+    check(bb_overlapper_create(device, &overlapper), "overlapper");
+    assert_int_equal(bb_overlap(overlapper, scene, &s.search, true, &none, NULL), BB_UNSUPPORTED);
+    bb_overlapper_destroy(overlapper);
+    close_search(&s);
+    bb_scene_free(scene);
+}
+
+static int set_up(void **state)
+{
+    small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    return open_device(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(overlap_is_exact_on_lattices),
+        cmocka_unit_test(awkward_meshes_agree),
+        cmocka_unit_test(flags_spare_tests),
+        cmocka_unit_test(what_cannot_be_is_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, close_device);
+}
