@@ -201,8 +201,10 @@ function(bvhbench_embed_report target)
     set(report_history_js dom.js history.js)
     set(atlas_html atlas.html) # another
     set(atlas_js dom.js atlas.js)
+    set(contest_html contest.html) # and another
+    set(contest_js dom.js contest.js)
     foreach(part report_html report_css report_js report_history_html report_history_js atlas_html
-                 atlas_js)
+                 atlas_js contest_html contest_js)
         list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/)
         set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${part}.c)
         bvhbench_incbin(${output} bb_text_${part} ${${part}})

@@ -217,7 +217,7 @@ static void what_makes_no_sense_is_refused(void **state)
     refuses("", "volume", "needs --scene");
     refuses("", "volume --scene cube", "is neither a volume nor a mesh");
     refuses("", "volume --scene tets:side=2 --search octre", "no search 'octre'");
-    refuses("", "volume --scene tets:side=2 --search octree:interval=maybe", "interval");
+    refuses("", "volume --scene tets:side=2 --search octree:boundary=maybe", "boundary");
     refuses("", "volume --scene tets:side=2 --search skip:boundary=no", "boundary");
     refuses("", "volume --scene tets:side=2 --builder lbvh --search octree", "'cells'");
     refuses("", "volume --scene nbody:n=1", "n=1");

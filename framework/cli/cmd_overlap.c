@@ -27,7 +27,8 @@ static const bb_cli_option options[] = {
      false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
-    {"out", "DIR", "folder for overlap.json and pictures of what does not overlap; default: none",
+    {"out", "DIR",
+     "folder for overlap.json, overlap.html and pictures of what does not overlap; default: none",
      false},
     {.name = NULL},
 };
@@ -91,7 +92,7 @@ static bb_status fit(const bb_scene *a, double times, bb_scene **b)
 static bb_status load(job *j)
 {
     double times;
-    BB_TRY(bb_cli_double(j->cli, "fit", 0, 0, 1e6, &times));
+    BB_TRY(bb_cli_double(j->cli, "fit", 0, 1e-6, 1e6, &times));
     for (uint32_t s = 0; s < 2; s++) {
         const char *name = j->cli->positional[s];
         BB_TRY(bb_scene_load(name, &j->scenes[s]));
@@ -103,24 +104,34 @@ static bb_status load(job *j)
 
 /* ---- the work ---- */
 
+static bb_status paint(const job *j, cJSON *files)
+{
+    const char *out = bb_cli_value(j->cli, "out");
+    char path[PATH_MAX];
+    if (out == NULL)
+        return BB_OK;
+    BB_TRY(bb_join_path(path, out, "apart"));
+    return bb_overlap_paint(j->scenes, j->result, path, files);
+}
+
 static bb_status write(const job *j)
 {
-    cJSON *document, *results, *entry = bb_overlap_json(j->result);
-    bb_status status = bb_fail(BB_REFUSED, "no memory for the results");
-    if (!bb_contest_document("bvhbench-overlap/1", j->request.device, &document, &results))
-        cJSON_Delete(entry);
-    else if (entry == NULL || !cJSON_AddItemToArray(results, entry))
-        cJSON_Delete(entry);
-    else
-        status = bb_contest_write(j->cli, document, "overlap.json");
+    cJSON *document, *results, *files = cJSON_CreateArray();
+    bb_status status = paint(j, files);
+    if (status != BB_OK ||
+        !bb_contest_document("bvhbench-overlap/1", j->request.device, &document, &results)) {
+        cJSON_Delete(files);
+        return status != BB_OK ? status : bb_fail(BB_REFUSED, "no memory for the results");
+    }
+    status = bb_contest_add(results, bb_overlap_json(j->result), files);
+    if (status == BB_OK)
+        status = bb_contest_write(j->cli, document, "overlap");
     cJSON_Delete(document);
     return status;
 }
 
 static bb_status overlap(job *j)
 {
-    const char *out = bb_cli_value(j->cli, "out");
-    char path[PATH_MAX];
     for (int s = 0; s < 2; s++)
         BB_TRY(bb_scene_upload(j->scenes[s], j->request.device));
     BB_TRY(bb_overlap_run(&j->request, j->scenes, j->result));
@@ -128,11 +139,7 @@ static bb_status overlap(job *j)
         j->wrong = j->wrong || j->result->ways[w].differ > 0;
     if (bb_cli_value(j->cli, "json") == NULL)
         bb_overlap_print(j->result);
-    BB_TRY(write(j));
-    if (out == NULL)
-        return BB_OK;
-    BB_TRY(bb_join_path(path, out, "apart"));
-    return bb_overlap_paint(j->scenes, j->result, path);
+    return write(j);
 }
 
 static bb_status work(job *j)

@@ -33,8 +33,8 @@ static const bb_cli_option options[] = {
      false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
-    {"out", "DIR", "folder for slice.json, and a PNG and an EXR of each slice; default: none",
-     false},
+    {"out", "DIR",
+     "folder for slice.json, slice.html, and a PNG and an EXR of each slice; default: none", false},
     {.name = NULL},
 };
 
@@ -93,16 +93,17 @@ static bb_status slice(job *j, bb_scene *scene, uint32_t number)
         BB_TRY(bb_join_path(path, out, folder));
         j->request.pictures = path;
     }
-    BB_TRY(bb_slice_run(&j->request, scene, j->result));
+    j->request.picture_files = cJSON_CreateArray();
+    bb_status status = bb_slice_run(&j->request, scene, j->result);
+    if (status != BB_OK) {
+        cJSON_Delete(j->request.picture_files);
+        return status;
+    }
     for (uint32_t w = 0; w < j->result->way_count; w++)
         j->wrong = j->wrong || j->result->ways[w].differ > 0;
     if (bb_cli_value(j->cli, "json") == NULL)
         bb_slice_print(j->result);
-    cJSON *entry = bb_slice_json(j->result);
-    if (entry != NULL && cJSON_AddItemToArray(j->results, entry))
-        return BB_OK;
-    cJSON_Delete(entry);
-    return bb_fail(BB_REFUSED, "no memory for the results");
+    return bb_contest_add(j->results, bb_slice_json(j->result), j->request.picture_files);
 }
 
 static bb_status slice_all(job *j)
@@ -123,7 +124,7 @@ static bb_status slice_all(job *j)
     /* what was measured before a failure is kept */
     bb_status written = BB_OK;
     if (status == BB_OK || cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(j->cli, j->document, "slice.json");
+        written = bb_contest_write(j->cli, j->document, "slice");
     cJSON_Delete(j->document);
     return status != BB_OK ? status : written;
 }

@@ -45,7 +45,7 @@ static const bb_cli_option options[] = {
      false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
-    {"out", "DIR", "folder for volume.json and PNG pictures; default: none", false},
+    {"out", "DIR", "folder for volume.json, volume.html and PNG pictures; default: none", false},
     {.name = NULL},
 };
 
@@ -141,16 +141,17 @@ static bb_status compare(job *j, bb_scene *scene)
         BB_TRY(bb_join_path(path, out, folder));
         j->request.pictures = path;
     }
-    BB_TRY(bb_dvr_run(&j->request, scene, j->result));
+    j->request.picture_files = cJSON_CreateArray();
+    bb_status status = bb_dvr_run(&j->request, scene, j->result);
+    if (status != BB_OK) {
+        cJSON_Delete(j->request.picture_files);
+        return status;
+    }
     for (uint32_t w = 0; w < j->result->way_count; w++)
         j->wrong = j->wrong || j->result->ways[w].differ > 0;
     if (!j->json)
         bb_dvr_print(j->result);
-    cJSON *entry = bb_dvr_json(j->result);
-    if (entry != NULL && cJSON_AddItemToArray(j->results, entry))
-        return BB_OK;
-    cJSON_Delete(entry);
-    return bb_fail(BB_REFUSED, "no memory for the results");
+    return bb_contest_add(j->results, bb_dvr_json(j->result), j->request.picture_files);
 }
 
 /* One transfer function after the other, of those given. */
@@ -224,7 +225,7 @@ static bb_status compare_all(job *j)
     /* what was measured before a failure is kept */
     bb_status written = BB_OK;
     if (status == BB_OK || cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(j->cli, document, "volume.json");
+        written = bb_contest_write(j->cli, document, "volume");
     cJSON_Delete(document);
     return status != BB_OK ? status : written;
 }

@@ -6,6 +6,7 @@
 #include "framework/cli/inputs.h"
 #include "framework/locate/tet_search.h"
 #include "framework/record/put.h"
+#include "framework/report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,20 +49,37 @@ bool bb_contest_document(const char *schema, const bb_device *device, cJSON **do
     return false;
 }
 
+bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files)
+{
+    if (result == NULL)
+        cJSON_Delete(files);
+    else if (bb_put(result, "picture_files", files) && cJSON_AddItemToArray(results, result))
+        return BB_OK;
+    cJSON_Delete(result);
+    return bb_fail(BB_REFUSED, "no memory for the results");
+}
+
+static bb_status write_files(const cJSON *document, const char *text, const char *folder,
+                             const char *name)
+{
+    char file[64], path[PATH_MAX];
+    snprintf(file, sizeof file, "%s.json", name);
+    BB_TRY(bb_join_path(path, folder, file));
+    BB_TRY(bb_file_write(path, text, strlen(text), "results"));
+    snprintf(file, sizeof file, "%s.html", name);
+    BB_TRY(bb_join_path(path, folder, file));
+    return bb_report_contest(document, folder, path);
+}
+
 bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name)
 {
     const char *out = bb_cli_value(cli, "out");
-    char path[PATH_MAX];
     char *text = cJSON_Print(document);
     if (text == NULL)
         return bb_fail(BB_REFUSED, "no memory for the results");
-    bb_status status = BB_OK;
     if (bb_cli_value(cli, "json") != NULL)
         printf("%s\n", text);
-    if (out != NULL)
-        status = bb_join_path(path, out, name);
-    if (out != NULL && status == BB_OK)
-        status = bb_file_write(path, text, strlen(text), "results");
+    bb_status status = out != NULL ? write_files(document, text, out, name) : BB_OK;
     free(text);
     return status;
 }

@@ -20,7 +20,11 @@ bb_status bb_choose_tree_builders(const bb_cli *cli, const char *usual, bb_names
 bool bb_contest_document(const char *schema, const bb_device *device, cJSON **document,
                          cJSON **results);
 
-/* Prints it if --json was given, and writes it as NAME into the folder --out. */
+/* Adds a result (NULL: no memory) to the list, with the names of its pictures; takes both over. */
+bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files);
+
+/* Prints the document if --json was given, and writes NAME.json and the page NAME.html into the
+ * folder --out. */
 bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name);
 
 /* Those that commands end with: of the status of the work, whether answers differ, and whether it

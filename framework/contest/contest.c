@@ -357,6 +357,7 @@ static bb_status time_answer(bb_contest *c, const bb_contest_runner *r, bb_timin
 static bb_status time_question(bb_contest *c, uint32_t round, uint32_t question, bb_timing *sums)
 {
     const bool last = round == c->request.repeats && question + 1 == c->task.questions;
+    const uint32_t parts = c->task.summed ? 1 : c->task.questions;
     uint32_t items;
     BB_TRY(c->task.take(c->task.self, question, &items));
     for (uint32_t i = 0; i < c->way_count; i++) {
@@ -366,8 +367,8 @@ static bb_status time_question(bb_contest *c, uint32_t round, uint32_t question,
         if (is_refused(r))
             continue;
         BB_TRY(time_answer(c, r, &timing));
-        sums[w].ms += timing.ms / c->task.questions;
-        sums[w].cpu_ms += timing.cpu_ms / c->task.questions;
+        sums[w].ms += timing.ms / parts;
+        sums[w].cpu_ms += timing.cpu_ms / parts;
         if (last && (tree_of(r) == NULL || !c->task.blank))
             BB_TRY(compare_timed(c, r, items));
     }

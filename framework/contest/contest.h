@@ -19,8 +19,8 @@ typedef struct bb_contest_phase {
     bb_samples ms;
 } bb_contest_phase;
 
-/* A builder with a search, or no tree. Times in ms; of answers the mean over all questions, in each
- * round. Of several scenes, sums. */
+/* A builder with a search, or no tree. Times in ms; of answers the mean over all questions, or
+ * their sum, in each round. Of several scenes, sums. */
 typedef struct bb_contest_way {
     char builder[128], search[96]; /* "": no tree */
     char refused[320];             /* why there are no figures; "": there are */
@@ -54,6 +54,7 @@ typedef struct bb_contest_runner {
 typedef struct bb_contest_task {
     void *self;
     bool without; /* there is a way without a tree, the first: ask() gets NULL */
+    bool summed;  /* the questions make one answer, whose times are added up */
     bool blank;   /* there is nothing to build over: trees are empty, and answers are these */
     const void *blank_answer;
     size_t answer_bytes; /* of an item */
@@ -121,6 +122,8 @@ void bb_contest_print_trees(const bb_contest_way *ways, uint32_t count, uint64_t
 void bb_contest_print_phases(const bb_contest_way *ways, uint32_t count);
 
 struct cJSON;
+/* Appends the last part of a path to an array. */
+bb_status bb_contest_add_file(struct cJSON *files, const char *path);
 bool bb_contest_put_samples(struct cJSON *object, const char *name, const bb_samples *samples);
 bool bb_contest_put_ratio(struct cJSON *object, const char *name, bb_estimate estimate);
 

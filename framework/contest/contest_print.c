@@ -61,6 +61,16 @@ void bb_contest_print_phases(const bb_contest_way *ways, uint32_t count)
     }
 }
 
+bb_status bb_contest_add_file(cJSON *files, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    cJSON *name = cJSON_CreateString(slash != NULL ? slash + 1 : path);
+    if (name != NULL && cJSON_AddItemToArray(files, name))
+        return BB_OK;
+    cJSON_Delete(name);
+    return bb_fail(BB_REFUSED, "no memory for the names of pictures");
+}
+
 bool bb_contest_put_samples(cJSON *object, const char *name, const bb_samples *samples)
 {
     bb_estimate e = bb_samples_estimate(samples);

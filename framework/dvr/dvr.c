@@ -94,7 +94,7 @@ static bb_status write_picture(void *self, uint32_t view, const void *first, uin
     snprintf(path, sizeof path, "%s-%s.png", c->request->pictures, p->views[view].name);
     bb_status status = bb_image_write(path, rgb, p->width, p->height);
     bb_host_free(rgb);
-    return status;
+    return status == BB_OK ? bb_contest_add_file(c->request->picture_files, path) : status;
 }
 
 /* ---- all of it ---- */

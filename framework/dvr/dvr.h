@@ -34,7 +34,8 @@ typedef struct bb_dvr_request {
     uint32_t step_count;
     double steps[BB_DVR_STEPS_MAX]; /* for the accuracy, in voxels; descending */
     uint64_t seed;
-    const char *pictures; /* the beginning of paths of PNG files; NULL: none */
+    const char *pictures;        /* the beginning of paths of PNG files; NULL: none */
+    struct cJSON *picture_files; /* an array, which gets their names */
 } bb_dvr_request;
 
 /* How far a picture is from one with samples so close that more of them change nothing. */

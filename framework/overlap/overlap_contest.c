@@ -106,6 +106,7 @@ static bb_status measure(overlapping *o)
     const bb_contest_task task = {
         .self = o,
         .without = request->without,
+        .summed = true,
         .answer_bytes = sizeof(uint32_t),
         .questions = DIRECTIONS,
         .answers = &o->answers,
@@ -152,7 +153,7 @@ static void print_way(const bb_overlap_result *r, const bb_contest_way *way)
 {
     if (!bb_contest_print_name(way))
         return;
-    printf(" %9.2f", DIRECTIONS * bb_samples_median(&way->answer));
+    printf(" %9.2f", bb_samples_median(&way->answer));
     if (way == &r->ways[0]) {
         printf(" %24s", "");
     } else {
@@ -188,7 +189,7 @@ void bb_overlap_print(const bb_overlap_result *r)
 static bool put_way(cJSON *list, const bb_overlap_result *r, const bb_contest_way *way)
 {
     cJSON *entry;
-    bool put = bb_contest_put_way(list, &r->ways[0], way, "direction", &entry);
+    bool put = bb_contest_put_way(list, &r->ways[0], way, "overlap", &entry);
     if (entry == NULL || !put)
         return put;
     return bb_put_number(entry, "nodes_per_tetrahedron", way->visits) &&

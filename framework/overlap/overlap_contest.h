@@ -38,9 +38,10 @@ bb_status bb_overlap_run(const bb_overlap_request *request, bb_scene *const scen
 void bb_overlap_release(bb_overlap_result *result);
 
 /* Shows both meshes without what meets the other, from outside, as PNG files; `path` is their
- * beginning. */
+ * beginning, the array `files` gets their names. */
+struct cJSON;
 bb_status bb_overlap_paint(bb_scene *const scenes[2], const bb_overlap_result *result,
-                           const char *path);
+                           const char *path, struct cJSON *files);
 
 void bb_overlap_print(const bb_overlap_result *result);
 

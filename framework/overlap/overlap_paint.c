@@ -55,7 +55,7 @@ static bb_status paint_view(const bb_scene *scene, bb_oracle *oracle, const bb_v
 }
 
 bb_status bb_overlap_paint(bb_scene *const scenes[2], const bb_overlap_result *result,
-                           const char *path)
+                           const char *path, struct cJSON *files)
 {
     bb_tets_part parts[2];
     bb_scene *left;
@@ -71,6 +71,8 @@ bb_status bb_overlap_paint(bb_scene *const scenes[2], const bb_overlap_result *r
         char file[4096];
         snprintf(file, sizeof file, "%s-%s.png", path, left->views[v].name);
         status = paint_view(left, oracle, &left->views[v], first_of_second, file);
+        if (status == BB_OK)
+            status = bb_contest_add_file(files, file);
     }
     bb_oracle_destroy(oracle);
     bb_scene_free(left);

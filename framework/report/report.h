@@ -40,4 +40,8 @@ bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pi
  * that lie in `folder`. */
 bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *path);
 
+/* The page of what `volume`, `slice` or `overlap` measured (framework/dvr/, slice/, overlap/), in
+ * the same way. */
+bb_status bb_report_contest(const cJSON *document, const char *folder, const char *path);
+
 #endif

@@ -6,35 +6,22 @@
 #include "framework/base/file.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Embedded at build time. */
 extern const char bb_text_atlas_html[], bb_text_report_css[], bb_text_atlas_js[],
     bb_text_chart_js[];
 
-enum { PICTURE_BYTES_MAX = 4 << 20 };
-
 /* A picture of the axis as a data URI, the member "src"; none where there is no picture. False if
  * there is no memory. */
 static bool add_picture(cJSON *axis, const char *folder)
 {
-    const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(axis, "picture"));
-    char path[1400], *data = NULL;
-    size_t size;
-    if (name == NULL || name[0] == '\0' || strchr(name, '/') != NULL)
-        return true;
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    if (bb_file_read(path, PICTURE_BYTES_MAX, "picture", &data, &size) != BB_OK)
-        return true;
-    bb_page_text source = {0};
-    bb_page_append_string(&source, "data:image/png;base64,");
-    bb_page_append_base64(&source, (const unsigned char *)data, size);
-    bb_page_append(&source, "", 1);
-    bool ok = !source.failed && cJSON_AddStringToObject(axis, "src", source.data) != NULL;
-    free(source.data);
-    free(data);
+    char *source;
+    if (!bb_page_picture(folder, cJSON_GetStringValue(cJSON_GetObjectItem(axis, "picture")),
+                         &source))
+        return false;
+    bool ok = source == NULL || cJSON_AddStringToObject(axis, "src", source) != NULL;
+    free(source);
     return ok;
 }
 

@@ -1,8 +1,13 @@
 #include "framework/report/template.h"
 
+#include "framework/base/file.h"
+
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { PICTURE_BYTES_MAX = 4 << 20 };
 
 void bb_page_append(bb_page_text *out, const char *data, size_t size)
 {
@@ -54,6 +59,28 @@ void bb_page_append_base64(bb_page_text *out, const unsigned char *data, size_t 
                         left > 2 ? digits[bits & 63] : '='};
         bb_page_append(out, four, 4);
     }
+}
+
+bool bb_page_picture(const char *folder, const char *name, char **source)
+{
+    char path[1400], *data = NULL;
+    size_t size;
+    *source = NULL;
+    if (name == NULL || name[0] == '\0' || strchr(name, '/') != NULL)
+        return true;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (bb_file_read(path, PICTURE_BYTES_MAX, "picture", &data, &size) != BB_OK)
+        return true;
+    bb_page_text text = {0};
+    bb_page_append_string(&text, "data:image/png;base64,");
+    bb_page_append_base64(&text, (const unsigned char *)data, size);
+    bb_page_append(&text, "", 1);
+    free(data);
+    if (text.failed)
+        free(text.data);
+    else
+        *source = text.data;
+    return !text.failed;
 }
 
 bb_status bb_page_fill(bb_page_text *page, const char *from, const bb_page_part *parts,

@@ -79,6 +79,7 @@ static bb_status write(const slicing *s, uint32_t number, const bb_sliced *voxel
     paint(s, voxels, rgb, numbers);
     snprintf(path, sizeof path, "%s-%03u.png", s->request->pictures, number);
     BB_TRY(bb_image_write(path, rgb, plan->width, plan->height));
+    BB_TRY(bb_contest_add_file(s->request->picture_files, path));
     snprintf(path, sizeof path, "%s-%03u.exr", s->request->pictures, number);
     return s->request->exr ? bb_exr_write(path, numbers, "YA", plan->width, plan->height) : BB_OK;
 }

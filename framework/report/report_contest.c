@@ -1,0 +1,63 @@
+/* The page of a contest: a template into which style, chart library, script, figures and pictures
+ * are put. */
+#include "framework/report/report.h"
+#include "framework/report/template.h"
+
+#include "framework/base/file.h"
+
+#include <cjson/cJSON.h>
+#include <stdlib.h>
+
+/* Embedded at build time. */
+extern const char bb_text_contest_html[], bb_text_report_css[], bb_text_contest_js[],
+    bb_text_chart_js[];
+
+/* Those of one result, as data URIs, in the same order. False if there is no memory. */
+static bool add_pictures(cJSON *result, const char *folder)
+{
+    const cJSON *name;
+    cJSON *sources = cJSON_CreateArray();
+    bool ok = sources != NULL;
+    cJSON_ArrayForEach(name, cJSON_GetObjectItem(result, "picture_files"))
+    {
+        char *source;
+        ok = ok && bb_page_picture(folder, cJSON_GetStringValue(name), &source);
+        if (!ok)
+            break;
+        ok = cJSON_AddItemToArray(sources, cJSON_CreateString(source != NULL ? source : ""));
+        free(source);
+    }
+    return ok ? cJSON_AddItemToObject(result, "sources", sources) : (cJSON_Delete(sources), false);
+}
+
+static char *with_pictures(const cJSON *document, const char *folder)
+{
+    cJSON *copy = cJSON_Duplicate(document, 1), *result;
+    bool ok = copy != NULL;
+    cJSON_ArrayForEach(result, cJSON_GetObjectItem(copy, "results")) ok =
+        ok && add_pictures(result, folder);
+    char *text = ok ? cJSON_PrintUnformatted(copy) : NULL;
+    cJSON_Delete(copy);
+    return text;
+}
+
+bb_status bb_report_contest(const cJSON *document, const char *folder, const char *path)
+{
+    bb_page_text page = {0};
+    char *figures = with_pictures(document, folder);
+    if (figures == NULL)
+        return bb_fail(BB_FAILED, "report %s: no memory", path);
+    const bb_page_part parts[] = {
+        {"@BB_CSS@", bb_text_report_css, false},
+        {"@BB_DATA@", figures, true},
+        {"@BB_CHART_JS@", bb_text_chart_js, false},
+        {"@BB_SCRIPT@", bb_text_contest_js, false},
+    };
+    bb_status status =
+        bb_page_fill(&page, bb_text_contest_html, parts, sizeof parts / sizeof parts[0]);
+    if (status == BB_OK)
+        status = bb_file_write(path, page.data, page.size, "report");
+    free(page.data);
+    cJSON_free(figures);
+    return status;
+}
