@@ -126,7 +126,7 @@ static inline cJSON *reproduce_emc(bb_results *results, costs cost, const double
         }
         all[e] = findings_of(results, first);
     }
-    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
+    assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
     cJSON *reproductions = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
     return cJSON_GetArrayItem(reproductions, cJSON_GetArraySize(reproductions) - 1);
 }

@@ -382,7 +382,7 @@ static void trees_of_any_arity_are_traced_rightly(void **state)
 {
     (void)state;
     bool small = getenv("BVHBENCH_TEST_SMALL") != NULL;
-    for (uint32_t trial = 0; trial < (small ? 3u : 30u); trial++) {
+    for (uint32_t trial = 0; trial < (small ? 3u : 12u); trial++) {
         bb_scene scene;
         bb_tree tree;
         bb_random random = bb_random_make(trial, 5);

@@ -6,7 +6,6 @@
 #include "framework/overlap/overlap_contest.h"
 #include "framework/scene/tets_gather.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -61,29 +60,10 @@ static bb_status read_request(job *j)
 
 /* ---- meshes ---- */
 
-static double longest_side(const bb_scene *scene)
-{
-    double longest = 0;
-    for (int k = 0; k < 3; k++)
-        longest = fmax(longest, (double)scene->bounds.hi[k] - (double)scene->bounds.lo[k]);
-    return longest;
-}
-
-static double middle(const bb_scene *scene, int k)
-{
-    return ((double)scene->bounds.lo[k] + (double)scene->bounds.hi[k]) / 2;
-}
-
 static bb_status fit(const bb_scene *a, double times, bb_scene **b)
 {
-    bb_tets_part part = {.scene = *b};
     bb_scene *fitted;
-    char name[256];
-    part.scale = times * longest_side(a) / longest_side(*b);
-    for (int k = 0; k < 3; k++)
-        part.shift[k] = middle(a, k) - part.scale * middle(*b, k);
-    snprintf(name, sizeof name, "%.200s, fitted by %g", (*b)->name, times);
-    BB_TRY(bb_tets_gather(name, &part, 1, &fitted));
+    BB_TRY(bb_tets_fit(*b, a, times, &fitted));
     bb_scene_free(*b);
     *b = fitted;
     return BB_OK;

@@ -38,6 +38,8 @@ static const bb_cli_option options[] = {
      BB_CLI_LIST},
     {"repeats", "N", "measured rounds; default: 10", false},
     {"seed", "N", "random seed; default: 1", false},
+    {"brief", NULL, "less: by default no alpha=2, which takes long; no trees, phases and legends",
+     false},
     {"json", NULL, "print JSON", false},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
     {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
@@ -107,7 +109,9 @@ static bb_status read_numbers(const bb_cli *cli, bb_dvr_request *request)
 
 static bb_status read_names(job *j)
 {
-    static const char *const usual[2] = {"vlbvh,lbvh", BB_USUAL_TET_BUILDERS};
+    const bool brief = bb_cli_value(j->cli, "brief") != NULL;
+    const char *const usual[2] = {"vlbvh,lbvh",
+                                  brief ? "lbvh,olbvh,olbvh:alpha=1" : BB_USUAL_TET_BUILDERS};
     uint32_t count;
     for (int mesh = 0; mesh < 2; mesh++)
         BB_TRY(bb_choose_tree_builders(j->cli, usual[mesh], &j->builders[mesh]));
@@ -150,7 +154,7 @@ static bb_status compare(job *j, bb_scene *scene)
     for (uint32_t w = 0; w < j->result->way_count; w++)
         j->wrong = j->wrong || j->result->ways[w].differ > 0;
     if (!j->json)
-        bb_dvr_print(j->result);
+        (bb_cli_value(j->cli, "brief") != NULL ? bb_dvr_print_briefly : bb_dvr_print)(j->result);
     return bb_contest_add(j->results, bb_dvr_json(j->result), j->request.picture_files);
 }
 

@@ -70,8 +70,9 @@ typedef struct bb_dvr_result {
  * and without accuracy; before that it fails. The scene is on the device. */
 bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_dvr_result *result);
 
-/* As text on standard output. */
+/* As text on standard output; briefly: without trees, phases and legends. */
 void bb_dvr_print(const bb_dvr_result *result);
+void bb_dvr_print_briefly(const bb_dvr_result *result);
 
 /* As JSON: framework/dvr/README.md has the schema. NULL: no memory. The caller's to delete. */
 struct cJSON *bb_dvr_json(const bb_dvr_result *result);

@@ -59,17 +59,22 @@ static void print_scene(const bb_dvr_result *r)
            r->brick_side, r->seen, r->bricks, 100.0 * r->seen / r->bricks);
 }
 
-void bb_dvr_print(const bb_dvr_result *r)
+static void print_ways(const bb_dvr_result *r)
 {
-    const bool mesh = r->tets > 0;
-    print_scene(r);
     printf(" %u pictures, %llu pixels in all; ms per picture, medians of %u rounds\n\n",
            r->pictures, (unsigned long long)r->pixels,
            r->ways[0].answer.count > 1 ? r->ways[0].answer.count - 1 : 1);
     printf(" %-38s%8s %8s %9s %7s %-16s %9s %8s %9s %s\n", "", "build", "layout", "picture", "all",
-           mesh ? "/first" : "/no tree", "samples", "M/s", "differs", "8 bits");
+           r->tets > 0 ? "/first" : "/no tree", "samples", "M/s", "differs", "8 bits");
     for (uint32_t w = 0; w < r->way_count; w++)
         print_way(r, &r->ways[w]);
+}
+
+void bb_dvr_print(const bb_dvr_result *r)
+{
+    const bool mesh = r->tets > 0;
+    print_scene(r);
+    print_ways(r);
     printf(" all: build, layout and picture, by those of %s, paired round by round (95 %%);\n "
            "samples: per ray%s, and per second; differs: largest difference of a channel from that "
            "picture\n",
@@ -85,5 +90,24 @@ void bb_dvr_print(const bb_dvr_result *r)
         printf(" %-24s ms: %.3f, %.1f GB/s\n", "a copy of the bricks", bb_samples_median(&r->copy),
                (double)r->volume_bytes / 1e6 / bb_samples_median(&r->copy));
     print_errors(r);
+    printf("\n");
+}
+
+static void print_error_line(const bb_dvr_result *r)
+{
+    if (r->error_count == 0)
+        return;
+    printf(" %-38s", "accuracy: step, RMS error, ms");
+    for (uint32_t i = 0; i < r->error_count; i++)
+        printf("%s %g: %.2g, %.0f", i > 0 ? ";" : "", r->errors[i].step, r->errors[i].rms,
+               bb_samples_median(&r->errors[i].march));
+    printf("\n");
+}
+
+void bb_dvr_print_briefly(const bb_dvr_result *r)
+{
+    print_scene(r);
+    print_ways(r);
+    print_error_line(r);
     printf("\n");
 }

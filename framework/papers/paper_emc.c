@@ -296,8 +296,9 @@ static void add_sizes(const bb_findings *all, bb_reproduction *r)
     }
 }
 
-static void evaluate(const bb_findings *all, bb_reproduction *r)
+static void evaluate(const bb_findings *all, const void *measured, bb_reproduction *r)
 {
+    (void)measured;
     add_table2(all, r, COST, "LBVH, cost (SAH): of MC-64, and ratios to it", "MC-64");
     add_table2(all, r, SPEED,
                "LBVH, trace performance of diffuse rays: Mrays/s of MC-64, and ratios",

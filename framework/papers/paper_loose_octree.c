@@ -208,8 +208,9 @@ static void add_views(const bb_findings *all, bb_reproduction *r)
                 }
 }
 
-static void evaluate(const bb_findings *all, bb_reproduction *r)
+static void evaluate(const bb_findings *all, const void *measured, bb_reproduction *r)
 {
+    (void)measured;
     add_averages(all, r);
     add_frames(&all[OF_SPHERES], r, "A frame of mixtures of spheres (section 4.1, figure 5)");
     add_frames(&all[OF_TRIANGLES], r, "A frame of triangles (section 4.2, figure 6)");

@@ -1,6 +1,8 @@
 /* A paper's experiments, run one after the other as ordinary comparisons into one document. */
 #include "framework/papers/reproduce.h"
 
+#include "framework/builder/instance.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -126,9 +128,25 @@ static bb_status blame(const bb_paper *paper, const bb_experiment *e, bb_status 
     return bb_fail(status, "reproduce %s, %s: %s", paper->name, e->name, reason);
 }
 
+static bb_status check_builders(const bb_paper *paper)
+{
+    names builders = {.count = 0};
+    bb_status status = paper->builders != NULL ? add_list(&builders, paper->builders) : BB_OK;
+    for (size_t i = 0; i < builders.count && status == BB_OK; i++)
+        status = bb_instance_check(builders.items[i]);
+    free_names(&builders);
+    if (status == BB_OK)
+        return BB_OK;
+    char reason[1024];
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    return bb_fail(status, "reproduce %s: %s", paper->name, reason);
+}
+
 bb_status bb_reproduce_check(const bb_reproduce_request *request)
 {
-    bb_status status = BB_OK;
+    bb_status status = check_builders(request->paper);
+    if (status != BB_OK)
+        return status;
     for (const bb_experiment *e = request->paper->experiments; e->name != NULL; e++) {
         plan p;
         status = make_plan(request, e, &p);
@@ -146,6 +164,22 @@ static bb_status run_experiment(plan *p, bb_results *results, bb_bench_outcome *
     bb_bench_outcome more;
     bb_status status = bb_bench_run(&p->request, results, &more);
     bb_bench_outcome_add(outcome, &more);
+    return status;
+}
+
+/* What is measured otherwise, and all that follows. */
+static bb_status conclude(const bb_reproduce_request *request, const bb_findings *findings,
+                          bb_results *results, bb_bench_outcome *outcome)
+{
+    const bb_paper *paper = request->paper;
+    void *measured = NULL;
+    bool wrong = false;
+    bb_status status = paper->measure != NULL ? paper->measure(request, &measured, &wrong) : BB_OK;
+    if (status == BB_OK)
+        status = bb_reproduction_add(paper, findings, measured, results);
+    if (paper->release != NULL)
+        paper->release(measured);
+    outcome->wrong += wrong;
     return status;
 }
 
@@ -169,7 +203,7 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
             status = blame(request->paper, e, status);
     }
     if (status == BB_OK)
-        status = bb_reproduction_add(request->paper, findings, results);
+        status = conclude(request, findings, results, outcome);
     for (uint32_t i = 0; i < count; i++)
         free_plan(&plans[i]);
     free(plans);

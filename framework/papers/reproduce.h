@@ -41,13 +41,19 @@ typedef struct bb_findings {
 } bb_findings;
 
 typedef struct bb_reproduction bb_reproduction;
+typedef struct bb_reproduce_request bb_reproduce_request;
 
 typedef struct bb_paper {
     const char *name;                 /* as the command takes it */
     const char *title;                /* authors, year, title */
     const bb_experiment *experiments; /* ends with name NULL */
+    /* Measures what is no comparison of builds and rays, such as pictures of volumes; *wrong:
+     * whether answers are. evaluate() gets it, then release(), also after a failure. Optional. */
+    bb_status (*measure)(const bb_reproduce_request *request, void **measured, bool *wrong);
+    const char *builders;            /* which that needs, by commas */
+    void (*release)(void *measured); /* NULL is allowed */
     /* Adds the tables and the claims. `findings`: one per experiment, in order. */
-    void (*evaluate)(const bb_findings *findings, bb_reproduction *out);
+    void (*evaluate)(const bb_findings *findings, const void *measured, bb_reproduction *out);
 } bb_paper;
 
 extern const bb_paper *const bb_papers[]; /* generated table; ends with NULL */
@@ -57,7 +63,7 @@ bb_status bb_paper_find(const char *name, const bb_paper **paper);
 
 /* ---- running ---- */
 
-typedef struct bb_reproduce_request {
+struct bb_reproduce_request {
     const bb_paper *paper;
     bb_device *device;
     char *const *scenes; /* instead of the experiments' own, where they take any */
@@ -67,7 +73,7 @@ typedef struct bb_reproduce_request {
     uint64_t max_prims; /* the largest '#' */
     uint64_t seed;
     bool quiet;
-} bb_reproduce_request;
+};
 
 /* Checks that all builders, kernels and rays that the paper needs are there and take these
  * parameters, and loads no scene. */
@@ -80,7 +86,7 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
 
 /* Evaluates what was measured and adds the reproduction to the document. */
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,
-                              bb_results *results);
+                              const void *measured, bb_results *results);
 
 /* Prints the reproductions of the document: tables, then claims. */
 bb_status bb_reproduction_print(const bb_results *results, FILE *out);

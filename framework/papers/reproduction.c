@@ -98,7 +98,7 @@ void bb_claim(bb_reproduction *r, bb_verdict verdict, const char *claim, const c
 }
 
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,
-                              bb_results *results)
+                              const void *measured, bb_results *results)
 {
     bb_reproduction r = {.root = cJSON_CreateObject()};
     append(&r, bb_results_reproductions(results), r.root);
@@ -107,7 +107,7 @@ bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings
                       cJSON_AddStringToObject(r.root, "title", paper->title) == NULL;
         r.tables = cJSON_AddArrayToObject(r.root, "tables");
         r.claims = cJSON_AddArrayToObject(r.root, "claims");
-        paper->evaluate(findings, &r);
+        paper->evaluate(findings, measured, &r);
     }
     return r.no_memory ? bb_fail(BB_FAILED, "reproduce %s: no memory", paper->name) : BB_OK;
 }

@@ -2,6 +2,7 @@
 
 #include "framework/scene/scene_private.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,4 +75,30 @@ bb_status bb_tets_gather(const char *name, const bb_tets_part *parts, uint32_t c
     else
         bb_scene_free(scene);
     return status;
+}
+
+/* ---- fitting ---- */
+
+static double longest_side(const bb_scene *scene)
+{
+    double longest = 0;
+    for (int k = 0; k < 3; k++)
+        longest = fmax(longest, (double)scene->bounds.hi[k] - (double)scene->bounds.lo[k]);
+    return longest;
+}
+
+static double middle(const bb_scene *scene, int k)
+{
+    return ((double)scene->bounds.lo[k] + (double)scene->bounds.hi[k]) / 2;
+}
+
+bb_status bb_tets_fit(const bb_scene *mesh, const bb_scene *into, double times, bb_scene **out)
+{
+    bb_tets_part part = {.scene = mesh};
+    char name[256];
+    part.scale = times * longest_side(into) / longest_side(mesh);
+    for (int k = 0; k < 3; k++)
+        part.shift[k] = middle(into, k) - part.scale * middle(mesh, k);
+    snprintf(name, sizeof name, "%.200s, fitted by %g", mesh->name, times);
+    return bb_tets_gather(name, &part, 1, out);
 }

@@ -15,4 +15,8 @@ typedef struct bb_tets_part {
 bb_status bb_tets_gather(const char *name, const bb_tets_part *parts, uint32_t count,
                          bb_scene **out);
 
+/* `mesh` in the middle of another's box, its own box's longest side `times` as long. Owned by the
+ * caller. */
+bb_status bb_tets_fit(const bb_scene *mesh, const bb_scene *into, double times, bb_scene **out);
+
 #endif

@@ -1,11 +1,17 @@
 #!/usr/bin/env bash
 # Runs test programs, on small inputs, under oclgrind, which finds out-of-bounds accesses, data races, uninitialised reads and divergent
-# barriers. It exits 0 even so: its log must be empty. Usage: run.sh FOLDER FLAGS PROGRAM...
+# barriers. It exits 0 even so: its log must be empty. Usage: run.sh NUMBER FOLDER FLAGS PROGRAM...
+# With BVHBENCH_OCLGRIND_TURN=0 or 1 it leaves those of odd or of even NUMBER to another run.
 # (--uninitialized takes buffers that were filled by clEnqueueFillBuffer for uninitialised: not for programs that do that)
 set -u
-folder=$1
-read -r -a flags <<<"$2"
-shift 2
+number=$1
+folder=$2
+read -r -a flags <<<"$3"
+shift 3
+if [ -n "${BVHBENCH_OCLGRIND_TURN-}" ] && [ $((number % 2)) -ne "$BVHBENCH_OCLGRIND_TURN" ]; then
+    echo "left to a run with BVHBENCH_OCLGRIND_TURN=$((1 - BVHBENCH_OCLGRIND_TURN))"
+    exit 0
+fi
 if ! command -v oclgrind >/dev/null; then
     echo "skipped: oclgrind is not installed (scripts/setup test)"
     exit 77

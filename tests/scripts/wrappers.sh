@@ -43,6 +43,12 @@ expect "bvhbench run --out $tree/out" bench
 expect "bvhbench run --scene cube --out $tree/out" bench run --scene cube
 expect "bvhbench run --quick --out=here" bench --quick --out=here
 expect 'setup bench' bench
+volume='bvhbench volume --brief --scene nbody:n=64 --scene tets:side=8 --size 48x48 --step 1 --steps 4,2,1 --kernel stack'
+expect "$volume --repeats 6 --out $tree/out" bench
+expect "$volume --repeats 3 --seed=2 --out here" bench --repeats 3 --seed=2 --out here
+expect "bvhbench run --repeats 3 --seed=2 --out here" bench run --repeats 3 --seed=2 --out here
+expect "bvhbench run --scene cube --repeats 2 --out $tree/out" bench --scene cube --repeats 2
+! grep -q 'bvhbench volume' "$work/said" || fail 'volumes are compared beside chosen scenes'
 
 expect 'test: 6 tests ran in build/test build/asan build/tsan; skipped: 3 tests and 3 test cases' test
 grep -qxF 'test: skipped: case a_case in build/asan' "$work/said" || fail 'no skipped case'
