@@ -33,8 +33,8 @@ typedef struct bb_visitor {
 #define BB_LOCATE_NODE float
 #endif
 
-/* Not less than the squared distance of the tetrahedron's box from the centre, were it not for
- * rounding. */
+#if BB_HAS_DOUBLES
+/* Squared, of the tetrahedron's box from the centre: but for rounding, not more than its own. */
 bb_real bb_box_distance(const bb_visitor *visitor, const float3 corners[4])
 {
     bb_real3 lo = BB_REAL3(BB_MIN(BB_MIN(corners[0], corners[1]), BB_MIN(corners[2], corners[3])));
@@ -43,6 +43,7 @@ bb_real bb_box_distance(const bb_visitor *visitor, const float3 corners[4])
     bb_real3 beyond = BB_MAX(BB_MAX(lo - centre, centre - hi), (bb_real3)(0));
     return dot(beyond, beyond);
 }
+#endif
 
 bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corners[4])
 {
@@ -52,9 +53,11 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
     for (uint c = 1; c < 4; c++)
         side = BB_MAX(side, fabs(corners[c] - visitor->centre));
     bb_real unit = bb_solid_unit(side);
-    /* what is further away for sure need not be looked at */
-    if (bb_box_distance(visitor, corners) * (bb_real)0.999f > visitor->least)
+#if BB_HAS_DOUBLES
+    /* What is further away for sure need not be looked at. Floats do not tell for sure. */
+    if (bb_box_distance(visitor, corners) * 0.999 > visitor->least)
         return false;
+#endif
     bb_solid tet = bb_solid_tet(corners, visitor->centre, unit);
     bb_real distance = bb_tet_distance(&tet) / (unit * unit);
     visitor->tests++;

@@ -52,6 +52,25 @@ static void expect_ways(const cJSON *result, const char *answer, const char *dif
     }
 }
 
+static int access_in_folder(const char *name)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return access(path, F_OK);
+}
+
+/* A way that cannot be is left out, were it the first. */
+static void the_first_way_may_be_refused(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run("slice --scene tets:side=3 --builder lbvh,olbvh --search octree --slices "
+            "2 --size 8x8 --repeats 1");
+    assert_int_equal(o->exit_status, 0);
+    o = run("overlap tets:side=3 tets:side=2 --builder lbvh,olbvh --search octree --repeats 1");
+    assert_int_equal(o->exit_status, 0);
+}
+
 static void slices_are_compared_and_drawn(void **state)
 {
     (void)state;
@@ -138,6 +157,10 @@ static void what_cannot_be_is_said_in_one_line(void **state)
     refuses("", "slice --scene tets:side=2 --thickness 1e-20", "floats can tell");
     refuses("", "slice --scene tets:side=2 --size 0x9", "size");
     refuses("", "slice --scene tets:side=2 --search octre", "no search 'octre'");
+    refuses("", "slice --scene tets:side=2 --search skip,skip", "twice");
+    refuses("", "slice --scene tets:side=2 --scene tetz:side=2 --out bad", "tetz");
+    refuses("", "slice --scene tets:side=2 --builder lbvh --search octree --out bad", "'cells'");
+    assert_int_not_equal(access_in_folder("bad"), 0);
     refuses("", "slice --scene tets:side=2 --builder lbvh --search octree", "'cells'");
     refuses("", "slice --scene /nowhere.msh", "nowhere");
     refuses("", "overlap tets:side=2", "two meshes");
@@ -150,6 +173,7 @@ static void what_cannot_be_is_said_in_one_line(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_first_way_may_be_refused),
         cmocka_unit_test(slices_are_compared_and_drawn),
         cmocka_unit_test(overlaps_are_compared_and_drawn),
         cmocka_unit_test(a_mesh_overlaps_itself),

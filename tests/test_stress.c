@@ -1,6 +1,6 @@
 /* `bvhbench stress` from outside: a builder that goes wrong beyond 100 primitives, in every manner;
  * what is found of it, what becomes of the run, and that it goes on where it was cut off. All of it
- * only with BVHBENCH_SLOW_TESTS=1. */
+ * only with BVHBENCH_SLOW_TESTS=1 (a half, by BVHBENCH_TEST_SEED) and BVHBENCH_TEST_LONG=1. */
 #include "tests/program_fixture.h"
 
 #include <math.h>
@@ -272,23 +272,24 @@ static void refuses_what_makes_no_sense(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest few[] = {
-        cmocka_unit_test(tells_of_mishaps),
-        cmocka_unit_test(compares_parts),
-        cmocka_unit_test(refuses_what_makes_no_sense),
-    };
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tells_of_mishaps),
-        cmocka_unit_test(blames_who_is_wrong),
-        cmocka_unit_test(finds_every_manner),
-        cmocka_unit_test(kills_what_hangs),
-        cmocka_unit_test(judges_times_twice),
-        cmocka_unit_test(bisects_and_repeats),
-        cmocka_unit_test(goes_on),
         cmocka_unit_test(compares_parts),
         cmocka_unit_test(refuses_what_makes_no_sense),
+        cmocka_unit_test(blames_who_is_wrong),
+        cmocka_unit_test(finds_every_manner),
+        cmocka_unit_test(judges_times_twice),
+        cmocka_unit_test(kills_what_hangs),
+        cmocka_unit_test(bisects_and_repeats),
+        cmocka_unit_test(goes_on),
     };
-    if (getenv("BVHBENCH_SLOW_TESTS") == NULL)
-        return cmocka_run_group_tests(few, make_folder, remove_folder);
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    enum { ALL = sizeof tests / sizeof tests[0], QUICK = 3, HALF = 3 };
+    /* of the slow ones, one half with each seed */
+    const bool whole = getenv("BVHBENCH_TEST_LONG") != NULL, odd = seed_or(0) % 2 == 1;
+    struct CMUnitTest chosen[ALL];
+    size_t count = getenv("BVHBENCH_SLOW_TESTS") == NULL ? QUICK : whole ? ALL : QUICK + HALF;
+    memcpy(chosen, tests, sizeof tests);
+    if (count == QUICK + HALF && odd)
+        memcpy(chosen + QUICK, tests + QUICK + HALF, HALF * sizeof tests[0]);
+    return _cmocka_run_group_tests("stress", chosen, count, make_folder, remove_folder);
 }

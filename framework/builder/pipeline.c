@@ -139,6 +139,9 @@ bb_status bb_pipeline_complete(const char *text, char *whole, size_t capacity, b
                           : snprintf(whole, capacity, "%s+%s", beside->name, text);
     if (length < 0 || (size_t)length >= capacity)
         return bb_fail(BB_INVALID, "'%.40s...' is too long", text);
+    if (lacks && bb_pipeline_parse(whole, &pipeline) != BB_OK) /* "\\" at its end takes the '+' */
+        return bb_fail(BB_INVALID, "'%s' cannot be completed by %s: write all of it", text,
+                       beside->name);
     if (completed != NULL)
         *completed = lacks;
     return BB_OK;

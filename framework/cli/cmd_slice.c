@@ -19,6 +19,8 @@ static const bb_cli_option options[] = {
     {"search", "S", "skip, octree, octree:boundary=no; default: skip,octree", BB_CLI_LIST},
     {"no-tree", NULL, "also by all tetrahedra, one after the other, which others are compared with",
      false},
+    {"paper", NULL, "the paper's settings as defaults: --slices 1 --size 999x999 --repeats 50",
+     false},
     {"axis", "A", "across the slices: x, y or z; default: z", false},
     {"size", "WxH", "voxels of a slice, along the two other axes; default: 256x256", false},
     {"slices", "N", "one on the other, about the middle; default: 8", false},
@@ -43,7 +45,7 @@ typedef struct job {
     bb_slice_request request;
     bb_slice_result *result;
     cJSON *document, *results;
-    bool wrong;
+    bool wrong, made; /* made: the folder --out */
     bb_names builders, searches;
 } job;
 
@@ -51,9 +53,10 @@ static bb_status read_plan(const bb_cli *cli, bb_slice_plan *plan)
 {
     const char *axis = bb_cli_value(cli, "axis");
     uint64_t slices;
-    plan->width = plan->height = 256;
+    const bool paper = bb_cli_value(cli, "paper") != NULL;
+    plan->width = plan->height = paper ? 999 : 256;
     BB_TRY(bb_cli_size(cli, "size", &plan->width, &plan->height));
-    BB_TRY(bb_cli_u64(cli, "slices", 8, 1, 4096, &slices));
+    BB_TRY(bb_cli_u64(cli, "slices", paper ? 1 : 8, 1, 4096, &slices));
     BB_TRY(bb_cli_double(cli, "thickness", 0, 0, 1e30, &plan->thickness));
     plan->count = (uint32_t)slices;
     if (axis == NULL)
@@ -69,7 +72,8 @@ static bb_status read_request(job *j)
     uint64_t repeats;
     bb_slice_request *request = &j->request;
     BB_TRY(read_plan(j->cli, &request->plan));
-    BB_TRY(bb_cli_u64(j->cli, "repeats", 10, 1, BB_SAMPLES_MAX - 1, &repeats));
+    BB_TRY(bb_cli_u64(j->cli, "repeats", bb_cli_value(j->cli, "paper") != NULL ? 50 : 10, 1,
+                      BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(j->cli, "seed", 1, 0, UINT64_MAX, &request->seed));
     request->repeats = (uint32_t)repeats;
     request->without = bb_cli_value(j->cli, "no-tree") != NULL;
@@ -131,9 +135,10 @@ static bb_status slice_all(job *j)
 
 static bb_status work(job *j)
 {
+    uint32_t count;
+    char *const *scenes = bb_cli_values(j->cli, "scene", &count);
+    BB_TRY(bb_contest_begin(j->cli, scenes, count, &j->made));
     BB_TRY(read_request(j));
-    if (bb_cli_value(j->cli, "out") != NULL)
-        BB_TRY(bb_make_folder(bb_cli_value(j->cli, "out")));
     j->result = calloc(1, sizeof *j->result);
     if (j->result == NULL)
         return bb_fail(BB_REFUSED, "no memory for the results");
@@ -151,12 +156,11 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_cli_values(cli, "scene", &scenes);
     if (scenes == 0)
         return bb_fail(BB_INVALID, "slice needs --scene: see `bvhbench slice --help`");
-    BB_TRY(bb_load_plugins(cli));
     bb_status status = work(&j);
     free(j.result);
     bb_names_free(&j.builders);
     bb_names_free(&j.searches);
-    return bb_contest_end(status, j.wrong, exit_status);
+    return bb_contest_end(cli, status, j.made, j.wrong, exit_status);
 }
 
 extern const bb_command bb_command_slice;
@@ -169,7 +173,6 @@ const bb_command bb_command_slice = {
         "its value is the field of the one that holds the centre, or that of the nearest, "
         "continued.\n"
         "Each builder with each search, against the first of them or against no tree.\n"
-        "The paper's setting: --slices 1 --size 999x999 --thickness X.\n"
         "PNG: values by colour, black without material. EXR: Y the value, A 1 inside, 0.5 beside, "
         "0 empty.\n"
         "Exit status 1: a voxel differs from the first way's.",

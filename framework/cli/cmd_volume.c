@@ -29,6 +29,11 @@ static const bb_cli_option options[] = {
     {"turns", "N",
      "instead: the volume turned about each axis by N times 2 degrees, in parallel projection",
      false},
+    {"paper", NULL,
+     "the papers' settings as defaults: --turns 180 --size 2160x2160 --repeats 50; of a mesh "
+     "--size "
+     "1024x1024 --repeats 50",
+     false},
     {"size", "WxH", "of a picture; default: 256x256", false},
     {"step", "X",
      "distance of samples, in voxels; of a mesh in 1/128 of its longest side; default: 0.5", false},
@@ -55,8 +60,8 @@ typedef struct job {
     const bb_cli *cli;
     bb_dvr_request request;
     bb_dvr_result *result;
-    cJSON *results; /* of the document */
-    bool json, wrong;
+    cJSON *results;                          /* of the document */
+    bool json, wrong, made;                  /* made: the folder --out */
     uint32_t pictures;                       /* sets of them, so far */
     bb_names builders[2], kernels, searches; /* builders of volumes, of meshes */
 } job;
@@ -92,10 +97,10 @@ static bb_status read_steps(const bb_cli *cli, bb_dvr_request *request)
 static bb_status read_numbers(const bb_cli *cli, bb_dvr_request *request)
 {
     uint64_t turns, repeats;
-    request->width = request->height = 256;
+    const bool paper = bb_cli_value(cli, "paper") != NULL;
     BB_TRY(bb_cli_size(cli, "size", &request->width, &request->height));
     BB_TRY(bb_cli_u64(cli, "turns", 0, 1, 180, &turns));
-    BB_TRY(bb_cli_u64(cli, "repeats", 10, 1, BB_SAMPLES_MAX - 1, &repeats));
+    BB_TRY(bb_cli_u64(cli, "repeats", paper ? 50 : 10, 1, BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
     BB_TRY(bb_cli_double(cli, "step", 0.5, 1e-3, 1e3, &request->step));
     BB_TRY(bb_cli_double(cli, "cutoff", 0, 0, 1, &request->cutoff));
@@ -119,6 +124,17 @@ static bb_status read_names(job *j)
     bb_cli_values(j->cli, "kernel", &count);
     return count > 0 ? bb_choose_kernels(j->cli, &j->kernels)
                      : bb_names_add(&j->kernels, "stack,stack8");
+}
+
+/* What depends on whether it is a volume or a mesh. */
+static bb_status choose_pictures(job *j, bool mesh)
+{
+    const bool paper = bb_cli_value(j->cli, "paper") != NULL;
+    bb_dvr_request *request = &j->request;
+    request->width = request->height = !paper ? 256 : mesh ? 1024 : 2160;
+    if (paper && bb_cli_value(j->cli, "turns") == NULL && request->view == NULL)
+        request->turns = mesh ? 0 : 180;
+    return bb_cli_size(j->cli, "size", &request->width, &request->height);
 }
 
 static void choose_names(job *j, bool mesh)
@@ -192,6 +208,8 @@ static bb_status compare_scene(job *j, const char *name)
                          name);
     choose_names(j, scene->volume == NULL);
     if (status == BB_OK)
+        status = choose_pictures(j, scene->volume == NULL);
+    if (status == BB_OK)
         status = bb_scene_upload(scene, j->request.device);
     if (status == BB_OK)
         status = compare_transfers(j, scene);
@@ -238,15 +256,14 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 {
     uint32_t scenes;
     job j = {.cli = cli, .json = bb_cli_value(cli, "json") != NULL};
-    bb_cli_values(cli, "scene", &scenes);
+    char *const *names = bb_cli_values(cli, "scene", &scenes);
     if (scenes == 0)
         return bb_fail(BB_INVALID, "volume needs --scene: see `bvhbench volume --help`");
-    BB_TRY(bb_load_plugins(cli));
     BB_TRY(read_numbers(cli, &j.request));
     BB_TRY(check_transfers(cli));
-    if (bb_cli_value(cli, "out") != NULL)
-        BB_TRY(bb_make_folder(bb_cli_value(cli, "out")));
-    bb_status status = read_names(&j);
+    bb_status status = bb_contest_begin(cli, names, scenes, &j.made);
+    if (status == BB_OK)
+        status = read_names(&j);
     j.result = calloc(1, sizeof *j.result);
     if (status == BB_OK && j.result == NULL)
         status = bb_fail(BB_REFUSED, "no memory for the results");
@@ -262,7 +279,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         bb_names_free(&j.builders[mesh]);
     bb_names_free(&j.kernels);
     bb_names_free(&j.searches);
-    return bb_contest_end(status, j.wrong, exit_status);
+    return bb_contest_end(cli, status, j.made, j.wrong, exit_status);
 }
 
 extern const bb_command bb_command_volume;
@@ -276,8 +293,6 @@ const bb_command bb_command_volume = {
         "the same;\n"
         "then how far pictures are from converged ones, by the distance of samples.\n"
         "Of a mesh of tetrahedra: each builder with each search, against the first of them.\n"
-        "The papers' settings: --turns 180 --size 2160x2160 --repeats 50; for meshes --size "
-        "1024x1024.\n"
         "Exit status 1: a picture differs from the one without a tree, or from the first.",
     .options = options,
     .run = run,

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 extern const char bb_build_revision[];
 
@@ -21,6 +22,9 @@ bb_status bb_choose_searches(const bb_cli *cli, bb_names *searches)
     for (uint32_t i = 0; i < count; i++) {
         bb_spec spec;
         BB_TRY(bb_tet_search_parse(given[i], &spec));
+        for (uint32_t k = 0; k < i; k++)
+            if (strcmp(given[k], given[i]) == 0)
+                return bb_fail(BB_INVALID, "--search has %s twice", given[i]);
         BB_TRY(bb_names_add(searches, given[i]));
     }
     return count > 0 ? BB_OK : bb_names_add(searches, "skip,octree");
@@ -84,13 +88,27 @@ bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char 
     return status;
 }
 
-bb_status bb_contest_end(bb_status status, bool wrong, int *exit_status)
+bb_status bb_contest_begin(const bb_cli *cli, char *const *scenes, uint32_t count, bool *made)
 {
+    const char *out = bb_cli_value(cli, "out");
+    *made = out != NULL && access(out, F_OK) != 0;
+    BB_TRY(bb_load_plugins(cli));
+    for (uint32_t i = 0; i < count; i++)
+        BB_TRY(bb_check_scene(scenes[i]));
+    return out != NULL ? bb_make_folder(out) : BB_OK;
+}
+
+bb_status bb_contest_end(const bb_cli *cli, bb_status status, bool made, bool wrong,
+                         int *exit_status)
+{
+    if (status != BB_OK && made)
+        (void)rmdir(bb_cli_value(cli, "out")); /* which stays if anything was written */
     if (status == BB_OK && wrong)
         *exit_status = BB_EXIT_WRONG;
     if (!bb_interrupted())
         return status;
-    fprintf(stderr, "bvhbench: interrupted: the results are those of what was measured\n");
+    fprintf(stderr, "bvhbench: interrupted: %s\n",
+            status == BB_OK ? "the results are those of what was measured" : bb_message());
     *exit_status = BB_EXIT_INTERRUPTED;
     return BB_OK;
 }

@@ -2,6 +2,7 @@
 
 #include "framework/base/interrupt.h"
 #include "framework/base/memory.h"
+#include "framework/base/random.h"
 #include "framework/device/stopwatch.h"
 #include "kernels/bb_shared.h"
 
@@ -21,6 +22,7 @@ struct bb_contest {
     uint32_t way_count, first; /* way with a tree */
     entrant *entrants;
     bb_contest_runner *runners; /* of all ways */
+    uint32_t base;              /* the way that others are compared with */
     unsigned char *without, *with;
     bb_count *counts;
     uint64_t items; /* of all questions */
@@ -108,6 +110,24 @@ static bb_status reserve(bb_contest *c)
     return BB_OK;
 }
 
+const bb_contest_way *bb_contest_base(const bb_contest_way *ways, uint32_t count)
+{
+    uint32_t base = 0;
+    while (base + 1 < count && ways[base].refused[0] != '\0')
+        base++;
+    return &ways[base];
+}
+
+static bb_status choose_base(bb_contest *c)
+{
+    const bb_contest_way *base = bb_contest_base(c->ways, c->way_count);
+    c->base = (uint32_t)(base - c->ways);
+    return base->refused[0] == '\0'
+               ? BB_OK
+               : bb_fail(BB_UNSUPPORTED, "%s by %s, and no other way either: %s",
+                         c->ways[0].builder, c->ways[0].search, c->ways[0].refused);
+}
+
 bb_status bb_contest_create(const bb_contest_request *request, const bb_contest_task *task,
                             bb_contest_way *ways, uint32_t *way_count, bb_contest **out)
 {
@@ -128,6 +148,8 @@ bb_status bb_contest_create(const bb_contest_request *request, const bb_contest_
     bb_status status = reserve(c);
     for (uint32_t i = 0; i < request->builder_count && status == BB_OK; i++)
         status = make_entrant(c, i);
+    if (status == BB_OK)
+        status = choose_base(c);
     if (status == BB_OK)
         *out = c;
     else
@@ -222,16 +244,13 @@ static bb_status compare_question(bb_contest *c, uint32_t question)
 {
     uint32_t items;
     BB_TRY(c->task.take(c->task.self, question, &items));
-    if (is_refused(&c->runners[0]))
-        return bb_fail(BB_UNSUPPORTED, "%s by %s, which others are compared with: %s",
-                       c->ways[0].builder, c->ways[0].search, c->ways[0].refused);
     c->items += items;
-    BB_TRY(ask(c, &c->runners[0], items, c->without));
+    BB_TRY(ask(c, &c->runners[c->base], items, c->without));
     memcpy(c->with, c->without, items * c->task.answer_bytes);
-    add_answers(c, items, &c->ways[0]);
+    add_answers(c, items, &c->ways[c->base]);
     if (c->task.see != NULL)
         BB_TRY(c->task.see(c->task.self, question, c->without, items));
-    for (uint32_t w = 1; w < c->way_count; w++) {
+    for (uint32_t w = c->base + 1; w < c->way_count; w++) {
         if (is_refused(&c->runners[w]))
             continue;
         BB_TRY(ask(c, &c->runners[w], items, c->with));
@@ -263,7 +282,8 @@ static bb_status compare_answers(bb_contest *c)
 static bb_status compare_timed(bb_contest *c, const bb_contest_runner *r, uint32_t items)
 {
     BB_TRY(bb_buffer_read(c->task.answers, 0, items * c->task.answer_bytes, c->with));
-    r->way->differ += count_differences(c, items);
+    if (r->way->differ == 0) /* else they were counted, of all questions */
+        r->way->differ = count_differences(c, items);
     return BB_OK;
 }
 
@@ -353,15 +373,29 @@ static bb_status time_answer(bb_contest *c, const bb_contest_runner *r, bb_timin
     return status != BB_OK ? status : stopped;
 }
 
-/* All ways in turns; who begins moves on from round to round. */
+/* 0 to count - 1 in another order in each round and for each question, so that nobody always
+ * follows the same. */
+static void shuffle(const bb_contest *c, uint32_t round, uint32_t question, uint32_t count,
+                    uint32_t order[BB_CONTEST_WAYS_MAX])
+{
+    bb_random random =
+        bb_random_make(c->request.seed, ((uint64_t)round << 32 | question) * 2654435761u);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t k = bb_random_below(&random, i + 1);
+        order[i] = order[k];
+        order[k] = i;
+    }
+}
+
 static bb_status time_question(bb_contest *c, uint32_t round, uint32_t question, bb_timing *sums)
 {
     const bool last = round == c->request.repeats && question + 1 == c->task.questions;
     const uint32_t parts = c->task.summed ? 1 : c->task.questions;
-    uint32_t items;
+    uint32_t items, order[BB_CONTEST_WAYS_MAX];
     BB_TRY(c->task.take(c->task.self, question, &items));
+    shuffle(c, round, question, c->way_count, order);
     for (uint32_t i = 0; i < c->way_count; i++) {
-        const uint32_t w = (i + round) % c->way_count;
+        const uint32_t w = order[i];
         const bb_contest_runner *r = &c->runners[w];
         bb_timing timing;
         if (is_refused(r))
@@ -379,10 +413,12 @@ static bb_status time_round(bb_contest *c, uint32_t round)
 {
     bb_timing sums[BB_CONTEST_WAYS_MAX] = {{0}};
     const uint32_t builders = c->request.builder_count;
+    uint32_t order[BB_CONTEST_WAYS_MAX];
+    shuffle(c, round, UINT32_MAX, builders, order);
     if (c->task.time != NULL)
         BB_TRY(c->task.time(c->task.self));
     for (uint32_t i = 0; i < builders; i++)
-        BB_TRY(time_entrant(c, &c->entrants[(i + round) % builders]));
+        BB_TRY(time_entrant(c, &c->entrants[order[i]]));
     for (uint32_t q = 0; q < c->task.questions; q++)
         BB_TRY(time_question(c, round, q, sums));
     for (uint32_t w = 0; w < c->way_count; w++) {
@@ -400,7 +436,7 @@ bb_status bb_contest_run(bb_contest *c)
     BB_TRY(compare_answers(c));
     for (uint32_t round = 0; round <= c->request.repeats && !bb_interrupted(); round++)
         BB_TRY(time_round(c, round));
-    if (bb_interrupted() && c->ways[0].answer.count < 2)
+    if (bb_interrupted() && c->ways[c->base].answer.count < 2)
         return bb_fail(BB_FAILED, "%s: interrupted before a round that counts",
                        c->request.scenes[0]->name);
     return check_input(c);

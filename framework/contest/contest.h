@@ -33,7 +33,7 @@ typedef struct bb_contest_way {
     uint64_t tree_bytes;
     uint64_t bytes;      /* of trees and scratch at most, and of layouts */
     double visits, work; /* nodes and primitives of bb_count, per item */
-    double most;         /* what compare() makes of differences from the first way, */
+    double most;         /* what compare() makes of differences from the base, */
     uint32_t most_8;     /* in 8 bits */
     uint64_t differ;     /* items whose answers differ at all */
     uint64_t overflown;  /* items for which a stack was too small */
@@ -106,11 +106,16 @@ bb_status bb_contest_run(bb_contest *contest);
 /* The first way that has a tree and is not refused; NULL: none. */
 const bb_contest_runner *bb_contest_first(const bb_contest *contest);
 
-/* Of answers, with build and layout or without, the ratio to the first way. */
-bb_estimate bb_contest_ratio(const bb_contest_way *first, const bb_contest_way *way,
+/* The way that others are compared with: the first that is not refused. */
+const bb_contest_way *bb_contest_base(const bb_contest_way *ways, uint32_t count);
+
+/* Of answers, with build and layout or without, the ratio to another way. */
+bb_estimate bb_contest_ratio(const bb_contest_way *base, const bb_contest_way *way,
                              bool with_build);
 
 /* ---- what commands print and write of ways ---- */
+
+uint32_t bb_contest_rounds(const bb_contest_way *ways, uint32_t count); /* that count */
 
 /* The builder and search, the medians of build and layout, and whether there are figures: if not,
  * why. */
@@ -130,7 +135,7 @@ bool bb_contest_put_ratio(struct cJSON *object, const char *name, bb_estimate es
 /* Adds the way to a list: names, or why it was refused; times, `answer` being the name of that of
  * answers (such as "picture_ms"); ratios, and sizes. `entry` gets the object, NULL if the way was
  * refused. False: no memory. */
-bool bb_contest_put_way(struct cJSON *list, const bb_contest_way *first, const bb_contest_way *way,
+bool bb_contest_put_way(struct cJSON *list, const bb_contest_way *base, const bb_contest_way *way,
                         const char *answer, struct cJSON **entry);
 
 #endif

@@ -6,6 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 
+uint32_t bb_contest_rounds(const bb_contest_way *ways, uint32_t count)
+{
+    const uint32_t rounds = bb_contest_base(ways, count)->answer.count;
+    return rounds > 1 ? rounds - 1 : 1;
+}
+
 bool bb_contest_print_name(const bb_contest_way *way)
 {
     char name[240];

@@ -57,6 +57,7 @@ typedef struct bb_dvr_result {
     char field[64];
     uint32_t pictures;
     uint64_t pixels; /* of all */
+    bool by_others;  /* the largest differences are OpenImageIO's, too */
     uint32_t way_count;
     bb_contest_way ways[BB_CONTEST_WAYS_MAX]; /* the first of a volume is without a tree; work:
                                                  samples per ray */

@@ -6,7 +6,8 @@
 static bool put_way(cJSON *list, const bb_dvr_result *result, const bb_contest_way *way)
 {
     cJSON *entry;
-    bool put = bb_contest_put_way(list, &result->ways[0], way, "picture", &entry);
+    bool put = bb_contest_put_way(list, bb_contest_base(result->ways, result->way_count), way,
+                                  "picture", &entry);
     if (entry == NULL || !put)
         return put;
     put = bb_put_number(entry, "samples_per_ray", way->work);
@@ -51,7 +52,8 @@ static bool put_result(cJSON *root, const bb_dvr_result *r)
     cJSON *ways = cJSON_CreateArray(), *errors = NULL;
     bool put = bb_put_text(root, "scene", r->scene) && bb_put_text(root, "transfer", r->transfer) &&
                put_scene(root, r) && bb_put_number(root, "pictures", r->pictures) &&
-               bb_put_number(root, "pixels", (double)r->pixels);
+               bb_put_number(root, "pixels", (double)r->pixels) &&
+               bb_put_text(root, "compared_by", r->by_others ? "OpenImageIO" : "");
     put = bb_put(root, "ways", ways) && put;
     for (uint32_t w = 0; w < r->way_count && put; w++)
         put = put_way(ways, r, &r->ways[w]);

@@ -19,7 +19,8 @@ static void print_way(const bb_dvr_result *result, const bb_contest_way *way)
         printf(" %24s %9.1f %8.2f\n", "", way->work, sampling_rate(result, way));
         return;
     }
-    bb_estimate with_build = bb_contest_ratio(&result->ways[0], way, true);
+    bb_estimate with_build =
+        bb_contest_ratio(bb_contest_base(result->ways, result->way_count), way, true);
     printf(" %7.3f", with_build.value);
     bb_contest_print_interval(with_build);
     printf(" %9.1f %8.2f %9.2g %u/255", way->work, sampling_rate(result, way), way->most,
@@ -62,8 +63,7 @@ static void print_scene(const bb_dvr_result *r)
 static void print_ways(const bb_dvr_result *r)
 {
     printf(" %u pictures, %llu pixels in all; ms per picture, medians of %u rounds\n\n",
-           r->pictures, (unsigned long long)r->pixels,
-           r->ways[0].answer.count > 1 ? r->ways[0].answer.count - 1 : 1);
+           r->pictures, (unsigned long long)r->pixels, bb_contest_rounds(r->ways, r->way_count));
     printf(" %-38s%8s %8s %9s %7s %-16s %9s %8s %9s %s\n", "", "build", "layout", "picture", "all",
            r->tets > 0 ? "/first" : "/no tree", "samples", "M/s", "differs", "8 bits");
     for (uint32_t w = 0; w < r->way_count; w++)

@@ -2,6 +2,7 @@
 
 #include "kernels/cell_grid_shared.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 enum {
@@ -35,6 +36,26 @@ void bb_overlapper_destroy(bb_overlapper *overlapper)
     free(overlapper);
 }
 
+void bb_overlapper_take_floats(bb_overlapper *overlapper)
+{
+    overlapper->overlap.floats = overlapper->inside.floats = true;
+}
+
+bb_status bb_overlap_check(const bb_overlapper *overlapper, const bb_scene *scene,
+                           const bb_scene *other)
+{
+    const bool doubles = !overlapper->overlap.floats && bb_device_has_doubles(overlapper->device);
+    double largest = 0;
+    for (int k = 0; k < 3; k++)
+        largest = fmax(largest,
+                       fmax(fabs((double)scene->bounds.lo[k]), fabs((double)scene->bounds.hi[k])));
+    return largest * (double)other->scale < (doubles ? 0x1p120 : 0x1p59)
+               ? BB_OK
+               : bb_fail(BB_UNSUPPORTED,
+                         "%s reaches to %g, which is too far beside %s: move or scale one of them",
+                         scene->name, largest, other->name);
+}
+
 static bb_status find_inside(bb_overlapper *overlapper, const bb_tet_search *search)
 {
     const uint32_t bits = INSIDE_BITS;
@@ -56,6 +77,7 @@ bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_
     const uint32_t first = own->first, count = own->count;
     bb_arg args[BB_TET_SEARCH_ARGS + 8];
     cl_kernel kernel;
+    BB_TRY(bb_overlap_check(overlapper, scene, search->scene));
     if (by_flags && search->way != BB_SEARCH_OCTREE)
         return bb_fail(BB_UNSUPPORTED,
                        "there are no cells with flags of the boundary to find the inside by");

@@ -9,6 +9,14 @@ typedef struct bb_overlapper bb_overlapper;
 bb_status bb_overlapper_create(bb_device *device, bb_overlapper **out);
 void bb_overlapper_destroy(bb_overlapper *overlapper); /* NULL is allowed */
 
+/* Whether lengths of `scene` can be put beside those of `other`: BB_UNSUPPORTED, with one line, if
+ * they are too large in the unit of the other's layouts. */
+bb_status bb_overlap_check(const bb_overlapper *overlapper, const bb_scene *scene,
+                           const bb_scene *other);
+
+/* From now on as on a device that has no doubles. Before the first question. */
+void bb_overlapper_take_floats(bb_overlapper *overlapper);
+
 /* Enqueues the question which tetrahedra of `scene` meet one of those that `search` finds, in
  * another scene or the same; does not wait. Both are on the device. `by_flags`: cells that are all
  * inside or all outside of the other mesh spare tests; they are found out first, and written down

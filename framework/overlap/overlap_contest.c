@@ -82,6 +82,8 @@ static bb_status prepare(overlapping *o)
             BB_TRY(bb_tet_list_make(scene, &o->lists[s]));
     }
     BB_TRY(bb_overlapper_create(request->device, &o->overlapper));
+    for (int s = 0; s < 2; s++)
+        BB_TRY(bb_overlap_check(o->overlapper, o->scenes[s], o->scenes[1 - s]));
     BB_TRY(
         bb_buffer_reserve(request->device, NULL, most * sizeof(uint32_t), "answers", &o->answers));
     return bb_buffer_reserve(request->device, NULL, most * sizeof(bb_count), "counts", &o->counts);
@@ -154,10 +156,10 @@ static void print_way(const bb_overlap_result *r, const bb_contest_way *way)
     if (!bb_contest_print_name(way))
         return;
     printf(" %9.2f", bb_samples_median(&way->answer));
-    if (way == &r->ways[0]) {
+    if (way == bb_contest_base(r->ways, r->way_count)) {
         printf(" %24s", "");
     } else {
-        bb_estimate ratio = bb_contest_ratio(&r->ways[0], way, false);
+        bb_estimate ratio = bb_contest_ratio(bb_contest_base(r->ways, r->way_count), way, false);
         printf(" %7.3f", ratio.value);
         bb_contest_print_interval(ratio);
     }
@@ -180,7 +182,7 @@ void bb_overlap_print(const bb_overlap_result *r)
     printf(" ms, medians of %u rounds, of both trees and both directions; overlap /first: paired "
            "round by round (95 %%);\n nodes and tests of pairs: per tetrahedron; differ: "
            "tetrahedra, from the first way\n\n",
-           r->ways[0].answer.count > 1 ? r->ways[0].answer.count - 1 : 1);
+           bb_contest_rounds(r->ways, r->way_count));
     bb_contest_print_trees(r->ways, r->way_count, tets);
     bb_contest_print_phases(r->ways, r->way_count);
     printf("\n");
@@ -189,7 +191,8 @@ void bb_overlap_print(const bb_overlap_result *r)
 static bool put_way(cJSON *list, const bb_overlap_result *r, const bb_contest_way *way)
 {
     cJSON *entry;
-    bool put = bb_contest_put_way(list, &r->ways[0], way, "overlap", &entry);
+    bool put =
+        bb_contest_put_way(list, bb_contest_base(r->ways, r->way_count), way, "overlap", &entry);
     if (entry == NULL || !put)
         return put;
     return bb_put_number(entry, "nodes_per_tetrahedron", way->visits) &&

@@ -156,9 +156,10 @@ static bb_status measure(const bb_reproduce_request *request, void **out, bool *
         m->meshes = calloc(count, sizeof *m->meshes);
     if (m == NULL || m->meshes == NULL)
         return bb_fail(BB_REFUSED, "reproduce: no memory");
-    for (; m->count < count; m->count++)
-        BB_TRY(measure_mesh(request, names[m->count], names[(m->count + 1) % count],
-                            &m->meshes[m->count], wrong));
+    for (uint32_t i = 0; i < count; i++) {
+        m->count = i + 1; /* also of one that fails there is something to release */
+        BB_TRY(measure_mesh(request, names[i], names[(i + 1) % count], &m->meshes[i], wrong));
+    }
     return BB_OK;
 }
 
@@ -200,8 +201,11 @@ static bb_estimate speedup(const mesh_figures *m, int task, int alpha)
                          .most = 1 / e.least};
 }
 
+/* NAN if either was refused. */
 static double bytes_ratio(const mesh_figures *m, int alpha)
 {
+    if (ours_of(m, 0, alpha)->tree_bytes == 0 || ways_of(m, 0)[0].tree_bytes == 0)
+        return NAN;
     return (double)ours_of(m, 0, alpha)->tree_bytes / (double)ways_of(m, 0)[0].tree_bytes;
 }
 
@@ -268,6 +272,8 @@ static void add_builds(const measured *m, bb_reproduction *r)
             const bb_contest_way *way = a < 0 ? &mesh->dvr.ways[0] : ours_of(mesh, 0, a);
             const bb_estimate e =
                 a < 0 ? (bb_estimate){.value = 1, .low = 1, .high = 1} : build_ratio(mesh, a);
+            if (way->refused[0] != '\0')
+                continue;
             bb_row(r);
             bb_table_text(r, mesh->name);
             bb_table_text(r, way->builder);

@@ -171,20 +171,49 @@ static const bb_dvr_result *largest(const measured *m)
     return &m->results[m->count - 1];
 }
 
+/* Round by round: of one phase over the whole build; of pictures over those without a tree. */
+static bb_samples vote_shares(const bb_contest_way *way)
+{
+    bb_samples shares = {.count = 0};
+    for (uint32_t p = 0; p < way->phase_count; p++)
+        if (strcmp(way->phases[p].name, "vote") == 0)
+            shares = bb_samples_ratio(&way->phases[p].ms, &way->build);
+    return shares;
+}
+
+static bb_samples picture_ratios(const bb_dvr_result *result)
+{
+    return bb_samples_ratio(&way_of(result)->answer, &result->ways[0].answer);
+}
+
+static bb_estimate estimate_of(const bb_samples *samples, const bb_samples *over, double divisor)
+{
+    const bb_samples ratio = bb_samples_ratio(samples, over);
+    bb_estimate e = bb_samples_estimate(&ratio);
+    double *const figures[] = {&e.value, &e.low, &e.high, &e.least, &e.most};
+    for (size_t i = 0; i < sizeof figures / sizeof figures[0]; i++)
+        *figures[i] /= divisor;
+    return e;
+}
+
 static void claim_voting(const measured *m, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    double before = 0;
-    bool grows = true;
+    bb_verdict each[SIZES_MAX];
+    bb_samples before = {.count = 0};
     for (uint32_t i = 0; i < m->count; i++) {
-        const double share = vote_share(way_of(&m->results[i]));
-        bb_say(&ours, "%s%u: %.2f", i > 0 ? ", " : "share of the vote at ", m->sides[i], share);
-        grows = grows && share > before;
-        before = share;
+        const bb_samples shares = vote_shares(way_of(&m->results[i]));
+        bb_say(&ours, "%s%u: ", i > 0 ? "; " : "share of the vote at ", m->sides[i]);
+        bb_say_estimate(&ours, bb_samples_estimate(&shares));
+        each[i] = i == 0 ? bb_above(bb_samples_estimate(&shares), 0)
+                         : bb_above(estimate_of(&shares, &before, 1), 1);
+        if (i + 1 == m->count)
+            each[0] = bb_above(bb_samples_estimate(&shares), 0.5);
+        before = shares;
     }
     bb_say(&why, "bricks that are seen become fewer, relative to voxels, the finer the grid");
     bb_claim(
-        r, m->count < 3 ? BB_NOT_TESTED : bb_verdict_of(grows && before > 0.5, before, before),
+        r, m->count < 3 ? BB_NOT_TESTED : bb_all(each, m->count),
         "Voting dominates the build more and more, the larger the volume (here: its share grows "
         "with each size, and is above a half at the largest)",
         "section 4, figure 3", &ours, &why);
@@ -193,16 +222,16 @@ static void claim_voting(const measured *m, bb_reproduction *r)
 static void claim_linear(const measured *m, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    const double one =
-        bb_samples_median(&way_of(largest(m))->build) / pow(m->sides[m->count - 1], 3);
-    double two = NAN;
+    bb_verdict verdict = BB_NOT_TESTED;
     if (m->count >= 3) {
-        two = bb_samples_median(&way_of(&m->results[m->count - 2])->build) /
-              pow(m->sides[m->count - 2], 3);
-        bb_say(&ours, "%.3f ns a voxel at %u, %.3f at %u", 1e6 * two, m->sides[m->count - 2],
-               1e6 * one, m->sides[m->count - 1]);
+        const bb_estimate e =
+            estimate_of(&way_of(largest(m))->build, &way_of(&m->results[m->count - 2])->build, 8);
+        verdict = bb_below(e, 1.5);
+        bb_say(&ours, "a voxel at %u over one at %u: ", m->sides[m->count - 1],
+               m->sides[m->count - 2]);
+        bb_say_estimate(&ours, e);
     }
-    bb_claim(r, bb_verdict_of(one < 1.5 * two, one, two),
+    bb_claim(r, verdict,
              "The build takes linear time (here: per voxel at most 1.5 times as much at twice the "
              "side)",
              "section 3", &ours, &why);
@@ -227,16 +256,17 @@ static void claim_frame(const measured *m, bb_reproduction *r)
 static void claim_gain(const measured *m, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bool grows = true;
-    double before = INFINITY;
+    bb_verdict each[SIZES_MAX];
+    bb_samples before = {.count = 0};
     for (uint32_t i = 0; i < m->count; i++) {
-        const bb_dvr_result *result = &m->results[i];
-        const double ratio = bb_contest_ratio(&result->ways[0], way_of(result), false).value;
-        bb_say(&ours, "%s%u: %.3f", i > 0 ? ", " : "picture, ratio at ", m->sides[i], ratio);
-        grows = grows && ratio < before;
-        before = ratio;
+        const bb_samples ratios = picture_ratios(&m->results[i]);
+        bb_say(&ours, "%s%u: ", i > 0 ? "; " : "picture, ratio at ", m->sides[i]);
+        bb_say_estimate(&ours, bb_samples_estimate(&ratios));
+        if (i > 0)
+            each[i - 1] = bb_below(estimate_of(&ratios, &before, 1), 1);
+        before = ratios;
     }
-    bb_claim(r, m->count < 3 ? BB_NOT_TESTED : bb_verdict_of(grows, before, before),
+    bb_claim(r, m->count < 3 ? BB_NOT_TESTED : bb_all(each, m->count - 1),
              "Of the picture alone, the gain by the tree increases with the size of the volume",
              "section 4", &ours, &why);
 }

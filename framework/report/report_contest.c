@@ -12,22 +12,28 @@
 extern const char bb_text_contest_html[], bb_text_report_css[], bb_text_contest_js[],
     bb_text_chart_js[];
 
-/* Those of one result, as data URIs, in the same order. False if there is no memory. */
+enum { PICTURES_MAX = 32 }; /* of a result; the others are named */
+
+/* Those of one result, as data URIs, in the same order; "" where there is none, or it is too large.
+ * False if there is no memory. */
 static bool add_pictures(cJSON *result, const char *folder)
 {
     const cJSON *name;
-    cJSON *sources = cJSON_CreateArray();
+    cJSON *sources = cJSON_AddArrayToObject(result, "sources");
     bool ok = sources != NULL;
+    int count = 0;
     cJSON_ArrayForEach(name, cJSON_GetObjectItem(result, "picture_files"))
     {
         char *source;
-        ok = ok && bb_page_picture(folder, cJSON_GetStringValue(name), &source);
+        if (!ok || count++ == PICTURES_MAX)
+            break;
+        ok = bb_page_picture(folder, cJSON_GetStringValue(name), &source);
         if (!ok)
             break;
         ok = cJSON_AddItemToArray(sources, cJSON_CreateString(source != NULL ? source : ""));
         free(source);
     }
-    return ok ? cJSON_AddItemToObject(result, "sources", sources) : (cJSON_Delete(sources), false);
+    return ok;
 }
 
 static char *with_pictures(const cJSON *document, const char *folder)

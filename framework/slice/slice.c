@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { GROUP_SIZE = 64 };
+enum { GROUP_SIZE = 64, VOXELS_MAX = 1 << 27 };
 
 struct bb_slicer {
     const bb_scene *scene;
@@ -32,6 +32,11 @@ void bb_slicer_destroy(bb_slicer *slicer)
         return;
     bb_tet_kernels_release(&slicer->kernels);
     free(slicer);
+}
+
+void bb_slicer_take_floats(bb_slicer *slicer)
+{
+    slicer->kernels.floats = true;
 }
 
 /* The two axes along a slice. */
@@ -85,6 +90,12 @@ bb_status bb_slice_plan_check(const bb_scene *scene, bb_slice_plan *plan)
     const double side = (double)scene->bounds.hi[plan->axis] - (double)scene->bounds.lo[plan->axis];
     uint32_t along[2];
     axes_of(plan->axis, along);
+    const uint64_t voxels = (uint64_t)plan->width * plan->height;
+    if (voxels == 0 || voxels > VOXELS_MAX || plan->count == 0)
+        return bb_fail(BB_INVALID,
+                       "%s: %u slices of %u x %u voxels: at least one of each, and at "
+                       "most 2^27 voxels in a slice",
+                       scene->name, plan->count, plan->width, plan->height);
     if (plan->thickness == 0)
         plan->thickness = side / plan->count;
     const bb_slice_args args = bb_slice_at(scene, plan, 0);
@@ -96,7 +107,10 @@ bb_status bb_slice_plan_check(const bb_scene *scene, bb_slice_plan *plan)
                            scene->name, args.size[k], names[along[k]], (double)args.lo[k],
                            (double)args.hi[k]);
     float below = args.below, above = plane(scene, plan, plan->count);
-    if (!isfinite(below) || !isfinite(above) || !are_apart(below, above, (float)plan->thickness))
+    const double farthest = fmax(fabs((double)below), fabs((double)above));
+    /* lengths of layouts are to be at most 2^60 (bb_scene_choose_scale()) */
+    if (!(farthest * (double)scene->scale < 0x1p60) ||
+        !are_apart(below, above, (float)plan->thickness))
         return bb_fail(BB_INVALID,
                        "%s: slices of thickness %g along %c, about %g, are closer than floats can "
                        "tell, or beyond them: take fewer, or another thickness",

@@ -25,6 +25,9 @@ typedef struct bb_slicer bb_slicer;
 bb_status bb_slicer_create(const bb_scene *scene, bb_slicer **out);
 void bb_slicer_destroy(bb_slicer *slicer); /* NULL is allowed */
 
+/* From now on as on a device that has no doubles. Before the first slice. */
+void bb_slicer_take_floats(bb_slicer *slicer);
+
 /* Enqueues the slice; does not wait. `by_boundary`: the search for what meets a voxel goes to cells
  * of the boundary only, BB_UNSUPPORTED without cells. `voxels` gets bb_sliced, row by row, the
  * first axis fastest; `counts`, if not NULL, bb_count. */

@@ -186,10 +186,10 @@ static void print_way(const bb_slice_result *r, const bb_contest_way *way)
         return;
     const double ms = bb_samples_median(&way->answer);
     printf(" %9.2f", ms);
-    if (way == &r->ways[0]) {
+    if (way == bb_contest_base(r->ways, r->way_count)) {
         printf(" %24s", "");
     } else {
-        bb_estimate ratio = bb_contest_ratio(&r->ways[0], way, false);
+        bb_estimate ratio = bb_contest_ratio(bb_contest_base(r->ways, r->way_count), way, false);
         printf(" %7.3f", ratio.value);
         bb_contest_print_interval(ratio);
     }
@@ -213,7 +213,7 @@ void bb_slice_print(const bb_slice_result *r)
     printf(" ms, medians of %u rounds; of slices the mean, and the ratio to that of the first way, "
            "paired round by round (95 %%);\n M/s: millions of voxels per second; nodes and tests "
            "of tetrahedra: per voxel; differ: voxels, from the first way\n\n",
-           r->ways[0].answer.count > 1 ? r->ways[0].answer.count - 1 : 1);
+           bb_contest_rounds(r->ways, r->way_count));
     bb_contest_print_trees(r->ways, r->way_count, r->tets);
     bb_contest_print_phases(r->ways, r->way_count);
     printf("\n");
@@ -222,7 +222,8 @@ void bb_slice_print(const bb_slice_result *r)
 static bool put_way(cJSON *list, const bb_slice_result *r, const bb_contest_way *way)
 {
     cJSON *entry;
-    bool put = bb_contest_put_way(list, &r->ways[0], way, "slice", &entry);
+    bool put =
+        bb_contest_put_way(list, bb_contest_base(r->ways, r->way_count), way, "slice", &entry);
     if (entry == NULL || !put)
         return put;
     return bb_put_number(entry, "nodes_per_voxel", way->visits) &&

@@ -7,6 +7,10 @@
  *       else if a box overlaps R: cut R along the box, keep the up to six pieces outside
  *       else: what is left of the primitive in R is covered by nobody
  *
+ * Where many boxes have to do with a region, it is halved first, and each half asks those alone
+ * that overlap it: else a large primitive among small ones, in m leaves of an octree, would take
+ * m^2.
+ *
  * What of a primitive is in R its kind knows (shrink() of prim.h). All in double; the boxes are
  * grown by 2^-40 of the largest coordinate, so that rounding here (2^-53) can't open a gap between
  * boxes that abut. A gap in the floats of a leaf is 2^-24 of its coordinate.
@@ -42,6 +46,17 @@ static bb_status push(region_stack *stack, const region *item)
     stack->items[stack->count++] = *item;
     return BB_OK;
 }
+
+/* A primitive, its boxes, and lists of them, one behind the other. */
+typedef struct cover {
+    const bb_scene *scene;
+    uint32_t prim;
+    const bb_box *boxes;
+    double margin;
+    uint32_t *list;
+    size_t top, capacity;
+    region left; /* covered by nobody */
+} cover;
 
 static bool shrink(const bb_scene *scene, uint32_t prim, region *r)
 {
@@ -102,35 +117,100 @@ static bb_status cut(region_stack *stack, const region *box, const region *r)
 }
 
 /* Takes one region apart; *covered is false if a part of it is covered by no box. */
-static bb_status cover_region(region_stack *stack, const region *r, const bb_box *boxes,
-                              uint32_t count, double margin, bool *covered)
+static bb_status cover_region(const cover *c, region_stack *stack, const region *r, size_t first,
+                              uint32_t count, bool *covered)
 {
     uint32_t cutter = BB_NONE;
     *covered = true;
     for (uint32_t i = 0; i < count; i++) {
-        region box = grown(&boxes[i], margin);
+        const uint32_t number = c->list[first + i];
+        region box = grown(&c->boxes[number], c->margin);
         if (holds(&box, r))
             return BB_OK;
         if (cutter == BB_NONE && overlaps(&box, r))
-            cutter = i;
+            cutter = number;
     }
     *covered = cutter != BB_NONE;
     if (!*covered)
         return BB_OK;
-    region box = grown(&boxes[cutter], margin);
+    region box = grown(&c->boxes[cutter], c->margin);
     return cut(stack, &box, r);
+}
+
+/* By the boxes of a list, which are few. */
+static bb_status cover_by_few(cover *c, const region *whole, size_t first, uint32_t count,
+                              bool *covered)
+{
+    region_stack stack = {0};
+    bb_status status = push(&stack, whole);
+    while (status == BB_OK && *covered && stack.count > 0) {
+        region r = stack.items[--stack.count];
+        if (shrink(c->scene, c->prim, &r))
+            status = cover_region(c, &stack, &r, first, count, covered);
+        c->left = r;
+    }
+    bb_host_free(stack.items);
+    return status;
+}
+
+/* Appends those of a list that overlap the region; how many. */
+static bb_status choose(cover *c, const region *r, size_t first, uint32_t count, uint32_t *chosen)
+{
+    *chosen = 0;
+    if (c->top + count > c->capacity) {
+        size_t capacity = 2 * (c->top + count);
+        uint32_t *list = NULL;
+        BB_TRY(bb_host_alloc(NULL, capacity * sizeof *list, "check of the tree", &list));
+        memcpy(list, c->list, c->top * sizeof *list);
+        bb_host_free(c->list);
+        c->list = list;
+        c->capacity = capacity;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        region box = grown(&c->boxes[c->list[first + i]], c->margin);
+        if (overlaps(&box, r))
+            c->list[c->top + (*chosen)++] = c->list[first + i];
+    }
+    return BB_OK;
+}
+
+enum { FEW = 24, HALVINGS = 64 };
+
+static bb_status cover_by_list(cover *c, region r, size_t first, uint32_t count, int halvings,
+                               bool *covered)
+{
+    if (count <= FEW || halvings == 0)
+        return cover_by_few(c, &r, first, count, covered);
+    if (!shrink(c->scene, c->prim, &r))
+        return BB_OK;
+    int axis = 0;
+    for (int k = 1; k < 3; k++)
+        axis = r.hi[k] - r.lo[k] > r.hi[axis] - r.lo[axis] ? k : axis;
+    const double middle = 0.5 * r.lo[axis] + 0.5 * r.hi[axis];
+    bb_status status = BB_OK;
+    for (int half = 0; half < 2 && status == BB_OK && *covered; half++) {
+        region part = r;
+        uint32_t chosen;
+        *(half == 0 ? &part.hi[axis] : &part.lo[axis]) = middle;
+        status = choose(c, &part, first, count, &chosen);
+        const size_t top = c->top;
+        c->top += chosen;
+        if (status == BB_OK)
+            status = cover_by_list(c, part, top, chosen, halvings - 1, covered);
+        c->top = top;
+    }
+    return status;
 }
 
 bb_status bb_cover_primitive(const bb_scene *scene, uint32_t prim, const bb_box *boxes,
                              uint32_t count, bool *covered, double point[3])
 {
-    region_stack stack = {0};
-    const bb_box *own = &scene->boxes[prim];
-    region r = grown(own, 0.0);
+    region r = grown(&scene->boxes[prim], 0.0);
+    cover c = {.scene = scene, .prim = prim, .boxes = boxes, .left = r};
     double largest = 0.0;
     for (int axis = 0; axis < 3; axis++)
         largest = fmax(largest, fmax(fabs(r.lo[axis]), fabs(r.hi[axis])));
-    double margin = ldexp(largest, -40);
+    c.margin = ldexp(largest, -40);
 
     *covered = true;
     for (uint32_t i = 0; i < count; i++) { /* most primitives are in one leaf, whole */
@@ -138,15 +218,16 @@ bb_status bb_cover_primitive(const bb_scene *scene, uint32_t prim, const bb_box 
         if (holds(&box, &r))
             return BB_OK;
     }
-    bb_status status = push(&stack, &r);
-    while (status == BB_OK && *covered && stack.count > 0) {
-        r = stack.items[--stack.count];
-        if (shrink(scene, prim, &r))
-            status = cover_region(&stack, &r, boxes, count, margin, covered);
-    }
+    bb_status status =
+        bb_host_alloc(NULL, (count + 1) * sizeof *c.list, "check of the tree", &c.list);
+    c.capacity = count + (size_t)1;
+    for (; status == BB_OK && c.top < count; c.top++)
+        c.list[c.top] = (uint32_t)c.top;
+    if (status == BB_OK)
+        status = cover_by_list(&c, r, 0, count, HALVINGS, covered);
     for (int axis = 0; axis < 3; axis++)
-        point[axis] = 0.5 * r.lo[axis] + 0.5 * r.hi[axis];
-    bb_host_free(stack.items);
+        point[axis] = 0.5 * c.left.lo[axis] + 0.5 * c.left.hi[axis];
+    bb_host_free(c.list);
     return status;
 }
 

@@ -122,9 +122,12 @@ function drawErrors(id, result, title, x) {
 /* ---- the page ---- */
 
 function pictures(result) {
-  const shown = (result.sources || []).map((src, i) => el('figure', {}, el('img', { src, alt: result.picture_files[i] }),
-                                                          el('figcaption', {}, result.picture_files[i])));
-  return shown.length > 0 ? el('div', { class: 'pictures' }, ...shown) : null;
+  const files = result.picture_files || [], sources = result.sources || [];
+  const shown = files.map((name, i) => sources[i] && el('figure', {}, el('img', { src: sources[i], alt: name }), el('figcaption', {}, name)));
+  const others = files.filter((name, i) => !sources[i]);
+  if (files.length === 0) return null;
+  return el('div', {}, el('div', { class: 'pictures' }, ...shown.filter(Boolean)),
+            others.length > 0 ? el('p', { class: 'note' }, `Not on this page, in its folder: ${others.join(', ')}.`) : null);
 }
 
 function show(result, number) {
