@@ -485,6 +485,40 @@ static void test_cover(void **state)
     assert_in_range(found, 200, 1990); /* both answers were put to the test */
 }
 
+/* A triangle in many boxes: a lattice of them, without or with their neighbours' room, and thinner
+ * than the margin, all over one line. Work must not grow with the square, or worse, of their
+ * number, which only the test's limit of time would show. */
+static void test_cover_of_many_boxes(void **state)
+{
+    (void)state;
+    enum { SIDE = 128, COUNT = SIDE * SIDE };
+    const float triangle[9] = {0, 0, 0, 2 * SIDE, 0, 1, 0, 2 * SIDE, 1};
+    bb_scene *scene = make_scene(triangle, 1, NULL, 0);
+    bb_box *boxes = calloc(COUNT, sizeof *boxes);
+    for (int room = 0; room < 5; room += 2) {
+        for (int i = 0; i < COUNT; i++) {
+            float x = (float)(2 * (i % SIDE)), y = (float)(2 * (i / SIDE)), more = (float)room;
+            boxes[i] =
+                (bb_box){.lo = {x - more, y - more, 0}, .hi = {x + 2 + more, y + 2 + more, 1}};
+        }
+        assert_true(is_covered(scene, boxes, COUNT));
+        boxes[10 * SIDE + 10] = boxes[0]; /* others' room holds what it held */
+        assert_int_equal(is_covered(scene, boxes, COUNT), room > 0);
+    }
+    free_scene(scene);
+
+    const float far[9] = {1e9f, 1e9f, 0, 1e9f, 1e9f, 1, 1e9f, 1e9f + 64, 0.5f};
+    scene = make_scene(far, 1, NULL, 0);
+    for (int i = 0; i < COUNT; i++) {
+        boxes[i] = scene->boxes[0];
+        boxes[i].lo[2] = (float)i / COUNT;
+        boxes[i].hi[2] = (float)(i + 1) / COUNT;
+    }
+    assert_true(is_covered(scene, boxes, COUNT));
+    free(boxes);
+    free_scene(scene);
+}
+
 /* A gap of one float between two boxes is found. */
 static void test_cover_finds_one_ulp(void **state)
 {
@@ -534,6 +568,7 @@ int main(void)
         cmocka_unit_test(test_siblings_further_on),
         cmocka_unit_test(test_one_too_many),
         cmocka_unit_test(test_cover),
+        cmocka_unit_test(test_cover_of_many_boxes),
         cmocka_unit_test(test_cover_finds_one_ulp),
         cmocka_unit_test(test_check_duplicated),
     };

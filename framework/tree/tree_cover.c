@@ -9,7 +9,7 @@
  *
  * Where many boxes have to do with a region, it is halved first, and each half asks those alone
  * that overlap it: else a large primitive among small ones, in m leaves of an octree, would take
- * m^2.
+ * m^2. Halves that share too many boxes are not made, and not more than a few for each box.
  *
  * What of a primitive is in R its kind knows (shrink() of prim.h). All in double; the boxes are
  * grown by 2^-40 of the largest coordinate, so that rounding here (2^-53) can't open a gap between
@@ -55,7 +55,8 @@ typedef struct cover {
     double margin;
     uint32_t *list;
     size_t top, capacity;
-    region left; /* covered by nobody */
+    uint64_t halvings; /* that may still be made */
+    region left;       /* covered by nobody */
 } cover;
 
 static bool shrink(const bb_scene *scene, uint32_t prim, region *r)
@@ -174,31 +175,36 @@ static bb_status choose(cover *c, const region *r, size_t first, uint32_t count,
     return BB_OK;
 }
 
-enum { FEW = 24, HALVINGS = 64 };
+enum { FEW = 24, HALVINGS_PER_BOX = 4 };
 
-static bb_status cover_by_list(cover *c, region r, size_t first, uint32_t count, int halvings,
-                               bool *covered)
+/* By halves, as long as that pays: boxes that lie over each other, or are thinner than the margin,
+ * come into both halves again and again. */
+static bb_status cover_by_list(cover *c, region r, size_t first, uint32_t count, bool *covered)
 {
-    if (count <= FEW || halvings == 0)
+    const size_t top = c->top;
+    if (count <= FEW || c->halvings == 0)
         return cover_by_few(c, &r, first, count, covered);
+    c->halvings--;
     if (!shrink(c->scene, c->prim, &r))
         return BB_OK;
     int axis = 0;
     for (int k = 1; k < 3; k++)
         axis = r.hi[k] - r.lo[k] > r.hi[axis] - r.lo[axis] ? k : axis;
-    const double middle = 0.5 * r.lo[axis] + 0.5 * r.hi[axis];
+    region part[2] = {r, r};
+    uint32_t chosen[2] = {0};
+    part[0].hi[axis] = part[1].lo[axis] = 0.5 * r.lo[axis] + 0.5 * r.hi[axis];
     bb_status status = BB_OK;
-    for (int half = 0; half < 2 && status == BB_OK && *covered; half++) {
-        region part = r;
-        uint32_t chosen;
-        *(half == 0 ? &part.hi[axis] : &part.lo[axis]) = middle;
-        status = choose(c, &part, first, count, &chosen);
-        const size_t top = c->top;
-        c->top += chosen;
-        if (status == BB_OK)
-            status = cover_by_list(c, part, top, chosen, halvings - 1, covered);
-        c->top = top;
+    for (int half = 0; half < 2 && status == BB_OK; half++) {
+        status = choose(c, &part[half], first, count, &chosen[half]);
+        c->top += chosen[half];
     }
+    if (status == BB_OK && (uint64_t)chosen[0] + chosen[1] > count + (uint64_t)count / 4)
+        status = cover_by_few(c, &r, first, count, covered);
+    else
+        for (int half = 0; half < 2 && status == BB_OK && *covered; half++)
+            status = cover_by_list(c, part[half], half == 0 ? top : top + chosen[0], chosen[half],
+                                   covered);
+    c->top = top;
     return status;
 }
 
@@ -221,10 +227,11 @@ bb_status bb_cover_primitive(const bb_scene *scene, uint32_t prim, const bb_box 
     bb_status status =
         bb_host_alloc(NULL, (count + 1) * sizeof *c.list, "check of the tree", &c.list);
     c.capacity = count + (size_t)1;
+    c.halvings = (uint64_t)HALVINGS_PER_BOX * count;
     for (; status == BB_OK && c.top < count; c.top++)
         c.list[c.top] = (uint32_t)c.top;
     if (status == BB_OK)
-        status = cover_by_list(&c, r, 0, count, HALVINGS, covered);
+        status = cover_by_list(&c, r, 0, count, covered);
     for (int axis = 0; axis < 3; axis++)
         point[axis] = 0.5 * c.left.lo[axis] + 0.5 * c.left.hi[axis];
     bb_host_free(c.list);
