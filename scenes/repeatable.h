@@ -1,5 +1,5 @@
-/* Powers and roots whose last bit is the same on every machine, from operations that IEEE 754
- * rounds correctly. (pow and cbrt are not: C libraries differ.) */
+/* Powers, roots and sines whose last bit is the same on every machine, from operations that
+ * IEEE 754 rounds correctly. (pow, cbrt and sin are not: C libraries differ.) */
 #ifndef BB_REPEATABLE_H
 #define BB_REPEATABLE_H
 
@@ -31,6 +31,25 @@ static inline double bb_cube_root(double x)
     for (int i = 0; i < 200; i++)
         root = (2 * root + x / (root * root)) / 3;
     return root;
+}
+
+/* sin(x) of |x| < 1e6, to about 1e-10: pi times 1e6 turns are no better than that. Taylor's series
+ * on a quarter of a turn to either side. */
+static inline double bb_sine(double x)
+{
+    static const double pi = 3.14159265358979323846;
+    double turns = x / (2 * pi);
+    double r = 2 * pi * (turns - floor(turns + 0.5)), sum = 0; /* -pi .. pi */
+    if (fabs(r) > pi / 2)
+        r = r > 0 ? pi - r : -pi - r;
+    for (int k = 11; k >= 1; k--) /* 1 - r^2/(2 3) (1 - r^2/(4 5) (...)) */
+        sum = r * r / ((2 * k) * (2 * k + 1)) * (1 - sum);
+    return r * (1 - sum);
+}
+
+static inline double bb_cosine(double x)
+{
+    return bb_sine(x + 1.57079632679489661923);
 }
 
 #endif

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Whether the last runs of `scripts/test` checked what there is to check: tests/check_run.sh
 # BUILD... (folders such as build/test) Prints what was skipped. Exit status 1 if a test_NAME.c did
-# not run, in the first of the builds or, unless once.txt has it, in another; or if something was
-# skipped that may_skip.txt does not allow here.
+# not run, in the first of the builds or, unless once.txt has it or BVHBENCH_TEST_PART leaves it out,
+# in another; or if something was skipped that may_skip.txt does not allow here.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(dirname "$here")
@@ -26,6 +26,14 @@ allowed_without() {
     }' "$here/may_skip.txt"
 }
 
+# Whether test $2 is in the part of $build that BVHBENCH_TEST_PART names; all of the first, $1, is.
+in_this_part() {
+    local listed
+    [ "$build" != "$1" ] && [ -n "${BVHBENCH_TEST_PART-}" ] || return 0
+    listed=$(ctest --test-dir "$build" -N -I "$((BVHBENCH_TEST_PART % 2 + 1)),,2")
+    grep -q " $2\$" <<<"$listed"
+}
+
 may_skip() {
     local needed
     needed=$(allowed_without "$1")
@@ -41,6 +49,7 @@ for build in "$@"; do
     for source in "$here"/test_*.c; do
         name=$(basename "$source" .c)
         [ "$build" = "$1" ] || ! grep -qx "$name" "$here/once.txt" || continue
+        in_this_part "$1" "$name" || continue
         listed "$name" run || { listed "$name" notrun && may_skip "$name"; } ||
             complain "$build: $name did not run"
     done

@@ -4,6 +4,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -55,6 +56,14 @@ static inline uint64_t seed_or(uint64_t fallback)
 {
     const char *given = getenv("BVHBENCH_TEST_SEED");
     return given != NULL ? strtoull(given, NULL, 0) : fallback;
+}
+
+/* Whether number `i` of what takes long is to be done: of thirds, one in each run of CI, which gives
+ * BVHBENCH_TEST_PART=0 .. 5; without it all. */
+static inline bool in_this_part(uint64_t i)
+{
+    const char *part = getenv("BVHBENCH_TEST_PART");
+    return part == NULL || strtoull(part, NULL, 10) % 3 == i % 3;
 }
 
 #endif

@@ -1,6 +1,6 @@
 /* `bvhbench stress` from outside: a builder that goes wrong beyond 100 primitives, in every manner;
  * what is found of it, what becomes of the run, and that it goes on where it was cut off. All of it
- * only with BVHBENCH_SLOW_TESTS=1 (a half, by BVHBENCH_TEST_SEED) and BVHBENCH_TEST_LONG=1. */
+ * only with BVHBENCH_SLOW_TESTS=1, a third of them with BVHBENCH_TEST_PART. */
 #include "tests/program_fixture.h"
 
 #include <math.h>
@@ -283,13 +283,11 @@ int main(void)
         cmocka_unit_test(bisects_and_repeats),
         cmocka_unit_test(goes_on),
     };
-    enum { ALL = sizeof tests / sizeof tests[0], QUICK = 3, HALF = 3 };
-    /* of the slow ones, one half with each seed */
-    const bool whole = getenv("BVHBENCH_TEST_LONG") != NULL, odd = seed_or(0) % 2 == 1;
+    enum { ALL = sizeof tests / sizeof tests[0], QUICK = 3 };
     struct CMUnitTest chosen[ALL];
-    size_t count = getenv("BVHBENCH_SLOW_TESTS") == NULL ? QUICK : whole ? ALL : QUICK + HALF;
-    memcpy(chosen, tests, sizeof tests);
-    if (count == QUICK + HALF && odd)
-        memcpy(chosen + QUICK, tests + QUICK + HALF, HALF * sizeof tests[0]);
+    size_t count = 0;
+    for (size_t i = 0; i < ALL; i++)
+        if (i < QUICK || (getenv("BVHBENCH_SLOW_TESTS") != NULL && in_this_part(i)))
+            chosen[count++] = tests[i];
     return _cmocka_run_group_tests("stress", chosen, count, make_folder, remove_folder);
 }

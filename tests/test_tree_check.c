@@ -491,7 +491,7 @@ static void test_cover(void **state)
 static void test_cover_of_many_boxes(void **state)
 {
     (void)state;
-    enum { SIDE = 128, COUNT = SIDE * SIDE };
+    enum { SIDE = 64, COUNT = SIDE * SIDE };
     const float triangle[9] = {0, 0, 0, 2 * SIDE, 0, 1, 0, 2 * SIDE, 1};
     bb_scene *scene = make_scene(triangle, 1, NULL, 0);
     bb_box *boxes = calloc(COUNT, sizeof *boxes);

@@ -142,12 +142,26 @@ static bb_status decide(decision *d)
     return bb_levels_run(&self->levels, decide_level, d);
 }
 
+static bb_status write_tree(bb_collapse *self, const bb_tree *tree, bb_tree **out)
+{
+    bb_tree *result = &self->tree;
+    uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0;
+    BB_TRY(bb_launch(self->device, self->write, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(tree->info.root),
+                     BB_VALUE(duplicated), BB_MEM(self->subtrees), BB_MEM(self->places),
+                     BB_MEM(self->firsts), BB_MEM(result->d_nodes), BB_MEM(result->d_refs),
+                     BB_MEM(result->d_info)));
+    result->duplicated = tree->duplicated;
+    result->disjoint = tree->disjoint;
+    *out = result;
+    return BB_OK;
+}
+
 bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, uint32_t max_leaf,
                            uint32_t width, uint32_t block, bb_tree **out)
 {
     assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && width >= 2 && block >= 1);
     uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0, totals[2];
-    bb_tree *result = &self->tree;
     BB_TRY(reserve(self, count));
     decision d = {.self = self,
                   .tree = tree,
@@ -166,14 +180,13 @@ bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, 
     size_t last = count * sizeof(uint32_t);
     BB_TRY(bb_buffer_read(&self->places, last, sizeof totals[0], &totals[0]));
     BB_TRY(bb_buffer_read(&self->firsts, last, sizeof totals[1], &totals[1]));
-    BB_TRY(bb_tree_reserve(result, self->device, BB_ON_DEVICE, totals[0], totals[1]));
-    BB_TRY(bb_launch(self->device, self->write, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
-                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(tree->info.root),
-                     BB_VALUE(duplicated), BB_MEM(self->subtrees), BB_MEM(self->places),
-                     BB_MEM(self->firsts), BB_MEM(result->d_nodes), BB_MEM(result->d_refs),
-                     BB_MEM(result->d_info)));
-    result->duplicated = tree->duplicated;
-    result->disjoint = tree->disjoint;
-    *out = result;
-    return bb_tree_fetch_info(result);
+    BB_TRY(bb_tree_reserve(&self->tree, self->device, BB_ON_DEVICE, totals[0], totals[1]));
+    BB_TRY(write_tree(self, tree, out));
+    return bb_tree_fetch_info(&self->tree);
+}
+
+bb_status bb_collapse_again(bb_collapse *self, const bb_tree *tree, bb_tree **out)
+{
+    bb_tree_boxes_changed(&self->tree);
+    return write_tree(self, tree, out);
 }

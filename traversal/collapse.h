@@ -22,4 +22,8 @@ void bb_collapse_destroy(bb_collapse *collapse); /* NULL is allowed */
 bb_status bb_collapse_make(bb_collapse *collapse, const bb_tree *tree, float scale,
                            uint32_t max_leaf, uint32_t width, uint32_t block, bb_tree **out);
 
+/* The same for the tree of the last call, with other boxes and the same links: the subtrees that
+ * became leaves then do so again. */
+bb_status bb_collapse_again(bb_collapse *collapse, const bb_tree *tree, bb_tree **out);
+
 #endif

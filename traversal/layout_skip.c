@@ -89,7 +89,8 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
     data->stack_need = 0;
     data->levels = tree->info.depth;
     data->keeps_shape = true;
-    BB_TRY(number_nodes(self, tree));
+    if (!source->same_links)
+        BB_TRY(number_nodes(self, tree));
     BB_TRY(bb_buffer_reserve(device, self->account, bytes, "skip: nodes", &data->buffers[0]));
     data->bytes += bytes;
     BB_TRY(bb_launch(device, self->nodes, count, GROUP_SIZE, BB_MEM(tree->d_nodes), BB_VALUE(count),

@@ -78,10 +78,10 @@ static bb_status find_array(const bb_layout *layout, const bb_tree *tree, const 
 
 /* What is timed. *traced is the tree whose leaves the layout has: collapsed, or `tree` itself. */
 static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
-                      bb_layout_data *data, bb_tree **traced)
+                      bool same_links, bb_layout_data *data, bb_tree **traced)
 {
     const bb_layout *layout = maker->layout;
-    bb_layout_source source = {.scene = scene, .kinds = data->kinds};
+    bb_layout_source source = {.scene = scene, .kinds = data->kinds, .same_links = same_links};
     *traced = tree;
     if (leaf > 1 && layout->array.name != NULL)
         return bb_fail(BB_UNSUPPORTED,
@@ -89,8 +89,9 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
                        "take leaf=1",
                        layout->name, layout->array.name);
     if (leaf > 1)
-        BB_TRY(bb_collapse_make(maker->collapse, tree, scene->scale, leaf, layout->width,
-                                layout->block, traced));
+        BB_TRY(same_links ? bb_collapse_again(maker->collapse, tree, traced)
+                          : bb_collapse_make(maker->collapse, tree, scene->scale, leaf,
+                                             layout->width, layout->block, traced));
     source.tree = *traced;
     BB_TRY(find_array(layout, *traced, &source.array));
     if (tree->duplicated)
@@ -98,9 +99,10 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
     return layout->make(maker->self, &source, data);
 }
 
-bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
-                               uint32_t leaf, uint32_t format, bb_layout_data *data)
+static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
+                            uint32_t leaf, uint32_t format, bool same_links, bb_layout_data *data)
 {
+    maker->links = 0;
     if (leaf > 1 && maker->collapse == NULL)
         BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
     if (tree->duplicated && maker->reach == NULL)
@@ -113,7 +115,7 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
     bb_tree *traced;
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(maker->device, &watch));
-    bb_status status = make(maker, scene, tree, leaf, data, &traced);
+    bb_status status = make(maker, scene, tree, leaf, same_links, data, &traced);
     bb_status stopped = bb_stopwatch_stop(&watch, &data->timing);
     BB_TRY(status);
     BB_TRY(stopped);
@@ -128,7 +130,23 @@ bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb
     name(maker->layout, leaf,
          scene->prims[BB_TRIANGLE].count > 0 ? data->format : BB_FORMAT_VERTICES,
          data->kinds != scene->kinds, data);
+    maker->links = tree->links;
+    maker->leaf = leaf;
     return BB_OK;
+}
+
+bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
+                               uint32_t leaf, uint32_t format, bb_layout_data *data)
+{
+    return make_timed(maker, scene, tree, leaf, format, false, data);
+}
+
+bb_status bb_layout_maker_follow(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
+                                 uint32_t leaf, uint32_t format, bb_layout_data *data,
+                                 bool *in_place)
+{
+    *in_place = maker->links != 0 && maker->links == tree->links && maker->leaf == leaf;
+    return make_timed(maker, scene, tree, leaf, format, *in_place, data);
 }
 
 void bb_layout_data_release(bb_layout_data *data)

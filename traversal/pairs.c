@@ -29,14 +29,11 @@ void bb_pairs_destroy(bb_pairs *pairs)
     bb_program_release(pairs->program);
 }
 
-bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buffer *nodes,
-                        uint32_t *count, uint32_t *root)
+/* The number of each node's first pair, how many there are, and which is the root. */
+static bb_status number_pairs(bb_pairs *pairs, const bb_tree *tree)
 {
     bb_device *device = pairs->device;
-    const bb_tree *tree = source->tree;
-    const bb_buffer *reach = source->reach != NULL ? source->reach : &pairs->found;
-    uint32_t node_count = tree->info.node_count, has_reach = source->reach != NULL;
-    float scale = source->scene->scale;
+    uint32_t node_count = tree->info.node_count;
     if (tree->info.arity > ARITY_MAX)
         return bb_fail(BB_UNSUPPORTED, "layouts take nodes of up to %d children, not %u", ARITY_MAX,
                        tree->info.arity);
@@ -47,10 +44,21 @@ bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buff
     BB_TRY(bb_scan_u32(pairs->primitives, &pairs->base, &pairs->base, node_count + 1, NULL));
     BB_TRY(bb_launch(device, pairs->root, 1, 1, BB_MEM(tree->d_nodes), BB_VALUE(node_count),
                      BB_VALUE(tree->info.root), BB_MEM(pairs->base), BB_MEM(pairs->found)));
-    uint32_t found[2];
-    BB_TRY(bb_buffer_read(&pairs->found, 0, sizeof found, found));
-    *root = found[0];
-    *count = found[1];
+    return bb_buffer_read(&pairs->found, 0, sizeof pairs->made, pairs->made);
+}
+
+bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buffer *nodes,
+                        uint32_t *count, uint32_t *root)
+{
+    bb_device *device = pairs->device;
+    const bb_tree *tree = source->tree;
+    const bb_buffer *reach = source->reach != NULL ? source->reach : &pairs->found;
+    uint32_t node_count = tree->info.node_count, has_reach = source->reach != NULL;
+    float scale = source->scene->scale;
+    if (!source->same_links)
+        BB_TRY(number_pairs(pairs, tree));
+    *root = pairs->made[0];
+    *count = pairs->made[1];
     BB_TRY(
         bb_buffer_reserve(device, pairs->account, *count * sizeof(bb_pair), "pair nodes", nodes));
     return bb_launch(device, pairs->nodes, node_count, GROUP_SIZE, BB_MEM(tree->d_nodes),

@@ -12,8 +12,9 @@ typedef struct bb_pairs {
     cl_program program;
     cl_kernel extra, nodes, root;
     bb_primitives *primitives;
-    bb_buffer base;  /* u32 per node, and the total */
-    bb_buffer found; /* also stands for the array that a source lacks */
+    bb_buffer base;   /* u32 per node, and the total */
+    uint32_t made[2]; /* root and count of the last making */
+    bb_buffer found;  /* also stands for the array that a source lacks */
 } bb_pairs;
 
 /* Compiles; scratch is booked on `account`. Must be destroyed even after a failure. */
@@ -22,7 +23,7 @@ void bb_pairs_destroy(bb_pairs *pairs);
 
 /* Writes the pair nodes (bb_pair) of the source's tree to `nodes`, their number to `count`, and the
  * link to start from, a pair node or the tree's only leaf, to `root`. Leaves are linked as in
- * bb_node. Waits for the device once.
+ * bb_node. Waits for the device once, unless the links are those of the last call.
  * BB_UNSUPPORTED for nodes of more than 4096 children. */
 bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buffer *nodes,
                         uint32_t *count, uint32_t *root);

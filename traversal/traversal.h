@@ -28,6 +28,9 @@ typedef struct bb_layout_source {
                                node's box holds them whole, and has their longest side */
     uint32_t kinds; /* of primitives that records have room for: the scene's at least */
     const bb_buffer *array; /* the side array that the layout asks for; NULL if none */
+    /* The object's last make() was of this tree, with the same links: its numbering is still in
+     * scratch, and good; boxes and primitives are not. */
+    bool same_links;
 } bb_layout_source;
 
 /* A tree in the form that a kernel reads, on the device. Lengths are those of the scene times
@@ -83,6 +86,9 @@ typedef struct bb_layout_maker {
     uint32_t kinds;               /* to lay out for, beside the scene's; 0: those alone */
     struct bb_collapse *collapse; /* NULL until leaves are asked for */
     struct bb_reach *reach;       /* NULL until a tree needs it */
+    /* What the last layout was made of, for bb_layout_maker_follow(). */
+    uint64_t links; /* of the tree; 0: nothing to follow from */
+    uint32_t leaf;
 } bb_layout_maker;
 
 bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,
@@ -94,6 +100,14 @@ void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed
  * hold an earlier layout, whose memory is reused. */
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, uint32_t format, bb_layout_data *data);
+
+/* Brings `data`, the last that this maker made, up to date after an update of its tree: in place,
+ * with the numbering and the shape of its nodes as they were, if only boxes of the tree have
+ * changed; else makes it anew. `in_place` says which. Timed like a making. `leaf` and `format` are
+ * those of that making. */
+bb_status bb_layout_maker_follow(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
+                                 uint32_t leaf, uint32_t format, bb_layout_data *data,
+                                 bool *in_place);
 
 /* An intersector: the tests of rays against triangles and boxes, and their rounding rules. A preset
  * of bb_intersector_options, each of which a specification may override: "exact:slab=sign". */

@@ -33,6 +33,8 @@ typedef struct wide_layout {
     bb_buffer state;            /* the largest stack need; then nodes per level */
     bb_buffer index;            /* u32 per pair, and the total: its wide node */
     bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
+    /* of the last making */
+    uint32_t block_count, node_count, root, stack_need;
 } wide_layout;
 
 void bb_wide_destroy(void *opaque)
@@ -149,7 +151,7 @@ static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root, ui
 
 /* Level by level from the root: marks in self->index the pairs that become nodes. */
 static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pair_count,
-                             uint32_t root, bb_layout_data *data)
+                             uint32_t root)
 {
     uint64_t most = bb_pairs_levels(&tree->info) + 1;
     if (most > LEVELS_MAX)
@@ -172,10 +174,24 @@ static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pa
         if (level % LEVELS_AT_ONCE == LEVELS_AT_ONCE - 1)
             BB_TRY(bb_buffer_read(&self->state, (level + 2) * sizeof left, sizeof left, &left));
     }
-    return bb_buffer_read(&self->state, 0, sizeof data->stack_need, &data->stack_need);
+    return bb_buffer_read(&self->state, 0, sizeof self->stack_need, &self->stack_need);
 }
 
-/* From references to blocks: self->first, data->buffers[1]. */
+/* Where the blocks of each leaf begin: self->first. */
+static bb_status number_blocks(wide_layout *self, const bb_layout_source *source)
+{
+    const bb_tree *tree = source->tree;
+    const bb_prim_ends ends = bb_scene_ends(source->scene);
+    uint32_t count = tree->info.ref_count;
+    size_t scan = (size_t)count + 1;
+    BB_TRY(reserve(self, scan * sizeof(uint32_t), "wide: blocks of leaves", &self->first));
+    BB_TRY(bb_launch(self->device, self->count, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
+                     BB_VALUE(count), BB_VALUE(ends), BB_MEM(self->first)));
+    BB_TRY(bb_scan_u32(self->pairs.primitives, &self->first, &self->first, count + 1, NULL));
+    return read_total(&self->first, count, &self->block_count);
+}
+
+/* From references to blocks: data->buffers[1]. Needs self->first. */
 static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
                              bb_layout_data *data)
 {
@@ -183,15 +199,10 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
     const bb_tree *tree = source->tree;
     const bb_scene_device *geometry = &scene->on_device;
     const bb_prim_ends ends = bb_scene_ends(scene);
-    uint32_t count = tree->info.ref_count, total;
+    uint32_t count = tree->info.ref_count;
     uint32_t words = bb_block_words(source->kinds, data->format);
     size_t scan = (size_t)count + 1;
-    BB_TRY(reserve(self, scan * sizeof(uint32_t), "wide: blocks of leaves", &self->first));
-    BB_TRY(bb_launch(self->device, self->count, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
-                     BB_VALUE(count), BB_VALUE(ends), BB_MEM(self->first)));
-    BB_TRY(bb_scan_u32(self->pairs.primitives, &self->first, &self->first, count + 1, NULL));
-    BB_TRY(read_total(&self->first, count, &total));
-    size_t bytes = ((size_t)total + 1) * words * sizeof(uint32_t);
+    size_t bytes = ((size_t)self->block_count + 1) * words * sizeof(uint32_t);
     BB_TRY(reserve(self, bytes, "wide: blocks of primitives", &data->buffers[1]));
     data->bytes += bytes;
     return bb_launch(self->device, self->blocks, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
@@ -200,11 +211,22 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
                      BB_MEM(self->first), BB_MEM(data->buffers[1]));
 }
 
+/* Which pairs become nodes, and their numbers: self->plans, self->index. */
+static bb_status number_nodes(wide_layout *self, const bb_tree *tree, uint32_t pair_count,
+                              uint32_t root)
+{
+    BB_TRY(make_plans(self, pair_count, root, bb_pairs_stack_need(&tree->info)));
+    BB_TRY(open_levels(self, tree, pair_count, root));
+    BB_TRY(bb_scan_u32(self->pairs.primitives, &self->index, &self->index, pair_count + 1, NULL));
+    BB_TRY(read_total(&self->index, pair_count, &self->node_count));
+    return read_total(&self->index, root, &self->root);
+}
+
 /* From pairs to nodes: data->buffers[0], root and stack need. Needs self->first. */
 static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, bb_layout_data *data)
 {
     const bb_tree *tree = source->tree;
-    uint32_t pair_count, root, total, ref_count = tree->info.ref_count;
+    uint32_t pair_count, root, ref_count = tree->info.ref_count;
     data->levels = bb_pairs_stack_need(&tree->info); /* of the pairs: no wide node is deeper */
     BB_TRY(bb_pairs_make(&self->pairs, source, &self->pair_nodes, &pair_count, &root));
     if ((root & BB_LEAF_BIT) != 0) { /* no node at all */
@@ -215,13 +237,12 @@ static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, b
         data->root |= BB_LEAF_BIT;
         return BB_OK;
     }
-    BB_TRY(make_plans(self, pair_count, root, data->levels));
-    BB_TRY(open_levels(self, tree, pair_count, root, data));
-    BB_TRY(bb_scan_u32(self->pairs.primitives, &self->index, &self->index, pair_count + 1, NULL));
-    BB_TRY(read_total(&self->index, pair_count, &total));
-    BB_TRY(read_total(&self->index, root, &data->root));
-    BB_TRY(reserve(self, total * self->node_bytes, "wide: nodes", &data->buffers[0]));
-    data->bytes += total * self->node_bytes;
+    if (!source->same_links)
+        BB_TRY(number_nodes(self, tree, pair_count, root));
+    data->root = self->root;
+    data->stack_need = self->stack_need;
+    BB_TRY(reserve(self, self->node_count * self->node_bytes, "wide: nodes", &data->buffers[0]));
+    data->bytes += self->node_count * self->node_bytes;
     return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
                      BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index),
                      BB_MEM(self->first), BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
@@ -232,6 +253,8 @@ bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_d
     wide_layout *self = opaque;
     data->buffer_count = 2;
     data->keeps_shape = false;
+    if (!source->same_links)
+        BB_TRY(number_blocks(self, source));
     BB_TRY(make_blocks(self, source, data));
     return make_nodes(self, source, data);
 }

@@ -86,6 +86,6 @@ bb_status bb_refit(bb_tree *tree, const bb_box *boxes, uint32_t prim_count, uint
             join_children(tree, node);
     }
     tree->disjoint = false;
-    bb_tree_changed(tree);
+    bb_tree_boxes_changed(tree);
     return BB_OK;
 }

@@ -58,18 +58,20 @@ void fit_leaf(volatile global bb_node *nodes, global const uint *refs, global co
     put_box(nodes + n, &e);
 }
 
-void fit_inner(volatile global bb_node *nodes, uint n)
+/* How many children there are. */
+uint fit_inner(volatile global bb_node *nodes, uint n)
 {
     bb_extent e;
-    uint end = nodes[n].skip;
+    uint end = nodes[n].skip, children = 0;
     start(&e);
-    for (uint c = nodes[n].first; c != end; c = nodes[c].skip)
+    for (uint c = nodes[n].first; c != end; c = nodes[c].skip, children++)
         for (int axis = 0; axis < 3; axis++) {
             float lo = nodes[c].lo[axis], hi = nodes[c].hi[axis];
             e.lo[axis] = BB_MIN(lo, e.lo[axis]);
             e.hi[axis] = BB_MAX(hi, e.hi[axis]);
         }
     put_box(nodes + n, &e);
+    return children;
 }
 
 #if BB_HANDOVER
@@ -86,7 +88,7 @@ kernel void refit_climb(volatile global bb_node *nodes, global const uint *refs,
         if (atomic_dec(&missing[p]) != 1u)
             return;
         BB_DEVICE_FENCE();
-        fit_inner(nodes, p);
+        missing[p] = fit_inner(nodes, p); /* for the next time */
     }
 }
 #endif
@@ -112,7 +114,7 @@ kernel void refit_level(volatile global bb_node *nodes, global const uint *paren
     uint count = counts[number];
     for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
         uint n = level[i], p = parents[n];
-        fit_inner(nodes, n);
+        missing[n] = fit_inner(nodes, n);
         if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
             bb_put_on_list(p, number, counts, next);
     }

@@ -14,6 +14,7 @@ struct bb_refitter {
     cl_kernel climb;            /* by a fence */
     cl_kernel leaves, level;    /* by levels */
     bb_buffer parents, missing; /* u32 per node: its parent; children that have not come yet */
+    uint64_t links; /* of the tree that they are of; each pass leaves them as they were */
     bb_levels levels;
 };
 
@@ -117,16 +118,19 @@ bb_status bb_refit_device(bb_refitter *refitter, const bb_buffer *boxes, bb_tree
                        "refit: the tree has duplicated references, whose boxes do not follow from "
                        "the primitives'");
     BB_TRY(bb_refitter_reserve(refitter, count));
-    BB_TRY(bb_launch(refitter->device, refitter->parents_kernel, count, GROUP_SIZE,
-                     BB_MEM(tree->d_nodes), BB_VALUE(count), BB_VALUE(tree->info.root),
-                     BB_MEM(refitter->parents), BB_MEM(refitter->missing)));
+    if (tree->links != refitter->links)
+        BB_TRY(bb_launch(refitter->device, refitter->parents_kernel, count, GROUP_SIZE,
+                         BB_MEM(tree->d_nodes), BB_VALUE(count), BB_VALUE(tree->info.root),
+                         BB_MEM(refitter->parents), BB_MEM(refitter->missing)));
+    refitter->links = 0; /* until it is done */
     if (by_levels(refitter))
         BB_TRY(fit_by_levels(refitter, boxes, tree));
     else
         BB_TRY(bb_launch(refitter->device, refitter->climb, count, GROUP_SIZE,
                          BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs), BB_MEM(*boxes),
                          BB_VALUE(count), BB_MEM(refitter->parents), BB_MEM(refitter->missing)));
+    refitter->links = tree->links;
     tree->disjoint = false;
-    bb_tree_changed(tree);
+    bb_tree_boxes_changed(tree);
     return BB_OK;
 }

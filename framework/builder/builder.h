@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 8 };
+enum { BB_ABI_VERSION = 9 };
 
 /* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
  * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the
@@ -52,7 +52,7 @@ enum {
 
 enum { BB_STAGES_MAX = 4 }; /* of a pipeline */
 
-enum { BB_PHASES_MAX = 16 };
+enum { BB_PHASES_MAX = 16, BB_EVENTS_MAX = 8 };
 
 /* Named spans inside a build. Boundaries are exact for work on the host; for work on the device
  * only in builds that the harness makes for the purpose (`exact`), since each boundary then waits
@@ -68,6 +68,9 @@ typedef struct bb_phases {
     double outside_ms; /* sum of those that don't: taken off the build's time */
     const char *names[BB_PHASES_MAX];
     double ms[BB_PHASES_MAX];
+    uint32_t event_count;
+    const char *event_names[BB_EVENTS_MAX];
+    uint64_t events[BB_EVENTS_MAX];
 } bb_phases;
 
 /* Ends the current phase and begins `name` (a string constant); NULL only ends it. If a name is
@@ -78,6 +81,11 @@ bb_status bb_phase(bb_phases *phases, const char *name);
  * is recorded, and subtracted from the build's time. BB_FAILED for builders on the device, whose
  * phases have no clock of their own. */
 bb_status bb_phase_outside(bb_phases *phases, const char *name);
+
+/* Counts what a build or an update did, for the record: "moved", "reinserted", "thinned". The name
+ * is a string constant; if it is used again, its numbers add up. BB_FAILED for more than
+ * BB_EVENTS_MAX names. */
+bb_status bb_event(bb_phases *phases, const char *name, uint64_t number);
 
 /* What the harness hands to create(); outlives the object. */
 typedef struct bb_builder_context {
@@ -133,10 +141,12 @@ struct bb_builder {
                        bb_phases *phases);
 
     /* Brings `tree`, built by this object, up to date after the same primitives `changed`
-     * (BB_CHANGED_...); timed like build(), and preceded by restore() like it. The result must be a
-     * valid tree for the current state, not necessarily the one that build() would make. Returns
-     * BB_UNSUPPORTED, before touching the tree, if it cannot follow the change: the harness then
-     * builds again, as it does without this hook. Not called in a pipeline of several stages.
+     * (BB_CHANGED_...), as many as before; timed like build(), and preceded by restore() like it.
+     * The result must be a valid tree for the current state, not necessarily the one that build()
+     * would make. If nothing but boxes of nodes changed, bb_tree_boxes_changed() spares the layouts
+     * work. Returns BB_UNSUPPORTED if it cannot follow the change, or finds that it should not: the
+     * harness then builds again, as it does without this hook; the time until then counts if a
+     * phase had begun. Of a pipeline the last stage's is called, unless there is a splitter.
      * Optional. */
     bb_status (*update)(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                         bb_phases *phases);

@@ -7,8 +7,9 @@
 #include "framework/builder/pipeline.h"
 #include "framework/device/stopwatch.h"
 
-/* Of a pipeline's build: its stages, and the mapping of references to primitives. */
-enum { BB_STEPS_MAX = BB_STAGES_MAX + 1 };
+/* Of a pipeline's build: its stages, the mapping of references to primitives, and an update that was
+ * given up before. */
+enum { BB_STEPS_MAX = BB_STAGES_MAX + 2 };
 
 /* What was measured of one build, or of one step of it. Times in ms. */
 typedef struct bb_build_timing {
@@ -77,8 +78,8 @@ const char *bb_update_word(bb_update_way way);
  * this tree was made are found out by the scene's hash as well, so that several instances may
  * follow one scene. Nothing is done if nothing changed.
  * Timed and booked like a build: bb_instance_build(). What has not been built for this scene, with
- * as many primitives, is built. So is every pipeline of several stages: what is between stages,
- * pieces of a splitter among it, would have to follow as well, and no hook says how. */
+ * as many primitives, is built. Of a pipeline the last stage is asked, whose tree it is; one with a
+ * splitter is always built: its pieces would have to follow as well, and no hook says how. */
 bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint32_t changed,
                              bool exact_phases, bb_update_way *way, bb_build_timing *timing);
 

@@ -135,6 +135,8 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     step->phases = (bb_phases){.device = builder->place == BB_ON_DEVICE ? instance->device : NULL,
                                .exact = exact,
                                .current = -1};
+    if (stage->tree != NULL)
+        stage->tree->refitted = false;
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(instance->device, &watch));
     bb_status status = run_hook(instance, i, &part, changed, &step->phases);
@@ -147,7 +149,8 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
         instance->references.copied = false;
         return check_references(instance, scene);
     }
-    bb_tree_changed(stage->tree);
+    if (!stage->tree->refitted)
+        bb_tree_changed(stage->tree);
     return bb_tree_fetch_info(stage->tree);
 }
 
@@ -239,11 +242,26 @@ const char *bb_update_word(bb_update_way way)
     return words[way];
 }
 
+/* The last stage alone is asked: the tree is its own. What a splitter made of primitives would have
+ * to follow first, and no hook says how. */
 static bool can_update(const bb_instance *instance, const bb_scene *scene)
 {
-    const bb_stage *stage = &instance->stages[0];
-    return instance->pipeline.count == 1 && stage->builder->update != NULL &&
-           instance->built == scene && stage->prepared_count == scene->prim_count;
+    const bb_stage *last = &instance->stages[instance->pipeline.count - 1];
+    return !bb_is_splitter(instance->stages[0].builder) && last->builder->update != NULL &&
+           instance->built == scene && last->prepared_count == scene->prim_count;
+}
+
+/* An update that was given up after work had begun is part of what the rebuild costs. */
+static bb_status rebuild(bb_instance *instance, const bb_scene *scene, bool exact_phases,
+                         const bb_build_step *given_up, bb_build_timing *timing)
+{
+    BB_TRY(bb_instance_build(instance, scene, exact_phases, NULL));
+    if (given_up->phases.count > 0) {
+        instance->steps[instance->step_count] = *given_up;
+        instance->steps[instance->step_count++].label = "update given up";
+    }
+    sum_timings(instance, timing);
+    return BB_OK;
 }
 
 bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint32_t changed,
@@ -257,20 +275,23 @@ bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint3
         sum_timings(instance, timing);
         return BB_OK;
     }
+    bb_build_step given_up = {0};
     if (can_update(instance, scene)) {
         *way = BB_UPDATED;
         instance->step_count = 0;
         instance->built = NULL;
-        bb_status status = run_stage(instance, 0, scene, changed, exact_phases);
+        bb_status status =
+            run_stage(instance, instance->pipeline.count - 1, scene, changed, exact_phases);
         if (status == BB_OK) {
             set_built(instance, scene);
             sum_timings(instance, timing);
         }
         if (status != BB_UNSUPPORTED)
             return status;
+        given_up = instance->steps[0];
     }
     *way = BB_REBUILT;
-    return bb_instance_build(instance, scene, exact_phases, timing);
+    return rebuild(instance, scene, exact_phases, &given_up, timing);
 }
 
 /* ---- transfers ---- */

@@ -1,4 +1,4 @@
-/* The clock of a build's phases. */
+/* The clock of a build's phases, and its counts. */
 #include "framework/base/clock.h"
 #include "framework/builder/builder.h"
 
@@ -42,5 +42,20 @@ bb_status bb_phase_outside(bb_phases *phases, const char *name)
                        "phase '%s': a builder on the device has no phases outside its time", name);
     BB_TRY(bb_phase(phases, name));
     phases->outside = true;
+    return BB_OK;
+}
+
+bb_status bb_event(bb_phases *phases, const char *name, uint64_t number)
+{
+    uint32_t index = 0;
+    while (index < phases->event_count && strcmp(phases->event_names[index], name) != 0)
+        index++;
+    if (index == BB_EVENTS_MAX)
+        return bb_fail(BB_FAILED, "'%s': a build counts at most %d things", name, BB_EVENTS_MAX);
+    if (index == phases->event_count) {
+        phases->event_names[phases->event_count++] = name;
+        phases->events[index] = 0;
+    }
+    phases->events[index] += number;
     return BB_OK;
 }

@@ -14,7 +14,7 @@
 static const bb_cli_option options[] = {
     {"scene", "S",
      "volume: a file (.raw, .raw.zst, .nrrd, .vox) or `nbody:n=N`; or a mesh of tetrahedra: a file "
-     "(.node, .ele, .msh, .mesh, .vtk) or `tets:side=N` (may be repeated)",
+     "(.node, .ele, .msh, .mesh, .vtk) or `tets:side=N`",
      BB_CLI_REPEATED},
     {"transfer", "T",
      "transfer function: of `list transfers`, or a file; several follow each other; default: the "

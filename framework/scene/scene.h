@@ -86,6 +86,7 @@ struct bb_scene_motion;
 /* The primitives of one kind: numbers first .. first + count - 1 of the scene. */
 typedef struct bb_prims {
     uint32_t first, count;
+    uint32_t room; /* as reserved: the most that a moving scene has */
     /* triangles: u32[3 * count], indices of vertices; spheres: float[4 * count], centre and
      * radius >= 0; boxes: float[6 * count], lower and upper corner; tetrahedra: u32[4 * count],
      * indices of vertices */
@@ -103,7 +104,7 @@ typedef struct bb_scene {
     uint32_t kinds;                /* that it has, as bits */
     uint32_t prim_count;           /* of all kinds, 1 .. 2^31 - 1; 0: see bb_scene_load_any() */
     bb_prims prims[BB_KIND_COUNT]; /* by kind: BB_TRIANGLE, ... */
-    uint32_t vertex_count;
+    uint32_t vertex_count, vertex_room;
     float *vertices; /* x y z */
     bb_box *boxes;   /* of the primitives, tight: a sphere's is rounded outwards; no -0 */
     bb_box bounds;
@@ -139,10 +140,11 @@ typedef struct bb_generator {
      * bb_scene_finish() does the rest (boxes, bounds, hash, checks). */
     bb_status (*make)(const bb_spec *spec, const bb_option *options, bb_scene *scene);
     /* Rewrites the vertices, or the data of primitives that have none, to those of `frame`,
-     * 0 .. frame_count - 1, from whichever frame is there; counts and indices stay the same. make()
-     * has set frame_count and made frame 0, bit for bit as this does. Views and profile describe
-     * frame 0; closed_from_inside is set only if it holds for all frames. Optional: without it, the
-     * scene does not move. */
+     * 0 .. frame_count - 1, from whichever frame is there. Counts may change, within what was
+     * reserved; indices stay the same, so those of fewer primitives are the first ones. make() has
+     * set frame_count and made frame 0, bit for bit as this does. Views and profile describe frame
+     * 0; closed_from_inside is set only if it holds for all frames. Optional: without it, the scene
+     * does not move. */
     bb_status (*set_frame)(const bb_spec *spec, const bb_option *options, bb_scene *scene,
                            uint32_t frame);
 } bb_generator;
@@ -195,7 +197,8 @@ enum {
  * out_of_range and hash become that frame's, and so does the copy on the device, if there is one
  * (waited for). Profile, views and closed_from_inside remain those of frame 0: cameras do not move,
  * and choices based on the profile are made once. Frame 0 is what was loaded, bit for bit.
- * `changed` gets BB_CHANGED_POSITIONS, or 0 if nothing moved; may be NULL. BB_INVALID if there is
+ * `changed` gets BB_CHANGED_POSITIONS, BB_CHANGED_TOPOLOGY too if there are more or fewer
+ * primitives, or 0 if nothing moved; may be NULL. BB_INVALID if there is
  * no such frame: the scene is unchanged. After any other failure the scene is at no frame until a
  * call succeeds. */
 bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed);

@@ -1,4 +1,5 @@
 /* Frames of a moving scene: the same primitives, elsewhere. */
+#include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
 
 bb_status bb_scene_remember_motion(const bb_generator *generator, const char *text, bb_scene *scene)
@@ -24,6 +25,19 @@ static bb_status check_frame(const bb_scene *scene, uint32_t frame)
                    scene->frame_count - 1);
 }
 
+/* What the generator says that there is now. */
+static bb_status take_counts(bb_scene *scene)
+{
+    bool fits = scene->vertex_count <= scene->vertex_room;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        fits = fits && scene->prims[kind].count <= scene->prims[kind].room;
+    if (!fits)
+        return bb_fail(BB_FAILED, "%s: this frame has more primitives than were reserved",
+                       scene->name);
+    bb_scene_number_kinds(scene);
+    return BB_OK;
+}
+
 bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed)
 {
     uint32_t unused;
@@ -35,13 +49,17 @@ bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed)
     const bb_scene_motion *motion = scene->motion;
     const bb_generator *generator = motion->generator;
     uint64_t before = scene->hash;
+    uint32_t prims = scene->prim_count, vertices = scene->vertex_count;
     bool known = scene->frame != BB_NONE;
     scene->frame = BB_NONE;
     BB_TRY(generator->set_frame(&motion->spec, generator->options, scene, frame));
+    BB_TRY(take_counts(scene));
     BB_TRY(bb_scene_finish_frame(scene));
     if (!known || scene->hash != before) {
         BB_TRY(bb_scene_upload_again(scene));
         *changed = BB_CHANGED_POSITIONS;
+        if (scene->prim_count != prims || scene->vertex_count != vertices)
+            *changed |= BB_CHANGED_TOPOLOGY;
     }
     scene->frame = frame;
     return BB_OK;

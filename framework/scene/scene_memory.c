@@ -53,9 +53,9 @@ bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, const bb_prim
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         BB_TRY(bb_host_alloc(NULL, (size_t)counts->of[kind] * bb_prim_bytes(kind),
                              "the scene's primitives", &scene->prims[kind].data));
-    scene->vertex_count = (uint32_t)vertex_count;
+    scene->vertex_count = scene->vertex_room = (uint32_t)vertex_count;
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
-        scene->prims[kind].count = (uint32_t)counts->of[kind];
+        scene->prims[kind].count = scene->prims[kind].room = (uint32_t)counts->of[kind];
     bb_scene_number_kinds(scene);
     return BB_OK;
 }

@@ -36,13 +36,23 @@ static bb_status check_room(const bb_scene *scene, const bb_device *device, cons
     return BB_OK;
 }
 
+static uint64_t vertex_bytes(const bb_scene *scene)
+{
+    uint64_t room =
+        scene->vertex_room > scene->vertex_count ? scene->vertex_room : scene->vertex_count;
+    return room * 3 * sizeof(float);
+}
+
 static uint64_t prim_bytes(const bb_scene *scene)
 {
     uint64_t bytes = 0;
     if (scene->volume != NULL)
         return bb_scene_box_room(scene) * bb_prim_bytes(BB_AABB);
-    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
-        bytes += (uint64_t)scene->prims[kind].count * bb_prim_bytes(kind);
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
+        const bb_prims *prims = &scene->prims[kind];
+        uint64_t room = prims->room > prims->count ? prims->room : prims->count;
+        bytes += room * bb_prim_bytes(kind);
+    }
     return bytes;
 }
 
@@ -109,8 +119,7 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
     const uint64_t word = sizeof(uint32_t);
     const part parts[] = {
         {"the scene's boxes", &there->boxes, bb_scene_box_room(scene) * sizeof(bb_box)},
-        {"the scene's vertices", &there->vertices,
-         (uint64_t)scene->vertex_count * 3 * sizeof(float)},
+        {"the scene's vertices", &there->vertices, vertex_bytes(scene)},
         {"the scene's primitives", &there->prims, prim_bytes(scene)},
         {"the volume's bricks", &there->bricks, volume != NULL ? bb_volume_bytes(volume) : 0},
         {"the ranges of the volume's bricks", &there->ranges,

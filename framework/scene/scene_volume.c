@@ -52,5 +52,10 @@ void bb_scene_volume_bounds(const bb_scene *scene, bb_box *bounds)
 
 uint32_t bb_scene_box_room(const bb_scene *scene)
 {
-    return scene->volume != NULL ? scene->volume->brick_count : scene->prim_count;
+    uint32_t room = 0;
+    if (scene->volume != NULL)
+        return scene->volume->brick_count;
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        room += scene->prims[kind].room;
+    return room > scene->prim_count ? room : scene->prim_count;
 }

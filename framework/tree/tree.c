@@ -43,7 +43,16 @@ void bb_tree_release(bb_tree *tree)
 
 void bb_tree_changed(bb_tree *tree)
 {
+    static _Atomic uint64_t last;
     tree->copied = false;
+    tree->refitted = false;
+    tree->links = ++last;
+}
+
+void bb_tree_boxes_changed(bb_tree *tree)
+{
+    tree->copied = false;
+    tree->refitted = true;
 }
 
 static bb_status reserve_host(bb_tree *tree, bb_account *account, size_t nodes, size_t refs)
@@ -84,7 +93,7 @@ bb_status bb_tree_reserve(bb_tree *tree, bb_device *device, bb_place place, size
     if (place != tree->place)
         bb_tree_release(tree);
     tree->place = place;
-    tree->copied = false;
+    bb_tree_changed(tree);
     for (uint32_t i = 0; i < tree->array_count; i++)
         tree->arrays[i].current = false;
     memset(&tree->info, 0, sizeof tree->info);

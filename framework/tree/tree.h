@@ -42,6 +42,10 @@ typedef struct bb_tree {
     bool disjoint;            /* boxes of siblings share no volume */
 
     bool copied; /* the other side holds an up-to-date copy */
+    /* Another number whenever nodes or references were linked anew: two states of the same number
+     * differ in boxes alone. 0: there is no tree yet. */
+    uint64_t links;
+    bool refitted; /* since the harness last asked, bb_tree_boxes_changed() was called */
 
     bb_node *nodes;       /* host side; NULL until reserved there or downloaded */
     uint32_t *refs;       /* primitive, with BB_LAST_BIT on the last of each leaf */
@@ -77,8 +81,14 @@ bb_status bb_tree_reserve_array(bb_tree *tree, bb_device *device, const char *na
 const bb_tree_array *bb_tree_find_array(const bb_tree *tree, const char *name);
 
 /* Declares that nodes, references or side arrays were rewritten in place: a copy on the other side
- * is stale. For update() hooks, and builds that do not reserve. */
+ * is stale, and so is whatever was made of the links. For update() hooks, and builds that do not
+ * reserve. */
 void bb_tree_changed(bb_tree *tree);
+
+/* The same of a tree of which nothing but boxes of nodes was rewritten: what was made of the links
+ * stays good, so that layouts need not be numbered anew. An update() that declares nothing is taken
+ * to have changed all. */
+void bb_tree_boxes_changed(bb_tree *tree);
 
 /* Reads d_info of a tree built on the device; BB_FAILED if it claims more nodes or references than
  * there is room for. Does nothing for a tree on the host. */

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
 # Runs test programs, on small inputs, under oclgrind, which finds out-of-bounds accesses, data races, uninitialised reads and divergent
 # barriers. It exits 0 even so: its log must be empty. Usage: run.sh NUMBER FOLDER FLAGS PROGRAM...
-# With BVHBENCH_OCLGRIND_TURN=0 or 1 it leaves those of odd or of even NUMBER to another run.
+# With BVHBENCH_TEST_PART=N it leaves two thirds of the NUMBERs to runs with another N.
 # (--uninitialized takes buffers that were filled by clEnqueueFillBuffer for uninitialised: not for programs that do that)
 set -u
 number=$1
 folder=$2
 read -r -a flags <<<"$3"
 shift 3
-if [ -n "${BVHBENCH_OCLGRIND_TURN-}" ] && [ $((number % 2)) -ne "$BVHBENCH_OCLGRIND_TURN" ]; then
-    echo "left to a run with BVHBENCH_OCLGRIND_TURN=$((1 - BVHBENCH_OCLGRIND_TURN))"
+if [ -n "${BVHBENCH_TEST_PART-}" ] && [ $((number % 3)) -ne $((BVHBENCH_TEST_PART % 3)) ]; then
+    echo "left to a run with another BVHBENCH_TEST_PART than $BVHBENCH_TEST_PART"
     exit 0
 fi
 if ! command -v oclgrind >/dev/null; then
