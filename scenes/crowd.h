@@ -17,8 +17,8 @@ bb_crowd bb_crowd_of(uint64_t triangles, uint32_t tessellation, double radius);
  * bb_scene_reserve(). */
 bb_status bb_crowd_reserve(const bb_crowd *crowd, bb_scene *scene);
 
-/* Puts the things at their centres, count of them, no more than there is room for: rewrites vertices,
- * and sets the scene's numbers of vertices and triangles. */
+/* Puts the things at their centres, count of them, no more than there is room for: rewrites
+ * vertices, and sets the scene's numbers of vertices and triangles. */
 bb_status bb_crowd_place(const bb_crowd *crowd, const bb_motion *motion, const double (*centres)[3],
                          bb_scene *scene);
 

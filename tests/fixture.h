@@ -58,8 +58,8 @@ static inline uint64_t seed_or(uint64_t fallback)
     return given != NULL ? strtoull(given, NULL, 0) : fallback;
 }
 
-/* Whether number `i` of what takes long is to be done: of thirds, one in each run of CI, which gives
- * BVHBENCH_TEST_PART=0 .. 5; without it all. */
+/* Whether number `i` of what takes long is to be done: of thirds, one in each run of CI, which
+ * gives BVHBENCH_TEST_PART=0 .. 5; without it all. */
 static inline bool in_this_part(uint64_t i)
 {
     const char *part = getenv("BVHBENCH_TEST_PART");

@@ -19,6 +19,7 @@ const bb_builder bb_builder_lbvh = {
     .paper = "Karras 2012, sections 3-4; Apetrei 2014; Lauterbach et al. 2009",
     .options = options,
     .compared = "lbvh,lbvh:bits=63",
+    .moving = "lbvh",
     .least = "lbvh:bits=auto",
     .generous = "lbvh:bits=63",
     BB_LINEAR_BUILDER,

@@ -2,7 +2,7 @@
  *
  * build() takes the tree as it is. update() gives its nodes new boxes, from the bottom up, on the
  * device (builders/common/refit.h); with rotate=yes it also turns each node once on the way
- * (turns.cl). With a trigger it gives up when the tree has become too bad, and the harness builds it
+ * (turns.cl). With a trigger it gives up when the tree has become too bad; the harness then builds it
  * again:
  *
  *   sah:F    the tree's SAH is more than F times what it was when it was built
@@ -297,6 +297,7 @@ const bb_builder bb_builder_refit = {
     .deterministic = true,
     .options = options,
     .compared = "",
+    .moving = "lbvh+refit,lbvh+refit:rotate=yes,lbvh+refit:trigger=sah:1.3,sah+refit",
     .create = create,
     .build = build,
     .update = update,

@@ -114,6 +114,9 @@ struct bb_builder {
      * Optional. NULL: the plain name, with a builder added if it is only a stage (pipeline.h);
      * "": none. */
     const char *compared;
+    /* Methods that `animate` compares by default, as a list; for builders whose update() is worth
+     * it, and for those that are to be built again in each frame. NULL: none. */
+    const char *moving;
     /* For `advise`: variants, as a list, that take no more than the scene needs, and one that is
      * enough for any scene, which tells what they save. Optional. */
     const char *least, *generous;

@@ -7,8 +7,8 @@
 #include "framework/builder/pipeline.h"
 #include "framework/device/stopwatch.h"
 
-/* Of a pipeline's build: its stages, the mapping of references to primitives, and an update that was
- * given up before. */
+/* Of a pipeline's build: its stages, the mapping of references to primitives, and an update that
+ * was given up before. */
 enum { BB_STEPS_MAX = BB_STAGES_MAX + 2 };
 
 /* What was measured of one build, or of one step of it. Times in ms. */

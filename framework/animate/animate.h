@@ -1,0 +1,147 @@
+/* Moving scenes: methods, which keep a tree up to date in their own ways, frame by frame.
+ *
+ * All methods go through the frames together, in a random order within each frame, so that noise is
+ * theirs in common; the whole sequence is repeated. In the first round, which is not measured, every
+ * tree is checked and every answer judged against an oracle of that frame; in the others each
+ * answer must be the same again.
+ */
+#ifndef BB_ANIMATE_H
+#define BB_ANIMATE_H
+
+#include "framework/builder/instance.h"
+#include "framework/judge/accuracy.h"
+#include "traversal/traversal.h"
+
+enum {
+    BB_ANIMATE_METHODS_MAX = 24,
+    BB_ANIMATE_KERNELS_MAX = 4,
+    BB_ANIMATE_RAYS_MAX = 4,
+    BB_ANIMATE_ROUNDS_MAX = 32,
+};
+
+typedef struct bb_animate_request {
+    bb_device *device;
+    const char *const *builders; /* specifications: the methods */
+    uint32_t builder_count;
+    const char *const *kernels;
+    uint32_t kernel_count;
+    const char *const *rays;
+    uint32_t ray_count;
+    /* What trees made for a frame cost, to compare with, is that of these two: a binned SAH tree
+     * and a radix tree. */
+    const char *binned, *linear;
+    const char *intersector;
+    const char *view; /* NULL: the scene's first */
+    uint32_t width, height, max_rays;
+    uint32_t first, last; /* frames; last may be beyond the scene's */
+    uint32_t repeats;     /* rounds that count */
+    uint64_t seed;
+    bool quiet; /* no progress */
+} bb_animate_request;
+
+/* Of one round. NAN: not measured. */
+typedef double bb_rounds[BB_ANIMATE_ROUNDS_MAX];
+
+/* A kernel on a method's tree in one frame. Times in ms. */
+typedef struct bb_animate_trace {
+    bb_rounds layout;
+    bool in_place; /* the layout followed without being numbered anew */
+    bb_rounds rays[BB_ANIMATE_RAYS_MAX];
+    uint64_t checked, wrong; /* answers */
+} bb_animate_trace;
+
+/* A method in one frame. */
+typedef struct bb_animate_frame {
+    bb_update_way way; /* of the first frame BB_REBUILT: it is built */
+    bb_rounds update, update_cpu, transfer;
+    uint32_t phase_count;
+    char phases[BB_PHASES_MAX][48];
+    bb_rounds phase_ms[BB_PHASES_MAX];
+    uint32_t event_count;
+    char events[BB_EVENTS_MAX][32];
+    uint64_t event_numbers[BB_EVENTS_MAX];
+    double sah;
+    bb_tree_info tree;
+    uint64_t tree_bytes;
+    bb_animate_trace traces[BB_ANIMATE_KERNELS_MAX];
+} bb_animate_frame;
+
+typedef struct bb_animate_method {
+    char builder[128];
+    char refused[320]; /* why it has no figures from frame `done` on; "": it has all */
+    bool failed;       /* that is a fault: a tree that does not hold, answers that change */
+    uint32_t done;     /* frames */
+    uint64_t most_bytes;
+    bb_animate_frame *frames;
+} bb_animate_method;
+
+/* What all methods share in a frame. */
+typedef struct bb_animate_state {
+    uint32_t frame, prims, changed;
+    uint32_t rays[BB_ANIMATE_RAYS_MAX]; /* 0: the scene has none there */
+    double sah_binned, sah_linear;      /* of trees made for this frame; NAN: not known */
+    double oracle_ms, judge_ms;
+} bb_animate_state;
+
+typedef struct bb_animate_result {
+    char scene[256], view[48], device[256];
+    uint32_t frame_count; /* of those asked for, that were gone through */
+    bb_animate_state *states;
+    uint32_t method_count;
+    bb_animate_method methods[BB_ANIMATE_METHODS_MAX];
+    uint32_t kernel_count, ray_count;
+    char kernels[BB_ANIMATE_KERNELS_MAX][96], rays[BB_ANIMATE_RAYS_MAX][96];
+    char intersector[96];
+    uint32_t rounds; /* that count and are complete */
+    double ms;       /* all together */
+} bb_animate_result;
+
+/* The scene is on the device. BB_INVALID for frames that there are not. Interrupted after a round
+ * that counts, it ends with the rounds that there are; before that it fails. Afterwards the scene
+ * is at any frame. */
+bb_status bb_animate_run(const bb_animate_request *request, bb_scene *scene,
+                         bb_animate_result *result);
+void bb_animate_release(bb_animate_result *result);
+
+/* Faults: wrong answers, trees that do not hold, answers that change from round to round. */
+uint64_t bb_animate_wrong(const bb_animate_result *result);
+
+/* ---- sums ---- */
+
+/* Median over the rounds that count; NAN if there is none. */
+double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds);
+
+/* Of a method over all frames but the first, which is a build for all. */
+typedef struct bb_animate_sums {
+    uint32_t frames;
+    uint32_t ways[BB_REBUILT + 1];
+    double update, worst_update, transfer;                       /* means and maximum, ms */
+    double layout[BB_ANIMATE_KERNELS_MAX];                       /* means */
+    uint32_t in_place[BB_ANIMATE_KERNELS_MAX];                   /* frames */
+    double rays_ms[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* sums */
+    double rays[BB_ANIMATE_RAYS_MAX];                            /* sums of counts */
+    double sah_mean, sah_most, sah_last;                         /* over that of a binned tree */
+    double linear_most;                                          /* over that of a radix tree */
+    double drift; /* of the ratio to binned, per frame */
+    uint64_t wrong, checked;
+} bb_animate_sums;
+
+bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate_method *method);
+
+/* Mean time of a frame with `count` rays of kind `rays`: update, transfer, layout, and tracing by
+ * the kernel that makes it shortest. NAN if nothing was measured. */
+double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_method *method,
+                           uint32_t rays, double count, uint32_t *kernel);
+
+/* The method that is fastest then; BB_NONE if there is none. */
+uint32_t bb_animate_winner(const bb_animate_result *result, uint32_t rays, double count);
+
+/* ---- output ---- */
+
+void bb_animate_print(const bb_animate_result *result);
+
+struct cJSON;
+/* NULL: no memory. */
+struct cJSON *bb_animate_json(const bb_animate_result *result);
+
+#endif

@@ -1,0 +1,124 @@
+/* What is drawn from frames: means, drift, and who wins. */
+#include "framework/animate/animate.h"
+#include "framework/base/statistics.h"
+
+#include <math.h>
+#include <string.h>
+
+double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds)
+{
+    bb_samples samples = {0};
+    bb_samples_add(&samples, 0); /* the first counts for nothing */
+    for (uint32_t r = 1; r <= result->rounds; r++)
+        bb_samples_add(&samples, rounds[r]);
+    return result->rounds > 0 ? bb_samples_median(&samples) : NAN;
+}
+
+uint64_t bb_animate_wrong(const bb_animate_result *result)
+{
+    uint64_t wrong = 0;
+    for (uint32_t m = 0; m < result->method_count; m++) {
+        const bb_animate_method *method = &result->methods[m];
+        wrong += method->failed;
+        for (uint32_t f = 0; f < method->done; f++)
+            for (uint32_t k = 0; k < result->kernel_count; k++)
+                wrong += method->frames[f].traces[k].wrong;
+    }
+    return wrong;
+}
+
+static void add_traces(const bb_animate_result *result, const bb_animate_frame *frame,
+                       bb_animate_sums *sums)
+{
+    for (uint32_t k = 0; k < result->kernel_count; k++) {
+        const bb_animate_trace *trace = &frame->traces[k];
+        sums->layout[k] += bb_animate_median(result, trace->layout);
+        sums->in_place[k] += trace->in_place;
+        for (uint32_t i = 0; i < result->ray_count; i++) {
+            double ms = bb_animate_median(result, trace->rays[i]);
+            sums->rays_ms[k][i] += isnan(ms) ? 0 : ms;
+        }
+    }
+}
+
+static void add_cost(const bb_animate_frame *frame, const bb_animate_state *state, uint32_t f,
+                     bb_animate_sums *sums, double moments[3])
+{
+    double ratio = frame->sah / state->sah_binned, linear = frame->sah / state->sah_linear;
+    sums->sah_mean += ratio;
+    sums->sah_most = fmax(sums->sah_most, ratio);
+    sums->sah_last = ratio;
+    sums->linear_most = fmax(sums->linear_most, linear);
+    moments[0] += f;
+    moments[1] += (double)f * f;
+    moments[2] += f * ratio;
+}
+
+bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate_method *method)
+{
+    bb_animate_sums sums = {0};
+    double moments[3] = {0};
+    for (uint32_t f = 0; f < method->done; f++)
+        for (uint32_t k = 0; k < result->kernel_count; k++) {
+            sums.wrong += method->frames[f].traces[k].wrong;
+            sums.checked += method->frames[f].traces[k].checked;
+        }
+    for (uint32_t f = 1; f < method->done; f++) {
+        const bb_animate_frame *frame = &method->frames[f];
+        const bb_animate_state *state = &result->states[f];
+        double update = bb_animate_median(result, frame->update);
+        sums.frames++;
+        sums.ways[frame->way]++;
+        sums.update += update;
+        sums.worst_update = fmax(sums.worst_update, update);
+        sums.transfer += bb_animate_median(result, frame->transfer);
+        for (uint32_t i = 0; i < result->ray_count; i++)
+            sums.rays[i] += state->rays[i];
+        add_traces(result, frame, &sums);
+        add_cost(frame, state, f, &sums, moments);
+    }
+    double n = sums.frames;
+    if (n == 0)
+        return sums;
+    double spread = moments[1] - moments[0] * moments[0] / n;
+    sums.drift = spread > 0 ? (moments[2] - moments[0] * sums.sah_mean / n) / spread : 0;
+    sums.update /= n;
+    sums.transfer /= n;
+    sums.sah_mean /= n;
+    for (uint32_t k = 0; k < result->kernel_count; k++)
+        sums.layout[k] /= n;
+    return sums;
+}
+
+double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_method *method,
+                           uint32_t rays, double count, uint32_t *kernel)
+{
+    double best = NAN;
+    if (method->refused[0] != '\0' || method->done < 2)
+        return NAN;
+    bb_animate_sums sums = bb_animate_sum(result, method);
+    for (uint32_t k = 0; k < result->kernel_count; k++) {
+        double ms = sums.update + sums.transfer + sums.layout[k] +
+                    count * sums.rays_ms[k][rays] / sums.rays[rays];
+        if (isnan(best) || ms < best) {
+            best = ms;
+            if (kernel != NULL)
+                *kernel = k;
+        }
+    }
+    return best;
+}
+
+uint32_t bb_animate_winner(const bb_animate_result *result, uint32_t rays, double count)
+{
+    uint32_t winner = BB_NONE;
+    double best = INFINITY;
+    for (uint32_t m = 0; m < result->method_count; m++) {
+        double ms = bb_animate_frame_ms(result, &result->methods[m], rays, count, NULL);
+        if (ms < best) {
+            best = ms;
+            winner = m;
+        }
+    }
+    return winner;
+}
