@@ -2,7 +2,11 @@
 #ifndef BB_TURNS_SHARED_H
 #define BB_TURNS_SHARED_H
 
+#ifdef __OPENCL_VERSION__
+#include "bb_shared.h"
+#else
 #include "kernels/bb_shared.h"
+#endif
 
 /* Of a subtree; of the whole tree that of the root. */
 typedef struct bb_turn_state {
