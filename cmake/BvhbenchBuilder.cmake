@@ -203,8 +203,9 @@ function(bvhbench_embed_report target)
     set(atlas_js dom.js atlas.js)
     set(contest_html contest.html) # and another
     set(contest_js dom.js contest.js)
+    set(animate_js dom.js animate.js)
     foreach(part report_html report_css report_js report_history_html report_history_js atlas_html
-                 atlas_js contest_html contest_js)
+                 atlas_js contest_html contest_js animate_js)
         list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/)
         set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${part}.c)
         bvhbench_incbin(${output} bb_text_${part} ${${part}})

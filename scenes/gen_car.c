@@ -53,10 +53,8 @@ static bb_status read_things(const bb_spec *spec, const bb_option *options, uint
 {
     BB_TRY(bb_spec_u64(spec, options, "things", 1, 10000, things));
     BB_TRY(bb_motion_read(spec, options, BB_MOTION_FRAMES, frame, motion));
-    for (int axis = 0; axis < 3; axis++)
-        if (motion->shift[axis] != 0)
-            return bb_fail(BB_INVALID, "scene car: the room stays: it takes no 'away'");
-    return BB_OK;
+    return motion->away == 0 ? BB_OK
+                             : bb_fail(BB_INVALID, "scene car: the room stays: it takes no 'away'");
 }
 
 static bb_status set_frame(const bb_spec *spec, const bb_option *options, bb_scene *scene,

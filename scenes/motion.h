@@ -13,6 +13,7 @@ typedef struct bb_motion {
     uint64_t frames, seed;
     uint32_t frame;
     double time; /* of the frame: 0 for the first, 1 for the last */
+    double away; /* how far the whole goes until the last frame */
     double shift[3];
 } bb_motion;
 

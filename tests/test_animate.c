@@ -20,8 +20,6 @@ static bb_animate_request request_of(const char *const *builders, uint32_t count
                                 .kernel_count = 3,
                                 .rays = rays,
                                 .ray_count = 2,
-                                .binned = "sah",
-                                .linear = "lbvh",
                                 .intersector = "exact",
                                 .width = 16,
                                 .height = 16,
@@ -167,7 +165,7 @@ static void triggers_fire_when_they_say(void **state)
 {
     (void)state;
     static const char *const builders[] = {"lbvh+refit", "lbvh+refit:trigger=sah:1.3",
-                                           "lbvh+refit:trigger=ratio:0.1",
+                                           "lbvh+refit:trigger=ratio:3",
                                            "lbvh+refit:trigger=every:3"};
     bb_animate_result *result = new_result();
     bb_animate_request request = request_of(builders, 4);

@@ -141,7 +141,8 @@ static void bugs_of_the_refit_are_found(void **state)
     static const struct {
         const char *find, *replace, *words;
     } plants[] = {
-        {"        fit_inner(nodes, p);", "        if ((p & 1u) == 0u) fit_inner(nodes, p);",
+        {"        missing[p] = fit_inner(nodes, p);",
+         "        missing[p] = 2u; if ((p & 1u) == 0u) fit_inner(nodes, p);",
          "frame 1, updated: node "},
         {"    fit_leaf(nodes, refs, boxes, n);\n    for", "    for", "frame 1, updated: leaf "},
         {"atomic_dec(&missing[p]) != 1u)\n            return;\n        BB",

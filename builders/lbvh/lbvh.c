@@ -20,6 +20,7 @@ const bb_builder bb_builder_lbvh = {
     .options = options,
     .compared = "lbvh,lbvh:bits=63",
     .moving = "lbvh",
+    .yardstick = true,
     .least = "lbvh:bits=auto",
     .generous = "lbvh:bits=63",
     BB_LINEAR_BUILDER,

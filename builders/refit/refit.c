@@ -2,8 +2,8 @@
  *
  * build() takes the tree as it is. update() gives its nodes new boxes, from the bottom up, on the
  * device (builders/common/refit.h); with rotate=yes it also turns each node once on the way
- * (turns.cl). With a trigger it gives up when the tree has become too bad; the harness then builds it
- * again:
+ * (turns.cl). With a trigger it gives up when the tree has become too bad; then the harness builds
+ * it again:
  *
  *   sah:F    the tree's SAH is more than F times what it was when it was built
  *   ratio:F  the mean over all inner nodes of area / (area of both children) has risen by more than

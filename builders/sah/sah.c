@@ -240,6 +240,7 @@ const bb_builder bb_builder_sah = {
     .deterministic = true,
     .options = options,
     .compared = "sah,sah:method=sweep",
+    .yardstick = true,
     .create = create,
     .prepare = prepare,
     .build = build,

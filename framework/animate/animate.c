@@ -87,15 +87,22 @@ static bb_status take_request(bb_animate *a)
     return BB_OK;
 }
 
-/* Trees to compare costs with are those of builders that take the scene. */
-static bb_status make_references(bb_animate *a)
+/* Those that take the scene. */
+static bb_status make_yardsticks(bb_animate *a)
 {
-    const char *const builders[2] = {a->request->binned, a->request->linear};
-    for (int i = 0; i < 2; i++) {
-        bb_status status = bb_instance_create(a->device, builders[i], a->scene, a->request->seed,
-                                              &a->references[i]);
-        if (status != BB_OK && status != BB_UNSUPPORTED)
-            return status;
+    bb_animate_result *result = a->result;
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const bb_builder *builder = bb_builder_at(i);
+        uint32_t at = result->yardstick_count;
+        if (!builder->yardstick || at == BB_ANIMATE_YARDSTICKS_MAX)
+            continue;
+        bb_status status = bb_instance_create(a->device, builder->name, a->scene, a->request->seed,
+                                              &a->yardsticks[at]);
+        if (status == BB_UNSUPPORTED)
+            continue;
+        BB_TRY(status);
+        snprintf(result->yardsticks[at], sizeof result->yardsticks[at], "%s", builder->name);
+        result->yardstick_count++;
     }
     return BB_OK;
 }
@@ -111,7 +118,7 @@ static bb_status prepare(bb_animate *a)
     if (a->rays == NULL || a->runners == NULL || result->states == NULL)
         return bb_fail(BB_REFUSED, "no memory for %u frames", a->frames);
     BB_TRY(bb_scene_set_frame(a->scene, request->first, NULL));
-    BB_TRY(make_references(a));
+    BB_TRY(make_yardsticks(a));
     for (uint32_t m = 0; m < request->builder_count; m++) {
         a->runners[m].method = &result->methods[m];
         BB_TRY(bb_animate_runner_create(a, request->builders[m], &a->runners[m]));
@@ -128,8 +135,8 @@ static void clean_up(bb_animate *a)
     for (uint32_t f = 0; a->rays != NULL && f < a->frames; f++)
         for (uint32_t i = 0; i < a->request->ray_count; i++)
             bb_rays_free(a->rays[f].sets[i]);
-    for (int i = 0; i < 2; i++)
-        bb_instance_destroy(&a->references[i]);
+    for (uint32_t i = 0; i < BB_ANIMATE_YARDSTICKS_MAX; i++)
+        bb_instance_destroy(&a->yardsticks[i]);
     bb_buffer_release(&a->d_rays);
     bb_buffer_release(&a->d_answers);
     bb_host_free(a->results);

@@ -1,8 +1,8 @@
 /* Moving scenes: methods, which keep a tree up to date in their own ways, frame by frame.
  *
- * All methods go through the frames together, in a random order within each frame, so that noise is
- * theirs in common; the whole sequence is repeated. In the first round, which is not measured, every
- * tree is checked and every answer judged against an oracle of that frame; in the others each
+ * All methods go through the frames together, in a random order within each frame, so that noise
+ * is theirs in common; the whole sequence is repeated. In the first round, which is not measured,
+ * every tree is checked and every answer judged against an oracle of that frame; in the others each
  * answer must be the same again.
  */
 #ifndef BB_ANIMATE_H
@@ -17,6 +17,7 @@ enum {
     BB_ANIMATE_KERNELS_MAX = 4,
     BB_ANIMATE_RAYS_MAX = 4,
     BB_ANIMATE_ROUNDS_MAX = 32,
+    BB_ANIMATE_YARDSTICKS_MAX = 4, /* builders that say they are (bb_builder.yardstick) */
 };
 
 typedef struct bb_animate_request {
@@ -27,9 +28,6 @@ typedef struct bb_animate_request {
     uint32_t kernel_count;
     const char *const *rays;
     uint32_t ray_count;
-    /* What trees made for a frame cost, to compare with, is that of these two: a binned SAH tree
-     * and a radix tree. */
-    const char *binned, *linear;
     const char *intersector;
     const char *view; /* NULL: the scene's first */
     uint32_t width, height, max_rays;
@@ -79,7 +77,8 @@ typedef struct bb_animate_method {
 typedef struct bb_animate_state {
     uint32_t frame, prims, changed;
     uint32_t rays[BB_ANIMATE_RAYS_MAX]; /* 0: the scene has none there */
-    double sah_binned, sah_linear;      /* of trees made for this frame; NAN: not known */
+    /* of trees that the yardsticks make for this frame; NAN: not known; and the least of them */
+    double fresh[BB_ANIMATE_YARDSTICKS_MAX], fresh_best;
     double oracle_ms, judge_ms;
 } bb_animate_state;
 
@@ -87,6 +86,8 @@ typedef struct bb_animate_result {
     char scene[256], view[48], device[256];
     uint32_t frame_count; /* of those asked for, that were gone through */
     bb_animate_state *states;
+    uint32_t yardstick_count;
+    char yardsticks[BB_ANIMATE_YARDSTICKS_MAX][64];
     uint32_t method_count;
     bb_animate_method methods[BB_ANIMATE_METHODS_MAX];
     uint32_t kernel_count, ray_count;
@@ -120,9 +121,9 @@ typedef struct bb_animate_sums {
     uint32_t in_place[BB_ANIMATE_KERNELS_MAX];                   /* frames */
     double rays_ms[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* sums */
     double rays[BB_ANIMATE_RAYS_MAX];                            /* sums of counts */
-    double sah_mean, sah_most, sah_last;                         /* over that of a binned tree */
-    double linear_most;                                          /* over that of a radix tree */
-    double drift; /* of the ratio to binned, per frame */
+    double sah_mean, sah_most, sah_last;          /* over the least of a tree made for the frame */
+    double fresh_most[BB_ANIMATE_YARDSTICKS_MAX]; /* over that of each yardstick */
+    double drift;                                 /* of the ratio to the least, per frame */
     uint64_t wrong, checked;
 } bb_animate_sums;
 

@@ -31,15 +31,17 @@ static bb_status make_rays(bb_animate *a, uint32_t index)
     return BB_OK;
 }
 
-/* What a tree costs that is made for this frame. */
-static bb_status reference_cost(bb_animate *a, bb_instance *instance, double *sah)
+/* What trees cost that are made for this frame. */
+static bb_status measure_fresh(bb_animate *a, bb_animate_state *state)
 {
-    *sah = NAN;
-    if (instance->pipeline.count == 0)
-        return BB_OK;
-    BB_TRY(bb_instance_build(instance, a->scene, false, NULL));
-    BB_TRY(bb_tree_download(&instance->tree, NULL));
-    *sah = bb_tree_sah(&instance->tree);
+    state->fresh_best = NAN;
+    for (uint32_t i = 0; i < a->result->yardstick_count; i++) {
+        bb_instance *instance = &a->yardsticks[i];
+        BB_TRY(bb_instance_build(instance, a->scene, false, NULL));
+        BB_TRY(bb_tree_download(&instance->tree, NULL));
+        state->fresh[i] = bb_tree_sah(&instance->tree);
+        state->fresh_best = fmin(state->fresh_best, state->fresh[i]);
+    }
     return BB_OK;
 }
 
@@ -51,8 +53,7 @@ bb_status bb_animate_judge_frame(bb_animate *a, uint32_t index)
     state->oracle_ms = bb_wall_ms() - start;
     BB_TRY(make_rays(a, index));
     state->judge_ms = bb_wall_ms() - start - state->oracle_ms;
-    BB_TRY(reference_cost(a, &a->references[0], &state->sah_binned));
-    return reference_cost(a, &a->references[1], &state->sah_linear);
+    return measure_fresh(a, state);
 }
 
 void bb_animate_leave_frame(bb_animate *a)

@@ -39,8 +39,8 @@ static bool put_frames(cJSON *object, const char *name, const bb_animate_result 
 FIGURE(frame_of, result->states[f].frame)
 FIGURE(prims_of, result->states[f].prims)
 FIGURE(rays_of, result->states[f].rays[i])
-FIGURE(binned_of, result->states[f].sah_binned)
-FIGURE(linear_of, result->states[f].sah_linear)
+FIGURE(best_of, result->states[f].fresh_best)
+FIGURE(fresh_of, result->states[f].fresh[i])
 FIGURE(oracle_of, result->states[f].oracle_ms)
 FIGURE(judge_of, result->states[f].judge_ms)
 FIGURE(way_of, method->frames[f].way)
@@ -102,9 +102,8 @@ static bool put_sums(cJSON *object, const bb_animate_result *result,
     bool put = bb_put(object, "sums", sums);
     return put && bb_put_number(sums, "update_ms", s.frames > 0 ? s.update : NAN) &&
            bb_put_number(sums, "worst_update_ms", s.frames > 0 ? s.worst_update : NAN) &&
-           bb_put_number(sums, "sah_over_binned", s.frames > 0 ? s.sah_mean : NAN) &&
-           bb_put_number(sums, "sah_over_binned_most", s.frames > 0 ? s.sah_most : NAN) &&
-           bb_put_number(sums, "sah_over_linear_most", s.frames > 0 ? s.linear_most : NAN) &&
+           bb_put_number(sums, "sah_over_best", s.frames > 0 ? s.sah_mean : NAN) &&
+           bb_put_number(sums, "sah_over_best_most", s.frames > 0 ? s.sah_most : NAN) &&
            bb_put_number(sums, "drift_per_frame", s.frames > 0 ? s.drift : NAN) &&
            bb_put_number(sums, "answers", (double)s.checked) &&
            bb_put_number(sums, "wrong", (double)s.wrong);
@@ -160,8 +159,10 @@ static bool put_winners(cJSON *root, const bb_animate_result *result)
 static bool put_result(cJSON *root, const bb_animate_result *result)
 {
     cJSON *methods = cJSON_CreateArray(), *rays = cJSON_CreateObject();
+    cJSON *fresh = cJSON_CreateObject();
     bool put = bb_put(root, "methods", methods);
     put = bb_put(root, "rays", rays) && put;
+    put = bb_put(root, "sah_fresh", fresh) && put;
     put = put && bb_put_text(root, "scene", result->scene) &&
           bb_put_text(root, "view", result->view) &&
           bb_put_text(root, "intersector", result->intersector) &&
@@ -169,12 +170,13 @@ static bool put_result(cJSON *root, const bb_animate_result *result)
           bb_put_number(root, "seconds", result->ms / 1e3) &&
           put_frames(root, "frames", result, NULL, frame_of, 0, 0) &&
           put_frames(root, "primitives", result, NULL, prims_of, 0, 0) &&
-          put_frames(root, "sah_binned", result, NULL, binned_of, 0, 0) &&
-          put_frames(root, "sah_linear", result, NULL, linear_of, 0, 0) &&
+          put_frames(root, "sah_fresh_best", result, NULL, best_of, 0, 0) &&
           put_frames(root, "oracle_ms", result, NULL, oracle_of, 0, 0) &&
           put_frames(root, "judge_ms", result, NULL, judge_of, 0, 0) && put_winners(root, result);
     for (uint32_t i = 0; i < result->ray_count && put; i++)
         put = put_frames(rays, result->rays[i], result, NULL, rays_of, 0, i);
+    for (uint32_t i = 0; i < result->yardstick_count && put; i++)
+        put = put_frames(fresh, result->yardsticks[i], result, NULL, fresh_of, 0, i);
     for (uint32_t m = 0; m < result->method_count && put; m++)
         put = put_method(methods, result, &result->methods[m]);
     return put;

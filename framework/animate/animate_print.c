@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const double counts[] = {1e5, 1e7, 1e9};
 
@@ -22,15 +23,21 @@ static void print_ways(const bb_animate_sums *sums)
 
 static void print_methods(const bb_animate_result *result)
 {
-    printf("  %-36s %10s %10s %9s %9s %9s %9s %9s  frames\n", "method", "update ms", "worst",
-           "transfer", "SAH/best", "most", "/linear", "wrong");
+    printf("  %-36s %10s %10s %9s %9s %9s", "method", "update ms", "worst", "transfer", "SAH/best",
+           "most");
+    for (uint32_t i = 0; i < result->yardstick_count; i++)
+        printf(" %7s/%-.8s", "most", result->yardsticks[i]);
+    printf(" %9s  frames\n", "wrong");
     for (uint32_t m = 0; m < result->method_count; m++) {
         const bb_animate_method *method = &result->methods[m];
         bb_animate_sums s = bb_animate_sum(result, method);
         printf("  %-36s ", method->builder);
         if (s.frames > 0) {
-            printf("%10.3f %10.3f %9.3f %9.3f %9.3f %9.3f %9llu", s.update, s.worst_update,
-                   s.transfer, s.sah_mean, s.sah_most, s.linear_most, (unsigned long long)s.wrong);
+            printf("%10.3f %10.3f %9.3f %9.3f %9.3f", s.update, s.worst_update, s.transfer,
+                   s.sah_mean, s.sah_most);
+            for (uint32_t i = 0; i < result->yardstick_count; i++)
+                printf(" %*.3f", 8 + (int)strlen(result->yardsticks[i]), s.fresh_most[i]);
+            printf(" %9llu", (unsigned long long)s.wrong);
             print_ways(&s);
         }
         printf("%s%s\n", s.frames > 0 && method->refused[0] != '\0' ? "; then " : "",

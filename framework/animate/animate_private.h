@@ -36,7 +36,7 @@ typedef struct bb_animate {
     const bb_view *view;
     bb_animate_rays *rays; /* of each frame */
     bb_animate_runner *runners;
-    bb_instance references[2]; /* binned, linear */
+    bb_instance yardsticks[BB_ANIMATE_YARDSTICKS_MAX];
     /* of the frame at hand, in the first round */
     bb_oracle *oracle;
     bb_answers answers[BB_ANIMATE_RAYS_MAX];

@@ -41,14 +41,16 @@ static void add_traces(const bb_animate_result *result, const bb_animate_frame *
     }
 }
 
-static void add_cost(const bb_animate_frame *frame, const bb_animate_state *state, uint32_t f,
-                     bb_animate_sums *sums, double moments[3])
+static void add_cost(const bb_animate_result *result, const bb_animate_frame *frame,
+                     const bb_animate_state *state, uint32_t f, bb_animate_sums *sums,
+                     double moments[3])
 {
-    double ratio = frame->sah / state->sah_binned, linear = frame->sah / state->sah_linear;
+    double ratio = frame->sah / state->fresh_best;
     sums->sah_mean += ratio;
     sums->sah_most = fmax(sums->sah_most, ratio);
     sums->sah_last = ratio;
-    sums->linear_most = fmax(sums->linear_most, linear);
+    for (uint32_t i = 0; i < result->yardstick_count; i++)
+        sums->fresh_most[i] = fmax(sums->fresh_most[i], frame->sah / state->fresh[i]);
     moments[0] += f;
     moments[1] += (double)f * f;
     moments[2] += f * ratio;
@@ -75,7 +77,7 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
         for (uint32_t i = 0; i < result->ray_count; i++)
             sums.rays[i] += state->rays[i];
         add_traces(result, frame, &sums);
-        add_cost(frame, state, f, &sums, moments);
+        add_cost(result, frame, state, f, &sums, moments);
     }
     double n = sums.frames;
     if (n == 0)

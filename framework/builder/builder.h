@@ -117,6 +117,9 @@ struct bb_builder {
     /* Methods that `animate` compares by default, as a list; for builders whose update() is worth
      * it, and for those that are to be built again in each frame. NULL: none. */
     const char *moving;
+    /* What a tree made for one frame costs by this builder is what `animate` compares the trees of
+     * methods with. Optional: of few. */
+    bool yardstick;
     /* For `advise`: variants, as a list, that take no more than the scene needs, and one that is
      * enough for any scene, which tells what they save. Optional. */
     const char *least, *generous;

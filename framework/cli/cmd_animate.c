@@ -6,6 +6,7 @@
 #include "framework/cli/contest_options.h"
 #include "framework/cli/inputs.h"
 #include "framework/device/device_private.h"
+#include "framework/report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -116,8 +117,6 @@ static bb_status read_request(job *j)
     request->repeats = (uint32_t)repeats;
     request->max_rays = (uint32_t)most;
     request->intersector = intersector != NULL ? intersector : "exact";
-    request->binned = "sah";
-    request->linear = "lbvh";
     request->view = bb_cli_value(j->cli, "view");
     request->quiet = bb_cli_value(j->cli, "quiet") != NULL;
     BB_TRY(read_frames(j));
@@ -160,7 +159,7 @@ static bb_status animate_all(job *j, char *const *scenes, uint32_t count)
     snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
     bb_status written = BB_OK;
     if (cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(j->cli, j->document, "animate");
+        written = bb_contest_write(j->cli, j->document, "animate", bb_report_animate);
     free(result);
     return status != BB_OK ? bb_fail(status, "%s", why) : written;
 }

@@ -4,6 +4,7 @@
 #include "framework/cli/inputs.h"
 #include "framework/device/device_private.h"
 #include "framework/overlap/overlap_contest.h"
+#include "framework/report/report.h"
 #include "framework/scene/tets_gather.h"
 
 #include <stdio.h>
@@ -107,7 +108,7 @@ static bb_status write(const job *j)
     snprintf(why, sizeof why, "%s", painted != BB_OK ? bb_message() : "");
     bb_status status = bb_contest_add(results, bb_overlap_json(j->result), files);
     if (status == BB_OK)
-        status = bb_contest_write(j->cli, document, "overlap");
+        status = bb_contest_write(j->cli, document, "overlap", bb_report_contest);
     cJSON_Delete(document);
     return status == BB_OK && painted != BB_OK ? bb_fail(painted, "%s", why) : status;
 }

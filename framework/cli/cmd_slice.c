@@ -4,6 +4,7 @@
 #include "framework/cli/inputs.h"
 #include "framework/device/device_private.h"
 #include "framework/picture/exr.h"
+#include "framework/report/report.h"
 #include "framework/slice/slice_contest.h"
 
 #include <stdio.h>
@@ -128,7 +129,7 @@ static bb_status slice_all(job *j)
     /* what was measured before a failure is kept */
     bb_status written = BB_OK;
     if (status == BB_OK || cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(j->cli, j->document, "slice");
+        written = bb_contest_write(j->cli, j->document, "slice", bb_report_contest);
     cJSON_Delete(j->document);
     return status != BB_OK ? status : written;
 }

@@ -6,6 +6,7 @@
 #include "framework/device/device_private.h"
 #include "framework/dvr/dvr.h"
 #include "framework/record/put.h"
+#include "framework/report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -247,7 +248,7 @@ static bb_status compare_all(job *j)
     /* what was measured before a failure is kept */
     bb_status written = BB_OK;
     if (status == BB_OK || cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(j->cli, document, "volume");
+        written = bb_contest_write(j->cli, document, "volume", bb_report_contest);
     cJSON_Delete(document);
     return status != BB_OK ? status : written;
 }

@@ -64,7 +64,7 @@ bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files)
 }
 
 static bb_status write_files(const cJSON *document, const char *text, const char *folder,
-                             const char *name)
+                             const char *name, bb_page_writer *page)
 {
     char file[64], path[PATH_MAX];
     snprintf(file, sizeof file, "%s.json", name);
@@ -72,10 +72,11 @@ static bb_status write_files(const cJSON *document, const char *text, const char
     BB_TRY(bb_file_write(path, text, strlen(text), "results"));
     snprintf(file, sizeof file, "%s.html", name);
     BB_TRY(bb_join_path(path, folder, file));
-    return bb_report_contest(document, folder, path);
+    return page(document, folder, path);
 }
 
-bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name)
+bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name,
+                           bb_page_writer *page)
 {
     const char *out = bb_cli_value(cli, "out");
     char *text = cJSON_Print(document);
@@ -83,7 +84,7 @@ bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char 
         return bb_fail(BB_REFUSED, "no memory for the results");
     if (bb_cli_value(cli, "json") != NULL)
         printf("%s\n", text);
-    bb_status status = out != NULL ? write_files(document, text, out, name) : BB_OK;
+    bb_status status = out != NULL ? write_files(document, text, out, name, page) : BB_OK;
     free(text);
     return status;
 }

@@ -1,4 +1,5 @@
-/* What the commands share that compare searches: `volume`, `slice`, `overlap`. */
+/* What commands share that compare on tasks of their own: `volume`, `slice`, `overlap`,
+ * `animate`. */
 #ifndef BB_CONTEST_OPTIONS_H
 #define BB_CONTEST_OPTIONS_H
 
@@ -23,9 +24,13 @@ bool bb_contest_document(const char *schema, const bb_device *device, cJSON **do
 /* Adds a result (NULL: no memory) to the list, with the names of its pictures; takes both over. */
 bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files);
 
-/* Prints the document if --json was given, and writes NAME.json and the page NAME.html into the
+/* Such as bb_report_contest(). */
+typedef bb_status bb_page_writer(const cJSON *document, const char *folder, const char *path);
+
+/* Prints the document if --json was given, and writes NAME.json and, by `page`, NAME.html into the
  * folder --out. */
-bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name);
+bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name,
+                           bb_page_writer *page);
 
 /* What commands begin with: plug-ins, names of scenes (bb_check_scene()), the folder --out, if
  * there is to be one; *made: it was not there. */

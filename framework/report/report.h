@@ -43,5 +43,7 @@ bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *pa
 /* The page of what `volume`, `slice` or `overlap` measured (framework/dvr/, slice/, overlap/), in
  * the same way. */
 bb_status bb_report_contest(const cJSON *document, const char *folder, const char *path);
+/* That of `animate` (framework/animate/). */
+bb_status bb_report_animate(const cJSON *document, const char *folder, const char *path);
 
 #endif

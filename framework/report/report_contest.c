@@ -1,5 +1,5 @@
-/* The page of a contest: a template into which style, chart library, script, figures and pictures
- * are put. */
+/* The pages of contests and of moving scenes: a template into which style, chart library, script,
+ * figures and pictures are put. */
 #include "framework/report/report.h"
 #include "framework/report/template.h"
 
@@ -10,7 +10,7 @@
 
 /* Embedded at build time. */
 extern const char bb_text_contest_html[], bb_text_report_css[], bb_text_contest_js[],
-    bb_text_chart_js[];
+    bb_text_animate_js[], bb_text_chart_js[];
 
 enum { PICTURES_MAX = 32 }; /* of a result; the others are named */
 
@@ -47,7 +47,8 @@ static char *with_pictures(const cJSON *document, const char *folder)
     return text;
 }
 
-bb_status bb_report_contest(const cJSON *document, const char *folder, const char *path)
+static bb_status write_page(const cJSON *document, const char *folder, const char *script,
+                            const char *path)
 {
     bb_page_text page = {0};
     char *figures = with_pictures(document, folder);
@@ -57,7 +58,7 @@ bb_status bb_report_contest(const cJSON *document, const char *folder, const cha
         {"@BB_CSS@", bb_text_report_css, false},
         {"@BB_DATA@", figures, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
-        {"@BB_SCRIPT@", bb_text_contest_js, false},
+        {"@BB_SCRIPT@", script, false},
     };
     bb_status status =
         bb_page_fill(&page, bb_text_contest_html, parts, sizeof parts / sizeof parts[0]);
@@ -66,4 +67,14 @@ bb_status bb_report_contest(const cJSON *document, const char *folder, const cha
     free(page.data);
     cJSON_free(figures);
     return status;
+}
+
+bb_status bb_report_contest(const cJSON *document, const char *folder, const char *path)
+{
+    return write_page(document, folder, bb_text_contest_js, path);
+}
+
+bb_status bb_report_animate(const cJSON *document, const char *folder, const char *path)
+{
+    return write_page(document, folder, bb_text_animate_js, path);
 }
