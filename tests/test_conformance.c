@@ -146,7 +146,7 @@ static void bugs_of_the_refit_are_found(void **state)
          "frame 1, updated: node "},
         {"    fit_leaf(nodes, refs, boxes, n);\n    for", "    for", "frame 1, updated: leaf "},
         {"atomic_dec(&missing[p]) != 1u)\n            return;\n        BB",
-         "atomic_dec(&missing[p]) == 1u)\n            return;\n        BB", "frame "},
+         "atomic_dec(&missing[p]) != 3u)\n            return;\n        BB", "frame "},
     };
     bb_device *right = device;
     for (size_t i = 0; i < sizeof plants / sizeof plants[0]; i++) {
