@@ -67,6 +67,8 @@ static bb_status count_files(sequence *s)
     enum { GAP = 10 };
     char path[PATH_CAPACITY];
     uint64_t gap;
+    if (!is_there(s, 0))
+        return bb_fail(BB_INVALID, "scene sequence: there is no file '%s'", s->first);
     while (s->files < FILES_MAX && is_there(s, s->files))
         s->files++;
     for (gap = 1; gap <= GAP && !is_there(s, s->files + gap); gap++)
