@@ -141,12 +141,11 @@ static void bugs_of_the_refit_are_found(void **state)
     static const struct {
         const char *find, *replace, *words;
     } plants[] = {
-        {"        missing[p] = fit_inner(nodes, p);",
-         "        missing[p] = 2u; if ((p & 1u) == 0u) fit_inner(nodes, p);",
+        {"            store_box(nodes, p, lo, hi, first, end);",
+         "            if ((p & 1u) == 0u) store_box(nodes, p, lo, hi, first, end);",
          "frame 1, updated: node "},
-        {"    fit_leaf(nodes, refs, boxes, n);\n    for", "    for", "frame 1, updated: leaf "},
-        {"atomic_dec(&missing[p]) != 1u)\n            return;\n        BB",
-         "atomic_dec(&missing[p]) != 3u)\n            return;\n        BB", "frame "},
+        {"        store_box(nodes, n, lo, hi, first, skip);", "", "frame 1, updated: leaf "},
+        {"    for (uint p = parents[root]; p", "    for (uint p = BB_NONE; p", "frame "},
     };
     bb_device *right = device;
     for (size_t i = 0; i < sizeof plants / sizeof plants[0]; i++) {

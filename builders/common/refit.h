@@ -45,9 +45,13 @@ typedef struct bb_refitter bb_refitter;
 bb_status bb_refitter_create(bb_device *device, bb_account *account, bb_refitter **out);
 void bb_refitter_destroy(bb_refitter *refitter); /* NULL is allowed */
 
-/* Scratch for trees of up to `nodes` nodes: 8 bytes each; where work-groups hand over by levels, 8
- * more, and 4 per level once they are needed. */
+/* Scratch for trees of up to `nodes` nodes: 24 bytes each; where work-groups hand over by levels,
+ * 16, and 4 per level once they are needed. */
 bb_status bb_refitter_reserve(bb_refitter *refitter, size_t nodes);
+
+/* Finds out what refits of a tree on the device need of its links, whose info is fetched. Not
+ * needed: the first refit after they have changed does it. Waits for the device. */
+bb_status bb_refit_plan(bb_refitter *refitter, const bb_tree *tree);
 
 /* Refits a tree on the device, whose tree->info is fetched, to `boxes` (bb_box). Enqueued, not
  * waited for; by levels it asks the device now and then. The tree must be valid: links are not

@@ -240,8 +240,10 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
         BB_TRY(pass(self, &scene->on_device.boxes, false, tree));
         self->built = self->now;
         self->built_area = self->area;
-    } else
-        BB_TRY(bb_refitter_reserve(self->refitter, count));
+    } else {
+        BB_TRY(bb_phase(phases, "plan"));
+        BB_TRY(bb_refit_plan(self->refitter, tree));
+    }
     return bb_phase(phases, NULL);
 }
 

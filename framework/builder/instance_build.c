@@ -135,6 +135,8 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     step->phases = (bb_phases){.device = builder->place == BB_ON_DEVICE ? instance->device : NULL,
                                .exact = exact,
                                .current = -1};
+    if (stage->tree != NULL && changed == 0)
+        bb_tree_changed(stage->tree); /* before: what a build makes of the new links holds */
     if (stage->tree != NULL)
         stage->tree->refitted = false;
     bb_stopwatch watch;
@@ -149,7 +151,8 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
         instance->references.copied = false;
         return check_references(instance, scene);
     }
-    if (!stage->tree->refitted)
+    stage->tree->copied = false;
+    if (changed != 0 && !stage->tree->refitted)
         bb_tree_changed(stage->tree);
     return bb_tree_fetch_info(stage->tree);
 }
