@@ -1,0 +1,231 @@
+/* gs: inserts one object after the other where that costs least, on the host; objects that move are
+ * taken out and inserted again.
+ *
+ *   build:   for each object, shuffled: walk down from the root, the cheapest way; make it a child
+ *            there, or a sibling of one (gs_insert.c)
+ *   update:  for each object that moved: take it out, and insert it again from the first ancestor
+ *            whose box contains it (gs_update.c); then delete nodes that have become too large for
+ *            the objects they have left, and insert their children again (gs_thin.c)
+ *
+ * Goldsmith and Salmon 1987 (Automatic Creation of Object Hierarchies for Ray Tracing); Eisemann,
+ * Grosch, Mueller, Magnor 2007, section 3.1 ("Dynamic Goldsmith and Salmon").
+ *
+ * The paper leaves open:
+ *   - when a node is thinned: here if Q / Q_init > tau, a ratio, since a difference would depend on
+ *     the scene's size. q=min lowers Q_init to the least Q that a node has had.
+ *   - whether boxes above an object that was taken out shrink: they do, after the ancestor to start
+ *     from was chosen; else what has left would go on to attract others.
+ *   - the order of objects: by number in updates; shuffled in builds, since objects in the order of
+ *     a file make poor trees. The paper's trees were shuffled, its baseline's were not.
+ *   - how wide a node may become. Equal boxes, such as objects that all start at the origin, would
+ *     make a node of them all, at as many tests for each: `max_children`.
+ *
+ * Each insertion follows one path, of which no bound is known but the depth; with max_children=0 it
+ * is the number of objects.
+ */
+#include "builders/gs/gs.h"
+#include "framework/base/random.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const bb_option options[] = {
+    {"order", "shuffled", "shuffled|file|rounds", "of insertion: shuffled by the seed, or as in the file"},
+    {"arity", "k", "k|2", "any number of children, or two"},
+    {"max_children", "16", NULL, "arity=k: most children of a node, 3 or more; 0: any number"},
+    {"search", "greedy", "greedy|bb",
+     "for the place of an object: one path, or the whole tree by branch and bound"},
+    {"update", "dynamic", "dynamic|rebuild", "insert again what moved, or build again"},
+    {"start", "enclosing", "enclosing|root",
+     "where what moved is inserted from: the first ancestor whose box contains it, or the root"},
+    {"tau", "1.3", NULL,
+     "delete nodes whose area per object is more than this many times the initial; 0: none"},
+    {"q", "init", "init|min",
+     "initial area per object: when the node was made, or the least since"},
+    {"thin_budget", "0", NULL, "most nodes deleted per update; 0: any number"},
+    {.name = NULL},
+};
+
+typedef struct gs {
+    bb_account *account;
+    uint64_t seed;
+    bool shuffled, in_rounds, dynamic;
+    uint32_t *sorted;
+    uint64_t rounds; /* of insertions: the build and the updates since */
+    bb_gs_tree tree;
+} gs;
+
+static void destroy(void *opaque)
+{
+    gs *self = opaque;
+    if (self == NULL)
+        return;
+    bb_gs_release(&self->tree);
+    bb_host_free(self->sorted);
+    bb_host_free(self);
+}
+
+static bb_status read_rules(const bb_spec *spec, bb_gs_rules *rules)
+{
+    uint64_t most, budget;
+    BB_TRY(bb_spec_u64(spec, options, "max_children", 0, UINT32_MAX, &most));
+    BB_TRY(bb_spec_u64(spec, options, "thin_budget", 0, UINT32_MAX, &budget));
+    BB_TRY(bb_spec_double(spec, options, "tau", 0, 1e9, &rules->tau));
+    if (most == 1 || most == 2)
+        return bb_fail(BB_INVALID,
+                       "gs: max_children=%u: it is 0 (any number), or 3 or more; for "
+                       "binary trees write arity=2",
+                       (unsigned)most);
+    if (rules->tau > 0 && rules->tau < 1)
+        return bb_fail(BB_INVALID, "gs: tau=%g: it is 0 (off), or 1 or more", rules->tau);
+    rules->max_children = (uint32_t)most;
+    rules->thin_budget = (uint32_t)budget;
+    rules->binary = bb_spec_is(spec, options, "arity", "2");
+    rules->whole = bb_spec_is(spec, options, "search", "bb");
+    rules->from_root = bb_spec_is(spec, options, "start", "root");
+    rules->least_q = bb_spec_is(spec, options, "q", "min");
+    return BB_OK;
+}
+
+static bb_status create(const bb_builder_context *context, void **out)
+{
+    bb_gs_rules rules;
+    BB_TRY(read_rules(context->spec, &rules));
+    gs *self = NULL;
+    BB_TRY(bb_host_alloc(context->account, sizeof *self, "gs: object", &self));
+    memset(self, 0, sizeof *self);
+    *out = self;
+    self->account = context->account;
+    self->seed = context->seed;
+    self->shuffled = bb_spec_is(context->spec, options, "order", "shuffled");
+    self->in_rounds = bb_spec_is(context->spec, options, "order", "rounds");
+    self->dynamic = bb_spec_is(context->spec, options, "update", "dynamic");
+    self->tree.rules = rules;
+    return BB_OK;
+}
+
+static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
+{
+    gs *self = opaque;
+    size_t count = scene->prim_count;
+    BB_TRY(bb_tree_reserve(tree, NULL, BB_ON_HOST, 2 * count - 1, count));
+    BB_TRY(bb_host_alloc(self->account, count * sizeof *self->sorted, "gs: order", &self->sorted));
+    return bb_gs_reserve(&self->tree, self->account, scene->prim_count);
+}
+
+/* In rounds: half of the objects come in the last one, a quarter in the one before, and so on, and
+ * within a round they keep their order (Amenta, Choi, Rote 2003). */
+static void order_in_rounds(gs *self, uint32_t count, bb_random random)
+{
+    uint32_t *objects = self->tree.scratch, *sorted = self->sorted, from[33] = {0}, at = 0;
+    bb_random again = random;
+    for (uint32_t i = 0; i < count; i++)
+        from[__builtin_ctzll(bb_random_u64(&random) | 1ull << 32)]++;
+    for (uint32_t round = 33; round-- > 0;) {
+        uint32_t size = from[round];
+        from[round] = at;
+        at += size;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        sorted[from[__builtin_ctzll(bb_random_u64(&again) | 1ull << 32)]++] = objects[i];
+    memcpy(objects, sorted, count * sizeof *objects);
+}
+
+/* Objects in scratch, as they are to be inserted; another order each time. */
+static void shuffle(gs *self, uint32_t count)
+{
+    uint32_t *order = self->tree.scratch;
+    bb_random random = bb_random_make(self->seed, self->rounds++);
+    if (self->in_rounds)
+        order_in_rounds(self, count, random);
+    for (uint32_t i = count; self->shuffled && i > 1; i--) {
+        uint32_t k = bb_random_below(&random, i), object = order[i - 1];
+        order[i - 1] = order[k];
+        order[k] = object;
+    }
+}
+
+static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                       bb_phases *phases)
+{
+    (void)input;
+    gs *self = opaque;
+    bb_gs_tree *own = &self->tree;
+    BB_TRY(prepare(self, scene, tree));
+
+    BB_TRY(bb_phase(phases, "order"));
+    bb_gs_clear(own, scene->prim_count);
+    self->rounds = 0;
+    for (uint32_t i = 0; i < scene->prim_count; i++)
+        own->scratch[i] = i;
+    shuffle(self, scene->prim_count);
+    BB_TRY(bb_phase(phases, "insert"));
+    for (uint32_t i = 0; i < scene->prim_count; i++) {
+        bb_gs_box box = bb_gs_box_of(&scene->boxes[own->scratch[i]]);
+        bb_gs_add(own, own->scratch[i], &box);
+    }
+    BB_TRY(bb_phase(phases, "emit"));
+    bb_gs_start_q(own);
+    bb_gs_emit(own, true, tree);
+    for (uint32_t i = 0; i < scene->prim_count; i++)
+        tree->refs[i] = i | BB_LAST_BIT;
+    return bb_phase(phases, NULL);
+}
+
+static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
+                        bb_phases *phases)
+{
+    gs *self = opaque;
+    bb_gs_tree *own = &self->tree;
+    if (!self->dynamic || changed != BB_CHANGED_POSITIONS || scene->prim_count != own->object_count)
+        return bb_fail(BB_UNSUPPORTED, "the tree is built again");
+    BB_TRY(bb_phase(phases, "detect"));
+    uint32_t moved = bb_gs_detect(own, scene->boxes);
+    own->reinserted = own->thinned = 0;
+    BB_TRY(bb_event(phases, "moved", moved));
+    if (moved == 0) {
+        bb_tree_boxes_changed(tree); /* not even boxes */
+        return bb_phase(phases, NULL);
+    }
+    BB_TRY(bb_phase(phases, "move"));
+    shuffle(self, moved);
+    bb_gs_move(own, scene->boxes, moved);
+    BB_TRY(bb_phase(phases, "thin"));
+    bb_gs_thin(own);
+    BB_TRY(bb_event(phases, "reinserted", own->reinserted));
+    BB_TRY(bb_event(phases, "thinned", own->thinned));
+    BB_TRY(bb_phase(phases, "emit"));
+    bb_gs_emit(own, false, tree);
+    bb_tree_changed(tree);
+    return bb_phase(phases, NULL);
+}
+
+static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
+{
+    (void)scene;
+    const bb_gs_tree *tree = &((const gs *)opaque)->tree;
+    uint32_t inner = tree->count - tree->object_count;
+    snprintf(text, capacity, "%.3g children per inner node, at most %u",
+             inner > 0 ? (tree->count - 1.0) / inner : 0.0, tree->arity);
+    return BB_OK;
+}
+
+const bb_builder bb_builder_gs = {
+    .abi_version = BB_ABI_VERSION,
+    .name = "gs",
+    .summary =
+        "inserts object after object where that costs least, on the host; and again what moved",
+    .paper = "Goldsmith and Salmon 1987; Eisemann et al. 2007, section 3.1",
+    .kinds = BB_ALL_KINDS,
+    .inputs = BB_INPUT_BOXES,
+    .place = BB_ON_HOST,
+    .deterministic = true,
+    .options = options,
+    .compared = "",
+    .create = create,
+    .prepare = prepare,
+    .build = build,
+    .update = update,
+    .describe = describe,
+    .destroy = destroy,
+};

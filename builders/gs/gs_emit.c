@@ -1,0 +1,175 @@
+/* The common tree of gs. Both number nodes alike, so an update that changed few of them writes few:
+ *
+ *   fill free slots with the last nodes
+ *   for each node that another child, box or number marked: write box and first child
+ *   for each that another sibling follows: write the skip, also to the last child, its last child ...
+ *   for each with other children: its height, and those above, up to the first that stays
+ *
+ * After a build, or if many changed, all are numbered anew in preorder, which keeps what is near in
+ * the tree near in memory, and written. References stay: leaf i holds object i's.
+ */
+#include "builders/gs/gs.h"
+
+#include <string.h>
+
+enum { MANY = 4 }; /* a fourth of the nodes */
+
+/* ---- all nodes ---- */
+
+/* scratch[n]: the number of node n in preorder; BB_NONE of free slots. */
+static uint32_t number_nodes(bb_gs_tree *tree)
+{
+    const bb_gs_node *nodes = tree->nodes;
+    uint32_t count = 0, n = tree->root;
+    memset(tree->scratch, 0xFF, tree->count * sizeof *tree->scratch);
+    for (;;) {
+        tree->scratch[n] = count++;
+        if (!bb_gs_is_leaf(&nodes[n])) {
+            n = nodes[n].first;
+            continue;
+        }
+        while (n != BB_NONE && nodes[n].next == BB_NONE)
+            n = nodes[n].parent;
+        if (n == BB_NONE)
+            return count;
+        n = nodes[n].next;
+    }
+}
+
+static uint32_t renumbered(const bb_gs_tree *tree, uint32_t n)
+{
+    return n != BB_NONE ? tree->scratch[n] : BB_NONE;
+}
+
+static void renumber_links(bb_gs_tree *tree)
+{
+    for (uint32_t i = 0; i < tree->count; i++) {
+        bb_gs_node *node = &tree->nodes[i];
+        if (tree->scratch[i] == BB_NONE)
+            continue;
+        node->parent = renumbered(tree, node->parent);
+        node->next = renumbered(tree, node->next);
+        node->prev = renumbered(tree, node->prev);
+        if (bb_gs_is_leaf(node))
+            tree->leaf_of[node->first & BB_INDEX_MASK] = tree->scratch[i];
+        else
+            node->first = renumbered(tree, node->first);
+    }
+    tree->root = renumbered(tree, tree->root);
+}
+
+/* Each node to its place, in place: whatever was there goes to its own next. */
+static void permute(bb_gs_tree *tree)
+{
+    uint32_t *to = tree->scratch;
+    for (uint32_t i = 0; i < tree->count; i++)
+        while (to[i] != BB_NONE && to[i] != i) {
+            uint32_t k = to[i], to_k = to[k];
+            bb_gs_node node = tree->nodes[k];
+            uint8_t mark = tree->marks[k];
+            tree->nodes[k] = tree->nodes[i];
+            tree->marks[k] = tree->marks[i];
+            tree->nodes[i] = node;
+            tree->marks[i] = mark;
+            to[k] = k;
+            to[i] = to_k;
+        }
+}
+
+static void emit_all(bb_gs_tree *tree, bb_tree *out)
+{
+    uint32_t count = number_nodes(tree);
+    renumber_links(tree);
+    permute(tree);
+    memset(tree->marks + count, 0, tree->count - count);
+    tree->count = count;
+    tree->free = BB_NONE;
+    for (uint32_t i = 0; i < count; i++) {
+        const bb_gs_node *from = &tree->nodes[i];
+        bb_node *to = &out->nodes[i];
+        memcpy(to->lo, from->box.lo, sizeof to->lo);
+        memcpy(to->hi, from->box.hi, sizeof to->hi);
+        to->first = from->first;
+        to->skip = from->next != BB_NONE     ? from->next
+                   : from->parent != BB_NONE ? out->nodes[from->parent].skip
+                                             : BB_NONE;
+        tree->heights[i] = 0;
+        tree->marks[i] = (uint8_t)(tree->marks[i] & BB_GS_TOUCHED);
+    }
+    for (uint32_t i = count; i-- > 1;) {
+        uint32_t *height = &tree->heights[tree->nodes[i].parent];
+        *height = *height > tree->heights[i] ? *height : tree->heights[i] + 1;
+    }
+}
+
+/* ---- those that changed ---- */
+
+static void write_skip(const bb_gs_tree *tree, uint32_t n, bb_tree *out)
+{
+    const bb_gs_node *nodes = tree->nodes;
+    uint32_t up = n;
+    while (up != BB_NONE && nodes[up].next == BB_NONE)
+        up = nodes[up].parent;
+    uint32_t skip = up != BB_NONE ? nodes[up].next : BB_NONE;
+    for (;;) {
+        out->nodes[n].skip = skip;
+        if (bb_gs_is_leaf(&nodes[n]))
+            return;
+        n = nodes[nodes[n].first].prev;
+    }
+}
+
+static void update_heights(bb_gs_tree *tree, uint32_t n)
+{
+    const bb_gs_node *nodes = tree->nodes;
+    for (; n != BB_NONE; n = nodes[n].parent) {
+        uint32_t height = 0, c = bb_gs_is_leaf(&nodes[n]) ? BB_NONE : nodes[n].first;
+        for (; c != BB_NONE; c = nodes[c].next)
+            height = height > tree->heights[c] ? height : tree->heights[c] + 1;
+        if (height == tree->heights[n])
+            return;
+        tree->heights[n] = height;
+    }
+}
+
+static void emit_marked(bb_gs_tree *tree, bb_tree *out)
+{
+    const uint8_t which = BB_GS_BOX | BB_GS_SKIP | BB_GS_HEIGHT;
+    for (uint32_t n = 0; (n = bb_gs_next_marked(tree, n, which)) < tree->count; n++) {
+        const bb_gs_node *from = &tree->nodes[n];
+        bb_node *to = &out->nodes[n];
+        memcpy(to->lo, from->box.lo, sizeof to->lo);
+        memcpy(to->hi, from->box.hi, sizeof to->hi);
+        to->first = from->first;
+        if ((tree->marks[n] & BB_GS_SKIP) != 0)
+            write_skip(tree, n, out);
+        if ((tree->marks[n] & BB_GS_HEIGHT) != 0)
+            update_heights(tree, n);
+        tree->marks[n] = (uint8_t)(tree->marks[n] & BB_GS_TOUCHED);
+    }
+}
+
+static bool many_changed(const bb_gs_tree *tree)
+{
+    const uint8_t which = BB_GS_BOX | BB_GS_SKIP | BB_GS_HEIGHT;
+    uint32_t changed = 0;
+    for (uint32_t n = 0; (n = bb_gs_next_marked(tree, n, which)) < tree->count; n++)
+        changed++;
+    return changed > tree->count / MANY;
+}
+
+void bb_gs_emit(bb_gs_tree *tree, bool whole, bb_tree *out)
+{
+    if (whole || many_changed(tree)) {
+        emit_all(tree, out);
+    } else {
+        bb_gs_compact(tree);
+        emit_marked(tree, out);
+    }
+    out->info = (bb_tree_info){.root = tree->root,
+                               .node_count = tree->count,
+                               .leaf_count = tree->object_count,
+                               .ref_count = tree->object_count,
+                               .arity = tree->arity,
+                               .depth = tree->heights[tree->root]};
+}
