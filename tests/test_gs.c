@@ -1,5 +1,5 @@
-/* gs: what an insertion costs, against the whole tree's cost and all places there are; removals that
- * restore; updates, thinning and the common tree that follows them. */
+/* gs: what an insertion costs, against the whole tree's cost and all places there are; removals
+ * that restore; updates, thinning and the common tree that follows them. */
 #include "builders/gs/gs.h"
 #include "framework/builder/registry.h"
 #include "tests/tree_fixture.h"
@@ -411,7 +411,7 @@ static uint32_t move(bb_scene *scene, uint32_t one_of, float far, bb_random *ran
 static const char *const specs[] = {
     "gs",
     "gs:tau=0",
-    "gs:arity=2",
+    "gs:arity=2,order=shuffled",
     "gs:max_children=0,tau=1.1,q=min",
     "gs:max_children=3,start=root,order=file",
     "gs:search=bb,thin_budget=2",
@@ -640,7 +640,7 @@ static void few_objects(void **state)
         }
 }
 
-/* All equal, or all at the origin: as deep as a tree of that width has to be, more or less; then they
+/* All equal, or all at the origin: about as deep as a tree of that width has to be; then they
  * part. */
 static void equal_boxes_make_no_chains(void **state)
 {

@@ -1,8 +1,8 @@
 /* gs: inserts one object after the other where that costs least, on the host; objects that move are
  * taken out and inserted again.
  *
- *   build:   for each object, shuffled: walk down from the root, the cheapest way; make it a child
- *            there, or a sibling of one (gs_insert.c)
+ *   build:   for each object, in random rounds (gs_order.c): walk down from the root, the cheapest
+ *            way; make it a child there, or a sibling of one (gs_insert.c)
  *   update:  for each object that moved: take it out, and insert it again from the first ancestor
  *            whose box contains it (gs_update.c); then delete nodes that have become too large for
  *            the objects they have left, and insert their children again (gs_thin.c)
@@ -15,22 +15,25 @@
  *     the scene's size. q=min lowers Q_init to the least Q that a node has had.
  *   - whether boxes above an object that was taken out shrink: they do, after the ancestor to start
  *     from was chosen; else what has left would go on to attract others.
- *   - the order of objects: by number in updates; shuffled in builds, since objects in the order of
- *     a file make poor trees. The paper's trees were shuffled, its baseline's were not.
- *   - how wide a node may become. Equal boxes, such as objects that all start at the origin, would
- *     make a node of them all, at as many tests for each: `max_children`.
+ *   - the order of objects, in builds and in updates. In that of a file, trees can be several times
+ *     worse; so can updates of what moves together, since each then meets the others behind it
+ *     where they were. The paper's first tree was shuffled, its baseline's were not.
+ *   - where the children of a deleted node start: from its parent, which enclosed them.
+ *   - how wide a node may become. Boxes that are nearly equal, such as those of objects that all
+ *     start at the origin, would make one node of them all, at as many tests for each.
  *
- * Each insertion follows one path, of which no bound is known but the depth; with max_children=0 it
- * is the number of objects.
+ * Greedy insertion tests the children along one path. The depth is that of a random search tree as
+ * a rule, but has no bound: boxes that are nested in each other make a chain. search=bb may look at
+ * all nodes for each object, and does where all boxes overlap.
  */
 #include "builders/gs/gs.h"
-#include "framework/base/random.h"
 
 #include <stdio.h>
 #include <string.h>
 
 static const bb_option options[] = {
-    {"order", "shuffled", "shuffled|file|rounds", "of insertion: shuffled by the seed, or as in the file"},
+    {"order", "rounds", "rounds|shuffled|file",
+     "of insertion: random rounds, each in the order of the file; shuffled; as in the file"},
     {"arity", "k", "k|2", "any number of children, or two"},
     {"max_children", "16", NULL, "arity=k: most children of a node, 3 or more; 0: any number"},
     {"search", "greedy", "greedy|bb",
@@ -49,9 +52,9 @@ static const bb_option options[] = {
 typedef struct gs {
     bb_account *account;
     uint64_t seed;
-    bool shuffled, in_rounds, dynamic;
-    uint32_t *sorted;
-    uint64_t rounds; /* of insertions: the build and the updates since */
+    bool dynamic;
+    bb_gs_order order;
+    uint64_t updates; /* since the build: each has an order of its own */
     bb_gs_tree tree;
 } gs;
 
@@ -61,7 +64,6 @@ static void destroy(void *opaque)
     if (self == NULL)
         return;
     bb_gs_release(&self->tree);
-    bb_host_free(self->sorted);
     bb_host_free(self);
 }
 
@@ -97,8 +99,9 @@ static bb_status create(const bb_builder_context *context, void **out)
     *out = self;
     self->account = context->account;
     self->seed = context->seed;
-    self->shuffled = bb_spec_is(context->spec, options, "order", "shuffled");
-    self->in_rounds = bb_spec_is(context->spec, options, "order", "rounds");
+    self->order = bb_spec_is(context->spec, options, "order", "rounds")     ? BB_GS_ROUNDS
+                  : bb_spec_is(context->spec, options, "order", "shuffled") ? BB_GS_SHUFFLED
+                                                                            : BB_GS_AS_IN_FILE;
     self->dynamic = bb_spec_is(context->spec, options, "update", "dynamic");
     self->tree.rules = rules;
     return BB_OK;
@@ -109,40 +112,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     gs *self = opaque;
     size_t count = scene->prim_count;
     BB_TRY(bb_tree_reserve(tree, NULL, BB_ON_HOST, 2 * count - 1, count));
-    BB_TRY(bb_host_alloc(self->account, count * sizeof *self->sorted, "gs: order", &self->sorted));
     return bb_gs_reserve(&self->tree, self->account, scene->prim_count);
-}
-
-/* In rounds: half of the objects come in the last one, a quarter in the one before, and so on, and
- * within a round they keep their order (Amenta, Choi, Rote 2003). */
-static void order_in_rounds(gs *self, uint32_t count, bb_random random)
-{
-    uint32_t *objects = self->tree.scratch, *sorted = self->sorted, from[33] = {0}, at = 0;
-    bb_random again = random;
-    for (uint32_t i = 0; i < count; i++)
-        from[__builtin_ctzll(bb_random_u64(&random) | 1ull << 32)]++;
-    for (uint32_t round = 33; round-- > 0;) {
-        uint32_t size = from[round];
-        from[round] = at;
-        at += size;
-    }
-    for (uint32_t i = 0; i < count; i++)
-        sorted[from[__builtin_ctzll(bb_random_u64(&again) | 1ull << 32)]++] = objects[i];
-    memcpy(objects, sorted, count * sizeof *objects);
-}
-
-/* Objects in scratch, as they are to be inserted; another order each time. */
-static void shuffle(gs *self, uint32_t count)
-{
-    uint32_t *order = self->tree.scratch;
-    bb_random random = bb_random_make(self->seed, self->rounds++);
-    if (self->in_rounds)
-        order_in_rounds(self, count, random);
-    for (uint32_t i = count; self->shuffled && i > 1; i--) {
-        uint32_t k = bb_random_below(&random, i), object = order[i - 1];
-        order[i - 1] = order[k];
-        order[k] = object;
-    }
 }
 
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
@@ -155,10 +125,10 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 
     BB_TRY(bb_phase(phases, "order"));
     bb_gs_clear(own, scene->prim_count);
-    self->rounds = 0;
+    self->updates = 0;
     for (uint32_t i = 0; i < scene->prim_count; i++)
         own->scratch[i] = i;
-    shuffle(self, scene->prim_count);
+    bb_gs_put_in_order(own, self->order, scene->prim_count, self->seed, 0);
     BB_TRY(bb_phase(phases, "insert"));
     for (uint32_t i = 0; i < scene->prim_count; i++) {
         bb_gs_box box = bb_gs_box_of(&scene->boxes[own->scratch[i]]);
@@ -188,7 +158,7 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
         return bb_phase(phases, NULL);
     }
     BB_TRY(bb_phase(phases, "move"));
-    shuffle(self, moved);
+    bb_gs_put_in_order(own, self->order, moved, self->seed, ++self->updates);
     bb_gs_move(own, scene->boxes, moved);
     BB_TRY(bb_phase(phases, "thin"));
     bb_gs_thin(own);

@@ -1,6 +1,7 @@
 /* The tree of gs: what its parts share, and what tests look at.
  *
  *   gs_tree.c    nodes and links; boxes and counts after what was linked or unlinked
+ *   gs_order.c   in which order objects are inserted
  *   gs_insert.c  where a box costs least
  *   gs_update.c  objects that moved
  *   gs_thin.c    nodes that have become too large for what they hold
@@ -52,6 +53,9 @@ typedef struct bb_gs_rules {
     uint32_t thin_budget;  /* nodes per update; 0: all */
 } bb_gs_rules;
 
+typedef enum bb_gs_order { BB_GS_AS_IN_FILE, BB_GS_SHUFFLED, BB_GS_ROUNDS } bb_gs_order;
+
+/* A node that the search of the whole tree may go on to. */
 typedef struct bb_gs_step {
     double inherited;
     uint32_t node;
@@ -64,7 +68,7 @@ typedef struct bb_gs_tree {
     bb_gs_node *nodes;   /* 2 capacity - 1 */
     uint8_t *marks;      /* a byte per node, filled up to a multiple of 8 */
     uint32_t *heights;   /* per node; right after bb_gs_emit() */
-    uint32_t *scratch;   /* per node */
+    uint32_t *scratch;   /* 2 per object */
     uint32_t *leaf_of;   /* per object */
     bb_gs_box *boxes;    /* per object, as last seen: one after the other, which leaves are not */
     uint32_t *widths;    /* [k]: how many nodes have k children */
@@ -138,13 +142,19 @@ void bb_gs_free_node(bb_gs_tree *tree, uint32_t n);
 void bb_gs_attach(bb_gs_tree *tree, uint32_t x, uint32_t node, bool beside, uint32_t above);
 
 /* Unlinks x, which is not the root, with all below. A parent left with one child is replaced by it;
- * if it is *start, then its own parent becomes that (of the root: the child). Counts of objects fall
- * up to and including *start, an ancestor of x: whoever attaches x again from there need not go
- * farther. Boxes shrink upwards, up to the first that does not. */
+ * if it is *start, then its own parent becomes that (of the root: the child). Counts of objects
+ * fall up to and including *start, an ancestor of x: whoever attaches x again from there need not
+ * go farther. Boxes shrink, from the parent up to the first that does not. */
 void bb_gs_detach(bb_gs_tree *tree, uint32_t x, uint32_t *start);
 
 /* The slots from 0 on become the nodes: no free ones are left. */
 void bb_gs_compact(bb_gs_tree *tree);
+
+/* ---- gs_order.c ---- */
+
+/* Of the first `count` of scratch; another one for each stream. */
+void bb_gs_put_in_order(bb_gs_tree *tree, bb_gs_order order, uint32_t count, uint64_t seed,
+                        uint64_t stream);
 
 /* ---- gs_insert.c ---- */
 

@@ -1,8 +1,9 @@
 /* The common tree of gs. Both number nodes alike, so an update that changed few of them writes few:
  *
  *   fill free slots with the last nodes
- *   for each node that another child, box or number marked: write box and first child
- *   for each that another sibling follows: write the skip, also to the last child, its last child ...
+ *   for each node with another box, first child or number: write box and first child
+ *   for each that another sibling follows: write the skip, also to its last child, whose last
+ *       child, and so on
  *   for each with other children: its height, and those above, up to the first that stays
  *
  * After a build, or if many changed, all are numbered anew in preorder, which keeps what is near in

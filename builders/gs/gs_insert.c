@@ -13,10 +13,11 @@
  * walk. Beside the root counts as a place: a new root over it and X. The whole tree is searched in
  * the order of what was inherited, from the best of the one path on (Bittner, Hapala, Havran 2013).
  *
- * Ties decide whether many equal boxes make a balanced tree or a chain. Of places that cost the same
- * wins the one that needs no new node, then the one with fewer objects; and of children that grow
- * the same, the smaller, then the one with fewer objects. Boxes that are equal gather in nodes that
- * are as wide as they may be: with any number of children, all in one, at as many tests for each.
+ * Ties decide whether many equal boxes make a balanced tree or a chain. Of places that cost the
+ * same wins the one that needs no new node, then the one with fewer objects; and of children that
+ * grow the same, the smaller, then the one with fewer objects. Boxes that are equal gather in nodes
+ * that are as wide as they may be: with any number of children, all in one, at as many tests for
+ * each.
  */
 #include "builders/gs/gs.h"
 

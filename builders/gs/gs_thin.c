@@ -6,8 +6,8 @@
  *   for each that still is one: delete it; insert each of its children, with all below, from the
  *       parent of the deleted node down
  *
- * The parent's box held the children's before the node was deleted, so it is the first ancestor that
- * encloses them. Candidates are fixed before the first is deleted: what this makes a candidate
+ * The parent's box held the children's before the node was deleted, so it is the first ancestor
+ * that encloses them. Candidates are fixed before the first is deleted: what this makes a candidate
  * waits for the next update, and the phase ends. Only nodes whose area or objects changed since
  * they were last looked at can have become one.
  */

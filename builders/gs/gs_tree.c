@@ -27,7 +27,7 @@ bb_status bb_gs_reserve(bb_gs_tree *tree, bb_account *account, uint32_t objects)
     BB_TRY(bb_host_alloc(account, nodes * sizeof *tree->nodes, what, &tree->nodes));
     BB_TRY(bb_host_alloc(account, mark_bytes(objects), what, &tree->marks));
     BB_TRY(bb_host_alloc(account, nodes * sizeof(uint32_t), what, &tree->heights));
-    BB_TRY(bb_host_alloc(account, nodes * sizeof(uint32_t), what, &tree->scratch));
+    BB_TRY(bb_host_alloc(account, 2 * count * sizeof(uint32_t), what, &tree->scratch));
     BB_TRY(bb_host_alloc(account, count * sizeof(uint32_t), what, &tree->leaf_of));
     BB_TRY(bb_host_alloc(account, count * sizeof *tree->boxes, what, &tree->boxes));
     BB_TRY(bb_host_alloc(account, (count + 1) * sizeof(uint32_t), what, &tree->widths));

@@ -1,6 +1,6 @@
 /* Objects that moved: Eisemann, Grosch, Mueller, Magnor 2007, section 3.1 and algorithm 1.
  *
- *   for each object, by its number, whose box is not the leaf's, bit for bit:
+ *   for each object whose box is not the one it had, bit for bit:
  *       start = the first ancestor of its leaf whose box contains the new box; or the root
  *       unlink the leaf; shrink the boxes above, up to the first that stays as it is
  *       insert it with its new box, from start down
@@ -18,14 +18,21 @@ uint32_t bb_gs_enclosing(const bb_gs_tree *tree, uint32_t n, const bb_gs_box *bo
     return up != BB_NONE ? up : tree->root;
 }
 
+/* Without a branch: whether the next one has moved is not to be guessed. */
+static uint32_t differ(const float a[3], const float b[3])
+{
+    uint32_t u[3], v[3];
+    memcpy(u, a, sizeof u);
+    memcpy(v, b, sizeof v);
+    return ((u[0] ^ v[0]) | (u[1] ^ v[1]) | (u[2] ^ v[2])) != 0;
+}
+
 uint32_t bb_gs_detect(bb_gs_tree *tree, const bb_box *boxes)
 {
     uint32_t moved = 0;
     for (uint32_t i = 0; i < tree->object_count; i++) {
-        const bb_gs_box *was = &tree->boxes[i];
         tree->scratch[moved] = i;
-        moved += memcmp(was->lo, boxes[i].lo, sizeof was->lo) != 0 ||
-                 memcmp(was->hi, boxes[i].hi, sizeof was->hi) != 0;
+        moved += differ(tree->boxes[i].lo, boxes[i].lo) | differ(tree->boxes[i].hi, boxes[i].hi);
     }
     return moved;
 }
