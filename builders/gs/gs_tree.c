@@ -23,7 +23,7 @@ bb_status bb_gs_reserve(bb_gs_tree *tree, bb_account *account, uint32_t objects)
     size_t count = objects, nodes = 2 * count - 1;
     if (objects <= tree->capacity)
         return BB_OK;
-    tree->capacity = 0;
+    tree->capacity = tree->object_count = 0;
     BB_TRY(bb_host_alloc(account, nodes * sizeof *tree->nodes, what, &tree->nodes));
     BB_TRY(bb_host_alloc(account, mark_bytes(objects), what, &tree->marks));
     BB_TRY(bb_host_alloc(account, nodes * sizeof(uint32_t), what, &tree->heights));
@@ -60,11 +60,12 @@ void bb_gs_clear(bb_gs_tree *tree, uint32_t objects)
 
 uint32_t bb_gs_next_marked(const bb_gs_tree *tree, uint32_t i, uint8_t which)
 {
+    const uint64_t all = 0x0101010101010101u * which;
     while (i < tree->count) {
         uint64_t eight;
         if (i % 8 == 0) {
             memcpy(&eight, tree->marks + i, sizeof eight);
-            if (eight == 0) {
+            if ((eight & all) == 0) {
                 i += 8;
                 continue;
             }

@@ -21,10 +21,13 @@ uint32_t bb_gs_enclosing(const bb_gs_tree *tree, uint32_t n, const bb_gs_box *bo
 /* Without a branch: whether the next one has moved is not to be guessed. */
 static uint32_t differ(const float a[3], const float b[3])
 {
-    uint32_t u[3], v[3];
-    memcpy(u, a, sizeof u);
-    memcpy(v, b, sizeof v);
-    return ((u[0] ^ v[0]) | (u[1] ^ v[1]) | (u[2] ^ v[2])) != 0;
+    uint64_t xy_a, xy_b;
+    uint32_t z_a, z_b;
+    memcpy(&xy_a, a, sizeof xy_a);
+    memcpy(&xy_b, b, sizeof xy_b);
+    memcpy(&z_a, a + 2, sizeof z_a);
+    memcpy(&z_b, b + 2, sizeof z_b);
+    return ((xy_a ^ xy_b) | (z_a ^ z_b)) != 0;
 }
 
 uint32_t bb_gs_detect(bb_gs_tree *tree, const bb_box *boxes)
