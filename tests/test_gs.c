@@ -141,6 +141,40 @@ static double least_cost(const bb_gs_tree *tree, uint32_t x)
     return least;
 }
 
+/* The steps of the path as they are written, with no bound but that what is inherited costs more
+ * than the best place so far. */
+static double path_by_the_book(const bb_gs_tree *tree, const bb_gs_box *x)
+{
+    const bb_gs_node *nodes = tree->nodes;
+    uint32_t n = tree->root;
+    double best = 2 * bb_gs_area_with(&nodes[n].box, x);
+    double inherited = nodes[n].children * (best / 2 - nodes[n].area);
+    while (n != BB_NONE && inherited < best) {
+        uint32_t to = BB_NONE;
+        double least = INFINITY;
+        if (may_have_another(tree, n))
+            best = fmin(best, inherited + bb_gs_area_with(&nodes[n].box, x));
+        for (uint32_t c = nodes[n].first; c != BB_NONE; c = nodes[c].next) {
+            double with = bb_gs_area_with(&nodes[c].box, x);
+            double growth = nodes[c].children * (with - nodes[c].area);
+            best = fmin(best, inherited + 2 * with);
+            if (bb_gs_is_leaf(&nodes[c]))
+                continue;
+            double of_to = to != BB_NONE ? bb_gs_area_with(&nodes[to].box, x) : INFINITY;
+            bool smaller = growth != least ? growth < least
+                           : with != of_to ? with < of_to
+                                           : nodes[c].objects < nodes[to].objects;
+            if (smaller) {
+                least = growth;
+                to = c;
+            }
+        }
+        n = to;
+        inherited += least;
+    }
+    return best;
+}
+
 static void insertions_cost_what_they_say(void **state)
 {
     (void)state;
@@ -162,6 +196,8 @@ static void insertions_cost_what_they_say(void **state)
             assert_true(choice.cost >= least - slack);
             if (tree.rules.whole)
                 ASSERT_NEAR(choice.cost, least, slack);
+            else if (!bb_gs_is_leaf(&tree.nodes[tree.root]))
+                ASSERT_NEAR(choice.cost, path_by_the_book(&tree, &box), slack);
             bb_gs_attach(&tree, x, choice.node, choice.beside, BB_NONE);
             ASSERT_NEAR(cost_of(&tree) - before, choice.cost, slack);
             expect_sound(&tree, i + 1);
@@ -223,6 +259,41 @@ static void by_hand(void **state)
         }
     }
     assert_true(cost_of(&tree) == 2 * 21 + 2 * 3);
+    bb_gs_release(&tree);
+}
+
+/* ---- order ---- */
+
+/* Each object once; in rounds each ascends, and the last one has about half of them. */
+static void orders_are_permutations(void **state)
+{
+    (void)state;
+    enum { COUNT = 10000 };
+    static const bb_gs_order orders[] = {BB_GS_AS_IN_FILE, BB_GS_SHUFFLED, BB_GS_ROUNDS};
+    bb_gs_tree tree;
+    open_tree(&tree, (bb_gs_rules){0}, COUNT);
+    for (uint32_t o = 0; o < 3; o++)
+        for (uint32_t count = 0; count <= COUNT; count += count < 20 ? 1 : COUNT - 20) {
+            bool met[COUNT] = {false};
+            uint32_t falls = 0, last_fall = 0;
+            for (uint32_t i = 0; i < count; i++)
+                tree.scratch[i] = i;
+            bb_gs_put_in_order(&tree, orders[o], count, SEED, o);
+            for (uint32_t i = 0; i < count; i++) {
+                assert_true(tree.scratch[i] < count && !met[tree.scratch[i]]);
+                met[tree.scratch[i]] = true;
+                if (i > 0 && tree.scratch[i] < tree.scratch[i - 1]) {
+                    falls++;
+                    last_fall = i;
+                }
+            }
+            if (orders[o] == BB_GS_AS_IN_FILE)
+                assert_int_equal(falls, 0);
+            if (orders[o] == BB_GS_SHUFFLED && count == COUNT)
+                assert_true(falls > COUNT / 3);
+            if (orders[o] == BB_GS_ROUNDS && count == COUNT)
+                assert_true(falls < 32 && last_fall > 0.45 * COUNT && last_fall < 0.55 * COUNT);
+        }
     bb_gs_release(&tree);
 }
 
@@ -761,6 +832,7 @@ int main(void)
         cmocka_unit_test(insertions_cost_what_they_say),
         cmocka_unit_test(paths_begin_where_they_are_told),
         cmocka_unit_test(by_hand),
+        cmocka_unit_test(orders_are_permutations),
         cmocka_unit_test(what_is_taken_out_again_leaves_no_trace),
         cmocka_unit_test(an_enclosing_ancestor_is_the_first),
         cmocka_unit_test(trees_stay_valid_over_many_frames),
