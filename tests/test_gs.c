@@ -561,6 +561,42 @@ static void the_common_tree_follows_the_pool(void **state)
     free_scene(scene);
 }
 
+/* Nodes that go and are not made again elsewhere, which leaves slots free all over. */
+static void free_slots_are_filled(void **state)
+{
+    (void)state;
+    enum { COUNT = 400 };
+    bb_random random = bb_random_make(SEED, 13);
+    for (uint32_t run = 0; run < 100; run++) {
+        bb_scene *scene = scene_of_boxes(COUNT, &random);
+        bb_gs_tree tree;
+        bb_tree out;
+        open_tree(&tree, (bb_gs_rules){0}, COUNT);
+        bb_tree_init(&out, NULL);
+        ASSERT_OK(bb_tree_reserve(&out, NULL, BB_ON_HOST, 2 * COUNT - 1, COUNT));
+        for (uint32_t i = 0; i < COUNT; i++) {
+            bb_gs_box box = bb_gs_box_of(&scene->boxes[i]);
+            bb_gs_add(&tree, i, &box);
+            out.refs[i] = i | BB_LAST_BIT;
+        }
+        bb_gs_emit(&tree, true, &out);
+        uint32_t before = tree.count;
+        for (uint32_t i = 0; i < 15; i++) {
+            uint32_t start = tree.root, leaf = tree.leaf_of[bb_random_below(&random, COUNT)];
+            bb_gs_detach(&tree, leaf, &start);
+            bb_gs_attach(&tree, leaf, tree.root, false, BB_NONE);
+        }
+        assert_true(tree.free != BB_NONE);
+        bb_gs_emit(&tree, false, &out);
+        assert_true(tree.count < before);
+        expect_sound(&tree, COUNT);
+        ASSERT_OK(bb_tree_check(&out, scene));
+        bb_tree_release(&out);
+        bb_gs_release(&tree);
+        free_scene(scene);
+    }
+}
+
 /* Nodes stay where they are when three of four thousand objects move. */
 static void few_movers_write_few_nodes(void **state)
 {
@@ -638,10 +674,53 @@ static void replays_are_the_same(void **state)
         update(&m, scene);
         build(&m, scene);
         assert_true(hash_of(&m) == fresh);
+        destroy(&again); /* from here on against one that never moved before */
+        ASSERT_OK(create(specs[s], &again));
+        build(&again, scene);
+        move(scene, 1, 10, &random);
+        update(&m, scene);
+        update(&again, scene);
+        assert_true(hash_of(&m) == hash_of(&again));
         free(first);
         destroy(&again);
         destroy(&m);
         free_scene(scene);
+    }
+}
+
+/* One inner node below the root, whose initial area per object is made up. */
+static void the_threshold_is_a_ratio(void **state)
+{
+    (void)state;
+    static const struct {
+        double ratio;
+        bool least_q;
+        uint32_t thinned;
+    } cases[] = {{1.29, false, 0}, {1.31, false, 1}, {0.5, false, 0}, {0.5, true, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bb_gs_tree tree;
+        const float x[3] = {0, 9, 0};
+        open_tree(&tree, (bb_gs_rules){.tau = 1.3, .least_q = cases[i].least_q}, 3);
+        for (uint32_t k = 0; k < 3; k++) {
+            bb_gs_box box = {{x[k], 0, 0}, {x[k] + 1, 1, 1}};
+            bb_gs_add(&tree, k, &box);
+        }
+        uint32_t pair = tree.nodes[tree.leaf_of[0]].parent;
+        assert_true(pair != tree.root && tree.nodes[pair].children == 2);
+        double q = tree.nodes[pair].area / 2, init = q / cases[i].ratio;
+        bb_gs_start_q(&tree);
+        assert_true(tree.nodes[pair].q_init == q);
+        bb_gs_thin(&tree); /* it is not touched */
+        assert_int_equal(tree.thinned, 0);
+        tree.nodes[pair].q_init = init;
+        tree.marks[pair] |= BB_GS_TOUCHED;
+        bb_gs_thin(&tree);
+        assert_int_equal(tree.thinned, cases[i].thinned);
+        assert_int_equal(tree.reinserted, 2 * cases[i].thinned);
+        if (cases[i].thinned == 0)
+            assert_true(tree.nodes[pair].q_init == (cases[i].least_q ? q : init));
+        expect_sound(&tree, 3);
+        bb_gs_release(&tree);
     }
 }
 
@@ -837,9 +916,11 @@ int main(void)
         cmocka_unit_test(an_enclosing_ancestor_is_the_first),
         cmocka_unit_test(trees_stay_valid_over_many_frames),
         cmocka_unit_test(the_common_tree_follows_the_pool),
+        cmocka_unit_test(free_slots_are_filled),
         cmocka_unit_test(few_movers_write_few_nodes),
         cmocka_unit_test(what_stays_still_is_not_touched),
         cmocka_unit_test(replays_are_the_same),
+        cmocka_unit_test(the_threshold_is_a_ratio),
         cmocka_unit_test(a_high_threshold_thins_nothing),
         cmocka_unit_test(a_budget_delays),
         cmocka_unit_test(few_objects),
