@@ -192,6 +192,7 @@ const bb_builder bb_builder_gs = {
     .deterministic = true,
     .options = options,
     .compared = "",
+    .moving = "gs,gs:search=bb,start=root",
     .create = create,
     .prepare = prepare,
     .build = build,
