@@ -79,6 +79,8 @@ static bb_status read_request(job *j)
     request->repeats = (uint32_t)repeats;
     request->without = bb_cli_value(j->cli, "no-tree") != NULL;
     request->exr = bb_exr_check() == BB_OK;
+    if (!request->exr && bb_cli_value(j->cli, "out") != NULL)
+        fprintf(stderr, "bvhbench: slices are written without EXR files: %s\n", bb_message());
     BB_TRY(bb_choose_tree_builders(j->cli, BB_USUAL_TET_BUILDERS, &j->builders));
     BB_TRY(bb_choose_searches(j->cli, &j->searches));
     request->builders = (const char *const *)j->builders.items;
@@ -176,7 +178,9 @@ const bb_command bb_command_slice = {
         "Each builder with each search, against the first of them or against no tree.\n"
         "PNG: values by colour, black without material. EXR: Y the value, A 1 inside, 0.5 beside, "
         "0 empty.\n"
-        "Exit status 1: a voxel differs from the first way's.",
+        "Exit status 1: a voxel differs from the first way's (of a mesh that overlaps itself, "
+        "values "
+        "may).",
     .options = options,
     .run = run,
 };

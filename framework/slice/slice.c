@@ -102,7 +102,7 @@ bb_status bb_slice_plan_check(const bb_scene *scene, bb_slice_plan *plan)
     for (int k = 0; k < 2; k++)
         if (!are_apart(args.lo[k], args.hi[k], args.step[k]))
             return bb_fail(BB_INVALID,
-                           "%s: %u voxels along %c, from %g to %g, are closer than floats can "
+                           "%s: %u voxels along %c, from %.9g to %.9g, are closer than floats can "
                            "tell: take fewer, or another axis",
                            scene->name, args.size[k], names[along[k]], (double)args.lo[k],
                            (double)args.hi[k]);
@@ -111,10 +111,11 @@ bb_status bb_slice_plan_check(const bb_scene *scene, bb_slice_plan *plan)
     /* lengths of layouts are to be at most 2^60 (bb_scene_choose_scale()) */
     if (!(farthest * (double)scene->scale < 0x1p60) ||
         !are_apart(below, above, (float)plan->thickness))
-        return bb_fail(BB_INVALID,
-                       "%s: slices of thickness %g along %c, about %g, are closer than floats can "
-                       "tell, or beyond them: take fewer, or another thickness",
-                       scene->name, plan->thickness, names[plan->axis], middle(scene, plan->axis));
+        return bb_fail(
+            BB_INVALID,
+            "%s: slices of thickness %g along %c, about %.9g, are closer than floats can "
+            "tell, or beyond them: take fewer, or another thickness",
+            scene->name, plan->thickness, names[plan->axis], middle(scene, plan->axis));
     return BB_OK;
 }
 

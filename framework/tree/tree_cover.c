@@ -13,7 +13,8 @@
  *
  * What of a primitive is in R its kind knows (shrink() of prim.h). All in double; the boxes are
  * grown by 2^-40 of the largest coordinate, so that rounding here (2^-53) can't open a gap between
- * boxes that abut. A gap in the floats of a leaf is 2^-24 of its coordinate.
+ * boxes that abut. A gap of a float between boxes is 2^-24 of its coordinate; where that is less
+ * than 2^-16 of the primitive's largest, a gap of a few floats is not found.
  */
 #include "framework/tree/tree_cover.h"
 
