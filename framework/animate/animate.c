@@ -217,5 +217,6 @@ void bb_animate_release(bb_animate_result *result)
     for (uint32_t m = 0; m < BB_ANIMATE_METHODS_MAX; m++)
         bb_host_free(result->methods[m].frames);
     free(result->states);
+    bb_canvas_free(&result->strip);
     memset(result, 0, sizeof *result);
 }

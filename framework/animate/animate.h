@@ -10,6 +10,7 @@
 
 #include "framework/builder/instance.h"
 #include "framework/judge/accuracy.h"
+#include "framework/picture/canvas.h"
 #include "traversal/traversal.h"
 
 enum {
@@ -35,6 +36,7 @@ typedef struct bb_animate_request {
     uint32_t repeats;     /* rounds that count */
     uint64_t seed;
     bool quiet; /* no progress */
+    bool strip; /* draw some of the frames */
 } bb_animate_request;
 
 /* Of one round. NAN: not measured. */
@@ -95,6 +97,7 @@ typedef struct bb_animate_result {
     char intersector[96];
     uint32_t rounds; /* that count and are complete */
     double ms;       /* all together */
+    bb_canvas strip; /* up to eight frames side by side, if it was asked for */
 } bb_animate_result;
 
 /* The scene is on the device. BB_INVALID for frames that there are not. Interrupted after a round
@@ -117,6 +120,7 @@ typedef struct bb_animate_sums {
     uint32_t frames;
     uint32_t ways[BB_REBUILT + 1];
     double update, worst_update, transfer;                       /* means and maximum, ms */
+    uint32_t worst_frame;                                        /* whose update that was */
     double layout[BB_ANIMATE_KERNELS_MAX];                       /* means */
     uint32_t in_place[BB_ANIMATE_KERNELS_MAX];                   /* frames */
     double rays_ms[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* sums */
@@ -133,6 +137,16 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
  * the kernel that makes it shortest. NAN if nothing was measured. */
 double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_method *method,
                            uint32_t rays, double count, uint32_t *kernel);
+
+/* The number of rays of kind `rays` per frame at which another of two methods becomes the faster
+ * one, each by its best kernel, the least if there are several; *few: `method` is faster below it.
+ * INFINITY: the same is faster for any number. NAN if nothing was measured. */
+double bb_animate_break_even(const bb_animate_result *result, const bb_animate_method *method,
+                             const bb_animate_method *with, uint32_t rays, bool *few);
+
+/* The first method that built each frame anew, with which others are compared; NULL if there is
+ * none. */
+const bb_animate_method *bb_animate_rebuilder(const bb_animate_result *result);
 
 /* The method that is fastest then; BB_NONE if there is none. */
 uint32_t bb_animate_winner(const bb_animate_result *result, uint32_t rays, double count);

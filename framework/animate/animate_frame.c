@@ -53,6 +53,7 @@ bb_status bb_animate_judge_frame(bb_animate *a, uint32_t index)
     state->oracle_ms = bb_wall_ms() - start;
     BB_TRY(make_rays(a, index));
     state->judge_ms = bb_wall_ms() - start - state->oracle_ms;
+    BB_TRY(bb_animate_draw_frame(a, index));
     return measure_fresh(a, state);
 }
 

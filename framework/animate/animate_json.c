@@ -102,11 +102,35 @@ static bool put_sums(cJSON *object, const bb_animate_result *result,
     bool put = bb_put(object, "sums", sums);
     return put && bb_put_number(sums, "update_ms", s.frames > 0 ? s.update : NAN) &&
            bb_put_number(sums, "worst_update_ms", s.frames > 0 ? s.worst_update : NAN) &&
+           bb_put_number(sums, "worst_frame", s.frames > 0 ? s.worst_frame : NAN) &&
            bb_put_number(sums, "sah_over_best", s.frames > 0 ? s.sah_mean : NAN) &&
            bb_put_number(sums, "sah_over_best_most", s.frames > 0 ? s.sah_most : NAN) &&
            bb_put_number(sums, "drift_per_frame", s.frames > 0 ? s.drift : NAN) &&
            bb_put_number(sums, "answers", (double)s.checked) &&
            bb_put_number(sums, "wrong", (double)s.wrong);
+}
+
+/* Per kind of rays, against the method that `break_even_with` names. */
+static bool put_break_even(cJSON *object, const bb_animate_result *result,
+                           const bb_animate_method *method)
+{
+    const bb_animate_method *with = bb_animate_rebuilder(result);
+    cJSON *all = cJSON_CreateObject();
+    bool put = bb_put(object, "break_even", all), few;
+    for (uint32_t i = 0; with != NULL && with != method && i < result->ray_count && put; i++) {
+        double count = bb_animate_break_even(result, method, with, i, &few);
+        cJSON *entry = cJSON_CreateObject();
+        if (isnan(count))
+            cJSON_Delete(entry);
+        else
+            put = bb_put(all, result->rays[i], entry) &&
+                  bb_put_text(entry, "faster",
+                              isinf(count) ? few ? "always" : "never"
+                              : few        ? "below"
+                                           : "above") &&
+                  bb_put_number(entry, "count", isinf(count) ? NAN : count);
+    }
+    return put;
 }
 
 static bool put_method(cJSON *list, const bb_animate_result *result,
@@ -126,7 +150,8 @@ static bool put_method(cJSON *list, const bb_animate_result *result,
           put_frames(entry, "nodes", result, method, nodes_of, 0, 0) &&
           put_frames(entry, "depth", result, method, depth_of, 0, 0) &&
           put_frames(entry, "tree_bytes", result, method, bytes_of, 0, 0) &&
-          put_sums(entry, result, method) && put_steps(entry, result, method);
+          put_sums(entry, result, method) && put_break_even(entry, result, method) &&
+          put_steps(entry, result, method);
     for (uint32_t k = 0; k < result->kernel_count && put; k++)
         put = put_kernel(kernels, result, method, k);
     return put;
@@ -160,7 +185,9 @@ static bool put_result(cJSON *root, const bb_animate_result *result)
 {
     cJSON *methods = cJSON_CreateArray(), *rays = cJSON_CreateObject();
     cJSON *fresh = cJSON_CreateObject();
+    const bb_animate_method *with = bb_animate_rebuilder(result);
     bool put = bb_put(root, "methods", methods);
+    put = put && bb_put_text(root, "break_even_with", with != NULL ? with->builder : "");
     put = bb_put(root, "rays", rays) && put;
     put = bb_put(root, "sah_fresh", fresh) && put;
     put = put && bb_put_text(root, "scene", result->scene) &&

@@ -23,8 +23,8 @@ static void print_ways(const bb_animate_sums *sums)
 
 static void print_methods(const bb_animate_result *result)
 {
-    printf("  %-36s %10s %10s %9s %9s %9s", "method", "update ms", "worst", "transfer", "SAH/best",
-           "most");
+    printf("  %-36s %10s %10s %8s %9s %9s %9s %9s", "method", "update ms", "worst", "in frame",
+           "transfer", "SAH/best", "most", "drift");
     for (uint32_t i = 0; i < result->yardstick_count; i++)
         printf(" %7s/%-.8s", "most", result->yardsticks[i]);
     printf(" %9s  frames\n", "wrong");
@@ -33,8 +33,8 @@ static void print_methods(const bb_animate_result *result)
         bb_animate_sums s = bb_animate_sum(result, method);
         printf("  %-36s ", method->builder);
         if (s.frames > 0) {
-            printf("%10.3f %10.3f %9.3f %9.3f %9.3f", s.update, s.worst_update, s.transfer,
-                   s.sah_mean, s.sah_most);
+            printf("%10.3f %10.3f %8u %9.3f %9.3f %9.3f %9.4f", s.update, s.worst_update,
+                   s.worst_frame, s.transfer, s.sah_mean, s.sah_most, s.drift);
             for (uint32_t i = 0; i < result->yardstick_count; i++)
                 printf(" %*.3f", 8 + (int)strlen(result->yardsticks[i]), s.fresh_most[i]);
             printf(" %9llu", (unsigned long long)s.wrong);
@@ -79,6 +79,34 @@ static void print_winners(const bb_animate_result *result)
         }
 }
 
+static void print_break_even(const bb_animate_result *result)
+{
+    const bb_animate_method *with = bb_animate_rebuilder(result);
+    if (with == NULL)
+        return;
+    printf("\n  rays per frame for which a method is faster than %s\n", with->builder);
+    for (uint32_t m = 0; m < result->method_count; m++) {
+        const bb_animate_method *method = &result->methods[m];
+        char line[512];
+        size_t used = 0;
+        for (uint32_t i = 0; i < result->ray_count; i++) {
+            bool few;
+            double count = bb_animate_break_even(result, method, with, i, &few);
+            if (method == with || isnan(count) || used >= sizeof line)
+                continue;
+            used += (size_t)snprintf(line + used, sizeof line - used,
+                                     "%s%.32s: ", used > 0 ? ", " : "", result->rays[i]);
+            if (used < sizeof line)
+                used += isinf(count) ? (size_t)snprintf(line + used, sizeof line - used, "%s",
+                                                        few ? "any" : "none")
+                                     : (size_t)snprintf(line + used, sizeof line - used, "%s %.3g",
+                                                        few ? "below" : "above", count);
+        }
+        if (used > 0)
+            printf("  %-36s %s\n", method->builder, line);
+    }
+}
+
 void bb_animate_print(const bb_animate_result *result)
 {
     uint64_t checked = 0, wrong = bb_animate_wrong(result);
@@ -90,6 +118,7 @@ void bb_animate_print(const bb_animate_result *result)
     print_methods(result);
     print_kernels(result);
     print_winners(result);
+    print_break_even(result);
     printf("\n  %llu answers judged, %llu wrong; %.1f s\n", (unsigned long long)checked,
            (unsigned long long)wrong, result->ms / 1e3);
 }

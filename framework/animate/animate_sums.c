@@ -72,7 +72,10 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
         sums.frames++;
         sums.ways[frame->way]++;
         sums.update += update;
-        sums.worst_update = fmax(sums.worst_update, update);
+        if (update > sums.worst_update) {
+            sums.worst_update = update;
+            sums.worst_frame = state->frame;
+        }
         sums.transfer += bb_animate_median(result, frame->transfer);
         for (uint32_t i = 0; i < result->ray_count; i++)
             sums.rays[i] += state->rays[i];
@@ -92,6 +95,17 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
     return sums;
 }
 
+/* Time of a frame is a + b * count, by a kernel. */
+typedef struct line {
+    double a, b;
+} line;
+
+static line line_of(const bb_animate_sums *sums, uint32_t kernel, uint32_t rays)
+{
+    return (line){sums->update + sums->transfer + sums->layout[kernel],
+                  sums->rays_ms[kernel][rays] / sums->rays[rays]};
+}
+
 double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_method *method,
                            uint32_t rays, double count, uint32_t *kernel)
 {
@@ -100,8 +114,8 @@ double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_met
         return NAN;
     bb_animate_sums sums = bb_animate_sum(result, method);
     for (uint32_t k = 0; k < result->kernel_count; k++) {
-        double ms = sums.update + sums.transfer + sums.layout[k] +
-                    count * sums.rays_ms[k][rays] / sums.rays[rays];
+        line time = line_of(&sums, k, rays);
+        double ms = time.a + count * time.b;
         if (isnan(best) || ms < best) {
             best = ms;
             if (kernel != NULL)
@@ -109,6 +123,46 @@ double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_met
         }
     }
     return best;
+}
+
+double bb_animate_break_even(const bb_animate_result *result, const bb_animate_method *method,
+                             const bb_animate_method *with, uint32_t rays, bool *few)
+{
+    bb_animate_sums ours = bb_animate_sum(result, method), theirs = bb_animate_sum(result, with);
+    double least = INFINITY;
+    *few = bb_animate_frame_ms(result, method, rays, 0, NULL) <
+           bb_animate_frame_ms(result, with, rays, 0, NULL);
+    if (isnan(bb_animate_frame_ms(result, method, rays, 1, NULL)) ||
+        isnan(bb_animate_frame_ms(result, with, rays, 1, NULL)))
+        return NAN;
+    /* each is the least of a few lines: they change places where two of them cross */
+    for (uint32_t i = 0; i < result->kernel_count; i++)
+        for (uint32_t k = 0; k < result->kernel_count; k++) {
+            line x = line_of(&ours, i, rays), y = line_of(&theirs, k, rays);
+            double count = (y.a - x.a) / (x.b - y.b);
+            if (!(count > 0) || count >= least)
+                continue;
+            bool after = bb_animate_frame_ms(result, method, rays, count * 1.000001, NULL) <
+                         bb_animate_frame_ms(result, with, rays, count * 1.000001, NULL);
+            bool before = bb_animate_frame_ms(result, method, rays, count * 0.999999, NULL) <
+                          bb_animate_frame_ms(result, with, rays, count * 0.999999, NULL);
+            if (before != after)
+                least = count;
+        }
+    return least;
+}
+
+const bb_animate_method *bb_animate_rebuilder(const bb_animate_result *result)
+{
+    for (uint32_t m = 0; m < result->method_count; m++) {
+        const bb_animate_method *method = &result->methods[m];
+        bool rebuilds = method->refused[0] == '\0' && method->done > 1;
+        for (uint32_t f = 1; f < method->done; f++)
+            rebuilds = rebuilds && method->frames[f].way == BB_REBUILT;
+        if (rebuilds)
+            return method;
+    }
+    return NULL;
 }
 
 uint32_t bb_animate_winner(const bb_animate_result *result, uint32_t rays, double count)

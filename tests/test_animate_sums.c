@@ -1,0 +1,173 @@
+/* What is drawn from frames, on figures made up here; and the strip of pictures. */
+#include "framework/animate/animate.h"
+#include "tests/device_forms.h"
+
+#include <math.h>
+
+enum { FRAMES = 4, RAYS = 1000 };
+
+/* A method that takes `update` ms in all frames, and `layout` and `rate` rays per ms with kernel 0,
+ * twice both with kernel 1. */
+static void fill(bb_animate_method *method, bb_update_way way, double update, double layout,
+                 double rate)
+{
+    method->frames = NULL;
+    ASSERT_OK(bb_host_alloc(NULL, FRAMES * sizeof *method->frames, "frames", &method->frames));
+    memset(method->frames, 0, FRAMES * sizeof *method->frames);
+    method->done = FRAMES;
+    for (uint32_t f = 0; f < FRAMES; f++) {
+        bb_animate_frame *frame = &method->frames[f];
+        frame->way = f == 0 ? BB_REBUILT : way;
+        frame->update[1] = update;
+        frame->sah = 2 + f;
+        for (uint32_t k = 0; k < 2; k++) {
+            frame->traces[k].layout[1] = layout * (k + 1);
+            frame->traces[k].rays[0][1] = RAYS / (rate * (k + 1));
+        }
+    }
+}
+
+static bb_animate_result *make_result(uint32_t methods)
+{
+    bb_animate_result *result = calloc(1, sizeof *result);
+    assert_non_null(result);
+    result->frame_count = FRAMES;
+    result->rounds = result->ray_count = 1;
+    result->kernel_count = 2;
+    result->method_count = methods;
+    result->states = calloc(FRAMES, sizeof *result->states);
+    assert_non_null(result->states);
+    for (uint32_t f = 0; f < FRAMES; f++)
+        result->states[f] = (bb_animate_state){.frame = 10 + f, .rays = {RAYS}, .fresh_best = 2};
+    return result;
+}
+
+static void destroy(bb_animate_result *result)
+{
+    bb_animate_release(result);
+    free(result);
+}
+
+static void even(const bb_animate_result *result, uint32_t m, uint32_t with, double count, bool few)
+{
+    bool is_few;
+    double at =
+        bb_animate_break_even(result, &result->methods[m], &result->methods[with], 0, &is_few);
+    if (isinf(count) ? !isinf(at) : !(fabs(at - count) <= 1e-9 * count))
+        fail_msg("method %u with %u: %g, expected %g", m, with, at, count);
+    assert_true(is_few == few);
+}
+
+static void break_even_is_where_times_cross(void **state)
+{
+    (void)state;
+    bb_animate_result *result = make_result(5);
+    bb_animate_method *m = result->methods;
+    fill(&m[0], BB_UPDATED, 1, 1, 100);   /* 2 + n / 100, or 3 + n / 200 */
+    fill(&m[1], BB_REBUILT, 7, 1, 1000);  /* 8 + n / 1000, or 9 + n / 2000 */
+    fill(&m[2], BB_REBUILT, 9, 1, 500);   /* never better than 1 */
+    fill(&m[3], BB_UPDATED, 1, 10, 150);  /* 11 + n / 150, or 21 + n / 300 */
+    fill(&m[4], BB_UPDATED, 1, 0.5, 100); /* 1.5 + n / 100, or 2 + n / 200: better than 0 */
+    strcpy(m[2].refused, "frame 13: no more");
+    /* 3 + n / 200 = 8 + n / 1000 */
+    even(result, 0, 1, 1250, true);
+    even(result, 1, 0, 1250, false);
+    even(result, 3, 1, INFINITY, false);
+    even(result, 1, 3, INFINITY, true);
+    even(result, 4, 0, INFINITY, true);
+    bool few;
+    assert_true(isnan(bb_animate_break_even(result, &m[0], &m[2], 0, &few)));
+    assert_ptr_equal(bb_animate_rebuilder(result), &m[1]);
+    m[1].frames[2].way = BB_UPDATED;
+    assert_null(bb_animate_rebuilder(result));
+    m[1].frames[2].way = BB_REBUILT;
+    /* who wins is told by the same times */
+    assert_int_equal(bb_animate_winner(result, 0, 1000), 4);
+    assert_int_equal(bb_animate_winner(result, 0, 1e6), 1);
+    destroy(result);
+}
+
+static void sums_name_the_worst_frame_and_the_drift(void **state)
+{
+    (void)state;
+    bb_animate_result *result = make_result(1);
+    fill(&result->methods[0], BB_UPDATED, 3, 1, 100);
+    result->methods[0].frames[0].update[1] = 50; /* a build for all: not in the sums */
+    result->methods[0].frames[2].update[1] = 9;
+    bb_animate_sums sums = bb_animate_sum(result, &result->methods[0]);
+    assert_int_equal(sums.worst_frame, 12);
+    assert_true(sums.worst_update == 9 && sums.update == 5);
+    assert_true(fabs(sums.drift - 0.5) < 1e-12); /* of SAH 3, 4, 5 over 2 */
+    assert_true(sums.sah_most == 2.5 && sums.sah_last == 2.5 && sums.sah_mean == 2);
+    destroy(result);
+}
+
+/* Whether anything but the background is in a tile. */
+static bool something_is_drawn(const bb_canvas *strip, uint32_t left, uint32_t right)
+{
+    for (uint32_t y = strip->height / 4; y < strip->height; y++)
+        for (uint32_t x = left + 1; x < right; x++) {
+            const float *first = strip->rgb + 3 * ((size_t)y * strip->width + left);
+            if (memcmp(first, strip->rgb + 3 * ((size_t)y * strip->width + x), 3 * sizeof *first) !=
+                0)
+                return true;
+        }
+    return false;
+}
+
+static void a_strip_shows_frames_that_differ(void **state)
+{
+    (void)state;
+    static const char *const builders[] = {"lbvh"}, *const kernels[] = {"stack"},
+                             *const rays[] = {"primary"};
+    bb_animate_request request = {.device = devices[CPU_FORM],
+                                  .builders = builders,
+                                  .builder_count = 1,
+                                  .kernels = kernels,
+                                  .kernel_count = 1,
+                                  .rays = rays,
+                                  .ray_count = 1,
+                                  .intersector = "exact",
+                                  .width = 8,
+                                  .height = 8,
+                                  .max_rays = 64,
+                                  .last = UINT32_MAX,
+                                  .repeats = 1,
+                                  .seed = 1,
+                                  .quiet = true,
+                                  .strip = true};
+    bb_animate_result *result = calloc(1, sizeof *result);
+    bb_scene *scene;
+    assert_non_null(result);
+    ASSERT_OK(bb_scene_load("twist:n=300,frames=3", &scene));
+    ASSERT_OK(bb_scene_upload(scene, request.device));
+    ASSERT_OK(bb_animate_run(&request, scene, result));
+    const bb_canvas *strip = &result->strip;
+    assert_non_null(strip->rgb);
+    uint32_t third = strip->width / 3;
+    bool differ = false;
+    for (uint32_t tile = 0; tile < 3; tile++)
+        assert_true(something_is_drawn(strip, tile * (third + 1), tile * (third + 1) + third - 8));
+    for (uint32_t y = strip->height / 2; y < strip->height; y++)
+        differ = differ || memcmp(strip->rgb + 3 * (size_t)y * strip->width,
+                                  strip->rgb + 3 * ((size_t)y * strip->width + 2 * (third + 2)),
+                                  3 * (third - 8) * sizeof(float)) != 0;
+    assert_true(differ);
+    bb_animate_release(result);
+    assert_null(result->strip.rgb);
+    request.strip = false;
+    ASSERT_OK(bb_animate_run(&request, scene, result));
+    assert_null(result->strip.rgb);
+    destroy(result);
+    bb_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(break_even_is_where_times_cross),
+        cmocka_unit_test(sums_name_the_worst_frame_and_the_drift),
+        cmocka_unit_test(a_strip_shows_frames_that_differ),
+    };
+    return cmocka_run_group_tests_name("animate_sums", tests, open_devices, close_devices);
+}
