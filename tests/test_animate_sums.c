@@ -48,20 +48,24 @@ static void destroy(bb_animate_result *result)
     free(result);
 }
 
-static void even(const bb_animate_result *result, uint32_t m, uint32_t with, double count, bool few)
+static void faster(const bb_animate_result *result, uint32_t m, uint32_t with, uint32_t count,
+                   double from, double to)
 {
-    bool is_few;
-    double at =
-        bb_animate_break_even(result, &result->methods[m], &result->methods[with], 0, &is_few);
-    if (isinf(count) ? !isinf(at) : !(fabs(at - count) <= 1e-9 * count))
-        fail_msg("method %u with %u: %g, expected %g", m, with, at, count);
-    assert_true(is_few == few);
+    bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX];
+    uint32_t found =
+        bb_animate_faster(result, &result->methods[m], &result->methods[with], 0, intervals);
+    if (found != count)
+        fail_msg("method %u with %u: %u intervals", m, with, found);
+    if (count > 0 &&
+        !(fabs(intervals[0].from - from) <= 1e-9 * from &&
+          (isinf(to) ? isinf(intervals[0].to) : fabs(intervals[0].to - to) <= 1e-9 * to)))
+        fail_msg("method %u with %u: %g to %g", m, with, intervals[0].from, intervals[0].to);
 }
 
-static void break_even_is_where_times_cross(void **state)
+static void methods_change_places_where_times_cross(void **state)
 {
     (void)state;
-    bb_animate_result *result = make_result(5);
+    bb_animate_result *result = make_result(6);
     bb_animate_method *m = result->methods;
     fill(&m[0], BB_UPDATED, 1, 1, 100);   /* 2 + n / 100, or 3 + n / 200 */
     fill(&m[1], BB_REBUILT, 7, 1, 1000);  /* 8 + n / 1000, or 9 + n / 2000 */
@@ -70,13 +74,22 @@ static void break_even_is_where_times_cross(void **state)
     fill(&m[4], BB_UPDATED, 1, 0.5, 100); /* 1.5 + n / 100, or 2 + n / 200: better than 0 */
     strcpy(m[2].refused, "frame 13: no more");
     /* 3 + n / 200 = 8 + n / 1000 */
-    even(result, 0, 1, 1250, true);
-    even(result, 1, 0, 1250, false);
-    even(result, 3, 1, INFINITY, false);
-    even(result, 1, 3, INFINITY, true);
-    even(result, 4, 0, INFINITY, true);
-    bool few;
-    assert_true(isnan(bb_animate_break_even(result, &m[0], &m[2], 0, &few)));
+    faster(result, 0, 1, 1, 0, 1250);
+    faster(result, 1, 0, 1, 1250, INFINITY);
+    faster(result, 3, 1, 0, 0, 0);
+    faster(result, 1, 3, 1, 0, INFINITY);
+    faster(result, 4, 0, 1, 0, INFINITY);
+    faster(result, 0, 0, 0, 0, 0);
+    faster(result, 0, 2, 0, 0, 0); /* which has no times */
+    faster(result, 2, 0, 0, 0, 0);
+    /* one that is faster at both ends, since its kernels are */
+    fill(&m[5], BB_UPDATED, 1.2, 0, 95);
+    for (uint32_t f = 1; f < FRAMES; f++) {
+        m[5].frames[f].traces[1].layout[1] = 20;
+        m[5].frames[f].traces[1].rays[0][1] = RAYS / 1000.0;
+    }
+    /* 1.2 + n / 95 < 3 + n / 200; 21.2 + n / 1000 < 3 + n / 200 */
+    faster(result, 5, 0, 2, 0, 1.8 / (1 / 95.0 - 1 / 200.0));
     assert_ptr_equal(bb_animate_rebuilder(result), &m[1]);
     m[1].frames[2].way = BB_UPDATED;
     assert_null(bb_animate_rebuilder(result));
@@ -165,7 +178,7 @@ static void a_strip_shows_frames_that_differ(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(break_even_is_where_times_cross),
+        cmocka_unit_test(methods_change_places_where_times_cross),
         cmocka_unit_test(sums_name_the_worst_frame_and_the_drift),
         cmocka_unit_test(a_strip_shows_frames_that_differ),
     };

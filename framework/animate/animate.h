@@ -18,6 +18,7 @@ enum {
     BB_ANIMATE_KERNELS_MAX = 4,
     BB_ANIMATE_RAYS_MAX = 4,
     BB_ANIMATE_ROUNDS_MAX = 32,
+    BB_ANIMATE_INTERVALS_MAX = BB_ANIMATE_KERNELS_MAX * BB_ANIMATE_KERNELS_MAX + 1,
     BB_ANIMATE_YARDSTICKS_MAX = 4, /* builders that say they are (bb_builder.yardstick) */
 };
 
@@ -138,11 +139,16 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
 double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_method *method,
                            uint32_t rays, double count, uint32_t *kernel);
 
-/* The number of rays of kind `rays` per frame at which another of two methods becomes the faster
- * one, each by its best kernel, the least if there are several; *few: `method` is faster below it.
- * INFINITY: the same is faster for any number. NAN if nothing was measured. */
-double bb_animate_break_even(const bb_animate_result *result, const bb_animate_method *method,
-                             const bb_animate_method *with, uint32_t rays, bool *few);
+/* Numbers of rays per frame. */
+typedef struct bb_animate_interval {
+    double from, to; /* to: INFINITY if it has no end */
+} bb_animate_interval;
+
+/* For how many rays of kind `rays` per frame the method takes less time than method `with`, each by
+ * its best kernel: intervals, in order, and how many (0: for none, or nothing was measured). */
+uint32_t bb_animate_faster(const bb_animate_result *result, const bb_animate_method *method,
+                           const bb_animate_method *with, uint32_t rays,
+                           bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX]);
 
 /* The first method that built each frame anew, with which others are compared; NULL if there is
  * none. */

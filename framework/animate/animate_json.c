@@ -110,25 +110,24 @@ static bool put_sums(cJSON *object, const bb_animate_result *result,
            bb_put_number(sums, "wrong", (double)s.wrong);
 }
 
-/* Per kind of rays, against the method that `break_even_with` names. */
-static bool put_break_even(cJSON *object, const bb_animate_result *result,
-                           const bb_animate_method *method)
+/* Per kind of rays, for how many of them it is faster than the method that `faster_than` names. */
+static bool put_faster(cJSON *object, const bb_animate_result *result,
+                       const bb_animate_method *method)
 {
     const bb_animate_method *with = bb_animate_rebuilder(result);
     cJSON *all = cJSON_CreateObject();
-    bool put = bb_put(object, "break_even", all), few;
+    bool put = bb_put(object, "faster", all);
     for (uint32_t i = 0; with != NULL && with != method && i < result->ray_count && put; i++) {
-        double count = bb_animate_break_even(result, method, with, i, &few);
-        cJSON *entry = cJSON_CreateObject();
-        if (isnan(count))
-            cJSON_Delete(entry);
-        else
-            put = bb_put(all, result->rays[i], entry) &&
-                  bb_put_text(entry, "faster",
-                              isinf(count) ? few ? "always" : "never"
-                              : few        ? "below"
-                                           : "above") &&
-                  bb_put_number(entry, "count", isinf(count) ? NAN : count);
+        bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX];
+        uint32_t count = bb_animate_faster(result, method, with, i, intervals);
+        cJSON *list = cJSON_CreateArray();
+        put = bb_put(all, result->rays[i], list);
+        for (uint32_t k = 0; k < count && put; k++) {
+            cJSON *interval = cJSON_CreateObject();
+            put = interval != NULL && cJSON_AddItemToArray(list, interval) &&
+                  bb_put_number(interval, "from", intervals[k].from) &&
+                  bb_put_number(interval, "to", intervals[k].to);
+        }
     }
     return put;
 }
@@ -150,7 +149,7 @@ static bool put_method(cJSON *list, const bb_animate_result *result,
           put_frames(entry, "nodes", result, method, nodes_of, 0, 0) &&
           put_frames(entry, "depth", result, method, depth_of, 0, 0) &&
           put_frames(entry, "tree_bytes", result, method, bytes_of, 0, 0) &&
-          put_sums(entry, result, method) && put_break_even(entry, result, method) &&
+          put_sums(entry, result, method) && put_faster(entry, result, method) &&
           put_steps(entry, result, method);
     for (uint32_t k = 0; k < result->kernel_count && put; k++)
         put = put_kernel(kernels, result, method, k);
@@ -187,7 +186,7 @@ static bool put_result(cJSON *root, const bb_animate_result *result)
     cJSON *fresh = cJSON_CreateObject();
     const bb_animate_method *with = bb_animate_rebuilder(result);
     bool put = bb_put(root, "methods", methods);
-    put = put && bb_put_text(root, "break_even_with", with != NULL ? with->builder : "");
+    put = put && bb_put_text(root, "faster_than", with != NULL ? with->builder : "");
     put = bb_put(root, "rays", rays) && put;
     put = bb_put(root, "sah_fresh", fresh) && put;
     put = put && bb_put_text(root, "scene", result->scene) &&

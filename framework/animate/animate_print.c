@@ -79,31 +79,39 @@ static void print_winners(const bb_animate_result *result)
         }
 }
 
-static void print_break_even(const bb_animate_result *result)
+static void print_intervals(const char *rays, const bb_animate_interval *intervals, uint32_t count)
+{
+    printf("  %s: %s", rays, count == 0 ? "none" : "");
+    for (uint32_t i = 0; i < count; i++) {
+        printf("%s", i > 0 ? " and " : "");
+        if (intervals[i].from == 0 && isinf(intervals[i].to))
+            printf("any");
+        else if (intervals[i].from == 0)
+            printf("below %.3g", intervals[i].to);
+        else if (isinf(intervals[i].to))
+            printf("above %.3g", intervals[i].from);
+        else
+            printf("%.3g to %.3g", intervals[i].from, intervals[i].to);
+    }
+}
+
+static void print_faster(const bb_animate_result *result)
 {
     const bb_animate_method *with = bb_animate_rebuilder(result);
-    if (with == NULL)
+    if (with == NULL || result->method_count < 2)
         return;
     printf("\n  rays per frame for which a method is faster than %s\n", with->builder);
     for (uint32_t m = 0; m < result->method_count; m++) {
         const bb_animate_method *method = &result->methods[m];
-        char line[512];
-        size_t used = 0;
+        if (method == with || method->done < 2)
+            continue;
+        printf("  %-36s", method->builder);
         for (uint32_t i = 0; i < result->ray_count; i++) {
-            bool few;
-            double count = bb_animate_break_even(result, method, with, i, &few);
-            if (method == with || isnan(count) || used >= sizeof line)
-                continue;
-            used += (size_t)snprintf(line + used, sizeof line - used,
-                                     "%s%.32s: ", used > 0 ? ", " : "", result->rays[i]);
-            if (used < sizeof line)
-                used += isinf(count) ? (size_t)snprintf(line + used, sizeof line - used, "%s",
-                                                        few ? "any" : "none")
-                                     : (size_t)snprintf(line + used, sizeof line - used, "%s %.3g",
-                                                        few ? "below" : "above", count);
+            bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX];
+            uint32_t count = bb_animate_faster(result, method, with, i, intervals);
+            print_intervals(result->rays[i], intervals, count);
         }
-        if (used > 0)
-            printf("  %-36s %s\n", method->builder, line);
+        printf("\n");
     }
 }
 
@@ -118,7 +126,7 @@ void bb_animate_print(const bb_animate_result *result)
     print_methods(result);
     print_kernels(result);
     print_winners(result);
-    print_break_even(result);
+    print_faster(result);
     printf("\n  %llu answers judged, %llu wrong; %.1f s\n", (unsigned long long)checked,
            (unsigned long long)wrong, result->ms / 1e3);
 }

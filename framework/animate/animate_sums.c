@@ -3,7 +3,7 @@
 #include "framework/base/statistics.h"
 
 #include <math.h>
-#include <string.h>
+#include <stdlib.h>
 
 double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds)
 {
@@ -125,31 +125,40 @@ double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_met
     return best;
 }
 
-double bb_animate_break_even(const bb_animate_result *result, const bb_animate_method *method,
-                             const bb_animate_method *with, uint32_t rays, bool *few)
+static int compare_numbers(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+uint32_t bb_animate_faster(const bb_animate_result *result, const bb_animate_method *method,
+                           const bb_animate_method *with, uint32_t rays,
+                           bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX])
 {
     bb_animate_sums ours = bb_animate_sum(result, method), theirs = bb_animate_sum(result, with);
-    double least = INFINITY;
-    *few = bb_animate_frame_ms(result, method, rays, 0, NULL) <
-           bb_animate_frame_ms(result, with, rays, 0, NULL);
-    if (isnan(bb_animate_frame_ms(result, method, rays, 1, NULL)) ||
-        isnan(bb_animate_frame_ms(result, with, rays, 1, NULL)))
-        return NAN;
-    /* each is the least of a few lines: they change places where two of them cross */
+    double ends[BB_ANIMATE_INTERVALS_MAX + 1] = {0};
+    uint32_t crossings = 0, count = 0;
+    /* each is the least of a few lines: they can change places only where two of those cross */
     for (uint32_t i = 0; i < result->kernel_count; i++)
         for (uint32_t k = 0; k < result->kernel_count; k++) {
             line x = line_of(&ours, i, rays), y = line_of(&theirs, k, rays);
-            double count = (y.a - x.a) / (x.b - y.b);
-            if (!(count > 0) || count >= least)
-                continue;
-            bool after = bb_animate_frame_ms(result, method, rays, count * 1.000001, NULL) <
-                         bb_animate_frame_ms(result, with, rays, count * 1.000001, NULL);
-            bool before = bb_animate_frame_ms(result, method, rays, count * 0.999999, NULL) <
-                          bb_animate_frame_ms(result, with, rays, count * 0.999999, NULL);
-            if (before != after)
-                least = count;
+            double crossing = (y.a - x.a) / (x.b - y.b);
+            if (crossing > 0 && isfinite(crossing))
+                ends[++crossings] = crossing;
         }
-    return least;
+    qsort(ends + 1, crossings, sizeof *ends, compare_numbers);
+    for (uint32_t i = 0; i <= crossings; i++) {
+        double end = i < crossings ? ends[i + 1] : INFINITY;
+        double within = isinf(end) ? 2 * ends[i] + 1 : (ends[i] + end) / 2;
+        if (!(bb_animate_frame_ms(result, method, rays, within, NULL) <
+              bb_animate_frame_ms(result, with, rays, within, NULL)))
+            continue;
+        if (count > 0 && intervals[count - 1].to == ends[i])
+            intervals[count - 1].to = end;
+        else
+            intervals[count++] = (bb_animate_interval){ends[i], end};
+    }
+    return count;
 }
 
 const bb_animate_method *bb_animate_rebuilder(const bb_animate_result *result)

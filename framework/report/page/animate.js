@@ -60,14 +60,18 @@ function winnersTable(result) {
     el('tbody', {}, ...Object.keys(result.rays).map(rays => el('tr', {}, el('th', { scope: 'row' }, rays), ...counts.map(n => cell(entry(rays, n))))))));
 }
 
-function breakEvenTable(result) {
-  const kinds = Object.keys(result.rays), methods = result.methods.filter(m => Object.keys(m.break_even).length > 0);
+function interval({ from, to }) {
+  if (from === 0) return to === null ? 'any number' : `below ${brief(to)}`;
+  return to === null ? `above ${brief(from)}` : `${brief(from)} to ${brief(to)}`;
+}
+
+function fasterTable(result) {
+  const kinds = Object.keys(result.rays), methods = result.methods.filter(m => Object.keys(m.faster).length > 0);
   if (methods.length === 0) return null;
-  const words = { always: 'any number', never: 'none' };
-  const cell = entry => el('td', {}, entry ? words[entry.faster] || `${entry.faster} ${brief(entry.count)}` : dash);
-  return el('div', { class: 'scroll' }, el('table', { class: 'break-even' },
-    el('thead', {}, el('tr', {}, ...[`Rays per frame, faster than ${result.break_even_with}`, ...kinds].map(text => el('th', { scope: 'col' }, text)))),
-    el('tbody', {}, ...methods.map(m => el('tr', {}, el('th', { scope: 'row' }, m.method), ...kinds.map(rays => cell(m.break_even[rays])))))));
+  const cell = intervals => el('td', {}, intervals.length > 0 ? intervals.map(interval).join(' and ') : 'none');
+  return el('div', { class: 'scroll' }, el('table', { class: 'faster' },
+    el('thead', {}, el('tr', {}, ...[`Rays per frame, faster than ${result.faster_than}`, ...kinds].map(text => el('th', { scope: 'col' }, text)))),
+    el('tbody', {}, ...methods.map(m => el('tr', {}, el('th', { scope: 'row' }, m.method), ...kinds.map(rays => cell(m.faster[rays])))))));
 }
 
 /* ---- charts ---- */
@@ -122,7 +126,7 @@ function show(result, number) {
     el('p', {}, `Frames ${result.frames[0]} to ${result.frames.at(-1)}, ${result.primitives[0]} primitives at first, view ${result.view}; ${result.rounds} rounds.`),
     pictures(result), methodsTable(result),
     el('p', { class: 'note' }, 'Means over the frames behind the first, which is a build for all, of medians over the rounds. Layout and rates are those of the best kernel.'),
-    el('h3', {}, 'Who is fastest'), winnersTable(result), breakEvenTable(result),
+    el('h3', {}, 'Who is fastest'), winnersTable(result), fasterTable(result),
     el('div', { class: 'charts' }, card(`update-${number}`, 'Updates'),
       card(`cost-${number}`, 'Cost', `Surface area heuristic of the tree, over that of the best tree made for the same frame (${Object.keys(result.sah_fresh).join(', ')}).`),
       ...kinds.map((rays, k) => card(`wins-${number}-${k}`, `Time of a frame, ${rays}`, 'Update, layout and tracing by the best kernel.')))));
