@@ -74,6 +74,8 @@ static bb_status join(const bb_scene *room, uint32_t things, bb_scene *scene)
     uint32_t triangles = room->prims[BB_TRIANGLE].count;
     if (room->kinds != BB_TRIANGLES || room->volume != NULL)
         return bb_fail(BB_INVALID, "scene car: %s has other primitives than triangles", room->name);
+    if (memcmp(room->bounds.lo, room->bounds.hi, sizeof room->bounds.lo) == 0)
+        return bb_fail(BB_INVALID, "scene car: %s is one point: no room to drive in", room->name);
     BB_TRY(bb_scene_reserve_mesh(
         scene, room->vertex_count + things * bb_shape_sphere_vertices(TESSELLATION),
         triangles + own));

@@ -174,13 +174,20 @@ static const bb_crowd_kind kinds[] = {
 /* ---- all kinds ---- */
 
 /* Things that come, and that go, with each frame. */
-static void come_and_go(state *s)
+static bb_status come_and_go(state *s)
 {
     if (strcmp(s->kind->name, "grow") != 0)
-        return;
-    uint32_t part = s->least / 100 + 1;
-    s->first = part * s->motion.frame;
-    s->crowd.count = s->least + part * s->motion.frame;
+        return BB_OK;
+    uint64_t part = s->least / 100 + 1, most = s->least + part * (s->motion.frames - 1);
+    if (most > INT32_MAX)
+        return bb_fail(
+            BB_INVALID,
+            "scene crowd: %u things grow to %llu in %llu frames, too many to number: take "
+            "a smaller n, or fewer frames",
+            s->least, (unsigned long long)most, (unsigned long long)s->motion.frames);
+    s->first = (uint32_t)part * s->motion.frame;
+    s->crowd.count = s->least + s->first;
+    return BB_OK;
 }
 
 static bb_status read_state(const bb_spec *spec, const bb_option *options, uint32_t frame, state *s)
@@ -196,8 +203,7 @@ static bb_status read_state(const bb_spec *spec, const bb_option *options, uint3
     s->crowd = bb_crowd_of(n, s->kind->tessellation, 0);
     s->least = s->crowd.count;
     s->crowd.radius = 0.5 * bb_cube_root(s->kind->fill / s->least);
-    come_and_go(s);
-    return BB_OK;
+    return come_and_go(s);
 }
 
 static bb_status set_frame(const bb_spec *spec, const bb_option *options, bb_scene *scene,

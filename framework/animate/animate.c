@@ -72,7 +72,6 @@ static bb_status take_request(bb_animate *a)
     const bb_animate_request *request = a->request;
     bb_animate_result *result = a->result;
     snprintf(result->scene, sizeof result->scene, "%s", a->scene->name);
-    snprintf(result->device, sizeof result->device, "%s", a->device->name);
     snprintf(result->intersector, sizeof result->intersector, "%s", request->intersector);
     BB_TRY(take_frames(a));
     BB_TRY(take_view(a));
@@ -156,7 +155,6 @@ static bb_status do_frame(bb_animate *a, uint32_t index, uint32_t round, bb_rand
     BB_TRY(bb_scene_set_frame(a->scene, frame, &changed));
     state->frame = frame;
     state->prims = a->scene->prim_count;
-    state->changed = changed;
     if (round == 0)
         BB_TRY(bb_animate_judge_frame(a, index));
     for (uint32_t i = 0; i < count; i++)

@@ -78,7 +78,7 @@ typedef struct bb_animate_method {
 
 /* What all methods share in a frame. */
 typedef struct bb_animate_state {
-    uint32_t frame, prims, changed;
+    uint32_t frame, prims;
     uint32_t rays[BB_ANIMATE_RAYS_MAX]; /* 0: the scene has none there */
     /* of trees that the yardsticks make for this frame; NAN: not known; and the least of them */
     double fresh[BB_ANIMATE_YARDSTICKS_MAX], fresh_best;
@@ -86,7 +86,7 @@ typedef struct bb_animate_state {
 } bb_animate_state;
 
 typedef struct bb_animate_result {
-    char scene[256], view[48], device[256];
+    char scene[256], view[48];
     uint32_t frame_count; /* of those asked for, that were gone through */
     bb_animate_state *states;
     uint32_t yardstick_count;
@@ -113,7 +113,7 @@ uint64_t bb_animate_wrong(const bb_animate_result *result);
 
 /* ---- sums ---- */
 
-/* Median over the rounds that count; NAN if there is none. */
+/* Median over the rounds that count and in which it was measured; NAN if there is none. */
 double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds);
 
 /* Of a method over all frames but the first, which is a build for all. */

@@ -71,9 +71,8 @@ void bb_animate_leave_frame(bb_animate *a)
 bb_status bb_animate_load_rays(bb_animate *a, const bb_rays *rays)
 {
     size_t bytes = rays->count * rays->query->result_bytes;
-    BB_TRY(bb_buffer_reserve(a->device, &a->account, rays->count * sizeof(bb_ray), "rays",
-                             &a->d_rays));
-    BB_TRY(bb_buffer_reserve(a->device, &a->account, bytes, "answers", &a->d_answers));
+    BB_TRY(bb_buffer_reserve(a->device, NULL, rays->count * sizeof(bb_ray), "rays", &a->d_rays));
+    BB_TRY(bb_buffer_reserve(a->device, NULL, bytes, "answers", &a->d_answers));
     if (bytes > a->result_bytes) {
         a->result_bytes = 0;
         BB_TRY(bb_host_alloc(NULL, bytes, "answers", &a->results));

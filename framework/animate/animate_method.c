@@ -12,6 +12,26 @@
 
 /* ---- what a method needs ---- */
 
+static void forget(bb_rounds *rounds)
+{
+    for (uint32_t r = 0; r < BB_ANIMATE_ROUNDS_MAX; r++)
+        (*rounds)[r] = NAN;
+}
+
+/* Nothing is measured yet. What a method that is refused later on leaves open stays so. */
+static void clear(bb_animate_frame *frame)
+{
+    memset(frame, 0, sizeof *frame);
+    forget(&frame->update);
+    forget(&frame->update_cpu);
+    forget(&frame->transfer);
+    for (uint32_t k = 0; k < BB_ANIMATE_KERNELS_MAX; k++) {
+        forget(&frame->traces[k].layout);
+        for (uint32_t i = 0; i < BB_ANIMATE_RAYS_MAX; i++)
+            forget(&frame->traces[k].rays[i]);
+    }
+}
+
 bb_status bb_animate_runner_create(bb_animate *a, const char *builder, bb_animate_runner *runner)
 {
     const bb_animate_request *request = a->request;
@@ -19,7 +39,8 @@ bb_status bb_animate_runner_create(bb_animate *a, const char *builder, bb_animat
     snprintf(method->builder, sizeof method->builder, "%s", builder);
     BB_TRY(bb_host_alloc(NULL, a->frames * sizeof *method->frames, "figures of frames",
                          &method->frames));
-    memset(method->frames, 0, a->frames * sizeof *method->frames);
+    for (uint32_t f = 0; f < a->frames; f++)
+        clear(&method->frames[f]);
     runner->hashes = calloc((size_t)a->frames * request->kernel_count * request->ray_count,
                             sizeof *runner->hashes);
     if (runner->hashes == NULL)
@@ -60,8 +81,7 @@ static bb_rounds *phase_of(bb_animate_frame *frame, const char *label, const cha
     if (frame->phase_count == BB_PHASES_MAX)
         return NULL;
     bb_rounds *rounds = &frame->phase_ms[frame->phase_count];
-    for (uint32_t r = 0; r < BB_ANIMATE_ROUNDS_MAX; r++)
-        (*rounds)[r] = NAN;
+    forget(rounds);
     memcpy(frame->phases[frame->phase_count++], text, sizeof text);
     return rounds;
 }
@@ -167,7 +187,6 @@ static bb_status trace_set(bb_animate *a, bb_animate_runner *runner, uint32_t in
     bb_stopwatch watch;
     bb_timing timing;
     bool fresh;
-    trace->rays[set][round] = NAN;
     if (rays == NULL)
         return BB_OK;
     BB_TRY(bb_animate_load_rays(a, rays));

@@ -42,7 +42,6 @@ typedef struct bb_animate {
     /* of the frame at hand, in the first round */
     bb_oracle *oracle;
     bb_answers answers[BB_ANIMATE_RAYS_MAX];
-    bb_account account;
     bb_buffer d_rays, d_answers;
     char *results;
     size_t result_bytes;

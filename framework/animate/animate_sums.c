@@ -10,8 +10,9 @@ double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds
     bb_samples samples = {0};
     bb_samples_add(&samples, 0); /* the first counts for nothing */
     for (uint32_t r = 1; r <= result->rounds; r++)
-        bb_samples_add(&samples, rounds[r]);
-    return result->rounds > 0 ? bb_samples_median(&samples) : NAN;
+        if (!isnan(rounds[r]))
+            bb_samples_add(&samples, rounds[r]);
+    return samples.count > 1 ? bb_samples_median(&samples) : NAN;
 }
 
 uint64_t bb_animate_wrong(const bb_animate_result *result)
@@ -28,16 +29,15 @@ uint64_t bb_animate_wrong(const bb_animate_result *result)
 }
 
 static void add_traces(const bb_animate_result *result, const bb_animate_frame *frame,
-                       bb_animate_sums *sums)
+                       const bb_animate_state *state, bb_animate_sums *sums)
 {
     for (uint32_t k = 0; k < result->kernel_count; k++) {
         const bb_animate_trace *trace = &frame->traces[k];
         sums->layout[k] += bb_animate_median(result, trace->layout);
         sums->in_place[k] += trace->in_place;
-        for (uint32_t i = 0; i < result->ray_count; i++) {
-            double ms = bb_animate_median(result, trace->rays[i]);
-            sums->rays_ms[k][i] += isnan(ms) ? 0 : ms;
-        }
+        for (uint32_t i = 0; i < result->ray_count; i++)
+            if (state->rays[i] > 0)
+                sums->rays_ms[k][i] += bb_animate_median(result, trace->rays[i]);
     }
 }
 
@@ -58,7 +58,7 @@ static void add_cost(const bb_animate_result *result, const bb_animate_frame *fr
 
 bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate_method *method)
 {
-    bb_animate_sums sums = {0};
+    bb_animate_sums sums = {.worst_update = NAN};
     double moments[3] = {0};
     for (uint32_t f = 0; f < method->done; f++)
         for (uint32_t k = 0; k < result->kernel_count; k++) {
@@ -79,7 +79,7 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
         sums.transfer += bb_animate_median(result, frame->transfer);
         for (uint32_t i = 0; i < result->ray_count; i++)
             sums.rays[i] += state->rays[i];
-        add_traces(result, frame, &sums);
+        add_traces(result, frame, state, &sums);
         add_cost(result, frame, state, f, &sums, moments);
     }
     double n = sums.frames;
