@@ -1,6 +1,6 @@
 /* What the parts of the glTF loader share: gltf_json.cpp gets the model from tinygltf, after
- * gltf_schema.cpp has checked it; gltf_buffers.cpp reads files; gltf.cpp takes the triangles,
- * gltf_cameras.cpp the cameras. */
+ * gltf_schema.cpp has checked it; gltf_buffers.cpp reads files; gltf_plan.cpp takes the triangles,
+ * gltf_cameras.cpp the cameras, gltf_moving.cpp and gltf_pose.cpp what moves them. */
 #ifndef BB_GLTF_PARTS_HPP
 #define BB_GLTF_PARTS_HPP
 
@@ -8,12 +8,15 @@ extern "C" {
 #include "framework/scene/scene.h"
 }
 
+#include "scenes/gltf_moving.hpp"
+
 #include <nlohmann/json_fwd.hpp>
 #include <tiny_gltf.h>
 
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,16 +65,20 @@ struct Document {
     tinygltf::Model model;
     std::vector<Buffer> buffers;
     std::map<int, Camera> cameras; /* by node */
+    std::optional<Moving> moving;  /* of the clip that was asked for */
     bool quantised = false; /* KHR_mesh_quantization is used: integer positions are allowed */
 };
 
 /* Fails on what tinygltf would misunderstand. */
 void check_schema(const char *path, const nlohmann::json &root);
+/* The same, of animations, skins and morph targets. */
+void check_moving_schema(const char *path, const nlohmann::json &root);
 
 std::map<int, Camera> find_cameras(const nlohmann::json &root);
 
-/* Reads and checks `path`, .gltf or .glb by content. */
-Document read_document(const std::string &path);
+/* Reads and checks `path`, .gltf or .glb by content. `clip` names an animation; NULL: none is
+ * looked at. */
+Document read_document(const std::string &path, const char *clip);
 
 struct NamedView {
     std::string name;
