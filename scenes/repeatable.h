@@ -1,5 +1,5 @@
-/* Powers, roots, sines and arctangents whose last bit is the same on every machine, from operations that
- * IEEE 754 rounds correctly. (pow, cbrt, sin and atan are not: C libraries differ.) */
+/* Powers, roots, sines and arctangents whose last bit is the same on every machine, from operations
+ * that IEEE 754 rounds correctly. (pow, cbrt, sin and atan are not: C libraries differ.) */
 #ifndef BB_REPEATABLE_H
 #define BB_REPEATABLE_H
 
