@@ -124,7 +124,8 @@ Clip::Mover Clip::read_channel(const Channel &channel, const std::string &what)
     return out;
 }
 
-void Clip::set(double time, tinygltf::Model &model, NodeWeights &weights) const
+void Clip::set(double time, const std::string &what, tinygltf::Model &model,
+               NodeWeights &weights) const
 {
     for (const Mover &mover : movers_) {
         tinygltf::Node &node = model.nodes[static_cast<size_t>(mover.node)];
@@ -140,8 +141,8 @@ void Clip::set(double time, tinygltf::Model &model, NodeWeights &weights) const
             length += part * part;
         length = std::sqrt(length);
         if (!(length > 0) || !std::isfinite(length))
-            fail(BB_INVALID, "%s: %s: at %g s the rotation of node %d is a quaternion of length %g",
-                 path_, document_.moving->clip.c_str(), time, mover.node, length);
+            fail(BB_INVALID, "%s: %s, %s: the rotation of node %d is a quaternion of length %g",
+                 path_, document_.moving->clip.c_str(), what.c_str(), mover.node, length);
         for (double &part : list)
             part /= length;
     }

@@ -25,8 +25,10 @@ class Clip
     {
         return end_;
     }
-    /* Moves the nodes of the model, and the weights of those whose weights are animated. */
-    void set(double time, tinygltf::Model &model, NodeWeights &weights) const;
+    /* Moves the nodes of the model, and the weights of those whose weights are animated. `what`
+     * names the time in messages. Fails where a spline of rotations passes through 0. */
+    void set(double time, const std::string &what, tinygltf::Model &model,
+             NodeWeights &weights) const;
 
   private:
     struct Mover {

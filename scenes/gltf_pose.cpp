@@ -99,7 +99,8 @@ void Pose::set(uint32_t frame)
     const double start = clip_.start(), end = clip_.end();
     const double time = start + (end - start) * frame / (frames_ - 1);
     frame_ = frame;
-    clip_.set(frame + 1 == frames_ ? end : time, document_.model, weights_);
+    clip_.set(frame + 1 == frames_ ? end : time, "frame " + std::to_string(frame), document_.model,
+              weights_);
     place_again(path_, document_.model, placement_);
 }
 
