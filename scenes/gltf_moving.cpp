@@ -1,7 +1,6 @@
 /* Animations, skins and morph targets of a glTF document (glTF 2.0 specification, sections 3.7.2.2,
  * 3.7.3 and 3.11), from its checked JSON: tinygltf is not shown them, since it refuses a whole file
  * for an animation or skin that it cannot read, and knows no weights of nodes. */
-#include "scenes/gltf_moving.hpp"
 #include "scenes/gltf_parts.hpp"
 
 #include <nlohmann/json.hpp>

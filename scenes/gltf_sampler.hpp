@@ -2,7 +2,7 @@
 #ifndef BB_GLTF_SAMPLER_HPP
 #define BB_GLTF_SAMPLER_HPP
 
-#include "scenes/gltf_moving.hpp"
+#include "scenes/gltf_parts.hpp"
 
 namespace bb_gltf
 {
