@@ -72,6 +72,7 @@ static bb_status take_request(bb_animate *a)
     const bb_animate_request *request = a->request;
     bb_animate_result *result = a->result;
     snprintf(result->scene, sizeof result->scene, "%s", a->scene->name);
+    result->ignored = a->scene->ignored;
     snprintf(result->intersector, sizeof result->intersector, "%s", request->intersector);
     BB_TRY(take_frames(a));
     BB_TRY(take_view(a));

@@ -87,6 +87,7 @@ typedef struct bb_animate_state {
 
 typedef struct bb_animate_result {
     char scene[256], view[48];
+    uint32_t ignored;     /* parts of the scene's file, see bb_scene */
     uint32_t frame_count; /* of those asked for, that were gone through */
     bb_animate_state *states;
     uint32_t yardstick_count;

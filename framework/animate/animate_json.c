@@ -190,6 +190,7 @@ static bool put_result(cJSON *root, const bb_animate_result *result)
     put = bb_put(root, "rays", rays) && put;
     put = bb_put(root, "sah_fresh", fresh) && put;
     put = put && bb_put_text(root, "scene", result->scene) &&
+          bb_put_number(root, "ignored", result->ignored) &&
           bb_put_text(root, "view", result->view) &&
           bb_put_text(root, "intersector", result->intersector) &&
           bb_put_number(root, "rounds", result->rounds) &&

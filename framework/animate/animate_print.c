@@ -123,6 +123,9 @@ void bb_animate_print(const bb_animate_result *result)
     printf("%s: frames %u to %u, view %s, %s, %u round%s\n", result->scene, result->states[0].frame,
            result->states[result->frame_count - 1].frame, result->view, result->intersector,
            result->rounds, result->rounds == 1 ? "" : "s");
+    if (result->ignored > 0)
+        printf("  ignored of the file: %u (points, lines, channels that move nothing known)\n",
+               result->ignored);
     print_methods(result);
     print_kernels(result);
     print_winners(result);
