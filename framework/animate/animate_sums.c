@@ -72,7 +72,7 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
         sums.frames++;
         sums.ways[frame->way]++;
         sums.update += update;
-        if (update > sums.worst_update) {
+        if (isnan(sums.worst_update) || update > sums.worst_update) {
             sums.worst_update = update;
             sums.worst_frame = state->frame;
         }
