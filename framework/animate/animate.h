@@ -8,6 +8,7 @@
 #ifndef BB_ANIMATE_H
 #define BB_ANIMATE_H
 
+#include "framework/base/statistics.h"
 #include "framework/builder/instance.h"
 #include "framework/judge/accuracy.h"
 #include "framework/picture/canvas.h"
@@ -133,6 +134,19 @@ typedef struct bb_animate_sums {
 } bb_animate_sums;
 
 bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate_method *method);
+
+/* What a frame's time is made of. */
+enum {
+    BB_ANIMATE_UPDATE = 1u << 0,
+    BB_ANIMATE_TRANSFER = 1u << 1,
+    BB_ANIMATE_LAYOUT = 1u << 2, /* of one kernel, as is tracing */
+    BB_ANIMATE_TRACE = 1u << 3,
+};
+
+/* Sums of those parts over all frames but the first, ms: one sample per round, the judged one being
+ * the first, which counts for nothing. Rounds of two methods pair. Empty if it lacks frames. */
+bb_samples bb_animate_samples(const bb_animate_result *result, const bb_animate_method *method,
+                              uint32_t kernel, uint32_t parts);
 
 /* Mean time of a frame with `count` rays of kind `rays`: update, transfer, layout, and tracing by
  * the kernel that makes it shortest. NAN if nothing was measured. */
