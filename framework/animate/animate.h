@@ -37,8 +37,9 @@ typedef struct bb_animate_request {
     uint32_t first, last; /* frames; last may be beyond the scene's */
     uint32_t repeats;     /* rounds that count */
     uint64_t seed;
-    bool quiet; /* no progress */
-    bool strip; /* draw some of the frames */
+    bool counting; /* counts tests of each ray in the first round */
+    bool quiet;    /* no progress */
+    bool strip;    /* draw some of the frames */
 } bb_animate_request;
 
 /* Of one round. NAN: not measured. */
@@ -50,6 +51,9 @@ typedef struct bb_animate_trace {
     bool in_place; /* the layout followed without being numbered anew */
     bb_rounds rays[BB_ANIMATE_RAYS_MAX];
     uint64_t checked, wrong; /* answers */
+    /* of all rays, if they are counted: tests of boxes and primitives; rays that needed more stack
+     * than there is */
+    uint64_t tests, overflowed;
 } bb_animate_trace;
 
 /* A method in one frame. */
@@ -71,6 +75,7 @@ typedef struct bb_animate_frame {
 typedef struct bb_animate_method {
     char builder[128];
     char refused[320]; /* why it has no figures from frame `done` on; "": it has all */
+    bb_status refusal; /* its status; BB_OK: it has all */
     bool failed;       /* that is a fault: a tree that does not hold, answers that change */
     uint32_t done;     /* frames */
     uint64_t most_bytes;

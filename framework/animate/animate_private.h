@@ -43,7 +43,7 @@ typedef struct bb_animate {
     bb_oracle *oracle;
     bb_answers answers[BB_ANIMATE_RAYS_MAX];
     bb_account account;
-    bb_buffer d_rays, d_answers;
+    bb_buffer d_rays, d_answers, d_counts;
     char *results;
     size_t result_bytes;
 } bb_animate;
