@@ -16,8 +16,8 @@ typedef enum bb_dynamic_method {
     BB_DYNAMIC_LOOSE_CUBE,       /* the same in a cube */
     BB_DYNAMIC_LOOSE_NOW,        /* as the builder is by default */
     BB_DYNAMIC_LBVH,
-    BB_DYNAMIC_REFIT, /* an LBVH that keeps its links */
-    BB_DYNAMIC_METHODS
+    BB_DYNAMIC_METHODS,
+    BB_DYNAMIC_REFIT = BB_DYNAMIC_METHODS /* an LBVH that keeps its links, in pictures of its own */
 } bb_dynamic_method;
 
 typedef enum bb_dynamic_scene {
@@ -42,12 +42,17 @@ typedef struct bb_dynamic_about {
 
 extern const bb_dynamic_about bb_dynamic_scenes[BB_DYNAMIC_SCENES];
 
+/* Refitted trees may take a hundred times as long to trace: they are compared with LBVHs rebuilt in
+ * pictures of an eighth of the side, and as many fewer of the other rays. */
+enum { BB_DYNAMIC_SMALL_REBUILT, BB_DYNAMIC_SMALL_REFITTED, BB_DYNAMIC_SMALL_METHODS };
+
 typedef struct bb_dynamic {
-    bb_animate_result scenes[BB_DYNAMIC_SCENES];
+    bb_animate_result scenes[BB_DYNAMIC_SCENES], small[BB_DYNAMIC_SCENES];
     uint32_t width[BB_DYNAMIC_SCENES], height[BB_DYNAMIC_SCENES]; /* of the pictures here */
 } bb_dynamic;
 
-/* How many times as fast `method` is as `base` over the sequence, paired by rounds. */
+/* How many times as fast `method` is as `base` over the sequence, paired by rounds; that of a refit
+ * is to LBVHs rebuilt, whatever `base`. */
 bb_estimate bb_dynamic_ratio(const bb_dynamic *d, bb_dynamic_scene scene, uint32_t parts,
                              bb_dynamic_method method, bb_dynamic_method base);
 
