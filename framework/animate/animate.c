@@ -141,6 +141,7 @@ static void clean_up(bb_animate *a)
     bb_buffer_release(&a->d_answers);
     bb_buffer_release(&a->d_counts);
     bb_host_free(a->results);
+    bb_host_free(a->before);
     free(a->runners);
     free(a->rays);
 }

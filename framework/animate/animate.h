@@ -89,6 +89,10 @@ typedef struct bb_animate_state {
     /* of trees that the yardsticks make for this frame; NAN: not known; and the least of them */
     double fresh[BB_ANIMATE_YARDSTICKS_MAX], fresh_best;
     double oracle_ms, judge_ms;
+    /* since the frame before: the share of primitives whose boxes are others, and how far the
+     * middles of these have gone, in diagonals of the scene: the median, 0 if there are none. NAN
+     * of the first frame, and where there are more or fewer primitives than before */
+    double moved, moved_by;
 } bb_animate_state;
 
 typedef struct bb_animate_result {

@@ -42,6 +42,8 @@ typedef struct bb_animate {
     /* of the frame at hand, in the first round */
     bb_oracle *oracle;
     bb_answers answers[BB_ANIMATE_RAYS_MAX];
+    bb_box *before; /* boxes of the frame before, in the first round */
+    uint32_t before_count;
     bb_account account;
     bb_buffer d_rays, d_answers, d_counts;
     char *results;
