@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const bb_option options_table[] = {
-    {"room", "interior:n=20000", NULL, "the scene that stays, of triangles; ',' in it as '\\,'"},
+    {"room", "interior:n=20000", NULL, "the scene that stays, of triangles; no ',' in it"},
     {"things", "5", NULL, "how many drive"},
     BB_MOTION_OPTIONS,
     {0},

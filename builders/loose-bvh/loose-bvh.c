@@ -413,6 +413,7 @@ const bb_builder bb_builder_loose_bvh = {
     .options = options,
     .compared = "",
     .moving = "loose-bvh",
+    .stressed = "loose-bvh:root=box",
     .create = create,
     .prepare = prepare,
     .build = build,

@@ -139,7 +139,9 @@ static void clean_up(bb_animate *a)
         bb_instance_destroy(&a->yardsticks[i]);
     bb_buffer_release(&a->d_rays);
     bb_buffer_release(&a->d_answers);
+    bb_buffer_release(&a->d_counts);
     bb_host_free(a->results);
+    bb_host_free(a->before);
     free(a->runners);
     free(a->rays);
 }

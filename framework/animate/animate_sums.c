@@ -1,6 +1,5 @@
 /* What is drawn from frames: means, drift, and who wins. */
 #include "framework/animate/animate.h"
-#include "framework/base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -93,6 +92,34 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
     for (uint32_t k = 0; k < result->kernel_count; k++)
         sums.layout[k] /= n;
     return sums;
+}
+
+static double round_ms(const bb_animate_result *result, const bb_animate_frame *frame,
+                       const bb_animate_state *state, uint32_t kernel, uint32_t parts,
+                       uint32_t round)
+{
+    const bb_animate_trace *trace = &frame->traces[kernel];
+    double ms = parts & BB_ANIMATE_UPDATE ? frame->update[round] : 0;
+    ms += parts & BB_ANIMATE_TRANSFER ? frame->transfer[round] : 0;
+    ms += parts & BB_ANIMATE_LAYOUT ? trace->layout[round] : 0;
+    for (uint32_t i = 0; i < result->ray_count && (parts & BB_ANIMATE_TRACE); i++)
+        ms += state->rays[i] > 0 ? trace->rays[i][round] : 0;
+    return ms;
+}
+
+bb_samples bb_animate_samples(const bb_animate_result *result, const bb_animate_method *method,
+                              uint32_t kernel, uint32_t parts)
+{
+    bb_samples samples = {.count = 0};
+    if (method->refused[0] != '\0' || method->done < result->frame_count || method->done < 2)
+        return samples;
+    for (uint32_t round = 0; round <= result->rounds; round++) {
+        double ms = 0;
+        for (uint32_t f = 1; f < method->done; f++)
+            ms += round_ms(result, &method->frames[f], &result->states[f], kernel, parts, round);
+        bb_samples_add(&samples, ms);
+    }
+    return samples;
 }
 
 /* Time of a frame is a + b * count, by a kernel. */
