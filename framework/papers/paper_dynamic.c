@@ -4,11 +4,11 @@
  * Its table 1: Goldsmith and Salmon built anew in each frame, Dynamic Goldsmith and Salmon, Loose
  * BVH; time of the update, of tracing and of both. The paper's scenes are not at hand. In place of
  * BART's kitchen with a toy car, a room of as many triangles in which five balls drive around once
- * (--scene S: in that room); in place of BART's museum, whose deforming art moves without structure,
- * particles in a flow, and again a bar that is twisted, since the flow's file is in random order;
- * its falling triangles are made by its own description, in random order too. The pictures have the
- * paper's sizes. It traced one reflection and one refraction where a surface has any: here one
- * diffuse ray follows each of at most 65,536 hits, of all the scene's views.
+ * (--scene S: in that room); in place of BART's museum, whose deforming art moves without
+ * structure, particles in a flow, and again a bar that is twisted, since the flow's file is in
+ * random order; its falling triangles are made by its own description, in random order too. The
+ * pictures have the paper's sizes. It traced one reflection and one refraction where a surface has
+ * any: here one diffuse ray follows each of at most 65,536 hits, of all the scene's views.
  *
  * The paper shuffled the objects for the first tree of Dynamic Goldsmith and Salmon ("rebuilt
  * several times"), and never for the rebuilds it is compared with: here both pairings are measured,
