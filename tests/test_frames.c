@@ -300,6 +300,31 @@ static void another_scene_is_built(void **state)
     bb_scene_free(scene);
 }
 
+/* An update that works for 20 ms, and then asks for a build, is part of what that build takes. */
+static void what_was_given_up_is_paid_for(void **state)
+{
+    (void)state;
+    bb_scene *scene = load_scene(wave);
+    bb_instance instance;
+    bb_update_way way;
+    bb_build_timing timing;
+    ASSERT_OK(bb_plugin_load(BB_TEST_PLUGIN_DIR "/fickle.so"));
+    ASSERT_OK(bb_scene_upload(scene, device));
+    ASSERT_OK(bb_instance_create(device, "fickle:how=tries", scene, 1, &instance));
+    ASSERT_OK(bb_instance_build(&instance, scene, false, &timing));
+    assert_int_equal(instance.step_count, 1);
+    ASSERT_OK(bb_scene_set_frame(scene, 1, NULL));
+    ASSERT_OK(bb_instance_update(&instance, scene, 0, false, &way, &timing));
+    assert_int_equal(way, BB_REBUILT);
+    assert_int_equal(instance.step_count, 2);
+    const bb_build_timing *built = &instance.steps[0].timing, *tried = &instance.steps[1].timing;
+    assert_string_equal(instance.steps[1].label, "update given up");
+    assert_true(tried->timing.ms >= 20 && built->timing.ms > 0);
+    assert_true(timing.timing.ms == built->timing.ms + tried->timing.ms);
+    bb_instance_destroy(&instance);
+    bb_scene_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -312,6 +337,7 @@ int main(void)
         cmocka_unit_test(instances_say_how_they_followed),
         cmocka_unit_test(a_refitted_tree_gets_worse_and_comes_back),
         cmocka_unit_test(another_scene_is_built),
+        cmocka_unit_test(what_was_given_up_is_paid_for),
     };
     return cmocka_run_group_tests_name("frames", tests, load_rogue, close_device);
 }

@@ -40,35 +40,6 @@ static void trees_stay_valid_over_many_frames(void **state)
     }
 }
 
-/* Room for what bb_gs_emit() writes. */
-static void open_common(bb_tree *out, uint32_t count)
-{
-    bb_tree_init(out, NULL);
-    ASSERT_OK(bb_tree_reserve(out, NULL, BB_ON_HOST, 2 * (size_t)count - 1, count));
-    for (uint32_t i = 0; i < count; i++)
-        out->refs[i] = i | BB_LAST_BIT;
-}
-
-/* A tree over the scene's boxes and the common tree that was written of it. */
-static void open_pair(bb_gs_tree *tree, bb_tree *out, bb_gs_rules rules, const bb_scene *scene)
-{
-    uint32_t count = scene->prim_count;
-    open_tree(tree, rules, count);
-    open_common(out, count);
-    for (uint32_t i = 0; i < count; i++) {
-        bb_gs_box box = bb_gs_box_of(&scene->boxes[i]);
-        bb_gs_add(tree, i, &box);
-    }
-    bb_gs_start_q(tree);
-    bb_gs_emit(tree, true, out);
-}
-
-static void close_pair(bb_gs_tree *tree, bb_tree *out)
-{
-    bb_tree_release(out);
-    bb_gs_release(tree);
-}
-
 /* The pool itself, and that the common tree is that pool, node by node. */
 static void the_common_tree_follows_the_pool(void **state)
 {
