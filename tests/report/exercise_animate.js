@@ -1,5 +1,5 @@
-/* Looks through the page of moving scenes: each method has its row and its curves, all finite, and winners are named. What it found stands in
- * an element of its own. */
+/* Looks through the page of moving scenes: each method has its row and its curves, all finite, and winners are named, in the
+ * time that the record says. What it found stands in an element of its own. */
 (() => {
 const findings = [];
 const expect = (ok, what) => { if (!ok) findings.push(what); };
@@ -33,6 +33,24 @@ sections.forEach((section, number) => {
     drawn++;
   }
 });
+/* The record's winners, where their curves are lowest and in the table beside. */
+let winners = 0;
+sections.forEach((section, number) => {
+  const result = page.results[number], kinds = Object.keys(result.rays);
+  const counts = [...new Set(result.winners.map(w => w.count))];
+  kinds.forEach((kind, k) => {
+    const curves = Chart.getChart(`wins-${number}-${k}`).data.datasets;
+    const cells = [...section.querySelectorAll('table.winners tbody tr')[k].querySelectorAll('td')].map(td => td.textContent);
+    for (const { count, method, kernel, frame_ms } of result.winners.filter(w => w.rays === kind)) {
+      const at = curves.map(set => ({ label: set.label, y: (set.data.find(p => Math.abs(p.x / count - 1) < 1e-9) || {}).y })).filter(p => p.y > 0);
+      const lowest = at.reduce((a, b) => (b.y < a.y ? b : a), { y: Infinity }), cell = cells[counts.indexOf(count)];
+      expect(Math.abs(lowest.y / frame_ms - 1) < 1e-6 && lowest.label === method, `${count} ${kind}: ${lowest.label} in ${lowest.y} ms, not ${method} in ${frame_ms} ms`);
+      expect(cell === `${method}, ${kernel}: ${brief(frame_ms)} ms`, `${count} ${kind}: '${cell}'`);
+      winners++;
+    }
+  });
+});
+expect(winners > 0, 'no winners');
 const said = findings.length ? findings.join('; ') : `${drawn} charts, all well`;
 document.body.append(Object.assign(document.createElement('p'), { textContent: `EXERCISE: ${said}` }));
 })();
