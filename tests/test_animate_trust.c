@@ -134,19 +134,46 @@ static void a_refit_that_loses_boxes_is_found(void **state)
     cJSON_Delete(json);
 }
 
-/* Off by a thousandth, on the right primitive; nothing else is wrong. */
-static void distances_are_judged(void **state)
+/* Each kind of wrong answer by itself: a distance that is off by a thousandth, on the right primitive;
+ * no hit; hits of rays that have none. In the room each ray has one. */
+static void wrong_answers_of_each_kind_count(void **state)
 {
     (void)state;
-    write_planted("kernels/search.clh", "far",
-                  &(plant){"bb_lanes t = bb_primitive(", "bb_lanes t = 1.001f * bb_primitive("}, 1);
-    cJSON *json = animate_planted("far", "--scene car:room=interior:n=1000,frames=2 --builder lbvh "
-                                         "--kernel stack --rays primary");
-    const cJSON *lbvh = method_of(json, "lbvh");
-    for (int f = 0; f < 2; f++)
-        assert_true(wrong_in(lbvh, "stack", f) == 16 * 16); /* each ray sees the room */
-    assert_true(number_of(cJSON_GetObjectItem(lbvh, "sums"), "answers") == 2 * 16 * 16);
-    cJSON_Delete(json);
+    static const char room[] = "--scene car:room=interior:n=1000,frames=2",
+                      outside[] = "--scene twist:n=300,frames=2";
+    static const struct {
+        const char *name, *source, *scene;
+        plant plant;
+    } cases[] = {
+        {"far",
+         "kernels/search.clh",
+         room,
+         {"bb_lanes t = bb_primitive(", "bb_lanes t = 1.001f * bb_primitive("}},
+        {"none",
+         "kernels/search.clh",
+         room,
+         {"bb_lanes t = bb_primitive(", "bb_lanes t = INFINITY + bb_primitive("}},
+        {"all",
+         "kernels/query_closest.clh",
+         outside,
+         {"    result->prim = f->prim;", "    result->prim = f->prim != BB_NONE ? f->prim : 0u;\n"
+                                         "    result->t = f->prim != BB_NONE ? result->t : 1.0f;"}},
+    };
+    for (int i = 0; i < 3; i++) {
+        char arguments[128];
+        snprintf(arguments, sizeof arguments, "%s --builder lbvh --kernel stack --rays primary",
+                 cases[i].scene);
+        write_planted(cases[i].source, cases[i].name, &cases[i].plant, 1);
+        cJSON *json = animate_planted(cases[i].name, arguments);
+        const cJSON *lbvh = method_of(json, "lbvh");
+        for (int f = 0; f < 2; f++) {
+            double wrong = wrong_in(lbvh, "stack", f);
+            if (cases[i].scene == room ? wrong != 16 * 16 : wrong <= 0 || wrong >= 16 * 16)
+                fail_msg("%s, frame %d: %g wrong", cases[i].name, f, wrong);
+        }
+        assert_true(number_of(cJSON_GetObjectItem(lbvh, "sums"), "answers") == 2 * 16 * 16);
+        cJSON_Delete(json);
+    }
 }
 
 /* ---- methods ---- */
@@ -330,7 +357,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_layout_that_follows_wrongly_is_found),
         cmocka_unit_test(a_refit_that_loses_boxes_is_found),
-        cmocka_unit_test(distances_are_judged),
+        cmocka_unit_test(wrong_answers_of_each_kind_count),
         cmocka_unit_test(what_does_not_hold_is_refused),
         cmocka_unit_test(all_sets_of_rays_are_judged),
         cmocka_unit_test(yardsticks_are_of_their_frame),
