@@ -134,8 +134,8 @@ static void a_refit_that_loses_boxes_is_found(void **state)
     cJSON_Delete(json);
 }
 
-/* Each kind of wrong answer by itself: a distance that is off by a thousandth, on the right primitive;
- * no hit; hits of rays that have none. In the room each ray has one. */
+/* Each kind of wrong answer by itself: a distance that is off by a thousandth, on the right
+ * primitive; no hit; hits of rays that have none. In the room each ray has one. */
 static void wrong_answers_of_each_kind_count(void **state)
 {
     (void)state;
