@@ -190,6 +190,38 @@ static void motion_is_measured(void **state)
     destroy(result);
 }
 
+/* Before anything is reserved for a million frames. */
+static void what_does_not_fit_is_refused(void **state)
+{
+    (void)state;
+    static const char *const builders[] = {"lbvh"}, *const kernels[] = {"stack"},
+                             *const rays[] = {"primary"};
+    const bb_animate_request request = {.device = devices[CPU_FORM],
+                                        .builders = builders,
+                                        .builder_count = 1,
+                                        .kernels = kernels,
+                                        .kernel_count = 1,
+                                        .rays = rays,
+                                        .ray_count = 1,
+                                        .intersector = "exact",
+                                        .width = 4096,
+                                        .height = 4096,
+                                        .max_rays = 64,
+                                        .last = UINT32_MAX,
+                                        .repeats = 1,
+                                        .quiet = true};
+    bb_animate_result *result = calloc(1, sizeof *result);
+    bb_scene *scene;
+    assert_non_null(result);
+    ASSERT_OK(bb_scene_load("crowd:n=100,frames=1000000", &scene));
+    ASSERT_OK(bb_scene_upload(scene, request.device));
+    assert_int_equal(bb_animate_run(&request, scene, result), BB_REFUSED);
+    assert_non_null(strstr(bb_message(), "--frames"));
+    assert_null(result->states);
+    bb_scene_free(scene);
+    destroy(result);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -198,6 +230,7 @@ int main(void)
         cmocka_unit_test(a_strip_shows_frames_that_differ),
         cmocka_unit_test(samples_are_sums_of_frames),
         cmocka_unit_test(motion_is_measured),
+        cmocka_unit_test(what_does_not_fit_is_refused),
     };
     return cmocka_run_group_tests_name("animate_sums", tests, open_devices, close_devices);
 }
