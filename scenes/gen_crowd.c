@@ -210,6 +210,11 @@ static bb_status read_state(const bb_spec *spec, const bb_option *options, uint3
     s->crowd.radius = 0.5 * bb_cube_root(s->kind->fill / s->least);
     s->part = s->least / 100 + 1;
     if (bb_spec_value(spec, options, "share") != NULL) {
+        if (strcmp(kind, "shuffle") != 0 && strcmp(kind, "grow") != 0)
+            return bb_fail(BB_INVALID,
+                           "scene crowd: share is for kind=shuffle and kind=grow, not "
+                           "kind=%s",
+                           kind);
         BB_TRY(bb_spec_double(spec, options, "share", 0, 1, &share));
         s->part = (uint32_t)(share * s->least + 0.5);
     }

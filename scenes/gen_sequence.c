@@ -77,12 +77,16 @@ static bb_status count_files(sequence *s)
     if (s->files > 1 && gap > GAP)
         return BB_OK;
     path_of(s, s->files, path);
-    return s->files <= 1 && gap > GAP
-               ? bb_fail(BB_INVALID, "scene sequence: '%s' is not followed by '%s'", s->first, path)
-               : bb_fail(BB_INVALID,
-                         "scene sequence: '%s' is missing, and there are files behind it: give "
-                         "files=%llu to end there",
-                         path, (unsigned long long)s->files);
+    if (gap > GAP)
+        return bb_fail(BB_INVALID, "scene sequence: '%s' is not followed by '%s'", s->first, path);
+    if (s->files <= 1)
+        return bb_fail(BB_INVALID, "scene sequence: '%s' is missing, and there are files behind it",
+                       path);
+    return bb_fail(
+        BB_INVALID,
+        "scene sequence: '%s' is missing, and there are files behind it: give files=%llu "
+        "to end there",
+        path, (unsigned long long)s->files);
 }
 
 static bb_status read_sequence(const bb_spec *spec, const bb_option *options, sequence *s)

@@ -1,104 +1,7 @@
 /* What is drawn from frames, on figures made up here; and the strip of pictures. */
-#include "framework/animate/animate.h"
-#include "tests/device_forms.h"
+#include "tests/animate_figures.h"
 
 #include <math.h>
-
-enum { FRAMES = 4, RAYS = 1000 };
-
-/* A method that takes `update` ms in all frames, and `layout` and `rate` rays per ms with kernel 0,
- * twice both with kernel 1. */
-static void fill(bb_animate_method *method, bb_update_way way, double update, double layout,
-                 double rate)
-{
-    method->frames = NULL;
-    ASSERT_OK(bb_host_alloc(NULL, FRAMES * sizeof *method->frames, "frames", &method->frames));
-    memset(method->frames, 0, FRAMES * sizeof *method->frames);
-    method->done = FRAMES;
-    for (uint32_t f = 0; f < FRAMES; f++) {
-        bb_animate_frame *frame = &method->frames[f];
-        frame->way = f == 0 ? BB_REBUILT : way;
-        frame->update[1] = update;
-        frame->sah = 2 + f;
-        for (uint32_t k = 0; k < 2; k++) {
-            frame->traces[k].layout[1] = layout * (k + 1);
-            frame->traces[k].rays[0][1] = RAYS / (rate * (k + 1));
-        }
-    }
-}
-
-static bb_animate_result *make_result(uint32_t methods)
-{
-    bb_animate_result *result = calloc(1, sizeof *result);
-    assert_non_null(result);
-    result->frame_count = FRAMES;
-    result->rounds = result->ray_count = 1;
-    result->kernel_count = 2;
-    result->method_count = methods;
-    result->states = calloc(FRAMES, sizeof *result->states);
-    assert_non_null(result->states);
-    for (uint32_t f = 0; f < FRAMES; f++)
-        result->states[f] = (bb_animate_state){.frame = 10 + f, .rays = {RAYS}, .fresh_best = 2};
-    return result;
-}
-
-static void destroy(bb_animate_result *result)
-{
-    bb_animate_release(result);
-    free(result);
-}
-
-static void faster(const bb_animate_result *result, uint32_t m, uint32_t with, uint32_t count,
-                   double from, double to)
-{
-    bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX];
-    uint32_t found =
-        bb_animate_faster(result, &result->methods[m], &result->methods[with], 0, intervals);
-    if (found != count)
-        fail_msg("method %u with %u: %u intervals", m, with, found);
-    if (count > 0 &&
-        !(fabs(intervals[0].from - from) <= 1e-9 * from &&
-          (isinf(to) ? isinf(intervals[0].to) : fabs(intervals[0].to - to) <= 1e-9 * to)))
-        fail_msg("method %u with %u: %g to %g", m, with, intervals[0].from, intervals[0].to);
-}
-
-static void methods_change_places_where_times_cross(void **state)
-{
-    (void)state;
-    bb_animate_result *result = make_result(6);
-    bb_animate_method *m = result->methods;
-    fill(&m[0], BB_UPDATED, 1, 1, 100);   /* 2 + n / 100, or 3 + n / 200 */
-    fill(&m[1], BB_REBUILT, 7, 1, 1000);  /* 8 + n / 1000, or 9 + n / 2000 */
-    fill(&m[2], BB_REBUILT, 9, 1, 500);   /* never better than 1 */
-    fill(&m[3], BB_UPDATED, 1, 10, 150);  /* 11 + n / 150, or 21 + n / 300 */
-    fill(&m[4], BB_UPDATED, 1, 0.5, 100); /* 1.5 + n / 100, or 2 + n / 200: better than 0 */
-    strcpy(m[2].refused, "frame 13: no more");
-    /* 3 + n / 200 = 8 + n / 1000 */
-    faster(result, 0, 1, 1, 0, 1250);
-    faster(result, 1, 0, 1, 1250, INFINITY);
-    faster(result, 3, 1, 0, 0, 0);
-    faster(result, 1, 3, 1, 0, INFINITY);
-    faster(result, 4, 0, 1, 0, INFINITY);
-    faster(result, 0, 0, 0, 0, 0);
-    faster(result, 0, 2, 0, 0, 0); /* which has no times */
-    faster(result, 2, 0, 0, 0, 0);
-    /* one that is faster at both ends, since its kernels are */
-    fill(&m[5], BB_UPDATED, 1.2, 0, 95);
-    for (uint32_t f = 1; f < FRAMES; f++) {
-        m[5].frames[f].traces[1].layout[1] = 20;
-        m[5].frames[f].traces[1].rays[0][1] = RAYS / 1000.0;
-    }
-    /* 1.2 + n / 95 < 3 + n / 200; 21.2 + n / 1000 < 3 + n / 200 */
-    faster(result, 5, 0, 2, 0, 1.8 / (1 / 95.0 - 1 / 200.0));
-    assert_ptr_equal(bb_animate_rebuilder(result), &m[1]);
-    m[1].frames[2].way = BB_UPDATED;
-    assert_null(bb_animate_rebuilder(result));
-    m[1].frames[2].way = BB_REBUILT;
-    /* who wins is told by the same times */
-    assert_int_equal(bb_animate_winner(result, 0, 1000), 4);
-    assert_int_equal(bb_animate_winner(result, 0, 1e6), 1);
-    destroy(result);
-}
 
 static void sums_name_the_worst_frame_and_the_drift(void **state)
 {
@@ -112,6 +15,35 @@ static void sums_name_the_worst_frame_and_the_drift(void **state)
     assert_true(sums.worst_update == 9 && sums.update == 5);
     assert_true(fabs(sums.drift - 0.5) < 1e-12); /* of SAH 3, 4, 5 over 2 */
     assert_true(sums.sah_most == 2.5 && sums.sah_last == 2.5 && sums.sah_mean == 2);
+    destroy(result);
+}
+
+/* Over each yardstick's own; a frame whose scene has no area has no cost to compare. */
+static void costs_are_of_frames_that_have_one(void **state)
+{
+    (void)state;
+    bb_animate_result *result = make_result(1);
+    bb_animate_method *method = &result->methods[0];
+    fill(method, BB_UPDATED, 3, 1, 100);
+    result->yardstick_count = 2;
+    for (uint32_t f = 0; f < FRAMES; f++) {
+        result->states[f].fresh[0] = 2;
+        result->states[f].fresh[1] = 4 + f;
+    }
+    bb_animate_sums sums = bb_animate_sum(result, method);
+    assert_true(sums.fresh_most[0] == 2.5 && sums.fresh_most[1] == 5.0 / 7);
+    assert_true(isnan(sums.fresh_most[2]));
+    method->frames[2].sah = result->states[2].fresh_best = result->states[2].fresh[0] = NAN;
+    sums = bb_animate_sum(result, method); /* SAH 3 and 5 over 2, in frames 1 and 3 */
+    assert_true(sums.sah_most == 2.5 && sums.sah_mean == 2 && fabs(sums.drift - 0.5) < 1e-12);
+    for (uint32_t f = 0; f < FRAMES; f++) {
+        method->frames[f].sah = 0;
+        result->states[f].fresh_best = result->states[f].fresh[0] = 0;
+    }
+    sums = bb_animate_sum(result, method);
+    assert_true(isnan(sums.sah_most) && isnan(sums.sah_mean) && isnan(sums.sah_last));
+    assert_true(isnan(sums.drift) && isnan(sums.fresh_most[0]) && sums.fresh_most[1] == 0);
+    assert_true(sums.update == 3);
     destroy(result);
 }
 
@@ -258,14 +190,47 @@ static void motion_is_measured(void **state)
     destroy(result);
 }
 
+/* Before anything is reserved for a million frames. */
+static void what_does_not_fit_is_refused(void **state)
+{
+    (void)state;
+    static const char *const builders[] = {"lbvh"}, *const kernels[] = {"stack"},
+                             *const rays[] = {"primary"};
+    const bb_animate_request request = {.device = devices[CPU_FORM],
+                                        .builders = builders,
+                                        .builder_count = 1,
+                                        .kernels = kernels,
+                                        .kernel_count = 1,
+                                        .rays = rays,
+                                        .ray_count = 1,
+                                        .intersector = "exact",
+                                        .width = 4096,
+                                        .height = 4096,
+                                        .max_rays = 64,
+                                        .last = UINT32_MAX,
+                                        .repeats = 1,
+                                        .quiet = true};
+    bb_animate_result *result = calloc(1, sizeof *result);
+    bb_scene *scene;
+    assert_non_null(result);
+    ASSERT_OK(bb_scene_load("crowd:n=100,frames=1000000", &scene));
+    ASSERT_OK(bb_scene_upload(scene, request.device));
+    assert_int_equal(bb_animate_run(&request, scene, result), BB_REFUSED);
+    assert_non_null(strstr(bb_message(), "--frames"));
+    assert_null(result->states);
+    bb_scene_free(scene);
+    destroy(result);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(methods_change_places_where_times_cross),
         cmocka_unit_test(sums_name_the_worst_frame_and_the_drift),
+        cmocka_unit_test(costs_are_of_frames_that_have_one),
         cmocka_unit_test(a_strip_shows_frames_that_differ),
         cmocka_unit_test(samples_are_sums_of_frames),
         cmocka_unit_test(motion_is_measured),
+        cmocka_unit_test(what_does_not_fit_is_refused),
     };
     return cmocka_run_group_tests_name("animate_sums", tests, open_devices, close_devices);
 }

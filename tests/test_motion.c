@@ -1,5 +1,6 @@
 /* Generated scenes that move, and numbered files: each frame is the same by whichever way it is
  * reached, on every machine; what comes and goes; what is refused. */
+#include "framework/bench/conformance.h"
 #include "framework/scene/scene.h"
 #include "scenes/repeatable.h"
 #include "tests/device_fixture.h"
@@ -155,6 +156,7 @@ static void bad_sequences_get_one_line(void **state)
     expect_failure(sequence("b_1.obj", ""), BB_INVALID, "is not followed by '");
     put("b_4.obj", triangle);
     expect_failure(sequence("b_1.obj", ""), BB_INVALID, "is missing, and there are files behind");
+    assert_null(strstr(bb_message(), "files=")); /* one alone is no sequence */
     put("b_2.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 3 2 1\n");
     put("b_3.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     expect_frame_refused(sequence("b_1.obj", ""), 1, "has other triangles than '");
@@ -167,9 +169,24 @@ static void bad_sequences_get_one_line(void **state)
     expect_failure("car:room=spheres", BB_INVALID, "other primitives than triangles");
     expect_failure("twist:away=1e20", BB_INVALID, "'away'");
     expect_failure("crowd:kind=nothing", BB_INVALID, "kind");
+    expect_failure("crowd:share=0.5", BB_INVALID, "share is for kind=shuffle");
     put("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
     snprintf(room, sizeof room, "car:room=%s", test_path("motion", "point.obj"));
     expect_failure(room, BB_INVALID, "no room to drive in");
+}
+
+/* The frame is to blame, before any builder is looked at. */
+static void conformance_refuses_bad_frames(void **state)
+{
+    (void)state;
+    bb_conformance *conformance;
+    put("c_1.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    put("c_2.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+    bb_scene *scene = load_scene(sequence("c_1.obj", ""));
+    assert_int_equal(bb_conformance_create(device, scene, 4, 1, &conformance), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "frame 1: "));
+    assert_non_null(strstr(bb_message(), "c_2.obj: line 2"));
+    bb_scene_free(scene);
 }
 
 /* The number of things in the last frame is 123 modulo 2^32, in the first 429,600: more than
@@ -190,6 +207,7 @@ int main(void)
         cmocka_unit_test(nothing_moves_in_still),
         cmocka_unit_test(files_are_frames),
         cmocka_unit_test(bad_sequences_get_one_line),
+        cmocka_unit_test(conformance_refuses_bad_frames),
         cmocka_unit_test(crowds_that_outgrow_numbers_are_refused),
     };
     return cmocka_run_group_tests_name("motion", tests, open_device, close_device);

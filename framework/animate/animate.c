@@ -60,11 +60,28 @@ static bb_status take_frames(bb_animate *a)
                        scene->name);
     if (request->first >= last)
         return bb_fail(BB_INVALID,
-                       "%s: frames %u to %u are none to go through: they are 0 to %u, and it takes "
-                       "two at least",
-                       scene->name, request->first, last, scene->frame_count - 1);
+                       "%s: from frame %u on there are not two frames to go through: they are 0 to "
+                       "%u",
+                       scene->name, request->first, scene->frame_count - 1);
     a->frames = last - request->first + 1;
     return BB_OK;
+}
+
+/* Figures, and rays, which are kept for all rounds: at most. */
+static bb_status check_memory(const bb_animate *a)
+{
+    const bb_animate_request *request = a->request;
+    const double pixels = (double)request->width * request->height;
+    const double rays = fmax(pixels, request->max_rays) * request->ray_count * sizeof(bb_ray);
+    const double bytes =
+        a->frames * (rays + (double)request->builder_count * sizeof(bb_animate_frame));
+    if (bytes <= (double)bb_host_limit())
+        return BB_OK;
+    return bb_fail(
+        BB_REFUSED,
+        "%s: figures and rays of %u frames may take %.0f MiB of memory, and %.0f MiB are "
+        "the most: go through fewer (--frames), or with fewer rays or methods",
+        a->scene->name, a->frames, bytes / 1048576.0, (double)bb_host_limit() / 1048576.0);
 }
 
 static bb_status take_request(bb_animate *a)
@@ -112,6 +129,7 @@ static bb_status prepare(bb_animate *a)
     const bb_animate_request *request = a->request;
     bb_animate_result *result = a->result;
     BB_TRY(take_request(a));
+    BB_TRY(check_memory(a));
     a->rays = calloc(a->frames, sizeof *a->rays);
     a->runners = calloc(request->builder_count, sizeof *a->runners);
     result->states = calloc(a->frames, sizeof *result->states);

@@ -19,7 +19,9 @@ enum {
     BB_ANIMATE_KERNELS_MAX = 4,
     BB_ANIMATE_RAYS_MAX = 4,
     BB_ANIMATE_ROUNDS_MAX = 32,
-    BB_ANIMATE_INTERVALS_MAX = BB_ANIMATE_KERNELS_MAX * BB_ANIMATE_KERNELS_MAX + 1,
+    /* per pair of kernels of two methods: rounds, medians, and a pair of each one's own */
+    BB_ANIMATE_INTERVALS_MAX =
+        BB_ANIMATE_KERNELS_MAX * BB_ANIMATE_KERNELS_MAX * (BB_ANIMATE_ROUNDS_MAX + 2) + 1,
     BB_ANIMATE_YARDSTICKS_MAX = 4, /* builders that say they are (bb_builder.yardstick) */
 };
 
@@ -119,8 +121,10 @@ bb_status bb_animate_run(const bb_animate_request *request, bb_scene *scene,
                          bb_animate_result *result);
 void bb_animate_release(bb_animate_result *result);
 
-/* Faults: wrong answers, trees that do not hold, answers that change from round to round. */
+/* Wrong answers of all methods. */
 uint64_t bb_animate_wrong(const bb_animate_result *result);
+/* Methods that ended with a fault: a tree that does not hold, answers that change. */
+uint32_t bb_animate_failed(const bb_animate_result *result);
 
 /* ---- sums ---- */
 
@@ -137,7 +141,8 @@ typedef struct bb_animate_sums {
     uint32_t in_place[BB_ANIMATE_KERNELS_MAX];                   /* frames */
     double rays_ms[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* sums */
     double rays[BB_ANIMATE_RAYS_MAX];                            /* sums of counts */
-    double sah_mean, sah_most, sah_last;          /* over the least of a tree made for the frame */
+    /* over the least of a tree made for the frame, of frames whose scene has an area; NAN: none */
+    double sah_mean, sah_most, sah_last;
     double fresh_most[BB_ANIMATE_YARDSTICKS_MAX]; /* over that of each yardstick */
     double drift;                                 /* of the ratio to the least, per frame */
     uint64_t wrong, checked;
@@ -158,28 +163,44 @@ enum {
 bb_samples bb_animate_samples(const bb_animate_result *result, const bb_animate_method *method,
                               uint32_t kernel, uint32_t parts);
 
+/* ---- who is fastest (animate_winner.c) ---- */
+
+/* Times that differ by less count as equal; `advise` takes the same share. */
+#define BB_ANIMATE_TIE 0.05
+
 /* Mean time of a frame with `count` rays of kind `rays`: update, transfer, layout, and tracing by
- * the kernel that makes it shortest. NAN if nothing was measured. */
+ * the kernel that makes it shortest, of those whose answers are all right. NAN if there is none, or
+ * nothing was measured. */
 double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_method *method,
                            uint32_t rays, double count, uint32_t *kernel);
+
+/* Whether the method takes less time than method `with`, each by its best kernel: in the medians by
+ * more than BB_ANIMATE_TIE, and in each round. */
+bool bb_animate_is_faster(const bb_animate_result *result, const bb_animate_method *method,
+                          const bb_animate_method *with, uint32_t rays, double count);
 
 /* Numbers of rays per frame. */
 typedef struct bb_animate_interval {
     double from, to; /* to: INFINITY if it has no end */
 } bb_animate_interval;
 
-/* For how many rays of kind `rays` per frame the method takes less time than method `with`, each by
- * its best kernel: intervals, in order, and how many (0: for none, or nothing was measured). */
+/* For how many rays of kind `rays` per frame the method is faster than method `with`: intervals, in
+ * order, and how many (0: for none, or nothing was measured). */
 uint32_t bb_animate_faster(const bb_animate_result *result, const bb_animate_method *method,
                            const bb_animate_method *with, uint32_t rays,
                            bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX]);
 
-/* The first method that built each frame anew, with which others are compared; NULL if there is
- * none. */
+/* The first method that built anew each frame in which anything moved, with which others are
+ * compared; NULL if there is none. */
 const bb_animate_method *bb_animate_rebuilder(const bb_animate_result *result);
 
-/* The method that is fastest then; BB_NONE if there is none. */
+/* The method of the least time then; BB_NONE if there is none. Others may be as fast, for all that
+ * can be told: those that it is not faster than. */
 uint32_t bb_animate_winner(const bb_animate_result *result, uint32_t rays, double count);
+
+/* Whether method `m` is another that is as fast as the winner. */
+bool bb_animate_ties(const bb_animate_result *result, uint32_t winner, uint32_t m, uint32_t rays,
+                     double count);
 
 /* ---- output ---- */
 

@@ -142,6 +142,7 @@ static bool put_method(cJSON *list, const bb_animate_result *result,
     put = bb_put(entry, "kernels", kernels) && put;
     put = put && bb_put_text(entry, "method", method->builder) &&
           bb_put_text(entry, "refused", method->refused) &&
+          bb_put(entry, "failed", cJSON_CreateBool(method->failed)) &&
           bb_put_number(entry, "most_bytes", (double)method->most_bytes) &&
           put_frames(entry, "way", result, method, way_of, 0, 0) &&
           put_frames(entry, "update_ms", result, method, update_of, 0, 0) &&
@@ -160,24 +161,34 @@ static bool put_method(cJSON *list, const bb_animate_result *result,
 
 /* ---- all ---- */
 
+static bool put_winner(cJSON *list, const bb_animate_result *result, uint32_t winner, uint32_t rays,
+                       double count)
+{
+    uint32_t kernel = 0;
+    const bb_animate_method *method = &result->methods[winner];
+    double ms = bb_animate_frame_ms(result, method, rays, count, &kernel);
+    cJSON *entry = cJSON_CreateObject(), *ties = cJSON_CreateArray();
+    bool put = entry != NULL && cJSON_AddItemToArray(list, entry);
+    put = bb_put(entry, "as_fast", ties) && put;
+    put = put && bb_put_text(entry, "rays", result->rays[rays]) &&
+          bb_put_number(entry, "count", count) && bb_put_text(entry, "method", method->builder) &&
+          bb_put_text(entry, "kernel", result->kernels[kernel]) &&
+          bb_put_number(entry, "frame_ms", ms);
+    for (uint32_t m = 0; m < result->method_count && put; m++)
+        if (bb_animate_ties(result, winner, m, rays, count))
+            put = cJSON_AddItemToArray(ties, cJSON_CreateString(result->methods[m].builder));
+    return put;
+}
+
 static bool put_winners(cJSON *root, const bb_animate_result *result)
 {
     cJSON *list = cJSON_CreateArray();
     bool put = bb_put(root, "winners", list);
     for (uint32_t i = 0; i < result->ray_count && put; i++)
         for (int n = 0; n < COUNTS && put; n++) {
-            uint32_t kernel = 0, winner = bb_animate_winner(result, i, counts[n]);
-            if (winner == BB_NONE)
-                continue;
-            const bb_animate_method *method = &result->methods[winner];
-            double ms = bb_animate_frame_ms(result, method, i, counts[n], &kernel);
-            cJSON *entry = cJSON_CreateObject();
-            put = entry != NULL && cJSON_AddItemToArray(list, entry) &&
-                  bb_put_text(entry, "rays", result->rays[i]) &&
-                  bb_put_number(entry, "count", counts[n]) &&
-                  bb_put_text(entry, "method", method->builder) &&
-                  bb_put_text(entry, "kernel", result->kernels[kernel]) &&
-                  bb_put_number(entry, "frame_ms", ms);
+            uint32_t winner = bb_animate_winner(result, i, counts[n]);
+            if (winner != BB_NONE)
+                put = put_winner(list, result, winner, i, counts[n]);
         }
     return put;
 }

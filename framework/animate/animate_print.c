@@ -9,6 +9,15 @@ static const double counts[] = {1e5, 1e7, 1e9};
 
 enum { COUNTS = sizeof counts / sizeof counts[0] };
 
+/* A figure, or a dash where there is none. */
+static void print_figure(int width, int digits, double value)
+{
+    if (isnan(value))
+        printf(" %*s", width, "-");
+    else
+        printf(" %*.*f", width, digits, value);
+}
+
 static void print_ways(const bb_animate_sums *sums)
 {
     char text[64] = "";
@@ -31,17 +40,21 @@ static void print_methods(const bb_animate_result *result)
     for (uint32_t m = 0; m < result->method_count; m++) {
         const bb_animate_method *method = &result->methods[m];
         bb_animate_sums s = bb_animate_sum(result, method);
-        printf("  %-36s ", method->builder);
+        printf("  %-36s", method->builder);
         if (s.frames > 0) {
-            printf("%10.3f %10.3f %8u %9.3f %9.3f %9.3f %9.4f", s.update, s.worst_update,
-                   s.worst_frame, s.transfer, s.sah_mean, s.sah_most, s.drift);
+            printf(" %10.3f %10.3f %8u %9.3f", s.update, s.worst_update, s.worst_frame, s.transfer);
+            print_figure(9, 3, s.sah_mean);
+            print_figure(9, 3, s.sah_most);
+            print_figure(9, 4, s.drift);
             for (uint32_t i = 0; i < result->yardstick_count; i++)
-                printf(" %*.3f", 8 + (int)strlen(result->yardsticks[i]), s.fresh_most[i]);
+                print_figure(8 + (int)strlen(result->yardsticks[i]), 3, s.fresh_most[i]);
             printf(" %9llu", (unsigned long long)s.wrong);
             print_ways(&s);
         }
-        printf("%s%s\n", s.frames > 0 && method->refused[0] != '\0' ? "; then " : "",
-               method->refused);
+        if (method->refused[0] != '\0')
+            printf("%s%s%s", s.frames > 0 ? "; then " : " ", method->failed ? "FAILED: " : "",
+                   method->refused);
+        printf("\n");
     }
 }
 
@@ -58,10 +71,24 @@ static void print_kernels(const bb_animate_result *result)
             printf("  %-36s %-16s %10.3f %4u/%-4u", k == 0 ? method->builder : "",
                    result->kernels[k], s.layout[k], s.in_place[k], s.frames);
             for (uint32_t i = 0; i < result->ray_count; i++)
-                printf(" %14.3f", s.rays[i] / s.rays_ms[k][i] / 1e3);
+                print_figure(14, 3, s.rays[i] / s.rays_ms[k][i] / 1e3);
             printf("\n");
         }
     }
+}
+
+static void print_winner(const bb_animate_result *result, uint32_t winner, uint32_t rays,
+                         double count)
+{
+    uint32_t kernel = 0, others = 0;
+    const bb_animate_method *method = &result->methods[winner];
+    double ms = bb_animate_frame_ms(result, method, rays, count, &kernel);
+    printf("  %-14.14s %6.0e  %12.1f  %s, %s", result->rays[rays], count, ms, method->builder,
+           result->kernels[kernel]);
+    for (uint32_t m = 0; m < result->method_count; m++)
+        if (bb_animate_ties(result, winner, m, rays, count))
+            printf("%s%s", others++ == 0 ? "; as fast: " : ", ", result->methods[m].builder);
+    printf("\n");
 }
 
 static void print_winners(const bb_animate_result *result)
@@ -69,13 +96,9 @@ static void print_winners(const bb_animate_result *result)
     printf("\n  who wins, by rays per frame: update, layout and tracing together, in ms\n");
     for (uint32_t i = 0; i < result->ray_count; i++)
         for (int n = 0; n < COUNTS; n++) {
-            uint32_t kernel = 0, winner = bb_animate_winner(result, i, counts[n]);
-            if (winner == BB_NONE)
-                continue;
-            const bb_animate_method *method = &result->methods[winner];
-            double ms = bb_animate_frame_ms(result, method, i, counts[n], &kernel);
-            printf("  %-14.14s %6.0e  %12.1f  %s, %s\n", result->rays[i], counts[n], ms,
-                   method->builder, result->kernels[kernel]);
+            uint32_t winner = bb_animate_winner(result, i, counts[n]);
+            if (winner != BB_NONE)
+                print_winner(result, winner, i, counts[n]);
         }
 }
 
@@ -138,6 +161,7 @@ static void print_motion(const bb_animate_result *result)
 void bb_animate_print(const bb_animate_result *result)
 {
     uint64_t checked = 0, wrong = bb_animate_wrong(result);
+    uint32_t failed = bb_animate_failed(result);
     for (uint32_t m = 0; m < result->method_count; m++)
         checked += bb_animate_sum(result, &result->methods[m]).checked;
     printf("%s: frames %u to %u, view %s, %s, %u round%s\n", result->scene, result->states[0].frame,
@@ -151,6 +175,9 @@ void bb_animate_print(const bb_animate_result *result)
     print_kernels(result);
     print_winners(result);
     print_faster(result);
-    printf("\n  %llu answers judged, %llu wrong; %.1f s\n", (unsigned long long)checked,
-           (unsigned long long)wrong, result->ms / 1e3);
+    printf("\n  %llu answers judged, %llu wrong; ", (unsigned long long)checked,
+           (unsigned long long)wrong);
+    if (failed > 0)
+        printf("%u method%s FAILED; ", failed, failed == 1 ? "" : "s");
+    printf("%.1f s\n", result->ms / 1e3);
 }

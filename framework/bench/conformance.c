@@ -288,7 +288,8 @@ static bb_status prepare(bb_conformance *c)
     BB_TRY(bb_scene_upload(c->scene, c->device));
     BB_TRY(reverse(c->scene, &c->reversed));
     BB_TRY(bb_scene_upload(c->reversed, c->device));
-    return bb_conformance_prepare_rays(c);
+    BB_TRY(bb_conformance_prepare_rays(c));
+    return bb_conformance_prepare_frames(c);
 }
 
 bb_status bb_conformance_create(bb_device *device, bb_scene *scene, uint32_t side, uint64_t seed,

@@ -21,12 +21,9 @@ static uint32_t choose_frames(const bb_scene *scene, uint32_t frames[BB_FRAMES_M
     return count;
 }
 
-/* Where the scene stands now. Its answers begin with those that no tree is needed for. */
-static bb_status get_judge(bb_conformance *c, uint32_t index, bb_conformance **out)
+/* Of the frame that the scene is at. Its answers begin with those that no tree is needed for. */
+static bb_status make_judge(bb_conformance *c, bb_conformance **out)
 {
-    *out = c->frames[index];
-    if (*out != NULL)
-        return BB_OK;
     bb_conformance *judge = calloc(1, sizeof *judge);
     if (judge == NULL)
         return bb_fail(BB_FAILED, "out of memory");
@@ -41,7 +38,7 @@ static bb_status get_judge(bb_conformance *c, uint32_t index, bb_conformance **o
         bb_conformance_destroy(judge);
         return status;
     }
-    c->frames[index] = *out = judge;
+    *out = judge;
     return BB_OK;
 }
 
@@ -67,6 +64,25 @@ static bb_status at_frame(bb_status status, uint32_t frame, bb_update_way way)
     return bb_fail(BB_FAILED, "frame %u, %s: %s", frame, bb_update_word(way), reason);
 }
 
+bb_status bb_conformance_prepare_frames(bb_conformance *c)
+{
+    uint32_t frames[BB_FRAMES_MAX];
+    bb_status status = BB_OK;
+    if (c->scene->frame_count <= 1)
+        return BB_OK;
+    uint32_t count = choose_frames(c->scene, frames);
+    for (uint32_t i = 0; i < count && status == BB_OK; i++) {
+        char reason[512];
+        status = bb_scene_set_frame(c->scene, frames[i], NULL);
+        if (status == BB_OK)
+            status = make_judge(c, &c->frames[i]);
+        snprintf(reason, sizeof reason, "%s", status != BB_OK ? bb_message() : "");
+        if (status != BB_OK)
+            bb_fail(status, "%s: frame %u: %s", c->scene->name, frames[i], reason);
+    }
+    return status == BB_OK ? bb_scene_set_frame(c->scene, 0, NULL) : status;
+}
+
 static bb_status walk(bb_conformance *c, bb_instance *instance, const uint32_t *frames,
                       uint32_t count, bool ways[BB_REBUILT + 1])
 {
@@ -77,7 +93,7 @@ static bb_status walk(bb_conformance *c, bb_instance *instance, const uint32_t *
         bb_conformance *judge = c;
         BB_TRY(bb_scene_set_frame(c->scene, frame, &changed));
         if (!back)
-            BB_TRY(get_judge(c, i, &judge));
+            judge = c->frames[i];
         bb_status status = check_update(judge, instance, changed, &way);
         BB_TRY(at_frame(status, frame, way));
         ways[way] = true;

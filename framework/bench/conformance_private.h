@@ -31,7 +31,7 @@ struct bb_conformance {
     bb_account account;
     bb_buffer d_results;
     char *results;                         /* of the last trace */
-    bb_conformance *frames[BB_FRAMES_MAX]; /* of other frames of the scene; NULL: not needed yet */
+    bb_conformance *frames[BB_FRAMES_MAX]; /* of other frames of the scene; NULL: none */
 };
 
 /* Makes the oracle, the ray sets and their answers, of the scene as it is now. */
@@ -45,6 +45,10 @@ bb_status bb_conformance_choose_counts(bb_conformance *c, bb_tree *tree);
  * BB_FAILED with the first wrong answer, or if no kernel takes it. */
 bb_status bb_conformance_check_kernels(bb_conformance *c, bb_tree *tree, const char *builder,
                                        uint32_t most, char *refusing, size_t capacity);
+
+/* What is right in the frames that trees are brought to: rays and answers of each. The scene is at
+ * frame 0, and is there again afterwards. A failure names the frame. */
+bb_status bb_conformance_prepare_frames(bb_conformance *c);
 
 /* Brings an instance that was built at frame 0 to other frames and back: each of its trees is
  * valid, and traced rightly. The scene is at frame 0 again afterwards, whatever happens. `note`

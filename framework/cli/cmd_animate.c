@@ -63,13 +63,15 @@ static bb_status add_moving(bb_names *names)
 static bb_status read_frames(job *j)
 {
     const char *text = bb_cli_value(j->cli, "frames");
-    unsigned long first, last;
-    char rest;
+    uint64_t first, last;
     j->request.last = UINT32_MAX;
     if (text == NULL)
         return BB_OK;
-    if (sscanf(text, "%lu..%lu%c", &first, &last, &rest) != 2 || strchr(text, '-') != NULL ||
-        first >= last || last > UINT32_MAX)
+    const char *dots = strstr(text, "..");
+    char from[24];
+    snprintf(from, sizeof from, "%.*s", dots != NULL ? (int)(dots - text) : 0, text);
+    if (!bb_read_whole(from, &first) || !bb_read_whole(dots + 2, &last) || first >= last ||
+        last > UINT32_MAX)
         return bb_fail(BB_INVALID, "--frames: '%s' is none of A..B, with A below B, as in 0..20",
                        text);
     j->request.first = (uint32_t)first;
@@ -162,7 +164,7 @@ static bb_status animate(job *j, const char *name, bb_animate_result *result)
     if (status == BB_OK)
         status = bb_animate_run(&j->request, scene, result);
     if (status == BB_OK) {
-        j->wrong = j->wrong || bb_animate_wrong(result) > 0;
+        j->wrong = j->wrong || bb_animate_wrong(result) > 0 || bb_animate_failed(result) > 0;
         status = add_result(j, result);
     }
     bb_animate_release(result);

@@ -178,6 +178,11 @@ static bb_status check_room(const bb_reproduce_request *request)
     return BB_OK;
 }
 
+static bool is_wrong(const bb_animate_result *result)
+{
+    return bb_animate_wrong(result) > 0 || bb_animate_failed(result) > 0;
+}
+
 static bb_status measure(const bb_reproduce_request *request, void **out, bool *wrong)
 {
     bb_dynamic *d = calloc(1, sizeof *d);
@@ -189,8 +194,7 @@ static bb_status measure(const bb_reproduce_request *request, void **out, bool *
         return bb_fail(BB_INVALID, "--repeats: at most %d of sequences", BB_ANIMATE_ROUNDS_MAX - 1);
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++) {
         BB_TRY(load_and_animate(request, (bb_dynamic_scene)s, d));
-        *wrong =
-            *wrong || bb_animate_wrong(&d->scenes[s]) > 0 || bb_animate_wrong(&d->small[s]) > 0;
+        *wrong = *wrong || is_wrong(&d->scenes[s]) || is_wrong(&d->small[s]);
     }
     return BB_OK;
 }

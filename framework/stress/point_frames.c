@@ -52,7 +52,7 @@ static void read_frames(const bb_animate_result *result, const bb_animate_method
         prims += result->states[i].prims;
         update += least(result, frame->update);
         rebuilt += frame->way == BB_REBUILT;
-        tests += (double)frame->traces[kernel].tests;
+        tests += (double)frame->traces[kernel].tests; /* of all sets */
         for (uint32_t set = 0; set < result->ray_count; set++)
             if (sets >> set & 1) {
                 trace += least(result, frame->traces[kernel].rays[set]);
@@ -67,7 +67,7 @@ static void read_frames(const bb_animate_result *result, const bb_animate_method
     f->ray_sets = sets;
     f->trace_ms = trace;
     f->rays = rays;
-    f->tests = rays > 0 ? tests / rays : NAN;
+    f->tests = rays > 0 && sets == (1u << result->ray_count) - 1u ? tests / rays : NAN;
 }
 
 static void read_answers(const bb_animate_method *method, uint32_t kernel, bb_figures *f)

@@ -11,13 +11,15 @@ expect(sections.length === page.results.length && sections.length > 0, `${sectio
 let drawn = 0;
 sections.forEach((section, number) => {
   const result = page.results[number], kinds = Object.keys(result.rays);
-  const rows = [...section.querySelectorAll('table.methods tbody tr')];
-  expect(rows.length === result.methods.length, 'a row for each method');
+  const rows = [...section.querySelectorAll('table.methods tbody tr')], kernels = result.methods[0].kernels;
+  expect(rows.length === result.methods.length * kernels.length, 'a row for each method and kernel');
   rows.forEach((row, i) => {
-    const cells = [...row.querySelectorAll('td')].map(td => td.textContent);
-    expect(row.querySelector('th').textContent === result.methods[i].method, 'the name of a method');
+    const cells = [...row.querySelectorAll('td')].map(td => td.textContent), method = result.methods[Math.floor(i / kernels.length)];
     expect(cells.every(text => !/NaN|undefined|null/.test(text)), cells.join(' | '));
-    expect(cells.at(-2) === '0' && /updated|rebuilt|kept/.test(cells.at(-1)), cells.join(' | '));
+    expect(cells.at(-1) === '0' && cells.includes(kernels[i % kernels.length].kernel), cells.join(' | '));
+    if (i % kernels.length > 0) return;
+    expect(row.querySelector('th').textContent === method.method, 'the name of a method');
+    expect(/updated|rebuilt|kept/.test(row.querySelector('td.ways').textContent), cells.join(' | '));
   });
   const others = result.methods.filter(m => m.method !== result.faster_than), faster = [...section.querySelectorAll('table.faster tbody tr')];
   expect(faster.length === others.length, 'a row for each other method');

@@ -16,12 +16,13 @@ function brief(value) {
 const rest = list => list.slice(1).filter(isNumber); /* the first frame is a build for all */
 const sum = list => list.reduce((a, b) => a + b, 0);
 const mean = list => list.length ? sum(list) / list.length : NaN;
-const complete = result => result.methods.filter(m => !m.refused);
+const isRight = kernel => sum(kernel.wrong) === 0;
+const complete = result => result.methods.filter(m => !m.refused && m.kernels.some(isRight));
 
-/* Mean time of a frame with `count` rays of a kind, by the method's best kernel. */
+/* Mean time of a frame with `count` rays of a kind, by the method's best kernel, of those that are right. */
 function frameTime(result, method, rays, count) {
   const before = mean(rest(method.update_ms)) + mean(rest(method.transfer_ms)), traced = sum(rest(result.rays[rays]));
-  return Math.min(...method.kernels.map(k => before + mean(rest(k.layout_ms)) + count * sum(rest(k.rays_ms[rays])) / traced));
+  return Math.min(...method.kernels.filter(isRight).map(k => before + mean(rest(k.layout_ms)) + count * sum(rest(k.rays_ms[rays])) / traced));
 }
 
 /* ---- tables ---- */
@@ -31,30 +32,35 @@ function waysOf(method) {
   return counts.filter(([count]) => count > 0).map(([count, word]) => `${count} ${word}`).join(', ');
 }
 
-function methodRow(result, method) {
-  const number = value => el('td', { class: 'number' }, typeof value === 'string' ? value : brief(value));
-  const name = el('th', { scope: 'row' }, method.method);
-  const kinds = Object.keys(result.rays);
-  if (method.update_ms.length < 2) return el('tr', {}, name, el('td', { colspan: 10 + kinds.length }, method.refused || ''));
-  const rate = rays => Math.max(...method.kernels.map(k => sum(rest(result.rays[rays])) / sum(rest(k.rays_ms[rays])) / 1e3));
-  return el('tr', {}, name, number(method.sums.update_ms), number(method.sums.worst_update_ms), number(method.sums.worst_frame),
-            number(Math.min(...method.kernels.map(k => mean(rest(k.layout_ms))))), ...kinds.map(rays => number(rate(rays))),
-            number(method.sums.sah_over_best), number(method.sums.sah_over_best_most), number(method.sums.drift_per_frame), number(method.most_bytes / 2 ** 20),
-            el('td', { class: method.sums.wrong > 0 ? 'number wrong' : 'number' }, String(method.sums.wrong)),
-            el('td', {}, waysOf(method) + (method.refused ? `; then ${method.refused}` : '')));
+const whyNot = method => (method.failed ? 'FAILED: ' : '') + method.refused;
+
+/* A row for each of its kernels; what is the method's own stands beside all of them. */
+function methodRows(result, method) {
+  const number = (value, rowspan) => el('td', { class: 'number', rowspan }, brief(value));
+  const kinds = Object.keys(result.rays), sums = method.sums, kernels = method.kernels;
+  if (method.update_ms.length < 2)
+    return [el('tr', {}, el('th', { scope: 'row' }, method.method), el('td', { colspan: 11 + kinds.length, class: method.failed ? 'wrong' : '' }, whyNot(method)))];
+  const n = kernels.length, wrong = sums.wrong > 0 || method.failed ? ' wrong' : '';
+  const own = [sums.update_ms, sums.worst_update_ms, sums.worst_frame, sums.sah_over_best, sums.sah_over_best_most, sums.drift_per_frame, method.most_bytes / 2 ** 20];
+  return kernels.map((k, i) => el('tr', {},
+    ...(i > 0 ? [] : [el('th', { scope: 'rowgroup', rowspan: n }, method.method), ...own.map(value => number(value, n)),
+                      el('td', { class: `ways${wrong}`, rowspan: n }, waysOf(method) + (method.refused ? `; then ${whyNot(method)}` : ''))]),
+    el('td', {}, k.kernel), number(mean(rest(k.layout_ms)), 1), ...kinds.map(rays => number(sum(rest(result.rays[rays])) / sum(rest(k.rays_ms[rays])) / 1e3, 1)),
+    el('td', { class: sum(k.wrong) > 0 ? 'number wrong' : 'number' }, String(sum(k.wrong)))));
 }
 
 function methodsTable(result) {
-  const head = ['Method', 'update ms', 'worst', 'in frame', 'layout ms', ...Object.keys(result.rays).map(rays => `${rays}, Mrays/s`), 'SAH / fresh', 'most', 'drift per frame', 'MiB', 'wrong', 'frames'];
+  const head = ['Method', 'update ms', 'worst', 'in frame', 'SAH / fresh', 'most', 'drift per frame', 'MiB', 'frames', 'kernel', 'layout ms', ...Object.keys(result.rays).map(rays => `${rays}, Mrays/s`), 'wrong'];
   return el('div', { class: 'scroll' }, el('table', { class: 'methods' },
     el('thead', {}, el('tr', {}, ...head.map(text => el('th', { scope: 'col' }, text)))),
-    el('tbody', {}, ...result.methods.map(m => methodRow(result, m)))));
+    el('tbody', {}, ...result.methods.flatMap(m => methodRows(result, m)))));
 }
 
 function winnersTable(result) {
   const counts = [...new Set(result.winners.map(w => w.count))];
   const entry = (rays, count) => result.winners.find(w => w.rays === rays && w.count === count);
-  const cell = w => w ? el('td', {}, `${w.method}, ${w.kernel}: ${brief(w.frame_ms)} ms`) : el('td', {}, dash);
+  const others = w => w.as_fast.length > 0 ? `; as fast: ${w.as_fast.join(', ')}` : '';
+  const cell = w => w ? el('td', {}, `${w.method}, ${w.kernel}: ${brief(w.frame_ms)} ms${others(w)}`) : el('td', {}, dash);
   return el('div', { class: 'scroll' }, el('table', { class: 'winners' },
     el('thead', {}, el('tr', {}, el('th', { scope: 'col' }, 'Rays per frame'), ...counts.map(n => el('th', { scope: 'col' }, brief(n))))),
     el('tbody', {}, ...Object.keys(result.rays).map(rays => el('tr', {}, el('th', { scope: 'row' }, rays), ...counts.map(n => cell(entry(rays, n))))))));
@@ -123,21 +129,23 @@ function show(result, number) {
   const kinds = Object.keys(result.rays);
   $('results').append(el('section', { 'aria-labelledby': `result-${number}` },
     el('h2', { id: `result-${number}` }, result.scene),
-    el('p', {}, `Frames ${result.frames[0]} to ${result.frames.at(-1)}, ${result.primitives[0]} primitives at first, view ${result.view}; ${result.rounds} rounds.`),
+    el('p', {}, `Frames ${result.frames[0]} to ${result.frames.at(-1)}, ${result.primitives[0]} primitives at first, view ${result.view}; ${result.rounds} ${result.rounds === 1 ? 'round' : 'rounds'}.`),
     pictures(result), methodsTable(result),
-    el('p', { class: 'note' }, 'Means over the frames behind the first, which is a build for all, of medians over the rounds. Layout and rates are those of the best kernel.'),
+    el('p', { class: 'note' }, 'Means over the frames behind the first, which is a build for all, of medians over the rounds.'),
     el('h3', {}, 'Who is fastest'), winnersTable(result), fasterTable(result),
-    el('div', { class: 'charts' }, card(`update-${number}`, 'Updates'),
+    el('p', { class: 'note' }, 'Faster: by more than 5 % in the medians, and in every round. What gives wrong answers is not among the fastest.'),
+    el('div', { class: 'charts' }, card(`update-${number}`, 'Updates', 'A tree that is kept takes no time, and has no point.'),
       card(`cost-${number}`, 'Cost', `Surface area heuristic of the tree, over that of the best tree made for the same frame (${Object.keys(result.sah_fresh).join(', ')}).`),
       ...kinds.map((rays, k) => card(`wins-${number}-${k}`, `Time of a frame, ${rays}`, 'Update, layout and tracing by the best kernel.')))));
   drawAll(result, number);
 }
 
 function start() {
-  const wrong = sum(page.results.flatMap(r => r.methods).map(m => m.sums.wrong));
+  const methods = page.results.flatMap(r => r.methods), wrong = sum(methods.map(m => m.sums.wrong)), failed = methods.filter(m => m.failed);
+  const faults = [...(wrong > 0 ? [`${wrong} answers are wrong.`] : []), ...failed.map(m => `${m.method} failed: ${m.refused}.`)];
   document.title = $('title').textContent = 'bvhbench: moving scenes';
   $('where').textContent = `${page.revision}, ${page.device}`;
-  $('verdict').append(wrong === 0 ? 'All answers in all frames are right.' : el('b', { class: 'bad' }, `${wrong} answers are wrong.`));
+  $('verdict').append(faults.length === 0 ? 'All answers in all frames are right.' : el('b', { class: 'bad' }, faults.join(' ')));
   page.results.forEach(show);
 }
 start();
