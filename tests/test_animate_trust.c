@@ -66,10 +66,27 @@ static const cJSON *member_of(const cJSON *list, const char *key, const char *va
     return NULL;
 }
 
+static const cJSON *result_of(const cJSON *json)
+{
+    return cJSON_GetArrayItem(cJSON_GetObjectItem(json, "results"), 0);
+}
+
 static const cJSON *method_of(const cJSON *json, const char *name)
 {
-    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "results"), 0);
-    return member_of(cJSON_GetObjectItem(result, "methods"), "method", name);
+    return member_of(cJSON_GetObjectItem(result_of(json), "methods"), "method", name);
+}
+
+/* None with wrong answers or a fault is among the fastest, of which there are some. */
+static void expect_no_winner(const cJSON *json, const char *method, const char *kernel)
+{
+    const cJSON *winner, *winners = cJSON_GetObjectItem(result_of(json), "winners");
+    assert_true(cJSON_GetArraySize(winners) > 0);
+    cJSON_ArrayForEach(winner, winners)
+    {
+        const cJSON *by = cJSON_GetObjectItem(winner, "kernel");
+        if (strcmp(cJSON_GetObjectItem(winner, "method")->valuestring, method) == 0)
+            assert_true(kernel != NULL && strcmp(by->valuestring, kernel) != 0);
+    }
 }
 
 static double number_of(const cJSON *object, const char *name)
@@ -108,6 +125,8 @@ static void a_layout_that_follows_wrongly_is_found(void **state)
     }
     assert_true(number_of(cJSON_GetObjectItem(refit, "sums"), "wrong") == sum);
     assert_true(number_of(cJSON_GetObjectItem(lbvh, "sums"), "wrong") == 0);
+    assert_false(cJSON_IsTrue(cJSON_GetObjectItem(refit, "failed")));
+    expect_no_winner(json, "lbvh+refit", "stack8");
     cJSON_Delete(json);
 }
 
@@ -131,6 +150,9 @@ static void a_refit_that_loses_boxes_is_found(void **state)
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(refit, "way")), 1);
     assert_false(cJSON_IsString(cJSON_GetObjectItem(lbvh, "refused")));
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(lbvh, "way")), 3);
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(refit, "failed")));
+    assert_true(cJSON_IsFalse(cJSON_GetObjectItem(lbvh, "failed")));
+    expect_no_winner(json, "lbvh+refit", NULL);
     cJSON_Delete(json);
 }
 
@@ -244,6 +266,8 @@ static void what_does_not_hold_is_refused(void **state)
     }
     for (uint32_t i = 0; i < 3; i++)
         assert_int_equal(bb_animate_winner(result, i, 1), 0);
+    assert_int_equal(bb_animate_wrong(result), 0);
+    assert_int_equal(bb_animate_failed(result), 3);
     release(result);
 }
 
