@@ -1,6 +1,8 @@
 /* The host side of subtrees.cl. */
 #include "builders/common/subtrees.h"
 
+#include <stdio.h>
+
 enum {
     GROUP_SIZE = 64,
     SUBTREE_CPU = 256, /* most nodes of a subtree that one work-item does */
@@ -12,13 +14,24 @@ static bool by_levels(const bb_subtrees *subtrees)
     return subtrees->device->handover == BB_HANDOVER_LEVELS;
 }
 
+static uint32_t most_nodes(const bb_device *device)
+{
+    return device->is_cpu ? SUBTREE_CPU : SUBTREE_GPU;
+}
+
+void bb_subtrees_defines(const bb_device *device, char text[BB_SUBTREES_DEFINES])
+{
+    char handover[96];
+    bb_handover_defines(device, handover, sizeof handover);
+    snprintf(text, BB_SUBTREES_DEFINES, "%s -DBB_SUBTREE_MOST=%u", handover, most_nodes(device));
+}
+
 bb_status bb_subtrees_create(bb_device *device, bb_account *account, bb_subtrees *subtrees)
 {
-    char defines[96];
+    char defines[BB_SUBTREES_DEFINES];
     subtrees->device = device;
     subtrees->account = account;
-    subtrees->most = device->is_cpu ? SUBTREE_CPU : SUBTREE_GPU;
-    bb_handover_defines(device, defines, sizeof defines);
+    bb_subtrees_defines(device, defines);
     BB_TRY(bb_program_build(device, bb_source_find("subtrees.cl"), defines, &subtrees->program));
     BB_TRY(bb_kernel_get(subtrees->program, "subtrees_parents", &subtrees->parents_kernel));
     if (by_levels(subtrees))
@@ -70,7 +83,7 @@ bb_status bb_subtrees_cut(bb_subtrees *subtrees, const bb_tree *tree)
     uint32_t count = tree->info.node_count;
     BB_TRY(bb_launch(subtrees->device, subtrees->mark_kernel, count, GROUP_SIZE,
                      BB_MEM(subtrees->sizes), BB_VALUE(count), BB_VALUE(tree->info.root),
-                     BB_VALUE(subtrees->most), BB_MEM(subtrees->parents), BB_MEM(subtrees->marks)));
+                     BB_MEM(subtrees->parents), BB_MEM(subtrees->marks)));
     BB_TRY(bb_compact_u32(subtrees->compaction, &subtrees->marks, NULL, count, &subtrees->roots,
                           &subtrees->root_count));
     return bb_buffer_read(&subtrees->root_count, 0, sizeof subtrees->found, &subtrees->found);

@@ -40,11 +40,11 @@ kernel void subtrees_sizes(global const bb_node *nodes, uint count, global const
     }
 }
 
-kernel void subtrees_mark(global const uint *sizes, uint count, uint root, uint most,
+kernel void subtrees_mark(global const uint *sizes, uint count, uint root,
                           global const uint *parents, global uint *marks)
 {
     uint n = get_global_id(0);
     if (n < count)
-        marks[n] = sizes[n] <= most && (n == root || sizes[parents[n]] > most) ? 1u : 0u;
+        marks[n] = sizes[n] <= BB_SUBTREE_MOST && (n == root || sizes[parents[n]] > BB_SUBTREE_MOST) ? 1u : 0u;
 }
 #endif

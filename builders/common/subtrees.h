@@ -1,7 +1,7 @@
 /* A tree cut into subtrees that one work-item each can do: what bottom-up passes over a tree need of
  * its links.
  *
- * The cut: each node that has at most `most` nodes below it, itself included, and whose parent has
+ * The cut: each node that has at most BB_SUBTREE_MOST nodes below it, itself included, and whose parent has
  * more. One work-item for each spares an atomic operation and two fences per node, which is what
  * most of a pass by leaves takes. Where work-groups hand over by levels there is no cut, only
  * parents and missing children.
@@ -33,8 +33,13 @@ typedef struct bb_subtrees {
     bb_buffer marks;
     bb_buffer roots;      /* u32: of the subtrees, `found` of them, ascending */
     bb_buffer root_count; /* the same number, on the device */
-    uint32_t most, found;
+    uint32_t found;
 } bb_subtrees;
+
+/* Options that device code which goes by subtrees is compiled with: BB_SUBTREE_MOST, and those of
+ * handover.clh. */
+enum { BB_SUBTREES_DEFINES = 160 };
+void bb_subtrees_defines(const bb_device *device, char text[BB_SUBTREES_DEFINES]);
 
 /* Compiles into a zeroed object. Scratch is booked on `account`. To be released also if it fails. */
 bb_status bb_subtrees_create(bb_device *device, bb_account *account, bb_subtrees *subtrees);

@@ -14,19 +14,15 @@ static bool by_levels(const bb_turner *turner)
 
 bb_status bb_turner_create(bb_turner *turner)
 {
-    char handover[96], defines[256];
-    bb_handover_defines(turner->device, handover, sizeof handover);
+    char subtrees[BB_SUBTREES_DEFINES], defines[BB_SUBTREES_DEFINES + 160];
+    bb_subtrees_defines(turner->device, subtrees);
     snprintf(defines, sizeof defines,
              "%s -DBB_TURN_CT=%.9ef -DBB_TURN_CI=%.9ef -DBB_TURN_ROTATES=%d -DBB_TURN_COSTS=%d "
              "-DBB_TURN_SPREADS=%d",
-             handover, BB_COST_TRAVERSAL, BB_COST_INTERSECTION, turner->rotates, turner->costs,
+             subtrees, BB_COST_TRAVERSAL, BB_COST_INTERSECTION, turner->rotates, turner->costs,
              turner->spreads);
     BB_TRY(bb_subtrees_create(turner->device, turner->account, &turner->subtrees));
     BB_TRY(bb_program_build(turner->device, &bb_source_turns, defines, &turner->program));
-    if (turner->rotates)
-        BB_TRY(bb_kernel_get(turner->program,
-                             by_levels(turner) ? "turn_skips_of_leaves" : "turn_skips",
-                             &turner->skips_kernel));
     if (!by_levels(turner))
         return bb_kernel_get(turner->program, "turn_subtrees", &turner->subtrees_kernel);
     BB_TRY(bb_kernel_get(turner->program, "turn_leaves", &turner->leaves_kernel));
@@ -45,7 +41,6 @@ void bb_turner_release(bb_turner *turner)
     bb_kernel_release(turner->subtrees_kernel);
     bb_kernel_release(turner->leaves_kernel);
     bb_kernel_release(turner->level_kernel);
-    bb_kernel_release(turner->skips_kernel);
     bb_program_release(turner->program);
 }
 
@@ -76,7 +71,13 @@ static bb_status reserve(bb_turner *turner, const bb_tree *tree)
 bb_status bb_turner_plan(bb_turner *turner, const bb_tree *tree)
 {
     BB_TRY(reserve(turner, tree));
-    return bb_subtrees_plan(&turner->subtrees, tree);
+    size_t bytes = tree->info.node_count * sizeof(uint32_t);
+    BB_TRY(bb_subtrees_plan(&turner->subtrees, tree));
+    if (!turner->rotates)
+        return BB_OK;
+    /* where there is a leaf now, another node may come */
+    BB_TRY(bb_buffer_fill(&turner->subtrees.missing, bytes, 2));
+    return bb_buffer_fill(&turner->heights, bytes, 0);
 }
 
 /* ---- up ---- */
@@ -96,7 +97,8 @@ static bb_status do_level(void *context, const bb_levels *levels, uint32_t n)
                      BB_MEM(turner->subtrees.parents), BB_MEM(turner->subtrees.missing),
                      BB_MEM(turner->heights), BB_MEM(turner->costs_of), BB_MEM(turner->spreads_of),
                      BB_MEM(levels->lists[n % 2]), BB_VALUE(n), BB_MEM(levels->counts),
-                     BB_MEM(levels->lists[(n + 1) % 2]), BB_MEM(turner->totals_there));
+                     BB_MEM(levels->lists[(n + 1) % 2]), BB_MEM(turner->totals_there),
+                     BB_MEM(job->tree->d_info));
 }
 
 static bb_status go_up_by_levels(bb_turner *turner, const bb_buffer *boxes, uint32_t may_turn,
@@ -110,7 +112,7 @@ static bb_status go_up_by_levels(bb_turner *turner, const bb_buffer *boxes, uint
                      BB_MEM(turner->subtrees.parents), BB_MEM(turner->subtrees.missing),
                      BB_MEM(turner->heights), BB_MEM(turner->costs_of), BB_MEM(turner->spreads_of),
                      BB_MEM(turner->levels.counts), BB_MEM(turner->levels.lists[1]),
-                     BB_MEM(turner->totals_there)));
+                     BB_MEM(turner->totals_there), BB_MEM(tree->d_info)));
     return bb_levels_run(&turner->levels, do_level, &job);
 }
 
@@ -122,36 +124,29 @@ static bb_status go_up(bb_turner *turner, const bb_buffer *boxes, uint32_t may_t
         return go_up_by_levels(turner, boxes, may_turn, tree);
     return bb_launch(turner->device, turner->subtrees_kernel, subtrees->found, GROUP_SIZE,
                      BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs), BB_MEM(*boxes),
-                     BB_MEM(subtrees->roots), BB_VALUE(subtrees->found), BB_VALUE(subtrees->most),
-                     BB_VALUE(may_turn), BB_MEM(subtrees->parents), BB_MEM(subtrees->missing),
-                     BB_MEM(subtrees->sizes), BB_MEM(turner->heights), BB_MEM(turner->costs_of),
-                     BB_MEM(turner->spreads_of), BB_MEM(turner->next),
-                     BB_MEM(turner->totals_there));
+                     BB_MEM(subtrees->roots), BB_VALUE(subtrees->found), BB_VALUE(may_turn),
+                     BB_MEM(subtrees->parents), BB_MEM(subtrees->missing), BB_MEM(subtrees->sizes),
+                     BB_MEM(turner->heights), BB_MEM(turner->costs_of), BB_MEM(turner->spreads_of),
+                     BB_MEM(turner->next), BB_MEM(turner->totals_there), BB_MEM(tree->d_info));
 }
 
 /* ---- afterwards ---- */
 
-static bb_status write_skips(bb_turner *turner, bb_tree *tree)
+/* The roots of the pass that comes are those that this one has put on the list; ascending, since
+ * neighbours share memory pages and lines. */
+static bb_status take_roots(bb_turner *turner, uint32_t nodes)
 {
-    const bb_subtrees *subtrees = &turner->subtrees;
-    uint32_t count = tree->info.node_count;
-    if (by_levels(turner))
-        return bb_launch(turner->device, turner->skips_kernel, count, GROUP_SIZE,
-                         BB_MEM(tree->d_nodes), BB_VALUE(count), BB_MEM(subtrees->parents),
-                         BB_MEM(turner->totals_there), BB_MEM(tree->d_info));
-    return bb_launch(turner->device, turner->skips_kernel, subtrees->found, GROUP_SIZE,
-                     BB_MEM(tree->d_nodes), BB_MEM(subtrees->roots), BB_VALUE(subtrees->found),
-                     BB_MEM(subtrees->parents), BB_MEM(turner->heights),
-                     BB_MEM(turner->totals_there), BB_MEM(tree->d_info));
-}
-
-/* The roots of the pass that comes are those that this one has put on the list. */
-static void take_roots(bb_turner *turner)
-{
-    bb_buffer roots = turner->subtrees.roots;
-    turner->subtrees.roots = turner->next;
+    bb_subtrees *subtrees = &turner->subtrees;
+    bb_buffer roots = subtrees->roots;
+    uint32_t bits = 1;
+    while (((nodes - 1) >> bits) != 0)
+        bits++;
+    subtrees->roots = turner->next;
     turner->next = roots;
-    turner->subtrees.found = turner->totals.roots;
+    subtrees->found = turner->totals.roots;
+    /* the values that are sorted along are of no use */
+    return bb_sort_u32(subtrees->primitives, &subtrees->roots, &subtrees->marks, subtrees->found,
+                       bits);
 }
 
 bb_status bb_turner_pass(bb_turner *turner, const bb_buffer *boxes, bool may_turn, bb_tree *tree)
@@ -163,8 +158,6 @@ bb_status bb_turner_pass(bb_turner *turner, const bb_buffer *boxes, bool may_tur
         bb_tree_boxes_changed(tree);
         return BB_OK;
     }
-    if (!by_levels(turner))
-        take_roots(turner);
     bb_tree_changed(tree);
-    return write_skips(turner, tree);
+    return by_levels(turner) ? BB_OK : take_roots(turner, tree->info.node_count);
 }

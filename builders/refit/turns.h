@@ -13,7 +13,6 @@ typedef struct bb_turner {
     cl_program program;
     cl_kernel subtrees_kernel;             /* by a fence */
     cl_kernel leaves_kernel, level_kernel; /* by levels */
-    cl_kernel skips_kernel;
     bb_subtrees subtrees;
     bb_buffer heights, costs_of, spreads_of; /* per node; of one entry if they are not kept */
     bb_buffer next;                          /* as subtrees.roots */

@@ -12,7 +12,6 @@ typedef struct bb_turn_totals {
     float area;    /* half that of the root's box */
     float cost;    /* Ct times the half areas of inner nodes, Ci times those of references */
     float spread;  /* sum over inner nodes: half area over that of both children */
-    bb_u32 height; /* inner nodes on the longest way down */
     bb_u32 turned; /* rotations made */
     bb_u32 roots;  /* of subtrees, for the next pass */
 } bb_turn_totals;
