@@ -78,7 +78,7 @@ uint turn_below(const turn_tree *tree, global const uint *refs, global const bb_
         fit_or_queue(tree, refs, boxes, b, queue, &count);
     }
     while (count-- > 0)
-        turned += turn_pair(tree, queue[count], may_turn).turned;
+        turned += turn_pair(tree, queue[count], may_turn) != BB_NONE ? 1u : 0u;
     return turned;
 }
 
@@ -103,11 +103,12 @@ kernel void turn_subtrees(volatile global bb_node *nodes, global const uint *ref
             break;
         BB_DEVICE_FENCE();
         missing[p] = 2u; /* for the next time */
-        turned_pair pair = turn_pair(&tree, p, may_turn);
-        turned += pair.turned;
+        uint moved = turn_pair(&tree, p, may_turn);
+        turned += moved != BB_NONE ? 1u : 0u;
 #if BB_TURN_ROTATES
-        put_roots(&tree, pair.a, next, totals);
-        put_roots(&tree, pair.b, next, totals);
+        uint2 children = where_children_are(&tree, p, moved);
+        put_roots(&tree, children.x, next, totals);
+        put_roots(&tree, children.y, next, totals);
 #endif
     }
     if (p == BB_NONE) {
@@ -154,7 +155,7 @@ kernel void turn_level(volatile global bb_node *nodes, uint may_turn, global uin
     for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
         uint n = level[i], p = parents[n];
         missing[n] = 2u;
-        turned += turn_pair(&tree, n, may_turn).turned;
+        turned += turn_pair(&tree, n, may_turn) != BB_NONE ? 1u : 0u;
         if (p == BB_NONE)
             finish(&tree, n, totals, info);
         else if (atomic_dec(&missing[p]) == 1u)
