@@ -15,6 +15,7 @@
  */
 #include "bb_device.h"
 #include "padding.clh"
+#include "siblings.clh"
 
 kernel void pair_extra(global const bb_node *nodes, uint count, global uint *extra)
 {
@@ -46,28 +47,25 @@ uint pair_link(global const bb_node *nodes, global const uint *base, uint n)
     }
 }
 
-/* Box, reach and link of children [from, to) of node n: a child, or the pair node of the gap in
- * their middle. `reach` may be NULL. */
-void pair_side(global const bb_node *nodes, global const uint *base, global const float *reach,
-               uint n, uint from, uint to, float *lo, float *hi, float *longest, uint *link)
+/* Children [from, to) of node n. */
+bb_siblings pair_siblings(global const bb_node *nodes, uint n, uint from, uint to)
 {
-    uint child = nodes[n].first;
+    bb_siblings siblings = {nodes[n].first, to - from};
     for (uint i = 0; i < from; i++)
-        child = nodes[child].skip;
-    *link = to - from == 1u ? pair_link(nodes, base, child) : base[n] + (from + to) / 2u - 1u;
-    for (uint k = 0; k < 3; k++) {
-        lo[k] = nodes[child].lo[k];
-        hi[k] = nodes[child].hi[k];
-    }
-    *longest = reach != NULL ? reach[child] : 0.0f;
-    for (uint i = from + 1u; i < to; i++) {
-        child = nodes[child].skip;
-        for (uint k = 0; k < 3; k++) {
-            lo[k] = BB_MIN(nodes[child].lo[k], lo[k]);
-            hi[k] = BB_MAX(nodes[child].hi[k], hi[k]);
-        }
-        if (reach != NULL)
-            *longest = BB_MAX(reach[child], *longest);
+        siblings.first = nodes[siblings.first].skip;
+    return siblings;
+}
+
+/* The children that the pair node of gap `gap` of `children` covers: [*from, *to). */
+void pair_range(uint gap, uint children, uint *from, uint *to)
+{
+    *from = 0;
+    *to = children;
+    while ((*from + *to) / 2u != gap) {
+        if (gap < (*from + *to) / 2u)
+            *to = (*from + *to) / 2u;
+        else
+            *from = (*from + *to) / 2u;
     }
 }
 
@@ -81,28 +79,40 @@ kernel void pair_nodes(global const bb_node *nodes, uint count, global const uin
         return;
     uint children = base[n + 1] - base[n] + 1u;
     for (uint gap = 1; gap < children; gap++) {
-        uint from = 0, to = children;
-        while ((from + to) / 2u != gap) {
-            if (gap < (from + to) / 2u)
-                to = (from + to) / 2u;
-            else
-                from = (from + to) / 2u;
-        }
-        bb_pair pair;
-        pair.pad[0] = pair.pad[1] = 0;
+        uint from, to;
+        pair_range(gap, children, &from, &to);
+        global bb_pair *pair = pairs + base[n] + gap - 1u;
         for (uint side = 0; side < 2; side++) {
+            uint begin = side == 0 ? from : gap, end = side == 0 ? gap : to;
+            bb_siblings siblings = pair_siblings(nodes, n, begin, end);
             float lo[3], hi[3], longest;
-            uint link;
-            pair_side(nodes, base, has_reach != 0 ? reach : NULL, n, side == 0 ? from : gap,
-                      side == 0 ? gap : to, lo, hi, &longest, &link);
+            bb_siblings_box(nodes, has_reach != 0 ? reach : NULL, siblings, lo, hi, &longest);
             bb_scale_and_pad(lo, hi, scale, has_reach != 0 ? longest : -1.0f);
-            pair.links[side] = link;
+            pair->links[side] = siblings.count == 1u ? pair_link(nodes, base, siblings.first)
+                                                     : base[n] + (begin + end) / 2u - 1u;
             for (uint k = 0; k < 3; k++) {
-                pair.planes[4 * k + side] = lo[k];
-                pair.planes[4 * k + 2 + side] = hi[k];
+                pair->planes[4 * k + side] = lo[k];
+                pair->planes[4 * k + 2 + side] = hi[k];
             }
+            pair->pad[side] = 0;
         }
-        pairs[base[n] + gap - 1u] = pair;
+    }
+}
+
+/* What each side of a pair node was made of: 2 * pair + side. */
+kernel void pair_sides(global const bb_node *nodes, uint count, global const uint *base,
+                       global bb_siblings *sides)
+{
+    uint n = get_global_id(0);
+    if (n >= count || (nodes[n].first & BB_LEAF_BIT) != 0)
+        return;
+    uint children = base[n + 1] - base[n] + 1u;
+    for (uint gap = 1; gap < children; gap++) {
+        uint from, to;
+        pair_range(gap, children, &from, &to);
+        global bb_siblings *pair = sides + 2u * (base[n] + gap - 1u);
+        pair[0] = pair_siblings(nodes, n, from, gap);
+        pair[1] = pair_siblings(nodes, n, gap, to);
     }
 }
 

@@ -16,6 +16,8 @@
  *   first[i] = exclusive scan of the blocks that the leaf at reference i needs     (wide_count)
  *   for each leaf: write its blocks                        (wide_blocks)
  *
+ * When only boxes and positions have changed: layout_wide_follow.cl, and wide_blocks again.
+ *
  * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
  * BVHs", section 3.1 (the plan: of all collapses the one with the least area, leaves being given),
  * 3.2 (8 bits per plane), 3.4 (places by octant). Reads any tree.
@@ -24,24 +26,21 @@
 
 #include "handover.clh"
 #include "prims.clh"
-#include "wide.clh"
+#include "wide_boxes.clh"
 
 typedef struct bb_opened {
-    float planes[6 * BB_WIDTH]; /* as in the node */
-    uint links[BB_WIDTH];       /* to pairs and references */
+    bb_wide_boxes boxes;
+    uint links[BB_WIDTH]; /* to pairs and references */
+    uint sides[BB_WIDTH]; /* whose boxes they are: 2 * pair + side; BB_NONE: no child */
     uint count;
 } bb_opened;
 
 /* The places of an opened node that have no child yet. */
 void opened_empty(bb_opened *out)
 {
-    for (uint c = 0; c < BB_WIDTH; c++) {
-        for (uint axis = 0; axis < 3; axis++) {
-            out->planes[2u * axis * BB_WIDTH + c] = INFINITY;
-            out->planes[(2u * axis + 1u) * BB_WIDTH + c] = -INFINITY;
-        }
-        out->links[c] = BB_NONE;
-    }
+    bb_wide_clear(&out->boxes);
+    for (uint c = 0; c < BB_WIDTH; c++)
+        out->links[c] = out->sides[c] = BB_NONE;
     out->count = 0;
 }
 
@@ -176,9 +175,11 @@ void opened_of(global const bb_pair *pairs, global const bb_wide_plan *plans, ui
         }
         for (uint axis = 0; axis < 3; axis++) {
             global const float *planes = pairs[item.x].planes + 4u * axis + item.y;
-            out->planes[2u * axis * BB_WIDTH + out->count] = planes[0];
-            out->planes[(2u * axis + 1u) * BB_WIDTH + out->count] = planes[2];
+            out->boxes.planes[2u * axis * BB_WIDTH + out->count] = planes[0];
+            out->boxes.planes[(2u * axis + 1u) * BB_WIDTH + out->count] = planes[2];
         }
+        out->boxes.places |= 1u << out->count;
+        out->sides[out->count] = 2u * item.x + item.y;
         out->links[out->count++] = link;
     }
 }
@@ -198,7 +199,7 @@ void opened_arrange(bb_opened *opened)
         for (uint place = 0; place < BB_WIDTH; place++) {
             fit[c][place] = 0.0f;
             for (uint axis = 0; axis < 3; axis++) {
-                const float *plane = opened->planes + 2u * axis * BB_WIDTH + c;
+                const float *plane = opened->boxes.planes + 2u * axis * BB_WIDTH + c;
                 float middle = 0.5f * plane[0] + 0.5f * plane[BB_WIDTH];
                 fit[c][place] += (place >> axis & 1u) != 0u ? middle : -middle;
             }
@@ -215,9 +216,12 @@ void opened_arrange(bb_opened *opened)
         children |= 1u << child;
         places |= 1u << place;
         for (uint plane = 0; plane < 6; plane++)
-            arranged.planes[plane * BB_WIDTH + place] = opened->planes[plane * BB_WIDTH + child];
+            arranged.boxes.planes[plane * BB_WIDTH + place] =
+                opened->boxes.planes[plane * BB_WIDTH + child];
+        arranged.sides[place] = opened->sides[child];
         arranged.links[place] = opened->links[child];
     }
+    arranged.boxes.places = places;
     *opened = arranged;
 }
 #endif
@@ -242,68 +246,11 @@ kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *pl
     }
 }
 
-#if BB_QUANTISED
-/* The largest step of up to 8 bits whose plane is not above `plane`, which is not below that of
- * step 0. */
-uint step_below(global const bb_wide *node, uint axis, float plane)
-{
-    float guess = (plane - node->base[axis]) / node->scale[axis];
-    uint q = guess >= 255.0f ? 255u : guess >= 0.0f ? (uint)guess : 0u;
-    while (q > 0u && BB_DEQUANTISE(node, axis, (float)q) > plane)
-        q--;
-    while (q < 255u && BB_DEQUANTISE(node, axis, (float)(q + 1u)) <= plane)
-        q++;
-    return q;
-}
-
-/* The smallest step whose plane is not below `plane`, which is not above that of step 255. */
-uint step_above(global const bb_wide *node, uint axis, float plane)
-{
-    uint q = step_below(node, axis, plane);
-    return BB_DEQUANTISE(node, axis, (float)q) < plane ? q + 1u : q;
-}
-
-void write_boxes(const bb_opened *opened, global bb_wide *node)
-{
-    for (uint axis = 0; axis < 3; axis++) {
-        const float *los = opened->planes + 2u * axis * BB_WIDTH, *his = los + BB_WIDTH;
-        float lo = los[0], hi = his[0];
-        for (uint c = 1; c < BB_WIDTH; c++) {
-            lo = BB_MIN(los[c], lo);
-            hi = BB_MAX(his[c], hi);
-        }
-        /* the least power of two of which 255 reach from lo to hi; a box far away may need more
-         * than its extent says */
-        float extent = BB_MIN(hi - lo, FLT_MAX);
-        float scale = as_float(as_uint(extent / 255.0f) & 0x7F800000u);
-        scale = hi > lo ? BB_MAX(scale, FLT_MIN) : 0.0f;
-        node->base[axis] = lo;
-        node->scale[axis] = scale;
-        while (BB_DEQUANTISE(node, axis, 255.0f) < hi)
-            node->scale[axis] = scale *= 2.0f;
-        for (uint c = 0; c < BB_WIDTH; c++) {
-            bool empty = opened->links[c] == BB_NONE;
-            node->planes[2u * axis * BB_WIDTH + c] = empty ? 255u : step_below(node, axis, los[c]);
-            node->planes[(2u * axis + 1u) * BB_WIDTH + c] =
-                empty ? 0u : step_above(node, axis, his[c]);
-        }
-    }
-    node->places = 0;
-    for (uint c = 0; c < BB_WIDTH; c++)
-        node->places |= opened->links[c] != BB_NONE ? 1u << c : 0u;
-}
-#else
-void write_boxes(const bb_opened *opened, global bb_wide *node)
-{
-    for (uint w = 0; w < 6u * BB_WIDTH; w++)
-        node->planes[w] = opened->planes[w];
-}
-#endif
-
-/* first[] and index[] are the scans. */
+/* first[] and index[] are the scans. sides: of each place of each node, for layouts that follow. */
 kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_wide_plan *plans,
                        global const uint *index,
-                       global const uint *first, uint ref_count, global bb_wide *nodes)
+                       global const uint *first, uint ref_count, global bb_wide *nodes,
+                       global uint *sides)
 {
     uint p = get_global_id(0);
     if (p >= count || index[p] == index[p + 1u])
@@ -314,7 +261,7 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_
     opened_arrange(&opened);
 #endif
     global bb_wide *node = nodes + index[p];
-    write_boxes(&opened, node);
+    bb_wide_write(&opened.boxes, node);
     for (uint c = 0; c < BB_WIDTH; c++) {
         uint link = opened.links[c];
         if (link == BB_NONE)
@@ -324,6 +271,7 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_
         else
             link = index[link];
         node->links[c] = link;
+        sides[(ulong)index[p] * BB_WIDTH + c] = opened.sides[c];
     }
     node->count = opened.count;
     for (uint w = 0; w < sizeof(node->pad) / sizeof(uint); w++)
@@ -372,9 +320,10 @@ void block_empty(global uint *block, uint words, uint id_word, uint kind)
         block[id_word + lane] = BB_NONE;
 }
 
+/* fresh = 0: the blocks have held the same primitives before, so that empty lanes are empty. */
 kernel void wide_blocks(global const uint *refs, uint count, global const float *vertices,
                         global const uint *data, bb_prim_ends ends, float scale, uint format,
-                        uint words, global const uint *first, global uint *blocks)
+                        uint words, global const uint *first, uint fresh, global uint *blocks)
 {
     uint i = get_global_id(0);
     uint id_word = words - BB_BLOCK_LANES;
@@ -390,7 +339,8 @@ kernel void wide_blocks(global const uint *refs, uint count, global const float 
         uint last_block = block + (next[kind] + BB_BLOCK_LANES - 1u) / BB_BLOCK_LANES;
         next[kind] = block * BB_BLOCK_LANES;
         for (; block < last_block; block++)
-            block_empty(blocks + (ulong)block * words, words, id_word, kind);
+            if (fresh != 0)
+                block_empty(blocks + (ulong)block * words, words, id_word, kind);
     }
     for (bool last = false; !last; i++) {
         last = (refs[i] & BB_LAST_BIT) != 0;

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Whether the last runs of `scripts/test` checked what there is to check: tests/check_run.sh
-# BUILD... (folders such as build/test) Prints what was skipped. Exit status 1 if a test_NAME.c did
-# not run, in the first of the builds or, unless once.txt has it or BVHBENCH_TEST_PART leaves it out,
-# in another; or if something was skipped that may_skip.txt does not allow here.
+# BUILD... (folders such as build/test) Prints what was skipped. Exit status 1 if a test_NAME.c that
+# BVHBENCH_TEST_PART does not leave out did not run, in the first of the builds or, unless once.txt
+# has it, in another; or if something was skipped that may_skip.txt does not allow here.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(dirname "$here")
@@ -26,11 +26,14 @@ allowed_without() {
     }' "$here/may_skip.txt"
 }
 
-# Whether test $2 is in the part of $build that BVHBENCH_TEST_PART names; all of the first, $1, is.
+# Whether test $2 is in the part of $build that BVHBENCH_TEST_PART names, as scripts/test takes it:
+# of the first, $1, by turns; of another every second.
 in_this_part() {
-    local listed
-    [ "$build" != "$1" ] && [ -n "${BVHBENCH_TEST_PART-}" ] || return 0
-    listed=$(ctest --test-dir "$build" -N -I "$((BVHBENCH_TEST_PART % 2 + 1)),,2")
+    local part=${BVHBENCH_TEST_PART-} chosen listed
+    [ -n "$part" ] || return 0
+    chosen=(-I "$((part % 2 + 1)),,2")
+    [ "$build" != "$1" ] || chosen=(--label-exclude "^turn-[^$((part % 3))]\$")
+    listed=$(ctest --test-dir "$build" -N "${chosen[@]}")
     grep -q " $2\$" <<<"$listed"
 }
 

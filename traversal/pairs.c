@@ -13,6 +13,7 @@ bb_status bb_pairs_create(bb_device *device, bb_account *account, bb_pairs *pair
     BB_TRY(bb_program_build(device, bb_source_find("layout_pair.cl"), "", &pairs->program));
     BB_TRY(bb_kernel_get(pairs->program, "pair_extra", &pairs->extra));
     BB_TRY(bb_kernel_get(pairs->program, "pair_nodes", &pairs->nodes));
+    BB_TRY(bb_kernel_get(pairs->program, "pair_sides", &pairs->sides));
     BB_TRY(bb_kernel_get(pairs->program, "pair_root", &pairs->root));
     BB_TRY(bb_primitives_create(device, account, &pairs->primitives));
     return bb_buffer_reserve(device, account, 2 * sizeof(uint32_t), "pairs: root", &pairs->found);
@@ -25,6 +26,7 @@ void bb_pairs_destroy(bb_pairs *pairs)
     bb_primitives_destroy(pairs->primitives);
     bb_kernel_release(pairs->extra);
     bb_kernel_release(pairs->nodes);
+    bb_kernel_release(pairs->sides);
     bb_kernel_release(pairs->root);
     bb_program_release(pairs->program);
 }
@@ -64,6 +66,15 @@ bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buff
     return bb_launch(device, pairs->nodes, node_count, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_VALUE(node_count), BB_MEM(pairs->base), BB_VALUE(scale), BB_MEM(*reach),
                      BB_VALUE(has_reach), BB_MEM(*nodes));
+}
+
+bb_status bb_pairs_sides(const bb_pairs *pairs, const bb_tree *tree, bb_buffer *sides)
+{
+    uint32_t node_count = tree->info.node_count;
+    BB_TRY(bb_buffer_reserve(pairs->device, pairs->account,
+                             (size_t)pairs->made[1] * 4 * sizeof(uint32_t), "pairs: sides", sides));
+    return bb_launch(pairs->device, pairs->sides, node_count, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                     BB_VALUE(node_count), BB_MEM(pairs->base), BB_MEM(*sides));
 }
 
 /* Those of a balanced binary tree over up to `arity` children at each of `depth` levels: an upper

@@ -10,7 +10,7 @@ typedef struct bb_pairs {
     bb_device *device;
     bb_account *account;
     cl_program program;
-    cl_kernel extra, nodes, root;
+    cl_kernel extra, nodes, sides, root;
     bb_primitives *primitives;
     bb_buffer base;   /* u32 per node, and the total */
     uint32_t made[2]; /* root and count of the last making */
@@ -27,6 +27,10 @@ void bb_pairs_destroy(bb_pairs *pairs);
  * BB_UNSUPPORTED for nodes of more than 4096 children. */
 bb_status bb_pairs_make(bb_pairs *pairs, const bb_layout_source *source, bb_buffer *nodes,
                         uint32_t *count, uint32_t *root);
+
+/* What the sides of the pair nodes are made of, two uint per side (bb_siblings of
+ * kernels/siblings.clh); of the tree of the last bb_pairs_make(). */
+bb_status bb_pairs_sides(const bb_pairs *pairs, const bb_tree *tree, bb_buffer *sides);
 
 /* Most entries that the stack of an ordered traversal needs. */
 uint32_t bb_pairs_stack_need(const bb_tree_info *info);

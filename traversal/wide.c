@@ -2,7 +2,7 @@
 #include "traversal/wide.h"
 
 #include "framework/device/levels.h"
-#include "traversal/pairs.h"
+#include "traversal/wide_follow.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,6 +33,8 @@ typedef struct wide_layout {
     bb_buffer state;            /* the largest stack need; then nodes per level */
     bb_buffer index;            /* u32 per pair, and the total: its wide node */
     bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
+    bb_wide_follow follow;
+    char defines[160]; /* of the programs */
     /* of the last making */
     uint32_t block_count, node_count, root, stack_need;
 } wide_layout;
@@ -48,6 +50,7 @@ void bb_wide_destroy(void *opaque)
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
     bb_pairs_destroy(&self->pairs);
+    bb_wide_follow_release(&self->follow);
     bb_kernel_release(self->parents_kernel);
     bb_kernel_release(self->plan);
     bb_kernel_release(self->plan_leaves);
@@ -74,12 +77,14 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
                                     : sizeof(bb_wide8);
     self->device = device;
     self->account = account;
-    char handover[96], defines[160];
+    self->follow = (bb_wide_follow){.device = device, .account = account, .width = width};
+    char handover[96];
     bb_handover_defines(device, handover, sizeof handover);
-    snprintf(defines, sizeof defines, "%s -DBB_WIDTH=%u -DBB_QUANTISED=%d", handover, width,
-             quantised);
+    snprintf(self->defines, sizeof self->defines, "%s -DBB_WIDTH=%u -DBB_QUANTISED=%d", handover,
+             width, quantised);
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
-    BB_TRY(bb_program_build(device, bb_source_find("layout_wide.cl"), defines, &self->program));
+    BB_TRY(
+        bb_program_build(device, bb_source_find("layout_wide.cl"), self->defines, &self->program));
     BB_TRY(bb_kernel_get(self->program, "wide_parents", &self->parents_kernel));
     if (device->handover == BB_HANDOVER_FENCE)
         BB_TRY(bb_kernel_get(self->program, "wide_plan", &self->plan));
@@ -201,6 +206,7 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
     const bb_prim_ends ends = bb_scene_ends(scene);
     uint32_t count = tree->info.ref_count;
     uint32_t words = bb_block_words(source->kinds, data->format);
+    uint32_t fresh = !source->same_links;
     size_t scan = (size_t)count + 1;
     size_t bytes = ((size_t)self->block_count + 1) * words * sizeof(uint32_t);
     BB_TRY(reserve(self, bytes, "wide: blocks of primitives", &data->buffers[1]));
@@ -208,7 +214,7 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
     return bb_launch(self->device, self->blocks, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
                      BB_VALUE(count), BB_MEM(geometry->vertices), BB_MEM(geometry->prims),
                      BB_VALUE(ends), BB_VALUE(data->scale), BB_VALUE(data->format), BB_VALUE(words),
-                     BB_MEM(self->first), BB_MEM(data->buffers[1]));
+                     BB_MEM(self->first), BB_VALUE(fresh), BB_MEM(data->buffers[1]));
 }
 
 /* Which pairs become nodes, and their numbers: self->plans, self->index. */
@@ -222,30 +228,47 @@ static bb_status number_nodes(wide_layout *self, const bb_tree *tree, uint32_t p
     return read_total(&self->index, root, &self->root);
 }
 
-/* From pairs to nodes: data->buffers[0], root and stack need. Needs self->first. */
+/* From pairs to nodes, whose sides are kept for nodes that follow. */
+static bb_status write_nodes(wide_layout *self, const bb_tree *tree, uint32_t pair_count,
+                             const bb_buffer *nodes)
+{
+    uint32_t ref_count = tree->info.ref_count;
+    BB_TRY(bb_wide_follow_reserve(&self->follow, self->node_count));
+    return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
+                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index),
+                     BB_MEM(self->first), BB_VALUE(ref_count), BB_MEM(*nodes),
+                     BB_MEM(self->follow.sides));
+}
+
+/* No node at all: the root is the tree's only leaf, which starts at reference `ref`. */
+static bb_status make_root_leaf(wide_layout *self, uint32_t ref, bb_layout_data *data)
+{
+    data->stack_need = 0;
+    BB_TRY(reserve(self, self->node_bytes, "wide: nodes", &data->buffers[0]));
+    BB_TRY(bb_buffer_read(&self->first, ref * sizeof data->root, sizeof data->root, &data->root));
+    data->root |= BB_LEAF_BIT;
+    return BB_OK;
+}
+
+/* data->buffers[0], root and stack need. Needs self->first. */
 static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, bb_layout_data *data)
 {
     const bb_tree *tree = source->tree;
-    uint32_t pair_count, root, ref_count = tree->info.ref_count;
+    uint32_t pair_count = 0, root = self->pairs.made[0];
     data->levels = bb_pairs_stack_need(&tree->info); /* of the pairs: no wide node is deeper */
-    BB_TRY(bb_pairs_make(&self->pairs, source, &self->pair_nodes, &pair_count, &root));
-    if ((root & BB_LEAF_BIT) != 0) { /* no node at all */
-        data->stack_need = 0;
-        BB_TRY(reserve(self, self->node_bytes, "wide: nodes", &data->buffers[0]));
-        BB_TRY(bb_buffer_read(&self->first, (root & BB_INDEX_MASK) * sizeof root, sizeof root,
-                              &data->root));
-        data->root |= BB_LEAF_BIT;
-        return BB_OK;
-    }
+    if (!source->same_links)
+        BB_TRY(bb_pairs_make(&self->pairs, source, &self->pair_nodes, &pair_count, &root));
+    if ((root & BB_LEAF_BIT) != 0)
+        return make_root_leaf(self, root & BB_INDEX_MASK, data);
     if (!source->same_links)
         BB_TRY(number_nodes(self, tree, pair_count, root));
     data->root = self->root;
     data->stack_need = self->stack_need;
     BB_TRY(reserve(self, self->node_count * self->node_bytes, "wide: nodes", &data->buffers[0]));
     data->bytes += self->node_count * self->node_bytes;
-    return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index),
-                     BB_MEM(self->first), BB_VALUE(ref_count), BB_MEM(data->buffers[0]));
+    return source->same_links ? bb_wide_follow_boxes(&self->follow, &self->pairs, self->defines,
+                                                     source, self->node_count, &data->buffers[0])
+                              : write_nodes(self, tree, pair_count, &data->buffers[0]);
 }
 
 bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_data *data)

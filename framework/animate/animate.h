@@ -8,8 +8,10 @@
 #ifndef BB_ANIMATE_H
 #define BB_ANIMATE_H
 
+#include "framework/base/statistics.h"
 #include "framework/builder/instance.h"
 #include "framework/judge/accuracy.h"
+#include "framework/picture/canvas.h"
 #include "traversal/traversal.h"
 
 enum {
@@ -17,6 +19,7 @@ enum {
     BB_ANIMATE_KERNELS_MAX = 4,
     BB_ANIMATE_RAYS_MAX = 4,
     BB_ANIMATE_ROUNDS_MAX = 32,
+    BB_ANIMATE_INTERVALS_MAX = BB_ANIMATE_KERNELS_MAX * BB_ANIMATE_KERNELS_MAX + 1,
     BB_ANIMATE_YARDSTICKS_MAX = 4, /* builders that say they are (bb_builder.yardstick) */
 };
 
@@ -34,7 +37,9 @@ typedef struct bb_animate_request {
     uint32_t first, last; /* frames; last may be beyond the scene's */
     uint32_t repeats;     /* rounds that count */
     uint64_t seed;
-    bool quiet; /* no progress */
+    bool counting; /* counts tests of each ray in the first round */
+    bool quiet;    /* no progress */
+    bool strip;    /* draw some of the frames */
 } bb_animate_request;
 
 /* Of one round. NAN: not measured. */
@@ -46,6 +51,9 @@ typedef struct bb_animate_trace {
     bool in_place; /* the layout followed without being numbered anew */
     bb_rounds rays[BB_ANIMATE_RAYS_MAX];
     uint64_t checked, wrong; /* answers */
+    /* of all rays, if they are counted: tests of boxes and primitives; rays that needed more stack
+     * than there is */
+    uint64_t tests, overflowed;
 } bb_animate_trace;
 
 /* A method in one frame. */
@@ -67,6 +75,7 @@ typedef struct bb_animate_frame {
 typedef struct bb_animate_method {
     char builder[128];
     char refused[320]; /* why it has no figures from frame `done` on; "": it has all */
+    bb_status refusal; /* its status; BB_OK: it has all */
     bool failed;       /* that is a fault: a tree that does not hold, answers that change */
     uint32_t done;     /* frames */
     uint64_t most_bytes;
@@ -75,15 +84,20 @@ typedef struct bb_animate_method {
 
 /* What all methods share in a frame. */
 typedef struct bb_animate_state {
-    uint32_t frame, prims, changed;
+    uint32_t frame, prims;
     uint32_t rays[BB_ANIMATE_RAYS_MAX]; /* 0: the scene has none there */
     /* of trees that the yardsticks make for this frame; NAN: not known; and the least of them */
     double fresh[BB_ANIMATE_YARDSTICKS_MAX], fresh_best;
     double oracle_ms, judge_ms;
+    /* since the frame before: the share of primitives whose boxes are others, and how far the
+     * middles of these have gone, in diagonals of the scene: the median, 0 if there are none. NAN
+     * of the first frame, and where there are more or fewer primitives than before */
+    double moved, moved_by;
 } bb_animate_state;
 
 typedef struct bb_animate_result {
-    char scene[256], view[48], device[256];
+    char scene[256], view[48];
+    uint32_t ignored;     /* parts of the scene's file, see bb_scene */
     uint32_t frame_count; /* of those asked for, that were gone through */
     bb_animate_state *states;
     uint32_t yardstick_count;
@@ -95,6 +109,7 @@ typedef struct bb_animate_result {
     char intersector[96];
     uint32_t rounds; /* that count and are complete */
     double ms;       /* all together */
+    bb_canvas strip; /* up to eight frames side by side, if it was asked for */
 } bb_animate_result;
 
 /* The scene is on the device. BB_INVALID for frames that there are not. Interrupted after a round
@@ -109,7 +124,7 @@ uint64_t bb_animate_wrong(const bb_animate_result *result);
 
 /* ---- sums ---- */
 
-/* Median over the rounds that count; NAN if there is none. */
+/* Median over the rounds that count and in which it was measured; NAN if there is none. */
 double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds);
 
 /* Of a method over all frames but the first, which is a build for all. */
@@ -117,6 +132,7 @@ typedef struct bb_animate_sums {
     uint32_t frames;
     uint32_t ways[BB_REBUILT + 1];
     double update, worst_update, transfer;                       /* means and maximum, ms */
+    uint32_t worst_frame;                                        /* whose update that was */
     double layout[BB_ANIMATE_KERNELS_MAX];                       /* means */
     uint32_t in_place[BB_ANIMATE_KERNELS_MAX];                   /* frames */
     double rays_ms[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* sums */
@@ -129,10 +145,38 @@ typedef struct bb_animate_sums {
 
 bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate_method *method);
 
+/* What a frame's time is made of. */
+enum {
+    BB_ANIMATE_UPDATE = 1u << 0,
+    BB_ANIMATE_TRANSFER = 1u << 1,
+    BB_ANIMATE_LAYOUT = 1u << 2, /* of one kernel, as is tracing */
+    BB_ANIMATE_TRACE = 1u << 3,
+};
+
+/* Sums of those parts over all frames but the first, ms: one sample per round, the judged one being
+ * the first, which counts for nothing. Rounds of two methods pair. Empty if it lacks frames. */
+bb_samples bb_animate_samples(const bb_animate_result *result, const bb_animate_method *method,
+                              uint32_t kernel, uint32_t parts);
+
 /* Mean time of a frame with `count` rays of kind `rays`: update, transfer, layout, and tracing by
  * the kernel that makes it shortest. NAN if nothing was measured. */
 double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_method *method,
                            uint32_t rays, double count, uint32_t *kernel);
+
+/* Numbers of rays per frame. */
+typedef struct bb_animate_interval {
+    double from, to; /* to: INFINITY if it has no end */
+} bb_animate_interval;
+
+/* For how many rays of kind `rays` per frame the method takes less time than method `with`, each by
+ * its best kernel: intervals, in order, and how many (0: for none, or nothing was measured). */
+uint32_t bb_animate_faster(const bb_animate_result *result, const bb_animate_method *method,
+                           const bb_animate_method *with, uint32_t rays,
+                           bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX]);
+
+/* The first method that built each frame anew, with which others are compared; NULL if there is
+ * none. */
+const bb_animate_method *bb_animate_rebuilder(const bb_animate_result *result);
 
 /* The method that is fastest then; BB_NONE if there is none. */
 uint32_t bb_animate_winner(const bb_animate_result *result, uint32_t rays, double count);

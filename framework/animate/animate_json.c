@@ -38,6 +38,8 @@ static bool put_frames(cJSON *object, const char *name, const bb_animate_result 
 
 FIGURE(frame_of, result->states[f].frame)
 FIGURE(prims_of, result->states[f].prims)
+FIGURE(moved_of, result->states[f].moved)
+FIGURE(moved_by_of, result->states[f].moved_by)
 FIGURE(rays_of, result->states[f].rays[i])
 FIGURE(best_of, result->states[f].fresh_best)
 FIGURE(fresh_of, result->states[f].fresh[i])
@@ -102,11 +104,34 @@ static bool put_sums(cJSON *object, const bb_animate_result *result,
     bool put = bb_put(object, "sums", sums);
     return put && bb_put_number(sums, "update_ms", s.frames > 0 ? s.update : NAN) &&
            bb_put_number(sums, "worst_update_ms", s.frames > 0 ? s.worst_update : NAN) &&
+           bb_put_number(sums, "worst_frame", s.frames > 0 ? s.worst_frame : NAN) &&
            bb_put_number(sums, "sah_over_best", s.frames > 0 ? s.sah_mean : NAN) &&
            bb_put_number(sums, "sah_over_best_most", s.frames > 0 ? s.sah_most : NAN) &&
            bb_put_number(sums, "drift_per_frame", s.frames > 0 ? s.drift : NAN) &&
            bb_put_number(sums, "answers", (double)s.checked) &&
            bb_put_number(sums, "wrong", (double)s.wrong);
+}
+
+/* Per kind of rays, for how many of them it is faster than the method that `faster_than` names. */
+static bool put_faster(cJSON *object, const bb_animate_result *result,
+                       const bb_animate_method *method)
+{
+    const bb_animate_method *with = bb_animate_rebuilder(result);
+    cJSON *all = cJSON_CreateObject();
+    bool put = bb_put(object, "faster", all);
+    for (uint32_t i = 0; with != NULL && with != method && i < result->ray_count && put; i++) {
+        bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX];
+        uint32_t count = bb_animate_faster(result, method, with, i, intervals);
+        cJSON *list = cJSON_CreateArray();
+        put = bb_put(all, result->rays[i], list);
+        for (uint32_t k = 0; k < count && put; k++) {
+            cJSON *interval = cJSON_CreateObject();
+            put = interval != NULL && cJSON_AddItemToArray(list, interval) &&
+                  bb_put_number(interval, "from", intervals[k].from) &&
+                  bb_put_number(interval, "to", intervals[k].to);
+        }
+    }
+    return put;
 }
 
 static bool put_method(cJSON *list, const bb_animate_result *result,
@@ -126,7 +151,8 @@ static bool put_method(cJSON *list, const bb_animate_result *result,
           put_frames(entry, "nodes", result, method, nodes_of, 0, 0) &&
           put_frames(entry, "depth", result, method, depth_of, 0, 0) &&
           put_frames(entry, "tree_bytes", result, method, bytes_of, 0, 0) &&
-          put_sums(entry, result, method) && put_steps(entry, result, method);
+          put_sums(entry, result, method) && put_faster(entry, result, method) &&
+          put_steps(entry, result, method);
     for (uint32_t k = 0; k < result->kernel_count && put; k++)
         put = put_kernel(kernels, result, method, k);
     return put;
@@ -160,16 +186,21 @@ static bool put_result(cJSON *root, const bb_animate_result *result)
 {
     cJSON *methods = cJSON_CreateArray(), *rays = cJSON_CreateObject();
     cJSON *fresh = cJSON_CreateObject();
+    const bb_animate_method *with = bb_animate_rebuilder(result);
     bool put = bb_put(root, "methods", methods);
+    put = put && bb_put_text(root, "faster_than", with != NULL ? with->builder : "");
     put = bb_put(root, "rays", rays) && put;
     put = bb_put(root, "sah_fresh", fresh) && put;
     put = put && bb_put_text(root, "scene", result->scene) &&
+          bb_put_number(root, "ignored", result->ignored) &&
           bb_put_text(root, "view", result->view) &&
           bb_put_text(root, "intersector", result->intersector) &&
           bb_put_number(root, "rounds", result->rounds) &&
           bb_put_number(root, "seconds", result->ms / 1e3) &&
           put_frames(root, "frames", result, NULL, frame_of, 0, 0) &&
           put_frames(root, "primitives", result, NULL, prims_of, 0, 0) &&
+          put_frames(root, "moved", result, NULL, moved_of, 0, 0) &&
+          put_frames(root, "moved_by", result, NULL, moved_by_of, 0, 0) &&
           put_frames(root, "sah_fresh_best", result, NULL, best_of, 0, 0) &&
           put_frames(root, "oracle_ms", result, NULL, oracle_of, 0, 0) &&
           put_frames(root, "judge_ms", result, NULL, judge_of, 0, 0) && put_winners(root, result);

@@ -23,8 +23,8 @@ static void print_ways(const bb_animate_sums *sums)
 
 static void print_methods(const bb_animate_result *result)
 {
-    printf("  %-36s %10s %10s %9s %9s %9s", "method", "update ms", "worst", "transfer", "SAH/best",
-           "most");
+    printf("  %-36s %10s %10s %8s %9s %9s %9s %9s", "method", "update ms", "worst", "in frame",
+           "transfer", "SAH/best", "most", "drift");
     for (uint32_t i = 0; i < result->yardstick_count; i++)
         printf(" %7s/%-.8s", "most", result->yardsticks[i]);
     printf(" %9s  frames\n", "wrong");
@@ -33,8 +33,8 @@ static void print_methods(const bb_animate_result *result)
         bb_animate_sums s = bb_animate_sum(result, method);
         printf("  %-36s ", method->builder);
         if (s.frames > 0) {
-            printf("%10.3f %10.3f %9.3f %9.3f %9.3f", s.update, s.worst_update, s.transfer,
-                   s.sah_mean, s.sah_most);
+            printf("%10.3f %10.3f %8u %9.3f %9.3f %9.3f %9.4f", s.update, s.worst_update,
+                   s.worst_frame, s.transfer, s.sah_mean, s.sah_most, s.drift);
             for (uint32_t i = 0; i < result->yardstick_count; i++)
                 printf(" %*.3f", 8 + (int)strlen(result->yardsticks[i]), s.fresh_most[i]);
             printf(" %9llu", (unsigned long long)s.wrong);
@@ -79,6 +79,62 @@ static void print_winners(const bb_animate_result *result)
         }
 }
 
+static void print_intervals(const char *rays, const bb_animate_interval *intervals, uint32_t count)
+{
+    printf("  %s: %s", rays, count == 0 ? "none" : "");
+    for (uint32_t i = 0; i < count; i++) {
+        printf("%s", i > 0 ? " and " : "");
+        if (intervals[i].from == 0 && isinf(intervals[i].to))
+            printf("any");
+        else if (intervals[i].from == 0)
+            printf("below %.3g", intervals[i].to);
+        else if (isinf(intervals[i].to))
+            printf("above %.3g", intervals[i].from);
+        else
+            printf("%.3g to %.3g", intervals[i].from, intervals[i].to);
+    }
+}
+
+static void print_faster(const bb_animate_result *result)
+{
+    const bb_animate_method *with = bb_animate_rebuilder(result);
+    if (with == NULL || result->method_count < 2)
+        return;
+    printf("\n  rays per frame for which a method is faster than %s\n", with->builder);
+    for (uint32_t m = 0; m < result->method_count; m++) {
+        const bb_animate_method *method = &result->methods[m];
+        if (method == with || method->done < 2)
+            continue;
+        printf("  %-36s", method->builder);
+        for (uint32_t i = 0; i < result->ray_count; i++) {
+            bb_animate_interval intervals[BB_ANIMATE_INTERVALS_MAX];
+            uint32_t count = bb_animate_faster(result, method, with, i, intervals);
+            print_intervals(result->rays[i], intervals, count);
+        }
+        printf("\n");
+    }
+}
+
+/* What the scene is like, which decides over methods more than its size. */
+static void print_motion(const bb_animate_result *result)
+{
+    double moved = 0, by = 0;
+    uint32_t count = 0;
+    for (uint32_t f = 1; f < result->frame_count; f++)
+        if (!isnan(result->states[f].moved)) {
+            moved += result->states[f].moved;
+            by += result->states[f].moved_by;
+            count++;
+        }
+    if (count > 0)
+        printf("  from frame to frame %.3g %% of the primitives move, by %.2g diagonals of the "
+               "scene (means; of ways their median)\n",
+               100 * moved / count, by / count);
+    if (count + 1 < result->frame_count)
+        printf("  in %u frames there are more or fewer primitives than before\n",
+               result->frame_count - 1 - count);
+}
+
 void bb_animate_print(const bb_animate_result *result)
 {
     uint64_t checked = 0, wrong = bb_animate_wrong(result);
@@ -87,9 +143,14 @@ void bb_animate_print(const bb_animate_result *result)
     printf("%s: frames %u to %u, view %s, %s, %u round%s\n", result->scene, result->states[0].frame,
            result->states[result->frame_count - 1].frame, result->view, result->intersector,
            result->rounds, result->rounds == 1 ? "" : "s");
+    if (result->ignored > 0)
+        printf("  ignored of the file: %u (points, lines, channels that move nothing known)\n",
+               result->ignored);
+    print_motion(result);
     print_methods(result);
     print_kernels(result);
     print_winners(result);
+    print_faster(result);
     printf("\n  %llu answers judged, %llu wrong; %.1f s\n", (unsigned long long)checked,
            (unsigned long long)wrong, result->ms / 1e3);
 }

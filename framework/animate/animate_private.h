@@ -1,9 +1,11 @@
-/* What the parts of an animation share: animate.c, animate_frame.c, animate_method.c. */
+/* What the parts of an animation share: animate.c, animate_frame.c, animate_strip.c,
+ * animate_method.c. */
 #ifndef BB_ANIMATE_PRIVATE_H
 #define BB_ANIMATE_PRIVATE_H
 
 #include "framework/animate/animate.h"
 #include "framework/judge/judge.h"
+#include "framework/picture/picture.h"
 #include "framework/workload/workload.h"
 
 /* The rays of a frame, which all rounds trace. */
@@ -40,8 +42,9 @@ typedef struct bb_animate {
     /* of the frame at hand, in the first round */
     bb_oracle *oracle;
     bb_answers answers[BB_ANIMATE_RAYS_MAX];
-    bb_account account;
-    bb_buffer d_rays, d_answers;
+    bb_box *before; /* boxes of the frame before, in the first round */
+    uint32_t before_count;
+    bb_buffer d_rays, d_answers, d_counts;
     char *results;
     size_t result_bytes;
 } bb_animate;
@@ -54,6 +57,11 @@ bb_status bb_animate_judge_frame(bb_animate *a, uint32_t index);
 void bb_animate_leave_frame(bb_animate *a);
 /* Puts rays of a frame on the device, with room for their answers. */
 bb_status bb_animate_load_rays(bb_animate *a, const bb_rays *rays);
+
+/* ---- animate_strip.c ---- */
+
+/* Draws the frame into the strip, if it was asked for and the frame is one of those in it. */
+bb_status bb_animate_draw_frame(bb_animate *a, uint32_t index);
 
 /* ---- animate_method.c ---- */
 

@@ -5,7 +5,9 @@
 #include "framework/builder/registry.h"
 #include "framework/cli/contest_options.h"
 #include "framework/cli/inputs.h"
+#include "framework/contest/contest.h"
 #include "framework/device/device_private.h"
+#include "framework/picture/image.h"
 #include "framework/report/report.h"
 
 #include <stdio.h>
@@ -13,7 +15,8 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "a scene that moves: `list scenes` shows which have frames", BB_CLI_REPEATED},
+    {"scene", "S", "a scene that moves: `list scenes` shows which have frames; FILE.glb:clip=NAME",
+     BB_CLI_REPEATED},
     {"builder", "B", "the methods; default: what builders name for it, see below", BB_CLI_LIST},
     {"kernel", "K", "default: stack,stack8", BB_CLI_LIST},
     {"rays", "R", "default: primary,diffuse", BB_CLI_LIST},
@@ -33,7 +36,8 @@ static const bb_cli_option options[] = {
      BB_CLI_ONCE},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", BB_CLI_LIST},
     {"kernels-from", "DIR", "take device code from here first (edit and run)", BB_CLI_ONCE},
-    {"out", "DIR", "folder for animate.json and animate.html; default: none", BB_CLI_ONCE},
+    {"out", "DIR", "folder for animate.json, animate.html and a strip of frames; default: none",
+     BB_CLI_ONCE},
     {.name = NULL},
 };
 
@@ -119,11 +123,36 @@ static bb_status read_request(job *j)
     request->intersector = intersector != NULL ? intersector : "exact";
     request->view = bb_cli_value(j->cli, "view");
     request->quiet = bb_cli_value(j->cli, "quiet") != NULL;
+    request->strip = bb_cli_value(j->cli, "out") != NULL;
     BB_TRY(read_frames(j));
     return read_names(j);
 }
 
 /* ---- the work ---- */
+
+/* FOLDER/animate-N.png, whose name is added to `files`. */
+static bb_status write_strip(const job *j, const bb_animate_result *result, cJSON *files)
+{
+    char name[64], path[PATH_MAX];
+    if (result->strip.rgb == NULL)
+        return BB_OK;
+    snprintf(name, sizeof name, "animate-%d.png", cJSON_GetArraySize(j->results) + 1);
+    BB_TRY(bb_join_path(path, bb_cli_value(j->cli, "out"), name));
+    BB_TRY(bb_image_write(path, result->strip.rgb, result->strip.width, result->strip.height));
+    return bb_contest_add_file(files, path);
+}
+
+static bb_status add_result(job *j, const bb_animate_result *result)
+{
+    cJSON *files = cJSON_CreateArray();
+    if (bb_cli_value(j->cli, "json") == NULL)
+        bb_animate_print(result);
+    bb_status status = write_strip(j, result, files);
+    if (status == BB_OK)
+        return bb_contest_add(j->results, bb_animate_json(result), files);
+    cJSON_Delete(files);
+    return status;
+}
 
 static bb_status animate(job *j, const char *name, bb_animate_result *result)
 {
@@ -134,9 +163,7 @@ static bb_status animate(job *j, const char *name, bb_animate_result *result)
         status = bb_animate_run(&j->request, scene, result);
     if (status == BB_OK) {
         j->wrong = j->wrong || bb_animate_wrong(result) > 0;
-        if (bb_cli_value(j->cli, "json") == NULL)
-            bb_animate_print(result);
-        status = bb_contest_add(j->results, bb_animate_json(result), cJSON_CreateArray());
+        status = add_result(j, result);
     }
     bb_animate_release(result);
     bb_scene_free(scene);

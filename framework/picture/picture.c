@@ -100,29 +100,35 @@ static void file_name(const char *text, char *out, size_t capacity)
     out[used] = '\0';
 }
 
-bb_status bb_picture_write(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
-                           uint32_t width, uint32_t height, const char *path)
+bb_status bb_picture_trace(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
+                           uint32_t width, uint32_t height, float *rgb)
 {
     bb_spec spec;
     BB_TRY(bb_spec_parse("primary", &spec));
     bb_rays_request request = {&spec, view, width, height, width * height, 1};
     bb_rays *rays = NULL;
     bb_hit *hits = NULL;
-    float *rgb = NULL;
     bb_status status = bb_rays_make(scene, oracle, &request, &rays);
     if (status == BB_OK)
         status = bb_host_alloc(NULL, rays->count * sizeof *hits, "hits", &hits);
     if (status == BB_OK)
-        status = bb_host_alloc(NULL, 3 * (size_t)rays->count * sizeof *rgb, "picture", &rgb);
-    if (status == BB_OK)
         status = bb_oracle_trace(oracle, rays->rays, rays->count, &bb_query_closest, hits);
-    if (status == BB_OK) {
+    if (status == BB_OK)
         bb_picture_normals(scene, rays, hits, rgb);
-        status = bb_image_write(path, rgb, width, height);
-    }
-    bb_host_free(rgb);
     bb_host_free(hits);
     bb_rays_free(rays);
+    return status;
+}
+
+bb_status bb_picture_write(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
+                           uint32_t width, uint32_t height, const char *path)
+{
+    float *rgb = NULL;
+    BB_TRY(bb_host_alloc(NULL, 3 * (size_t)width * height * sizeof *rgb, "picture", &rgb));
+    bb_status status = bb_picture_trace(scene, oracle, view, width, height, rgb);
+    if (status == BB_OK)
+        status = bb_image_write(path, rgb, width, height);
+    bb_host_free(rgb);
     return status;
 }
 

@@ -42,7 +42,12 @@ bb_status bb_picture_heat(const bb_rays *rays, const bb_count *counts, bb_canvas
 bb_status bb_picture_diff(const bb_scene *scene, const bb_rays *rays, const bb_hit *hits,
                           const uint8_t *classes, const bb_accuracy *accuracy, bb_canvas *canvas);
 
-/* Renders one view with the oracle, by surface normals, into the file `path`. */
+/* Traces one view with the oracle and shades it by surface normals, into rgb (linear, 3 floats per
+ * pixel). */
+bb_status bb_picture_trace(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
+                           uint32_t width, uint32_t height, float *rgb);
+
+/* The same into the file `path`. */
 bb_status bb_picture_write(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
                            uint32_t width, uint32_t height, const char *path);
 

@@ -1,17 +1,11 @@
 #!/usr/bin/env bash
 # Runs test programs, on small inputs, under oclgrind, which finds out-of-bounds accesses, data races, uninitialised reads and divergent
-# barriers. It exits 0 even so: its log must be empty. Usage: run.sh NUMBER FOLDER FLAGS PROGRAM...
-# With BVHBENCH_TEST_PART=N it leaves two thirds of the NUMBERs to runs with another N.
+# barriers. It exits 0 even so: its log must be empty. Usage: run.sh FOLDER FLAGS PROGRAM...
 # (--uninitialized takes buffers that were filled by clEnqueueFillBuffer for uninitialised: not for programs that do that)
 set -u
-number=$1
-folder=$2
-read -r -a flags <<<"$3"
-shift 3
-if [ -n "${BVHBENCH_TEST_PART-}" ] && [ $((number % 3)) -ne $((BVHBENCH_TEST_PART % 3)) ]; then
-    echo "left to a run with another BVHBENCH_TEST_PART than $BVHBENCH_TEST_PART"
-    exit 0
-fi
+folder=$1
+read -r -a flags <<<"$2"
+shift 2
 if ! command -v oclgrind >/dev/null; then
     echo "skipped: oclgrind is not installed (scripts/setup test)"
     exit 77

@@ -19,6 +19,11 @@ sections.forEach((section, number) => {
     expect(cells.every(text => !/NaN|undefined|null/.test(text)), cells.join(' | '));
     expect(cells.at(-2) === '0' && /updated|rebuilt|kept/.test(cells.at(-1)), cells.join(' | '));
   });
+  const others = result.methods.filter(m => m.method !== result.faster_than), faster = [...section.querySelectorAll('table.faster tbody tr')];
+  expect(faster.length === others.length, 'a row for each other method');
+  expect(faster.every(row => [...row.querySelectorAll('td')].every(td => /^(any number|none|(below |above |and |to |[0-9.e]+ ?)+)$/.test(td.textContent))), 'faster');
+  const strip = section.querySelector('.strip img');
+  expect(strip !== null && strip.naturalWidth > strip.naturalHeight * 2 && strip.width > 250, 'a strip of pictures');
   expect(section.querySelectorAll('table.winners tbody tr').length === kinds.length, 'a row of winners for each kind of rays');
   for (const id of ['update', 'cost', ...kinds.map((_, k) => `wins-${k}`)]) {
     const [name, k] = id.split('-'), chart = Chart.getChart(k === undefined ? `${name}-${number}` : `wins-${number}-${k}`);

@@ -39,6 +39,7 @@ run() {
         echo '[  SKIPPED ] 1 test(s), listed below:'
     } >"$tree/build/Testing/Temporary/LastTest.log"
 }
+unset BVHBENCH_TEST_PART # of the run that this is a part of
 check_run() {
     expect "$1" "$2" "$tree/tests/check_run.sh" "$tree/build"
 }
@@ -60,6 +61,15 @@ mkdir "$work/data"
 check_run 1 'big_case was skipped'
 run notrun ''
 check_run 1 'test_two did not run'
+# By turns: only where it was another's turn may a test be missing.
+cat >"$tree/build/CTestTestfile.cmake" <<'END'
+add_test(test_one true)
+add_test(test_two true)
+set_tests_properties(test_two PROPERTIES LABELS "two;turn-1")
+END
+run '' ''
+BVHBENCH_TEST_PART=3 check_run 0 '1 tests ran'
+BVHBENCH_TEST_PART=4 check_run 1 'test_two did not run'
 
 # ---- results ----
 out=$work/out

@@ -35,17 +35,17 @@ function methodRow(result, method) {
   const number = value => el('td', { class: 'number' }, typeof value === 'string' ? value : brief(value));
   const name = el('th', { scope: 'row' }, method.method);
   const kinds = Object.keys(result.rays);
-  if (method.update_ms.length < 2) return el('tr', {}, name, el('td', { colspan: 8 + kinds.length }, method.refused || ''));
+  if (method.update_ms.length < 2) return el('tr', {}, name, el('td', { colspan: 10 + kinds.length }, method.refused || ''));
   const rate = rays => Math.max(...method.kernels.map(k => sum(rest(result.rays[rays])) / sum(rest(k.rays_ms[rays])) / 1e3));
-  return el('tr', {}, name, number(method.sums.update_ms), number(method.sums.worst_update_ms),
+  return el('tr', {}, name, number(method.sums.update_ms), number(method.sums.worst_update_ms), number(method.sums.worst_frame),
             number(Math.min(...method.kernels.map(k => mean(rest(k.layout_ms))))), ...kinds.map(rays => number(rate(rays))),
-            number(method.sums.sah_over_best), number(method.sums.sah_over_best_most), number(method.most_bytes / 2 ** 20),
+            number(method.sums.sah_over_best), number(method.sums.sah_over_best_most), number(method.sums.drift_per_frame), number(method.most_bytes / 2 ** 20),
             el('td', { class: method.sums.wrong > 0 ? 'number wrong' : 'number' }, String(method.sums.wrong)),
             el('td', {}, waysOf(method) + (method.refused ? `; then ${method.refused}` : '')));
 }
 
 function methodsTable(result) {
-  const head = ['Method', 'update ms', 'worst', 'layout ms', ...Object.keys(result.rays).map(rays => `${rays}, Mrays/s`), 'SAH / fresh', 'most', 'MiB', 'wrong', 'frames'];
+  const head = ['Method', 'update ms', 'worst', 'in frame', 'layout ms', ...Object.keys(result.rays).map(rays => `${rays}, Mrays/s`), 'SAH / fresh', 'most', 'drift per frame', 'MiB', 'wrong', 'frames'];
   return el('div', { class: 'scroll' }, el('table', { class: 'methods' },
     el('thead', {}, el('tr', {}, ...head.map(text => el('th', { scope: 'col' }, text)))),
     el('tbody', {}, ...result.methods.map(m => methodRow(result, m)))));
@@ -58,6 +58,20 @@ function winnersTable(result) {
   return el('div', { class: 'scroll' }, el('table', { class: 'winners' },
     el('thead', {}, el('tr', {}, el('th', { scope: 'col' }, 'Rays per frame'), ...counts.map(n => el('th', { scope: 'col' }, brief(n))))),
     el('tbody', {}, ...Object.keys(result.rays).map(rays => el('tr', {}, el('th', { scope: 'row' }, rays), ...counts.map(n => cell(entry(rays, n))))))));
+}
+
+function interval({ from, to }) {
+  if (from === 0) return to === null ? 'any number' : `below ${brief(to)}`;
+  return to === null ? `above ${brief(from)}` : `${brief(from)} to ${brief(to)}`;
+}
+
+function fasterTable(result) {
+  const kinds = Object.keys(result.rays), methods = result.methods.filter(m => Object.keys(m.faster).length > 0);
+  if (methods.length === 0) return null;
+  const cell = intervals => el('td', {}, intervals.length > 0 ? intervals.map(interval).join(' and ') : 'none');
+  return el('div', { class: 'scroll' }, el('table', { class: 'faster' },
+    el('thead', {}, el('tr', {}, ...[`Rays per frame, faster than ${result.faster_than}`, ...kinds].map(text => el('th', { scope: 'col' }, text)))),
+    el('tbody', {}, ...methods.map(m => el('tr', {}, el('th', { scope: 'row' }, m.method), ...kinds.map(rays => cell(m.faster[rays])))))));
 }
 
 /* ---- charts ---- */
@@ -102,7 +116,7 @@ function drawAll(result, number) {
 function pictures(result) {
   const files = result.picture_files || [], sources = result.sources || [];
   const shown = files.map((name, i) => sources[i] && el('figure', {}, el('img', { src: sources[i], alt: name }), el('figcaption', {}, name)));
-  return files.length > 0 ? el('div', { class: 'pictures' }, ...shown.filter(Boolean)) : null;
+  return files.length > 0 ? el('div', { class: 'pictures strip' }, ...shown.filter(Boolean)) : null;
 }
 
 function show(result, number) {
@@ -112,7 +126,7 @@ function show(result, number) {
     el('p', {}, `Frames ${result.frames[0]} to ${result.frames.at(-1)}, ${result.primitives[0]} primitives at first, view ${result.view}; ${result.rounds} rounds.`),
     pictures(result), methodsTable(result),
     el('p', { class: 'note' }, 'Means over the frames behind the first, which is a build for all, of medians over the rounds. Layout and rates are those of the best kernel.'),
-    el('h3', {}, 'Who is fastest'), winnersTable(result),
+    el('h3', {}, 'Who is fastest'), winnersTable(result), fasterTable(result),
     el('div', { class: 'charts' }, card(`update-${number}`, 'Updates'),
       card(`cost-${number}`, 'Cost', `Surface area heuristic of the tree, over that of the best tree made for the same frame (${Object.keys(result.sah_fresh).join(', ')}).`),
       ...kinds.map((rays, k) => card(`wins-${number}-${k}`, `Time of a frame, ${rays}`, 'Update, layout and tracing by the best kernel.')))));

@@ -1,0 +1,51 @@
+/* Wide nodes whose tree has kept its links and has other boxes: new boxes for the places that
+ * children have (layout_wide.cl gave them), without the way over pair nodes.
+ *
+ *   once: what each place is made of, from its side of a pair     (wide_sources)
+ *   then: the union of those boxes of the tree, scaled and padded (wide_follow)
+ *
+ * Which pairs a node was made of, and which place has which child, stay as they were best for the
+ * boxes of the time when the layout was made.
+ */
+#include "bb_device.h"
+
+#include "padding.clh"
+#include "siblings.clh"
+#include "wide_boxes.clh"
+
+/* of_sides: per side of a pair (pair_sides); sides, sources: per place of a node. */
+kernel void wide_sources(global const uint *sides, uint count,
+                         global const bb_siblings *of_sides, global bb_siblings *sources)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    bb_siblings none = {BB_NONE, 0};
+    sources[i] = sides[i] != BB_NONE ? of_sides[sides[i]] : none;
+}
+
+/* `reach` per node of the tree, used if has_reach: else a box's own longest side. */
+kernel void wide_follow(global const bb_node *tree, global const bb_siblings *sources, uint count,
+                        float scale, global const float *reach, uint has_reach,
+                        global bb_wide *nodes)
+{
+    uint n = get_global_id(0);
+    if (n >= count)
+        return;
+    bb_wide_boxes boxes;
+    bb_wide_clear(&boxes);
+    for (uint c = 0; c < BB_WIDTH; c++) {
+        bb_siblings siblings = sources[(ulong)n * BB_WIDTH + c];
+        if (siblings.count == 0u)
+            continue;
+        float lo[3], hi[3], longest;
+        bb_siblings_box(tree, has_reach != 0 ? reach : NULL, siblings, lo, hi, &longest);
+        bb_scale_and_pad(lo, hi, scale, has_reach != 0 ? longest : -1.0f);
+        for (uint axis = 0; axis < 3; axis++) {
+            boxes.planes[2u * axis * BB_WIDTH + c] = lo[axis];
+            boxes.planes[(2u * axis + 1u) * BB_WIDTH + c] = hi[axis];
+        }
+        boxes.places |= 1u << c;
+    }
+    bb_wide_write(&boxes, nodes + n);
+}
