@@ -1,7 +1,7 @@
 /* Refit of a tree's boxes, bottom-up from the leaves (refit.h).
  *
- *   a subtree below a root of the cut (subtrees.h): leaf: union of its primitives' boxes; then the
- *   inner nodes from the lowest level up: union of the children's
+ *   a subtree below a root of the cut (subtrees.h): its nodes in preorder; a leaf: union of its
+ *   primitives' boxes; behind the last child of a node: union of its children's
  *   above: the last of a node's children to come joins all of them              (refit_subtrees)
  * Where work-groups hand over by levels, all of it goes up by them    (refit_leaves, refit_level).
  *
@@ -17,45 +17,46 @@ uint fit_inner(volatile global bb_node *nodes, uint n)
 {
     bb_extent e = bb_no_extent();
     uint end = nodes[n].skip, children = 0;
-    for (uint c = nodes[n].first; c != end; c = nodes[c].skip, children++)
-        e = bb_joined(e, bb_load_box(nodes, c));
+    for (uint c = nodes[n].first; c != end; children++) {
+        bb_extent child = bb_load_node(nodes, c);
+        e = bb_joined(e, child);
+        c = bb_skip_of(child);
+    }
     bb_store_box(nodes, n, e);
     return children;
 }
 
-void fit_leaf(volatile global bb_node *nodes, global const uint *refs, global const bb_box *boxes,
-              uint n, uint first)
-{
-    uint prims;
-    bb_store_box(nodes, n, bb_fit_leaf(refs, boxes, first & BB_INDEX_MASK, &prims));
-}
-
 #if BB_HANDOVER
-/* From the root down, level by level, the leaves, and back: in that order no node waits for the one
- * before it, so that nodes and primitives come from memory many at a time. */
-void fit_subtree(volatile global bb_node *nodes, global const uint *refs,
-                 global const bb_box *boxes, uint root)
+/* Boxes of a subtree, its nodes in preorder, each inner one when its last child is done. */
+void fit_subtree(global bb_node *nodes, global const uint *refs, global const bb_box *boxes,
+                 uint root, global const uint *parents)
 {
-    uint queue[BB_SUBTREE_MOST], count = 0, first = nodes[root].first;
-    if ((first & BB_LEAF_BIT) != 0)
-        fit_leaf(nodes, refs, boxes, root, first);
-    else
-        queue[count++] = root;
-    for (uint i = 0; i < count; i++) {
-        uint n = queue[i], end = nodes[n].skip;
-        for (uint c = nodes[n].first; c != end; c = nodes[c].skip) {
-            first = nodes[c].first;
-            if ((first & BB_LEAF_BIT) != 0)
-                fit_leaf(nodes, refs, boxes, c, first);
-            else
-                queue[count++] = c;
+    uint n = root, count;
+    for (;;) {
+        uint first = nodes[n].first, skip = nodes[n].skip;
+        if ((first & BB_LEAF_BIT) == 0) {
+            n = first;
+            continue;
         }
+        bb_extent e = bb_fit_leaf(refs, boxes, first & BB_INDEX_MASK, &count);
+        bb_store_node(nodes, n, e, first, skip);
+        while (n != root) {
+            uint p = parents[n], end = nodes[p].skip;
+            if (skip != end)
+                break; /* not the last child */
+            first = nodes[p].first;
+            for (uint c = first; c != end; c = nodes[c].skip)
+                e = bb_joined(e, bb_load_node(nodes, c));
+            bb_store_node(nodes, p, e, first, end);
+            n = p;
+        }
+        if (n == root)
+            return;
+        n = skip;
     }
-    while (count-- > 0)
-        fit_inner(nodes, queue[count]);
 }
 
-kernel void refit_subtrees(volatile global bb_node *nodes, global const uint *refs,
+kernel void refit_subtrees(global bb_node *nodes, global const uint *refs,
                            global const bb_box *boxes, global const uint *roots,
                            global const uint *root_count, global const uint *parents,
                            volatile global uint *missing)
@@ -64,7 +65,7 @@ kernel void refit_subtrees(volatile global bb_node *nodes, global const uint *re
     if (i >= root_count[0])
         return;
     uint root = roots[i];
-    fit_subtree(nodes, refs, boxes, root);
+    fit_subtree(nodes, refs, boxes, root, parents);
     for (uint p = parents[root]; p != BB_NONE; p = parents[p]) {
         BB_DEVICE_FENCE();
         if (atomic_dec(&missing[p]) != 1u)
@@ -80,10 +81,10 @@ kernel void refit_leaves(volatile global bb_node *nodes, global const uint *refs
                          volatile global uint *missing, volatile global uint *counts,
                          global uint *next)
 {
-    uint n = get_global_id(0);
+    uint n = get_global_id(0), prims;
     if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
         return;
-    fit_leaf(nodes, refs, boxes, n, nodes[n].first);
+    bb_store_box(nodes, n, bb_fit_leaf(refs, boxes, nodes[n].first & BB_INDEX_MASK, &prims));
     uint p = parents[n];
     if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
         bb_put_on_list(p, 0u, counts, next);

@@ -25,8 +25,8 @@ static bool by_levels(const bb_refitter *refitter)
 
 static bb_status get_kernels(bb_refitter *refitter)
 {
-    char defines[BB_SUBTREES_DEFINES];
-    bb_subtrees_defines(refitter->device, defines);
+    char defines[96];
+    bb_handover_defines(refitter->device, defines, sizeof defines);
     BB_TRY(bb_subtrees_create(refitter->device, refitter->account, &refitter->subtrees));
     BB_TRY(bb_program_build(refitter->device, bb_source_find("refit.cl"), defines,
                             &refitter->program));
