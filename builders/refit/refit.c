@@ -13,6 +13,7 @@
  * What a trigger needs is summed up in the pass of the refit.
  */
 #include "builders/common/refit.h"
+#include "builders/refit/parts.h"
 #include "builders/refit/turns.h"
 #include "framework/builder/builder.h"
 
@@ -23,6 +24,9 @@ static const bb_option options[] = {
     {"rotate", "no", "no|yes", "rotate each node at most once in each update, where that helps"},
     {"trigger", "none", NULL,
      "when to build again: none, sah:F (SAH F times that of the build), ratio:F, every:N"},
+    {"partial", "none", NULL,
+     "build again, in place, subtrees whose share of the SAH is F times that of their build; from "
+     "1"},
     {.name = NULL},
 };
 
@@ -33,8 +37,9 @@ typedef struct refit {
     bb_account *account;
     refit_trigger trigger;
     double limit;
-    bb_refitter *refitter; /* without books; else: */
-    bb_turner turner;
+    bb_refitter *refitter; /* without books and parts */
+    bb_turner turner;      /* with books */
+    bb_parts parts;        /* if its factor is not 0 */
     bb_turn_totals built;
     uint32_t updates; /* since the build */
 } refit;
@@ -46,6 +51,7 @@ static void destroy(void *opaque)
         return;
     bb_refitter_destroy(self->refitter);
     bb_turner_release(&self->turner);
+    bb_parts_release(&self->parts);
     free(self);
 }
 
@@ -85,6 +91,22 @@ static bool keeps_books(const refit *self)
     return self->turner.rotates || self->trigger == BY_SAH || self->trigger == BY_RATIO;
 }
 
+static bool goes_by_parts(const refit *self)
+{
+    return self->parts.factor != 0;
+}
+
+static bb_status read_partial(const bb_spec *spec, refit *self)
+{
+    if (bb_spec_is(spec, options, "partial", "none"))
+        return BB_OK;
+    BB_TRY(bb_spec_double(spec, options, "partial", 1, 1e9, &self->parts.factor));
+    if (keeps_books(self))
+        return bb_fail(BB_INVALID, "builder refit: partial takes neither rotations nor the "
+                                   "triggers sah and ratio: leave one of them out");
+    return BB_OK;
+}
+
 static bb_status create(const bb_builder_context *context, void **out)
 {
     refit *self = calloc(1, sizeof *self);
@@ -99,8 +121,13 @@ static bb_status create(const bb_builder_context *context, void **out)
                                .rotates = bb_spec_is(context->spec, options, "rotate", "yes"),
                                .costs = self->trigger == BY_SAH,
                                .spreads = self->trigger == BY_RATIO};
+    BB_TRY(read_partial(context->spec, self));
     if (keeps_books(self))
         return bb_turner_create(&self->turner);
+    self->parts.device = self->device;
+    self->parts.account = self->account;
+    if (goes_by_parts(self))
+        return bb_parts_create(&self->parts);
     return bb_refitter_create(self->device, self->account, &self->refitter);
 }
 
@@ -112,11 +139,12 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     refit *self = opaque;
     const bb_tree_info *info = &input->info;
     uint32_t count = info->node_count;
-    if (keeps_books(self) && (info->arity > 2 || count != 2 * info->leaf_count - 1))
+    bool binary = keeps_books(self) || goes_by_parts(self);
+    if (binary && (info->arity > 2 || count != 2 * info->leaf_count - 1))
         return bb_fail(BB_UNSUPPORTED,
-                       "refit with rotate or a trigger takes binary trees, and this one has nodes "
-                       "of another number of children than two");
-    if (keeps_books(self) && input->duplicated)
+                       "refit with rotate, partial or a trigger takes binary trees, and this one "
+                       "has nodes of another number of children than two");
+    if (binary && input->duplicated)
         return bb_fail(BB_UNSUPPORTED, "refit: the tree has duplicated references, whose boxes do "
                                        "not follow from the primitives'");
     BB_TRY(bb_phase(phases, "copy"));
@@ -136,6 +164,9 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
         BB_TRY(bb_phase(phases, "books"));
         BB_TRY(bb_turner_pass(&self->turner, &scene->on_device.boxes, false, tree));
         self->built = self->turner.totals;
+    } else if (goes_by_parts(self)) {
+        BB_TRY(bb_phase(phases, "plan"));
+        BB_TRY(bb_parts_plan(&self->parts, &scene->on_device.boxes, tree));
     } else {
         BB_TRY(bb_phase(phases, "plan"));
         BB_TRY(bb_refit_plan(self->refitter, tree));
@@ -171,7 +202,11 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
     if (self->trigger == BY_COUNT && is_worn(self, tree))
         return bb_fail(BB_UNSUPPORTED, "refit: its time has come");
     BB_TRY(bb_phase(phases, "refit"));
-    if (!keeps_books(self))
+    if (goes_by_parts(self)) {
+        uint32_t rebuilt;
+        BB_TRY(bb_parts_update(&self->parts, &scene->on_device.boxes, tree, &rebuilt));
+        BB_TRY(bb_event(phases, "rebuilt", rebuilt));
+    } else if (!keeps_books(self))
         BB_TRY(bb_refit_device(self->refitter, &scene->on_device.boxes, tree));
     else {
         BB_TRY(bb_turner_pass(&self->turner, &scene->on_device.boxes, self->turner.rotates, tree));
