@@ -8,7 +8,7 @@ BB_DEVICE_SOURCE(parts);
 enum {
     GROUP_SIZE = 64,
     PART_GROUP_SIZE = 4, /* a part is much work, and there are few */
-    PART_LEAVES = 128,
+    PART_LEAVES = 256,
 };
 
 bb_status bb_parts_create(bb_parts *parts)
