@@ -1,6 +1,7 @@
-/* refit:partial: parts of a tree that are built again in place, against a plain reference; what they
- * keep; and that all forms of a device make the same tree. BVHBENCH_TEST_SMALL keeps scenes small
- * (for oclgrind). */
+/* refit:partial: parts of a tree that are built again in place, against a plain reference; what
+ * they keep; and that all forms of a device make the same tree. BVHBENCH_TEST_SMALL keeps scenes
+ * small (for oclgrind). */
+#include "builders/refit/parts_shared.h"
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "tests/device_forms.h"
@@ -9,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { BINS = 8, PART_LEAVES = 256, FRAMES = 5 };
+enum { BINS = BB_PART_BINS, PART_LEAVES = BB_PART_LEAVES, FRAMES = 5 };
 
 typedef struct moving {
     bb_scene *scene;

@@ -45,6 +45,9 @@ kernel void subtrees_mark(global const uint *sizes, uint count, uint root,
 {
     uint n = get_global_id(0);
     if (n < count)
-        marks[n] = sizes[n] <= BB_SUBTREE_MOST && (n == root || sizes[parents[n]] > BB_SUBTREE_MOST) ? 1u : 0u;
+        marks[n] = sizes[n] <= BB_SUBTREE_MOST &&
+                           (n == root || sizes[parents[n]] > BB_SUBTREE_MOST)
+                       ? 1u
+                       : 0u;
 }
 #endif

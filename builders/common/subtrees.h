@@ -1,10 +1,10 @@
-/* A tree cut into subtrees that one work-item each can do: what bottom-up passes over a tree need of
- * its links.
+/* A tree cut into subtrees that one work-item each can do: what bottom-up passes over a tree need
+ * of its links.
  *
- * The cut: each node that has at most BB_SUBTREE_MOST nodes below it, itself included, and whose parent has
- * more. One work-item for each spares an atomic operation and two fences per node, which is what
- * most of a pass by leaves takes. Where work-groups hand over by levels there is no cut, only
- * parents and missing children.
+ * The cut: each node that has at most BB_SUBTREE_MOST nodes below it, itself included, and whose
+ * parent has more. One work-item for each spares an atomic operation and two fences per node, which
+ * is what most of a pass by leaves takes. Where work-groups hand over by levels there is no cut,
+ * only parents and missing children.
  */
 #ifndef BB_SUBTREES_H
 #define BB_SUBTREES_H
@@ -41,11 +41,13 @@ typedef struct bb_subtrees {
 enum { BB_SUBTREES_DEFINES = 160 };
 void bb_subtrees_defines(const bb_device *device, char text[BB_SUBTREES_DEFINES]);
 
-/* Compiles into a zeroed object. Scratch is booked on `account`. To be released also if it fails. */
+/* Compiles into a zeroed object. Scratch is booked on `account`. To be released also if it
+ * fails. */
 bb_status bb_subtrees_create(bb_device *device, bb_account *account, bb_subtrees *subtrees);
 void bb_subtrees_release(bb_subtrees *subtrees); /* of a zeroed object: does nothing */
 
-/* Room for trees of up to `nodes` nodes: 24 bytes each; where work-groups hand over by levels, 8. */
+/* Room for trees of up to `nodes` nodes: 24 bytes each; where work-groups hand over by levels,
+ * 8. */
 bb_status bb_subtrees_reserve(bb_subtrees *subtrees, size_t nodes);
 
 /* Finds parents, missing children and the cut of a tree on the device, whose info is fetched. Waits

@@ -1,21 +1,16 @@
 /* The host side of parts.cl. */
 #include "builders/refit/parts.h"
 
-#include <stdio.h>
-
 BB_DEVICE_SOURCE(parts);
 
 enum {
     GROUP_SIZE = 64,
     PART_GROUP_SIZE = 4, /* a part is much work, and there are few */
-    PART_LEAVES = 256,
 };
 
 bb_status bb_parts_create(bb_parts *parts)
 {
-    char defines[64];
-    snprintf(defines, sizeof defines, "-DBB_PART_LEAVES=%uu", PART_LEAVES);
-    BB_TRY(bb_program_build(parts->device, &bb_source_parts, defines, &parts->program));
+    BB_TRY(bb_program_build(parts->device, &bb_source_parts, "", &parts->program));
     BB_TRY(bb_kernel_get(parts->program, "parts_mark", &parts->mark));
     BB_TRY(bb_kernel_get(parts->program, "parts_measure", &parts->measure));
     BB_TRY(bb_kernel_get(parts->program, "parts_list", &parts->list));

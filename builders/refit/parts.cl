@@ -255,8 +255,10 @@ kernel void parts_rebuild(global bb_node *nodes, global uint *part_of, global bb
         return;
     uint p = chosen[i], begin = parts[p].begin;
     /* each part before has one leaf more than inner nodes */
-    const part_job job = {nodes,         part_of,        parts,          order,        p, parts[p].inner,
-                          order + begin, leaves + begin + p, ranges + begin, pairs + begin};
+    const part_job job = {nodes,          part_of,       parts,
+                          order,          p,             parts[p].inner,
+                          order + begin,  leaves + begin + p,
+                          ranges + begin, pairs + begin};
     take_apart(&job);
     parts[p].rebuilt = divide(&job) < parts[p].cost ? 1u : 0u;
     if (parts[p].rebuilt == 0u)

@@ -9,8 +9,7 @@
  * A part is rebuilt if its share of the tree's SAH, the sum of its inner nodes' areas over the
  * root's area, is more than `factor` times that after its last build, and if that makes the sum
  * smaller; if it does not, it is tried again when the share has risen by as much once more. Which
- * parts are is decided on the host, in double, so that all devices make the same tree. Trees on
- * which no node has been built better for rebuilding keep their links.
+ * parts are is decided on the host, in double, so that all devices make the same tree.
  */
 #ifndef BB_PARTS_H
 #define BB_PARTS_H
@@ -51,7 +50,8 @@ void bb_parts_release(bb_parts *parts);
 bb_status bb_parts_plan(bb_parts *parts, const bb_buffer *boxes, bb_tree *tree);
 
 /* New boxes for the tree that was planned, and new links for parts that are rebuilt, of which
- * `rebuilt` gets the number. The tree is declared changed, as far as it is. Waits for the device. */
+ * `rebuilt` gets the number. The tree is declared changed, as far as it is. Waits for the
+ * device. */
 bb_status bb_parts_update(bb_parts *parts, const bb_buffer *boxes, bb_tree *tree,
                           uint32_t *rebuilt);
 

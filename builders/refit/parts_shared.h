@@ -8,6 +8,9 @@
 #include "kernels/bb_shared.h"
 #endif
 
+#define BB_PART_LEAVES 256u /* most of a part; the same everywhere, so that trees are */
+#define BB_PART_BINS 8u     /* in which the leaves of a range are counted: split.clh */
+
 typedef struct bb_part {
     bb_u32 root;    /* place of its root */
     bb_u32 begin;   /* where its inner nodes begin, in the list of all */

@@ -10,7 +10,8 @@
  *            F: Lauterbach, Yoon, Tuft, Manocha 2006 (RT-DEFORM), section 3.2, who take 0.4
  *   every:N  with each N-th update
  *
- * What a trigger needs is summed up in the pass of the refit.
+ * What a trigger needs is summed up in the pass of the refit. With partial=F parts of the tree that
+ * have become F times worse are built again, in place (parts.h).
  */
 #include "builders/common/refit.h"
 #include "builders/refit/parts.h"
@@ -221,7 +222,7 @@ const bb_builder bb_builder_refit = {
     .abi_version = BB_ABI_VERSION,
     .name = "refit",
     .summary = "optimiser for moving scenes: keeps the tree and gives its nodes new boxes, with "
-               "rotations or a trigger to build again",
+               "rotations, parts built again, or a trigger to build all again",
     .paper = "Terdiman 2001; Wald, Boulos, Shirley 2007; rotations: Kopta et al. 2012; trigger: "
              "Lauterbach et al. 2006",
     .kinds = BB_ALL_KINDS,
@@ -230,7 +231,7 @@ const bb_builder bb_builder_refit = {
     .deterministic = true,
     .options = options,
     .compared = "",
-    .stressed = "lbvh+refit:rotate=yes,lbvh+refit:trigger=sah:1.3",
+    .stressed = "lbvh+refit:rotate=yes,lbvh+refit:partial=1.3,lbvh+refit:trigger=sah:1.3",
     .moving = "lbvh+refit,lbvh+refit:rotate=yes,lbvh+refit:trigger=sah:1.3,sah+refit",
     .create = create,
     .build = build,
