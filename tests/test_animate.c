@@ -51,8 +51,9 @@ static bb_animate_result *new_result(void)
     return result;
 }
 
-static const char *const methods[] = {"lbvh", "lbvh+refit", "lbvh+refit:rotate=yes",
-                                      "sah+refit:trigger=sah:1.05", "lobvh+refit"};
+static const char *const methods[] = {
+    "lbvh",        "lbvh+refit",           "lbvh+refit:rotate=yes", "sah+refit:trigger=sah:1.05",
+    "lobvh+refit", "sah+refit:partial=1.1"};
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
 static const char *const sequences[] = {
