@@ -409,6 +409,7 @@ static void bad_requests_get_one_line(void **state)
         {"animate --scene twist:n=100 --rays nothing", "nothing"},
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=sah", "is none of none, sah:F"},
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=sah:0.5", "a number of 1"},
+        {"animate --scene twist:n=100 --builder lbvh+refit:trigger=every:2.5", "a whole number"},
         {"animate --scene car:away=1", "takes no 'away'"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)

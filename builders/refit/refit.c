@@ -5,7 +5,8 @@
  * (turns.cl). With a trigger it gives up when the tree has become too bad; then the harness builds
  * it again:
  *
- *   sah:F    the tree's SAH is more than F times what it was when it was built
+ *   sah:F    the tree's SAH is more than F times what it was when it was built: never, if that was
+ *            the worst, with all at one place
  *   ratio:F  the mean over all inner nodes of area / (area of both children) has risen by more than
  *            F: Lauterbach, Yoon, Tuft, Manocha 2006 (RT-DEFORM), section 3.2, who take 0.4
  *   every:N  with each N-th update
@@ -18,6 +19,7 @@
 #include "builders/refit/turns.h"
 #include "framework/builder/builder.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,12 +77,13 @@ static bb_status read_trigger(const bb_spec *spec, refit *self)
             continue;
         self->trigger = kinds[i].trigger;
         self->limit = strtod(text + length, &end);
+        const bool whole = self->trigger == BY_COUNT;
         if (end != text + length && *end == '\0' && self->limit >= kinds[i].low &&
-            self->limit <= 1e9)
+            self->limit <= 1e9 && (!whole || self->limit == floor(self->limit)))
             return BB_OK;
         return bb_fail(BB_INVALID,
-                       "builder refit: trigger '%s': a number of %g to 1e9 has to follow", text,
-                       kinds[i].low);
+                       "builder refit: trigger '%s': a %snumber of %g to 1e9 has to follow", text,
+                       whole ? "whole " : "", kinds[i].low);
     }
     return bb_fail(BB_INVALID,
                    "builder refit: trigger '%s' is none of none, sah:F, ratio:F, every:N", text);
