@@ -51,8 +51,9 @@ static bb_animate_result *new_result(void)
     return result;
 }
 
-static const char *const methods[] = {"lbvh", "lbvh+refit", "lbvh+refit:rotate=yes",
-                                      "sah+refit:trigger=sah:1.05", "lobvh+refit"};
+static const char *const methods[] = {
+    "lbvh",        "lbvh+refit",           "lbvh+refit:rotate=yes", "sah+refit:trigger=sah:1.05",
+    "lobvh+refit", "sah+refit:partial=1.1"};
 enum { METHODS = sizeof methods / sizeof methods[0] };
 
 static const char *const sequences[] = {
@@ -408,6 +409,7 @@ static void bad_requests_get_one_line(void **state)
         {"animate --scene twist:n=100 --rays nothing", "nothing"},
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=sah", "is none of none, sah:F"},
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=sah:0.5", "a number of 1"},
+        {"animate --scene twist:n=100 --builder lbvh+refit:trigger=every:2.5", "a whole number"},
         {"animate --scene car:away=1", "takes no 'away'"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)

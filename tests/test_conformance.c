@@ -141,10 +141,10 @@ static void bugs_of_the_refit_are_found(void **state)
     static const struct {
         const char *find, *replace, *words;
     } plants[] = {
-        {"            store_box(nodes, p, lo, hi, first, end);",
-         "            if ((p & 1u) == 0u) store_box(nodes, p, lo, hi, first, end);",
+        {"            bb_store_node(nodes, p, e, first, end);",
+         "            if ((p & 1u) == 0u) bb_store_node(nodes, p, e, first, end);",
          "frame 1, updated: node "},
-        {"        store_box(nodes, n, lo, hi, first, skip);", "", "frame 1, updated: leaf "},
+        {"        bb_store_node(nodes, n, e, first, skip);", "", "frame 1, updated: leaf "},
         {"    for (uint p = parents[root]; p", "    for (uint p = BB_NONE; p", "frame "},
     };
     bb_device *right = device;

@@ -183,9 +183,9 @@ static void conformance_refuses_bad_frames(void **state)
     put("c_1.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     put("c_2.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
     bb_scene *scene = load_scene(sequence("c_1.obj", ""));
-    assert_int_equal(bb_conformance_create(device, scene, 4, 1, &conformance), BB_INVALID);
-    assert_non_null(strstr(bb_message(), "frame 1: "));
-    assert_non_null(strstr(bb_message(), "c_2.obj: line 2"));
+    assert_int_equal(bb_conformance_create(device, scene, 8, 1, &conformance), BB_INVALID);
+    if (strstr(bb_message(), "frame 1: ") == NULL || strstr(bb_message(), "c_2.obj") == NULL)
+        fail_msg("%s", bb_message());
     bb_scene_free(scene);
 }
 

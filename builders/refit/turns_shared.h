@@ -1,4 +1,4 @@
-/* What host and device know of a subtree when it is refitted. */
+/* What host and device know of a tree when it has been refitted. */
 #ifndef BB_TURNS_SHARED_H
 #define BB_TURNS_SHARED_H
 
@@ -8,12 +8,12 @@
 #include "kernels/bb_shared.h"
 #endif
 
-/* Of a subtree; of the whole tree that of the root. */
-typedef struct bb_turn_state {
-    float cost;    /* Ct times the half areas of its inner nodes, Ci times those of references */
-    float spread;  /* sum over its inner nodes: half area over that of both children */
-    bb_u32 height; /* inner nodes on the longest way down */
-    bb_u32 turned; /* rotations made in it */
-} bb_turn_state;
+typedef struct bb_turn_totals {
+    float area;    /* half that of the root's box */
+    float cost;    /* Ct times the half areas of inner nodes, Ci times those of references */
+    float spread;  /* sum over inner nodes: half area over that of both children */
+    bb_u32 turned; /* rotations made */
+    bb_u32 roots;  /* of subtrees, for the next pass */
+} bb_turn_totals;
 
 #endif
