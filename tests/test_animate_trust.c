@@ -136,8 +136,8 @@ static void a_refit_that_loses_boxes_is_found(void **state)
     (void)state;
     static const plant plants[] = {
         {"for (uint c = first; c != end;", "for (uint c = nodes[first].skip; c != end;"},
-        {"children = 0;\n    start(&e);\n    for (uint c = nodes[n].first;",
-         "children = 1;\n    start(&e);\n    for (uint c = nodes[nodes[n].first].skip;"},
+        {"        e = bb_joined(e, child);",
+         "        if (children > 0)\n            e = bb_joined(e, child);"},
     };
     write_planted("builders/common/refit.cl", "boxes", plants, 2);
     cJSON *json = animate_planted("boxes", "--scene twist:n=300,frames=3 --builder lbvh,lbvh+refit "
