@@ -195,15 +195,21 @@ static void triggers_fire_when_they_say(void **state)
 static void rotations_hold_the_cost(void **state)
 {
     (void)state;
-    static const char *const builders[] = {"lbvh+refit", "lbvh+refit:rotate=yes"};
+    static const char *const builders[] = {"lbvh+refit", "lbvh+refit:rotate=yes",
+                                           "lbvh+refit:rotate=yes,pause=2"};
     bb_animate_result *result = new_result();
-    bb_animate_request request = request_of(builders, 2);
+    bb_animate_request request = request_of(builders, 3);
     request.kernel_count = 1;
     animate(&request, "crowd:kind=rigid,n=8640,frames=11", result);
     double refit = bb_animate_sum(result, &result->methods[0]).sah_last - 1;
     double turned = bb_animate_sum(result, &result->methods[1]).sah_last - 1;
     print_message("rigid: drift %.3f, with rotations %.3f\n", refit, turned);
     assert_true(turned < 0.5 * refit);
+    double paused = bb_animate_sum(result, &result->methods[2]).sah_last - 1;
+    assert_true(turned < paused && paused < 0.5 * refit);
+    /* layouts follow in place where nothing is rotated */
+    for (uint32_t f = 1; f < 11; f++)
+        assert_int_equal(result->methods[2].frames[f].traces[0].in_place, f % 3 != 0);
     bb_animate_release(result);
     free(result);
 }
@@ -410,6 +416,7 @@ static void bad_requests_get_one_line(void **state)
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=sah", "is none of none, sah:F"},
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=sah:0.5", "a number of 1"},
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=every:2.5", "a whole number"},
+        {"animate --scene twist:n=100 --builder lbvh+refit:pause=1", "give rotate=yes"},
         {"animate --scene car:away=1", "takes no 'away'"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)

@@ -2,8 +2,8 @@
  *
  * build() takes the tree as it is. update() gives its nodes new boxes, from the bottom up, on the
  * device (builders/common/refit.h); with rotate=yes it also turns each node once on the way
- * (turns.cl). With a trigger it gives up when the tree has become too bad; then the harness builds
- * it again:
+ * (turns.cl), in all updates or, with pause=N, in every (N + 1)-th. With a trigger it gives up when
+ * the tree has become too bad; then the harness builds it again:
  *
  *   sah:F    the tree's SAH is more than F times what it was when it was built: never, if that was
  *            the worst, with all at one place
@@ -24,7 +24,9 @@
 #include <string.h>
 
 static const bb_option options[] = {
-    {"rotate", "no", "no|yes", "rotate each node at most once in each update, where that helps"},
+    {"rotate", "no", "no|yes", "rotate each node at most once in an update, where that helps"},
+    {"pause", "0", NULL,
+     "updates without rotations between those with, 0 to 1000: layouts follow them in place"},
     {"trigger", "none", NULL,
      "when to build again: none, sah:F (SAH F times that of the build), ratio:F, every:N"},
     {"partial", "none", NULL,
@@ -44,6 +46,7 @@ typedef struct refit {
     bb_turner turner;      /* with books */
     bb_parts parts;        /* if its factor is not 0 */
     bb_turn_totals built;
+    uint64_t pause;   /* updates between those that rotate */
     uint32_t updates; /* since the build */
 } refit;
 
@@ -111,6 +114,15 @@ static bb_status read_partial(const bb_spec *spec, refit *self)
     return BB_OK;
 }
 
+static bb_status read_rotations(const bb_spec *spec, refit *self)
+{
+    self->turner.rotates = bb_spec_is(spec, options, "rotate", "yes");
+    BB_TRY(bb_spec_u64(spec, options, "pause", 0, 1000, &self->pause));
+    if (self->pause > 0 && !self->turner.rotates)
+        return bb_fail(BB_INVALID, "builder refit: pause is between rotations: give rotate=yes");
+    return BB_OK;
+}
+
 static bb_status create(const bb_builder_context *context, void **out)
 {
     refit *self = calloc(1, sizeof *self);
@@ -122,9 +134,9 @@ static bb_status create(const bb_builder_context *context, void **out)
     BB_TRY(read_trigger(context->spec, self));
     self->turner = (bb_turner){.device = self->device,
                                .account = self->account,
-                               .rotates = bb_spec_is(context->spec, options, "rotate", "yes"),
                                .costs = self->trigger == BY_SAH,
                                .spreads = self->trigger == BY_RATIO};
+    BB_TRY(read_rotations(context->spec, self));
     BB_TRY(read_partial(context->spec, self));
     if (keeps_books(self))
         return bb_turner_create(&self->turner);
@@ -213,7 +225,8 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
     } else if (!keeps_books(self))
         BB_TRY(bb_refit_device(self->refitter, &scene->on_device.boxes, tree));
     else {
-        BB_TRY(bb_turner_pass(&self->turner, &scene->on_device.boxes, self->turner.rotates, tree));
+        bool turns = self->turner.rotates && self->updates % (self->pause + 1) == 0;
+        BB_TRY(bb_turner_pass(&self->turner, &scene->on_device.boxes, turns, tree));
         BB_TRY(bb_event(phases, "rotated", self->turner.totals.turned));
         if (is_worn(self, tree))
             return bb_fail(BB_UNSUPPORTED, "refit: the tree has become too bad");
