@@ -30,6 +30,8 @@
  * is an ancestor of j), else 2 d + 1. Hence the minimum over adjacent pairs of a range is met once,
  * and none of the cases for ties of the paper's algorithm 1 (lines 2, 3 and 13) is needed.
  *
+ * -DBB_ALL_HEIGHTS: heights of all nodes but the root are wanted, not only of those that meet.
+ *
  * -DBB_LEAF_RUNS: leaf i holds the references of values[starts[i]] to values[starts[i + 1] - 1],
  * and leaves are counted on the device, in totals[0].
  *
@@ -314,6 +316,9 @@ kernel void link_chunks(global const bb_key *keys, global const uint *starts,
             }
             bool is_left = level_right < level;
             write_node(nodes, place_of(&w, is_left), &w, count);
+#ifdef BB_ALL_HEIGHTS
+            heights[place_of(&w, is_left)] = (uchar)w.height;
+#endif
             if (is_left) {
                 levels[top] = (uchar)level;
                 stack[top++] = w;
