@@ -39,7 +39,7 @@ static const bb_option options[] = {
     BB_CODE_OPTIONS("mc32"),
     {"top-bits", "auto", NULL,
      "clusters have equal codes in so many top bits: 0 to 64, all; auto: see each"},
-    {"each", "4", NULL, "top-bits=auto: primitives per cluster, on average at least, 1 to 1000000"},
+    {"each", "8", NULL, "top-bits=auto: primitives per cluster, on average at least, 1 to 1000000"},
     {"bins", "32", NULL, "bins per axis of the top tree, 2 to 64"},
     {"weight", "clusters", "clusters|prims", "what the cost of the top tree counts"},
     BB_UPDATE_OPTION,

@@ -11,14 +11,7 @@
  */
 #include "bb_device.h"
 #include "hlbvh_shared.h"
-
-#ifdef BB_KEY64
-typedef ulong bb_key;
-#define BB_KEY_BITS 64u
-#else
-typedef uint bb_key;
-#define BB_KEY_BITS 32u
-#endif
+#include "radix_keys.clh"
 
 /* The bit, from the top of a code of `bits`, in which keys i and i + 1 first differ; 64: none. */
 uint first_difference(global const bb_key *keys, uint i, uint bits)
