@@ -16,8 +16,9 @@
 #include "builders/aac/aac_shared.h"
 #include "builders/common/codes.h"
 #include "builders/common/refit.h"
+#include "builders/common/scene_unit.h"
 
-#include <math.h>
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -251,9 +252,7 @@ static bb_status split_nodes(aac *self, uint32_t count, large_levels *levels)
     counts[0] = is_large ? 0 : 1;
     while (counts[1] > 0) {
         uint32_t at = levels->at[levels->count], nodes = counts[1];
-        if (levels->count == LEVELS_MAX)
-            return bb_fail(BB_FAILED, "builder aac: a radix tree of more than %u levels",
-                           (unsigned)LEVELS_MAX);
+        assert(levels->count < LEVELS_MAX);
         counts[1] = 0;
         BB_TRY(bb_buffer_write(&self->counts, 0, sizeof counts, counts));
         BB_TRY(bb_launch(self->device, self->split, nodes, GROUP_SIZE, BB_MEM(self->keys),
@@ -264,14 +263,6 @@ static bb_status split_nodes(aac *self, uint32_t count, large_levels *levels)
     }
     levels->tasks = counts[0];
     return BB_OK;
-}
-
-/* As bb_linear_bvh's, a power of two: the scene is between a half and 1 long. */
-static float choose_unit(const aac *self)
-{
-    int exponent = 0;
-    frexpf(bb_codes_pattern(self->codes)->plan.unit, &exponent);
-    return ldexpf(1.0f, exponent > 126 ? 126 : exponent - 1);
 }
 
 static size_t items_for(const aac *self, uint32_t lists, uint32_t groups)
@@ -321,7 +312,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
                         bb_codes_pattern(self->codes)->bits));
     BB_TRY(bb_phase(phases, "split"));
     BB_TRY(split_nodes(self, count, &levels));
-    const float unit = choose_unit(self);
+    const float unit = bb_scene_unit(&bb_codes_bounds(self->codes)[0]);
     BB_TRY(bb_phase(phases, "combine small"));
     BB_TRY(combine_small(self, scene, &levels, unit, tree));
     BB_TRY(bb_phase(phases, "combine large"));

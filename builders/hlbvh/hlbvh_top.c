@@ -1,7 +1,8 @@
 /* The host side of hlbvh_top.cl: lists the tasks of each level and cuts large ones into chunks. */
 #include "builders/hlbvh/hlbvh_top.h"
 
-#include <math.h>
+#include "builders/common/scene_unit.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -214,21 +215,12 @@ static bb_status split_level(job *j)
     return BB_OK;
 }
 
-/* The power of two in which the scene is between a half and 1 long; exact to multiply by. */
-static float choose_unit(const bb_box *box)
-{
-    double longest = 0;
-    for (int axis = 0; axis < 3; axis++)
-        longest = fmax(longest, (double)box->hi[axis] - box->lo[axis]);
-    int exponent = 0;
-    frexp(longest, &exponent);
-    return ldexpf(1.0f, exponent > 126 ? -126 : exponent < -126 ? 126 : -exponent);
-}
-
 bb_status hl_top_make(hl_top *top, const hl_clusters *clusters, bb_tree *tree, uint32_t *levels)
 {
-    job j = {
-        .top = top, .clusters = clusters, .tree = tree, .unit = choose_unit(&clusters->bounds[0])};
+    job j = {.top = top,
+             .clusters = clusters,
+             .tree = tree,
+             .unit = bb_scene_unit(&clusters->bounds[0])};
     hl_task root = {.end = clusters->count};
     for (int axis = 0; axis < 3; axis++) {
         root.lo[axis] = clusters->bounds[1].lo[axis] * j.unit;
