@@ -86,9 +86,9 @@ static void many_boxes_make_the_tree_of_the_definition(void **state)
 static void any_code_will_do(void **state)
 {
     (void)state;
-    static const char *const codes[] = {"mc64", "emc32-sort", "emc64-var", "emc64-cell"};
+    static const char *const codes[] = {"mc64", "emc64-var"};
     const uint32_t count = small ? 30 : 1200;
-    for (size_t k = 0; k < 4; k++) {
+    for (size_t k = 0; k < 2; k++) {
         if (small && k > 0)
             continue;
         bb_box *boxes = make_boxes(quality_inputs, 0, count);
@@ -270,7 +270,7 @@ static void what_does_not_fit_is_refused_beforehand(void **state)
     for (uint64_t room = 1000; room < 200000; room *= 3) {
         bb_instance instance = {0};
         ASSERT_OK(bb_instance_create(device, "aac", &scene, 1, &instance));
-        device->global_bytes = before + room;
+        device->global_bytes = device->bytes + room;
         if (bb_instance_build(&instance, &scene, false, NULL) != BB_REFUSED)
             fail_msg("%llu bytes: not refused", (unsigned long long)room);
         assert_non_null(strstr(bb_message(), "bytes"));
