@@ -61,11 +61,13 @@ static void few_boxes_make_the_tree_of_the_definition(void **state)
     enum { COUNTS = sizeof counts / sizeof counts[0] };
     for (size_t k = 0; k < QUALITY_INPUTS; k++)
         for (size_t c = 0; c < COUNTS; c++) {
-            if (small && (k % 3 != 0 || c != 3 + k / 3))
+            if (small && (k % 3 != 0 || c != 2 + k / 3))
                 continue;
             bb_box *boxes = make_boxes(quality_inputs, k, counts[c]);
-            compare_all(boxes, counts[c], "mc32", &hq, quality_inputs[k].name);
-            compare_all(boxes, counts[c], "mc32", &fast, quality_inputs[k].name);
+            if (!small || k % 2 == 0)
+                compare_all(boxes, counts[c], "mc32", &hq, quality_inputs[k].name);
+            if (!small || k % 2 == 1)
+                compare_all(boxes, counts[c], "mc32", &fast, quality_inputs[k].name);
             free(boxes);
         }
 }
