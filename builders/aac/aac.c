@@ -319,7 +319,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     BB_TRY(combine_large(self, &levels, unit, tree));
     BB_TRY(bb_launch(self->device, self->finish, lanes_of(self), lanes_of(self), BB_VALUE(count),
                      BB_MEM(self->clusters), BB_MEM(self->heights), BB_MEM(tree->d_nodes),
-                     BB_VALUE(unit), BB_MEM(self->scratch), BB_VALUE(self->large_room),
+                     BB_VALUE(unit), BB_MEM(self->sizes), BB_VALUE(self->goals),
+                     BB_VALUE(self->law.delta), BB_MEM(self->scratch), BB_VALUE(self->large_room),
                      BB_MEM(self->live), BB_MEM(tree->d_info)));
     BB_TRY(bb_phase(phases, "skips"));
     BB_TRY(bb_launch(self->device, self->skips, count, GROUP_SIZE, BB_VALUE(count),

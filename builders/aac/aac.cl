@@ -89,11 +89,9 @@ kernel void aac_split(global const bb_key *keys, uint at, uint count, uint large
 
 /* ---- clusters ---- */
 
-/* The clusters of a right child go behind the `kept` ones of its sibling, which begin at l. */
-void move_up(const aac_list *list, uint l, uint kept, uint from, uint count)
+/* Clusters from .. from + count - 1 go to `to`, before where they are. */
+void move_down(const aac_list *list, uint to, uint from, uint count)
 {
-    if (l + kept == from)
-        return;
     for (uint at = 0; at < count; at += AAC_LANES) { /* what is read lies behind what is written */
         uint i = at + lane_of();
         uint8 words = 0;
@@ -105,27 +103,38 @@ void move_up(const aac_list *list, uint l, uint kept, uint from, uint count)
         }
         AAC_SYNC();
         if (i < count) {
-            vstore8(words, 0, (global uint *)(list->clusters + l + kept + i));
-            list->heights[l + kept + i] = height;
+            vstore8(words, 0, (global uint *)(list->clusters + to + i));
+            list->heights[to + i] = height;
         }
     }
-    AAC_SYNC();
 }
 
-/* Clusters of node l .. r from those of its children, which have `left` and `right`. */
+/* Clusters of node l .. r from those of its children, which have `left` and `right`. Children that
+ * are small by themselves are combined first: below delta nothing was. One call of combine(), since
+ * compilers put it in its callers' place. */
 uint join_children(const aac_scratch *s, const aac_list *list, const aac_goal *goal, uint l,
                    uint split, uint r, uint left, uint right)
 {
-    uint size = r - l + 1u;
-    if (size < goal->delta)
-        return size;
-    uint least = goal_of(goal, goal->delta);
-    if (split - l + 1u < goal->delta)
-        left = combine(s, list, l, left, least);
-    if (r - split < goal->delta)
-        right = combine(s, list, split + 1u, right, least);
-    move_up(list, l, left, split + 1u, right);
-    return combine(s, list, l, left + right, goal_of(goal, size));
+    const uint size = r - l + 1u, least = goal_of(goal, goal->delta);
+    const uint steps = size < goal->delta ? 0 : 3u;
+    uint found = size;
+    for (uint step = 0; step < steps; step++) {
+        uint base = l, count = left + right, target = goal_of(goal, size);
+        if (step == 0) {
+            count = left;
+            target = split - l + 1u < goal->delta ? least : left;
+        } else if (step == 1u) {
+            base = split + 1u;
+            count = right;
+            target = r - split < goal->delta ? least : right;
+        }
+        move_down(list, l + left, split + 1u,
+                  step == 2u && l + left != split + 1u ? right : 0);
+        found = combine(s, list, base, count, target);
+        left = step == 0 ? found : left;
+        right = step == 1u ? found : right;
+    }
+    return found;
 }
 
 void start_cluster(const aac_list *list, uint i, global const uint *values,
@@ -186,8 +195,6 @@ kernel void aac_subtree(global const bb_key *keys, uint count, global const aac_
             start_cluster(&list, i, values, boxes, refs);
         AAC_SYNC();
         uint found = build_small(&s, &list, &goal, keys, count, l, r);
-        if (r - l + 1u < delta)
-            found = combine(&s, &list, l, found, goal_of(&goal, delta));
         if (lane_of() == 0)
             live[l] = found;
     }
@@ -207,26 +214,29 @@ kernel void aac_join(global const aac_range *large, uint at, uint large_count,
     const aac_goal goal = {sizes, size_count, delta};
     for (uint t = get_group_id(0); t < large_count; t += get_num_groups(0)) {
         const aac_range node = large[at + t];
-        uint left = live[node.l], right = live[node.split + 1u];
-        move_up(&list, node.l, left, node.split + 1u, right);
-        uint found = combine(&s, &list, node.l, left + right,
-                             goal_of(&goal, node.r - node.l + 1u));
+        uint found = join_children(&s, &list, &goal, node.l, node.split, node.r, live[node.l],
+                                   live[node.split + 1u]);
+        AAC_SYNC(); /* all have read it */
         if (lane_of() == 0)
             live[node.l] = found;
-        AAC_SYNC();
     }
 }
 
 /* One work-group. */
 kernel void aac_finish(uint count, global aac_cluster *clusters, global uint *heights,
-                       global bb_node *nodes, float unit, global float *scratch, uint room,
+                       global bb_node *nodes, float unit, global const uint *sizes,
+                       uint size_count, uint delta, global float *scratch, uint room,
                        global const uint *live, global bb_tree_info *info)
 {
     local float distances[AAC_LANES];
     local uint places[AAC_LANES];
     const aac_scratch s = {scratch, room, distances, places};
     const aac_list list = {clusters, heights, nodes, unit};
-    combine(&s, &list, 0, live[0], 1u);
+    const aac_goal goal = {sizes, size_count, delta};
+    uint left = live[0];
+    for (uint step = 0; step < 2u; step++) /* first what any node of so few is combined to */
+        left = combine(&s, &list, 0, left,
+                       step == 1u ? 1u : count < delta ? goal_of(&goal, delta) : left);
     if (lane_of() != 0)
         return;
     global const float *words = (global const float *)clusters;
