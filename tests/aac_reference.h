@@ -80,7 +80,8 @@ static inline cluster *reference_join(aac_reference *r, const cluster *a, const 
     return both;
 }
 
-/* Who has lost its nearest looks again; who had the last as its nearest finds it in its new slot. */
+/* Who has lost its nearest looks again; who had the last as its nearest finds it in its new
+ * slot. */
 static inline void reference_look_again(const aac_reference *r, cluster **list, uint32_t count,
                                         uint32_t a, uint32_t b)
 {

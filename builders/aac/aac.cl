@@ -7,8 +7,8 @@
  *
  * The clusters of a node over keys l .. r lie from place l on; what a node has is put behind what
  * its left sibling has, in place. In launches:
- *   from the root down, level by level: split nodes of more than `large` keys            (aac_split)
- *   their other children, by a work-group each, in one pass over their keys            (aac_subtree)
+ *   from the root down, level by level: split nodes of more than `large` keys           (aac_split)
+ *   their other children, by a work-group each, in one pass over their keys           (aac_subtree)
  *   the large nodes, from the last level up                                             (aac_join)
  *   the root (aac_finish), and skips (aac_skips)
  * The lists of large nodes and of small ones are in any order, which shows nowhere.

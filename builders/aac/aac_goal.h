@@ -9,8 +9,8 @@ typedef struct aac_law {
     double epsilon; /* 0 to 0.5 */
 } aac_law;
 
-/* f(size) = c size^(0.5 - epsilon), where c makes f(delta) = delta / 2; rounded, at least 1. Made of
- * products, quotients and square roots, so that all machines agree. It never falls. */
+/* f(size) = c size^(0.5 - epsilon), where c makes f(delta) = delta / 2; rounded, at least 1. Made
+ * of products, quotients and square roots, so that all machines agree. It never falls. */
 uint32_t aac_goal(const aac_law *law, uint32_t size);
 
 /* The least size with aac_goal() >= goal, or 0 if `most` primitives are too few for that. */
