@@ -141,6 +141,7 @@ void bb_codes_decide(const bb_codes *codes, const bb_scene *scene, bb_decisions 
 
 /* Of the last bb_codes_make(). */
 const bb_code_pattern *bb_codes_pattern(const bb_codes *codes);
+const bb_box *bb_codes_bounds(const bb_codes *codes); /* two: of boxes, of their centroids */
 
 #ifdef __cplusplus
 }

@@ -16,7 +16,8 @@ struct bb_codes {
     bb_code_choice asked; /* as given, what is `auto` open */
     bb_code_choice choice;
     bb_code_pattern layout;
-    uint32_t lanes; /* boxes per work-item */
+    bb_box found[2]; /* the last scene's bounds */
+    uint32_t lanes;  /* boxes per work-item */
     cl_program program;
     cl_kernel keys;
     bb_buffer bounds; /* two bb_box */
@@ -116,6 +117,11 @@ const bb_code_pattern *bb_codes_pattern(const bb_codes *codes)
     return &codes->layout;
 }
 
+const bb_box *bb_codes_bounds(const bb_codes *codes)
+{
+    return codes->found;
+}
+
 /* Tables of each lane's bits, as section 4.5 of the paper has them; in chunks that the first-level
  * cache holds. */
 static bb_status write_tables(bb_codes *codes)
@@ -145,7 +151,6 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
 {
     const bb_buffer *boxes = &scene->on_device.boxes;
     uint32_t count = scene->prim_count;
-    bb_box bounds[2];
     double direction[3];
     char what[96];
     if (!bb_codes_ready(codes))
@@ -154,9 +159,9 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
     BB_TRY(bb_view_order(scene, codes->choice.view, what, direction));
     BB_TRY(bb_phase(phases, "bounds"));
     BB_TRY(bb_reduce_boxes(primitives, boxes, count, &codes->bounds));
-    BB_TRY(bb_buffer_read(&codes->bounds, 0, sizeof bounds, bounds));
+    BB_TRY(bb_buffer_read(&codes->bounds, 0, sizeof codes->found, codes->found));
     BB_TRY(bb_phase(phases, "codes"));
-    bb_code_lay_out(&codes->choice, bounds, direction, &codes->layout);
+    bb_code_lay_out(&codes->choice, codes->found, direction, &codes->layout);
     BB_TRY(bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan));
     if (codes->choice.tables)
         BB_TRY(write_tables(codes));

@@ -45,11 +45,11 @@ static bb_status get_kernels(bb_radix_tree *radix)
                        : kind->linking == BB_LINK_KARRAS ? "link_boxes"
                        : device->form == BB_FORM_CPU     ? "link_chunks"
                                                          : "link_climb";
-    char handover[96], defines[160];
+    char handover[96], defines[192];
     bb_handover_defines(device, handover, sizeof handover);
-    snprintf(defines, sizeof defines, "%s %s%s%s", handover,
+    snprintf(defines, sizeof defines, "%s %s%s%s%s", handover,
              kind->key_bytes == 8 ? "-DBB_KEY64 " : "", kind->nodes ? "-DBB_KEY_NODES " : "",
-             kind->runs ? "-DBB_LEAF_RUNS" : "");
+             kind->runs ? "-DBB_LEAF_RUNS " : "", kind->heights ? "-DBB_ALL_HEIGHTS" : "");
     BB_TRY(
         bb_program_build(radix->device, bb_source_find("radix_tree.cl"), defines, &radix->program));
     BB_TRY(bb_kernel_get(radix->program, link, &radix->link));
@@ -106,6 +106,12 @@ bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *t
         BB_TRY(bb_levels_reserve(&radix->levels, device, radix->account, count, HEIGHT_MAX,
                                  "radix tree: levels"));
     return BB_OK;
+}
+
+const bb_buffer *bb_radix_tree_heights(const bb_radix_tree *radix)
+{
+    assert(radix->kind.heights);
+    return &radix->heights;
 }
 
 /* What a launch over one level needs. */

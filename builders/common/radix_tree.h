@@ -30,8 +30,9 @@ typedef enum bb_linking {
 typedef struct bb_radix_kind {
     uint32_t key_bytes; /* 4 or 8: keys are u32 or u64 */
     bb_linking linking;
-    bool nodes; /* keys are nodes of a binary tree */
-    bool runs;  /* leaves are runs of references, see bb_radix_runs */
+    bool nodes;   /* keys are nodes of a binary tree */
+    bool runs;    /* leaves are runs of references, see bb_radix_runs */
+    bool heights; /* bb_radix_tree_heights() is asked for */
 } bb_radix_kind;
 
 /* Runs of equal keys as leaves: key i stands for the references starts[i] .. starts[i + 1] - 1. */
@@ -54,6 +55,10 @@ bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *t
 bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_radix_runs *runs,
                              const bb_buffer *values, const bb_buffer *boxes, uint32_t count,
                              bb_tree *tree);
+
+/* u8 per node: edges to the deepest leaf below it, of the last tree that was linked; the root's is
+ * not written, it is the tree's depth. Needs kind.heights. */
+const bb_buffer *bb_radix_tree_heights(const bb_radix_tree *radix);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,19 @@
+/* How many clusters AAC leaves of a node: Gu et al. 2013, section 3. */
+#ifndef BB_AAC_GOAL_H
+#define BB_AAC_GOAL_H
+
+#include <stdint.h>
+
+typedef struct aac_law {
+    uint32_t delta; /* nodes of fewer primitives are combined at once; at least 2 */
+    double epsilon; /* 0 to 0.5 */
+} aac_law;
+
+/* f(size) = c size^(0.5 - epsilon), where c makes f(delta) = delta / 2; rounded, at least 1. Made
+ * of products, quotients and square roots, so that all machines agree. It never falls. */
+uint32_t aac_goal(const aac_law *law, uint32_t size);
+
+/* The least size with aac_goal() >= goal, or 0 if `most` primitives are too few for that. */
+uint32_t aac_goal_size(const aac_law *law, uint32_t goal, uint32_t most);
+
+#endif

@@ -1,0 +1,340 @@
+/* HLBVH: a binned SAH tree over clusters, which are runs of primitives whose codes begin alike; an
+ * LBVH inside of each. On the device, over any code.
+ *
+ * Garanzha, Pantaleoni, McAllister 2011, "Simpler and Faster HLBVH with Work Queues". The steps:
+ * hlbvh.cl and hlbvh_top.cl. Where this departs from the paper:
+ *
+ * - Clusters go into bins by the centroids of their boxes within those of the task, not by the grid
+ *   that the code stands for: with sizes or uneven axes in it, a code has no such grid.
+ * - The paper has 15 bits for all scenes, which makes anything from 400 to 10,000 clusters.
+ *   top-bits=auto takes as many as leave `each` primitives to a cluster: it counts in which bit
+ *   neighbours in the sorted order differ.
+ * - A task of fewer clusters than bins has as many bins as clusters.
+ * - Work queues become one launch per level, and one for all that is small: no work-item waits for
+ *   another.
+ * - The whole radix tree is made first; the top replaces the nodes above the clusters, in place.
+ *
+ * top-bits=0 is the LBVH; top-bits=all is binned SAH over runs of equal codes.
+ */
+#include "builders/common/codes.h"
+#include "builders/common/radix_tree.h"
+#include "builders/common/refit.h"
+#include "builders/hlbvh/hlbvh_top.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+BB_DEVICE_SOURCE(hlbvh);
+
+enum {
+    GROUP_SIZE = 64,
+    CHUNK_CPU = 2048, /* keys per work-item */
+    CHUNK_GPU = 64,
+    ALL_BITS = 64,
+    AUTO_BITS = 65,
+};
+
+static const bb_option options[] = {
+    BB_CODE_OPTIONS("mc32"),
+    {"top-bits", "auto", NULL,
+     "clusters have equal codes in so many top bits: 0 to 64, all; auto: see each"},
+    {"each", "8", NULL, "top-bits=auto: primitives per cluster, on average at least, 1 to 1000000"},
+    {"bins", "32", NULL, "bins per axis of the top tree, 2 to 64"},
+    {"weight", "clusters", "clusters|prims", "what the cost of the top tree counts"},
+    BB_UPDATE_OPTION,
+    {.name = NULL},
+};
+
+typedef struct hlbvh {
+    bb_device *device;
+    bb_account *account;
+    uint32_t top_bits; /* asked for: 0 to 64, or AUTO_BITS */
+    uint32_t each;
+    bool by_prims;
+    bb_primitives *primitives;
+    bb_codes *codes;
+    uint32_t key_bytes; /* of what is compiled; 0: nothing yet */
+    bb_radix_tree *radix;
+    hl_top *top;
+    bb_refitter *refitter; /* NULL: trees are built again */
+    cl_program program;
+    cl_kernel levels_kernel, counts_kernel, starts_kernel, gather;
+    bb_buffer keys, values;
+    bb_buffer levels;        /* u32[HL_LEVELS] per chunk of keys */
+    bb_buffer totals;        /* u32[HL_LEVELS] */
+    bb_buffer counts;        /* u32 per chunk */
+    bb_buffer starts;        /* u32 per cluster, and one more */
+    bb_buffer items, roots;  /* per cluster */
+    bb_buffer bounds;        /* two bb_box */
+    uint32_t clusters, bits; /* of the last build */
+} hlbvh;
+
+static void release_kernels(hlbvh *self)
+{
+    bb_kernel_release(self->levels_kernel);
+    bb_kernel_release(self->counts_kernel);
+    bb_kernel_release(self->starts_kernel);
+    bb_kernel_release(self->gather);
+    bb_program_release(self->program);
+    self->levels_kernel = self->counts_kernel = self->starts_kernel = self->gather = NULL;
+    self->program = NULL;
+    bb_radix_tree_destroy(self->radix);
+    self->radix = NULL;
+    self->key_bytes = 0;
+}
+
+static void destroy(void *opaque)
+{
+    hlbvh *self = opaque;
+    if (self == NULL)
+        return;
+    bb_buffer *const buffers[] = {&self->keys,   &self->values, &self->levels,
+                                  &self->totals, &self->counts, &self->starts,
+                                  &self->items,  &self->roots,  &self->bounds};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
+        bb_buffer_release(buffers[i]);
+    release_kernels(self);
+    hl_top_destroy(self->top);
+    bb_codes_destroy(self->codes);
+    bb_refitter_destroy(self->refitter);
+    bb_primitives_destroy(self->primitives);
+    free(self);
+}
+
+/* What depends on the size of keys, which is known once nothing of the code is open. */
+static bb_status compile(hlbvh *self)
+{
+    if (!bb_codes_ready(self->codes) || self->key_bytes == bb_codes_key_bytes(self->codes))
+        return BB_OK;
+    release_kernels(self);
+    uint32_t key_bytes = bb_codes_key_bytes(self->codes);
+    bb_radix_kind kind = {.key_bytes = key_bytes, .linking = BB_LINK_APETREI, .heights = true};
+    char defines[64];
+    snprintf(defines, sizeof defines, "%s%s", key_bytes == 8 ? "-DBB_KEY64 " : "",
+             self->by_prims ? "-DHL_BY_PRIMS" : "");
+    BB_TRY(bb_radix_tree_create(self->device, self->account, kind, &self->radix));
+    BB_TRY(bb_program_build(self->device, &bb_source_hlbvh, defines, &self->program));
+    BB_TRY(bb_kernel_get(self->program, "hl_levels", &self->levels_kernel));
+    BB_TRY(bb_kernel_get(self->program, "hl_counts", &self->counts_kernel));
+    BB_TRY(bb_kernel_get(self->program, "hl_starts", &self->starts_kernel));
+    BB_TRY(bb_kernel_get(self->program, "hl_gather", &self->gather));
+    self->key_bytes = key_bytes;
+    return BB_OK;
+}
+
+static bb_status read_top_bits(const bb_spec *spec, uint32_t *bits)
+{
+    uint64_t number;
+    *bits = AUTO_BITS;
+    if (bb_spec_is(spec, options, "top-bits", "auto"))
+        return BB_OK;
+    *bits = ALL_BITS;
+    if (bb_spec_is(spec, options, "top-bits", "all"))
+        return BB_OK;
+    BB_TRY(bb_spec_u64(spec, options, "top-bits", 0, ALL_BITS, &number));
+    *bits = (uint32_t)number;
+    return BB_OK;
+}
+
+static bb_status create(const bb_builder_context *context, void **out)
+{
+    const bb_spec *spec = context->spec;
+    uint64_t bins, each;
+    uint32_t top_bits;
+    BB_TRY(bb_spec_u64(spec, options, "bins", 2, 64, &bins));
+    BB_TRY(bb_spec_u64(spec, options, "each", 1, 1000000, &each));
+    BB_TRY(read_top_bits(spec, &top_bits));
+    hlbvh *self = calloc(1, sizeof *self);
+    if (self == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = self;
+    self->device = context->device;
+    self->account = context->account;
+    self->top_bits = top_bits;
+    self->each = (uint32_t)each;
+    self->by_prims = bb_spec_is(spec, options, "weight", "prims");
+    BB_TRY(bb_codes_create(context, &self->codes));
+    BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
+    BB_TRY(hl_top_create(self->device, self->account, (uint32_t)bins, self->by_prims, &self->top));
+    if (bb_spec_is(spec, options, "update", "refit"))
+        BB_TRY(bb_refitter_create(self->device, self->account, &self->refitter));
+    return compile(self);
+}
+
+static uint32_t chunk_of(const hlbvh *self)
+{
+    return self->device->form == BB_FORM_CPU ? CHUNK_CPU : CHUNK_GPU;
+}
+
+/* The most clusters that `count` primitives can make. */
+static uint32_t most_clusters(const hlbvh *self, uint32_t count)
+{
+    if (self->top_bits == AUTO_BITS)
+        return count / self->each > 1 ? count / self->each : 1;
+    return self->top_bits < 32 && UINT32_C(1) << self->top_bits < count
+               ? UINT32_C(1) << self->top_bits
+               : count;
+}
+
+static bb_status reserve_clusters(hlbvh *self, uint32_t count)
+{
+    bb_device *device = self->device;
+    bb_account *account = self->account;
+    size_t chunks = count / chunk_of(self) + 1, clusters = most_clusters(self, count);
+    BB_TRY(bb_buffer_reserve(device, account, chunks * HL_LEVELS * sizeof(uint32_t),
+                             "hlbvh: differing bits", &self->levels));
+    BB_TRY(bb_buffer_reserve(device, account, HL_LEVELS * sizeof(uint32_t), "hlbvh: differing bits",
+                             &self->totals));
+    BB_TRY(bb_buffer_reserve(device, account, chunks * sizeof(uint32_t), "hlbvh: borders",
+                             &self->counts));
+    BB_TRY(bb_buffer_reserve(device, account, (clusters + 1) * sizeof(uint32_t), "hlbvh: starts",
+                             &self->starts));
+    BB_TRY(bb_buffer_reserve(device, account, clusters * sizeof(hl_item), "hlbvh: clusters",
+                             &self->items));
+    BB_TRY(bb_buffer_reserve(device, account, clusters * sizeof(hl_root), "hlbvh: roots",
+                             &self->roots));
+    BB_TRY(bb_buffer_reserve(device, account, 2 * sizeof(bb_box), "hlbvh: bounds", &self->bounds));
+    return hl_top_reserve(self->top, (uint32_t)clusters);
+}
+
+static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
+{
+    hlbvh *self = opaque;
+    size_t count = scene->prim_count;
+    BB_TRY(bb_codes_prepare(self->codes, scene, 1));
+    BB_TRY(compile(self));
+    BB_TRY(bb_buffer_reserve(self->device, self->account, count * self->key_bytes, "hlbvh: codes",
+                             &self->keys));
+    BB_TRY(bb_buffer_reserve(self->device, self->account, count * sizeof(uint32_t),
+                             "hlbvh: indices", &self->values));
+    BB_TRY(bb_primitives_reserve(self->primitives, scene->prim_count, self->key_bytes));
+    if (self->refitter != NULL)
+        BB_TRY(bb_refitter_reserve(self->refitter, 2 * count - 1));
+    BB_TRY(reserve_clusters(self, scene->prim_count));
+    return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
+}
+
+/* How many top bits, from how many neighbours first differ in each; and how many clusters. */
+static void choose_bits(hlbvh *self, const uint32_t totals[HL_LEVELS], uint32_t count)
+{
+    uint32_t bits = bb_codes_pattern(self->codes)->bits, most = most_clusters(self, count);
+    self->bits = 0;
+    self->clusters = 1;
+    while (self->bits < bits && self->bits < self->top_bits &&
+           self->clusters + totals[self->bits] <= most)
+        self->clusters += totals[self->bits++];
+}
+
+static bb_status find_clusters(hlbvh *self, uint32_t count)
+{
+    bb_device *device = self->device;
+    uint32_t chunk = chunk_of(self), chunks = count / chunk + 1;
+    size_t group = device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
+    uint32_t bits = bb_codes_pattern(self->codes)->bits, totals[HL_LEVELS];
+    BB_TRY(bb_buffer_fill(&self->totals, sizeof totals, 0));
+    BB_TRY(bb_buffer_fill(&self->levels, chunks * sizeof totals, 0));
+    BB_TRY(bb_launch(device, self->levels_kernel, chunks, group, BB_MEM(self->keys),
+                     BB_VALUE(count), BB_VALUE(bits), BB_VALUE(chunk), BB_MEM(self->levels),
+                     BB_MEM(self->totals)));
+    BB_TRY(bb_buffer_read(&self->totals, 0, sizeof totals, totals));
+    choose_bits(self, totals, count);
+    BB_TRY(bb_launch(device, self->counts_kernel, chunks, GROUP_SIZE, BB_MEM(self->levels),
+                     BB_VALUE(chunks), BB_VALUE(self->bits), BB_MEM(self->counts)));
+    BB_TRY(bb_scan_u32(self->primitives, &self->counts, &self->counts, chunks, NULL));
+    return bb_launch(device, self->starts_kernel, chunks, group, BB_MEM(self->keys),
+                     BB_VALUE(count), BB_VALUE(bits), BB_VALUE(self->bits), BB_VALUE(chunk),
+                     BB_MEM(self->counts), BB_VALUE(self->clusters), BB_MEM(self->starts));
+}
+
+/* Replaces the nodes above the clusters. */
+static bb_status make_top(hlbvh *self, uint32_t count, bb_tree *tree, bb_phases *phases)
+{
+    hl_clusters clusters = {.count = self->clusters,
+                            .starts = &self->starts,
+                            .items = &self->items,
+                            .roots = &self->roots};
+    uint32_t levels;
+    BB_TRY(bb_launch(self->device, self->gather, clusters.count, GROUP_SIZE, BB_MEM(self->keys),
+                     BB_VALUE(count), BB_MEM(self->starts), BB_VALUE(clusters.count),
+                     BB_MEM(tree->d_nodes), BB_MEM(*bb_radix_tree_heights(self->radix)),
+                     BB_MEM(self->items), BB_MEM(self->roots), BB_MEM(tree->d_info)));
+    BB_TRY(bb_reduce_boxes(self->primitives, &self->items, clusters.count, &self->bounds));
+    BB_TRY(bb_buffer_read(&self->bounds, 0, sizeof clusters.bounds, clusters.bounds));
+    BB_TRY(bb_phase(phases, "top"));
+    BB_TRY(hl_top_make(self->top, &clusters, tree, &levels));
+    return bb_event(phases, "levels", levels);
+}
+
+static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                       bb_phases *phases)
+{
+    (void)input;
+    hlbvh *self = opaque;
+    uint32_t count = scene->prim_count;
+    BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
+    BB_TRY(bb_phase(phases, "sort"));
+    BB_TRY(bb_sort_keys(self->primitives, self->key_bytes, &self->keys, &self->values, count,
+                        bb_codes_pattern(self->codes)->bits));
+    BB_TRY(bb_phase(phases, "link"));
+    BB_TRY(bb_radix_tree_link(self->radix, &self->keys, NULL, &self->values,
+                              &scene->on_device.boxes, count, tree));
+    BB_TRY(bb_phase(phases, "clusters"));
+    BB_TRY(find_clusters(self, count));
+    BB_TRY(bb_event(phases, "clusters", self->clusters));
+    if (self->clusters > 1)
+        BB_TRY(make_top(self, count, tree, phases));
+    return bb_phase(phases, NULL);
+}
+
+static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
+                        bb_phases *phases)
+{
+    hlbvh *self = opaque;
+    if (self->refitter == NULL || changed != BB_CHANGED_POSITIONS)
+        return bb_fail(BB_UNSUPPORTED, "the tree is built again");
+    BB_TRY(bb_phase(phases, "refit"));
+    BB_TRY(bb_refit_device(self->refitter, &scene->on_device.boxes, tree));
+    return bb_phase(phases, NULL);
+}
+
+static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
+{
+    const hlbvh *self = opaque;
+    char letters[BB_CODE_BITS_MAX + 1];
+    const bb_code_pattern *layout = bb_codes_pattern(self->codes);
+    bb_code_letters(layout, letters, sizeof letters);
+    snprintf(text, capacity, "%u clusters of %u primitives, by %u bits; code of %u bits: %s%s",
+             self->clusters, scene->prim_count, self->bits, layout->bits, letters,
+             self->clusters == 1 ? "; one cluster: this is the LBVH" : "");
+    return BB_OK;
+}
+
+static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
+{
+    const hlbvh *self = opaque;
+    bb_codes_decide(self->codes, scene, decisions);
+    bb_decide_number(decisions, "top bits", self->bits,
+                     self->top_bits == AUTO_BITS ? BB_BY_SCENE : BB_GIVEN,
+                     "%u clusters of %u primitives", self->clusters, scene->prim_count);
+}
+
+const bb_builder bb_builder_hlbvh = {
+    .abi_version = BB_ABI_VERSION,
+    .name = "hlbvh",
+    .summary = "binned SAH over clusters of equal top bits, an LBVH in each",
+    .paper = "Garanzha, Pantaleoni, McAllister 2011, sections 3-4",
+    .kinds = BB_ALL_KINDS,
+    .inputs = BB_INPUT_BOXES | BB_INPUT_PROFILE,
+    .place = BB_ON_DEVICE,
+    .deterministic = true,
+    .options = options,
+    .compared = "hlbvh,hlbvh:code=emc64-var",
+    .decide = decide,
+    .create = create,
+    .prepare = prepare,
+    .build = build,
+    .update = update,
+    .describe = describe,
+    .destroy = destroy,
+};

@@ -1,0 +1,51 @@
+/* What host and device share of the top tree (hlbvh_top.c, hlbvh_top.cl). */
+#ifndef BB_HLBVH_SHARED_H
+#define BB_HLBVH_SHARED_H
+
+#ifdef __OPENCL_VERSION__
+#include "bb_shared.h"
+#else
+#include "kernels/bb_shared.h"
+#endif
+
+#define HL_LEVELS 65 /* bits that two keys may first differ in, and one for equal keys */
+
+/* A cluster while the top tree is made: its box, which cluster, and what it weighs in the cost. */
+typedef struct hl_item {
+    float lo[3];
+    bb_u32 cluster;
+    float hi[3];
+    bb_u32 weight;
+} hl_item;
+
+/* A cluster's root in the radix tree. */
+typedef struct hl_root {
+    bb_u32 first; /* as in bb_node */
+    bb_u32 height;
+} hl_root;
+
+/* Items begin .. end - 1, of which a subtree is to be made at node `place`. */
+typedef struct hl_task {
+    bb_u32 begin, end;
+    bb_u32 place, depth;
+    bb_u32 side;        /* which of the two lists the items are in */
+    bb_u32 first_chunk; /* of a task that is split by many: its chunks */
+    bb_u32 chunk_count;
+    bb_u32 pad;
+    float lo[3], hi[3]; /* of the items' centroids, in the scene's unit */
+} hl_task;
+
+/* Where a task is split: before bin `bin` of `axis`; axis 3: before item `middle`. */
+typedef struct hl_split {
+    bb_u32 axis, bin, middle, pad;
+} hl_split;
+
+/* Items begin .. end - 1 of a task, for one work-item. */
+typedef struct hl_chunk {
+    bb_u32 task, begin, end;
+    bb_u32 left_at, right_at; /* where its items go */
+    bb_u32 pad;
+    float lo[2][3], hi[2][3]; /* of the centroids that go left and right */
+} hl_chunk;
+
+#endif

@@ -1,0 +1,33 @@
+/* The top tree of HLBVH: binned SAH over clusters, on the device. */
+#ifndef BB_HLBVH_TOP_H
+#define BB_HLBVH_TOP_H
+
+#include "builders/hlbvh/hlbvh_shared.h"
+#include "framework/builder/builder.h"
+
+typedef struct hl_top hl_top;
+
+/* What the top tree is made over: at least two clusters. */
+typedef struct hl_clusters {
+    uint32_t count;
+    const bb_buffer *starts; /* u32: first key of each cluster, and the number of keys */
+    bb_buffer *items;        /* hl_item per cluster; reordered */
+    const bb_buffer *roots;  /* hl_root per cluster */
+    bb_box bounds[2];        /* of the clusters' boxes, and of their centroids */
+} hl_clusters;
+
+/* Compiles, for `bins` per axis, 2 to 64; by_prims: clusters weigh what they hold. Memory is booked
+ * on `account`. */
+bb_status hl_top_create(bb_device *device, bb_account *account, uint32_t bins, bool by_prims,
+                        hl_top **out);
+void hl_top_destroy(hl_top *top); /* NULL is allowed */
+
+/* Scratch for up to `clusters` clusters: 64 to 200 bytes each, depending on the device's form. */
+bb_status hl_top_reserve(hl_top *top, uint32_t clusters);
+
+/* Writes the nodes above the clusters, their roots included, into the tree, which holds the radix
+ * tree over all keys; sets the depth in its d_info, which is 0 before. *levels: how many levels
+ * were split by many work-items. Waits for the device once for each. */
+bb_status hl_top_make(hl_top *top, const hl_clusters *clusters, bb_tree *tree, uint32_t *levels);
+
+#endif
