@@ -43,25 +43,8 @@
  */
 #include "bb_device.h"
 #include "handover.clh"
+#include "radix_level.clh"
 
-#ifdef BB_KEY64
-typedef ulong bb_key;
-#define BB_KEY_BITS 64u
-#else
-typedef uint bb_key;
-#define BB_KEY_BITS 32u
-#endif
-
-/* The longest common prefix of two different keys is shorter than BB_PREFIX_BITS; that of their
- * indices than 32. */
-#ifdef BB_KEY_NODES
-#define BB_PREFIX_BITS (2u * BB_KEY_BITS)
-#else
-#define BB_PREFIX_BITS BB_KEY_BITS
-#endif
-
-/* Levels are 1..32 (by index) and above that up to 160 (by key); this is above all of them. */
-#define BB_LEVEL_OUTSIDE 255u
 /* Left children that can wait at once: their levels grow strictly towards the bottom. */
 #define BB_STACK_MAX (BB_PREFIX_BITS + 32u)
 
@@ -71,29 +54,6 @@ typedef struct bb_work {
     uint first;    /* as in bb_node */
     uint height;   /* edges to the deepest leaf below */
 } bb_work;
-
-/* Length of the common prefix of leaves i < j. */
-uint common_of(global const bb_key *keys, uint i, uint j)
-{
-    bb_key key = keys[i], differ = key ^ keys[j];
-    if (differ == 0)
-        return BB_PREFIX_BITS + clz(i ^ j);
-    uint same = (uint)clz(differ);
-#ifdef BB_KEY_NODES
-    uint level = (uint)clz(key & -key);
-    return level <= same ? 2u * level : 2u * same + 1u;
-#else
-    return same;
-#endif
-}
-
-/* Level of the split between i and i + 1; i = -1 and i = count - 1 are outside. */
-uint level_of(global const bb_key *keys, uint count, uint i)
-{
-    if (i + 1u == 0u || i + 1u >= count)
-        return BB_LEVEL_OUTSIDE;
-    return BB_PREFIX_BITS + 32u - common_of(keys, i, i + 1u);
-}
 
 uint place_of(const bb_work *w, bool is_left)
 {
