@@ -14,6 +14,7 @@
  */
 #include "bb_device.h"
 #include "handover.clh"
+#include "lanes.clh"
 #include "pair_shared.h"
 
 /* A child: writes its node; true, with *child, if it is to be opened. */
@@ -97,33 +98,58 @@ kernel void pair_tree_top(global const bb_pair_side *root, global const bb_clust
 
 /* Subtrees that wait: each is at most half of what the one before it was. */
 #define BB_WAITING_MAX 32
+/* Walks that a work-item does by turns: each asks for its next pair, and meanwhile the others go on,
+ * so that a miss of the cache holds up no more than one of them. */
+#define BB_WALKS 8
 
-/* One work-item per task. */
+typedef struct pair_walk {
+    bb_pair_task task;
+    uint waiting;
+    bb_pair_task stack[BB_WAITING_MAX];
+} pair_walk;
+
+/* One step; false: the walk is done. */
+bool walk_on(pair_walk *walk, global const bb_cluster_pair *pairs, uint count,
+             global bb_node *nodes, global uint *refs, uint *deepest)
+{
+    bb_pair_task open[2];
+    uint inner = open_pair(walk->task, pairs, count, nodes, refs, open);
+    if (inner < 2u)
+        *deepest = BB_MAX(walk->task.depth + 1u, *deepest);
+    if (inner == 2u) {
+        bool first = open[0].end - open[0].base >= open[1].end - open[1].base;
+        walk->task = open[first ? 0 : 1];
+        walk->stack[walk->waiting++] = open[first ? 1 : 0];
+    } else if (inner == 1u) {
+        walk->task = open[0];
+    } else if (walk->waiting > 0) {
+        walk->task = walk->stack[--walk->waiting];
+    } else {
+        return false;
+    }
+    BB_PREFETCH(pairs + walk->task.link);
+    return true;
+}
+
+/* One work-item per BB_WALKS tasks. */
 kernel void pair_tree_walk(global const bb_cluster_pair *pairs, uint count, global bb_node *nodes,
                            global uint *refs, volatile global bb_tree_info *info,
                            global const bb_pair_task *tasks, global const uint *total)
 {
-    if (get_global_id(0) >= total[0])
-        return;
-    bb_pair_task task = tasks[get_global_id(0)], open[2], stack[BB_WAITING_MAX];
-    uint top = 0, deepest = 0;
-    for (;;) {
-        uint inner = open_pair(task, pairs, count, nodes, refs, open);
-        if (inner < 2u)
-            deepest = BB_MAX(task.depth + 1u, deepest);
-        if (inner == 2u) {
-            bool first = open[0].end - open[0].base >= open[1].end - open[1].base;
-            task = open[first ? 0 : 1];
-            stack[top++] = open[first ? 1 : 0];
-        } else if (inner == 1u) {
-            task = open[0];
-        } else if (top > 0) {
-            task = stack[--top];
-        } else {
-            break;
-        }
+    pair_walk walks[BB_WALKS];
+    uint first = get_global_id(0) * BB_WALKS, active = 0, deepest = 0;
+    for (; active < BB_WALKS && first + active < total[0]; active++) {
+        walks[active].task = tasks[first + active];
+        walks[active].waiting = 0;
     }
-    atomic_max(&info->depth, deepest);
+    while (active > 0)
+        for (uint k = 0; k < active;)
+            if (walk_on(&walks[k], pairs, count, nodes, refs, &deepest))
+                k++;
+            else
+                walks[k] = walks[--active];
+    if (deepest > 0)
+        atomic_max(&info->depth, deepest);
 }
 
 /* ---- GPUs ---- */
