@@ -236,6 +236,17 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
     bb_codes_decide(self->base.codes, scene, decisions);
 }
 
+static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
+{
+    (void)scene;
+    const hploc *self = opaque;
+    char letters[BB_CODE_BITS_MAX + 1];
+    const bb_code_pattern *layout = bb_codes_pattern(self->base.codes);
+    bb_code_letters(layout, letters, sizeof letters);
+    snprintf(text, capacity, "code of %u bits: %s", layout->bits, letters);
+    return BB_OK;
+}
+
 const bb_builder bb_builder_hploc = {
     .abi_version = BB_ABI_VERSION,
     .name = "hploc",
@@ -249,6 +260,7 @@ const bb_builder bb_builder_hploc = {
     .create = create,
     .prepare = prepare,
     .build = build,
+    .describe = describe,
     .decide = decide,
     .destroy = destroy,
 };

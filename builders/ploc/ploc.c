@@ -37,6 +37,7 @@ typedef struct ploc {
     bb_buffer actions;                             /* char per cluster */
     bb_buffer kept;                                /* u32 per chunk; GPUs: per cluster */
     bb_buffer number;                              /* u32 */
+    uint32_t rounds;                               /* of the last build */
 } ploc;
 
 static void destroy(void *opaque)
@@ -179,7 +180,8 @@ static bb_status cluster(ploc *self, const bb_scene *scene, bb_phases *phases)
                      BB_MEM(base->lists[from].tags), BB_VALUE(base->stride), BB_VALUE(count),
                      BB_VALUE(mask), BB_MEM(*pairs), BB_MEM(*root), BB_MEM(self->number)));
     BB_TRY(bb_buffer_read(&self->number, 0, sizeof rest, &rest));
-    return bb_event(phases, "rounds", rounds + rest);
+    self->rounds = rounds + rest;
+    return bb_event(phases, "rounds", self->rounds);
 }
 
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
@@ -199,6 +201,17 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
     bb_codes_decide(self->base.codes, scene, decisions);
 }
 
+static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
+{
+    (void)scene;
+    const ploc *self = opaque;
+    char letters[BB_CODE_BITS_MAX + 1];
+    const bb_code_pattern *layout = bb_codes_pattern(self->base.codes);
+    bb_code_letters(layout, letters, sizeof letters);
+    snprintf(text, capacity, "%u rounds; code of %u bits: %s", self->rounds, layout->bits, letters);
+    return BB_OK;
+}
+
 const bb_builder bb_builder_ploc = {
     .abi_version = BB_ABI_VERSION,
     .name = "ploc",
@@ -212,6 +225,7 @@ const bb_builder bb_builder_ploc = {
     .create = create,
     .prepare = prepare,
     .build = build,
+    .describe = describe,
     .decide = decide,
     .destroy = destroy,
 };
