@@ -33,8 +33,8 @@ bool place_side(uint4 lo, uint4 hi, bb_pair_task at, uint skip, global bb_node *
 }
 
 /* Returns how many of the two children are to be opened, in open[]. */
-uint open_pair(bb_pair_task task, global const bb_cluster_pair *pairs, uint count, global bb_node *nodes,
-               global uint *refs, bb_pair_task *open)
+uint open_pair(bb_pair_task task, global const bb_cluster_pair *pairs, uint count,
+               global bb_node *nodes, global uint *refs, bb_pair_task *open)
 {
     /* as integers, which no device flushes or quiets */
     global const uint *words = (global const uint *)(pairs + task.link);
@@ -71,8 +71,8 @@ bool start(global const bb_pair_side *root, uint count, global bb_node *nodes, g
 
 /* One work-item. Leaves subtrees of up to `share` references in tasks[], larger ones if there would
  * be more than `most`, and their number in total[0]. */
-kernel void pair_tree_top(global const bb_pair_side *root, global const bb_cluster_pair *pairs, uint count,
-                          global bb_node *nodes, global uint *refs, global bb_tree_info *info,
+kernel void pair_tree_top(global const bb_pair_side *root, global const bb_cluster_pair *pairs,
+                          uint count, global bb_node *nodes, global uint *refs, global bb_tree_info *info,
                           uint share, uint most, global bb_pair_task *tasks, global uint *total)
 {
     bb_pair_task task, open[2];
@@ -98,8 +98,8 @@ kernel void pair_tree_top(global const bb_pair_side *root, global const bb_clust
 
 /* Subtrees that wait: each is at most half of what the one before it was. */
 #define BB_WAITING_MAX 32
-/* Walks that a work-item does by turns: each asks for its next pair, and meanwhile the others go on,
- * so that a miss of the cache holds up no more than one of them. */
+/* Walks that a work-item does by turns: each asks for its next pair, and meanwhile the others go
+ * on, so that a miss of the cache holds up no more than one of them. */
 #define BB_WALKS 8
 
 typedef struct pair_walk {

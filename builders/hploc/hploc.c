@@ -2,8 +2,8 @@
  * the device.
  *
  * Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024, "H-PLOC: Hierarchical Parallel
- * Locally-Ordered Clustering for Bounding Volume Hierarchy Construction". Steps: hploc.cl; the merge
- * step, which PLOC shares: builders/common/ploc_cluster.clh.
+ * Locally-Ordered Clustering for Bounding Volume Hierarchy Construction". Steps: hploc.cl; the
+ * merge step, which PLOC shares: builders/common/ploc_cluster.clh.
  */
 #include "builders/common/ploc.h"
 #include "framework/device/levels.h"

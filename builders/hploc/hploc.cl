@@ -9,8 +9,8 @@
  * The radix tree is not stored: as in radix_tree.cl, node [l, r] is a right child if the split at
  * its left is below that at its right. A work-item takes a chunk of keys, left to right; subtrees
  * that wait for their right sibling are on a stack, and so their clusters, at most T each, are a
- * stack too, in the cache (hploc_chunks). Of subtrees whose sibling is in another chunk the clusters
- * stay where they are; one work-item goes on with these, in the same manner (hploc_top).
+ * stack too, in the cache (hploc_chunks). Of subtrees whose sibling is in another chunk the
+ * clusters stay where they are; one work-item goes on with these, in the same manner (hploc_top).
  *
  * A node's clusters depend on those of its children only, so neither chunks nor their order show in
  * the tree. What counts as nearest: ploc_cluster.clh.
@@ -90,8 +90,8 @@ bool hploc_climb(hploc_work *w, hploc_piece piece, global hploc_piece *pieces, u
     }
 }
 
-/* One work-item per `chunk` keys. The clusters of a chunk lie from its first key's place on, and its
- * pieces at BB_PIECES_MAX times its number, as many as piece_counts[] says. */
+/* One work-item per `chunk` keys. The clusters of a chunk lie from its first key's place on, and
+ * its pieces at BB_PIECES_MAX times its number, as many as piece_counts[] says. */
 kernel void hploc_chunks(global const bb_key *keys, global const uint *values,
                          global const bb_box *boxes, uint count, uint chunk, global float *planes,
                          global uint4 *tags, uint stride, global bb_cluster_pair *pairs,

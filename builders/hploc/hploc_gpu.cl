@@ -1,9 +1,10 @@
 /* H-PLOC for GPUs: hploc.cl says what it does, and gives the same pairs.
  *
- *   for each split of the radix tree: the range of its node; how many of its children hold more than
- *   T primitives; nodes that hold more, but no such children, are level 1            (hploc_ranges)
- *   for each level: one work-group per node puts the clusters of both children together, and lets at
- *   most T remain; the last child to come puts the parent on the next level's list   (hploc_level)
+ *   for each split of the radix tree: the range of its node; how many of its children hold more
+ *   than T primitives; nodes that hold more, but no such children, are level 1      (hploc_ranges)
+ *   for each level: one work-group per node puts the clusters of both children together, and lets
+ *   at most T remain; the last child to come puts the parent on the next level's list
+ *                                                                                    (hploc_level)
  *
  * One launch per level, so that no fence between work-groups is needed. Clusters of node [l, r] are
  * at l, l + 1, ...; live[l] says how many.
@@ -70,8 +71,8 @@ kernel void hploc_ranges(global const bb_key *keys, uint count, global uint2 *ra
         bb_put_on_list(s, 0, counts, list);
 }
 
-void load(global const bb_pair_side *clusters, global const uint *heads, uint from, bb_clusters list,
-          uint at)
+void load(global const bb_pair_side *clusters, global const uint *heads, uint from,
+          bb_clusters list, uint at)
 {
     global const uint *words = (global const uint *)(clusters + from);
     uint4 lo = vload4(0, words), hi = vload4(1, words);
@@ -101,8 +102,8 @@ kernel void hploc_level(global const bb_key *keys, uint count, global bb_pair_si
         if (i < left + right)
             load(clusters, heads, i < left ? l + i : s + 1u + i - left, list, i);
         barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-        uint stay = ploc_group(list, left + right, whole ? 1u : BB_GOAL, BB_PLOC_EXACT, pairs, partners,
-                               sums, &rounds);
+        uint stay = ploc_group(list, left + right, whole ? 1u : BB_GOAL, BB_PLOC_EXACT, pairs,
+                               partners, sums, &rounds);
         if (i < stay) {
             bb_cluster c = ploc_read(list, i);
             ploc_write_side(whole ? root : &clusters[l + i], c);

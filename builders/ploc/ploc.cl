@@ -33,8 +33,8 @@ kernel void ploc_leaves(global const bb_box *boxes, global const uint *values, u
     }
 }
 
-/* actions[i]: > 0: merges with the cluster as many places higher. < 0: is merged. 0: stays as it is.
- * kept[]: clusters of each chunk that stay. */
+/* actions[i]: > 0: merges with the cluster as many places higher; < 0: is merged; 0: stays as it
+ * is. kept[]: clusters of each chunk that stay. */
 kernel void ploc_search(global float *planes, global uint4 *tags, uint stride, uint count, int mask,
                         global char *actions, global uint *kept)
 {
@@ -72,7 +72,8 @@ kernel void ploc_places(global uint *kept, uint chunks, global uint *total)
 
 kernel void ploc_merge(global float *planes, global uint4 *tags, uint stride, uint count,
                        global const char *actions, global const uint *places,
-                       global float *next_planes, global uint4 *next_tags, global bb_cluster_pair *pairs)
+                       global float *next_planes, global uint4 *next_tags,
+                       global bb_cluster_pair *pairs)
 {
     bb_clusters from = {planes, tags, stride}, to = {next_planes, next_tags, stride};
     uint begin = get_global_id(0) * BB_CHUNK, end = BB_MIN(begin + BB_CHUNK, count);
