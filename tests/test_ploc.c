@@ -105,7 +105,8 @@ static uint32_t reduce(reference *r, cluster **list, uint32_t count, uint32_t go
             list[left++] = c;
         }
         assert_true(left < count);
-        forced = count - left < count / 20;
+        /* less than 5 %, rounded down in PLOC's list, up in H-PLOC's windows */
+        forced = count - left < (count + (r->goal > 0 ? 19 : 0)) / 20;
         count = left;
     }
     free(nearest);
@@ -318,13 +319,12 @@ static void parameters_change_the_definition(void **state)
 static void chunks_do_not_show(void **state)
 {
     (void)state;
-    if (getenv("BVHBENCH_TEST_SMALL") != NULL)
-        skip();
+    const bool small = getenv("BVHBENCH_TEST_SMALL") != NULL;
     static const int kinds[] = {0, 3, 7};
     bb_random random = bb_random_make(seed, 3);
-    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+    for (size_t k = 0; k < (small ? 1 : sizeof kinds / sizeof *kinds); k++)
         for (size_t w = 0; w < sizeof usual / sizeof *usual; w++)
-            compare_kind(&usual[w], kinds[k], 9000, &random);
+            compare_kind(&usual[w], kinds[k], small ? 1100 : 5000, &random);
 }
 
 /* ---- rounds ---- */

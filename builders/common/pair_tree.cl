@@ -72,8 +72,9 @@ bool start(global const bb_pair_side *root, uint count, global bb_node *nodes, g
 /* One work-item. Leaves subtrees of up to `share` references in tasks[], larger ones if there would
  * be more than `most`, and their number in total[0]. */
 kernel void pair_tree_top(global const bb_pair_side *root, global const bb_cluster_pair *pairs,
-                          uint count, global bb_node *nodes, global uint *refs, global bb_tree_info *info,
-                          uint share, uint most, global bb_pair_task *tasks, global uint *total)
+                          uint count, global bb_node *nodes, global uint *refs,
+                          global bb_tree_info *info, uint share, uint most,
+                          global bb_pair_task *tasks, global uint *total)
 {
     bb_pair_task task, open[2];
     uint waiting = 0, deepest = 0;

@@ -28,8 +28,8 @@ void bb_pair_tree_destroy(bb_pair_tree *pairs); /* NULL is allowed */
 /* Room for `count` >= 1 primitives, and in `tree` (on the device). */
 bb_status bb_pair_tree_reserve(bb_pair_tree *pairs, uint32_t count, bb_tree *tree);
 
-/* To be filled by the builder: `count` - 1 bb_cluster_pair, at any of the indices below `count`; and
- * the last cluster, a bb_pair_side. */
+/* To be filled by the builder: `count` - 1 bb_cluster_pair, at any of the indices below `count`,
+ * and the last cluster, a bb_pair_side. */
 const bb_buffer *bb_pair_tree_pairs(const bb_pair_tree *pairs);
 const bb_buffer *bb_pair_tree_root(const bb_pair_tree *pairs);
 

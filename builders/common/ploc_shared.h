@@ -6,8 +6,10 @@
 #define BB_PLOC_EXACT 0x7fffffff
 #define BB_PLOC_FORCED 0x7f800000
 
-/* The mask for the round after one that made `pairs` pairs of `count` clusters: forced after less
- * than 5 %. */
-#define BB_PLOC_NEXT_MASK(pairs, count) ((pairs) < (count) / 20u ? BB_PLOC_FORCED : BB_PLOC_EXACT)
+/* Pairs of `count` clusters that are too few, so that the next round is forced: less than 5 %. In a
+ * whole list, of which the last clusters are merged once, that is rounded down, and in a node's
+ * window up: there what a chain adds to the depth adds up from node to node. */
+#define BB_PLOC_FEW(count) ((count) / 20u)
+#define BB_HPLOC_FEW(count) (((count) + 19u) / 20u)
 
 #endif

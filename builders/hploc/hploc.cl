@@ -56,7 +56,7 @@ uint hploc_reduce(hploc_work *w, uint count, uint goal)
     while (left > goal) {
         uint before = left;
         left = ploc_round(list, before, mask, &w->near, w->pairs);
-        mask = BB_PLOC_NEXT_MASK(before - left, before);
+        mask = before - left < BB_HPLOC_FEW(before) ? BB_PLOC_FORCED : BB_PLOC_EXACT;
     }
     w->top -= count - left;
     return left;

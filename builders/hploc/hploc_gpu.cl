@@ -14,6 +14,7 @@
  */
 #define BB_CLUSTER_SPACE local
 #define BB_CLUSTER_FENCE CLK_LOCAL_MEM_FENCE
+#define BB_FEW BB_HPLOC_FEW
 #include "ploc_group.clh"
 #include "handover.clh"
 #include "radix_level.clh"

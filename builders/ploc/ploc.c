@@ -171,7 +171,7 @@ static bb_status cluster(ploc *self, const bb_scene *scene, bb_phases *phases)
                      BB_VALUE(base->stride)));
     for (uint32_t left; count > self->rest_most; rounds++) {
         BB_TRY(round_of(self, from, count, mask, &left));
-        mask = BB_PLOC_NEXT_MASK(count - left, count);
+        mask = count - left < BB_PLOC_FEW(count) ? BB_PLOC_FORCED : BB_PLOC_EXACT;
         count = left;
         from = 1 - from;
     }

@@ -101,7 +101,7 @@ kernel void ploc_rest(global float *planes, global uint4 *tags, uint stride, uin
     ploc_near_start(&near);
     for (; count > 1u; round++) {
         uint left = ploc_round(list, count, mask, &near, pairs);
-        mask = BB_PLOC_NEXT_MASK(count - left, count);
+        mask = count - left < BB_PLOC_FEW(count) ? BB_PLOC_FORCED : BB_PLOC_EXACT;
         count = left;
     }
     ploc_write_side(root, ploc_read(list, 0));

@@ -9,6 +9,7 @@
  */
 #define BB_CLUSTER_SPACE global
 #define BB_CLUSTER_FENCE (CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE)
+#define BB_FEW BB_PLOC_FEW
 #include "ploc_group.clh"
 
 kernel void ploc_leaves_each(global const bb_box *boxes, global const uint *values, uint count,
