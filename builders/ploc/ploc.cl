@@ -45,7 +45,7 @@ kernel void ploc_search(global float *planes, global uint4 *tags, uint stride, u
     ploc_near_start(&near);
     for (uint begin = chunk; begin < chunk_end; begin += BB_TILE) {
         uint end = BB_MIN(begin + BB_TILE, chunk_end);
-        uint from = begin > 2u * BB_RADIUS ? begin - 2u * BB_RADIUS : 0;
+        uint from = (uint)BB_MAX((int)begin - 2 * BB_RADIUS, 0);
         uint to = BB_MIN(end + 2u * BB_RADIUS, count);
         ploc_near(ploc_from(list, from), to - from, from, mask, &near);
         for (uint i = begin; i < end; i++) {
