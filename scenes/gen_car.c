@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const bb_option options_table[] = {
-    {"room", "interior:n=20000", NULL, "the scene that stays, of triangles; ',' in it as '\\,'"},
+    {"room", "interior:n=20000", NULL, "the scene that stays, of triangles; no ',' in it"},
     {"things", "5", NULL, "how many drive"},
     BB_MOTION_OPTIONS,
     {0},
@@ -74,6 +74,8 @@ static bb_status join(const bb_scene *room, uint32_t things, bb_scene *scene)
     uint32_t triangles = room->prims[BB_TRIANGLE].count;
     if (room->kinds != BB_TRIANGLES || room->volume != NULL)
         return bb_fail(BB_INVALID, "scene car: %s has other primitives than triangles", room->name);
+    if (memcmp(room->bounds.lo, room->bounds.hi, sizeof room->bounds.lo) == 0)
+        return bb_fail(BB_INVALID, "scene car: %s is one point: no room to drive in", room->name);
     BB_TRY(bb_scene_reserve_mesh(
         scene, room->vertex_count + things * bb_shape_sphere_vertices(TESSELLATION),
         triangles + own));

@@ -12,6 +12,9 @@
 static const bb_option options_table[] = {
     {"kind", "rigid", "rigid|explode|fall|flow|shuffle|cross|origin|grow|still", "how they move"},
     {"n", "100000", NULL, "number of triangles, rounded down to whole things"},
+    {"share", NULL, NULL,
+     "shuffle: pairs that exchange places in each frame; grow: things that come and go; as a share "
+     "of all, 0 to 1; default: 0.01, and one at least"},
     BB_MOTION_OPTIONS,
     {0},
 };
@@ -25,6 +28,7 @@ typedef struct state {
     bb_crowd crowd;
     uint32_t least; /* things in frame 0 */
     uint32_t first; /* of those that are there, which come and go in turn */
+    uint32_t part;  /* how many do so in each frame, or exchange places */
 } state;
 
 struct bb_crowd_kind {
@@ -129,13 +133,13 @@ static void place_still(const state *s, double (*centres)[3])
     }
 }
 
-/* In each frame one pair in a hundred things exchange places. */
+/* In each frame some pairs exchange places. */
 static void place_shuffle(const state *s, double (*centres)[3])
 {
     place_still(s, centres);
     for (uint32_t frame = 1; frame <= s->motion.frame; frame++) {
         bb_random random = bb_random_make(s->motion.seed ^ 0x5A5A, frame);
-        for (uint32_t pair = 0; pair < s->crowd.count / 100 + 1; pair++) {
+        for (uint32_t pair = 0; pair < s->part; pair++) {
             double *p = centres[bb_random_below(&random, s->crowd.count)],
                    *q = centres[bb_random_below(&random, s->crowd.count)];
             for (int axis = 0; axis < 3; axis++) {
@@ -174,19 +178,27 @@ static const bb_crowd_kind kinds[] = {
 /* ---- all kinds ---- */
 
 /* Things that come, and that go, with each frame. */
-static void come_and_go(state *s)
+static bb_status come_and_go(state *s)
 {
     if (strcmp(s->kind->name, "grow") != 0)
-        return;
-    uint32_t part = s->least / 100 + 1;
-    s->first = part * s->motion.frame;
-    s->crowd.count = s->least + part * s->motion.frame;
+        return BB_OK;
+    uint64_t most = s->least + (uint64_t)s->part * (s->motion.frames - 1);
+    if (most > INT32_MAX)
+        return bb_fail(
+            BB_INVALID,
+            "scene crowd: %u things grow to %llu in %llu frames, too many to number: take "
+            "a smaller n, or fewer frames",
+            s->least, (unsigned long long)most, (unsigned long long)s->motion.frames);
+    s->first = s->part * s->motion.frame;
+    s->crowd.count = s->least + s->first;
+    return BB_OK;
 }
 
 static bb_status read_state(const bb_spec *spec, const bb_option *options, uint32_t frame, state *s)
 {
     const char *kind = bb_spec_value(spec, options, "kind");
     uint64_t n;
+    double share;
     *s = (state){0};
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
         if (strcmp(kinds[i].name, kind) == 0)
@@ -196,8 +208,12 @@ static bb_status read_state(const bb_spec *spec, const bb_option *options, uint3
     s->crowd = bb_crowd_of(n, s->kind->tessellation, 0);
     s->least = s->crowd.count;
     s->crowd.radius = 0.5 * bb_cube_root(s->kind->fill / s->least);
-    come_and_go(s);
-    return BB_OK;
+    s->part = s->least / 100 + 1;
+    if (bb_spec_value(spec, options, "share") != NULL) {
+        BB_TRY(bb_spec_double(spec, options, "share", 0, 1, &share));
+        s->part = (uint32_t)(share * s->least + 0.5);
+    }
+    return come_and_go(s);
 }
 
 static bb_status set_frame(const bb_spec *spec, const bb_option *options, bb_scene *scene,

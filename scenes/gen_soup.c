@@ -15,6 +15,8 @@ static const bb_option options_table[] = {
     {"aspect", "1", NULL, "longest side over height, 1 to 1e12"},
     {"along", "any", "any|diagonal|axis", "direction of the longest sides"},
     {"flat", "1", NULL, "extent in z relative to those in x and y, 0 to 1"},
+    {"layer", "1", NULL,
+     "likewise, but of the triangles' middles alone: they keep their shapes, 0 to 1"},
     {"cells", "0", NULL, "centres lie on a grid of so many places per axis; 0: anywhere"},
     {"copies", "1", NULL, "each triangle is there so many times"},
     {"centred", "0", NULL, "share of triangles whose boxes have one and the same centroid, 0 to 1"},
@@ -29,7 +31,7 @@ static const bb_option options_table[] = {
 typedef struct soup {
     bb_random random;
     uint64_t n, cells, copies, nan;
-    double edge, aspect, flat, centred, sorted, move, scale;
+    double edge, aspect, flat, layer, centred, sorted, move, scale;
     const char *along;
 } soup;
 
@@ -41,6 +43,7 @@ static bb_status read(const bb_spec *spec, const bb_option *options, soup *s)
     BB_TRY(bb_spec_double(spec, options, "edge", 0, 1e6, &s->edge));
     BB_TRY(bb_spec_double(spec, options, "aspect", 1, 1e12, &s->aspect));
     BB_TRY(bb_spec_double(spec, options, "flat", 0, 1, &s->flat));
+    BB_TRY(bb_spec_double(spec, options, "layer", 0, 1, &s->layer));
     BB_TRY(bb_spec_u64(spec, options, "cells", 0, 1u << 30, &s->cells));
     BB_TRY(bb_spec_u64(spec, options, "copies", 1, INT32_MAX, &s->copies));
     BB_TRY(bb_spec_double(spec, options, "centred", 0, 1, &s->centred));
@@ -111,7 +114,7 @@ static void put_triangle(soup *s, double corners[9])
     double at[3], u[3], v[3], edge = s->edge / bb_cube_root((double)s->n);
     double height = edge / s->aspect * (s->aspect < 1.2 ? sqrt(0.75) : 1);
     for (int k = 0; k < 3; k++)
-        at[k] = choose_place(s);
+        at[k] = choose_place(s) * (k == 2 ? s->layer : 1);
     choose_side(s, u);
     choose_perpendicular(s, u, v);
     for (int k = 0; k < 3; k++) {

@@ -19,6 +19,11 @@ uint64_t bytes_of(int component)
         tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(component)));
 }
 
+uint64_t numbers_of(int type)
+{
+    return static_cast<uint64_t>(tinygltf::GetNumComponentsInType(static_cast<uint32_t>(type)));
+}
+
 bool is_index_type(int component)
 {
     return component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
@@ -94,8 +99,7 @@ const unsigned char *Accessors::view_bytes(int number, uint64_t offset, uint64_t
 Accessors::Elements Accessors::elements(int number, const std::string &what) const
 {
     const tinygltf::Accessor &accessor = document_.model.accessors[static_cast<size_t>(number)];
-    const uint64_t element =
-        bytes_of(accessor.componentType) * (accessor.type == TINYGLTF_TYPE_VEC3 ? 3 : 1);
+    const uint64_t element = bytes_of(accessor.componentType) * numbers_of(accessor.type);
     Elements out{nullptr, accessor.count, element, accessor.componentType};
     if (accessor.bufferView >= 0)
         out.data = view_bytes(accessor.bufferView, accessor.byteOffset, accessor.count, element,
@@ -124,6 +128,44 @@ void Accessors::check_positions(int number, const std::string &what) const
     if (is_float && accessor.normalized)
         fail(BB_INVALID, "%s: %s: float positions cannot be normalized", path_, what.c_str());
     elements(number, what);
+}
+
+void Accessors::check_numbers(int number, const std::string &what, int type, unsigned kinds,
+                              const char *must) const
+{
+    const tinygltf::Accessor &accessor = document_.model.accessors[static_cast<size_t>(number)];
+    unsigned kind = 0;
+    switch (accessor.componentType) {
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+        kind = accessor.normalized ? 0 : floats;
+        break;
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+        kind = accessor.normalized ? signed_fractions : 0;
+        break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        kind = accessor.normalized ? unsigned_fractions : whole_numbers;
+        break;
+    default:
+        break;
+    }
+    if (accessor.type != type || (kind & kinds) == 0)
+        fail(BB_INVALID, "%s: %s: must be %s", path_, what.c_str(), must);
+    elements(number, what);
+}
+
+uint64_t Accessors::count(int number) const
+{
+    return document_.model.accessors[static_cast<size_t>(number)].count;
+}
+
+uint64_t Accessors::given(int number) const
+{
+    const tinygltf::Accessor &accessor = document_.model.accessors[static_cast<size_t>(number)];
+    const uint64_t sparse =
+        accessor.sparse.isSparse ? static_cast<uint64_t>(accessor.sparse.count) : 0;
+    return accessor.bufferView >= 0 ? accessor.count : sparse;
 }
 
 void Accessors::check_indices(int number, const std::string &what) const
@@ -164,32 +206,31 @@ std::vector<uint32_t> Accessors::sparse_indices(const tinygltf::Accessor &access
     return out;
 }
 
-void Accessors::read_positions(int number, const std::string &what, const Put &put) const
+void Accessors::read_numbers(int number, const std::string &what, const Put &put) const
 {
     const tinygltf::Accessor &accessor = document_.model.accessors[static_cast<size_t>(number)];
     const Elements from = elements(number, what);
-    const uint64_t size = bytes_of(from.component);
-    const auto read = [&](uint64_t vertex, const unsigned char *at) {
-        double p[3] = {0, 0, 0};
-        for (int axis = 0; axis < 3 && at != nullptr; axis++)
-            p[axis] = read_number(at + static_cast<uint64_t>(axis) * size, from.component,
-                                  accessor.normalized);
-        put(vertex, p);
+    const uint64_t size = bytes_of(from.component), numbers = numbers_of(accessor.type);
+    const auto read = [&](uint64_t element, const unsigned char *at) {
+        double values[16] = {};
+        for (uint64_t i = 0; i < numbers && at != nullptr; i++)
+            values[i] = read_number(at + i * size, from.component, accessor.normalized);
+        put(element, values);
     };
     const std::vector<uint32_t> replaced = sparse_indices(accessor, what);
     size_t next = 0;
-    for (uint64_t vertex = 0; vertex < from.count; vertex++) {
-        if (next < replaced.size() && replaced[next] == vertex)
+    for (uint64_t element = 0; element < from.count; element++) {
+        if (next < replaced.size() && replaced[next] == element)
             next++; /* a replaced element counts with its new value only */
         else
-            read(vertex, from.data != nullptr ? from.data + vertex * from.stride : nullptr);
+            read(element, from.data != nullptr ? from.data + element * from.stride : nullptr);
     }
     if (replaced.empty())
         return;
     uint64_t stride;
     const unsigned char *values = view_bytes(
         accessor.sparse.values.bufferView, static_cast<uint64_t>(accessor.sparse.values.byteOffset),
-        replaced.size(), 3 * size, &stride, what + ", sparse values");
+        replaced.size(), numbers * size, &stride, what + ", sparse values");
     for (size_t i = 0; i < replaced.size(); i++)
         read(replaced[i], values + i * stride);
 }

@@ -12,8 +12,16 @@ namespace bb_gltf
 class Accessors
 {
   public:
-    /* Takes a vertex and its position as it is in the file, before any transform. */
-    using Put = std::function<void(uint64_t vertex, const double position[3])>;
+    /* Takes an element and its numbers as they are in the file, a matrix column by column. */
+    using Put = std::function<void(uint64_t element, const double *numbers)>;
+
+    /* Kinds of numbers that an accessor may hold. */
+    enum Kinds {
+        floats = 1,
+        whole_numbers = 2,      /* unsigned, of 8 and 16 bits, as they are */
+        unsigned_fractions = 4, /* the same, normalized */
+        signed_fractions = 8
+    };
 
     Accessors(const char *path, const Document &document) : path_(path), document_(document)
     {
@@ -21,8 +29,14 @@ class Accessors
 
     void check_positions(int accessor, const std::string &what) const;
     void check_indices(int accessor, const std::string &what) const;
-    /* Each vertex once, in no order. */
-    void read_positions(int accessor, const std::string &what, const Put &put) const;
+    /* `type` is TINYGLTF_TYPE_..., `kinds` are bits, `must` says both. */
+    void check_numbers(int accessor, const std::string &what, int type, unsigned kinds,
+                       const char *must) const;
+    uint64_t count(int accessor) const;
+    /* Elements that the file has data of: the others are zero. */
+    uint64_t given(int accessor) const;
+    /* Each element once, in no order. */
+    void read_numbers(int accessor, const std::string &what, const Put &put) const;
     std::vector<uint32_t> read_indices(int accessor, const std::string &what) const;
 
   private:

@@ -305,7 +305,7 @@ tinygltf::Model read_model(const char *path, const Span &json_text, const json &
 }
 } // namespace
 
-Document read_document(const std::string &path)
+Document read_document(const std::string &path, const char *clip)
 {
     const Buffer file = read_file(path);
     if (file.size == 0)
@@ -326,6 +326,10 @@ Document read_document(const std::string &path)
     check_schema(path.c_str(), root);
     check_required_extensions(path.c_str(), root);
     document.cameras = find_cameras(root);
+    if (clip != nullptr) {
+        check_moving_schema(path.c_str(), root);
+        document.moving = find_moving(path.c_str(), root, clip);
+    }
     document.buffers = read_buffers(path, file.size, list_buffers(path.c_str(), root, chunk));
     document.model = read_model(path.c_str(), parts.text, root);
     const std::vector<std::string> *lists[] = {&document.model.extensionsUsed,

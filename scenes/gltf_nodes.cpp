@@ -35,13 +35,11 @@ Transform local_transform(const char *path, const tinygltf::Model &model, size_t
     const tinygltf::Node &node = model.nodes[index];
     Transform t = no_transform;
     if (!node.matrix.empty()) {
-        const std::vector<double> &m = node.matrix; /* column by column */
+        const std::vector<double> &m = node.matrix;
         if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
             fail(BB_INVALID, "%s: node %zu: the last row of its matrix is not 0 0 0 1", path,
                  index);
-        for (int row = 0; row < 3; row++)
-            for (int column = 0; column < 4; column++)
-                t.m[row][column] = m[static_cast<size_t>(4 * column + row)];
+        t = from_columns(m.data());
     }
     if (!node.rotation.empty()) {
         std::vector<double> q = node.rotation;
@@ -62,27 +60,13 @@ Transform local_transform(const char *path, const tinygltf::Model &model, size_t
     return t;
 }
 
-Transform multiply(const Transform &a, const Transform &b)
-{
-    if (a.identity)
-        return b;
-    if (b.identity)
-        return a;
-    Transform out;
-    for (int row = 0; row < 3; row++)
-        for (int column = 0; column < 4; column++)
-            out.m[row][column] = a.m[row][0] * b.m[0][column] + a.m[row][1] * b.m[1][column] +
-                                 a.m[row][2] * b.m[2][column] + (column == 3 ? a.m[row][3] : 0);
-    out.identity = is_identity(out);
-    return out;
-}
-
 /* The nodes must be a forest, and the roots of the scenes its roots: a node below two parents would
  * be an instance, which glTF has not, and could make a small file endless. */
-std::vector<int> find_roots(const char *path, const tinygltf::Model &model)
+std::vector<int> find_roots(const char *path, const tinygltf::Model &model,
+                            std::vector<int> &parent)
 {
     const size_t count = model.nodes.size();
-    std::vector<int> parent(count, -1);
+    parent.assign(count, -1);
     for (size_t node = 0; node < count; node++)
         for (const int child : model.nodes[node].children) {
             int &known = parent[static_cast<size_t>(child)];
@@ -125,27 +109,67 @@ std::vector<int> find_roots(const char *path, const tinygltf::Model &model)
 }
 } // namespace
 
+Transform multiply(const Transform &a, const Transform &b)
+{
+    if (a.identity)
+        return b;
+    if (b.identity)
+        return a;
+    Transform out;
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 4; column++)
+            out.m[row][column] = a.m[row][0] * b.m[0][column] + a.m[row][1] * b.m[1][column] +
+                                 a.m[row][2] * b.m[2][column] + (column == 3 ? a.m[row][3] : 0);
+    out.identity = is_identity(out);
+    return out;
+}
+
+Transform from_columns(const double *m)
+{
+    Transform t = no_transform;
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 4; column++)
+            t.m[row][column] = m[4 * column + row];
+    t.identity = is_identity(t);
+    return t;
+}
+
+void transform_point(const Transform &t, const double p[3], double out[3])
+{
+    for (int row = 0; row < 3; row++) {
+        const double *m = t.m[row];
+        out[row] = t.identity ? p[row] : m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3];
+    }
+}
+
 Placement place_nodes(const char *path, const tinygltf::Model &model)
 {
     Placement out;
-    const std::vector<int> roots = find_roots(path, model);
+    const std::vector<int> roots = find_roots(path, model, out.parent);
     out.transform.assign(model.nodes.size(), no_transform);
-    for (const int root : roots)
-        out.transform[static_cast<size_t>(root)] =
-            local_transform(path, model, static_cast<size_t>(root));
+    out.placed.assign(model.nodes.size(), false);
     std::vector<int> stack(roots.rbegin(), roots.rend());
     while (!stack.empty()) {
         const size_t node = static_cast<size_t>(stack.back());
         stack.pop_back();
         out.order.push_back(static_cast<int>(node));
+        out.placed[node] = true;
         const std::vector<int> &children = model.nodes[node].children;
-        for (auto child = children.rbegin(); child != children.rend(); ++child) {
-            const size_t index = static_cast<size_t>(*child);
-            out.transform[index] =
-                multiply(out.transform[node], local_transform(path, model, index));
-            stack.push_back(*child);
-        }
+        stack.insert(stack.end(), children.rbegin(), children.rend());
     }
+    place_again(path, model, out);
     return out;
+}
+
+/* Parents stand before their children. */
+void place_again(const char *path, const tinygltf::Model &model, Placement &placement)
+{
+    for (const int node : placement.order) {
+        const size_t index = static_cast<size_t>(node);
+        const int parent = placement.parent[index];
+        const Transform &above =
+            parent >= 0 ? placement.transform[static_cast<size_t>(parent)] : no_transform;
+        placement.transform[index] = multiply(above, local_transform(path, model, index));
+    }
 }
 } // namespace bb_gltf

@@ -19,14 +19,26 @@ struct Transform {
 
 constexpr Transform no_transform = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, true};
 
+/* a after b. */
+Transform multiply(const Transform &a, const Transform &b);
+/* Of 16 numbers, column by column, whose last row is 0 0 0 1. */
+Transform from_columns(const double *m);
+/* Before rounding; the identity keeps every bit. */
+void transform_point(const Transform &t, const double p[3], double out[3]);
+
 struct Placement {
-    std::vector<int> order; /* nodes of the scenes, depth first, in the order of the file */
+    std::vector<int> order;   /* nodes of the scenes, depth first, in the order of the file */
+    std::vector<int> parent;  /* of each node of the file; -1: none */
+    std::vector<bool> placed; /* whether a node is in a scene */
     std::vector<Transform> transform; /* of each node of the file, to the scene */
 };
 
 /* All scenes' nodes, each once; without any scene, those of all roots. Fails on a graph that is no
  * forest. */
 Placement place_nodes(const char *path, const tinygltf::Model &model);
+
+/* The transforms anew, after the model's nodes have moved. */
+void place_again(const char *path, const tinygltf::Model &model, Placement &placement);
 } // namespace bb_gltf
 
 #endif

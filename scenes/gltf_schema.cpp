@@ -1,6 +1,7 @@
 /* What tinygltf does not check of the members that the triangles depend on: their type, their
  * range, and that what they refer to is there (glTF 2.0 specification, chapter 5). Members that
- * tinygltf demands itself are not demanded here. */
+ * tinygltf demands itself are not demanded here. Those that move triangles, which tinygltf is not
+ * shown, are checked only if a clip is asked for. */
 #include "scenes/gltf_parts.hpp"
 
 #include <nlohmann/json.hpp>
@@ -83,6 +84,27 @@ Members document_members()
             list(object("scenes", {list(index("nodes", "nodes"))}, "scene"))};
 }
 
+/* What an animation depends on besides; gltf_moving.cpp demands what must be there. */
+Members moving_members()
+{
+    const Members target = {index("node", "nodes"), {"path", Kind::text}};
+    const Members channel = {whole("sampler", 0, most_int), object("target", target)};
+    const Members sampler = {
+        index("input", "accessors"), index("output", "accessors"), {"interpolation", Kind::text}};
+    const Members animation = {{"name", Kind::text},
+                               list(object("channels", channel, "channel")),
+                               list(object("samplers", sampler, "sampler"))};
+    const Members skin = {list(index("joints", "nodes")),
+                          index("inverseBindMatrices", "accessors")};
+    const Members target_of_mesh = {index("POSITION", "accessors")};
+    const Members primitive = {list(object("targets", target_of_mesh, "target"))};
+    return {list(object("animations", animation, "animation")), list(object("skins", skin, "skin")),
+            list(object("meshes",
+                        {numbers("weights", 0), list(object("primitives", primitive, "primitive"))},
+                        "mesh")),
+            list(object("nodes", {numbers("weights", 0), index("skin", "skins")}, "node"))};
+}
+
 struct Checker {
     const char *path;
     const json &root;
@@ -122,8 +144,14 @@ struct Checker {
         } else if (member.kind == Kind::truth && !value.is_boolean()) {
             refuse(name, "not true or false");
         } else if (member.kind == Kind::number && !value.is_number()) {
-            refuse(name, "not " + std::to_string(member.length) + " numbers");
+            refuse(name, "not " + count_of(member) + "numbers");
         }
+    }
+
+    /* Of a list of any length: none. */
+    static std::string count_of(const Member &member)
+    {
+        return member.length != 0 ? std::to_string(member.length) + " " : "";
     }
 
     /* A member of the object that messages call `owner`; "": of the document. */
@@ -137,7 +165,7 @@ struct Checker {
         if (!value.is_array())
             refuse(name, "not an array");
         if (member.length != 0 && value.size() != member.length)
-            refuse(name, "not " + std::to_string(member.length) + " numbers");
+            refuse(name, "not " + count_of(member) + "numbers");
         for (size_t i = 0; i < value.size(); i++)
             check_value(value[i], is_object ? inside + member.of + " " + std::to_string(i) : name,
                         member);
@@ -165,5 +193,13 @@ void check_schema(const char *path, const json &root)
             checker.check(root[member.name], "", member);
     if (root.contains("nodes"))
         check_transforms(path, root["nodes"]);
+}
+
+void check_moving_schema(const char *path, const json &root)
+{
+    const Checker checker{path, root};
+    for (const Member &member : moving_members())
+        if (root.contains(member.name))
+            checker.check(root[member.name], "", member);
 }
 } // namespace bb_gltf

@@ -7,7 +7,7 @@ static uint32_t ring_of(const bb_tube *tube)
     return tube->corners * tube->across;
 }
 
-uint64_t bb_tube_triangles(const bb_tube *tube)
+static uint64_t triangles_of(const bb_tube *tube)
 {
     return 2ull * ring_of(tube) * tube->along + 2ull * ring_of(tube);
 }
@@ -23,7 +23,7 @@ static uint32_t *put(uint32_t *to, uint32_t a, uint32_t b, uint32_t c)
 bb_status bb_tube_reserve(const bb_tube *tube, bb_scene *scene)
 {
     uint32_t ring = ring_of(tube);
-    BB_TRY(bb_scene_reserve_mesh(scene, ring * (tube->along + 1ull) + 2, bb_tube_triangles(tube)));
+    BB_TRY(bb_scene_reserve_mesh(scene, ring * (tube->along + 1ull) + 2, triangles_of(tube)));
     uint32_t *to = bb_scene_indices(scene), top = ring * tube->along, bottom_middle = top + ring;
     for (uint32_t j = 0; j < tube->along; j++)
         for (uint32_t i = 0; i < ring; i++) {

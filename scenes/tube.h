@@ -13,8 +13,6 @@ typedef struct bb_tube {
     uint32_t across, along; /* cells of a face, either way */
 } bb_tube;
 
-uint64_t bb_tube_triangles(const bb_tube *tube);
-
 /* Makes room for it in an empty scene and writes its triangles. */
 bb_status bb_tube_reserve(const bb_tube *tube, bb_scene *scene);
 

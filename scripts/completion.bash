@@ -1,10 +1,10 @@
 # Completion of bvhbench's command line in bash: `source` it, or install it (CMake does, where bash-completion finds it).
 # Nothing is listed here: commands and options are what `--help` says, names and their keys what `list` says.
 
-# Names of a kind (builders, kernels ...).
+# Names of a kind (builders, kernels ...); FILE.ending stands for files, which bash completes.
 _bvhbench_names()
 {
-    "$1" list "$2" 2>/dev/null | sed -n 's/^  \([^ ]\{1,\}\) .*/\1/p'
+    "$1" list "$2" 2>/dev/null | sed -n -e '/^  FILE\./d' -e 's/^  \([^ ]\{1,\}\) .*/\1/p'
 }
 
 # `KEY=` of all options of a name; with $4, a key, `KEY=VALUE` for each of its values.

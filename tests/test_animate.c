@@ -207,6 +207,43 @@ static void rotations_hold_the_cost(void **state)
     free(result);
 }
 
+/* One that builds five times: the four frames that are judged, and the first of those that count.
+ */
+static void what_was_not_measured_is_no_figure(void **state)
+{
+    (void)state;
+    static const char *const builders[] = {"wreck:above=1,how=tire", "lbvh"};
+    bb_animate_result *result = new_result();
+    bb_animate_request request = request_of(builders, 2);
+    bb_scene *scene;
+    request.kernel_count = 1;
+    request.repeats = 2;
+    ASSERT_OK(bb_plugin_load(BB_TEST_PLUGIN_DIR "/wreck.so"));
+    ASSERT_OK(bb_scene_load("twist:n=100,frames=4", &scene));
+    ASSERT_OK(bb_scene_upload(scene, request.device));
+    ASSERT_OK(bb_animate_run(&request, scene, result));
+    bb_scene_free(scene);
+    const bb_animate_method *tired = &result->methods[0], *lbvh = &result->methods[1];
+    assert_int_equal(result->rounds, 2);
+    assert_string_equal(tired->refused, "frame 1: wreck: it is tired, as told");
+    assert_true(tired->failed && bb_animate_wrong(result) == 1);
+    for (uint32_t f = 0; f < 4; f++) {
+        const bb_animate_frame *frame = &tired->frames[f];
+        assert_true(isnan(bb_animate_median(result, frame->update)) == (f > 0));
+        assert_true(isnan(bb_animate_median(result, frame->transfer)) == (f > 0));
+        assert_true(isnan(bb_animate_median(result, frame->traces[0].layout)) == (f > 0));
+        assert_true(isnan(bb_animate_median(result, frame->traces[0].rays[1])) == (f > 0));
+        assert_true(bb_animate_median(result, lbvh->frames[f].update) > 0);
+    }
+    assert_true(bb_animate_median(result, tired->frames[0].update) == tired->frames[0].update[1]);
+    bb_animate_sums sums = bb_animate_sum(result, tired);
+    assert_true(isnan(sums.update) && isnan(sums.worst_update) && isnan(sums.layout[0]));
+    assert_true(sums.rays[1] > 0 && isnan(sums.rays_ms[0][1]));
+    assert_int_equal(bb_animate_winner(result, 1, 1e9), 1);
+    bb_animate_release(result);
+    free(result);
+}
+
 /* ---- rotations against a plain reference ---- */
 
 static float area_of(const bb_node *a, const bb_node *b)
@@ -394,6 +431,7 @@ int main(void)
         cmocka_unit_test(layouts_follow_in_place),
         cmocka_unit_test(triggers_fire_when_they_say),
         cmocka_unit_test(rotations_hold_the_cost),
+        cmocka_unit_test(what_was_not_measured_is_no_figure),
         cmocka_unit_test(each_node_takes_its_best_rotation),
         cmocka_unit_test(bad_requests_get_one_line),
     };

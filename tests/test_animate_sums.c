@@ -175,12 +175,97 @@ static void a_strip_shows_frames_that_differ(void **state)
     bb_scene_free(scene);
 }
 
+static void samples_are_sums_of_frames(void **state)
+{
+    (void)state;
+    bb_animate_result *result = make_result(1);
+    bb_animate_method *method = &result->methods[0];
+    fill(method, BB_UPDATED, 3, 2, 100);
+    result->rounds = 2;
+    for (uint32_t f = 0; f < FRAMES; f++) {
+        method->frames[f].update[2] = 1 + f;
+        method->frames[f].transfer[2] = 0.5;
+    }
+    bb_samples s = bb_animate_samples(result, method, 0, BB_ANIMATE_UPDATE);
+    assert_int_equal(s.count, 3);
+    assert_true(s.values[1] == 9 && s.values[2] == 2 + 3 + 4); /* not of the first frame */
+    s = bb_animate_samples(result, method, 1, BB_ANIMATE_LAYOUT | BB_ANIMATE_TRACE);
+    assert_true(s.values[1] == 3 * (4 + 5));
+    s = bb_animate_samples(result, method, 0, BB_ANIMATE_UPDATE | BB_ANIMATE_TRANSFER);
+    assert_true(s.values[2] == 9 + 1.5);
+    /* a frame without such rays adds nothing, one that is missing leaves nothing */
+    result->states[1].rays[0] = 0;
+    method->frames[1].traces[0].rays[0][1] = NAN;
+    s = bb_animate_samples(result, method, 0, BB_ANIMATE_TRACE);
+    assert_true(s.values[1] == 2 * 10);
+    method->done--;
+    assert_int_equal(bb_animate_samples(result, method, 0, BB_ANIMATE_UPDATE).count, 0);
+    destroy(result);
+}
+
+/* One method through a few frames. */
+static bb_animate_result *run_through(const char *name, bool counting)
+{
+    static const char *const builders[] = {"lbvh"}, *const kernels[] = {"stack"},
+                             *const rays[] = {"random:count=100"};
+    const bb_animate_request request = {.device = devices[CPU_FORM],
+                                        .builders = builders,
+                                        .builder_count = 1,
+                                        .kernels = kernels,
+                                        .kernel_count = 1,
+                                        .rays = rays,
+                                        .ray_count = 1,
+                                        .intersector = "exact",
+                                        .width = 8,
+                                        .height = 8,
+                                        .max_rays = 100,
+                                        .last = UINT32_MAX,
+                                        .repeats = 1,
+                                        .counting = counting,
+                                        .quiet = true};
+    bb_animate_result *result = calloc(1, sizeof *result);
+    bb_scene *scene;
+    assert_non_null(result);
+    ASSERT_OK(bb_scene_load(name, &scene));
+    ASSERT_OK(bb_scene_upload(scene, request.device));
+    ASSERT_OK(bb_animate_run(&request, scene, result));
+    bb_scene_free(scene);
+    return result;
+}
+
+static void motion_is_measured(void **state)
+{
+    (void)state;
+    bb_animate_result *result = run_through("crowd:kind=cross,n=800,frames=4", true);
+    assert_true(isnan(result->states[0].moved));
+    for (uint32_t f = 1; f < 4; f++) {
+        assert_true(result->states[f].moved == 1); /* each by 1, in a scene of about 1 x 1 x 4 */
+        assert_true(result->states[f].moved_by > 0.2 && result->states[f].moved_by < 0.8);
+    }
+    for (uint32_t f = 0; f < 4; f++)
+        assert_true(result->methods[0].frames[f].traces[0].tests > 100);
+    destroy(result);
+    result = run_through("crowd:kind=still,n=800,frames=3", false);
+    assert_true(result->states[1].moved == 0 && result->states[1].moved_by == 0);
+    assert_true(result->methods[0].frames[1].traces[0].tests == 0);
+    destroy(result);
+    result = run_through("crowd:kind=shuffle,n=80000,frames=3,share=0.01", false);
+    assert_true(result->states[2].moved > 0.015 && result->states[2].moved <= 0.02);
+    assert_true(result->states[2].moved_by > 0.1);
+    destroy(result);
+    result = run_through("crowd:kind=grow,n=800,frames=3", false);
+    assert_true(isnan(result->states[1].moved) && isnan(result->states[2].moved_by));
+    destroy(result);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(methods_change_places_where_times_cross),
         cmocka_unit_test(sums_name_the_worst_frame_and_the_drift),
         cmocka_unit_test(a_strip_shows_frames_that_differ),
+        cmocka_unit_test(samples_are_sums_of_frames),
+        cmocka_unit_test(motion_is_measured),
     };
     return cmocka_run_group_tests_name("animate_sums", tests, open_devices, close_devices);
 }

@@ -2,11 +2,9 @@
  * inserted by a slow descent, refitted backwards, chains skipped; in all forms, for both roots, at
  * each N. Bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for
  * oclgrind). */
-#include "framework/base/random.h"
-#include "framework/builder/instance.h"
-#include "tests/box_fixture.h"
+#include "tests/box_inputs.h"
 #include "tests/device_forms.h"
-#include "tests/fixture.h"
+#include "tests/loose_bvh_reference.h"
 
 #include <float.h>
 #include <math.h>
@@ -16,228 +14,8 @@
 
 enum { LEVELS_MAX = 10, DENSE_MAX = 8 };
 
-typedef enum root { CUBE, BOX } root;
-static const char *const root_names[] = {"cube", "box"};
-
 static bool small;
 static int forms = FORMS; /* how many of them: by levels it is the form for GPUs once more */
-
-/* ---- the paper's tree ---- */
-
-/* Breadth-first: the children of node i are 2i + 1 and 2i + 2. */
-typedef struct dense {
-    size_t count;     /* 2^(3N + 1) - 1 */
-    uint32_t *own;    /* the node's last primitive so far, plus 1; 0: none */
-    uint32_t *before; /* of each primitive: the node's one before it, plus 1 */
-    uint8_t *filled;  /* of each node: not empty */
-} dense;
-
-/* The scene's box as the builder halves it, or exactly. */
-typedef struct frame {
-    double low[3], whole[3];
-    bool exact;
-} frame;
-
-static frame frame_of(const bb_box *boxes, uint32_t count, root root, bool exact)
-{
-    frame f = {.exact = exact};
-    double longest = 0;
-    for (int k = 0; k < 3; k++) {
-        float lo = INFINITY, hi = -INFINITY;
-        for (uint32_t i = 0; i < count; i++) {
-            lo = fminf(lo, boxes[i].lo[k]);
-            hi = fmaxf(hi, boxes[i].hi[k]);
-        }
-        f.low[k] = 0.5f * lo;
-        f.whole[k] = 0.5f * hi - 0.5f * lo;
-        longest = fmax(longest, f.whole[k]);
-    }
-    for (int k = 0; k < 3 && root == CUBE; k++)
-        f.whole[k] = longest;
-    return f;
-}
-
-/* Options, and whether coordinates are such that nothing is rounded. */
-typedef struct way {
-    uint32_t levels;
-    root root;
-    uint32_t deeper;
-    bool exact;
-} way;
-
-/* The deepest level whose cells are as large as the box on each axis that counts. */
-static uint32_t level_of(const frame *f, const bb_box *box, uint32_t levels)
-{
-    for (uint32_t level = levels; level > 0; level--) {
-        bool fits = true;
-        for (int k = 0; k < 3; k++) {
-            float side = 0.5f * box->hi[k] - 0.5f * box->lo[k];
-            fits = fits && (side == 0 || f->whole[k] == 0 ||
-                            (double)side <= ldexp(f->whole[k], -(int)level));
-        }
-        if (fits)
-            return level;
-    }
-    return 0;
-}
-
-/* The part of the way from the low to the high end of the root cell. */
-static double part_of(const frame *f, const bb_box *box, int k)
-{
-    if (f->whole[k] == 0)
-        return 0;
-    if (f->exact)
-        return (0.25 * ((double)box->lo[k] + (double)box->hi[k]) - f->low[k]) / f->whole[k];
-    float middle = 0.5f * (0.5f * box->lo[k]) + 0.5f * (0.5f * box->hi[k]);
-    return (middle - (float)f->low[k]) / (float)f->whole[k];
-}
-
-/* Walks down, one halving at a time. */
-static size_t node_of(const frame *f, const bb_box *box, const way *w)
-{
-    uint32_t level = level_of(f, box, w->levels) + w->deeper;
-    level = level < w->levels ? level : w->levels;
-    double part[3];
-    size_t node = 0;
-    for (int k = 0; k < 3; k++)
-        part[k] = part_of(f, box, k);
-    for (uint32_t step = 0; step < 3 * level; step++) {
-        double *p = &part[step % 3];
-        bool upper = *p >= 0.5;
-        *p = upper ? 2 * *p - 1 : 2 * *p;
-        node = 2 * node + 1 + upper;
-    }
-    return node;
-}
-
-static void dense_make(dense *d, const frame *f, const bb_box *boxes, uint32_t count, const way *w)
-{
-    *d = (dense){.count = ((size_t)2 << 3 * w->levels) - 1};
-    d->own = calloc(d->count, sizeof *d->own);
-    d->filled = calloc(d->count, 1);
-    d->before = calloc(count, sizeof *d->before);
-    for (uint32_t i = 0; i < count; i++) {
-        size_t node = node_of(f, &boxes[i], w);
-        d->before[i] = d->own[node];
-        d->own[node] = i + 1;
-    }
-    for (size_t i = d->count; i-- > 0;)
-        d->filled[i] = d->own[i] != 0 || (2 * i + 2 < d->count &&
-                                          (d->filled[2 * i + 1] != 0 || d->filled[2 * i + 2] != 0));
-}
-
-static void dense_release(dense *d)
-{
-    free(d->own);
-    free(d->filled);
-    free(d->before);
-}
-
-/* A node's child that is not empty; 0: none. */
-static size_t child_of(const dense *d, size_t node, int upper)
-{
-    size_t child = 2 * node + 1 + (size_t)upper;
-    return child < d->count && d->filled[child] != 0 ? child : 0;
-}
-
-/* The paper's skip index. */
-static size_t skip_chain(const dense *d, size_t node)
-{
-    for (;;) {
-        size_t low = child_of(d, node, 0), high = child_of(d, node, 1);
-        if (d->own[node] != 0 || (low != 0) == (high != 0))
-            return node;
-        node = low + high;
-    }
-}
-
-/* ---- the same as a common tree, in preorder ---- */
-
-typedef struct reference {
-    const bb_box *boxes;
-    bb_node *nodes;
-    uint32_t *refs;
-    uint32_t node_count, ref_count, leaf_count, depth, arity;
-} reference;
-
-static void grow(bb_node *node, const float lo[3], const float hi[3])
-{
-    for (int k = 0; k < 3; k++) {
-        node->lo[k] = fminf(node->lo[k], lo[k] + 0.0f);
-        node->hi[k] = fmaxf(node->hi[k], hi[k] + 0.0f);
-    }
-}
-
-static uint32_t add_node(reference *r, uint32_t depth)
-{
-    r->depth = depth > r->depth ? depth : r->depth;
-    r->nodes[r->node_count] = (bb_node){
-        {INFINITY, INFINITY, INFINITY}, r->node_count + 1, {-INFINITY, -INFINITY, -INFINITY}, 0};
-    return r->node_count++;
-}
-
-static void add_leaf(reference *r, const dense *d, size_t node, uint32_t depth)
-{
-    bb_node *leaf = &r->nodes[add_node(r, depth)];
-    uint32_t count = 0;
-    leaf->first = BB_LEAF_BIT | r->ref_count;
-    for (uint32_t i = d->own[node]; i != 0; i = d->before[i - 1])
-        count++;
-    for (uint32_t i = d->own[node], n = count; i != 0; i = d->before[i - 1]) {
-        r->refs[r->ref_count + --n] = i - 1;
-        grow(leaf, r->boxes[i - 1].lo, r->boxes[i - 1].hi);
-    }
-    r->ref_count += count;
-    r->refs[r->ref_count - 1] |= BB_LAST_BIT;
-    r->leaf_count++;
-}
-
-/* Skips are the number of the node after the subtree. */
-static void add_subtree(reference *r, const dense *d, size_t node, uint32_t depth)
-{
-    node = skip_chain(d, node);
-    size_t low = child_of(d, node, 0), high = child_of(d, node, 1);
-    uint32_t first = r->node_count;
-    if (low == 0 && high == 0) {
-        add_leaf(r, d, node, depth);
-    } else {
-        uint32_t arity = (d->own[node] != 0) + (low != 0) + (high != 0);
-        r->arity = arity > r->arity ? arity : r->arity;
-        add_node(r, depth);
-        if (d->own[node] != 0) {
-            add_leaf(r, d, node, depth + 1);
-            r->nodes[r->node_count - 1].skip = r->node_count;
-        }
-        if (low != 0)
-            add_subtree(r, d, low, depth + 1);
-        if (high != 0)
-            add_subtree(r, d, high, depth + 1);
-        for (uint32_t i = first + 1; i < r->node_count; i++)
-            grow(&r->nodes[first], r->nodes[i].lo, r->nodes[i].hi);
-    }
-    r->nodes[first].skip = r->node_count;
-}
-
-static void make_reference(reference *r, const bb_box *boxes, uint32_t count, const way *w)
-{
-    frame f = frame_of(boxes, count, w->root, w->exact);
-    dense d;
-    dense_make(&d, &f, boxes, count, w);
-    *r = (reference){.boxes = boxes};
-    r->nodes = calloc(2 * (size_t)count, sizeof *r->nodes);
-    r->refs = calloc(count, sizeof *r->refs);
-    add_subtree(r, &d, 0, 0);
-    for (uint32_t i = 0; i < r->node_count; i++)
-        if (r->nodes[i].skip == r->node_count)
-            r->nodes[i].skip = BB_NONE;
-    dense_release(&d);
-}
-
-static void release_reference(reference *r)
-{
-    free(r->nodes);
-    free(r->refs);
-}
 
 /* ---- the comparison ---- */
 
@@ -272,35 +50,6 @@ static void compare_forms(const bb_box *boxes, uint32_t count, way w, const char
 
 /* ---- inputs ---- */
 
-static void set_box(bb_box *box, const double centre[3], const double half[3])
-{
-    *box = (bb_box){0};
-    for (int k = 0; k < 3; k++) {
-        box->lo[k] = (float)(centre[k] - half[k]);
-        box->hi[k] = (float)(centre[k] + half[k]);
-    }
-}
-
-static void random_centre(bb_random *random, double centre[3])
-{
-    for (int k = 0; k < 3; k++)
-        centre[k] = bb_random_range(random, -1, 1);
-}
-
-typedef void (*fill_function)(bb_random *random, uint32_t i, uint32_t count, bb_box *box);
-
-/* Sides from 1 to 1/1024 of the scene's, each on its own. */
-static void fill_mixed(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
-{
-    (void)i;
-    (void)count;
-    double c[3], half[3];
-    random_centre(random, c);
-    for (int k = 0; k < 3; k++)
-        half[k] = ldexp(bb_random_range(random, 0.5, 1), -(int)bb_random_below(random, 10));
-    set_box(box, c, half);
-}
-
 /* All levels at few places: most nodes with primitives have children, on one side or on both. */
 static void fill_dense(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
 {
@@ -320,23 +69,6 @@ static void fill_small(bb_random *random, uint32_t i, uint32_t count, bb_box *bo
     set_box(box, c, (const double[]){half, half, half});
 }
 
-static void fill_points(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
-{
-    (void)i;
-    (void)count;
-    double c[3];
-    random_centre(random, c);
-    set_box(box, c, (const double[]){0, 0, 0});
-}
-
-static void fill_one_point(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
-{
-    (void)random;
-    (void)i;
-    (void)count;
-    set_box(box, (const double[]){3, -4, 5}, (const double[]){0, 0, 0});
-}
-
 static void fill_identical(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
 {
     (void)random;
@@ -345,33 +77,12 @@ static void fill_identical(bb_random *random, uint32_t i, uint32_t count, bb_box
     set_box(box, (const double[]){3, -4, 5}, (const double[]){0.5, 1, 0.25});
 }
 
-static void fill_flat(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
-{
-    fill_mixed(random, i, count, box);
-    box->lo[1] = box->hi[1] = 7;
-}
-
 /* What the paper's root makes one list of. */
 static void fill_nearly_flat(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
 {
     fill_small(random, i, count, box);
     box->lo[1] = (float)(0.001 * bb_random_unit(random));
     box->hi[1] = 0.002f;
-}
-
-/* Axis-aligned triangles. */
-static void fill_walls(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
-{
-    fill_mixed(random, i, count, box);
-    uint32_t axis = bb_random_below(random, 3);
-    box->hi[axis] = box->lo[axis];
-}
-
-static void fill_outlier(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
-{
-    fill_mixed(random, i, count, box);
-    if (i == count / 2)
-        set_box(box, (const double[]){1e8, 1e8, 1e8}, (const double[]){1, 1, 1});
 }
 
 /* Most are the same: their list goes across chunks. Zeros of either sign. */
@@ -384,25 +95,6 @@ static void fill_duplicates(bb_random *random, uint32_t i, uint32_t count, bb_bo
     set_box(box, (const double[]){0.005, 0.005, 0.005}, (const double[]){0.005, 0.005, 0.005});
     for (int k = 0; k < 3; k++)
         box->lo[k] = i % 3 == (uint32_t)k ? -0.0f : 0.0f;
-}
-
-/* As far apart as floats go: no difference of two coordinates is finite. */
-static void fill_huge(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
-{
-    fill_mixed(random, i, count, box);
-    for (int k = 0; k < 3; k++) {
-        box->lo[k] *= 0.4f * FLT_MAX;
-        box->hi[k] *= 0.4f * FLT_MAX;
-    }
-}
-
-static void fill_tiny(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
-{
-    fill_mixed(random, i, count, box);
-    for (int k = 0; k < 3; k++) {
-        box->lo[k] = ldexpf(box->lo[k], -100);
-        box->hi[k] = ldexpf(box->hi[k], -100);
-    }
 }
 
 /* Half of them begin where the scene does, and are a power of two of it, or a bit more or less. */
@@ -426,10 +118,7 @@ static void fill_powers(bb_random *random, uint32_t i, uint32_t count, bb_box *b
         }
 }
 
-static const struct {
-    const char *name;
-    fill_function fill;
-} inputs[] = {
+static const box_input inputs[] = {
     {"mixed", fill_mixed},
     {"dense", fill_dense},
     {"small", fill_small},
@@ -447,15 +136,6 @@ static const struct {
 };
 enum { INPUTS = sizeof inputs / sizeof inputs[0], DENSE = 1, SMALL = 2, POWERS = INPUTS - 1 };
 
-static bb_box *make_boxes(size_t input, uint32_t count)
-{
-    bb_random random = bb_random_make(seed, input * 10000 + count);
-    bb_box *boxes = malloc(count * sizeof *boxes);
-    for (uint32_t i = 0; i < count; i++)
-        inputs[input].fill(&random, i, count, &boxes[i]);
-    return boxes;
-}
-
 /* ---- tests ---- */
 
 static void trees_are_the_papers(void **state)
@@ -466,7 +146,7 @@ static void trees_are_the_papers(void **state)
         for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
             if (small && (counts[c] != 65 || k % 9 != 1))
                 continue;
-            bb_box *boxes = make_boxes(k, counts[c]);
+            bb_box *boxes = make_boxes(inputs, k, counts[c]);
             for (uint32_t levels = 1; levels <= 5; levels++)
                 if (small ? levels == 2 + k % 2 : levels != 4)
                     compare_forms(
@@ -487,7 +167,7 @@ static void large_trees_are_the_papers(void **state)
     } cases[] = {{DENSE, 20000, 6}, {SMALL, 20000, 6},  {SMALL, 30000, 7},
                  {0, 9000, 7},      {POWERS, 20000, 8}, {10, 20000, 4}};
     for (size_t n = 0; n < sizeof cases / sizeof cases[0] && !small; n++) {
-        bb_box *boxes = make_boxes(cases[n].input, cases[n].count);
+        bb_box *boxes = make_boxes(inputs, cases[n].input, cases[n].count);
         compare_forms(boxes, cases[n].count,
                       (way){cases[n].levels, (root)(n % 2), (uint32_t)n / 2 % 2, false},
                       inputs[cases[n].input].name);
@@ -552,7 +232,7 @@ static void both_roots_of_a_cube_are_one(void **state)
 {
     (void)state;
     const uint32_t count = small ? 50 : 2000;
-    bb_box *boxes = make_boxes(0, count);
+    bb_box *boxes = make_boxes(inputs, 0, count);
     boxes[count / 2] = (bb_box){{-4, -4, -4}, 0, {4, 4, 4}, 0};
     for (int form = first_form(); form < (small ? first_form() + 1 : forms); form++) {
         box_build b[2];
@@ -573,7 +253,7 @@ static void the_same_tree_again(void **state)
 {
     (void)state;
     const uint32_t count = small ? 50 : 10000;
-    bb_box *boxes = make_boxes(DENSE, count);
+    bb_box *boxes = make_boxes(inputs, DENSE, count);
     uint64_t hashes[FORMS] = {0};
     for (int form = first_form(); form < forms; form++) {
         box_build b;
@@ -614,7 +294,7 @@ static void deeper_trees_are_valid(void **state)
 {
     (void)state;
     const uint32_t count = small ? 60 : 5000;
-    bb_box *boxes = make_boxes(DENSE, count);
+    bb_box *boxes = make_boxes(inputs, DENSE, count);
     for (uint32_t levels = small ? LEVELS_MAX : DENSE_MAX + 1; levels <= LEVELS_MAX; levels++)
         for (int form = small ? forms - 1 : first_form(); form < forms; form++) {
             char builder[64];
@@ -631,7 +311,7 @@ static void what_does_not_fit_is_refused_beforehand(void **state)
     (void)state;
     bb_device *on = devices[0];
     const uint32_t count = 1000;
-    bb_box *boxes = make_boxes(0, count);
+    bb_box *boxes = make_boxes(inputs, 0, count);
     bb_scene scene = scene_of(boxes, count);
     ASSERT_OK(upload_boxes(&scene, on));
     const uint64_t global = on->global_bytes, largest_allocation = on->largest_allocation;
@@ -665,7 +345,7 @@ static void the_level_is_chosen_and_said(void **state)
         const char *builder, *start;
     } cases[] = {{"loose-bvh", "N = 6 (auto): "}, {"loose-bvh:levels=3", "N = 3: "}};
     const uint32_t count = 1000;
-    bb_box *boxes = make_boxes(0, count);
+    bb_box *boxes = make_boxes(inputs, 0, count);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         box_build b;
         char text[200];

@@ -144,6 +144,7 @@ static void expect_frame_refused(const char *name, uint32_t frame, const char *w
 static void bad_sequences_get_one_line(void **state)
 {
     (void)state;
+    char room[1200];
     const char *triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     for (int i = 2; i < 6; i++) { /* of an earlier run */
         char name[16];
@@ -166,6 +167,18 @@ static void bad_sequences_get_one_line(void **state)
     expect_failure("car:room=spheres", BB_INVALID, "other primitives than triangles");
     expect_failure("twist:away=1e20", BB_INVALID, "'away'");
     expect_failure("crowd:kind=nothing", BB_INVALID, "kind");
+    put("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
+    snprintf(room, sizeof room, "car:room=%s", test_path("motion", "point.obj"));
+    expect_failure(room, BB_INVALID, "no room to drive in");
+}
+
+/* The number of things in the last frame is 123 modulo 2^32, in the first 429,600: more than
+ * memory would be reserved for. */
+static void crowds_that_outgrow_numbers_are_refused(void **state)
+{
+    (void)state;
+    expect_failure("crowd:kind=grow,n=268435456,frames=1000000", BB_INVALID, "frames");
+    expect_failure("crowd:kind=grow,n=3436800,frames=999428", BB_INVALID, "frames");
 }
 
 int main(void)
@@ -177,6 +190,7 @@ int main(void)
         cmocka_unit_test(nothing_moves_in_still),
         cmocka_unit_test(files_are_frames),
         cmocka_unit_test(bad_sequences_get_one_line),
+        cmocka_unit_test(crowds_that_outgrow_numbers_are_refused),
     };
     return cmocka_run_group_tests_name("motion", tests, open_device, close_device);
 }

@@ -135,6 +135,12 @@ static void decisions_say_what_they_rest_on(void **state)
     assert_string_equal(bb_decision_find(&needs, BB_DECIDED_SIZE_BITS)->value, "0");
     assert_string_equal(bb_decision_find(&needs, "index bits")->value, "32");
     assert_null(bb_decision_find(&needs, "nothing"));
+    assert_null(bb_decision_find(&needs, "frames"));
+    scene->frame_count = 5;
+    bb_scene_needs(scene, &needs);
+    assert_string_equal(bb_decision_find(&needs, "frames")->value, "1");
+    assert_non_null(strstr(bb_decision_find(&needs, "frames")->figure, "the first of 5"));
+    assert_non_null(strstr(bb_decision_find(&needs, "frames")->figure, "animate"));
     for (int i = 0; i < BB_DECISIONS_MAX + 3; i++)
         bb_decide_number(&needs, "one more", 1, BB_GIVEN, "none");
     assert_int_equal(needs.count, BB_DECISIONS_MAX);

@@ -328,7 +328,7 @@ static void bad_input_is_refused(void **state)
         const char *arguments, *words;
     } bad[] = {
         {"", "give one paper"},
-        {"nobody", "unknown paper 'nobody': there are emc"},
+        {"nobody", "unknown paper 'nobody': there are dynamic, emc"},
         {"emc loose-octree", "give one paper"},
         {"emc --max-prims 10", "--max-prims"},
         {"emc --repeats 0", "--repeats"},

@@ -1,49 +1,9 @@
 /* The host builders, sah (both methods) and null: on random and adversarial boxes their trees pass
  * the checker, come out the same twice, and the sweep is at least as good as the bins. */
 #include "framework/base/clock.h"
-#include "framework/builder/registry.h"
-#include "tests/tree_fixture.h"
+#include "tests/builder_fixture.h"
 
 static const uint64_t SEED = 99;
-
-typedef struct made {
-    bb_account account;
-    bb_spec spec;
-    const bb_builder *builder;
-    void *self;
-    bb_tree tree;
-    bb_phases phases;
-} made;
-
-static void open_builder(const char *text, made *m)
-{
-    memset(m, 0, sizeof *m);
-    ASSERT_OK(bb_spec_parse(text, &m->spec));
-    m->builder = bb_builder_find(m->spec.name);
-    assert_non_null(m->builder);
-    ASSERT_OK(bb_spec_validate(&m->spec, m->builder->options, "builder"));
-    ASSERT_OK(bb_builder_validate(m->builder));
-    bb_builder_context context = {
-        .account = &m->account, .spec = &m->spec, .options = m->builder->options, .threads = 1};
-    bb_tree_init(&m->tree, &m->account);
-    ASSERT_OK(m->builder->create(&context, &m->self));
-}
-
-static void build(made *m, const bb_scene *scene)
-{
-    m->phases = (bb_phases){.current = -1};
-    ASSERT_OK(m->builder->prepare(m->self, scene, &m->tree));
-    ASSERT_OK(m->builder->build(m->self, scene, NULL, &m->tree, &m->phases));
-    if (bb_tree_check(&m->tree, scene) != BB_OK)
-        fail_msg("%s: %s", m->spec.text, bb_message());
-}
-
-static void close_builder(made *m)
-{
-    bb_tree_release(&m->tree);
-    m->builder->destroy(m->self);
-    assert_int_equal(m->account.bytes, 0); /* everything was booked, everything is free */
-}
 
 /* ---- adversarial scenes; `i` of `count` ---- */
 

@@ -246,6 +246,60 @@ static void compares_parts(void **state)
     cJSON_Delete(atlas);
 }
 
+static const cJSON *figures_of(const cJSON *atlas, int value, int method)
+{
+    const cJSON *axis = cJSON_GetObjectItem(atlas, "axes")->child;
+    const cJSON *at = cJSON_GetArrayItem(cJSON_GetObjectItem(axis, "values"), value);
+    return cJSON_GetArrayItem(cJSON_GetObjectItem(at, "methods"), method);
+}
+
+/* Methods go through frames: those that follow a motion are built again where things come and go;
+ * each part has its figures, and answers of all frames are judged. */
+static void goes_through_frames(void **state)
+{
+    (void)state;
+    const char *const growing =
+        "{\"name\": \"growing\", \"title\": \"t\", \"parameter\": \"p\", \"why\": \"w\","
+        " \"scene\": \"crowd:kind=grow,n=800,share={x},frames=4,away=1\","
+        " \"rays\": [\"random:count=64,near=1\"], \"from\": 0, \"to\": 0.2, \"steps\": \"linear\","
+        " \"frames\": 3, \"intervals\": 1, \"builder\": \"lbvh\", \"kernel\": \"stack\"}";
+    start();
+    write_file("growing.json", growing, strlen(growing));
+    const outcome *o = run("stress --axis growing.json --no-pictures --quiet --out o --quick "
+                           "--builder lbvh,gs,lbvh+refit,embree-native:quality=low,mode=fast "
+                           "--kernel stack8,stackless,short,trail,stack4 --intersector exact");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    assert_non_null(
+        strstr(o->out, "no update: built again   gs (from 0.2), lbvh+refit (from 0.2)"));
+    cJSON *atlas = read_results("o/stress.json");
+    const cJSON *axis = cJSON_GetObjectItem(atlas, "axes")->child;
+    assert_int_equal((int)number(axis, "frames"), 3);
+    assert_true(number(threshold_of(atlas, "rebuilt"), "at") == 0.2);
+    for (int value = 0; value < 2; value++)
+        for (int m = 0; m < 10; m++) {
+            const cJSON *f = figures_of(atlas, value, m);
+            const char *end = cJSON_GetStringValue(cJSON_GetObjectItem(f, "outcome"));
+            assert_string_equal(end, m == 3 ? "unsupported" : "ok");
+            if (m == 3)
+                continue;
+            assert_true(number(f, "checked") == 3 * 64 && number(f, "rays") == 2 * 64);
+            assert_true(number(f, "wrong") == 0 && number(f, "tests_per_ray") > 0);
+            assert_true(number(f, "prims") == (value == 0 ? 800 : 1040));
+            if (m > 3) /* the tree is not its own */
+                assert_true(isnan(number(f, "build_ms")) && isnan(number(f, "rebuilt")));
+            else
+                assert_true(number(f, "rebuilt") == (m == 0 || value == 1));
+        }
+    cJSON_Delete(atlas);
+    /* a scene that stays has no frames to go through */
+    char text[1024];
+    snprintf(text, sizeof text, "%s", growing);
+    memcpy(strstr(text, "frames=4"), "frames=2", 8);
+    write_file("growing.json", text, strlen(text));
+    refuses("", "stress --axis growing.json --out p", "has 2 frames, not the 3 of the axis");
+}
+
 static void refuses_what_makes_no_sense(void **state)
 {
     (void)state;
@@ -273,17 +327,13 @@ static void refuses_what_makes_no_sense(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tells_of_mishaps),
-        cmocka_unit_test(compares_parts),
-        cmocka_unit_test(refuses_what_makes_no_sense),
-        cmocka_unit_test(blames_who_is_wrong),
-        cmocka_unit_test(finds_every_manner),
-        cmocka_unit_test(judges_times_twice),
-        cmocka_unit_test(kills_what_hangs),
-        cmocka_unit_test(bisects_and_repeats),
-        cmocka_unit_test(goes_on),
+        cmocka_unit_test(tells_of_mishaps),    cmocka_unit_test(compares_parts),
+        cmocka_unit_test(goes_through_frames), cmocka_unit_test(refuses_what_makes_no_sense),
+        cmocka_unit_test(blames_who_is_wrong), cmocka_unit_test(finds_every_manner),
+        cmocka_unit_test(judges_times_twice),  cmocka_unit_test(kills_what_hangs),
+        cmocka_unit_test(bisects_and_repeats), cmocka_unit_test(goes_on),
     };
-    enum { ALL = sizeof tests / sizeof tests[0], QUICK = 3 };
+    enum { ALL = sizeof tests / sizeof tests[0], QUICK = 4 };
     struct CMUnitTest chosen[ALL];
     size_t count = 0;
     for (size_t i = 0; i < ALL; i++)

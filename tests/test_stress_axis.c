@@ -14,6 +14,11 @@ static const char *const whole =
     " \"scene\": \"soup:n={n},edge={x}\", \"rays\": [\"random\", \"edges:jitter={x}\"],"
     " \"from\": 1, \"to\": 1e6, \"builder\": \"lbvh\", \"kernel\": \"stack\"}";
 
+static const char *const five_rays_and_frames =
+    "{\"name\": \"a\", \"title\": \"t\", \"parameter\": \"p\", \"why\": \"w\", \"frames\": 2,"
+    " \"scene\": \"twist:n={x}\", \"rays\": [\"ao\", \"ao\", \"ao\", \"ao\", \"ao\"],"
+    " \"from\": 1, \"to\": 1e6, \"builder\": \"lbvh\", \"kernel\": \"stack\"}";
+
 static void reads_an_axis(void **state)
 {
     (void)state;
@@ -25,6 +30,7 @@ static void reads_an_axis(void **state)
     assert_int_equal(axis.intervals, 4);
     assert_string_equal(axis.known, "");
     assert_string_equal(axis.text, whole);
+    assert_int_equal(axis.frames, 0);
     bb_axis_free(&axis);
 }
 
@@ -79,6 +85,11 @@ static void refuses_what_is_no_axis(void **state)
         {"1e6", "1e6, \"intervals\": 0", "\"intervals\""},
         {"1e6", "1e6, \"intervals\": 1000", "\"intervals\""},
         {"1e6", "1e6, \"n\": 0", "\"n\""},
+        {"1e6", "1e6, \"frames\": 1", "from 2 on"},
+        {"1e6", "1e6, \"frames\": 2.5", "from 2 on"},
+        {"1e6", "1e6, \"frames\": 65", "\"frames\""},
+        {"1e6", "1e6, \"frames\": 2", NULL},
+        {"\"random\",", "\"ao\", \"ao\", \"ao\", \"ao\",", NULL},
         {"1e6", "1e6, \"colour\": 1", "no axis has"},
         {"1e6", "1e6, \"from\": 2", "no axis has"},
         {"soup:n={n},edge={x}", "cube", NULL}, /* the rays still have {x} */
@@ -94,6 +105,9 @@ static void refuses_what_is_no_axis(void **state)
         bb_axis_free(&axis);
     }
     bb_axis axis;
+    assert_int_equal(bb_axis_parse(five_rays_and_frames, "x", &axis), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "at most 4"));
+    bb_axis_free(&axis);
     char *none = strdup(whole);
     for (char *at; (at = strstr(none, "{x}")) != NULL;)
         memcpy(at, "111", 3);
@@ -306,6 +320,49 @@ static void what_cannot_be_compared_tells_nothing(void **state)
     free(s);
 }
 
+/* Method 0 is built again in a third of the frames from 100 on, 1 always, 2 twice as often as
+ * normally, and its updates take no time where nothing moves. */
+static bb_status measure_rebuilt(void *user, bb_wish *wishes, uint32_t count, bool again)
+{
+    (void)user;
+    (void)again;
+    for (uint32_t i = 0; i < count; i++) {
+        const bool late = wishes[i].x >= 100;
+        for (uint32_t k = 0; k < 3; k++) {
+            bb_figures *f = &wishes[i].figures[k];
+            *f = bb_no_figures(BB_MEASURED);
+            f->prims = 10;
+            f->build_ms = late ? 1 : 0;
+            f->rebuilt = k == 1 ? 1 : k == 2 ? (late ? 0.5 : 0.25) : late ? 1.0 / 3 : 0;
+        }
+    }
+    return BB_OK;
+}
+
+static void updates_that_give_up_are_told(void **state)
+{
+    (void)state;
+    bb_axis axis = {.name = "x", .from = 1, .to = 1e6, .steps = BB_STEPS_LOG};
+    bb_search *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    *s = (bb_search){.axis = &axis,
+                     .method_count = 3,
+                     .intervals = 3,
+                     .bisections = 5,
+                     .times = true,
+                     .measure = measure_rebuilt};
+    ASSERT_OK(bb_search_run(s));
+    const bb_threshold *t = &s->thresholds[0][BB_MANNER_REBUILT];
+    assert_true(t->found && !t->from_start && !t->returns);
+    assert_true(t->below < 100 && t->at >= 100 && isinf(t->ratio));
+    for (uint32_t k = 1; k < 3; k++)
+        assert_false(s->thresholds[k][BB_MANNER_REBUILT].found);
+    for (uint32_t k = 0; k < 3; k++) /* nothing is normal to compare with */
+        assert_false(s->thresholds[k][BB_MANNER_SLOW_BUILD].found);
+    bb_search_free(s);
+    free(s);
+}
+
 static bb_status fail_to_measure(void *user, bb_wish *wishes, uint32_t count, bool again)
 {
     (void)again;
@@ -338,6 +395,7 @@ int main(void)
         cmocka_unit_test(finds_thresholds),
         cmocka_unit_test(tells_of_all_values),
         cmocka_unit_test(what_cannot_be_compared_tells_nothing),
+        cmocka_unit_test(updates_that_give_up_are_told),
         cmocka_unit_test(passes_failures_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -91,19 +91,73 @@ static void soups_have_places(void **state)
     (void)state;
     bb_scene *flat = load_scene("soup:n=1000,flat=0"), *thin = load_scene("soup:n=1000,flat=1e-3"),
              *full = load_scene("soup:n=1000"), *moved = load_scene("soup:n=1000,move=100"),
-             *scaled = load_scene("soup:n=1000,scale=4");
+             *scaled = load_scene("soup:n=1000,scale=4"),
+             *layer = load_scene("soup:n=1000,layer=1e-3");
     assert_true(flat->profile.flatness == 0);
     for (uint32_t t = 0; t < N; t++)
         for (int k = 0; k < 3; k++) {
             ASSERT_NEAR(least(thin, t, k), least(full, t, k) * (k == 2 ? 1e-3 : 1), 1e-7);
             ASSERT_NEAR(least(moved, t, k), least(full, t, k) + 100, 1e-5);
             assert_true(least(scaled, t, k) == 4 * least(full, t, k));
+            ASSERT_NEAR(side(&layer->boxes[t], k), side(&full->boxes[t], k), 1e-6);
+            if (k == 2)
+                assert_true(fabs(least(layer, t, k) + side(&layer->boxes[t], k) / 2) < 0.06);
+            else
+                assert_true(least(layer, t, k) == least(full, t, k));
         }
     bb_scene_free(flat);
     bb_scene_free(thin);
     bb_scene_free(full);
     bb_scene_free(moved);
     bb_scene_free(scaled);
+    bb_scene_free(layer);
+}
+
+/* Things with another place in frame 1 than in frame 0; `things` of 8 triangles each. */
+static uint32_t moved_things(const char *name, uint32_t things)
+{
+    bb_scene *scene = load_scene(name);
+    uint32_t moved = 0;
+    bb_box *before = calloc(scene->prim_count, sizeof *before);
+    assert_non_null(before);
+    assert_int_equal(scene->prim_count, 8 * things);
+    memcpy(before, scene->boxes, scene->prim_count * sizeof *before);
+    ASSERT_OK(bb_scene_set_frame(scene, 1, NULL));
+    for (uint32_t t = 0; t < things; t++)
+        moved += memcmp(&before[8 * t], &scene->boxes[8 * t], sizeof *before) != 0;
+    free(before);
+    bb_scene_free(scene);
+    return moved;
+}
+
+static void crowds_have_a_share(void **state)
+{
+    (void)state;
+    assert_int_equal(moved_things("crowd:kind=shuffle,n=8000,share=0", 1000), 0);
+    const uint32_t few = moved_things("crowd:kind=shuffle,n=8000,share=0.02", 1000),
+                   by_default = moved_things("crowd:kind=shuffle,n=8000", 1000),
+                   many = moved_things("crowd:kind=shuffle,n=8000,share=1", 1000);
+    assert_true(few > 30 && few <= 40); /* 20 pairs, of which few share a thing */
+    assert_true(by_default > 16 && by_default <= 22);
+    assert_true(many > 800);
+    static const struct {
+        const char *name;
+        uint32_t triangles;
+    } growing[] = {
+        {"crowd:kind=grow,n=8000,frames=3,share=0", 8000},
+        {"crowd:kind=grow,n=8000,frames=3,share=0.1", 9600},
+        {"crowd:kind=grow,n=8000,frames=3", 8176},
+    };
+    for (size_t i = 0; i < sizeof growing / sizeof growing[0]; i++) {
+        bb_scene *scene = load_scene(growing[i].name);
+        ASSERT_OK(bb_scene_set_frame(scene, 2, NULL));
+        assert_int_equal(scene->prim_count, growing[i].triangles);
+        bb_scene_free(scene);
+    }
+    bb_scene *none = NULL;
+    assert_int_equal(bb_scene_load("crowd:kind=grow,n=8000,share=2", &none), BB_INVALID);
+    assert_int_equal(bb_scene_load("crowd:kind=grow,n=2e8,frames=1e4,share=1", &none), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "things"));
 }
 
 static void soups_repeat_places(void **state)
@@ -298,6 +352,7 @@ int main(void)
         cmocka_unit_test(soups_have_places),
         cmocka_unit_test(soups_repeat_places),
         cmocka_unit_test(soups_are_refused),
+        cmocka_unit_test(crowds_have_a_share),
         cmocka_unit_test(nests_lie_within_each_other),
         cmocka_unit_test(axial_rays_lie_in_planes),
         cmocka_unit_test(grazing_rays_graze),

@@ -193,6 +193,7 @@ const bb_builder bb_builder_gs = {
     .options = options,
     .compared = "",
     .moving = "gs,gs:search=bb,start=root",
+    .stressed = "gs:order=file,gs:order=file,max_children=0",
     .create = create,
     .prepare = prepare,
     .build = build,

@@ -93,14 +93,6 @@ static void destroy(void *opaque)
 
 static bb_status compile(lobvh *self, const bb_spec *spec)
 {
-    const struct {
-        const char *name;
-        cl_kernel *kernel;
-    } kernels[] = {
-        {"lobvh_keys", &self->keys_kernel}, {"lobvh_mark", &self->mark},
-        {"lobvh_vacancy", &self->vacancy},  {"lobvh_sizes", &self->sizes},
-        {"lobvh_leaves", &self->leaves},    {"lobvh_inner", &self->inner},
-    };
     static const char *const sides[] = {"smallest", "largest", "mean", "volume"};
     char defines[128];
     int side = 0;
@@ -111,9 +103,12 @@ static bb_status compile(lobvh *self, const bb_spec *spec)
              bb_spec_is(spec, options, "fit", "yes") ? " -DBB_FIT" : "",
              self->chains ? " -DBB_CHAINS" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_lobvh, defines, &self->program));
-    for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++)
-        BB_TRY(bb_kernel_get(self->program, kernels[i].name, kernels[i].kernel));
-    return BB_OK;
+    BB_TRY(bb_kernel_get(self->program, "lobvh_keys", &self->keys_kernel));
+    BB_TRY(bb_kernel_get(self->program, "lobvh_mark", &self->mark));
+    BB_TRY(bb_kernel_get(self->program, "lobvh_vacancy", &self->vacancy));
+    BB_TRY(bb_kernel_get(self->program, "lobvh_sizes", &self->sizes));
+    BB_TRY(bb_kernel_get(self->program, "lobvh_leaves", &self->leaves));
+    return bb_kernel_get(self->program, "lobvh_inner", &self->inner);
 }
 
 static bb_status create(const bb_builder_context *context, void **out)

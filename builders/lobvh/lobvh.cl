@@ -30,12 +30,13 @@
  *
  * Kernels with `chunk` go through that many elements per work-item: on CPUs hundreds, on GPUs one.
  * -DBB_SIDE: the size measure; -DBB_FIT: with the fit test; -DBB_CHAINS: nodes that only have one
- * child stay; -DBB_FETCH: boxes that a work-item fetches at once.
+ * child stay; -DBB_FETCH: leaf_boxes.clh.
  *
  * Limits: 10 levels (32-bit keys); 2^31 - 1 primitives; little-endian devices. One work-item joins
  * the boxes of one node's primitives, however many.
  */
 #include "bb_device.h"
+#include "leaf_boxes.clh"
 #include "morton.clh"
 
 #define BB_SIDE_SMALLEST 0
@@ -44,9 +45,6 @@
 #define BB_SIDE_VOLUME 3
 #ifndef BB_SIDE
 #define BB_SIDE BB_SIDE_SMALLEST
-#endif
-#ifndef BB_FETCH
-#define BB_FETCH 1
 #endif
 
 /* ---- initialization ---- */
@@ -326,36 +324,7 @@ uint2 place_and_next(const dense *octree, const family *siblings, uint parent, u
     return at;
 }
 
-void write_node(global bb_node *nodes, uint place, float4 lo, float4 hi, uint first, uint skip)
-{
-    /* as integers: a device may flush links, which look like denormals, or quiet them, which look
-     * like NaNs */
-    global uint *words = (global uint *)(nodes + place);
-    vstore4((uint4)(as_uint4(lo).xyz, first), 0, words);
-    vstore4((uint4)(as_uint4(hi).xyz, skip), 1, words);
-}
-
 /* ---- link ---- */
-
-/* Boxes of the next primitives in order. On CPUs many are fetched at once, in a loop without
- * branches, so that the cache misses overlap: the order of the keys is not that of the boxes in
- * memory. */
-typedef struct fetched {
-    uint begin, end;
-    float4 lo[BB_FETCH], hi[BB_FETCH];
-} fetched;
-
-void fetch(fetched *f, global const uint *values, global const bb_box *boxes, uint begin,
-           uint count)
-{
-    f->begin = begin;
-    f->end = BB_MIN(begin + BB_FETCH, count);
-    for (uint i = begin; i < f->end; i++) {
-        global const float *box = (global const float *)(boxes + values[i]);
-        f->lo[i - begin] = vload4(0, box);
-        f->hi[i - begin] = vload4(1, box);
-    }
-}
 
 /* A node's primitives are joined by the work-item in whose chunk they begin. info: zeroed
  * before. */
@@ -372,7 +341,7 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
     const dense octree = {words, own, offsets};
     uint leaves = 0, parent = BB_NONE;
     family siblings = {0, 0, 0, 0};
-    fetched ahead;
+    bb_fetched ahead;
     ahead.end = 0;
     uint i = begin;
     /* what began before is another work-item's */
@@ -384,7 +353,7 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
         float4 lo = (float4)(INFINITY), hi = (float4)(-INFINITY);
         do {
             if (i >= ahead.end)
-                fetch(&ahead, values, boxes, i, count);
+                bb_fetch(&ahead, values, boxes, i, count);
             lo = BB_MIN(ahead.lo[i - ahead.begin], lo);
             hi = BB_MAX(ahead.hi[i - ahead.begin], hi);
             i++;
@@ -400,7 +369,7 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
             }
             at = place_and_next(&octree, &siblings, parent, (key - 1u) & 7u);
         }
-        write_node(nodes, at.x, lo, hi, BB_LEAF_BIT | from, at.y);
+        bb_write_node(nodes, at.x, lo, hi, BB_LEAF_BIT | from, at.y);
         heights[at.x] = 0;
         leaves++;
     }
@@ -447,7 +416,7 @@ kernel void lobvh_inner(global const ulong *words, global const uchar *own,
             uint2 at = (uint2)(0u, BB_NONE); /* of the root */
             if (w > 0u)
                 at = place_and_next(&octree, &siblings, w - 1u, c);
-            write_node(nodes, at.x, lo, hi, start, at.y);
+            bb_write_node(nodes, at.x, lo, hi, start, at.y);
             heights[at.x] = (uchar)(height + 1u);
             arity = BB_MAX(size, arity);
             start += size;

@@ -110,23 +110,19 @@ static bool on_cpu(const loose_bvh *self)
 
 static bb_status compile(loose_bvh *self, const bb_spec *spec)
 {
-    const struct {
-        const char *name;
-        cl_kernel *kernel;
-    } kernels[] = {
-        {"loose_keys", &self->keys_kernel},   {"loose_heads", &self->heads_kernel},
-        {"loose_cells", &self->cells_kernel}, {"loose_leaves", &self->leaves},
-        {"loose_spans", &self->spans_kernel}, {"loose_level", &self->level},
-        {"loose_chunks", &self->chunks},      {"loose_rest", &self->rest_of_chunks},
-    };
     char defines[64];
     snprintf(defines, sizeof defines, "-DBB_FETCH=%d -DBB_LANES=%d%s", on_cpu(self) ? FETCH : 1,
              on_cpu(self) ? LANES : 1,
              bb_spec_is(spec, options, "root", "cube") ? " -DBB_CUBE" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_loose_bvh, defines, &self->program));
-    for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++)
-        BB_TRY(bb_kernel_get(self->program, kernels[i].name, kernels[i].kernel));
-    return BB_OK;
+    BB_TRY(bb_kernel_get(self->program, "loose_keys", &self->keys_kernel));
+    BB_TRY(bb_kernel_get(self->program, "loose_heads", &self->heads_kernel));
+    BB_TRY(bb_kernel_get(self->program, "loose_cells", &self->cells_kernel));
+    BB_TRY(bb_kernel_get(self->program, "loose_leaves", &self->leaves));
+    BB_TRY(bb_kernel_get(self->program, "loose_spans", &self->spans_kernel));
+    BB_TRY(bb_kernel_get(self->program, "loose_level", &self->level));
+    BB_TRY(bb_kernel_get(self->program, "loose_chunks", &self->chunks));
+    return bb_kernel_get(self->program, "loose_rest", &self->rest_of_chunks);
 }
 
 static bb_status create(const bb_builder_context *context, void **out)
@@ -417,6 +413,7 @@ const bb_builder bb_builder_loose_bvh = {
     .options = options,
     .compared = "",
     .moving = "loose-bvh",
+    .stressed = "loose-bvh:root=box",
     .create = create,
     .prepare = prepare,
     .build = build,

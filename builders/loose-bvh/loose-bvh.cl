@@ -37,15 +37,13 @@
  * hand over between launches alone.
  *
  * -DBB_CUBE: the root cell is a cube. -DBB_LANES: boxes whose keys are made at once, 1 or 8.
- * -DBB_FETCH: boxes that a work-item fetches at once. Limits: 10 levels (32-bit keys); 2^30
- * primitives. Where sides are denormal a primitive may lie nearer to the root than equation 3 says.
+ * -DBB_FETCH: leaf_boxes.clh. Limits: 10 levels (32-bit keys); 2^30 primitives. Where sides are
+ * denormal a primitive may lie nearer to the root than equation 3 says.
  */
 #include "bb_device.h"
+#include "leaf_boxes.clh"
 #include "loose_bvh_shared.h"
 
-#ifndef BB_FETCH
-#define BB_FETCH 1
-#endif
 #ifndef BB_LANES
 #define BB_LANES 1
 #endif
@@ -323,15 +321,6 @@ uint skip_of(const loose *l, uint last)
     return after != 0u ? l->bases[last] + 1u : BB_NONE;
 }
 
-void write_node(global bb_node *nodes, uint place, float4 lo, float4 hi, uint first, uint skip)
-{
-    /* as integers: a device may flush links, which look like denormals, or quiet them, which look
-     * like NaNs */
-    global uint *words = (global uint *)(nodes + place);
-    vstore4((uint4)(as_uint4(lo).xyz, first), 0, words);
-    vstore4((uint4)(as_uint4(hi).xyz, skip), 1, words);
-}
-
 void write_info(const loose *l, uint height)
 {
     bb_tree_info found;
@@ -359,30 +348,10 @@ void write_leaf(const loose *l, uint c, uint start, float4 lo, float4 hi)
         place = place_of(l, c, c);
         skip = skip_of(l, c);
     }
-    write_node(l->nodes, place, lo, hi, BB_LEAF_BIT | start, skip);
+    bb_write_node(l->nodes, place, lo, hi, BB_LEAF_BIT | start, skip);
     l->heights[place] = 0;
     if (place == 0u)
         write_info(l, 0);
-}
-
-/* Boxes of the next primitives in order. On CPUs many are fetched at once, in a loop without
- * branches, so that the cache misses overlap: the order of the keys is not that of the boxes in
- * memory. 0 is added so that no box has a -0, which depends on the order of what is joined. */
-typedef struct fetched {
-    uint begin, end;
-    float4 lo[BB_FETCH], hi[BB_FETCH];
-} fetched;
-
-void fetch(fetched *f, global const uint *values, global const bb_box *boxes, uint begin,
-           uint count)
-{
-    f->begin = begin;
-    f->end = BB_MIN(begin + BB_FETCH, count);
-    for (uint i = begin; i < f->end; i++) {
-        global const float *box = (global const float *)(boxes + values[i]);
-        f->lo[i - begin] = vload4(0, box) + 0.0f;
-        f->hi[i - begin] = vload4(1, box) + 0.0f;
-    }
 }
 
 /* Floats as integers of the same order. */
@@ -409,7 +378,8 @@ void join_span(volatile global uint *span, float4 lo, float4 hi)
 }
 
 /* A cell may have all the primitives. What lies in one chunk is joined by one work-item, and the
- * parts of a cell that goes on meet in the span of the chunk where it begins. */
+ * parts of a cell that goes on meet in the span of the chunk where it begins. 0 is added so that no
+ * box has a -0, which depends on the order of what is joined. */
 kernel void loose_leaves(global const uint *restrict values, global const bb_box *restrict boxes,
                          uint count, uint chunk, global const uint *restrict heads,
                          global const uint *restrict starts, global const uint *bases,
@@ -422,7 +392,7 @@ kernel void loose_leaves(global const uint *restrict values, global const bb_box
         return;
     uint end = count - begin < chunk ? count : begin + chunk;
     const loose l = {bases, splits, totals[0], totals[1], count, nodes, heights, info};
-    fetched ahead;
+    bb_fetched ahead;
     ahead.end = 0;
     uint c = heads[get_global_id(0)]; /* the first that begins here */
     if (starts[c] > begin)
@@ -432,9 +402,9 @@ kernel void loose_leaves(global const uint *restrict values, global const bb_box
         float4 lo = (float4)(INFINITY), hi = (float4)(-INFINITY);
         for (; i < to; i++) {
             if (i >= ahead.end)
-                fetch(&ahead, values, boxes, i, end);
-            lo = BB_MIN(ahead.lo[i - ahead.begin], lo);
-            hi = BB_MAX(ahead.hi[i - ahead.begin], hi);
+                bb_fetch(&ahead, values, boxes, i, end);
+            lo = BB_MIN(ahead.lo[i - ahead.begin] + 0.0f, lo);
+            hi = BB_MAX(ahead.hi[i - ahead.begin] + 0.0f, hi);
             refs[i] = values[i] | (i + 1u == stop ? BB_LAST_BIT : 0u);
         }
         if (start >= begin && stop <= end)
@@ -485,7 +455,7 @@ void make_inner(const loose *l, uint s, global uint *firsts, global uint *lasts)
         last = lasts[s + 2u];
     }
     uint place = place_of(l, first, last);
-    write_node(l->nodes, place, lo, hi, child, skip_of(l, last));
+    bb_write_node(l->nodes, place, lo, hi, child, skip_of(l, last));
     l->heights[place] = (uchar)(height + 1u);
     firsts[last] = first;
     lasts[first] = last;

@@ -299,6 +299,7 @@ const bb_builder bb_builder_refit = {
     .deterministic = true,
     .options = options,
     .compared = "",
+    .stressed = "lbvh+refit:rotate=yes,lbvh+refit:trigger=sah:1.3",
     .moving = "lbvh+refit,lbvh+refit:rotate=yes,lbvh+refit:trigger=sah:1.3,sah+refit",
     .create = create,
     .build = build,

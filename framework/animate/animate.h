@@ -8,6 +8,7 @@
 #ifndef BB_ANIMATE_H
 #define BB_ANIMATE_H
 
+#include "framework/base/statistics.h"
 #include "framework/builder/instance.h"
 #include "framework/judge/accuracy.h"
 #include "framework/picture/canvas.h"
@@ -36,8 +37,9 @@ typedef struct bb_animate_request {
     uint32_t first, last; /* frames; last may be beyond the scene's */
     uint32_t repeats;     /* rounds that count */
     uint64_t seed;
-    bool quiet; /* no progress */
-    bool strip; /* draw some of the frames */
+    bool counting; /* counts tests of each ray in the first round */
+    bool quiet;    /* no progress */
+    bool strip;    /* draw some of the frames */
 } bb_animate_request;
 
 /* Of one round. NAN: not measured. */
@@ -49,6 +51,9 @@ typedef struct bb_animate_trace {
     bool in_place; /* the layout followed without being numbered anew */
     bb_rounds rays[BB_ANIMATE_RAYS_MAX];
     uint64_t checked, wrong; /* answers */
+    /* of all rays, if they are counted: tests of boxes and primitives; rays that needed more stack
+     * than there is */
+    uint64_t tests, overflowed;
 } bb_animate_trace;
 
 /* A method in one frame. */
@@ -70,6 +75,7 @@ typedef struct bb_animate_frame {
 typedef struct bb_animate_method {
     char builder[128];
     char refused[320]; /* why it has no figures from frame `done` on; "": it has all */
+    bb_status refusal; /* its status; BB_OK: it has all */
     bool failed;       /* that is a fault: a tree that does not hold, answers that change */
     uint32_t done;     /* frames */
     uint64_t most_bytes;
@@ -78,15 +84,20 @@ typedef struct bb_animate_method {
 
 /* What all methods share in a frame. */
 typedef struct bb_animate_state {
-    uint32_t frame, prims, changed;
+    uint32_t frame, prims;
     uint32_t rays[BB_ANIMATE_RAYS_MAX]; /* 0: the scene has none there */
     /* of trees that the yardsticks make for this frame; NAN: not known; and the least of them */
     double fresh[BB_ANIMATE_YARDSTICKS_MAX], fresh_best;
     double oracle_ms, judge_ms;
+    /* since the frame before: the share of primitives whose boxes are others, and how far the
+     * middles of these have gone, in diagonals of the scene: the median, 0 if there are none. NAN
+     * of the first frame, and where there are more or fewer primitives than before */
+    double moved, moved_by;
 } bb_animate_state;
 
 typedef struct bb_animate_result {
-    char scene[256], view[48], device[256];
+    char scene[256], view[48];
+    uint32_t ignored;     /* parts of the scene's file, see bb_scene */
     uint32_t frame_count; /* of those asked for, that were gone through */
     bb_animate_state *states;
     uint32_t yardstick_count;
@@ -113,7 +124,7 @@ uint64_t bb_animate_wrong(const bb_animate_result *result);
 
 /* ---- sums ---- */
 
-/* Median over the rounds that count; NAN if there is none. */
+/* Median over the rounds that count and in which it was measured; NAN if there is none. */
 double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds);
 
 /* Of a method over all frames but the first, which is a build for all. */
@@ -133,6 +144,19 @@ typedef struct bb_animate_sums {
 } bb_animate_sums;
 
 bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate_method *method);
+
+/* What a frame's time is made of. */
+enum {
+    BB_ANIMATE_UPDATE = 1u << 0,
+    BB_ANIMATE_TRANSFER = 1u << 1,
+    BB_ANIMATE_LAYOUT = 1u << 2, /* of one kernel, as is tracing */
+    BB_ANIMATE_TRACE = 1u << 3,
+};
+
+/* Sums of those parts over all frames but the first, ms: one sample per round, the judged one being
+ * the first, which counts for nothing. Rounds of two methods pair. Empty if it lacks frames. */
+bb_samples bb_animate_samples(const bb_animate_result *result, const bb_animate_method *method,
+                              uint32_t kernel, uint32_t parts);
 
 /* Mean time of a frame with `count` rays of kind `rays`: update, transfer, layout, and tracing by
  * the kernel that makes it shortest. NAN if nothing was measured. */

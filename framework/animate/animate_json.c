@@ -38,6 +38,8 @@ static bool put_frames(cJSON *object, const char *name, const bb_animate_result 
 
 FIGURE(frame_of, result->states[f].frame)
 FIGURE(prims_of, result->states[f].prims)
+FIGURE(moved_of, result->states[f].moved)
+FIGURE(moved_by_of, result->states[f].moved_by)
 FIGURE(rays_of, result->states[f].rays[i])
 FIGURE(best_of, result->states[f].fresh_best)
 FIGURE(fresh_of, result->states[f].fresh[i])
@@ -190,12 +192,15 @@ static bool put_result(cJSON *root, const bb_animate_result *result)
     put = bb_put(root, "rays", rays) && put;
     put = bb_put(root, "sah_fresh", fresh) && put;
     put = put && bb_put_text(root, "scene", result->scene) &&
+          bb_put_number(root, "ignored", result->ignored) &&
           bb_put_text(root, "view", result->view) &&
           bb_put_text(root, "intersector", result->intersector) &&
           bb_put_number(root, "rounds", result->rounds) &&
           bb_put_number(root, "seconds", result->ms / 1e3) &&
           put_frames(root, "frames", result, NULL, frame_of, 0, 0) &&
           put_frames(root, "primitives", result, NULL, prims_of, 0, 0) &&
+          put_frames(root, "moved", result, NULL, moved_of, 0, 0) &&
+          put_frames(root, "moved_by", result, NULL, moved_by_of, 0, 0) &&
           put_frames(root, "sah_fresh_best", result, NULL, best_of, 0, 0) &&
           put_frames(root, "oracle_ms", result, NULL, oracle_of, 0, 0) &&
           put_frames(root, "judge_ms", result, NULL, judge_of, 0, 0) && put_winners(root, result);

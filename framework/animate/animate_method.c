@@ -10,7 +10,35 @@
 #include <string.h>
 #include <xxhash.h>
 
+/* It has no figures from here on; the others go on. The message says why. */
+static void refuse(bb_animate_method *method, bb_status status, const char *where)
+{
+    method->refusal = status;
+    method->failed = status != BB_UNSUPPORTED && status != BB_REFUSED;
+    snprintf(method->refused, sizeof method->refused, "%s%s", where, bb_message());
+}
+
 /* ---- what a method needs ---- */
+
+static void forget(bb_rounds *rounds)
+{
+    for (uint32_t r = 0; r < BB_ANIMATE_ROUNDS_MAX; r++)
+        (*rounds)[r] = NAN;
+}
+
+/* Nothing is measured yet. What a method that is refused later on leaves open stays so. */
+static void clear(bb_animate_frame *frame)
+{
+    memset(frame, 0, sizeof *frame);
+    forget(&frame->update);
+    forget(&frame->update_cpu);
+    forget(&frame->transfer);
+    for (uint32_t k = 0; k < BB_ANIMATE_KERNELS_MAX; k++) {
+        forget(&frame->traces[k].layout);
+        for (uint32_t i = 0; i < BB_ANIMATE_RAYS_MAX; i++)
+            forget(&frame->traces[k].rays[i]);
+    }
+}
 
 bb_status bb_animate_runner_create(bb_animate *a, const char *builder, bb_animate_runner *runner)
 {
@@ -19,7 +47,8 @@ bb_status bb_animate_runner_create(bb_animate *a, const char *builder, bb_animat
     snprintf(method->builder, sizeof method->builder, "%s", builder);
     BB_TRY(bb_host_alloc(NULL, a->frames * sizeof *method->frames, "figures of frames",
                          &method->frames));
-    memset(method->frames, 0, a->frames * sizeof *method->frames);
+    for (uint32_t f = 0; f < a->frames; f++)
+        clear(&method->frames[f]);
     runner->hashes = calloc((size_t)a->frames * request->kernel_count * request->ray_count,
                             sizeof *runner->hashes);
     if (runner->hashes == NULL)
@@ -29,9 +58,10 @@ bb_status bb_animate_runner_create(bb_animate *a, const char *builder, bb_animat
                                       &runner->makers[k]));
     bb_status status =
         bb_instance_create(a->device, builder, a->scene, request->seed, &runner->instance);
-    if (status != BB_UNSUPPORTED && status != BB_REFUSED)
+    if (status == BB_INVALID)
         return status;
-    snprintf(method->refused, sizeof method->refused, "%s", bb_message());
+    if (status != BB_OK)
+        refuse(method, status, "");
     return BB_OK;
 }
 
@@ -60,8 +90,7 @@ static bb_rounds *phase_of(bb_animate_frame *frame, const char *label, const cha
     if (frame->phase_count == BB_PHASES_MAX)
         return NULL;
     bb_rounds *rounds = &frame->phase_ms[frame->phase_count];
-    for (uint32_t r = 0; r < BB_ANIMATE_ROUNDS_MAX; r++)
-        (*rounds)[r] = NAN;
+    forget(rounds);
     memcpy(frame->phases[frame->phase_count++], text, sizeof text);
     return rounds;
 }
@@ -134,15 +163,20 @@ static bb_status look_at_tree(bb_animate *a, bb_animate_runner *runner, uint32_t
 
 /* ---- traces ---- */
 
-static bb_status get_tracer(bb_animate *a, bb_animate_runner *runner, uint32_t k, uint32_t set,
-                            const bb_rays *rays, bool *fresh)
+static bb_tracer_request tracer_of(const bb_animate *a, uint32_t k, const bb_rays *rays)
 {
-    const bb_tracer_request request = {
+    return (bb_tracer_request){
         .kernel = a->kernels[k],
         .spec = &a->kernel_specs[k],
         .intersector = &a->intersector,
         .query = rays->query,
     };
+}
+
+static bb_status get_tracer(bb_animate *a, bb_animate_runner *runner, uint32_t k, uint32_t set,
+                            const bb_rays *rays, bool *fresh)
+{
+    const bb_tracer_request request = tracer_of(a, k, rays);
     bb_tracer *before = runner->tracers[k][set];
     BB_TRY(bb_tracer_get(a->device, &request, &runner->layouts[k], &runner->tracers[k][set]));
     *fresh = runner->tracers[k][set] != before;
@@ -159,6 +193,35 @@ static bb_status judge(bb_animate *a, uint32_t set, const bb_rays *rays, bb_anim
     return BB_OK;
 }
 
+/* The rays are on the device. */
+static bb_status count_tests(bb_animate *a, bb_animate_runner *runner, uint32_t k,
+                             const bb_rays *rays, bb_animate_trace *trace)
+{
+    const size_t bytes = rays->count * sizeof(bb_count);
+    bb_tracer_request request = tracer_of(a, k, rays);
+    bb_tracer *tracer = NULL;
+    bb_count *counts = NULL;
+    request.counting = true;
+    BB_TRY(bb_tracer_get(a->device, &request, &runner->layouts[k], &tracer));
+    BB_TRY(bb_buffer_reserve(a->device, NULL, bytes, "counts of tests", &a->d_counts));
+    BB_TRY(bb_host_alloc(NULL, bytes, "counts of tests", &counts));
+    const bb_pass pass = {.query = rays->query,
+                          .tracer = tracer,
+                          .layout = &runner->layouts[k],
+                          .rays = &a->d_rays,
+                          .results = &a->d_answers,
+                          .counts = &a->d_counts};
+    bb_status status = bb_pass_launch(&pass, rays->count);
+    if (status == BB_OK)
+        status = bb_buffer_read(&a->d_counts, 0, bytes, counts);
+    for (uint32_t i = 0; i < rays->count && status == BB_OK; i++) {
+        trace->tests += (uint64_t)counts[i].nodes + counts[i].prims;
+        trace->overflowed += counts[i].overflow;
+    }
+    bb_host_free(counts);
+    return status;
+}
+
 static bb_status trace_set(bb_animate *a, bb_animate_runner *runner, uint32_t index, uint32_t round,
                            uint32_t k, uint32_t set)
 {
@@ -167,7 +230,6 @@ static bb_status trace_set(bb_animate *a, bb_animate_runner *runner, uint32_t in
     bb_stopwatch watch;
     bb_timing timing;
     bool fresh;
-    trace->rays[set][round] = NAN;
     if (rays == NULL)
         return BB_OK;
     BB_TRY(bb_animate_load_rays(a, rays));
@@ -196,7 +258,8 @@ static bb_status trace_set(bb_animate *a, bb_animate_runner *runner, uint32_t in
     uint64_t now = XXH3_64bits(a->results, bytes);
     if (round == 0) {
         *hash = now;
-        return judge(a, set, rays, trace);
+        BB_TRY(judge(a, set, rays, trace));
+        return a->request->counting ? count_tests(a, runner, k, rays, trace) : BB_OK;
     }
     if (now != *hash)
         return bb_fail(BB_FAILED, "%s with %s: other answers than the first time",
@@ -249,9 +312,8 @@ bb_status bb_animate_step(bb_animate *a, bb_animate_runner *runner, uint32_t ind
         method->most_bytes = bytes > method->most_bytes ? bytes : method->most_bytes;
         return BB_OK;
     }
-    /* of this method alone: the others go on */
-    method->failed = status != BB_UNSUPPORTED && status != BB_REFUSED;
-    snprintf(method->refused, sizeof method->refused, "frame %u: %s",
-             a->result->states[index].frame, bb_message());
+    char where[32];
+    snprintf(where, sizeof where, "frame %u: ", a->result->states[index].frame);
+    refuse(method, status, where);
     return BB_OK;
 }

@@ -115,6 +115,26 @@ static void print_faster(const bb_animate_result *result)
     }
 }
 
+/* What the scene is like, which decides over methods more than its size. */
+static void print_motion(const bb_animate_result *result)
+{
+    double moved = 0, by = 0;
+    uint32_t count = 0;
+    for (uint32_t f = 1; f < result->frame_count; f++)
+        if (!isnan(result->states[f].moved)) {
+            moved += result->states[f].moved;
+            by += result->states[f].moved_by;
+            count++;
+        }
+    if (count > 0)
+        printf("  from frame to frame %.3g %% of the primitives move, by %.2g diagonals of the "
+               "scene (means; of ways their median)\n",
+               100 * moved / count, by / count);
+    if (count + 1 < result->frame_count)
+        printf("  in %u frames there are more or fewer primitives than before\n",
+               result->frame_count - 1 - count);
+}
+
 void bb_animate_print(const bb_animate_result *result)
 {
     uint64_t checked = 0, wrong = bb_animate_wrong(result);
@@ -123,6 +143,10 @@ void bb_animate_print(const bb_animate_result *result)
     printf("%s: frames %u to %u, view %s, %s, %u round%s\n", result->scene, result->states[0].frame,
            result->states[result->frame_count - 1].frame, result->view, result->intersector,
            result->rounds, result->rounds == 1 ? "" : "s");
+    if (result->ignored > 0)
+        printf("  ignored of the file: %u (points, lines, channels that move nothing known)\n",
+               result->ignored);
+    print_motion(result);
     print_methods(result);
     print_kernels(result);
     print_winners(result);

@@ -42,8 +42,9 @@ typedef struct bb_animate {
     /* of the frame at hand, in the first round */
     bb_oracle *oracle;
     bb_answers answers[BB_ANIMATE_RAYS_MAX];
-    bb_account account;
-    bb_buffer d_rays, d_answers;
+    bb_box *before; /* boxes of the frame before, in the first round */
+    uint32_t before_count;
+    bb_buffer d_rays, d_answers, d_counts;
     char *results;
     size_t result_bytes;
 } bb_animate;

@@ -1,6 +1,5 @@
 /* What is drawn from frames: means, drift, and who wins. */
 #include "framework/animate/animate.h"
-#include "framework/base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,8 +9,9 @@ double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds
     bb_samples samples = {0};
     bb_samples_add(&samples, 0); /* the first counts for nothing */
     for (uint32_t r = 1; r <= result->rounds; r++)
-        bb_samples_add(&samples, rounds[r]);
-    return result->rounds > 0 ? bb_samples_median(&samples) : NAN;
+        if (!isnan(rounds[r]))
+            bb_samples_add(&samples, rounds[r]);
+    return samples.count > 1 ? bb_samples_median(&samples) : NAN;
 }
 
 uint64_t bb_animate_wrong(const bb_animate_result *result)
@@ -28,16 +28,15 @@ uint64_t bb_animate_wrong(const bb_animate_result *result)
 }
 
 static void add_traces(const bb_animate_result *result, const bb_animate_frame *frame,
-                       bb_animate_sums *sums)
+                       const bb_animate_state *state, bb_animate_sums *sums)
 {
     for (uint32_t k = 0; k < result->kernel_count; k++) {
         const bb_animate_trace *trace = &frame->traces[k];
         sums->layout[k] += bb_animate_median(result, trace->layout);
         sums->in_place[k] += trace->in_place;
-        for (uint32_t i = 0; i < result->ray_count; i++) {
-            double ms = bb_animate_median(result, trace->rays[i]);
-            sums->rays_ms[k][i] += isnan(ms) ? 0 : ms;
-        }
+        for (uint32_t i = 0; i < result->ray_count; i++)
+            if (state->rays[i] > 0)
+                sums->rays_ms[k][i] += bb_animate_median(result, trace->rays[i]);
     }
 }
 
@@ -58,7 +57,7 @@ static void add_cost(const bb_animate_result *result, const bb_animate_frame *fr
 
 bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate_method *method)
 {
-    bb_animate_sums sums = {0};
+    bb_animate_sums sums = {.worst_update = NAN};
     double moments[3] = {0};
     for (uint32_t f = 0; f < method->done; f++)
         for (uint32_t k = 0; k < result->kernel_count; k++) {
@@ -72,14 +71,14 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
         sums.frames++;
         sums.ways[frame->way]++;
         sums.update += update;
-        if (update > sums.worst_update) {
+        if (isnan(sums.worst_update) || update > sums.worst_update) {
             sums.worst_update = update;
             sums.worst_frame = state->frame;
         }
         sums.transfer += bb_animate_median(result, frame->transfer);
         for (uint32_t i = 0; i < result->ray_count; i++)
             sums.rays[i] += state->rays[i];
-        add_traces(result, frame, &sums);
+        add_traces(result, frame, state, &sums);
         add_cost(result, frame, state, f, &sums, moments);
     }
     double n = sums.frames;
@@ -93,6 +92,34 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
     for (uint32_t k = 0; k < result->kernel_count; k++)
         sums.layout[k] /= n;
     return sums;
+}
+
+static double round_ms(const bb_animate_result *result, const bb_animate_frame *frame,
+                       const bb_animate_state *state, uint32_t kernel, uint32_t parts,
+                       uint32_t round)
+{
+    const bb_animate_trace *trace = &frame->traces[kernel];
+    double ms = parts & BB_ANIMATE_UPDATE ? frame->update[round] : 0;
+    ms += parts & BB_ANIMATE_TRANSFER ? frame->transfer[round] : 0;
+    ms += parts & BB_ANIMATE_LAYOUT ? trace->layout[round] : 0;
+    for (uint32_t i = 0; i < result->ray_count && (parts & BB_ANIMATE_TRACE); i++)
+        ms += state->rays[i] > 0 ? trace->rays[i][round] : 0;
+    return ms;
+}
+
+bb_samples bb_animate_samples(const bb_animate_result *result, const bb_animate_method *method,
+                              uint32_t kernel, uint32_t parts)
+{
+    bb_samples samples = {.count = 0};
+    if (method->refused[0] != '\0' || method->done < result->frame_count || method->done < 2)
+        return samples;
+    for (uint32_t round = 0; round <= result->rounds; round++) {
+        double ms = 0;
+        for (uint32_t f = 1; f < method->done; f++)
+            ms += round_ms(result, &method->frames[f], &result->states[f], kernel, parts, round);
+        bb_samples_add(&samples, ms);
+    }
+    return samples;
 }
 
 /* Time of a frame is a + b * count, by a kernel. */

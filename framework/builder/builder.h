@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 9 };
+enum { BB_ABI_VERSION = 10 };
 
 /* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
  * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the
@@ -120,6 +120,9 @@ struct bb_builder {
     /* What a tree made for one frame costs by this builder is what `animate` compares the trees of
      * methods with. Optional: of few. */
     bool yardstick;
+    /* Variants that `stress` tries by default besides those of `compared`, as a list: what shows a
+     * weak spot that the others have not. Optional. */
+    const char *stressed;
     /* For `advise`: variants, as a list, that take no more than the scene needs, and one that is
      * enough for any scene, which tells what they save. Optional. */
     const char *least, *generous;

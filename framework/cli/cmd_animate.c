@@ -15,7 +15,8 @@
 #include <string.h>
 
 static const bb_cli_option options[] = {
-    {"scene", "S", "a scene that moves: `list scenes` shows which have frames", BB_CLI_REPEATED},
+    {"scene", "S", "a scene that moves: `list scenes` shows which have frames; FILE.glb:clip=NAME",
+     BB_CLI_REPEATED},
     {"builder", "B", "the methods; default: what builders name for it, see below", BB_CLI_LIST},
     {"kernel", "K", "default: stack,stack8", BB_CLI_LIST},
     {"rays", "R", "default: primary,diffuse", BB_CLI_LIST},

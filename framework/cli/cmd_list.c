@@ -92,12 +92,26 @@ static bb_status list_intersectors(cJSON *list)
     return BB_OK;
 }
 
+/* A file of the format, by its first ending. */
+static void add_format(cJSON *list, const bb_scene_format *format)
+{
+    char name[64], summary[256];
+    size_t used = (size_t)snprintf(summary, sizeof summary, "a file, %s", format->name);
+    snprintf(name, sizeof name, "FILE%s", format->endings[0]);
+    for (size_t i = 1; format->endings[i] != NULL && used < sizeof summary; i++)
+        used += (size_t)snprintf(summary + used, sizeof summary - used, "%s%s",
+                                 i == 1 ? "; also " : ", ", format->endings[i]);
+    add(list, name, summary, NULL, format->options);
+}
+
 static bb_status list_scenes(cJSON *list)
 {
     for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
         add(list, *name, "shipped with bvhbench", NULL, NULL);
     for (const bb_generator *const *g = bb_generators; *g != NULL; g++)
         add(list, (*g)->name, (*g)->summary, NULL, (*g)->options);
+    for (const bb_scene_format *const *f = bb_scene_formats; *f != NULL; f++)
+        add_format(list, *f);
     return BB_OK;
 }
 

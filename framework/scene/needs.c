@@ -101,6 +101,16 @@ static void need_index(const bb_scene *scene, bb_decisions *needs)
                      scene->prim_count);
 }
 
+/* Nothing above asks for another state than the first. */
+static void need_frames(const bb_scene *scene, bb_decisions *needs)
+{
+    if (scene->frame_count > 1)
+        bb_decide_number(needs, "frames", 1, BB_BY_DEFAULT,
+                         "the first of %u: which method follows the others best, "
+                         "`bvhbench animate` finds out",
+                         scene->frame_count);
+}
+
 void bb_scene_needs(const bb_scene *scene, bb_decisions *needs)
 {
     needs->count = 0;
@@ -108,4 +118,5 @@ void bb_scene_needs(const bb_scene *scene, bb_decisions *needs)
     need_sizes(scene, needs);
     need_kinds(scene, needs);
     need_index(scene, needs);
+    need_frames(scene, needs);
 }

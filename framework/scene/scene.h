@@ -80,7 +80,7 @@ typedef struct bb_scene_device {
     bb_buffer field;
 } bb_scene_device;
 
-/* How a moving scene is brought to another frame: scene_frame.c. */
+/* How a moving scene is brought to another frame: bb_scene_take_motion(). */
 struct bb_scene_motion;
 
 /* The primitives of one kind: numbers first .. first + count - 1 of the scene. */
@@ -111,7 +111,8 @@ typedef struct bb_scene {
     float scale; /* power of two by which layouts multiply lengths: see bb_scene_choose_scale() */
     uint32_t out_of_range; /* primitives too small beside the scene for the kernels' floats */
     uint64_t hash;         /* of the geometry, XXH3 */
-    uint32_t ignored;      /* primitives of the file that are no surface (points, lines), skipped */
+    uint32_t ignored;      /* skipped of the file: primitives that are no surface (points, lines),
+                            * channels of an animation that move nothing that is known */
     uint32_t view_count;
     bb_view views[BB_VIEWS_MAX];
     bb_profile profile;
@@ -156,7 +157,8 @@ typedef struct bb_scene_format {
     const char *name;           /* as records name it */
     const char *const *endings; /* of files, in small letters with the dot; ends with NULL */
     /* Reads the file's primitives into the scene; bb_scene_finish() comes after. `spec` has what
-     * was given of `options`. BB_INVALID for a bad file. */
+     * was given of `options`. Of a file that moves: frame 0, after bb_scene_take_motion().
+     * BB_INVALID for a bad file. */
     bb_status (*load)(const char *path, const bb_spec *spec, bb_scene *scene);
     const bb_option *options; /* that may stand behind a file's name; NULL: none */
 } bb_scene_format;
@@ -202,6 +204,16 @@ enum {
  * no such frame: the scene is unchanged. After any other failure the scene is at no frame until a
  * call succeeds. */
 bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed);
+
+/* Rewrites the vertices, or the data of primitives that have none, to those of `frame`, 0 ..
+ * frame_count - 1, from whichever frame is there; counts may change, within what was reserved. Of
+ * frame 0 bit for bit what was loaded. */
+typedef bb_status (*bb_scene_pose)(void *data, bb_scene *scene, uint32_t frame);
+
+/* For loaders: makes the scene one that moves, in `frame_count` frames, which `pose` makes from
+ * `data`. The scene owns `data` from now on, also after a failure, and gives it to `release`. */
+bb_status bb_scene_take_motion(bb_scene *scene, uint32_t frame_count, bb_scene_pose pose,
+                               void (*release)(void *data), void *data);
 
 /* For loaders and generators: makes the scene that of a volume, which it owns from now on. */
 bb_status bb_scene_take_volume(bb_scene *scene, bb_volume *volume, const bb_transfer *transfer);

@@ -2,17 +2,59 @@
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
 
+/* ---- how a scene moves ---- */
+
+bb_status bb_scene_take_motion(bb_scene *scene, uint32_t frame_count, bb_scene_pose pose,
+                               void (*release)(void *data), void *data)
+{
+    bb_status status =
+        bb_host_alloc(NULL, sizeof *scene->motion, "how the scene moves", &scene->motion);
+    if (status != BB_OK) {
+        release(data);
+        return status;
+    }
+    *scene->motion = (bb_scene_motion){pose, release, data};
+    scene->frame_count = frame_count;
+    return BB_OK;
+}
+
+void bb_scene_free_motion(bb_scene *scene)
+{
+    if (scene->motion != NULL)
+        scene->motion->release(scene->motion->data);
+    bb_host_free(scene->motion);
+}
+
+/* What generated a scene, and of what. */
+typedef struct generated {
+    const bb_generator *generator;
+    bb_spec spec; /* its strings lie in it: it does not move */
+} generated;
+
+static bb_status pose_generated(void *data, bb_scene *scene, uint32_t frame)
+{
+    const generated *g = data;
+    return g->generator->set_frame(&g->spec, g->generator->options, scene, frame);
+}
+
 bb_status bb_scene_remember_motion(const bb_generator *generator, const char *text, bb_scene *scene)
 {
+    generated *g = NULL;
     if (scene->frame_count <= 1)
         return BB_OK;
     if (generator->set_frame == NULL)
         return bb_fail(BB_FAILED, "scene %s claims %u frames, and has no set_frame()",
                        generator->name, scene->frame_count);
-    BB_TRY(bb_host_alloc(NULL, sizeof *scene->motion, "how the scene moves", &scene->motion));
-    scene->motion->generator = generator;
-    return bb_spec_parse(text, &scene->motion->spec);
+    BB_TRY(bb_host_alloc(NULL, sizeof *g, "how the scene moves", &g));
+    g->generator = generator;
+    bb_status status = bb_spec_parse(text, &g->spec);
+    if (status == BB_OK)
+        return bb_scene_take_motion(scene, scene->frame_count, pose_generated, bb_host_free, g);
+    bb_host_free(g);
+    return status;
 }
+
+/* ---- frames ---- */
 
 static bb_status check_frame(const bb_scene *scene, uint32_t frame)
 {
@@ -25,7 +67,7 @@ static bb_status check_frame(const bb_scene *scene, uint32_t frame)
                    scene->frame_count - 1);
 }
 
-/* What the generator says that there is now. */
+/* What is said to be there now. */
 static bb_status take_counts(bb_scene *scene)
 {
     bool fits = scene->vertex_count <= scene->vertex_room;
@@ -46,13 +88,11 @@ bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed)
     BB_TRY(check_frame(scene, frame));
     if (frame == scene->frame)
         return BB_OK;
-    const bb_scene_motion *motion = scene->motion;
-    const bb_generator *generator = motion->generator;
     uint64_t before = scene->hash;
     uint32_t prims = scene->prim_count, vertices = scene->vertex_count;
     bool known = scene->frame != BB_NONE;
     scene->frame = BB_NONE;
-    BB_TRY(generator->set_frame(&motion->spec, generator->options, scene, frame));
+    BB_TRY(scene->motion->pose(scene->motion->data, scene, frame));
     BB_TRY(take_counts(scene));
     BB_TRY(bb_scene_finish_frame(scene));
     if (!known || scene->hash != before) {

@@ -1,5 +1,6 @@
 /* A scene's memory on the host. */
 #include "framework/scene/prim.h"
+#include "framework/scene/scene_private.h"
 #include "framework/scene/tets.h"
 
 #include <stdio.h>
@@ -90,7 +91,7 @@ void bb_scene_free(bb_scene *scene)
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         bb_host_free(scene->prims[kind].data);
     bb_host_free(scene->boxes);
-    bb_host_free(scene->motion);
+    bb_scene_free_motion(scene);
     bb_host_free(scene->bricks);
     bb_volume_free(scene->volume);
     bb_tets_free(scene->tets);

@@ -4,10 +4,11 @@
 
 #include "framework/scene/scene.h"
 
-/* What generated it, and of what. */
+/* As bb_scene_take_motion() was given it. */
 typedef struct bb_scene_motion {
-    const bb_generator *generator;
-    bb_spec spec; /* its strings lie in it: it does not move */
+    bb_scene_pose pose;
+    void (*release)(void *data);
+    void *data;
 } bb_scene_motion;
 
 /* The part of bb_scene_finish() that follows from positions, in memory that is there: -0, boxes,
@@ -18,6 +19,9 @@ bb_status bb_scene_finish_frame(bb_scene *scene);
  * stays still. BB_FAILED if the generator claims frames that it cannot make. */
 bb_status bb_scene_remember_motion(const bb_generator *generator, const char *text,
                                    bb_scene *scene);
+
+/* Releases what the scene's motion owns. */
+void bb_scene_free_motion(bb_scene *scene);
 
 /* As bb_scene_derive_views(), but behind the views that there are. */
 void bb_scene_add_derived_views(bb_scene *scene);

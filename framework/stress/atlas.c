@@ -250,6 +250,7 @@ static bool put_axis(cJSON *list, const bb_stress *s, const bb_stress_axis *a)
         bb_put_text(entry, "builder", axis->builder) &&
         bb_put_text(entry, "kernel", axis->kernel) && bb_put_number(entry, "from", axis->from) &&
         bb_put_number(entry, "to", axis->to) && bb_put_number(entry, "n", (double)a->n) &&
+        bb_put_number(entry, "frames", axis->frames) &&
         bb_put_text(entry, "steps", steps[axis->steps]) &&
         bb_put_text(entry, "picture", a->picture) &&
         bb_put_number(entry, "picture_at", a->picture_at) &&

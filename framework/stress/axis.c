@@ -1,5 +1,6 @@
 #include "framework/stress/axis.h"
 
+#include "framework/animate/animate.h"
 #include "framework/base/file.h"
 #include "framework/base/steering.h"
 
@@ -99,13 +100,14 @@ static bb_status read_range(reader *r, bb_axis *axis)
 {
     static const char *const words[] = {"log", "linear", "whole", "count"};
     char steps[16];
-    double intervals, n, quick_n;
+    double intervals, n, quick_n, frames;
     BB_TRY(read_number(r, "from", NAN, -1e300, 1e300, &axis->from));
     BB_TRY(read_number(r, "to", NAN, -1e300, 1e300, &axis->to));
     BB_TRY(read_text(r, "steps", "log", steps, sizeof steps));
     BB_TRY(read_number(r, "intervals", 4, 1, BB_AXIS_POINTS_MAX - 5, &intervals));
     BB_TRY(read_number(r, "n", 20000, 1, 1e9, &n));
     BB_TRY(read_number(r, "quick_n", n < 4000 ? n : 4000, 1, 1e9, &quick_n));
+    BB_TRY(read_number(r, "frames", 0, 0, BB_AXIS_FRAMES_MAX, &frames));
     BB_TRY(read_also(r, axis));
     uint32_t word = 0;
     while (word < 4 && strcmp(steps, words[word]) != 0)
@@ -117,6 +119,14 @@ static bb_status read_range(reader *r, bb_axis *axis)
     axis->intervals = (uint32_t)intervals;
     axis->n = (uint64_t)n;
     axis->quick_n = (uint64_t)quick_n;
+    axis->frames = (uint32_t)frames;
+    if (frames == 1 || frames != axis->frames)
+        return bb_fail(BB_INVALID,
+                       "axis %s: \"frames\" must be a whole number from 2 on, or 0 for none",
+                       r->name);
+    if (axis->frames > 0 && axis->ray_count > BB_ANIMATE_RAYS_MAX)
+        return bb_fail(BB_INVALID, "axis %s: \"rays\" of one with \"frames\" are at most %d",
+                       r->name, BB_ANIMATE_RAYS_MAX);
     if (axis->from == axis->to)
         return bb_fail(BB_INVALID, "axis %s: \"from\" and \"to\" must differ", r->name);
     if (!by_differences(axis) && !(axis->from > 0 && axis->to > 0))

@@ -11,7 +11,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { BB_AXIS_TEXT = 512, BB_AXIS_RAYS_MAX = 8, BB_AXIS_POINTS_MAX = 24 };
+enum {
+    BB_AXIS_TEXT = 512,
+    BB_AXIS_RAYS_MAX = 8,
+    BB_AXIS_POINTS_MAX = 24,
+    BB_AXIS_FRAMES_MAX = 64,
+};
 
 typedef enum bb_axis_steps {
     BB_STEPS_LOG,    /* equal ratios */
@@ -37,6 +42,7 @@ typedef struct bb_axis {
     double also[4];     /* values behind `to`, such as 0, that no bisection leads to */
     uint32_t also_count;
     uint64_t n, quick_n; /* what {n} stands for */
+    uint32_t frames;     /* of the scene that are gone through; 0: it is measured as it stands */
     char *text;          /* of the file, from malloc */
 } bb_axis;
 

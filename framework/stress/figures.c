@@ -23,7 +23,8 @@ bb_figures bb_no_figures(bb_outcome outcome)
                         .wrong = NAN,
                         .checked = NAN,
                         .unlike = NAN,
-                        .overflowed = NAN};
+                        .overflowed = NAN,
+                        .rebuilt = NAN};
 }
 
 const bb_manner_about bb_manners[BB_MANNERS] = {
@@ -34,11 +35,18 @@ const bb_manner_about bb_manners[BB_MANNERS] = {
     [BB_MANNER_WRONG] = {"wrong", "wrong answers", false, false},
     [BB_MANNER_OVERFLOWED] = {"overflowed", "stack overflow caught", false, false},
     [BB_MANNER_REFUSED] = {"refused", "refused", false, false},
+    [BB_MANNER_REBUILT] = {"rebuilt", "no update: built again", true, false},
     [BB_MANNER_BIGGER] = {"bigger", "twice the memory", true, false},
     [BB_MANNER_MORE_TESTS] = {"more-tests", "twice the tests per ray", true, false},
     [BB_MANNER_SLOW_TRACE] = {"slow-trace", "half the trace speed", true, true},
     [BB_MANNER_SLOW_BUILD] = {"slow-build", "half the build speed", true, true},
 };
+
+/* NAN where nothing is normal. */
+static double over(double here, double normal)
+{
+    return normal > 0 ? here / normal : (double)NAN;
+}
 
 double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figures *here)
 {
@@ -46,15 +54,18 @@ double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figu
         return NAN;
     const bool same_rays = normal->ray_sets == here->ray_sets;
     switch (manner) {
+    case BB_MANNER_REBUILT:
+        return normal->rebuilt == 0 ? (here->rebuilt > 0 ? INFINITY : 1)
+                                    : over(here->rebuilt, normal->rebuilt);
     case BB_MANNER_BIGGER:
-        return here->bytes / here->prims / (normal->bytes / normal->prims);
+        return over(here->bytes / here->prims, normal->bytes / normal->prims);
     case BB_MANNER_MORE_TESTS:
-        return same_rays ? here->tests / normal->tests : (double)NAN;
+        return same_rays ? over(here->tests, normal->tests) : (double)NAN;
     case BB_MANNER_SLOW_TRACE:
-        return same_rays ? here->trace_ms / here->rays / (normal->trace_ms / normal->rays)
+        return same_rays ? over(here->trace_ms / here->rays, normal->trace_ms / normal->rays)
                          : (double)NAN;
     case BB_MANNER_SLOW_BUILD:
-        return here->build_ms / here->prims / (normal->build_ms / normal->prims);
+        return over(here->build_ms / here->prims, normal->build_ms / normal->prims);
     default:
         return NAN;
     }

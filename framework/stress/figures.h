@@ -35,6 +35,7 @@ typedef struct bb_figures {
     double wrong, checked; /* answers */
     double unlike;         /* answers unlike those of another cell that must be as exact */
     double overflowed;     /* counted rays that needed more stack than there is */
+    double rebuilt;        /* of moving scenes: share of frames in which the tree was built again */
 } bb_figures;
 
 /* Manners of failing. Those that are told by a comparison take the method's own figures where all
@@ -47,6 +48,7 @@ typedef enum bb_manner {
     BB_MANNER_WRONG,
     BB_MANNER_OVERFLOWED,
     BB_MANNER_REFUSED,
+    BB_MANNER_REBUILT,    /* its update gives up, more than twice as often */
     BB_MANNER_BIGGER,     /* more than twice the bytes per primitive */
     BB_MANNER_MORE_TESTS, /* more than twice the tests per ray */
     BB_MANNER_SLOW_TRACE, /* more than twice the time per ray */
@@ -70,7 +72,7 @@ extern const bb_manner_about bb_manners[BB_MANNERS];
 bb_figures bb_no_figures(bb_outcome outcome);
 
 /* How many times the normal figure this one is, of a manner that compares; NAN if either was not
- * measured, or not of the same ray sets. */
+ * measured, or not of the same ray sets. Infinite for a tree that is normally never built again. */
 double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figures *here);
 
 /* Whether it fails in that manner. */

@@ -170,7 +170,7 @@ int bb_point_child(void *user)
     bb_status status = p->open_device(p->user, &device);
     for (uint32_t i = 0; i < work->count && status == BB_OK; i++) {
         bb_child_alive();
-        bb_point_bench(p, device, &work->wishes[i]);
+        (p->axis->frames > 0 ? bb_point_frames : bb_point_bench)(p, device, &work->wishes[i]);
     }
     if (status == BB_OK)
         status = bb_point_write(work, device);

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void end_as(bb_figures *f, bb_outcome outcome, const char *reason)
+void bb_point_end(bb_figures *f, bb_outcome outcome, const char *reason)
 {
     f->outcome = outcome;
     snprintf(f->reason, sizeof f->reason, "%s", reason);
@@ -75,12 +75,12 @@ static void read_build(const bb_results *results, const char *builder, bb_figure
             found = build;
     }
     if (found == NULL) {
-        end_as(f, BB_OUT_FAILED, "there is no record of its build");
+        bb_point_end(f, BB_OUT_FAILED, "there is no record of its build");
         return;
     }
     if (!bb_is_ok(found)) {
-        end_as(f, outcome_of(bb_get_text(found, BB_F_BUILD_STATUS)),
-               bb_get_text(found, BB_F_BUILD_REASON));
+        bb_point_end(f, outcome_of(bb_get_text(found, BB_F_BUILD_STATUS)),
+                     bb_get_text(found, BB_F_BUILD_REASON));
         return;
     }
     f->outcome = BB_MEASURED;
@@ -128,10 +128,10 @@ static void read_traces(const bb_results *results, const bb_point_request *reque
             sets |= 1u << set_of(request, trace);
         }
         if (traces++ == 0 || weight_of(outcome) > weight_of(f->outcome))
-            end_as(f, outcome, bb_is_ok(trace) ? "" : bb_get_text(trace, BB_F_TRACE_REASON));
+            bb_point_end(f, outcome, bb_is_ok(trace) ? "" : bb_get_text(trace, BB_F_TRACE_REASON));
     }
     if (traces == 0)
-        end_as(f, BB_OUT_FAILED, "none of the rays could be made for this scene");
+        bb_point_end(f, BB_OUT_FAILED, "none of the rays could be made for this scene");
     f->ray_sets = sets;
     f->tests = tests > 0 ? tests / f->rays : NAN;
 }
@@ -176,7 +176,7 @@ void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish)
         bb_figures *f = &wish->figures[m];
         *f = bb_no_figures(BB_NOT_MEASURED);
         if (wish->wanted[m] && status != BB_OK) {
-            end_as(f, whole, reason);
+            bb_point_end(f, whole, reason);
         } else if (wish->wanted[m]) {
             f->prims = bb_get_number(scene, BB_F_SCENE_PRIMS);
             read_method(results, &request, m, f);

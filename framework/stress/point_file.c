@@ -23,6 +23,7 @@ static const struct {
     {"metric", offsetof(bb_figures, metric)},     {"bytes", offsetof(bb_figures, bytes)},
     {"wrong", offsetof(bb_figures, wrong)},       {"checked", offsetof(bb_figures, checked)},
     {"unlike", offsetof(bb_figures, unlike)},     {"overflowed", offsetof(bb_figures, overflowed)},
+    {"rebuilt", offsetof(bb_figures, rebuilt)},
 };
 
 enum { NUMBERS = sizeof numbers / sizeof numbers[0] };

@@ -37,6 +37,12 @@ bb_status bb_point_request_make(const bb_points *points, double x, const bool *w
 /* Measures a wish on an open device. Never fails as a whole: what goes wrong is an outcome. */
 void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish);
 
+/* The same of an axis with frames: all methods go through them (framework/animate). */
+void bb_point_frames(const bb_points *points, bb_device *device, bb_wish *wish);
+
+/* What went wrong, as a verdict on one method. */
+void bb_point_end(bb_figures *figures, bb_outcome outcome, const char *reason);
+
 /* The file: one object with the figures of each wish and method; `device` may be NULL. */
 bb_status bb_point_write(const bb_point_work *work, const bb_device *device);
 /* Fills the wishes. BB_INVALID if it is no file that bb_point_write() has written for these. */

@@ -235,7 +235,7 @@ static bool can_tell(const state *st, uint32_t method, bb_manner manner, double 
     const bb_figures *here = bb_search_figures(s, x, method);
     const bb_figures *normal = bb_search_figures(s, s->axis->from, method);
     return !bb_manners[manner].relative ||
-           (here != NULL && normal != NULL && isfinite(bb_manner_ratio(manner, normal, here)));
+           (here != NULL && normal != NULL && !isnan(bb_manner_ratio(manner, normal, here)));
 }
 
 /* What all values say so far, also those that were measured for other thresholds. */

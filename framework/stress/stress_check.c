@@ -11,19 +11,30 @@
 
 /* In a child: where all is to be normal, there must be a scene. What it dies of is for the atlas to
  * tell. */
+typedef struct first_scene {
+    const char *name;
+    uint32_t frames; /* of the axis */
+} first_scene;
+
 static int load_scene(void *user)
 {
+    const first_scene *first = user;
     bb_scene *scene = NULL;
-    if (bb_scene_load(user, &scene) == BB_OK)
+    bb_status status = bb_scene_load(first->name, &scene);
+    if (status == BB_OK && scene->frame_count < first->frames)
+        status = bb_fail(BB_INVALID, "%s has %u frames, not the %u of the axis", scene->name,
+                         scene->frame_count, first->frames);
+    if (status == BB_OK)
         return 0;
     fprintf(stderr, "%s\n", bb_message());
     return 1;
 }
 
-static bb_status check_scene(const bb_stress_request *request, char *scene)
+static bb_status check_scene(const bb_stress_request *request, const char *scene, uint32_t frames)
 {
     bb_child_report report;
-    BB_TRY(bb_child_run(load_scene, scene, &request->limits, &report));
+    first_scene first = {scene, frames};
+    BB_TRY(bb_child_run(load_scene, &first, &request->limits, &report));
     return report.end == BB_CHILD_GAVE_UP ? bb_fail(BB_INVALID, "%s", report.said) : BB_OK;
 }
 
@@ -39,7 +50,7 @@ static bb_status check_axis(const bb_stress_request *request, const bb_axis *axi
     if (status == BB_OK)
         status = bb_bench_check(&asked.bench);
     if (status == BB_OK)
-        status = check_scene(request, asked.scene);
+        status = check_scene(request, asked.scene, axis->frames);
     snprintf(reason, sizeof reason, "%s", bb_message());
     return status == BB_OK ? BB_OK : bb_fail(status, "axis %s: %s", axis->name, reason);
 }

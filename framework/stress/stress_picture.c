@@ -12,6 +12,7 @@ enum { PICTURE_SIDE = 256 };
 
 typedef struct picture {
     char scene[2 * BB_AXIS_TEXT], path[1200];
+    uint32_t frames; /* of the axis: its last is shown */
 } picture;
 
 static int make_picture(void *user)
@@ -20,6 +21,9 @@ static int make_picture(void *user)
     bb_scene *scene = NULL;
     bb_oracle *oracle = NULL;
     bb_status status = bb_scene_load(p->scene, &scene);
+    if (status == BB_OK && p->frames > 0)
+        status = bb_scene_set_frame(
+            scene, (p->frames < scene->frame_count ? p->frames : scene->frame_count) - 1, NULL);
     if (status == BB_OK)
         status = bb_oracle_create(scene, 1, &oracle);
     if (status == BB_OK)
@@ -59,6 +63,7 @@ bb_status bb_stress_picture(const bb_stress_request *request, bb_stress_axis *ax
     if (isnan(axis->picture_at) || !request->pictures || bb_interrupted())
         return BB_OK;
     BB_TRY(bb_axis_fill(axis->axis.scene, axis->picture_at, axis->n, p.scene, sizeof p.scene));
+    p.frames = axis->axis.frames;
     snprintf(axis->picture, sizeof axis->picture, "stress-%s.png", axis->axis.name);
     snprintf(p.path, sizeof p.path, "%s/%s", request->folder, axis->picture);
     BB_TRY(bb_child_run(make_picture, &p, &request->limits, &report));

@@ -23,7 +23,7 @@ function firstOf(axis, method, manner) {
   return found.sort((a, b) => order(a) - order(b))[0];
 }
 
-const short = { crashed: 'crash', hung: 'hang', memory: 'memory', failed: 'fails', wrong: 'wrong', overflowed: 'stack', refused: 'refused',
+const short = { crashed: 'crash', hung: 'hang', memory: 'memory', failed: 'fails', wrong: 'wrong', overflowed: 'stack', refused: 'refused', rebuilt: 'rebuilt',
                 bigger: 'bigger', 'more-tests': 'tests', 'slow-trace': 'trace', 'slow-build': 'build' };
 const kindOf = manner => ['crashed', 'hung', 'memory', 'failed'].includes(manner) ? 'crash' : manner;
 

@@ -10,12 +10,12 @@
 
 static const bb_option options[] = {
     {"above", "100", NULL, "primitives from which on all goes wrong"},
-    {"how", "right", "right|crash|exit|exit0|term|late|hang|flood|wrong|refuse|fail|slow|big",
+    {"how", "right", "right|crash|exit|exit0|term|late|tire|hang|flood|wrong|refuse|fail|slow|big",
      "what goes wrong"},
     {.name = NULL},
 };
 
-static unsigned builds; /* late: in this process */
+static unsigned builds; /* late, tire: in this process */
 
 typedef struct wreck {
     const bb_builder_context *context;
@@ -61,6 +61,8 @@ static bb_status go_wrong(wreck *self, const char *how, bb_tree *tree)
         kill(getpid(), SIGTERM);
     if (strcmp(how, "late") == 0 && ++builds > 5)
         abort();
+    if (strcmp(how, "tire") == 0 && ++builds > 5)
+        return bb_fail(BB_FAILED, "wreck: it is tired, as told");
     if (strcmp(how, "flood") == 0)
         flood();
     while (strcmp(how, "hang") == 0)

@@ -1,0 +1,48 @@
+/* Skins: vertices that follow several joints, blended linearly. */
+#ifndef BB_GLTF_SKIN_HPP
+#define BB_GLTF_SKIN_HPP
+
+#include "scenes/gltf_accessors.hpp"
+#include "scenes/gltf_nodes.hpp"
+
+namespace bb_gltf
+{
+/* A skin with its matrices. */
+struct Joints {
+    std::vector<int> nodes;
+    std::vector<Transform> inverse_bind; /* from the mesh to the joint, as they were bound */
+};
+
+/* Fails on a skin without joints or with joints that are in no scene, and on matrices that are too
+ * few, not finite, or no affine transforms. */
+Joints read_joints(const char *path, int skin, const Document &document, const Accessors &accessors,
+                   const Placement &placement);
+
+/* From the mesh to the scene, by each joint where it is now. */
+std::vector<Transform> place_joints(const Joints &joints, const Placement &placement);
+
+/* The joints that vertices follow, of which those of weight 0 are left out; the weights of a vertex
+ * have the sum 1. Of vertex i, list[ends[i - 1] .. ends[i] - 1]. */
+struct Influences {
+    struct One {
+        double weight;
+        uint32_t joint;
+    };
+    std::vector<uint64_t> ends;
+    std::vector<One> list;
+};
+
+/* Bytes that reading influences takes at most. */
+uint64_t bytes_of_influences(const Deformers &deformers, uint64_t vertices);
+
+/* Fails on joints that the skin has not and weights below zero. */
+Influences read_influences(const char *path, const std::string &what, const Accessors &accessors,
+                           const Deformers &deformers, uint64_t vertices, size_t joints);
+
+/* Moves `points`, x y z of each vertex, from the mesh to the scene. Vertices that follow no joint
+ * stay where they are. */
+void skin_points(const Influences &influences, const std::vector<Transform> &joints,
+                 std::vector<double> &points);
+} // namespace bb_gltf
+
+#endif
