@@ -8,11 +8,6 @@
 #include "builders/common/codes.h"
 #include "builders/common/pair_tree.h"
 
-#pragma GCC visibility push(default) /* what a plug-in may call */
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { BB_PLOC_RADIUS_MAX = 127 };
 
 /* Clusters on the device: six planes of `stride` floats, and a uint4 for each cluster. */
@@ -48,10 +43,5 @@ bb_status bb_ploc_sort(bb_ploc *ploc, const bb_scene *scene, bb_phases *phases);
 
 /* Phase "order": the tree, of the pairs. Ends the phases. */
 bb_status bb_ploc_finish(bb_ploc *ploc, const bb_scene *scene, bb_tree *tree, bb_phases *phases);
-
-#ifdef __cplusplus
-}
-#endif
-#pragma GCC visibility pop
 
 #endif
