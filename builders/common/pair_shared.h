@@ -1,0 +1,32 @@
+/* A binary tree as agglomerative builders leave it, shared by host and device: pair_tree.h. */
+#ifndef BB_PAIR_SHARED_H
+#define BB_PAIR_SHARED_H
+
+#ifdef __OPENCL_VERSION__
+#include "bb_shared.h"
+#else
+#include "kernels/bb_shared.h"
+#endif
+
+/* A cluster: its box, what is in it, and its number of primitives. */
+typedef struct bb_pair_side {
+    float lo[3];
+    bb_u32 link; /* BB_LEAF_BIT | primitive, or the pair of clusters that it was made of */
+    float hi[3];
+    bb_u32 count;
+} bb_pair_side;
+
+/* Two clusters that became one. */
+typedef struct bb_cluster_pair {
+    bb_pair_side side[2];
+} bb_cluster_pair;
+
+/* A cluster whose node has a place, but no children yet. */
+typedef struct bb_pair_task {
+    bb_u32 link;      /* of its pair */
+    bb_u32 place;     /* of its node */
+    bb_u32 base, end; /* its primitives among the tree's references */
+    bb_u32 depth;
+} bb_pair_task;
+
+#endif

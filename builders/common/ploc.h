@@ -1,0 +1,47 @@
+/* What PLOC and H-PLOC share on the host: primitives in the order of their codes, room for lists of
+ * clusters, and pairs that become a tree. Their merge step on the device is ploc_cluster.clh, with
+ * ploc_list.clh for CPUs and ploc_group.clh for GPUs.
+ */
+#ifndef BB_PLOC_H
+#define BB_PLOC_H
+
+#include "builders/common/codes.h"
+#include "builders/common/pair_tree.h"
+
+enum { BB_PLOC_RADIUS_MAX = 127 };
+
+/* Clusters on the device: six planes of `stride` floats, and a uint4 for each cluster. */
+typedef struct bb_ploc_list {
+    bb_buffer planes;
+    bb_buffer tags;
+} bb_ploc_list;
+
+typedef struct bb_ploc {
+    bb_device *device;
+    bb_account *account;
+    uint32_t radius;
+    bb_primitives *primitives;
+    bb_codes *codes;
+    bb_pair_tree *pairs;
+    bb_buffer keys;
+    bb_buffer values; /* primitives, in order */
+    bb_ploc_list lists[2];
+    uint32_t stride;
+} bb_ploc;
+
+/* For a builder with BB_CODE_OPTIONS and an option `radius`; `ploc` is zeroed. To be released even
+ * after a failure. */
+bb_status bb_ploc_create(const bb_builder_context *context, bb_ploc *ploc);
+void bb_ploc_release(bb_ploc *ploc);
+
+/* Settles the code, and reserves everything for `lists` lists of as many clusters as the scene has
+ * primitives. */
+bb_status bb_ploc_prepare(bb_ploc *ploc, const bb_scene *scene, uint32_t lists, bb_tree *tree);
+
+/* Phases "bounds", "codes" and "sort": fills keys and values. Waits once. */
+bb_status bb_ploc_sort(bb_ploc *ploc, const bb_scene *scene, bb_phases *phases);
+
+/* Phase "order": the tree, of the pairs. Ends the phases. */
+bb_status bb_ploc_finish(bb_ploc *ploc, const bb_scene *scene, bb_tree *tree, bb_phases *phases);
+
+#endif

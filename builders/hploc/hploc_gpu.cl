@@ -1,0 +1,121 @@
+/* H-PLOC for GPUs: hploc.cl says what it does, and gives the same pairs.
+ *
+ *   for each split of the radix tree: the range of its node; how many of its children hold more
+ *   than T primitives; nodes that hold more, but no such children, are level 1      (hploc_ranges)
+ *   for each level: one work-group per node puts the clusters of both children together, and lets
+ *   at most T remain; the last child to come puts the parent on the next level's list
+ *                                                                                    (hploc_level)
+ *
+ * One launch per level, so that no fence between work-groups is needed. Clusters of node [l, r] are
+ * at l, l + 1, ...; live[l] says how many.
+ *
+ *   BB_RADIUS, BB_GOAL, BB_KEY64   as in hploc.cl
+ *   BB_GROUP                       size of a work-group, at least 2 BB_GOAL
+ */
+#define BB_CLUSTER_SPACE local
+#define BB_CLUSTER_FENCE CLK_LOCAL_MEM_FENCE
+#define BB_FEW BB_HPLOC_FEW
+#include "ploc_group.clh"
+#include "handover.clh"
+#include "radix_keys.clh"
+
+kernel void hploc_leaves(global const bb_box *boxes, global const uint *values, uint count,
+                         global bb_pair_side *clusters, global uint *heads,
+                         global bb_pair_side *root)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    bb_cluster c = ploc_leaf(boxes, values[i], i);
+    ploc_write_side(&clusters[i], c);
+    heads[i] = i;
+    if (count == 1u)
+        ploc_write_side(root, c);
+}
+
+/* Whether keys i < j share more than `same` bits. */
+bool share_more(global const bb_key *keys, uint i, uint j, uint same)
+{
+    return common_of(keys, i, j) > same;
+}
+
+/* The range of the node below the split between keys s and s + 1. */
+uint2 range_of(global const bb_key *keys, uint count, uint s)
+{
+    uint same = common_of(keys, s, s + 1u), reach = 1, l = s, r = s + 1u;
+    while (reach <= s && share_more(keys, s - reach, s, same))
+        reach *= 2u;
+    for (uint step = reach; step > 0; step /= 2u)
+        if (step <= l && share_more(keys, l - step, s, same))
+            l -= step;
+    reach = 1;
+    while (reach < count - s - 1u && share_more(keys, s + 1u, s + 1u + reach, same))
+        reach *= 2u;
+    for (uint step = reach; step > 0; step /= 2u)
+        if (step < count - r && share_more(keys, s + 1u, r + step, same))
+            r += step;
+    return (uint2)(l, r);
+}
+
+kernel void hploc_ranges(global const bb_key *keys, uint count, global uint2 *ranges,
+                         global uint *missing, volatile global uint *counts, global uint *list)
+{
+    uint s = get_global_id(0);
+    if (s + 1u >= count)
+        return;
+    uint2 range = range_of(keys, count, s);
+    ranges[s] = range;
+    uint large = (s - range.x >= BB_GOAL ? 1u : 0u) + (range.y - s > BB_GOAL ? 1u : 0u);
+    missing[s] = large;
+    bool whole = range.y - range.x + 1u == count;
+    if (large == 0 && (range.y - range.x >= BB_GOAL || whole))
+        bb_put_on_list(s, 0, counts, list);
+}
+
+void load(global const bb_pair_side *clusters, global const uint *heads, uint from,
+          bb_clusters list, uint at)
+{
+    global const uint *words = (global const uint *)(clusters + from);
+    uint4 lo = vload4(0, words), hi = vload4(1, words);
+    bb_cluster c = {as_float3(lo.xyz), as_float3(hi.xyz), (uint4)(lo.w, hi.w, heads[from], 0u)};
+    ploc_write(list, at, c);
+}
+
+kernel void hploc_level(global const bb_key *keys, uint count, global bb_pair_side *clusters,
+                        global uint *heads, global uint *live, global const uint2 *ranges,
+                        volatile global uint *missing, global bb_cluster_pair *pairs,
+                        global bb_pair_side *root, uint number, volatile global uint *counts,
+                        global const uint *splits, global uint *next)
+{
+    local float planes[6 * BB_GROUP];
+    local uint4 tags[BB_GROUP];
+    local int partners[BB_GROUP];
+    local uint sums[BB_GROUP];
+    bb_clusters list = {planes, tags, BB_GROUP};
+    uint i = get_local_id(0), listed = counts[number], rounds = 0;
+    for (uint at = get_group_id(0); at < listed; at += get_num_groups(0)) {
+        uint s = splits[at];
+        uint l = ranges[s].x, r = ranges[s].y;
+        uint left = s - l + 1u, right = r - s;
+        left = left > BB_GOAL ? live[l] : left;
+        right = right > BB_GOAL ? live[s + 1u] : right;
+        bool whole = r - l + 1u == count;
+        if (i < left + right)
+            load(clusters, heads, i < left ? l + i : s + 1u + i - left, list, i);
+        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+        uint stay = ploc_group(list, left + right, whole ? 1u : BB_GOAL, BB_PLOC_EXACT, pairs,
+                               partners, sums, &rounds);
+        if (i < stay) {
+            bb_cluster c = ploc_read(list, i);
+            ploc_write_side(whole ? root : &clusters[l + i], c);
+            heads[l + i] = c.tag.z;
+        }
+        if (i == 0 && !whole) {
+            live[l] = stay;
+            uint parent = level_of(keys, count, r) < level_of(keys, count, l - 1u) ? r : l - 1u;
+            if (atomic_dec(&missing[parent]) == 1u)
+                bb_put_on_list(parent, number, counts, next);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    }
+}
