@@ -9,10 +9,10 @@
  *     way for up to n of those below it
  *   level by level from the root: open the pair by its plan, mark it; those of its children that
  *   are pairs are the next
- *     level                                                (wide_open)
+ *     level; keep the sides of pairs that it takes in, in place of its plan       (wide_open)
  *   index = exclusive scan of the marks                    (framework/device/primitives.h): nodes
  *   keep the order of the tree in memory
- *   for each marked pair: open it again; write the node    (wide_nodes)
+ *   for each marked pair: write the node of its sides      (wide_nodes)
  *   first[i] = exclusive scan of the blocks that the leaf at reference i needs     (wide_count)
  *   for each leaf: write its blocks                        (wide_blocks)
  *
@@ -28,21 +28,10 @@
 #include "prims.clh"
 #include "wide_boxes.clh"
 
-typedef struct bb_opened {
-    bb_wide_boxes boxes;
-    uint links[BB_WIDTH]; /* to pairs and references */
-    uint sides[BB_WIDTH]; /* whose boxes they are: 2 * pair + side; BB_NONE: no child */
-    uint count;
-} bb_opened;
+#define OPEN_LATER 64
 
-/* The places of an opened node that have no child yet. */
-void opened_empty(bb_opened *out)
-{
-    bb_wide_clear(&out->boxes);
-    for (uint c = 0; c < BB_WIDTH; c++)
-        out->links[c] = out->sides[c] = BB_NONE;
-    out->count = 0;
-}
+/* Words from one pair's opened sides to the next's. */
+#define OPENED_WORDS (sizeof(bb_wide_plan) / sizeof(uint))
 
 /* ---- which pairs become nodes ---- */
 
@@ -151,62 +140,130 @@ kernel void plan_level(global const bb_pair *pairs, uint root, global const uint
     }
 }
 
-/* The children of the wide node that pair `root` becomes. */
-void opened_of(global const bb_pair *pairs, global const bb_wide_plan *plans, uint root,
-               bb_opened *out)
+/* What the wide node that pair `root` becomes takes in: sides of pairs, 2 * pair + side, one per
+ * child, left to right. How many; the rest of `sides` is BB_NONE. */
+uint opened_sides(global const bb_pair *pairs, global const bb_wide_plan *plans, uint root,
+                  uint sides[BB_WIDTH])
 {
-    uint3 stack[BB_WIDTH]; /* pair, side of it, places */
-    uint top = 0;
+    uint2 stack[BB_WIDTH]; /* side of a pair, places */
+    uint top = 0, count = 0;
     uint split = plans[root].splits >> 4u * (BB_WIDTH - 1u) & 15u;
-    opened_empty(out);
-    stack[top++] = (uint3)(root, 1u, BB_WIDTH - split);
-    stack[top++] = (uint3)(root, 0u, split);
+    stack[top++] = (uint2)(2u * root + 1u, BB_WIDTH - split);
+    stack[top++] = (uint2)(2u * root, split);
     while (top > 0u) {
-        uint3 item = stack[--top];
-        uint link = pairs[item.x].links[item.y], places = item.z;
+        uint2 item = stack[--top];
+        uint link = pairs[item.x >> 1].links[item.x & 1u], places = item.y;
         split = 0;
         if ((link & BB_LEAF_BIT) == 0)
             for (; places > 1u && split == 0u; places -= split == 0u ? 1u : 0u)
                 split = plans[link].splits >> 4u * (places - 1u) & 15u;
         if (split != 0u) {
-            stack[top++] = (uint3)(link, 1u, places - split);
-            stack[top++] = (uint3)(link, 0u, split);
+            stack[top++] = (uint2)(2u * link + 1u, places - split);
+            stack[top++] = (uint2)(2u * link, split);
+        } else {
+            sides[count++] = item.x;
+        }
+    }
+    for (uint c = count; c < BB_WIDTH; c++)
+        sides[c] = BB_NONE;
+    return count;
+}
+
+/* Pairs that one work-item has still to open. */
+typedef struct open_list {
+    uint2 items[OPEN_LATER]; /* pair, stack need above */
+    uint count;
+    uint need; /* the largest stack need met */
+} open_list;
+
+/* Opens a pair. Those of its children that are pairs go on the list, the last first, or, where it
+ * is full, to the next level. An opened pair's plan is not needed any more: `opened` is in its
+ * place. */
+void open_pair(global const bb_pair *pairs, global const bb_wide_plan *plans, uint2 item,
+               open_list *list, global uint *marks, global uint *opened,
+               volatile global uint *next_count, global uint2 *next)
+{
+    uint sides[BB_WIDTH];
+    uint children = opened_sides(pairs, plans, item.x, sides);
+    uint need = item.y + children - 1u;
+    list->need = BB_MAX(need, list->need);
+    marks[item.x] = 1u;
+    for (uint c = 0; c < BB_WIDTH; c++)
+        opened[(ulong)item.x * OPENED_WORDS + c] = sides[c];
+    for (uint c = children; c-- > 0u;) {
+        uint link = pairs[sides[c] >> 1].links[sides[c] & 1u];
+        if ((link & BB_LEAF_BIT) != 0)
             continue;
-        }
+        if (list->count < OPEN_LATER)
+            list->items[list->count++] = (uint2)(link, need);
+        else
+            next[atomic_inc(next_count)] = (uint2)(link, need);
+    }
+}
+
+/* One level, and from level `deeper` on all that is below it, as long as the list has room: what
+ * lies together is then opened one after the other. state[0]: the largest stack need so far;
+ * state[1 + level]: items of the level. */
+kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *plans,
+                      global const uint2 *level, uint number, uint deeper,
+                      volatile global uint *state, global uint *marks, global uint *opened,
+                      global uint2 *next)
+{
+    uint count = state[1u + number];
+    volatile global uint *next_count = &state[2u + number];
+    open_list list;
+    list.need = 0;
+    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
+        list.count = number < deeper ? OPEN_LATER : 0u;
+        open_pair(pairs, plans, level[i], &list, marks, opened, next_count, next);
+        while (number >= deeper && list.count > 0u)
+            open_pair(pairs, plans, list.items[--list.count], &list, marks, opened,
+                      next_count, next);
+    }
+    if (list.need > 0u)
+        atomic_max(&state[0], list.need);
+}
+
+/* Boxes of the children that a node has in its places. */
+void put_boxes(global const bb_pair *pairs, const uint sides[BB_WIDTH], bb_wide_boxes *boxes)
+{
+    bb_wide_clear(boxes);
+    for (uint c = 0; c < BB_WIDTH; c++) {
+        if (sides[c] == BB_NONE)
+            continue;
+        global const float *planes = pairs[sides[c] >> 1].planes + (sides[c] & 1u);
         for (uint axis = 0; axis < 3; axis++) {
-            global const float *planes = pairs[item.x].planes + 4u * axis + item.y;
-            out->boxes.planes[2u * axis * BB_WIDTH + out->count] = planes[0];
-            out->boxes.planes[(2u * axis + 1u) * BB_WIDTH + out->count] = planes[2];
+            boxes->planes[2u * axis * BB_WIDTH + c] = planes[4u * axis];
+            boxes->planes[(2u * axis + 1u) * BB_WIDTH + c] = planes[4u * axis + 2u];
         }
-        out->boxes.places |= 1u << out->count;
-        out->sides[out->count] = 2u * item.x + item.y;
-        out->links[out->count++] = link;
+        boxes->places |= 1u << c;
     }
 }
 
 #if BB_WIDTH == 8
-/* Puts the children in places such that place ^ octant is roughly the order in which rays of that
- * octant meet them: bit a of an octant is set where rays go down axis a, bit a of a place where its
- * child should lie high on axis a. The pair of child and place that fits best first. */
-void opened_arrange(bb_opened *opened)
+/* Puts the first `count` sides in places such that place ^ octant is roughly the order in which
+ * rays of that octant meet them: bit a of an octant is set where rays go down axis a, bit a of a
+ * place where its child should lie high on axis a. The pair of child and place that fits best
+ * first. */
+void arrange(const bb_wide_boxes *boxes, uint count, uint sides[BB_WIDTH])
 {
     float fit[BB_WIDTH][BB_WIDTH]; /* of child and place */
-    bb_opened arranged;
-    opened_empty(&arranged);
-    arranged.count = opened->count;
+    uint arranged[BB_WIDTH];
     uint children = 0, places = 0; /* done */
-    for (uint c = 0; c < opened->count; c++)
+    for (uint c = 0; c < BB_WIDTH; c++)
+        arranged[c] = BB_NONE;
+    for (uint c = 0; c < count; c++)
         for (uint place = 0; place < BB_WIDTH; place++) {
             fit[c][place] = 0.0f;
             for (uint axis = 0; axis < 3; axis++) {
-                const float *plane = opened->boxes.planes + 2u * axis * BB_WIDTH + c;
+                const float *plane = boxes->planes + 2u * axis * BB_WIDTH + c;
                 float middle = 0.5f * plane[0] + 0.5f * plane[BB_WIDTH];
                 fit[c][place] += (place >> axis & 1u) != 0u ? middle : -middle;
             }
         }
-    for (uint i = 0; i < opened->count; i++) {
+    for (uint i = 0; i < count; i++) {
         uint child = BB_NONE, place = 0;
-        for (uint c = 0; c < opened->count; c++)
+        for (uint c = 0; c < count; c++)
             for (uint p = 0; p < BB_WIDTH; p++)
                 if (((children >> c | places >> p) & 1u) == 0u &&
                     (child == BB_NONE || fit[c][p] > fit[child][place])) {
@@ -215,65 +272,47 @@ void opened_arrange(bb_opened *opened)
                 }
         children |= 1u << child;
         places |= 1u << place;
-        for (uint plane = 0; plane < 6; plane++)
-            arranged.boxes.planes[plane * BB_WIDTH + place] =
-                opened->boxes.planes[plane * BB_WIDTH + child];
-        arranged.sides[place] = opened->sides[child];
-        arranged.links[place] = opened->links[child];
+        arranged[place] = sides[child];
     }
-    arranged.boxes.places = places;
-    *opened = arranged;
+    for (uint c = 0; c < BB_WIDTH; c++)
+        sides[c] = arranged[c];
 }
 #endif
 
-/* One level. state[0]: the largest stack need so far; state[1 + level]: items of the level. */
-kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *plans,
-                      global const uint2 *level, /* pair, stack need above */
-                      uint number, volatile global uint *state, global uint *marks,
-                      global uint2 *next)
-{
-    uint count = state[1u + number];
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-        uint2 item = level[i];
-        bb_opened opened;
-        opened_of(pairs, plans, item.x, &opened);
-        marks[item.x] = 1u;
-        uint need = item.y + opened.count - 1u;
-        atomic_max(&state[0], need);
-        for (uint c = 0; c < opened.count; c++)
-            if ((opened.links[c] & BB_LEAF_BIT) == 0)
-                next[atomic_inc(&state[2u + number])] = (uint2)(opened.links[c], need);
-    }
-}
-
 /* first[] and index[] are the scans. sides: of each place of each node, for layouts that follow. */
-kernel void wide_nodes(global const bb_pair *pairs, uint count, global const bb_wide_plan *plans,
-                       global const uint *index,
-                       global const uint *first, uint ref_count, global bb_wide *nodes,
-                       global uint *sides)
+kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uint *opened,
+                       global const uint *index, global const uint *first, uint ref_count,
+                       uint octants, global bb_wide *nodes, global uint *sides)
 {
     uint p = get_global_id(0);
     if (p >= count || index[p] == index[p + 1u])
         return;
-    bb_opened opened;
-    opened_of(pairs, plans, p, &opened);
-#if BB_WIDTH == 8
-    opened_arrange(&opened);
-#endif
     global bb_wide *node = nodes + index[p];
-    bb_wide_write(&opened.boxes, node);
+    bb_wide_boxes boxes;
+    uint own[BB_WIDTH], children = 0;
     for (uint c = 0; c < BB_WIDTH; c++) {
-        uint link = opened.links[c];
-        if (link == BB_NONE)
-            link = BB_LEAF_BIT | first[ref_count]; /* the block without primitives */
-        else if ((link & BB_LEAF_BIT) != 0)
-            link = BB_LEAF_BIT | first[link & BB_INDEX_MASK];
-        else
-            link = index[link];
-        node->links[c] = link;
-        sides[(ulong)index[p] * BB_WIDTH + c] = opened.sides[c];
+        own[c] = opened[(ulong)p * OPENED_WORDS + c];
+        children += own[c] != BB_NONE ? 1u : 0u;
     }
-    node->count = opened.count;
+    put_boxes(pairs, own, &boxes);
+#if BB_WIDTH == 8
+    if (octants != 0u) {
+        arrange(&boxes, children, own);
+        put_boxes(pairs, own, &boxes);
+    }
+#endif
+    bb_wide_write(&boxes, node);
+    for (uint c = 0; c < BB_WIDTH; c++) {
+        uint link = BB_LEAF_BIT | first[ref_count]; /* the block without primitives */
+        if (own[c] != BB_NONE) {
+            link = pairs[own[c] >> 1].links[own[c] & 1u];
+            link = (link & BB_LEAF_BIT) != 0 ? BB_LEAF_BIT | first[link & BB_INDEX_MASK]
+                                             : index[link];
+        }
+        node->links[c] = link;
+        sides[(ulong)index[p] * BB_WIDTH + c] = own[c];
+    }
+    node->count = children;
     for (uint w = 0; w < sizeof(node->pad) / sizeof(uint); w++)
         node->pad[w] = 0;
 }

@@ -35,22 +35,27 @@ void bb_layout_maker_destroy(bb_layout_maker *maker)
 }
 
 /* As recorded: what differs from the layout of the tree's own leaves and of vertices. */
-static void name(const bb_layout *layout, uint32_t leaf, uint32_t format, bool more_kinds,
+static void name(const bb_layout_maker *maker, uint32_t leaf, uint32_t format, bool more_kinds,
                  bb_layout_data *data)
 {
-    const char *separator = ":";
-    size_t capacity = sizeof data->name;
-    int length = snprintf(data->name, capacity, "%s", layout->name);
-    if (leaf > 1) {
-        length += snprintf(data->name + length, capacity - (size_t)length, ":leaf=%u", leaf);
-        separator = ",";
-    }
-    if (format == BB_FORMAT_AFFINE)
-        length += snprintf(data->name + length, capacity - (size_t)length, "%striangles=affine",
-                           separator);
-    if (more_kinds)
-        snprintf(data->name + length, capacity - (size_t)length, "%skinds=all",
-                 data->name[strlen(layout->name)] == '\0' ? ":" : ",");
+    const size_t capacity = sizeof data->name;
+    char leaves[24];
+    snprintf(leaves, sizeof leaves, "leaf=%u", leaf);
+    const struct {
+        bool is;
+        const char *text;
+    } parts[] = {{leaf > 1, leaves},
+                 {format == BB_FORMAT_AFFINE, "triangles=affine"},
+                 {more_kinds, "kinds=all"},
+                 {maker->wish.octants, "places=octant"}};
+    int length = snprintf(data->name, capacity, "%s", maker->layout->name);
+    char separator = ':';
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        if (parts[i].is) {
+            length += snprintf(data->name + length, capacity - (size_t)length, "%c%s", separator,
+                               parts[i].text);
+            separator = ',';
+        }
 }
 
 /* The side array that the layout asks for; NULL if it asks for none. */
@@ -81,7 +86,10 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
                       bool same_links, bb_layout_data *data, bb_tree **traced)
 {
     const bb_layout *layout = maker->layout;
-    bb_layout_source source = {.scene = scene, .kinds = data->kinds, .same_links = same_links};
+    bb_layout_source source = {.scene = scene,
+                               .kinds = data->kinds,
+                               .octants = maker->wish.octants,
+                               .same_links = same_links};
     *traced = tree;
     if (leaf > 1 && layout->array.name != NULL)
         return bb_fail(BB_UNSUPPORTED,
@@ -109,7 +117,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
         BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
     data->bytes = 0;
     data->ends = bb_scene_ends(scene);
-    data->kinds = scene->kinds | maker->kinds;
+    data->kinds = scene->kinds | maker->wish.kinds;
     data->format = format;
     data->scale = scene->scale;
     bb_tree *traced;
@@ -127,8 +135,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
         }
         data->keeps_shape = false;
     }
-    name(maker->layout, leaf,
-         scene->prims[BB_TRIANGLE].count > 0 ? data->format : BB_FORMAT_VERTICES,
+    name(maker, leaf, scene->prims[BB_TRIANGLE].count > 0 ? data->format : BB_FORMAT_VERTICES,
          data->kinds != scene->kinds, data);
     maker->links = tree->links;
     maker->leaf = leaf;

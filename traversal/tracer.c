@@ -69,9 +69,12 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     return BB_OK;
 }
 
-uint32_t bb_kernel_kinds(const bb_spec *spec)
+bb_layout_wish bb_kernel_wish(const bb_spec *spec)
 {
-    return bb_spec_is(spec, bb_kernel_common_options, "kinds", "all") ? BB_ALL_KINDS : 0;
+    return (bb_layout_wish){
+        .kinds = bb_spec_is(spec, NULL, "kinds", "all") ? BB_ALL_KINDS : 0,
+        .octants = bb_spec_is(spec, NULL, "order", "octant"),
+    };
 }
 
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel)
@@ -122,7 +125,7 @@ static bb_status choose_variant(const bb_tracer_request *request, const bb_layou
     *v = (variant){.kinds = layout->kinds};
     const char *stack = bb_spec_value(spec, NULL, "stack");
     v->stack_given = stack != NULL && strcmp(stack, "auto") != 0;
-    v->kinds_given = bb_kernel_kinds(spec) != 0;
+    v->kinds_given = bb_kernel_wish(spec).kinds != 0;
     if (kernel->trail_max > 0)
         v->levels = round_levels(layout->levels);
     if (kernel->stackless)

@@ -19,6 +19,12 @@ enum {
         1 << 14, /* levels: 4 KiB of private memory per ray with 2 children, 8 KiB with 8 */
 };
 
+/* What a kernel asks of its layout beside what it asks for the scene. */
+typedef struct bb_layout_wish {
+    uint32_t kinds; /* of primitives that records shall have room for, beside the scene's */
+    bool octants;   /* children of nodes of 8 in places by the octant that they lie in */
+} bb_layout_wish;
+
 /* What a layout is made of. */
 typedef struct bb_layout_source {
     const bb_scene *scene;
@@ -27,6 +33,7 @@ typedef struct bb_layout_source {
         *reach;     /* float per node: the longest side of the primitives below it; NULL: the
                                node's box holds them whole, and has their longest side */
     uint32_t kinds; /* of primitives that records have room for: the scene's at least */
+    bool octants;   /* bb_layout_wish */
     const bb_buffer *array; /* the side array that the layout asks for; NULL if none */
     /* The object's last make() was of this tree, with the same links: its numbering is still in
      * scratch, and good; boxes and primitives are not. */
@@ -83,7 +90,7 @@ typedef struct bb_layout_maker {
     bb_device *device;
     bb_account account; /* also of the layouts made, which are released first */
     void *self;
-    uint32_t kinds;               /* to lay out for, beside the scene's; 0: those alone */
+    bb_layout_wish wish;          /* zeroed: nothing; set after creation */
     struct bb_collapse *collapse; /* NULL until leaves are asked for */
     struct bb_reach *reach;       /* NULL until a tree needs it */
     /* What the last layout was made of, for bb_layout_maker_follow(). */
@@ -166,8 +173,8 @@ const bb_kernel *bb_kernel_find(const char *name);
 extern const bb_option bb_kernel_common_options[];
 /* Checks the parameters of a kernel's specification: its own options and the common ones. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
-/* What the kernel's parameters ask for beside the scene's kinds: for bb_layout_maker.kinds. */
-uint32_t bb_kernel_kinds(const bb_spec *spec);
+/* What the kernel's parameters ask for: for bb_layout_maker.wish. */
+bb_layout_wish bb_kernel_wish(const bb_spec *spec);
 /* The kernel that `text` names, and its specification, checked. */
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel);
 

@@ -13,6 +13,7 @@ enum {
         4096, /* work-items per level, which share its nodes: how many is not known here */
     LEVELS_MAX = 1 << 20,
     LEVELS_AT_ONCE = 32, /* enqueued before asking whether there is another one */
+    DEEPER = 4,          /* level of which a work-item opens all that is below */
 };
 
 typedef struct wide_layout {
@@ -167,15 +168,15 @@ static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pa
         BB_TRY(reserve(self, pair_count * sizeof(cl_uint2), "wide: level", &self->levels[i]));
     BB_TRY(reserve(self, state_bytes, "wide: levels", &self->state));
     BB_TRY(bb_buffer_fill(&self->state, state_bytes, 0));
-    const uint32_t start[2] = {root, 0}, one = 1;
+    const uint32_t start[2] = {root, 0}, one = 1, deeper = DEEPER;
     BB_TRY(bb_buffer_write(&self->levels[0], 0, sizeof start, start));
     BB_TRY(bb_buffer_write(&self->state, sizeof one, sizeof one, &one));
     uint32_t items = pair_count < LEVEL_ITEMS ? pair_count : LEVEL_ITEMS;
     for (uint32_t level = 0, left = 1; level < most && left > 0; level++) {
         BB_TRY(bb_launch(self->device, self->open, items, GROUP_SIZE, BB_MEM(self->pair_nodes),
                          BB_MEM(self->plans), BB_MEM(self->levels[level % 2]), BB_VALUE(level),
-                         BB_MEM(self->state), BB_MEM(self->index),
-                         BB_MEM(self->levels[(level + 1) % 2])));
+                         BB_VALUE(deeper), BB_MEM(self->state), BB_MEM(self->index),
+                         BB_MEM(self->plans), BB_MEM(self->levels[(level + 1) % 2])));
         if (level % LEVELS_AT_ONCE == LEVELS_AT_ONCE - 1)
             BB_TRY(bb_buffer_read(&self->state, (level + 2) * sizeof left, sizeof left, &left));
     }
@@ -229,14 +230,14 @@ static bb_status number_nodes(wide_layout *self, const bb_tree *tree, uint32_t p
 }
 
 /* From pairs to nodes, whose sides are kept for nodes that follow. */
-static bb_status write_nodes(wide_layout *self, const bb_tree *tree, uint32_t pair_count,
+static bb_status write_nodes(wide_layout *self, const bb_layout_source *source, uint32_t pair_count,
                              const bb_buffer *nodes)
 {
-    uint32_t ref_count = tree->info.ref_count;
+    uint32_t ref_count = source->tree->info.ref_count, octants = source->octants;
     BB_TRY(bb_wide_follow_reserve(&self->follow, self->node_count));
     return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
                      BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index),
-                     BB_MEM(self->first), BB_VALUE(ref_count), BB_MEM(*nodes),
+                     BB_MEM(self->first), BB_VALUE(ref_count), BB_VALUE(octants), BB_MEM(*nodes),
                      BB_MEM(self->follow.sides));
 }
 
@@ -268,7 +269,7 @@ static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, b
     data->bytes += self->node_count * self->node_bytes;
     return source->same_links ? bb_wide_follow_boxes(&self->follow, &self->pairs, self->defines,
                                                      source, self->node_count, &data->buffers[0])
-                              : write_nodes(self, tree, pair_count, &data->buffers[0]);
+                              : write_nodes(self, source, pair_count, &data->buffers[0]);
 }
 
 bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_data *data)

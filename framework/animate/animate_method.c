@@ -53,9 +53,11 @@ bb_status bb_animate_runner_create(bb_animate *a, const char *builder, bb_animat
                             sizeof *runner->hashes);
     if (runner->hashes == NULL)
         return bb_fail(BB_REFUSED, "no memory for the hashes of answers");
-    for (uint32_t k = 0; k < request->kernel_count; k++)
+    for (uint32_t k = 0; k < request->kernel_count; k++) {
         BB_TRY(bb_layout_maker_create(bb_layout_find(a->kernels[k]->layout), a->device,
                                       &runner->makers[k]));
+        runner->makers[k].wish = bb_kernel_wish(&a->kernel_specs[k]);
+    }
     bb_status status =
         bb_instance_create(a->device, builder, a->scene, request->seed, &runner->instance);
     if (status == BB_INVALID)

@@ -133,10 +133,11 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
 static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_t format)
 {
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
+    const bb_layout_wish wish = bb_kernel_wish(&choice->spec);
     for (uint32_t i = 0; i < bench->layout_count; i++) {
         const bb_layout_choice *l = &bench->layouts[i];
         if (l->maker.layout == layout && l->format == format && l->leaf == choice->leaf &&
-            l->maker.kinds == bb_kernel_kinds(&choice->spec)) {
+            l->maker.wish.kinds == wish.kinds && l->maker.wish.octants == wish.octants) {
             choice->layouts[format] = i;
             return BB_OK;
         }
@@ -146,7 +147,7 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_
     wanted->leaf = choice->leaf;
     wanted->format = format;
     BB_TRY(bb_layout_maker_create(layout, bench->device, &wanted->maker));
-    wanted->maker.kinds = bb_kernel_kinds(&choice->spec);
+    wanted->maker.wish = wish;
     return BB_OK;
 }
 

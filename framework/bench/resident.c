@@ -99,12 +99,12 @@ static bb_status make_room(bb_bench *bench, bb_entrant *entrant, uint32_t layout
         entrant->has_layout[k] = false;
         bb_layout_maker *maker = &bench->layouts[k].maker;
         const bb_layout *made = maker->layout;
-        const uint32_t kinds = maker->kinds;
+        const bb_layout_wish wish = maker->wish;
         if (k == layout || made == NULL)
             continue;
         bb_layout_maker_destroy(maker);
         BB_TRY(bb_layout_maker_create(made, bench->device, maker));
-        maker->kinds = kinds;
+        maker->wish = wish;
     }
     return BB_OK;
 }

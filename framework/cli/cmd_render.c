@@ -127,7 +127,7 @@ static bb_status make_layout(rendering *r, const char *builder)
     BB_TRY(bb_tree_upload(&r->instance.tree, r->device, NULL));
     BB_TRY(bb_spec_u64(&r->kernel_spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
     BB_TRY(bb_layout_maker_create(bb_layout_find(r->kernel->layout), r->device, &r->maker));
-    r->maker.kinds = bb_kernel_kinds(&r->kernel_spec);
+    r->maker.wish = bb_kernel_wish(&r->kernel_spec);
     return bb_layout_maker_make(&r->maker, r->scene, &r->instance.tree, (uint32_t)leaf,
                                 bb_intersector_format(&r->intersector), &r->layout);
 }

@@ -39,6 +39,7 @@ static bb_status make(void *opaque, const char *text, bb_tree *const *trees,
     runner->leaf = (uint32_t)leaf;
     BB_TRY(
         bb_layout_maker_create(bb_layout_find(kernel->layout), self->device, &runner->makers[0]));
+    runner->makers[0].wish = bb_kernel_wish(&spec);
     BB_TRY(bb_layout_maker_make(&runner->makers[0], self->scene, trees[0], runner->leaf,
                                 BB_FORMAT_VERTICES, &runner->layouts[0]));
     for (int counting = 0; counting < 2; counting++) {
