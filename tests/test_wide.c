@@ -133,7 +133,7 @@ static void collapse_decides_by_cost(void **state)
 typedef struct wide {
     const bb_scene *scene;
     uint32_t width;
-    bool quantised;
+    bool quantised, octants;
     uint8_t *nodes;
     uint32_t *blocks;
     uint32_t words; /* of a block */
@@ -226,6 +226,36 @@ static bool read_leaf(wide *w, uint32_t block, bb_box *box)
     return any;
 }
 
+/* How well a box fits a place, whose bit a says that it shall lie high on axis a. */
+static float fit_of(const bb_box *box, uint32_t place)
+{
+    float fit = 0;
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        float middle = 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
+        fit += (place >> axis & 1u) != 0 ? middle : -middle;
+    }
+    return fit;
+}
+
+/* Without octants children take the first places. With them, the pair of child and place that fits
+ * best comes first: a place that a child fits better than its own has one that fits it as well. */
+static void check_places(const wide *w, uint32_t node, uint32_t count)
+{
+    for (uint32_t c = 0; c < w->width; c++) {
+        if (!w->octants)
+            assert_int_equal(is_place(w, node, c), c < count);
+        if (!w->octants || !is_place(w, node, c))
+            continue;
+        const bb_box box = box_of(w, node, c);
+        for (uint32_t place = 0; place < w->width; place++) {
+            const bb_box there = box_of(w, node, place);
+            if (fit_of(&box, place) > fit_of(&box, c) &&
+                !(is_place(w, node, place) && fit_of(&there, place) >= fit_of(&box, place)))
+                fail_msg("node %u: child %u fits place %u better", node, c, place);
+        }
+    }
+}
+
 /* Box of the primitives below `link`. Recursion: trees of the tests are shallow. */
 static bool read_link(wide *w, uint32_t link, uint32_t above, bb_box *box)
 {
@@ -259,6 +289,8 @@ static bool read_link(wide *w, uint32_t link, uint32_t above, bb_box *box)
     }
     assert_int_equal(children, count);
     assert_true(count >= 2);
+    if (w->width == 8 && !w->quantised) /* whose planes are those that places were given by */
+        check_places(w, link, count);
     return true;
 }
 
@@ -269,16 +301,19 @@ static void *download(const bb_buffer *buffer)
     return copy;
 }
 
-static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, uint32_t leaf)
+static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
+                       bool octants)
 {
     bb_layout_maker maker;
     bb_layout_data data = {0};
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
+    maker.wish.octants = octants;
     ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, BB_FORMAT_VERTICES, &data));
     wide w = {
         .scene = scene,
         .width = strcmp(name, "wide4") == 0 ? 4 : 8,
         .quantised = strcmp(name, "quant8") == 0,
+        .octants = octants,
         .nodes = download(&data.buffers[0]),
         .blocks = download(&data.buffers[1]),
         .words = bb_block_words(scene->kinds, BB_FORMAT_VERTICES),
@@ -317,6 +352,15 @@ static float extreme(bb_random *random, uint32_t kind)
     }
 }
 
+static void free_uploaded(bb_scene *scene)
+{
+    bb_scene_device *geometry = &scene->on_device;
+    bb_buffer_release(&geometry->boxes);
+    bb_buffer_release(&geometry->vertices);
+    bb_buffer_release(&geometry->prims);
+    free_scene(scene);
+}
+
 static void wide_layouts_hold_the_tree(void **state)
 {
     (void)state;
@@ -343,14 +387,64 @@ static void wide_layouts_hold_the_tree(void **state)
         ASSERT_OK(bb_tree_upload(&tree, device, NULL));
         for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
             for (uint32_t leaf = 1; leaf <= 8; leaf += 7)
-                take_apart(names[i], scene, &tree, leaf);
+                take_apart(names[i], scene, &tree, leaf, run % 2 == 0);
         bb_tree_release(&tree);
-        bb_scene_device *geometry = &scene->on_device;
-        bb_buffer_release(&geometry->boxes);
-        bb_buffer_release(&geometry->vertices);
-        bb_buffer_release(&geometry->prims);
-        free_scene(scene);
+        free_uploaded(scene);
     }
+}
+
+/* A chain down the first children, each with two leaves beside it: from level to level a node's
+ * work-item has seven more pairs to open later on than there is room for. Pair i is at x = i; the
+ * chain's nodes are 0 .. PAIRS - 2, then come three nodes of each pair. */
+static void make_comb(const bb_scene *scene, uint32_t pairs, bb_tree *tree)
+{
+    const uint32_t chain = pairs - 1, count = chain + 3 * pairs;
+    bb_node *nodes = malloc(count * sizeof *nodes);
+    uint32_t *refs = malloc(2 * pairs * sizeof *refs);
+    bb_box below = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
+    for (uint32_t i = pairs; i-- > 0;) {
+        const uint32_t up = i < chain ? i : i - 1, pair = chain + 3 * i;
+        /* of the chain's node: the pair of the one above */
+        const uint32_t skip = up == 0 ? BB_NONE : chain + 3 * (up - 1);
+        const bb_box *boxes = &scene->boxes[2 * i];
+        bb_box both = boxes[0];
+        join(&both, &boxes[1]);
+        join(&below, &both);
+        for (uint32_t k = 0; k < 2; k++)
+            refs[2 * i + k] = (2 * i + k) | BB_LAST_BIT;
+        const uint32_t after = i < chain ? skip : chain + 3 * up; /* the last pair is a first child */
+        nodes[pair] = make_node(both.lo, both.hi, pair + 1, after);
+        nodes[pair + 1] = make_node(boxes[0].lo, boxes[0].hi, BB_LEAF_BIT | 2 * i, pair + 2);
+        nodes[pair + 2] = make_node(boxes[1].lo, boxes[1].hi, BB_LEAF_BIT | (2 * i + 1), after);
+        if (i < chain)
+            nodes[i] = make_node(below.lo, below.hi, i + 1 < chain ? i + 1 : chain + 3 * chain, skip);
+    }
+    make_tree(tree, nodes, count, refs, 2 * pairs, 2, pairs);
+    free(nodes);
+    free(refs);
+}
+
+static void pairs_wait_where_there_is_no_room(void **state)
+{
+    (void)state;
+    enum { PAIRS = 200 };
+    float *v = calloc(18 * PAIRS, sizeof *v);
+    for (uint32_t i = 0; i < 2 * PAIRS; i++)
+        for (uint32_t corner = 0; corner < 3; corner++) {
+            v[9 * i + 3 * corner] = (float)(i / 2) + 0.1f * (float)corner;
+            v[9 * i + 3 * corner + 1] = (float)(i % 2) + (corner == 1 ? 0.1f : 0);
+        }
+    bb_scene *scene = make_scene(v, 2 * PAIRS, NULL, 0);
+    free(v);
+    ASSERT_OK(bb_scene_upload(scene, device));
+    bb_tree tree;
+    make_comb(scene, PAIRS, &tree);
+    ASSERT_OK(bb_tree_check(&tree, scene));
+    ASSERT_OK(bb_tree_upload(&tree, device, NULL));
+    take_apart("wide8", scene, &tree, 1, false);
+    take_apart("wide4", scene, &tree, 1, false);
+    bb_tree_release(&tree);
+    free_uploaded(scene);
 }
 
 int main(void)
@@ -359,6 +453,7 @@ int main(void)
         cmocka_unit_test(collapsed_trees_are_valid_and_cost_no_more),
         cmocka_unit_test(collapse_decides_by_cost),
         cmocka_unit_test(wide_layouts_hold_the_tree),
+        cmocka_unit_test(pairs_wait_where_there_is_no_room),
     };
     int failed = open_devices(NULL);
     for (int form = first_form(); form < FORMS && failed == 0; form += LEVELS_FORM) {
