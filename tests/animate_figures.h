@@ -12,7 +12,6 @@ enum { FRAMES = 4, RAYS = 1000 };
 static void fill(bb_animate_method *method, bb_update_way way, double update, double layout,
                  double rate)
 {
-    method->frames = NULL;
     ASSERT_OK(bb_host_alloc(NULL, FRAMES * sizeof *method->frames, "frames", &method->frames));
     memset(method->frames, 0, FRAMES * sizeof *method->frames);
     method->done = FRAMES;
