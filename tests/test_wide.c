@@ -412,12 +412,14 @@ static void make_comb(const bb_scene *scene, uint32_t pairs, bb_tree *tree)
         join(&below, &both);
         for (uint32_t k = 0; k < 2; k++)
             refs[2 * i + k] = (2 * i + k) | BB_LAST_BIT;
-        const uint32_t after = i < chain ? skip : chain + 3 * up; /* the last pair is a first child */
+        const uint32_t after =
+            i < chain ? skip : chain + 3 * up; /* the last pair is a first child */
         nodes[pair] = make_node(both.lo, both.hi, pair + 1, after);
         nodes[pair + 1] = make_node(boxes[0].lo, boxes[0].hi, BB_LEAF_BIT | 2 * i, pair + 2);
         nodes[pair + 2] = make_node(boxes[1].lo, boxes[1].hi, BB_LEAF_BIT | (2 * i + 1), after);
         if (i < chain)
-            nodes[i] = make_node(below.lo, below.hi, i + 1 < chain ? i + 1 : chain + 3 * chain, skip);
+            nodes[i] =
+                make_node(below.lo, below.hi, i + 1 < chain ? i + 1 : chain + 3 * chain, skip);
     }
     make_tree(tree, nodes, count, refs, 2 * pairs, 2, pairs);
     free(nodes);
