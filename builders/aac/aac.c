@@ -368,7 +368,7 @@ const bb_builder bb_builder_aac = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "aac,aac:variant=fast",
+    .compared = "aac",
     .decide = decide,
     .create = create,
     .prepare = prepare,

@@ -329,7 +329,7 @@ const bb_builder bb_builder_hlbvh = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "hlbvh,hlbvh:code=emc64-var",
+    .compared = "hlbvh",
     .decide = decide,
     .create = create,
     .prepare = prepare,
