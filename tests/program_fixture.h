@@ -17,7 +17,7 @@ static char folder[] = "/tmp/bvhbench-test-XXXXXX";
 
 typedef struct outcome {
     int exit_status; /* -1: killed */
-    char out[65536];
+    char out[1 << 18];
     char err[8192];
 } outcome;
 
@@ -55,7 +55,7 @@ static inline const outcome *run_program(const char *before, const char *program
              before, program, arguments);
     int status = system(command);
     o.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    read_file("stdout", o.out, sizeof o.out);
+    assert_true(read_file("stdout", o.out, sizeof o.out) < sizeof o.out - 1); /* all of it */
     read_file("stderr", o.err, sizeof o.err);
     return &o;
 }
