@@ -64,8 +64,8 @@ static inline uint32_t add_build(bb_results *results, const char *scene, const c
     return record.id;
 }
 
-static inline void add_trace_by(bb_results *results, uint32_t build, const char *kernel,
-                                const char *view, double ms, double boxes)
+static inline void add_trace_of(bb_results *results, uint32_t build, const char *kernel,
+                                const char *view, const char *rays, double ms, double boxes)
 {
     const cJSON *entry = bb_results_build(results, build);
     bb_trace_record record;
@@ -76,13 +76,19 @@ static inline void add_trace_by(bb_results *results, uint32_t build, const char 
     snprintf(record.builder, sizeof record.builder, "%s", bb_json_text(entry, "builder"));
     snprintf(record.view, sizeof record.view, "%s", view);
     snprintf(record.kernel, sizeof record.kernel, "%s", kernel);
-    snprintf(record.rays, sizeof record.rays, "diffuse");
+    snprintf(record.rays, sizeof record.rays, "%s", rays);
     record.count = 1000;
     record.counted = 1000;
     record.node_tests_per_ray = boxes;
     record.prim_tests_per_ray = 1;
     add_rounds(&record.ms, ms);
     assert_int_equal(bb_results_add_trace(results, &record), BB_OK);
+}
+
+static inline void add_trace_by(bb_results *results, uint32_t build, const char *kernel,
+                                const char *view, double ms, double boxes)
+{
+    add_trace_of(results, build, kernel, view, "diffuse", ms, boxes);
 }
 
 static inline void add_trace(bb_results *results, uint32_t build, const char *view, double ms,
@@ -93,25 +99,31 @@ static inline void add_trace(bb_results *results, uint32_t build, const char *vi
 
 static inline bb_findings findings_of(bb_results *results, uint32_t first)
 {
-    return (bb_findings){NULL, results, first, bb_results_next_build(results), scenes, 2};
+    return (bb_findings){.results = results,
+                         .first = first,
+                         .end = bb_results_next_build(results),
+                         .scenes = scenes,
+                         .scene_count = 2};
 }
 
 /* ---- claims ---- */
 
 /* The codes' costs on both scenes; experiment 2 of the paper emc has what it varies. */
-typedef struct costs {
+typedef struct code_costs {
     double sort[2], var[2];
-} costs;
+} code_costs;
 
 static const char *const mc64 = "emc:code=mc64,box=scene";
 static const char *const sort64 = "emc:code=emc64-sort,box=scene";
 static const char *const var64 = "emc:code=emc64-var,box=scene";
 
-static inline cJSON *reproduce_emc(bb_results *results, costs cost, const double speed[2])
+static inline cJSON *reproduce_emc(bb_results *results, code_costs cost, const double speed[2])
 {
     const bb_paper *paper = NULL;
     assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
     bb_findings all[BB_EXPERIMENTS_MAX];
+    for (int e = 0; e < BB_EXPERIMENTS_MAX; e++) /* of those after the fourth there is nothing */
+        all[e] = findings_of(results, bb_results_next_build(results));
     for (int e = 0; e < 4; e++) {
         uint32_t first = bb_results_next_build(results);
         for (int s = 0; s < 2; s++) {
@@ -144,13 +156,52 @@ static inline const cJSON *claim_with(const cJSON *reproduction, const char *wor
     return NULL;
 }
 
+/* A text that comes after it in the same claim. */
+static inline const char *text_after(const cJSON *held, const char *name)
+{
+    const cJSON *item = held;
+    while (strcmp(item->string, name) != 0)
+        item = item->next;
+    return item->valuestring;
+}
+
 /* The verdict on it. */
 static inline const char *verdict_with(const cJSON *reproduction, const char *words)
 {
-    const cJSON *item = claim_with(reproduction, words);
-    while (strcmp(item->string, "verdict") != 0)
-        item = item->next;
-    return item->valuestring;
+    return text_after(claim_with(reproduction, words), "verdict");
+}
+
+static inline const char *why_of(const cJSON *held)
+{
+    return text_after(held, "why");
+}
+
+/* ---- tables ---- */
+
+/* The first table whose title has these words. */
+static inline const cJSON *table_with(const cJSON *reproduction, const char *words)
+{
+    const cJSON *table;
+    cJSON_ArrayForEach(table, cJSON_GetObjectItem(reproduction, "tables"))
+    {
+        if (strstr(bb_json_text(table, "title"), words) != NULL)
+            return table;
+    }
+    fail_msg("no table with '%s'", words);
+    return NULL;
+}
+
+static inline const cJSON *cell_of(const cJSON *table, const char *row_name, int column)
+{
+    const cJSON *row;
+    cJSON_ArrayForEach(row, cJSON_GetObjectItem(table, "rows"))
+    {
+        const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(row, 0));
+        if (name != NULL && strcmp(name, row_name) == 0)
+            return cJSON_GetArrayItem(row, column);
+    }
+    fail_msg("no row '%s'", row_name);
+    return NULL;
 }
 
 #endif

@@ -176,7 +176,7 @@ static void too_few_rounds_decide_nothing(void **state)
 
         results = new_results();
         const double faster[] = {2, 1};
-        r = reproduce_emc(results, (costs){{.8, .9}, {.5, 1}}, faster);
+        r = reproduce_emc(results, (code_costs){{.8, .9}, {.5, 1}}, faster);
         for (int i = 0; i < 2; i++) {
             assert_string_equal(verdict_with(r, emc_claims_on_times[i]),
                                 "undecided: too few rounds");

@@ -29,7 +29,7 @@
 #define SWEEP "sah:method=sweep"
 
 /* Experiments, in order. */
-enum { TRACED, BUILT, VARIED, SIZED };
+enum { TRACED, BUILT, VARIED, SIZED, INSIDE, REFERENCE };
 
 /* Codes and the plain ones of equal length. */
 static const struct {
@@ -71,7 +71,7 @@ static inline bb_estimate build_ratio(const bb_findings *all, const char *scene,
                           (bb_selection){scene, base, NULL, NULL});
 }
 
-/* The claims. */
+/* The claims on LBVH. */
 void bb_emc_claims(const bb_findings *all, bb_reproduction *r);
 
 #endif

@@ -1,6 +1,7 @@
 /* What an experiment measured, looked up in the result document. */
 #include "framework/papers/reproduce.h"
 #include "framework/record/record.h"
+#include "framework/tree/tree.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -99,6 +100,8 @@ static bool sum_up(const bb_findings *f, bb_selection cell, const bb_field_id *m
             continue;
         if (cell.view != NULL && strcmp(bb_get_text(trace, BB_F_TRACE_VIEW), cell.view) != 0)
             continue;
+        if (f->rays != NULL && strcmp(bb_get_text(trace, BB_F_TRACE_RAYS), f->rays) != 0)
+            continue;
         if (!add_trace(trace, member, s))
             return false;
     }
@@ -121,6 +124,12 @@ double bb_found_tests(const bb_findings *f, bb_selection cell, bb_field_id tests
 {
     sum s;
     return sum_up(f, cell, &tests, &s) ? s.member / s.rays : (double)NAN;
+}
+
+double bb_found_work(const bb_findings *f, bb_selection cell)
+{
+    return BB_COST_TRAVERSAL * bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS) / 2 +
+           bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS);
 }
 
 /* Times of a cell and of how many rays they are; false if they were not measured. */

@@ -1,11 +1,12 @@
 /* Vinkler, Bittner, Havran: Extended Morton Codes for High Performance Bounding Volume Hierarchy
  * Construction. HPG 2017.
  *
- * Table 2's LBVH rows (cost, trace performance, build time) and the influence of each ingredient
- * (section 5.3), as ratios to the plain code of 63 bits on the same builder. The cost's constants
- * are the paper's. Codes are compared on the builder `emc`, so that nothing but the code differs.
+ * Table 2 (cost, trace performance, build time, with LBVH and ATRBVH), the influence of each
+ * ingredient (section 5.3) and other builders (section 5.4), as ratios to the plain code of 63 bits
+ * on the same builder; then builders of which nobody has published it. The cost's constants are the
+ * paper's. With LBVH, codes are compared on the builder `emc`, so that nothing but the code differs.
  */
-#include "framework/papers/emc_figures.h"
+#include "framework/papers/emc_methods.h"
 
 #include <math.h>
 #include <string.h>
@@ -14,6 +15,12 @@
     "coffee,mountain,scorpion,city:n=1000000,terrain:n=200000,hairball:n=200000,interior:n=200000" \
     ",spheres:n=200000"
 #define QUICK_SCENES "city:n=10000,hairball:n=1000,interior:n=2000"
+
+/* Of builders that take many times as long as LBVH: smaller, and none of spheres, which the paper
+ * has nothing like. */
+#define INSIDE_SCENES                                                                              \
+    "coffee,mountain,scorpion,city:n=200000,terrain:n=100000,hairball:n=100000,interior:n=200000"
+#define INSIDE_QUICK_SCENES "city:n=10000,interior:n=2000"
 
 /* The ingredients, in the table's order: builder, what it is, the paper's figures. */
 #define INGREDIENTS(ROW)                                                                           \
@@ -93,6 +100,30 @@ static const bb_experiment experiments[] = {
                .height = 1,
                .max_rays = 1,
                .repeats = 9},
+    [INSIDE] = {.name = "codes inside other builders",
+                .builders = INSIDE_BUILDERS,
+                .optional_builders = true,
+                .kernels = "stack",
+                .rays = INSIDE_RAYS,
+                .scenes = INSIDE_SCENES,
+                .quick_scenes = INSIDE_QUICK_SCENES,
+                .takes_scenes = true,
+                .width = 256,
+                .height = 256,
+                .max_rays = 1 << 16,
+                .max_views = 2,
+                .repeats = BB_INTERVAL_ROUNDS},
+    [REFERENCE] = {.name = "full sweep, for comparison",
+                   .builders = SWEEP,
+                   .kernels = "",
+                   .rays = "",
+                   .scenes = INSIDE_SCENES,
+                   .quick_scenes = INSIDE_QUICK_SCENES,
+                   .takes_scenes = true,
+                   .width = 1,
+                   .height = 1,
+                   .max_rays = 1,
+                   .repeats = 1}, /* its costs alone */
     {.name = NULL},
 };
 
@@ -307,7 +338,12 @@ static void evaluate(const bb_findings *all, const void *measured, bb_reproducti
     add_build_ratios(all, r);
     add_ingredients(all, r);
     add_sizes(all, r);
+    bb_emc_scenes(all, r);
+    bb_emc_others(all, r);
+    bb_emc_inside(all, r);
     bb_emc_claims(all, r);
+    bb_emc_other_claims(all, r);
+    bb_emc_inside_claims(all, r);
 }
 
 extern const bb_paper bb_paper_emc;

@@ -2,6 +2,7 @@
 #include "framework/papers/reproduce.h"
 
 #include "framework/builder/instance.h"
+#include "framework/builder/registry.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -86,12 +87,41 @@ static bb_status choose_scenes(const bb_reproduce_request *request, const bb_exp
     return BB_OK;
 }
 
+bool bb_missing_stage(const char *builder, char *name, size_t capacity)
+{
+    bb_spec stages[BB_STAGES_MAX];
+    uint32_t count = 0;
+    if (bb_spec_stages(builder, stages, BB_STAGES_MAX, &count) != BB_OK)
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (bb_builder_find(stages[i].name) == NULL &&
+            strcmp(stages[i].name, BB_REFERENCE_NAME) != 0) {
+            snprintf(name, capacity, "%s", stages[i].name);
+            return true;
+        }
+    return false;
+}
+
+static void leave_out_missing(names *builders)
+{
+    char name[64];
+    size_t kept = 0;
+    for (size_t i = 0; i < builders->count; i++)
+        if (bb_missing_stage(builders->items[i], name, sizeof name))
+            free(builders->items[i]);
+        else
+            builders->items[kept++] = builders->items[i];
+    builders->count = kept;
+}
+
 static bb_status make_plan(const bb_reproduce_request *request, const bb_experiment *e, plan *p)
 {
     static char exact[] = "exact";
     static char *const intersectors[] = {exact};
     *p = (plan){0};
     BB_TRY(add_list(&p->builders, e->builders));
+    if (e->optional_builders)
+        leave_out_missing(&p->builders);
     BB_TRY(add_list(&p->kernels, e->kernels));
     BB_TRY(add_list(&p->rays, e->rays));
     BB_TRY(choose_scenes(request, e, &p->scenes));
@@ -197,8 +227,12 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
         status = make_plan(request, e, p);
         if (status == BB_OK)
             status = run_experiment(p, results, outcome);
-        findings[count] = (bb_findings){
-            e, results, first, bb_results_next_build(results), p->scenes.items, p->scenes.count};
+        findings[count] = (bb_findings){.experiment = e,
+                                        .results = results,
+                                        .first = first,
+                                        .end = bb_results_next_build(results),
+                                        .scenes = p->scenes.items,
+                                        .scene_count = p->scenes.count};
         if (status != BB_OK)
             status = blame(request->paper, e, status);
     }

@@ -24,6 +24,8 @@ typedef struct bb_experiment {
     const char *quick_scenes;
     bool native;       /* what none of the kernels keeps the shape of goes to a native one, too */
     bool takes_scenes; /* scenes that are asked for take the place of these */
+    /* of its builders, those with a stage that is not registered are left out: bb_missing_stage() */
+    bool optional_builders;
     uint32_t width, height; /* of primary rays */
     uint32_t max_rays;
     uint32_t max_views; /* 0: all */
@@ -38,6 +40,7 @@ typedef struct bb_findings {
     uint32_t first, end;
     char **scenes;
     size_t scene_count;
+    const char *rays; /* only traces of these are looked at; NULL: of all */
 } bb_findings;
 
 typedef struct bb_reproduction bb_reproduction;
@@ -79,6 +82,10 @@ struct bb_reproduce_request {
  * parameters, and loads no scene. */
 bb_status bb_reproduce_check(const bb_reproduce_request *request);
 
+/* Whether a stage of this builder is not registered, here or by a plug-in; `name` gets the first
+ * such stage's. False too for a text that is none of a builder. */
+bool bb_missing_stage(const char *builder, char *name, size_t capacity);
+
 /* Runs all experiments into `results` and adds the reproduction to it. *outcome as
  * bb_bench_run(). */
 bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
@@ -112,6 +119,10 @@ double bb_found_trace_ms(const bb_findings *f, bb_selection cell); /* of all ray
 double bb_found_mrays(const bb_findings *f, bb_selection cell);
 /* BB_F_TRACE_NODE_TESTS or BB_F_TRACE_PRIM_TESTS, a mean over the views. */
 double bb_found_tests(const bb_findings *f, bb_selection cell, bb_field_id tests);
+/* Counted work per ray, in the units of the surface area heuristic: 1.2 for each inner node that is
+ * visited, 1 for each primitive that is tested. Of kernels on binary nodes, which test the boxes of
+ * both children of a node that they visit. */
+double bb_found_work(const bb_findings *f, bb_selection cell);
 
 /* Of a cell: the time of its build, of its traces, or of both together. */
 typedef enum bb_times { BB_BUILD_TIME, BB_TRACE_TIME, BB_FRAME_TIME } bb_times;

@@ -1,0 +1,96 @@
+/* Extended Morton codes inside other builders: figures of one code over another. */
+#include "framework/papers/emc_methods.h"
+
+#include <math.h>
+
+#define METHOD_OF(id, name, builder, rest)                                                         \
+    [id] = {name, WITH_CODE(builder, "mc64", rest), WITH_CODE(builder, "emc64-var", rest)},
+
+const bb_emc_method bb_emc_methods[METHOD_COUNT] = {EMC_METHODS(METHOD_OF)};
+const char *const bb_emc_rays[INSIDE_KINDS] = {"primary", "diffuse", "shadow", "random"};
+
+/* The experiment, but only the traces that the figure is of. */
+static bb_findings findings_of(const bb_findings *all, bb_emc_figure figure)
+{
+    bb_findings f = all[INSIDE];
+    f.rays = figure.rays;
+    return f;
+}
+
+static bool is_time(bb_emc_figure figure)
+{
+    return figure.what == EMC_TIME || figure.what == EMC_BUILD;
+}
+
+static bb_times times_of(bb_emc_figure figure)
+{
+    return figure.what == EMC_BUILD ? BB_BUILD_TIME : BB_TRACE_TIME;
+}
+
+static bb_selection cell_of(const char *scene, const char *builder)
+{
+    return (bb_selection){scene, builder, "stack", NULL};
+}
+
+bb_estimate bb_emc_ratio(const bb_findings *all, bb_emc_figure figure, const char *scene,
+                         const char *builder, const char *base)
+{
+    bb_findings f = findings_of(all, figure);
+    bb_selection cell = cell_of(scene, builder), other = cell_of(scene, base);
+    bb_estimate e = bb_not_measured;
+    if (is_time(figure))
+        return bb_found_ratio(&f, times_of(figure), cell, other);
+    e.value = figure.what == EMC_COST
+                  ? bb_found_sah(&f, scene, builder) / bb_found_sah(&f, scene, base)
+                  : bb_found_work(&f, cell) / bb_found_work(&f, other);
+    return e;
+}
+
+bb_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
+                         const char *base)
+{
+    bb_figures s = {.f = &all[INSIDE]};
+    for (size_t i = 0; i < s.f->scene_count; i++)
+        s.values[i] = bb_emc_ratio(all, figure, s.f->scenes[i], builder, base).value;
+    return s;
+}
+
+bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char *builder,
+                        const char *base)
+{
+    if (!is_time(figure)) {
+        bb_figures s = bb_emc_ratios(all, figure, builder, base);
+        bb_estimate e = bb_not_measured;
+        e.value = bb_figures_mean(&s);
+        return e;
+    }
+    bb_findings f = findings_of(all, figure);
+    bb_ratio_mean mean = {0};
+    for (size_t i = 0; i < f.scene_count; i++)
+        bb_ratio_mean_add(&mean, &f, times_of(figure), cell_of(f.scenes[i], builder),
+                          cell_of(f.scenes[i], base));
+    return bb_ratio_mean_estimate(&mean);
+}
+
+bb_figures bb_emc_over_sweep(const bb_findings *all, const char *builder)
+{
+    bb_figures s = {.f = &all[INSIDE]};
+    for (size_t i = 0; i < s.f->scene_count; i++)
+        s.values[i] = bb_found_sah(s.f, s.f->scenes[i], builder) /
+                      bb_found_sah(&all[REFERENCE], s.f->scenes[i], SWEEP);
+    return s;
+}
+
+bb_verdict bb_emc_below(bb_emc_figure figure, bb_estimate e, double bound)
+{
+    return is_time(figure) ? bb_below(e, bound) : bb_verdict_of(e.value < bound, e.value, 0);
+}
+
+bool bb_emc_missing(const char *builder, bb_words *words)
+{
+    char name[64];
+    if (!bb_missing_stage(builder, name, sizeof name))
+        return false;
+    bb_say(words, "%sno such builder: %s", words->length > 0 ? "; " : "", name);
+    return true;
+}

@@ -1,0 +1,85 @@
+/* Extended Morton codes inside other builders: the builders, each with the plain code of 63 bits and
+ * with EMC-64-var, and what was measured of the one over the other.
+ *
+ * The paper has ATRBVH (table 2), and of HLBVH and AAC mean costs (section 5.4). Nobody has
+ * published them inside PLOC, H-PLOC, TRBVH and reinsertion, or of HLBVH and AAC more than costs.
+ */
+#ifndef BB_EMC_METHODS_H
+#define BB_EMC_METHODS_H
+
+#include "framework/papers/emc_figures.h"
+
+/* BUILDER:code=CODE,box=scene OPTIONS; as in emc_figures.h, the scene's box is cut into cells. */
+#define WITH_CODE(builder, code, rest) builder ":code=" code ",box=scene" rest
+/* Two rounds, as Domingues and Pedrini have it, whose settings the paper takes over. */
+#define AFTER_ATRBVH "+atrbvh:rounds=2"
+
+/* Identifier, name, builder, what follows the code's options. The paper does not say which AAC it
+ * has: AAC-HQ is compared with it here. */
+#define EMC_METHODS(ROW)                                                                           \
+    ROW(LBVH, "LBVH", "emc", "")                                                                   \
+    ROW(HLBVH, "HLBVH", "hlbvh", "")                                                               \
+    ROW(AAC_HQ, "AAC-HQ", "aac", ",variant=hq")                                                    \
+    ROW(AAC_FAST, "AAC-Fast", "aac", ",variant=fast")                                              \
+    ROW(PLOC, "PLOC", "ploc", "")                                                                  \
+    ROW(HPLOC, "H-PLOC", "hploc", "")                                                              \
+    ROW(TRBVH, "LBVH + TRBVH", "emc", "+trbvh")                                                    \
+    ROW(ATRBVH, "LBVH + ATRBVH", "emc", AFTER_ATRBVH)                                              \
+    ROW(REINSERTION, "LBVH + reinsertion", "emc", "+reinsert:passes=3")
+#define METHOD_ID(id, name, builder, rest) id,
+#define BOTH_CODES(id, name, builder, rest)                                                        \
+    "," WITH_CODE(builder, "mc64", rest) "," WITH_CODE(builder, "emc64-var", rest)
+
+#define ATRBVH_SORT64 WITH_CODE("emc", "emc64-sort", AFTER_ATRBVH)
+#define INSIDE_BUILDERS ATRBVH_SORT64 EMC_METHODS(BOTH_CODES)
+
+enum { EMC_METHODS(METHOD_ID) METHOD_COUNT };
+
+typedef struct bb_emc_method {
+    const char *name, *plain, *var;
+} bb_emc_method;
+
+extern const bb_emc_method bb_emc_methods[METHOD_COUNT];
+
+/* Rays of the experiment INSIDE. */
+#define INSIDE_RAYS "primary,diffuse,shadow,random"
+enum { INSIDE_KINDS = 4 };
+extern const char *const bb_emc_rays[INSIDE_KINDS];
+
+/* Of what: cost (SAH), counted work and time per ray, build time. Of the second and third, of which
+ * rays. */
+typedef enum bb_emc_what { EMC_COST, EMC_WORK, EMC_TIME, EMC_BUILD } bb_emc_what;
+typedef struct bb_emc_figure {
+    bb_emc_what what;
+    const char *rays; /* NULL: it is not of rays */
+} bb_emc_figure;
+
+/* The builder's figure over that of `base`. Costs and work are without noise, and have no interval.
+ */
+bb_estimate bb_emc_ratio(const bb_findings *all, bb_emc_figure figure, const char *scene,
+                         const char *builder, const char *base);
+/* Arithmetic mean over the scenes; of times in each round. */
+bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char *builder,
+                        const char *base);
+/* One per scene. */
+bb_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
+                         const char *base);
+/* Cost over that of a full sweep. */
+bb_figures bb_emc_over_sweep(const bb_findings *all, const char *builder);
+
+/* Is the figure, or its interval, below `bound`? */
+bb_verdict bb_emc_below(bb_emc_figure figure, bb_estimate e, double bound);
+
+/* Says "no such builder: atrbvh", after "; " if there is something before it, if one of its stages is
+ * not registered. */
+bool bb_emc_missing(const char *builder, bb_words *words);
+
+/* Tables and claims: which scene stands in for which, of the paper's other builders, and of those
+ * that are in no paper. */
+void bb_emc_scenes(const bb_findings *all, bb_reproduction *r);
+void bb_emc_others(const bb_findings *all, bb_reproduction *r);
+void bb_emc_other_claims(const bb_findings *all, bb_reproduction *r);
+void bb_emc_inside(const bb_findings *all, bb_reproduction *r);
+void bb_emc_inside_claims(const bb_findings *all, bb_reproduction *r);
+
+#endif
