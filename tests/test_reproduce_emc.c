@@ -1,5 +1,5 @@
-/* Extended Morton codes inside other builders: tables and claims on made-up results whose answers are
- * known, and builders that are not there. */
+/* Extended Morton codes inside other builders: tables and claims on made-up results whose answers
+ * are known, and builders that are not there. */
 #include "framework/papers/emc_methods.h"
 #include "tests/paper_fixture.h"
 

@@ -1,5 +1,5 @@
-/* EMC-64-var inside other builders: cost, counted work and time per ray of each kind, and build time,
- * over those of the same builder with the plain code of 63 bits. Tables and claims.
+/* EMC-64-var inside other builders: cost, counted work and time per ray of each kind, and build
+ * time, over those of the same builder with the plain code of 63 bits. Tables and claims.
  */
 #include "framework/papers/emc_methods.h"
 
@@ -24,28 +24,26 @@ static bb_estimate mean_of(const bb_findings *all, bb_emc_figure figure, int met
 
 static void add_summary(const bb_findings *all, bb_reproduction *r)
 {
-    static const char *const columns[] = {
-        "builder",     "cost",        "work primary", "work diffuse",
-        "work shadow", "work random", "time primary", "time diffuse",
-        "time shadow", "time random", "build",        "note",
-        NULL};
-    bb_table(
-        r,
-        "EMC-64-var inside builders, as a ratio to the same builder with MC-64 (below 1: better), "
-        "means of the scenes: cost (SAH), counted work (1.2 nodes + primitives) and time per ray, "
-        "build. Intervals and scenes in the tables that follow",
-        columns);
+    static const char *const columns[] = {"builder",      "cost",         "work primary",
+                                          "work diffuse", "work shadow",  "work random",
+                                          "time primary", "time diffuse", "time shadow",
+                                          "time random",  "build",        NULL};
+    bb_table(r,
+             "EMC-64-var inside builders, as a ratio to the same builder with MC-64 (below 1: "
+             "better), means of the scenes: cost (SAH), counted work (1.2 nodes + primitives) and "
+             "time per ray, build. Intervals and scenes: the tables that follow",
+             columns);
     for (int i = 0; i < METHOD_COUNT; i++) {
-        bb_words missing = {0};
-        bb_emc_missing(bb_emc_methods[i].plain, &missing);
+        bb_words name = {0};
+        bb_say(&name, "%s", bb_emc_methods[i].name);
+        bb_emc_missing(bb_emc_methods[i].plain, &name);
         bb_row(r);
-        bb_table_text(r, bb_emc_methods[i].name);
+        bb_table_text(r, name.text);
         bb_table_number(r, mean_of(all, cost, i).value, 3);
         for (bb_emc_what what = EMC_WORK; what <= EMC_TIME; what++)
             for (int k = 0; k < INSIDE_KINDS; k++)
                 bb_table_number(r, mean_of(all, (bb_emc_figure){what, bb_emc_rays[k]}, i).value, 3);
         bb_table_number(r, mean_of(all, build, i).value, 3);
-        bb_table_text(r, missing.text);
     }
 }
 

@@ -1,5 +1,5 @@
-/* Extended Morton codes inside other builders: the builders, each with the plain code of 63 bits and
- * with EMC-64-var, and what was measured of the one over the other.
+/* Extended Morton codes inside other builders: the builders, each with the plain code of 63 bits
+ * and with EMC-64-var, and what was measured of the one over the other.
  *
  * The paper has ATRBVH (table 2), and of HLBVH and AAC mean costs (section 5.4). Nobody has
  * published them inside PLOC, H-PLOC, TRBVH and reinsertion, or of HLBVH and AAC more than costs.
@@ -70,8 +70,8 @@ bb_figures bb_emc_over_sweep(const bb_findings *all, const char *builder);
 /* Is the figure, or its interval, below `bound`? */
 bb_verdict bb_emc_below(bb_emc_figure figure, bb_estimate e, double bound);
 
-/* Says "no such builder: atrbvh", after "; " if there is something before it, if one of its stages is
- * not registered. */
+/* Says "no such builder: atrbvh", after "; " if there is something before it, if one of its stages
+ * is not registered. */
 bool bb_emc_missing(const char *builder, bb_words *words);
 
 /* Tables and claims: which scene stands in for which, of the paper's other builders, and of those

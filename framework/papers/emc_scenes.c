@@ -1,6 +1,6 @@
-/* Which of our scenes stands in for which of the paper's, and how alike they are. The paper's are not
- * shipped, and of their shapes the text at hand says little: table 1, their properties, is not
- * legible in it.
+/* Which of our scenes stands in for which of the paper's, and how alike they are. The paper's are
+ * not shipped, and the text that was at hand says little of their shapes: its table 1, the
+ * properties of the scenes, is illegible.
  */
 #include "framework/papers/emc_methods.h"
 

@@ -4,7 +4,7 @@
  * Table 2 (cost, trace performance, build time, with LBVH and ATRBVH), the influence of each
  * ingredient (section 5.3) and other builders (section 5.4), as ratios to the plain code of 63 bits
  * on the same builder; then builders of which nobody has published it. The cost's constants are the
- * paper's. With LBVH, codes are compared on the builder `emc`, so that nothing but the code differs.
+ * paper's. With LBVH, codes are compared on the builder `emc`: nothing but the code differs.
  */
 #include "framework/papers/emc_methods.h"
 

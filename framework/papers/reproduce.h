@@ -24,7 +24,8 @@ typedef struct bb_experiment {
     const char *quick_scenes;
     bool native;       /* what none of the kernels keeps the shape of goes to a native one, too */
     bool takes_scenes; /* scenes that are asked for take the place of these */
-    /* of its builders, those with a stage that is not registered are left out: bb_missing_stage() */
+    /* of its builders, those with a stage that is not registered are left out (bb_missing_stage())
+     */
     bool optional_builders;
     uint32_t width, height; /* of primary rays */
     uint32_t max_rays;
