@@ -29,7 +29,7 @@
 #define SWEEP "sah:method=sweep"
 
 /* Experiments, in order. */
-enum { TRACED, BUILT, VARIED, SIZED, INSIDE, REFERENCE };
+enum { TRACED, BUILT, VARIED, SIZED, INSIDE, CENTRED };
 
 /* Codes and the plain ones of equal length. */
 static const struct {

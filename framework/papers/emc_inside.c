@@ -114,6 +114,36 @@ static void add_figure(const bb_findings *all, bb_reproduction *r, bb_emc_figure
     }
 }
 
+/* Where the cells begin: what that alone does to costs. */
+static void add_placement(const bb_findings *all, bb_reproduction *r)
+{
+    static const char *const columns[] = {"builder",
+                                          "EMC/MC, scene",
+                                          "EMC/MC, centroids",
+                                          "MC, centroids/scene",
+                                          "least",
+                                          "most of the scenes",
+                                          NULL};
+    bb_table(r,
+             "EMC-64-var inside builders: cost as a ratio to MC-64, with the scene's box divided "
+             "and with that of the centroids; and what that choice alone does to MC-64: an EMC "
+             "that does less than this does nothing for sure",
+             columns);
+    for (int i = 0; i < METHOD_COUNT; i++) {
+        bb_figures centred = bb_emc_centred(all, i), placement = bb_emc_placement(all, i);
+        bb_words name = {0};
+        bb_say(&name, "%s", bb_emc_methods[i].name);
+        bb_emc_missing(bb_emc_methods[i].plain, &name);
+        bb_row(r);
+        bb_table_text(r, name.text);
+        bb_table_number(r, mean_of(all, cost, i).value, 3);
+        bb_table_number(r, bb_figures_mean(&centred), 3);
+        bb_table_number(r, bb_figures_mean(&placement), 3);
+        bb_table_number(r, bb_figures_least(&placement), 3);
+        bb_table_number(r, bb_figures_most(&placement), 3);
+    }
+}
+
 static void add_ray_figures(const bb_findings *all, bb_reproduction *r, bb_emc_what what,
                             const char *name)
 {
@@ -129,6 +159,7 @@ void bb_emc_inside(const bb_findings *all, bb_reproduction *r)
 {
     add_summary(all, r);
     add_figure(all, r, cost, "EMC-64-var inside builders: cost (SAH), as a ratio to MC-64");
+    add_placement(all, r);
     add_ray_figures(all, r, EMC_WORK, "counted work (1.2 nodes + primitives)");
     add_ray_figures(all, r, EMC_TIME, "time");
     add_figure(all, r, build, "EMC-64-var inside builders: build time, as a ratio to MC-64");
@@ -140,17 +171,22 @@ void bb_emc_inside(const bb_findings *all, bb_reproduction *r)
 static void claim_cost(const bb_findings *all, bb_reproduction *r, int method)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    bb_figures s = bb_emc_ratios(all, cost, m->var, m->plain);
-    double mean = bb_figures_mean(&s);
+    bb_figures s = bb_emc_ratios(all, cost, m->var, m->plain), other = bb_emc_centred(all, method);
+    double mean = bb_figures_mean(&s), centred = bb_figures_mean(&other);
+    bool holds = mean < 1 - same && centred < 1 - same;
     bb_words claim = {0}, ours = {0}, why = {0};
-    bb_say(&claim, "EMC-64-var lowers the cost of %s on average", m->name);
+    bb_say(&claim,
+           "EMC-64-var lowers the cost of %s on average, whether the box of the scene or of the "
+           "centroids is divided",
+           m->name);
     if (!bb_emc_missing(m->plain, &why)) {
-        bb_say_range(&ours, "ratio to MC-64", &s);
-        for (size_t i = 0; i < s.f->scene_count && !(mean < 1 - same); i++)
-            bb_say(&why, "%s%s %.3f", why.length > 0 ? ", " : "per scene: ", s.f->scenes[i],
-                   s.values[i]);
+        bb_say_range(&ours, "ratio to MC-64 in the scene's box", &s);
+        bb_say_range(&ours, "in that of the centroids", &other);
+        for (size_t i = 0; i < s.f->scene_count && !holds; i++)
+            bb_say(&why, "%s%s %.3f, %.3f", why.length > 0 ? "; " : "per scene: ", s.f->scenes[i],
+                   s.values[i], other.values[i]);
     }
-    bb_claim(r, bb_verdict_of(mean < 1 - same, mean, 0), claim.text, "not published", &ours, &why);
+    bb_claim(r, bb_verdict_of(holds, mean, centred), claim.text, "not published", &ours, &why);
 }
 
 /* By the mean over the scenes, for each kind of rays. */

@@ -4,7 +4,9 @@
 #include <math.h>
 
 #define METHOD_OF(id, name, builder, rest)                                                         \
-    [id] = {name, WITH_CODE(builder, "mc64", rest), WITH_CODE(builder, "emc64-var", rest)},
+    [id] = {name, WITH_CODE(builder, "mc64", rest), WITH_CODE(builder, "emc64-var", rest),         \
+            WITH_BOX(builder, "mc64", "centroids", rest),                                          \
+            WITH_BOX(builder, "emc64-var", "centroids", rest)},
 
 const bb_emc_method bb_emc_methods[METHOD_COUNT] = {EMC_METHODS(METHOD_OF)};
 const char *const bb_emc_rays[INSIDE_KINDS] = {"primary", "diffuse", "shadow", "random"};
@@ -72,12 +74,32 @@ bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char
     return bb_ratio_mean_estimate(&mean);
 }
 
+bb_figures bb_emc_centred(const bb_findings *all, int method)
+{
+    const bb_emc_method *m = &bb_emc_methods[method];
+    bb_figures s = {.f = &all[CENTRED]};
+    for (size_t i = 0; i < s.f->scene_count; i++)
+        s.values[i] = bb_found_sah(s.f, s.f->scenes[i], m->centred_var) /
+                      bb_found_sah(s.f, s.f->scenes[i], m->centred_plain);
+    return s;
+}
+
+bb_figures bb_emc_placement(const bb_findings *all, int method)
+{
+    const bb_emc_method *m = &bb_emc_methods[method];
+    bb_figures s = {.f = &all[CENTRED]};
+    for (size_t i = 0; i < s.f->scene_count; i++)
+        s.values[i] = bb_found_sah(s.f, s.f->scenes[i], m->centred_plain) /
+                      bb_found_sah(&all[INSIDE], s.f->scenes[i], m->plain);
+    return s;
+}
+
 bb_figures bb_emc_over_sweep(const bb_findings *all, const char *builder)
 {
     bb_figures s = {.f = &all[INSIDE]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_found_sah(s.f, s.f->scenes[i], builder) /
-                      bb_found_sah(&all[REFERENCE], s.f->scenes[i], SWEEP);
+                      bb_found_sah(&all[CENTRED], s.f->scenes[i], SWEEP);
     return s;
 }
 

@@ -9,8 +9,11 @@
 
 #include "framework/papers/emc_figures.h"
 
-/* BUILDER:code=CODE,box=scene OPTIONS; as in emc_figures.h, the scene's box is cut into cells. */
-#define WITH_CODE(builder, code, rest) builder ":code=" code ",box=scene" rest
+/* BUILDER:code=CODE,box=BOX OPTIONS. As in emc_figures.h, the scene's box is cut into cells; but
+ * where cells begin is a matter of chance, and so are some percent of a tree's cost, so that costs
+ * are compared in the box of the centroids, too. */
+#define WITH_BOX(builder, code, box, rest) builder ":code=" code ",box=" box rest
+#define WITH_CODE(builder, code, rest) WITH_BOX(builder, code, "scene", rest)
 /* Two rounds, as Domingues and Pedrini have it, whose settings the paper takes over. */
 #define AFTER_ATRBVH "+atrbvh:rounds=2"
 
@@ -30,13 +33,19 @@
 #define BOTH_CODES(id, name, builder, rest)                                                        \
     "," WITH_CODE(builder, "mc64", rest) "," WITH_CODE(builder, "emc64-var", rest)
 
+#define BOTH_CENTRED(id, name, builder, rest)                                                      \
+    "," WITH_BOX(builder, "mc64", "centroids", rest) "," WITH_BOX(builder, "emc64-var",            \
+                                                                  "centroids", rest)
+
 #define ATRBVH_SORT64 WITH_CODE("emc", "emc64-sort", AFTER_ATRBVH)
 #define INSIDE_BUILDERS ATRBVH_SORT64 EMC_METHODS(BOTH_CODES)
+#define CENTRED_BUILDERS SWEEP EMC_METHODS(BOTH_CENTRED)
 
 enum { EMC_METHODS(METHOD_ID) METHOD_COUNT };
 
 typedef struct bb_emc_method {
     const char *name, *plain, *var;
+    const char *centred_plain, *centred_var; /* with the box of the centroids */
 } bb_emc_method;
 
 extern const bb_emc_method bb_emc_methods[METHOD_COUNT];
@@ -64,14 +73,18 @@ bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char
 /* One per scene. */
 bb_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
                          const char *base);
+/* The ratio of a method's costs in the box of the centroids, and how much that box alone changes the
+ * cost with MC-64. One per scene. */
+bb_figures bb_emc_centred(const bb_findings *all, int method);
+bb_figures bb_emc_placement(const bb_findings *all, int method);
 /* Cost over that of a full sweep. */
 bb_figures bb_emc_over_sweep(const bb_findings *all, const char *builder);
 
 /* Is the figure, or its interval, below `bound`? */
 bb_verdict bb_emc_below(bb_emc_figure figure, bb_estimate e, double bound);
 
-/* Says "no such builder: atrbvh", after "; " if there is something before it, if one of its stages
- * is not registered. */
+/* Says "no such builder: atrbvh" if one of its stages is not registered; after "; " if there is
+ * something before it. */
 bool bb_emc_missing(const char *builder, bb_words *words);
 
 /* Tables and claims: which scene stands in for which, of the paper's other builders, and of those
