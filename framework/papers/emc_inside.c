@@ -117,17 +117,13 @@ static void add_figure(const bb_findings *all, bb_reproduction *r, bb_emc_figure
 /* Where the cells begin: what that alone does to costs. */
 static void add_placement(const bb_findings *all, bb_reproduction *r)
 {
-    static const char *const columns[] = {"builder",
-                                          "EMC/MC, scene",
-                                          "EMC/MC, centroids",
-                                          "MC, centroids/scene",
-                                          "least",
-                                          "most of the scenes",
-                                          NULL};
+    static const char *const columns[] = {
+        "builder", "EMC/MC, scene", "EMC/MC, centroids", "MC, centroids/scene", "least", "most",
+        NULL};
     bb_table(r,
              "EMC-64-var inside builders: cost as a ratio to MC-64, with the scene's box divided "
-             "and with that of the centroids; and what that choice alone does to MC-64: an EMC "
-             "that does less than this does nothing for sure",
+             "and with that of the centroids; and what that choice alone does to MC-64: a smaller "
+             "gain than that is not surely the code's",
              columns);
     for (int i = 0; i < METHOD_COUNT; i++) {
         bb_figures centred = bb_emc_centred(all, i), placement = bb_emc_placement(all, i);

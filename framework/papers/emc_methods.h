@@ -73,8 +73,8 @@ bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char
 /* One per scene. */
 bb_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
                          const char *base);
-/* The ratio of a method's costs in the box of the centroids, and how much that box alone changes the
- * cost with MC-64. One per scene. */
+/* The ratio of a method's costs in the box of the centroids, and how much that box alone changes
+ * the cost with MC-64. One per scene. */
 bb_figures bb_emc_centred(const bb_findings *all, int method);
 bb_figures bb_emc_placement(const bb_findings *all, int method);
 /* Cost over that of a full sweep. */
