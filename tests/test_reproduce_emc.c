@@ -35,7 +35,8 @@ static void add_centred(bb_results *results, int id, const made_up *m)
     }
 }
 
-/* All methods, and a sweep that costs 80 everywhere. */
+/* All methods, and in the box of the centroids a sweep that costs 80 everywhere, and PLOC with
+ * wider radii, which costs 89 and 85. */
 static const cJSON *reproduce_with(bb_results *results, const made_up methods[METHOD_COUNT])
 {
     const bb_paper *paper = NULL;
@@ -51,8 +52,11 @@ static const cJSON *reproduce_with(bb_results *results, const made_up methods[ME
     uint32_t first = bb_results_next_build(results);
     for (int i = 0; i < METHOD_COUNT; i++)
         add_centred(results, i, &methods[i]);
-    for (int s = 0; s < 2; s++)
+    for (int s = 0; s < 2; s++) {
         add_build(results, scenes[s], SWEEP, 80, 100);
+        add_build(results, scenes[s], PLOC_RADIUS("16"), 89, 10);
+        add_build(results, scenes[s], PLOC_RADIUS("32"), 85, 10);
+    }
     all[CENTRED] = findings_of(results, first);
     assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
     const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
@@ -199,6 +203,39 @@ static void atrbvh_has_both_sides(void **state)
     bb_results_destroy(results);
 }
 
+/* With MC-64: the same costs; AAC and PLOC meet more boxes than LBVH and HLBVH. */
+static void builders_are_set_beside_lbvh(void **state)
+{
+    (void)state;
+    bb_results *results = new_results();
+    const bb_paper *paper = NULL;
+    bb_findings all[BB_EXPERIMENTS_MAX];
+    assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
+    for (int i = 0; i < METHOD_COUNT; i++) {
+        bool more = i == AAC_HQ || i == AAC_FAST || i == PLOC || i == HPLOC;
+        uint32_t build = add_build(results, flat, bb_emc_methods[i].plain, 100 + i, 10);
+        for (int k = 0; k < INSIDE_KINDS; k++)
+            add_trace_of(results, build, "stack", "", bb_emc_rays[k], 6 + i, more ? 60 : 40);
+    }
+    add_build(results, flat, PLOC_RADIUS("16"), 89, 10);
+    add_build(results, flat, PLOC_RADIUS("32"), 85, 10);
+    add_build(results, flat, bb_emc_methods[PLOC].centred_plain, 90, 10);
+    for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
+        all[e] = findings_of(results, 0);
+    assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
+    const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+    const cJSON *r = cJSON_GetArrayItem(list, 0), *table = table_with(r, "Builders with MC-64");
+    assert_true(number(table, "LBVH", 1) == 1 && number(table, "PLOC", 1) == 1.04);
+    assert_true(number(table, "PLOC", 5) == 1.48); /* 37/25 */
+    assert_true(number(table, "HLBVH", 9) == 1.167);
+    assert_true(cJSON_IsTrue(claim_with(r, "flatters agglomerative")));
+    assert_true(cJSON_IsTrue(claim_with(r, "HLBVH asks for less")));
+    const cJSON *radius = claim_with(r, "radius beyond 8");
+    assert_true(cJSON_IsFalse(radius));
+    assert_string_equal(why_of(radius), "radius 32: -5.6 %");
+    bb_results_destroy(results);
+}
+
 /* ---- builders that are not there ---- */
 
 static void missing_stages_are_named(void **state)
@@ -278,6 +315,7 @@ int main(void)
         cmocka_unit_test(what_is_worse_is_not_held),
         cmocka_unit_test(few_rounds_decide_costs_alone),
         cmocka_unit_test(atrbvh_has_both_sides),
+        cmocka_unit_test(builders_are_set_beside_lbvh),
         cmocka_unit_test(missing_stages_are_named),
         cmocka_unit_test(missing_builders_are_left_out),
         cmocka_unit_test(kinds_of_rays_are_told_apart),

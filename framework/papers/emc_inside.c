@@ -4,7 +4,6 @@
 #include "framework/papers/emc_methods.h"
 
 #include <math.h>
-#include <string.h>
 
 /* Scenes that a table has columns for. */
 enum { SCENES_SHOWN = 20 };
@@ -21,31 +20,6 @@ static bb_estimate mean_of(const bb_findings *all, bb_emc_figure figure, int met
 }
 
 /* ---- tables ---- */
-
-static void add_summary(const bb_findings *all, bb_reproduction *r)
-{
-    static const char *const columns[] = {"builder",      "cost",         "work primary",
-                                          "work diffuse", "work shadow",  "work random",
-                                          "time primary", "time diffuse", "time shadow",
-                                          "time random",  "build",        NULL};
-    bb_table(r,
-             "EMC-64-var inside builders, as a ratio to the same builder with MC-64 (below 1: "
-             "better), means of the scenes: cost (SAH), counted work (1.2 nodes + primitives) and "
-             "time per ray, build. Intervals and scenes: the tables that follow",
-             columns);
-    for (int i = 0; i < METHOD_COUNT; i++) {
-        bb_words name = {0};
-        bb_say(&name, "%s", bb_emc_methods[i].name);
-        bb_emc_missing(bb_emc_methods[i].plain, &name);
-        bb_row(r);
-        bb_table_text(r, name.text);
-        bb_table_number(r, mean_of(all, cost, i).value, 3);
-        for (bb_emc_what what = EMC_WORK; what <= EMC_TIME; what++)
-            for (int k = 0; k < INSIDE_KINDS; k++)
-                bb_table_number(r, mean_of(all, (bb_emc_figure){what, bb_emc_rays[k]}, i).value, 3);
-        bb_table_number(r, mean_of(all, build, i).value, 3);
-    }
-}
 
 /* "lower (4 of 7 scenes lower, 1 higher)": by intervals, where there are any. */
 static void say_verdict(const bb_findings *all, bb_emc_figure figure, int method, bb_words *words)
@@ -153,7 +127,12 @@ static void add_ray_figures(const bb_findings *all, bb_reproduction *r, bb_emc_w
 
 void bb_emc_inside(const bb_findings *all, bb_reproduction *r)
 {
-    add_summary(all, r);
+    bb_emc_summary(all, r,
+                   "EMC-64-var inside builders, as a ratio to the same builder with MC-64 (below "
+                   "1: better), means of the scenes: cost (SAH), counted work (1.2 nodes + "
+                   "primitives) and time per ray, build. Intervals and scenes: the tables that "
+                   "follow",
+                   false);
     add_figure(all, r, cost, "EMC-64-var inside builders: cost (SAH), as a ratio to MC-64");
     add_placement(all, r);
     add_ray_figures(all, r, EMC_WORK, "counted work (1.2 nodes + primitives)");

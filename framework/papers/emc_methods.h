@@ -39,7 +39,9 @@
 
 #define ATRBVH_SORT64 WITH_CODE("emc", "emc64-sort", AFTER_ATRBVH)
 #define INSIDE_BUILDERS ATRBVH_SORT64 EMC_METHODS(BOTH_CODES)
-#define CENTRED_BUILDERS SWEEP EMC_METHODS(BOTH_CENTRED)
+/* PLOC, whose radius is 8, with others. */
+#define PLOC_RADIUS(radius) WITH_BOX("ploc", "mc64", "centroids", ",radius=" radius)
+#define CENTRED_BUILDERS SWEEP "," PLOC_RADIUS("16") "," PLOC_RADIUS("32") EMC_METHODS(BOTH_CENTRED)
 
 enum { EMC_METHODS(METHOD_ID) METHOD_COUNT };
 
@@ -94,5 +96,11 @@ void bb_emc_others(const bb_findings *all, bb_reproduction *r);
 void bb_emc_other_claims(const bb_findings *all, bb_reproduction *r);
 void bb_emc_inside(const bb_findings *all, bb_reproduction *r);
 void bb_emc_inside_claims(const bb_findings *all, bb_reproduction *r);
+/* All figures of all methods, means of the scenes: with EMC-64-var over MC-64, or (`beside`) with
+ * MC-64 over LBVH's. */
+void bb_emc_summary(const bb_findings *all, bb_reproduction *r, const char *title, bool beside);
+/* The builders beside each other, with the plain code. */
+void bb_emc_builders(const bb_findings *all, bb_reproduction *r);
+void bb_emc_builder_claims(const bb_findings *all, bb_reproduction *r);
 
 #endif

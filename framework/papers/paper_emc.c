@@ -341,10 +341,12 @@ static void evaluate(const bb_findings *all, const void *measured, bb_reproducti
     add_sizes(all, r);
     bb_emc_scenes(all, r);
     bb_emc_others(all, r);
+    bb_emc_builders(all, r);
     bb_emc_inside(all, r);
     bb_emc_claims(all, r);
     bb_emc_other_claims(all, r);
     bb_emc_inside_claims(all, r);
+    bb_emc_builder_claims(all, r);
 }
 
 extern const bb_paper bb_paper_emc;
