@@ -211,11 +211,12 @@ static void builders_are_set_beside_lbvh(void **state)
     const bb_paper *paper = NULL;
     bb_findings all[BB_EXPERIMENTS_MAX];
     assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
-    for (int i = 0; i < METHOD_COUNT; i++) {
-        bool more = i == AAC_HQ || i == AAC_FAST || i == PLOC || i == HPLOC;
-        uint32_t build = add_build(results, flat, bb_emc_methods[i].plain, 100 + i, 10);
+    for (int i = 0; i < 2 * METHOD_COUNT; i++) {
+        int id = i / 2;
+        bool more = id == AAC_HQ || id == AAC_FAST || id == PLOC || id == HPLOC;
+        uint32_t build = add_build(results, scenes[i % 2], bb_emc_methods[id].plain, 100 + id, 10);
         for (int k = 0; k < INSIDE_KINDS; k++)
-            add_trace_of(results, build, "stack", "", bb_emc_rays[k], 6 + i, more ? 60 : 40);
+            add_trace_of(results, build, "stack", "", bb_emc_rays[k], 6 + id, more ? 60 : 40);
     }
     add_build(results, flat, PLOC_RADIUS("16"), 89, 10);
     add_build(results, flat, PLOC_RADIUS("32"), 85, 10);
@@ -233,6 +234,29 @@ static void builders_are_set_beside_lbvh(void **state)
     const cJSON *radius = claim_with(r, "radius beyond 8");
     assert_true(cJSON_IsFalse(radius));
     assert_string_equal(why_of(radius), "radius 32: -5.6 %");
+    bb_results_destroy(results);
+}
+
+/* Twice the time on one scene and half on the other is no difference. */
+static void means_of_times_are_geometric(void **state)
+{
+    (void)state;
+    bb_results *results = new_results();
+    bb_findings all[BB_EXPERIMENTS_MAX];
+    const bb_emc_method *m = &bb_emc_methods[PLOC];
+    for (int s = 0; s < 2; s++) {
+        uint32_t plain = add_build(results, scenes[s], m->plain, 100, 10),
+                 var = add_build(results, scenes[s], m->var, 100, s == 0 ? 20 : 5);
+        add_trace_of(results, plain, "stack", "", "shadow", 6, 40);
+        add_trace_of(results, var, "stack", "", "shadow", s == 0 ? 24 : 1.5, 40);
+    }
+    all[INSIDE] = findings_of(results, 0);
+    bb_estimate time = bb_emc_mean(all, (bb_emc_figure){EMC_TIME, "shadow"}, m->var, m->plain),
+                build = bb_emc_mean(all, (bb_emc_figure){EMC_BUILD, NULL}, m->var, m->plain);
+    assert_float_equal(time.value, 1, 1e-12);
+    assert_float_equal(build.value, 1, 1e-12);
+    assert_true(
+        isnan(bb_emc_mean(all, (bb_emc_figure){EMC_TIME, "primary"}, m->var, m->plain).value));
     bb_results_destroy(results);
 }
 
@@ -316,6 +340,7 @@ int main(void)
         cmocka_unit_test(few_rounds_decide_costs_alone),
         cmocka_unit_test(atrbvh_has_both_sides),
         cmocka_unit_test(builders_are_set_beside_lbvh),
+        cmocka_unit_test(means_of_times_are_geometric),
         cmocka_unit_test(missing_stages_are_named),
         cmocka_unit_test(missing_builders_are_left_out),
         cmocka_unit_test(kinds_of_rays_are_told_apart),

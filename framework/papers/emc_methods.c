@@ -67,11 +67,7 @@ bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char
         return e;
     }
     bb_findings f = findings_of(all, figure);
-    bb_ratio_mean mean = {0};
-    for (size_t i = 0; i < f.scene_count; i++)
-        bb_ratio_mean_add(&mean, &f, times_of(figure), cell_of(f.scenes[i], builder),
-                          cell_of(f.scenes[i], base));
-    return bb_ratio_mean_estimate(&mean);
+    return bb_found_mean_ratio(&f, times_of(figure), "stack", builder, base);
 }
 
 bb_figures bb_emc_centred(const bb_findings *all, int method)

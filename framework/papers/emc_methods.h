@@ -69,7 +69,8 @@ typedef struct bb_emc_figure {
  */
 bb_estimate bb_emc_ratio(const bb_findings *all, bb_emc_figure figure, const char *scene,
                          const char *builder, const char *base);
-/* Arithmetic mean over the scenes; of times in each round. */
+/* Mean over the scenes: arithmetic, as in the paper; of times geometric and in each round, since
+ * noise pushes an arithmetic mean of ratios up. */
 bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char *builder,
                         const char *base);
 /* One per scene. */

@@ -222,7 +222,7 @@ static void claim_atrbvh(const bb_findings *all, bb_reproduction *r)
 
     bb_estimate speed = mean_of(all, SPEEDS, method->var, method->plain);
     ours = why = (bb_words){0};
-    bb_say(&ours, "mean of the scenes round by round ");
+    bb_say(&ours, "geometric mean of the scenes round by round ");
     bb_say_estimate(&ours, speed);
     bb_claim(r, bb_above(speed, 1),
              "EMC-64-var traces diffuse rays faster than MC-64 with ATRBVH, on average (5.2)",

@@ -189,13 +189,14 @@ bb_estimate bb_ratio_mean_estimate(const bb_ratio_mean *mean)
     return bb_samples_estimate(&means);
 }
 
-bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base)
+bb_estimate bb_found_mean_ratio(const bb_findings *f, bb_times what, const char *kernel,
+                                const char *builder, const char *base)
 {
     bb_samples logs = {0};
     for (size_t s = 0; s < f->scene_count; s++) {
-        bb_selection cell = {f->scenes[s], builder, NULL, NULL},
-                     other = {f->scenes[s], base, NULL, NULL};
-        bb_samples ratios = ratios_of(f, BB_BUILD_TIME, cell, other);
+        bb_selection cell = {f->scenes[s], builder, kernel, NULL},
+                     other = {f->scenes[s], base, kernel, NULL};
+        bb_samples ratios = ratios_of(f, what, cell, other);
         for (uint32_t i = 0; i < ratios.count; i++)
             ratios.values[i] = log(ratios.values[i]);
         if (ratios.count == 0 || !add_samples(&logs, &ratios))
@@ -204,6 +205,11 @@ bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, con
     for (uint32_t i = 0; i < logs.count; i++)
         logs.values[i] = exp(logs.values[i] / (double)f->scene_count);
     return bb_samples_estimate(&logs);
+}
+
+bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base)
+{
+    return bb_found_mean_ratio(f, BB_BUILD_TIME, NULL, builder, base);
 }
 
 /* ---- scenes ---- */

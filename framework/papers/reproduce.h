@@ -143,8 +143,11 @@ void bb_ratio_mean_add(bb_ratio_mean *mean, const bb_findings *f, bb_times what,
                        bb_selection base);
 bb_estimate bb_ratio_mean_estimate(const bb_ratio_mean *mean);
 
-/* Build time over that of `base`: geometric mean over all scenes, round by round, which noise does
- * not push one way. Not measured if one scene is not. */
+/* Time over that of `base`: geometric mean over all scenes, round by round, which noise does not
+ * push one way. Not measured if one scene is not. `kernel` may be NULL for build times. */
+bb_estimate bb_found_mean_ratio(const bb_findings *f, bb_times what, const char *kernel,
+                                const char *builder, const char *base);
+/* The same of build times. */
 bb_estimate bb_found_build_ratios(const bb_findings *f, const char *builder, const char *base);
 
 /* A figure of the scene or its profile: BB_F_SCENE_PRIMS, BB_F_PROFILE_... */
