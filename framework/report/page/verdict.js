@@ -154,7 +154,9 @@ function drawSummaryTable(summary) {
     standing(`Trace /${summary.referenced ? 'Embree' : 'best'}`, r => r.trace), num('Mrays/s', r => r.mrays_s),
     standing('Build Mprims/s', r => r.build), standing('+ layout', r => r.ready, 'build and layout of its kernel'),
     ...summaries.counts.map((n, k) => standing(`${brief(n)} rays`, r => r.image[k], 'time to image, by the best')),
-    standing(`${schema.metrics.find(m => m.of_layouts).title} /best`, r => r.quality), num('Peak', r => r.peak, null, bytes), num('Wrong', r => r.wrong, 'rays', whole),
+    standing(`${schema.metrics.find(m => m.of_layouts).title} /best`, r => r.quality),
+    standing('EPO /best', r => r.overlap, 'end-point overlap of the tree'),
+    standing('Work /best', r => r.work, 'counted per ray, by the kernel that needs least: 1.2 for each pair of boxes tested, 1 for each primitive'), num('Peak', r => r.peak, null, bytes), num('Wrong', r => r.wrong, 'rays', whole),
     num('Judged', r => r.checked, 'rays', whole), num('Failed', r => r.failed, 'cells and builds', whole), num('Ray sets', r => r.sets, null, whole),
   ], summary.rows, { css: r => r.reference ? 'reference' : null });
 }
@@ -184,6 +186,7 @@ function readAddress() {
 
 function startVerdict() {
   const warnings = [summaries.busy && `The times are not to be trusted: ${summaries.busy}.`,
+    summaries.implausible && `${summaries.implausible}.`,
     data.context.interrupted && 'The run was interrupted: not all that was asked for was measured.'].filter(Boolean);
   $('verdict-warnings').replaceChildren(...warnings.map(text => el('p', { class: 'warning' }, text)));
   for (const [id, key] of [['verdict-scene', 'scene'], ['verdict-rays', 'rays']]) {
