@@ -31,7 +31,8 @@ function drawPrediction(set) {
   const fit = predictions.find(p => p.rays === kind.rays);
   const points = kind.points.map(p => ({ cell: { t: traces[p[0]], label: label(traces[p[0]]), reference: false }, none: true,
                                          x: p[at], y: p[1] })).filter(p => shown(p.cell) && isNumber(p.x));
-  const ends = points.flatMap(p => [p.x, p.y]), low = Math.min(...ends) * 0.97, high = Math.max(...ends) * 1.03;
+  const [across, up] = [points.map(p => p.x), points.map(p => p.y)].map(v => ({ min: Math.min(...v) * 0.97, max: Math.max(...v) * 1.03 }));
+  const low = Math.max(across.min, up.min), high = Math.min(across.max, up.max);
   const sets = marksOf(points, c => c.label, builderColour);
   for (const s of sets) s.pointRadius = 4;
   if (points.length > 0)
@@ -40,11 +41,10 @@ function drawPrediction(set) {
     `${percent(fit[`${name}_error`])} from this cost (correlation ${figure(fit[`${name}_correlation`])})` +
     (name === 'mix' && isNumber(fit.unseen_error) ? `, by ${percent(fit.unseen_error)} in a scene that the mix was not fitted to` : '') +
     (name === 'mix' ? `; alpha ${alphaText(fit)}.` : '.');
-  const range = points.length > 0 ? { min: low, max: high } : {};
   const ticks = { color: theme().muted, maxRotation: 0, callback: value => value.toFixed(2) };
   draw('chart-prediction', `Time per ray against ${title}`, sets,
-       { x: axis(`${title}, by the mean of trees`, false, { ...range, ticks }),
-         y: axis('time per ray, by the mean of trees', false, { ...range, ticks }) },
+       { x: axis(`${title}, by the mean of trees`, false, { ...(points.length > 0 ? across : {}), ticks }),
+         y: axis('time per ray, by the mean of trees', false, { ...(points.length > 0 ? up : {}), ticks }) },
        p => p.cell ? [`${p.cell.t.scene}, ${raysName(p.cell.t)}${p.cell.t.view ? `, view ${p.cell.t.view}` : ''}`, p.cell.t.kernel,
                       `${title} ${p.x.toFixed(3)} of the mean, time ${p.y.toFixed(3)}`] : '');
 }
