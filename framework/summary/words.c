@@ -290,12 +290,45 @@ static void say_range(bb_sentence *sentence, const char *before, const error_ran
         say(sentence, "%s%.2g to %.2g %%", before, range->least, range->most);
 }
 
+/* Below it less than half of what differs between trees is told. */
+static const double telling_correlation = 0.7;
+
+static void say_mixes(bb_summary *summary, const bb_prediction_record *const *told, uint32_t count)
+{
+    error_range mix = {INFINITY, 0}, sah = mix, work = mix;
+    bb_sentence *sentence = begin(summary, "SAH and EPO");
+    say(sentence, "time per ray goes as (1 - a) SAH + a EPO:");
+    for (uint32_t i = 0; i < count; i++) {
+        const bb_prediction_record *r = told[i];
+        say(sentence, "%s a = %.2f (%.2f to %.2f) for %.40s", i > 0 ? "," : "", r->alpha,
+            r->alpha_least, r->alpha_most, r->rays);
+        widen(&mix, r->unseen_error);
+        widen(&sah, r->sah_error);
+        widen(&work, r->work_error);
+    }
+    say_range(sentence, "; a scene not fitted is off by ", &mix);
+    say_range(sentence, ", by SAH alone ", &sah);
+    say_range(sentence, ", by counted work ", &work);
+}
+
+static void say_untold(bb_summary *summary, const bb_prediction_record *const *untold,
+                       uint32_t count)
+{
+    bb_sentence *sentence = begin(summary, "SAH and EPO");
+    say(sentence, "no mix of the two tells the time per ray of");
+    for (uint32_t i = 0; i < count; i++)
+        say(sentence, "%s %.40s (correlation %.2f)", i > 0 ? "," : "", untold[i]->rays,
+            untold[i]->mix_correlation);
+    say(sentence, " here, be it for the rays or for noise");
+}
+
 bb_status bb_summary_say_predictions(const bb_results *results, const bb_summary_choice *choice,
                                      bb_summary *summary)
 {
+    enum { KINDS = 8 };
     bb_predictions made;
-    bb_sentence *sentence = NULL;
-    error_range mix = {INFINITY, 0}, sah = mix, work = mix;
+    const bb_prediction_record *told[KINDS], *untold[KINDS];
+    uint32_t told_count = 0, untold_count = 0;
     if (choice->scene != NULL)
         return BB_OK;
     BB_TRY(bb_predictions_make(results, &made));
@@ -304,21 +337,15 @@ bb_status bb_summary_say_predictions(const bb_results *results, const bb_summary
         if (!isfinite(r->unseen_error) ||
             (choice->rays != NULL && strcmp(choice->rays, r->rays) != 0))
             continue;
-        if (sentence == NULL) {
-            sentence = begin(summary, "SAH and EPO");
-            say(sentence, "time per ray goes as (1 - a) SAH + a EPO:");
-        }
-        say(sentence, "%s a = %.2f (%.2f to %.2f) for %.40s", isfinite(sah.least) ? "," : "",
-            r->alpha, r->alpha_least, r->alpha_most, r->rays);
-        widen(&mix, r->unseen_error);
-        widen(&sah, r->sah_error);
-        widen(&work, r->work_error);
+        if (r->mix_correlation >= telling_correlation && told_count < KINDS)
+            told[told_count++] = r;
+        else if (!(r->mix_correlation >= telling_correlation) && untold_count < KINDS)
+            untold[untold_count++] = r;
     }
-    if (sentence != NULL) {
-        say_range(sentence, "; a scene not fitted is off by ", &mix);
-        say_range(sentence, ", by SAH alone ", &sah);
-        say_range(sentence, ", by counted work ", &work);
-    }
+    if (told_count > 0)
+        say_mixes(summary, told, told_count);
+    if (untold_count > 0)
+        say_untold(summary, untold, untold_count);
     bb_predictions_free(&made);
     return BB_OK;
 }
