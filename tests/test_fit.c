@@ -293,7 +293,7 @@ static void without_epo_sah_and_work_are_judged(void **state)
     const bb_prediction_record *r = &made.kinds[0].record;
     assert_true(isnan(r->alpha) && isnan(r->mix_error) && isnan(r->epo_error));
     assert_true(r->sah_error > 0.02 && r->work_error < 0.05);
-    assert_true(isnan(made.kinds[0].points[0].epo));
+    assert_true(isnan(made.kinds[0].points[0].overlap));
     bb_predictions_free(&made);
     bb_results_destroy(results);
 }

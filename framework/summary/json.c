@@ -177,7 +177,7 @@ static bb_status add_predictions(writer *w, cJSON *object, const bb_results *res
         cJSON *points = put_array(w, kind, "points");
         for (uint32_t k = 0; k < p->record.cells; k++) {
             const bb_prediction_point *at = &p->points[k];
-            const double figures[] = {at->trace, at->time, at->sah, at->epo, at->mix, at->work};
+            const double figures[] = {at->trace, at->time, at->sah, at->overlap, at->mix, at->work};
             cJSON *point = cJSON_CreateArray();
             for (size_t f = 0; f < sizeof figures / sizeof figures[0]; f++)
                 put(w, point, NULL,

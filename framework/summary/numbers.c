@@ -72,7 +72,7 @@ static void read_build(const bb_results *results, const cJSON *build, bb_built *
     double prims = bb_get_number(scene, BB_F_SCENE_PRIMS);
     b->prims = prims > 0 ? prims : (double)NAN;
     b->quality = bb_get_metric(build, bb_metrics[bb_metric_of_layouts()]);
-    b->overlap = bb_prediction_epo(build);
+    b->overlap = bb_prediction_overlap(build);
     b->peak = isfinite(native) ? native : bb_get_number(build, BB_F_TREE_BYTES_PEAK);
 }
 

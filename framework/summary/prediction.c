@@ -11,15 +11,23 @@ typedef struct cell {
     const char *rays, *key, *hash, *scene;
     double run, build;
     uint32_t trace, kind, group, fold;
-    double sah, epo, work, ns;
+    double sah, overlap, work, ns;
 } cell;
 
 /* ---- cells ---- */
 
-double bb_prediction_epo(const cJSON *build)
+double bb_prediction_overlap(const cJSON *build)
 {
-    double exact = bb_get_metric(build, bb_metrics[bb_metric_find("epo")]);
-    return isfinite(exact) ? exact : bb_get_metric(build, bb_metrics[bb_metric_find("epo_quick")]);
+    double best = NAN;
+    unsigned rank = 0;
+    for (uint32_t i = 0; i < bb_metric_count(); i++) {
+        double value = bb_get_metric(build, bb_metrics[i]);
+        if (bb_metrics[i]->mixed > rank && isfinite(value)) {
+            best = value;
+            rank = bb_metrics[i]->mixed;
+        }
+    }
+    return best;
 }
 
 static bool enters(const cJSON *trace, const cJSON *build)
@@ -31,16 +39,16 @@ static bool enters(const cJSON *trace, const cJSON *build)
 }
 
 /* Those that have all figures; of EPO, where no tree of the document has any, SAH stands in, and
- * *has_epo is false. */
-static uint32_t collect(const bb_results *results, cell *cells, bool *has_epo)
+ * *has_overlap is false. */
+static uint32_t collect(const bb_results *results, cell *cells, bool *has_overlap)
 {
-    const bb_metric *sah = bb_metrics[bb_metric_find("sah")];
+    const bb_metric *sah = bb_metrics[bb_metric_of_layouts()];
     const cJSON *trace, *build;
     uint32_t count = 0, index = 0;
-    *has_epo = false;
+    *has_overlap = false;
     cJSON_ArrayForEach(build, bb_results_section(results, "builds"))
     {
-        *has_epo = *has_epo || bb_prediction_epo(build) > 0;
+        *has_overlap = *has_overlap || bb_prediction_overlap(build) > 0;
     }
     cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
     {
@@ -56,10 +64,10 @@ static uint32_t collect(const bb_results *results, cell *cells, bool *has_epo)
         if (!enters(trace, build))
             continue;
         c.sah = bb_get_metric(build, sah);
-        c.epo = *has_epo ? bb_prediction_epo(build) : c.sah;
+        c.overlap = *has_overlap ? bb_prediction_overlap(build) : c.sah;
         c.work = bb_get_number(trace, BB_F_TRACE_WORK);
         c.ns = 1e3 / bb_get_number(trace, BB_F_TRACE_RATE);
-        if (c.sah > 0 && c.epo > 0)
+        if (c.sah > 0 && c.overlap > 0)
             cells[count++] = c;
     }
     return count;
@@ -161,7 +169,7 @@ static void as_fit(const cell *cells, uint32_t count, bool of_work, bb_fit_cell 
     for (uint32_t i = 0; i < count; i++)
         fit[i] =
             (bb_fit_cell){cells[i].group, cells[i].fold, of_work ? cells[i].work : cells[i].sah,
-                          of_work ? cells[i].work : cells[i].epo, cells[i].ns};
+                          of_work ? cells[i].work : cells[i].overlap, cells[i].ns};
 }
 
 static double centred(double value, double sum_of_logs, uint32_t count)
@@ -172,21 +180,21 @@ static double centred(double value, double sum_of_logs, uint32_t count)
 /* Points of one group. */
 static void place_group(const cell *cells, uint32_t count, double alpha, bb_prediction_point *p)
 {
-    double time = 0, sah = 0, epo = 0, mix = 0, work = 0;
+    double time = 0, sah = 0, overlap = 0, mix = 0, work = 0;
     for (uint32_t i = 0; i < count; i++) {
         const cell *c = &cells[i];
         p[i] = (bb_prediction_point){.trace = c->trace};
-        p[i].mix = (1 - alpha) * c->sah + alpha * c->epo;
+        p[i].mix = (1 - alpha) * c->sah + alpha * c->overlap;
         time += log(c->ns);
         sah += log(c->sah);
-        epo += log(c->epo);
+        overlap += log(c->overlap);
         mix += log(p[i].mix);
         work += log(c->work);
     }
     for (uint32_t i = 0; i < count; i++) {
         p[i].time = centred(cells[i].ns, time, count);
         p[i].sah = centred(cells[i].sah, sah, count);
-        p[i].epo = centred(cells[i].epo, epo, count);
+        p[i].overlap = centred(cells[i].overlap, overlap, count);
         p[i].mix = centred(p[i].mix, mix, count);
         p[i].work = centred(cells[i].work, work, count);
     }
@@ -202,7 +210,7 @@ static void place(const cell *cells, uint32_t count, double alpha, bb_prediction
     }
 }
 
-static void fit_kind(const cell *cells, uint32_t count, bool has_epo, bb_fit_cell *fit,
+static void fit_kind(const cell *cells, uint32_t count, bool has_overlap, bb_fit_cell *fit,
                      bb_prediction *p)
 {
     bb_prediction_record *r = &p->record;
@@ -210,7 +218,7 @@ static void fit_kind(const cell *cells, uint32_t count, bool has_epo, bb_fit_cel
     bb_fit work = bb_fit_of(fit, count, 0, 0);
     as_fit(cells, count, false, fit);
     bb_fit sah = bb_fit_of(fit, count, 0, 0), epo = bb_fit_of(fit, count, 1, 0);
-    r->alpha = has_epo ? bb_fit_alpha(fit, count, BB_FIT_ALL) : (double)NAN;
+    r->alpha = has_overlap ? bb_fit_alpha(fit, count, BB_FIT_ALL) : (double)NAN;
     bb_fit mix = bb_fit_of(fit, count, r->alpha, 1);
     bb_fit_spread spread = bb_fit_folds(fit, count, r->scenes);
     r->alpha_least = spread.least;
@@ -220,16 +228,16 @@ static void fit_kind(const cell *cells, uint32_t count, bool has_epo, bb_fit_cel
     r->mix_correlation = mix.correlation;
     r->sah_error = sah.error;
     r->sah_correlation = sah.correlation;
-    r->epo_error = has_epo ? epo.error : (double)NAN;
-    r->epo_correlation = has_epo ? epo.correlation : (double)NAN;
+    r->epo_error = has_overlap ? epo.error : (double)NAN;
+    r->epo_correlation = has_overlap ? epo.correlation : (double)NAN;
     r->work_error = work.error;
     r->work_correlation = work.correlation;
     place(cells, count, r->alpha, p->points);
-    for (uint32_t i = 0; i < count && !has_epo; i++)
-        p->points[i].epo = NAN;
+    for (uint32_t i = 0; i < count && !has_overlap; i++)
+        p->points[i].overlap = NAN;
 }
 
-static bb_status make_kinds(cell *cells, uint32_t count, bool has_epo, bb_predictions *out)
+static bb_status make_kinds(cell *cells, uint32_t count, bool has_overlap, bb_predictions *out)
 {
     bb_fit_cell *fit = calloc((size_t)count + 1, sizeof *fit);
     cell *scratch = calloc((size_t)count + 1, sizeof *scratch);
@@ -248,7 +256,7 @@ static bb_status make_kinds(cell *cells, uint32_t count, bool has_epo, bb_predic
         ok = p->points != NULL;
         if (!ok)
             break;
-        fit_kind(cells + i, size, has_epo, fit, p);
+        fit_kind(cells + i, size, has_overlap, fit, p);
         out->count++;
     }
     free(fit);
@@ -259,16 +267,16 @@ static bb_status make_kinds(cell *cells, uint32_t count, bool has_epo, bb_predic
 bb_status bb_predictions_make(const bb_results *results, bb_predictions *out)
 {
     size_t room = (size_t)cJSON_GetArraySize(bb_results_section(results, "traces")) + 1;
-    bool has_epo;
+    bool has_overlap;
     cell *cells = calloc(room, sizeof *cells);
     *out = (bb_predictions){.kinds = calloc(room, sizeof *out->kinds)};
     bb_status status = BB_OK;
     if (cells == NULL || out->kinds == NULL)
         status = bb_fail(BB_FAILED, "predictions: no memory");
     if (status == BB_OK) {
-        uint32_t count = collect(results, cells, &has_epo);
+        uint32_t count = collect(results, cells, &has_overlap);
         count = group_cells(cells, count);
-        status = make_kinds(cells, count, has_epo, out);
+        status = make_kinds(cells, count, has_overlap, out);
     }
     if (status != BB_OK)
         bb_predictions_free(out);

@@ -4,7 +4,8 @@
  * of the very rays.
  *
  * A group, which has one factor, is the cells of one kernel on one ray set of one run. SAH and EPO
- * are those of the tree as built; EPO is the one of `--metrics epo` where a build has that.
+ * are those of the tree as built; EPO is the metric that is `mixed`, the better one where it has
+ * two.
  */
 #ifndef BB_PREDICTION_H
 #define BB_PREDICTION_H
@@ -18,7 +19,7 @@ enum { BB_PREDICTION_TREES = 5 };
 /* A cell by the geometric mean of its group. */
 typedef struct bb_prediction_point {
     uint32_t trace; /* index in the document */
-    double time, sah, epo, mix, work;
+    double time, sah, overlap, mix, work;
 } bb_prediction_point;
 
 typedef struct bb_prediction {
@@ -33,7 +34,7 @@ typedef struct bb_predictions {
 } bb_predictions;
 
 /* EPO of a build's tree: the better estimate where there are two; NAN. */
-double bb_prediction_epo(const cJSON *build);
+double bb_prediction_overlap(const cJSON *build);
 
 /* BB_FAILED without memory. */
 bb_status bb_predictions_make(const bb_results *results, bb_predictions *out);

@@ -235,6 +235,7 @@ const bb_metric bb_metric_epo = {
     .summary = "The mean cost, over random points of the surface, of the nodes that hold the point "
                "although its primitive is not below them. Measured on request.",
     .on_request = true,
+    .mixed = 2,
     .sampled = true,
     .compute = compute,
 };

@@ -20,6 +20,7 @@ const bb_metric bb_metric_epo_quick = {
     .unit = "",
     .summary = "EPO from 65,536 points, fewer where very many boxes overlap: measured of every "
                "tree. Its interval, in the result file, says how far to trust it.",
+    .mixed = 1,
     .sampled = true,
     .compute = compute,
 };

@@ -1,7 +1,8 @@
 /* Do costs of trees predict what rays take? One chart and one table over all scenes, by kind of rays (framework/summary/prediction.h). */
 const predictions = data.predictions || [];
-/* Where a point has each figure, and its name. */
-const costsOfTrees = [['mix', 4, 'SAH and EPO, the best mix'], ['sah', 2, 'SAH'], ['epo', 3, 'EPO'], ['work', 5, 'counted work']];
+/* How the fields of each begin, where a point has its figure, and its name. */
+const costsOfTrees = [['mix_', 4, 'SAH and EPO, the best mix'], ['sah_', 2, 'SAH'], ['epo_', 3, 'EPO'],
+                      ['work_', 5, 'counted work']];
 
 const percent = value => isNumber(value) ? `${(100 * value).toFixed(1)} %` : dash;
 
@@ -12,15 +13,15 @@ const alphaText = p => isNumber(p.alpha) ? p.alpha.toFixed(2) +
 function startPrediction() {
   $('prediction').hidden = predictions.length === 0;
   if (predictions.length === 0) return;
-  $('pick-cost').replaceChildren(...costsOfTrees.filter(([name]) => predictions.some(p => isNumber(p[`${name}_error`])))
+  $('pick-cost').replaceChildren(...costsOfTrees.filter(([name]) => predictions.some(p => isNumber(p[`${name}error`])))
     .map(([name, , title]) => el('option', { value: name }, title)));
   const errors = (name, title) => [
-    field('prediction', `${name}_error`, { name: title, text: p => percent(p[`${name}_error`]) }), field('prediction', `${name}_correlation`)];
+    field('prediction', `${name}error`, { name: title, text: p => percent(p[`${name}error`]) }), field('prediction', `${name}correlation`)];
   addTable($('prediction-table'), 'Typical deviation of the time per ray from each cost, and the correlation of their logarithms', [
     ...fields('prediction', ['rays', 'cells', 'groups', 'trees', 'scenes']),
-    field('prediction', 'alpha', { name: 'alpha [range]', text: alphaText }), ...errors('mix', 'Mix'),
-    field('prediction', 'unseen_error', { text: p => percent(p.unseen_error) }), ...errors('sah', 'SAH'), ...errors('epo', 'EPO'),
-    ...errors('work', 'Work')], predictions, { compact: true });
+    field('prediction', 'alpha', { name: 'alpha [range]', text: alphaText }), ...errors('mix_', 'Mix'),
+    field('prediction', 'unseen_error', { text: p => percent(p.unseen_error) }), ...errors('sah_', 'SAH'), ...errors('epo_', 'EPO'),
+    ...errors('work_', 'Work')], predictions, { compact: true });
 }
 
 /* Of the chosen rays, or of the first that have a fit. */
@@ -38,9 +39,9 @@ function drawPrediction(set) {
   if (points.length > 0)
     sets.push(line('cost tells the time', [{ x: low, y: low }, { x: high, y: high }], { borderDash: [6, 4] }));
   $('prediction-note').textContent = `Here: ${kind.rays}, ${plural(points.length, 'cell')}. The time deviates by ` +
-    `${percent(fit[`${name}_error`])} from this cost (correlation ${figure(fit[`${name}_correlation`])})` +
-    (name === 'mix' && isNumber(fit.unseen_error) ? `, by ${percent(fit.unseen_error)} in a scene that the mix was not fitted to` : '') +
-    (name === 'mix' ? `; alpha ${alphaText(fit)}.` : '.');
+    `${percent(fit[`${name}error`])} from this cost (correlation ${figure(fit[`${name}correlation`])})` +
+    (name === 'mix_' && isNumber(fit.unseen_error) ? `, by ${percent(fit.unseen_error)} in a scene that the mix was not fitted to` : '') +
+    (name === 'mix_' ? `; alpha ${alphaText(fit)}.` : '.');
   const ticks = { color: theme().muted, maxRotation: 0, callback: value => value.toFixed(2) };
   draw('chart-prediction', `Time per ray against ${title}`, sets,
        { x: axis(`${title}, by the mean of trees`, false, { ...(points.length > 0 ? across : {}), ticks }),
