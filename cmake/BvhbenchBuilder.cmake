@@ -196,7 +196,7 @@ function(bvhbench_embed_report target)
     # Scripts in parts, in this order: what a part uses stands in it or before it.
     set(report_html report.html)
     set(report_css report.css)
-    set(report_js dom.js data.js series.js draw.js tables.js charts.js verdict.js page.js)
+    set(report_js dom.js data.js series.js draw.js tables.js charts.js verdict.js predict.js page.js)
     set(report_history_html history.html) # a page of its own
     set(report_history_js dom.js history.js)
     set(atlas_html atlas.html) # another

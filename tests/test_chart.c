@@ -284,7 +284,7 @@ static void pictures_say_what_is_left_out(void **state)
     cJSON_SetValuestring(cJSON_GetObjectItem(first, "status"), "no");
     cJSON_ReplaceItemInObject(first->next, "accuracy", cJSON_CreateNull());
     text = script_of(results, &pictures);
-    assert_int_equal(pictures, SAMPLE_SCENES * 3 * 5);
+    assert_int_equal(pictures, SAMPLE_SCENES * 3 * 6);
     assert_non_null(strstr(text, "in a view: 2 cells\"")); /* one failed, one was not checked */
     assert_non_null(strstr(text, "in a view: 1 cells\""));
     free(text);
@@ -360,7 +360,7 @@ static void each_scene_and_rays_has_its_pictures(void **state)
     bb_results *results = sample_results(NULL);
     uint32_t pictures;
     char *text = script_of(results, &pictures);
-    assert_int_equal(pictures, SAMPLE_SCENES * 3 * 5);
+    assert_int_equal(pictures, SAMPLE_SCENES * 3 * 6);
     static const char *const names[] = {
         "coffee_primary_accuracy.svg", "coffee_diffuse_builders.png", "coffee_ao_time.svg",
         "interior-n-200000-seed-7_primary_sah.png", "spheres-n-1000000-state-settled_ao_epo.svg"};
@@ -493,7 +493,7 @@ static void names_are_text_to_gnuplot(void **state)
     bb_status status = bb_report_charts(results, folder, &pictures);
     if (status != BB_OK)
         fail_msg("%s", bb_message());
-    assert_int_equal(pictures, 3 * 5);
+    assert_int_equal(pictures, 3 * 6);
     assert_int_equal(access(path, F_OK), -1);
     static const char stem[] = "x-.system--touch-ran--.-touch-ran----a-_primary_accuracy";
     snprintf(path, sizeof path, "%s.png", stem);

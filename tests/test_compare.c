@@ -223,7 +223,7 @@ static void what_moved_and_what_is_worse(void **state)
         {edit_seed, 0, 0, "another seed: 1234567890123456789, 7"},
         {edit_no_figure, 0, 1, "1 figures are in one of the two only"},
         {edit_no_figure, 0, 1, " changed: 1"},
-        {edit_no_tree, 0, 9, "bytes_tree"},
+        {edit_no_tree, 0, 10, "bytes_tree"},
         {edit_unjudged, 5, 7, "missed"},
         {edit_fewer_judged, 0, 1, "checked"},
         {edit_none_judged, 1, 1, "checked"},

@@ -218,6 +218,54 @@ static void test_epo_without_area(void **state)
     free_scene(scene);
 }
 
+static void expect_quick(const bb_tree *tree, const bb_scene *scene, uint64_t points)
+{
+    bb_metric_value quick, exact;
+    ASSERT_OK(measure("epo_quick", tree, scene, 1000000, &quick));
+    ASSERT_OK(measure("epo", tree, scene, points, &exact));
+    assert_memory_equal(&quick, &exact, sizeof quick);
+}
+
+/* The estimate is EPO by 65,536 points, or by as many as 2^25 visited nodes allow: here each point
+ * is in all leaves, and visits them and the root. */
+static void test_epo_quick(void **state)
+{
+    (void)state;
+    enum { LEAVES = 50000 };
+    const float pair[] = {0, 0, 0, 2, 0, 0, 0, 2, 0, /**/ 2, 2, 0, 1, 2, 0, 2, 1, 0};
+    const bb_node nodes[] = {
+        make_node(V(0, 0, 0), V(2, 2, 0), 1, BB_NONE),
+        make_node(V(0, 0, 0), V(2, 2, 0), BB_LEAF_BIT | 0, 2),
+        make_node(V(1, 1, 0), V(2, 2, 0), BB_LEAF_BIT | 1, BB_NONE),
+    };
+    const uint32_t two[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT};
+    bb_scene *scene = make_scene(pair, 2, NULL, 0);
+    bb_tree tree;
+    make_tree(&tree, nodes, 3, two, 2, 2, 1);
+    expect_quick(&tree, scene, 65536);
+    bb_tree_release(&tree);
+    free_scene(scene);
+
+    float *triangles = malloc(LEAVES * 9 * sizeof *triangles);
+    bb_node *all = malloc((LEAVES + 1) * sizeof *all);
+    uint32_t *refs = malloc(LEAVES * sizeof *refs);
+    all[0] = make_node(V(0, 0, 0), V(2, 2, 0), 1, BB_NONE);
+    for (uint32_t i = 0; i < LEAVES; i++) {
+        memcpy(triangles + (size_t)9 * i, pair, 9 * sizeof *pair);
+        all[i + 1] =
+            make_node(V(0, 0, 0), V(2, 2, 0), BB_LEAF_BIT | i, i + 1 < LEAVES ? i + 2 : BB_NONE);
+        refs[i] = i | BB_LAST_BIT;
+    }
+    scene = make_scene(triangles, LEAVES, NULL, 0);
+    make_tree(&tree, all, LEAVES + 1, refs, LEAVES, LEAVES, 1);
+    expect_quick(&tree, scene, (1 << 25) / (LEAVES + 2));
+    bb_tree_release(&tree);
+    free_scene(scene);
+    free(triangles);
+    free(all);
+    free(refs);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -225,7 +273,7 @@ int main(void)
         cmocka_unit_test(test_sah_leaf),         cmocka_unit_test(test_sah_extremes),
         cmocka_unit_test(test_epo_triangles),    cmocka_unit_test(test_epo_flat),
         cmocka_unit_test(test_epo_spheres),      cmocka_unit_test(test_epo_duplicated),
-        cmocka_unit_test(test_epo_without_area),
+        cmocka_unit_test(test_epo_without_area), cmocka_unit_test(test_epo_quick),
     };
     return cmocka_run_group_tests_name("metrics", tests, NULL, NULL);
 }

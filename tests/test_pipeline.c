@@ -169,6 +169,48 @@ static void stages_are_timed_and_booked_apart(void **state)
     bb_scene_free(scene);
 }
 
+/* Each stage's tree is the one that the builders up to it make alone; what stages hold adds up to
+ * what the account has. */
+static void stages_have_figures_of_their_own(void **state)
+{
+    (void)state;
+    bb_scene *scene = load("interior:n=5000");
+    built b, alone;
+    double sah;
+    build(scene, "presplit:saves=-1+lbvh", &alone);
+    build(scene, "presplit:saves=-1+lbvh+rotate", &b);
+    ASSERT_OK(bb_instance_stage_sah(&b.instance, 0, &sah));
+    assert_true(isnan(sah)); /* a splitter leaves no tree */
+    ASSERT_OK(bb_instance_stage_sah(&b.instance, 1, &sah));
+    assert_true(sah == alone.sah && sah > b.sah);
+    ASSERT_OK(bb_instance_stage_sah(&b.instance, 2, &sah));
+    assert_true(sah == b.sah);
+
+    const uint64_t refs = b.instance.references.count;
+    const uint64_t tree = (2 * refs - 1) * sizeof(bb_node) + refs * sizeof(uint32_t);
+    const uint64_t made[] = {refs * (sizeof(bb_box) + sizeof(uint32_t)), tree, 0, tree};
+    uint64_t held = 0, peaks = 0;
+    for (uint32_t i = 0; i < 4; i++) {
+        const bb_build_step *step = &b.instance.steps[i];
+        assert_int_equal(step->bytes, made[i]);
+        assert_true(step->peak >= made[i] && step->peak < b.instance.account.peak);
+        peaks += step->peak;
+    }
+    for (uint32_t i = 0; i < 3; i++)
+        held += b.instance.stages[i].bytes;
+    assert_int_equal(held, b.instance.account.bytes);
+    assert_true(peaks >= b.instance.account.peak);
+    bb_instance_destroy(&b.instance);
+    bb_instance_destroy(&alone.instance);
+
+    /* on the device no stage needs a copy: none stays for the figure's sake */
+    build(scene, "lbvh+refit", &b);
+    ASSERT_OK(bb_instance_stage_sah(&b.instance, 0, &sah));
+    assert_true(sah > 0 && b.instance.stages[0].tree->nodes == NULL);
+    bb_instance_destroy(&b.instance);
+    bb_scene_free(scene);
+}
+
 /* A pipeline is as its stages made it one after the other; what splits nothing changes nothing. */
 static void idle_stages_change_nothing(void **state)
 {
@@ -468,6 +510,7 @@ int main(void)
         cmocka_unit_test(bad_orders_are_refused_in_one_line),
         cmocka_unit_test(what_stands_alone_gets_a_builder),
         cmocka_unit_test(stages_are_timed_and_booked_apart),
+        cmocka_unit_test(stages_have_figures_of_their_own),
         cmocka_unit_test(idle_stages_change_nothing),
         cmocka_unit_test(trees_are_handed_over_both_ways),
         cmocka_unit_test(rotations_never_raise_the_cost),

@@ -73,6 +73,7 @@ static const char *const trace_fields[] = {"build",
                                            "unlike_whom",
                                            "node_tests_per_ray",
                                            "prim_tests_per_ray",
+                                           "work_per_ray",
                                            "counted",
                                            NULL};
 static const char *const accuracy_fields[] = {
@@ -557,6 +558,7 @@ static void fields_are_of_their_members(void **state)
         OF(TRACE, TRACE_COUNTED, 25),
         OF(TRACE, TRACE_NODE_TESTS, 26),
         OF(TRACE, TRACE_PRIM_TESTS, 27),
+        OF(TRACE, TRACE_WORK, 1.2 * 0.5 * 26 + 27),
         OF(TRACE, TRACE_MS_MEDIAN, 306),
         OF(TRACE, TRACE_EVENT_MS, 307),
         OF(TRACE, TRACE_CPU_MS, 308),

@@ -268,6 +268,46 @@ static void merging_takes_older_files(void **state)
     bb_results_destroy(old);
 }
 
+/* What follows from other members is given to files that lack it; stages and fits are left out. */
+static void older_files_get_what_follows(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL), *read = NULL;
+    const cJSON *fresh = section(results, "builds")->child;
+    double first = bb_first_ray_ms(fresh, "pair");
+    assert_true(first == bb_get_number(fresh, BB_F_BUILD_MS_MEDIAN) +
+                             bb_get_named(fresh, BB_F_BUILD_LAYOUTS_MS, "pair") +
+                             bb_get_number(fresh, BB_F_BUILD_BOXES_MS) +
+                             bb_get_number(fresh, BB_F_BUILD_TRANSFER_MS));
+    assert_true(bb_get_named(fresh, BB_F_BUILD_FIRST_RAY, "pair") == first);
+    double work = bb_get_number(section(results, "traces")->child, BB_F_TRACE_WORK);
+    assert_true(work > 0);
+    static const char *const later[] = {"first_ray_ms", "stages_ms",         "stages_sah",
+                                        "stages_bytes", "stages_bytes_peak", "work_per_ray"};
+    cJSON *row;
+    for (size_t i = 0; i < sizeof later / sizeof later[0]; i++) {
+        cJSON_ArrayForEach(row, section(results, "builds"))
+            cJSON_DeleteItemFromObjectCaseSensitive(row, later[i]);
+        cJSON_ArrayForEach(row, section(results, "traces"))
+            cJSON_DeleteItemFromObjectCaseSensitive(row, later[i]);
+    }
+    const char *path = results_path("older-figures");
+    assert_int_equal(bb_results_write(results, path), BB_OK);
+    bb_results_destroy(results);
+    if (bb_results_read(path, &read) != BB_OK)
+        fail_msg("%s", bb_message());
+    const cJSON *build = section(read, "builds")->child;
+    assert_true(bb_get_named(build, BB_F_BUILD_FIRST_RAY, "pair") == first);
+    assert_true(bb_get_number(section(read, "traces")->child, BB_F_TRACE_WORK) == work);
+    assert_true(bb_first_ray_ms(build, "no such layout") != first);
+    cJSON_ArrayForEach(build, section(read, "builds"))
+    {
+        if (bb_get_true(build, BB_F_BUILD_REFERENCE)) /* its commit makes all that is needed */
+            assert_true(bb_first_ray_ms(build, "") == bb_get_number(build, BB_F_BUILD_MS_MEDIAN));
+    }
+    bb_results_destroy(read);
+}
+
 static void merging_refuses_other_geometry(void **state)
 {
     (void)state;
@@ -290,6 +330,7 @@ int main(void)
         cmocka_unit_test(deep_nesting_is_refused),
         cmocka_unit_test(merging_renumbers),
         cmocka_unit_test(merging_takes_older_files),
+        cmocka_unit_test(older_files_get_what_follows),
         cmocka_unit_test(merging_refuses_other_geometry),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

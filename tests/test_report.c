@@ -29,6 +29,12 @@ static size_t count_of(const char *text, const char *word)
     return count;
 }
 
+static bool line_has(const char *line, const char *word)
+{
+    const char *found = strstr(line, word), *end = strchr(line, '\n');
+    return found != NULL && found < end;
+}
+
 static void table_marks_wrong_cells(void **state)
 {
     (void)state;
@@ -82,6 +88,47 @@ static void table_hides_no_step(void **state)
     bb_results_destroy(results);
 }
 
+static void tables_show_what_trees_cost(void **state)
+{
+    (void)state;
+    bb_results *results = sample_results(NULL);
+    char *text = table_of(results);
+    assert_non_null(strstr(text,
+                           "    stages: presplit 1.50 ms, 3.0 MiB; embree 2.50 ms, SAH 59.00, "
+                           "4.0 MiB; map 3.50 ms; rotate 4.50 ms, SAH 57.00, 6.0 MiB\n"));
+    assert_true(line_has(strstr(text, "Layout ms"), "First ray     EPO~"));
+    assert_true(line_has(strstr(text, "Box tests"), "Prim. tests     Work"));
+    const char *fit = strstr(text, "(1 - alpha) SAH + alpha EPO");
+    assert_non_null(fit);
+    assert_true(
+        line_has(strstr(fit, "\n  primary") + 1, "  60 ")); /* 5 trees, 2 views, 2 kernels */
+    free(text);
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_int_equal(bb_report_csv(results, out), BB_OK);
+    fclose(out);
+    assert_true(line_has(text, ",work_per_ray,") && line_has(text, ",layout_ms,first_ray_ms,") &&
+                line_has(text, ",tree_epo_quick"));
+    free(text);
+    out = open_memstream(&text, &size);
+    assert_int_equal(bb_report_markdown(results, out), BB_OK);
+    fclose(out);
+    assert_non_null(strstr(text, "| SAH / best | EPO / best | work / best |"));
+    assert_null(strstr(text, "above 3 times"));
+    free(text);
+    /* ten times what `sah` has */
+    cJSON *tree = cJSON_GetObjectItem(
+        cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "builds"), 4), "tree");
+    cJSON_ReplaceItemInObject(tree, "sah", cJSON_CreateNumber(612));
+    out = open_memstream(&text, &size);
+    assert_int_equal(bb_report_markdown(results, out), BB_OK);
+    assert_int_equal(bb_report_verdict(results, out), BB_OK);
+    fclose(out);
+    assert_int_equal(count_of(text, "lbvh:bits=63 on coffee has 10 times that of sah"), 2);
+    free(text);
+    bb_results_destroy(results);
+}
+
 static void table_names_what_was_skipped(void **state)
 {
     (void)state;
@@ -116,12 +163,6 @@ static const char *line_after(const char *text, const char *heading, const char 
     at = at != NULL ? strstr(at, start) : NULL;
     assert_non_null(at);
     return at + 1;
-}
-
-static bool line_has(const char *line, const char *word)
-{
-    const char *found = strstr(line, word), *end = strchr(line, '\n');
-    return found != NULL && found < end;
 }
 
 /* The sample's scenes have 6, 3 and 1 rounds that count: a heading promises no interval in vain,
@@ -501,6 +542,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(table_marks_wrong_cells),
         cmocka_unit_test(table_shows_every_row),
         cmocka_unit_test(table_hides_no_step),
+        cmocka_unit_test(tables_show_what_trees_cost),
         cmocka_unit_test(table_names_what_was_skipped),
         cmocka_unit_test(table_notes_partly_traced_sets),
         cmocka_unit_test(table_calls_a_range_a_range),

@@ -211,6 +211,13 @@ static void a_pipeline_is_recorded_by_stages(void **state)
             fail_msg("there is no time of %s", steps[i]);
     }
     assert_int_equal(cJSON_GetArraySize(stages), 5);
+    const cJSON *sah = cJSON_GetObjectItem(build, "stages_sah");
+    assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(sah, "presplit")));
+    double before = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(sah, "lbvh"));
+    double after = cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(sah, "rotate#2"));
+    assert_true(after < before);
+    assert_true(after == cJSON_GetNumberValue(
+                             cJSON_GetObjectItem(cJSON_GetObjectItem(build, "tree"), "sah")));
     assert_non_null(cJSON_GetObjectItemCaseSensitive(phases, "lbvh: sort"));
     assert_non_null(cJSON_GetObjectItemCaseSensitive(phases, "rotate#2: rotate"));
     /* one round counts: its figures add up */

@@ -41,7 +41,7 @@ static void add_phases(bb_entrant *entrant, const bb_build_step *step)
     }
 }
 
-/* What each step of a pipeline took, beside their sum. */
+/* What each step of a pipeline took, in time and in memory, beside their sum. */
 static void add_steps(bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
@@ -53,6 +53,8 @@ static void add_steps(bb_entrant *entrant)
         snprintf(record->steps[i].name, sizeof record->steps[i].name, "%s",
                  instance->steps[i].label);
         bb_samples_add(&record->steps[i].ms, instance->steps[i].timing.timing.ms);
+        record->steps[i].bytes = instance->steps[i].bytes;
+        record->steps[i].bytes_peak = instance->steps[i].peak;
     }
 }
 
@@ -152,7 +154,8 @@ static bool is_requested(const bb_bench *bench, const bb_metric *metric)
     return false;
 }
 
-/* The metrics that are always measured, or those on request, each a step of its own. */
+/* The metrics that are always measured, or those on request; what is sampled is a step of its own.
+ */
 static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_request)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
@@ -162,8 +165,32 @@ static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_r
         bb_step step = bb_bench_begin(bench);
         BB_TRY(bb_metric_compute(metric, &entrant->instance.tree, bench->scene, METRIC_SAMPLES,
                                  bench->request->seed, &entrant->record.metrics[i]));
-        if (on_request)
+        if (on_request || metric->sampled)
             BB_TRY(bb_bench_end(bench, step, metric->title, BB_OK));
+    }
+    return BB_OK;
+}
+
+static double sah_of_tree(const bb_entrant *entrant)
+{
+    return entrant->record.metrics[bb_metric_of_layouts()].value;
+}
+
+/* Of the trees that the stages of a pipeline left; the last one's has been measured. A tree for
+ * which the host has no room beside all else stays without the figure. */
+static bb_status measure_stages(bb_entrant *entrant)
+{
+    bb_build_record *record = &entrant->record;
+    bb_instance *instance = &entrant->instance;
+    for (uint32_t i = 0; i < record->step_count; i++) {
+        const uint32_t stage = instance->steps[i].stage;
+        if (stage + 1 == instance->pipeline.count)
+            record->steps[i].sah = sah_of_tree(entrant);
+        else if (stage != BB_NONE) {
+            bb_status status = bb_instance_stage_sah(instance, stage, &record->steps[i].sah);
+            if (status != BB_OK && status != BB_REFUSED)
+                return status;
+        }
     }
     return BB_OK;
 }
@@ -180,6 +207,7 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     record->tree = tree->info;
     record->bytes_tree = bb_tree_bytes(tree);
     BB_TRY(measure_metrics(bench, entrant, false));
+    BB_TRY(measure_stages(entrant));
     BB_TRY(bb_instance_describe(&entrant->instance, bench->scene, record->about,
                                 sizeof record->about));
     bb_instance_decisions(&entrant->instance, bench->scene, &record->decisions);
@@ -237,11 +265,6 @@ static void finish_phases(bb_entrant *entrant)
 {
     for (uint32_t i = 0; i < entrant->record.phase_count; i++)
         entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
-}
-
-static double sah_of_tree(const bb_entrant *entrant)
-{
-    return entrant->record.metrics[bb_metric_of_layouts()].value;
 }
 
 /* Makes it some times more, for its time, when it is the first of its name. The one that is there

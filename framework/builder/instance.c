@@ -3,6 +3,7 @@
 
 #include "framework/device/device_private.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -43,7 +44,10 @@ static bb_status create_stage(bb_instance *instance, uint32_t i, uint64_t seed)
     bb_tree_init(&stage->own, &instance->account);
     /* what one stage needs of another is the pipeline's, not the harness's */
     stage->own.copy_account = &instance->account;
-    return stage->builder->create(&stage->context, &stage->self);
+    const uint64_t before = instance->account.bytes;
+    bb_status status = stage->builder->create(&stage->context, &stage->self);
+    stage->bytes = instance->account.bytes - before;
+    return status;
 }
 
 static bb_status create_map(bb_instance *instance)
@@ -185,6 +189,20 @@ bb_scene bb_stage_part(const bb_instance *instance, uint32_t i, const bb_scene *
         part.on_device.boxes = references->d_boxes;
     }
     return part;
+}
+
+bb_status bb_instance_stage_sah(bb_instance *instance, uint32_t i, double *sah)
+{
+    bb_tree *tree = instance->stages[i].tree;
+    *sah = NAN;
+    if (bb_is_splitter(instance->stages[i].builder))
+        return BB_OK;
+    const bool there = tree->place == BB_ON_HOST || tree->copied;
+    BB_TRY(bb_tree_download(tree, NULL));
+    *sah = bb_tree_sah(tree);
+    if (!there)
+        bb_tree_drop_copy(tree);
+    return BB_OK;
 }
 
 bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, char *text,

@@ -20,6 +20,9 @@ typedef struct bb_build_timing {
 
 typedef struct bb_build_step {
     const char *label; /* the stage's, or "map" */
+    uint32_t stage;    /* its number; BB_NONE: of none */
+    uint64_t bytes;    /* of the tree, or of the references, that it made */
+    uint64_t peak;     /* of these, its scratch and its copy of the stage before, at most */
     bb_build_timing timing;
     bb_phases phases;
 } bb_build_step;
@@ -34,6 +37,7 @@ typedef struct bb_stage {
     const bb_scene *prepared; /* the scene that prepare() was called for; NULL: none yet */
     uint32_t prepared_count;  /* primitives or references then */
     double prepare_ms;        /* of that call */
+    uint64_t bytes;           /* that it holds of the instance's account */
 } bb_stage;
 
 /* It must not move while it lives: the account is in it. */
@@ -87,6 +91,10 @@ bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint3
  * one hands to the next across, the tree up; 0 for a pipeline on the device. `ms` gets the time.
  * After a build. */
 bb_status bb_instance_transfer(bb_instance *instance, const bb_scene *scene, double *ms);
+
+/* SAH of the tree that stage `i` made in the last build, which stages after it may have changed
+ * into another; NAN for a splitter. Costs a download of that tree, and no build. */
+bb_status bb_instance_stage_sah(bb_instance *instance, uint32_t i, double *sah);
 
 /* The stages' words on the last build, each after its label if there are several; "" if they have
  * none. */

@@ -73,6 +73,31 @@ static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scen
     return warm_up(part);
 }
 
+/* ---- what a stage takes of the account that all share ---- */
+
+typedef struct meter {
+    uint64_t bytes, peak; /* of the account, before */
+} meter;
+
+static meter start_meter(bb_instance *instance)
+{
+    bb_account *account = &instance->account;
+    const meter before = {account->bytes, account->peak};
+    bb_account_mark(account);
+    return before;
+}
+
+/* Books on the stage what is left on the account since; returns what the stage held at most. */
+static uint64_t stop_meter(bb_instance *instance, bb_stage *stage, const meter *before)
+{
+    bb_account *account = &instance->account;
+    const uint64_t most = stage->bytes + (account->peak - before->bytes);
+    stage->bytes += account->bytes - before->bytes; /* modulo 2^64: it may have become less */
+    if (account->peak < before->peak)
+        account->peak = before->peak;
+    return most;
+}
+
 /* Brings what stage `i` takes of the one before to where it wants it; `ms` gets the time of the
  * copy that its inputs ask for. A builder on the host may read boxes on the device too, as of a
  * scene: that copy is the harness's, and not timed. */
@@ -128,7 +153,8 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     const bb_builder *builder = stage->builder;
     bb_build_step *step = &instance->steps[instance->step_count++];
     bb_scene part = bb_stage_part(instance, i, scene);
-    *step = (bb_build_step){.label = instance->pipeline.stages[i].label};
+    *step = (bb_build_step){.label = instance->pipeline.stages[i].label, .stage = i};
+    const meter before = start_meter(instance);
     BB_TRY(get_ready(instance, stage, scene, &part, &step->timing.restore_ms));
     if (bb_stage_is_fed_with_references(instance, i)) /* else what map_refs() found the last time */
         stage->tree->duplicated = false;
@@ -147,14 +173,18 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     BB_TRY(stopped);
     step->timing.outside_ms = step->phases.outside_ms;
     step->timing.timing.ms -= step->phases.outside_ms;
+    step->peak = stop_meter(instance, stage, &before);
     if (bb_is_splitter(builder)) {
         instance->references.copied = false;
+        step->bytes = (uint64_t)instance->references.count * (sizeof(bb_box) + sizeof(uint32_t));
         return check_references(instance, scene);
     }
     stage->tree->copied = false;
     if (changed != 0 && !stage->tree->refitted)
         bb_tree_changed(stage->tree);
-    return bb_tree_fetch_info(stage->tree);
+    BB_TRY(bb_tree_fetch_info(stage->tree));
+    step->bytes = bb_tree_bytes(stage->tree);
+    return BB_OK;
 }
 
 /* Puts primitives in the place of references, where the tree is. */
@@ -179,7 +209,7 @@ static bb_status map_refs(bb_instance *instance, const bb_scene *scene)
     const bb_references *references = &instance->references;
     bb_build_step *step = &instance->steps[instance->step_count++];
     bool on_host = tree->place == BB_ON_HOST;
-    *step = (bb_build_step){.label = "map"};
+    *step = (bb_build_step){.label = "map", .stage = BB_NONE};
     step->phases.used_device = !on_host;
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(instance->device, &watch));
@@ -227,7 +257,9 @@ bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool e
     instance->built = NULL;
     for (uint32_t i = 0; i < instance->pipeline.count; i++) {
         double unused;
+        const meter before = start_meter(instance);
         BB_TRY(hand_over(instance, i, &unused));
+        (void)stop_meter(instance, &instance->stages[i], &before);
         BB_TRY(run_stage(instance, i, scene, 0, exact_phases));
         if (bb_stage_is_fed_with_references(instance, i))
             BB_TRY(map_refs(instance, scene));

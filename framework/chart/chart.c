@@ -112,29 +112,17 @@ static uint32_t group_size(const entry *entries, uint32_t count, uint32_t first)
     return end - first;
 }
 
-/* Milliseconds before the first ray. What a build does not need, or was not measured, costs
- * nothing: a reference makes its boxes and its layout inside its build, and is on the host
- * already. */
-static double fixed_of(const cJSON *build, double layout_ms)
-{
-    double boxes = bb_get_number(build, BB_F_BUILD_BOXES_MS);
-    double transfer = bb_get_number(build, BB_F_BUILD_TRANSFER_MS);
-    return bb_get_number(build, BB_F_BUILD_MS_MEDIAN) + layout_ms + (isfinite(boxes) ? boxes : 0) +
-           (isfinite(transfer) ? transfer : 0);
-}
-
 /* What the views share. */
 static bb_chart_cell first_cell(const entry *from)
 {
     const cJSON *trace = from->trace, *build = from->build;
     const char *layout = bb_get_text(trace, BB_F_TRACE_LAYOUT);
     bool reference = bb_get_true(trace, BB_F_TRACE_REFERENCE);
-    double layout_ms = reference ? 0 : bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, layout);
     bb_chart_cell cell = {
         .trace = trace,
         .build = build,
         .trace_index = from->index,
-        .fixed_ms = fixed_of(build, layout_ms),
+        .fixed_ms = bb_first_ray_ms(build, layout),
         .reference = reference,
         .usable = true,
     };

@@ -69,15 +69,13 @@ static uint32_t print_crossings(bb_plot *p, uint32_t lines, uint32_t winners)
     return count;
 }
 
-/* From a thousandth of the set's rays to well beyond the last crossing. */
+/* From the first ray, which waits for what comes before it, to 10^9 rays, and well beyond the last
+ * crossing. */
 static void time_axes(const bb_plot *p, uint32_t lines, uint32_t winners, bb_axis *n, bb_axis *ms)
 {
-    double rays = p->cells[0]->rays, last = p->winners[winners - 1].from;
-    *n = bb_axis_make(true);
+    double most = fmin(fmax(1e9, p->winners[winners - 1].from * 30), 1e13);
+    *n = (bb_axis){1, pow(10, ceil(log10(most) - 1e-9)), true};
     *ms = bb_axis_make(true);
-    bb_axis_add(n, fmax(1, rays / 1e3));
-    bb_axis_add(n, fmin(fmax(rays * 1e3, last * 30), 1e13));
-    bb_axis_round(n);
     bb_axis_add(ms, envelope_ms(p, lines, n->low));
     for (uint32_t i = 0; i < p->set->cell_count; i++) {
         const bb_chart_cell *cell = &p->set->cells[i];

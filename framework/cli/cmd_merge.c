@@ -7,6 +7,7 @@
 #include "framework/cli/shard_option.h"
 #include "framework/history/history.h"
 #include "framework/report/report.h"
+#include "framework/summary/prediction.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -129,6 +130,7 @@ static bb_status write_folder(part *parts, uint32_t count, const char *folder)
     BB_TRY(bb_keep_earlier(folder, kept, sizeof kept));
     if (kept[0] != '\0')
         fprintf(stderr, "moved the results that were in %s to %s\n", folder, kept);
+    BB_TRY(bb_predictions_record(parts[0].results));
     BB_TRY(bb_results_write(parts[0].results, json));
     BB_TRY(bb_report_html(parts[0].results, folder, html));
     printf("\n report   %s\n results  %s\n", html, json);

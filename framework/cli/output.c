@@ -10,6 +10,7 @@
 #include "framework/device/device_private.h"
 #include "framework/history/history.h"
 #include "framework/report/report.h"
+#include "framework/summary/prediction.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -137,6 +138,7 @@ static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench
     double start = bb_wall_ms();
     BB_TRY(set_places(c->folder, &p));
     BB_TRY(set_totals(results, outcome));
+    BB_TRY(bb_predictions_record(results));
     bb_status status = bb_keep_earlier(c->folder, kept, sizeof kept);
     if (kept[0] != '\0' && !c->quiet)
         fprintf(stderr, "moved the results that were in %s to %s\n", c->folder, kept);

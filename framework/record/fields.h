@@ -4,7 +4,8 @@
  *
  * `id` is BB_F_id in C. `part` is where the field stands (schema.h). `types` are those that a
  * reader takes. `writer` says where the value comes from: a member of the record (scene S, its
- * profile P, build B, trace T, its accuracy A, context C, note N for skipped sets and pictures), a
+ * profile P, build B, trace T, its accuracy A, context C, note N for skipped sets and pictures,
+ * prediction F), a
  * function (BY), or another field's function or a later step (LATER). `format`, `heading` and
  * `help` are those of all tables; a field without a heading is in no table. Fields may be added,
  * never renamed.
@@ -145,6 +146,13 @@ FIELD(BUILD_STAGES, BUILD, "stages_ms", "ms", FIGURES | NONE, BY(bb_put_steps), 
       "Stages ms", "of a builder made of several; they add up to build_ms")
 FIELD(BUILD_STAGES_SAMPLES, BUILD, "stages_ms_samples", "ms", OBJECT | NONE, LATER, AS_PAIRS, NULL,
       NULL)
+FIELD(BUILD_STAGES_SAH, BUILD, "stages_sah", "", FIGURES | NONE, LATER, AS_PAIRS, "Stages SAH",
+      "of the tree after each stage")
+FIELD(BUILD_STAGES_BYTES, BUILD, "stages_bytes", "B", FIGURES | NONE, LATER, AS_PAIRS,
+      "Stages bytes", "of the tree, or of the references, that each stage made")
+FIELD(BUILD_STAGES_PEAK, BUILD, "stages_bytes_peak", "B", FIGURES | NONE, LATER, AS_PAIRS,
+      "Stages peak",
+      "bytes of these, of the stage\xe2\x80\x99s scratch and of its copy of the stage before")
 FIELD(BUILD_PHASES, BUILD, "phases_ms", "ms", FIGURES | NONE, BY(bb_put_phases), AS_PAIRS,
       "Phases ms", NULL)
 FIELD(BUILD_EVENT_SAMPLES, BUILD, "event_ms_samples", "ms", NUMBERS | NONE, B(SAMPLES, event_ms),
@@ -175,6 +183,9 @@ FIELD(BUILD_LAYOUTS_SAMPLES, BUILD, "layouts_ms_samples", "ms", OBJECT | NONE, L
 FIELD(BUILD_LAYOUTS_SAH, BUILD, "layouts_sah", "", FIGURES | NONE, LATER, AS_PAIRS, "Layouts SAH",
       NULL)
 FIELD(BUILD_LAYOUTS_BYTES, BUILD, "layouts_bytes", "B", FIGURES | NONE, LATER, AS_PAIRS, NULL, NULL)
+FIELD(BUILD_FIRST_RAY, BUILD, "first_ray_ms", "ms", FIGURES | NONE, BY(bb_put_first_ray),
+      AS_PAIRS, "First ray ms",
+      "what the first ray waits for, by layout: boxes, build, transfer and that layout")
 FIELD(BUILD_TREE, BUILD, "tree", "", OBJECT | NONE, BY(bb_put_tree), AS_TEXT, NULL, NULL)
 FIELD(BUILD_BYTES_NATIVE, BUILD, "bytes_native", "B", NUMBER | NONE, B(DOUBLE, bytes_native),
       AS_BYTES, NULL, NULL)
@@ -255,6 +266,9 @@ FIELD(TRACE_NODE_TESTS, TRACE, "node_tests_per_ray", "per ray", NUMBER | NONE, T
       node_tests_per_ray), AS_FIGURE, "Box tests", "per ray")
 FIELD(TRACE_PRIM_TESTS, TRACE, "prim_tests_per_ray", "per ray", NUMBER | NONE, T(MEASURED,
       prim_tests_per_ray), AS_FIGURE, "Prim. tests", "per ray")
+FIELD(TRACE_WORK, TRACE, "work_per_ray", "per ray", NUMBER | NONE, BY(bb_put_work),
+      AS_FIGURE, "Work",
+      "per ray: 1.2 for each pair of boxes tested, 1 for each primitive, as in SAH")
 FIELD(TRACE_COUNTED, TRACE, "counted", "", NUMBER | NONE, T(SIZE, counted), AS_WHOLE, "Counted",
       "rays whose tests were counted")
 FIELD(TRACE_ACCURACY, TRACE, "accuracy", "", OBJECT | NONE, BY(bb_put_accuracy), AS_TEXT, NULL,
@@ -315,6 +329,41 @@ FIELD(PICTURE_SCENE, PICTURE, "scene", "", TEXT | NONE, N(STRING, scene), AS_TEX
 FIELD(PICTURE_VIEW, PICTURE, "view", "", TEXT | NONE, N(STRING, view), AS_TEXT, NULL, NULL)
 FIELD(PICTURE_CAPTION, PICTURE, "caption", "", TEXT | NONE, N(STRING, caption), AS_TEXT, NULL, NULL)
 FIELD(PICTURE_PATH, PICTURE, "path", "", TEXT, N(STRING, path), AS_TEXT, NULL, NULL)
+
+/* ---- whether measures of trees predict what rays take, by kind of rays ---- */
+FIELD(PREDICTION_RAYS, PREDICTION, "rays", "", TEXT, F(STRING, rays), AS_TEXT, "Rays", NULL)
+FIELD(PREDICTION_CELLS, PREDICTION, "cells", "", NUMBER | NONE, F(U32, cells), AS_WHOLE, "Cells",
+      "`exact`, right, of trees that are more than a leaf")
+FIELD(PREDICTION_GROUPS, PREDICTION, "groups", "", NUMBER | NONE, F(U32, groups), AS_WHOLE,
+      "Groups", "of cells on the same rays by the same kernel: each has a factor of its own")
+FIELD(PREDICTION_TREES, PREDICTION, "trees", "", NUMBER | NONE, F(U32, trees), AS_WHOLE, "Trees",
+      NULL)
+FIELD(PREDICTION_SCENES, PREDICTION, "scenes", "", NUMBER | NONE, F(U32, scenes), AS_WHOLE,
+      "Scenes", NULL)
+FIELD(PREDICTION_ALPHA, PREDICTION, "alpha", "", NUMBER | NONE, F(DOUBLE, alpha), AS_FIGURE,
+      "alpha", "of (1 - alpha) SAH + alpha EPO, least squares of logarithms")
+FIELD(PREDICTION_ALPHA_LEAST, PREDICTION, "alpha_least", "", NUMBER | NONE, F(DOUBLE, alpha_least),
+      AS_FIGURE, "least", "of the alphas with one scene left out; of 3 scenes or more")
+FIELD(PREDICTION_ALPHA_MOST, PREDICTION, "alpha_most", "", NUMBER | NONE, F(DOUBLE, alpha_most),
+      AS_FIGURE, "most", "of the alphas with one scene left out")
+FIELD(PREDICTION_MIX_ERROR, PREDICTION, "mix_error", "", NUMBER | NONE, F(DOUBLE, mix_error),
+      AS_FIGURE, "Mix error", "typical deviation of the time per ray from the mix, in parts of it")
+FIELD(PREDICTION_UNSEEN, PREDICTION, "unseen_error", "", NUMBER | NONE, F(DOUBLE, unseen_error),
+      AS_FIGURE, "unseen", "the same on scenes whose cells did not enter alpha")
+FIELD(PREDICTION_MIX_R, PREDICTION, "mix_correlation", "", NUMBER | NONE,
+      F(DOUBLE, mix_correlation), AS_FIGURE, "Mix r", "correlation of logarithms, within groups")
+FIELD(PREDICTION_SAH_ERROR, PREDICTION, "sah_error", "", NUMBER | NONE, F(DOUBLE, sah_error),
+      AS_FIGURE, "SAH error", "of SAH alone")
+FIELD(PREDICTION_SAH_R, PREDICTION, "sah_correlation", "", NUMBER | NONE,
+      F(DOUBLE, sah_correlation), AS_FIGURE, "SAH r", NULL)
+FIELD(PREDICTION_EPO_ERROR, PREDICTION, "epo_error", "", NUMBER | NONE, F(DOUBLE, epo_error),
+      AS_FIGURE, "EPO error", "of EPO alone")
+FIELD(PREDICTION_EPO_R, PREDICTION, "epo_correlation", "", NUMBER | NONE,
+      F(DOUBLE, epo_correlation), AS_FIGURE, "EPO r", NULL)
+FIELD(PREDICTION_WORK_ERROR, PREDICTION, "work_error", "", NUMBER | NONE, F(DOUBLE, work_error),
+      AS_FIGURE, "Work error", "of the counted work alone")
+FIELD(PREDICTION_WORK_R, PREDICTION, "work_correlation", "", NUMBER | NONE,
+      F(DOUBLE, work_correlation), AS_FIGURE, "Work r", NULL)
 
 /* ---- papers reproduced: tables of their figures and ours, and what was claimed ---- */
 FIELD(PAPER_NAME, PAPER, "name", "", TEXT, LATER, AS_TEXT, NULL, NULL)

@@ -27,6 +27,8 @@ void bb_build_record_init(bb_build_record *build)
         build->metrics[i] = (bb_metric_value){NAN, NAN};
     for (uint32_t i = 0; i < BB_LAYOUTS_MAX; i++)
         build->layouts[i].sah = NAN;
+    for (uint32_t i = 0; i < BB_RECORD_STEPS_MAX; i++)
+        build->steps[i].sah = NAN;
 }
 
 void bb_trace_record_init(bb_trace_record *trace)
@@ -160,6 +162,19 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
         return bb_fail(BB_INVALID, "a trace names build %u, which is not in the results",
                        trace->build);
     return append(results, "traces", BB_IN_TRACE, trace, NULL);
+}
+
+bb_status bb_results_add_prediction(bb_results *results, const bb_prediction_record *prediction)
+{
+    if (bb_results_section(results, "predictions") == NULL &&
+        cJSON_AddArrayToObject(results->root, "predictions") == NULL)
+        return no_memory();
+    return append(results, "predictions", BB_IN_PREDICTION, prediction, NULL);
+}
+
+void bb_results_clear_predictions(bb_results *results)
+{
+    cJSON_DeleteItemFromObjectCaseSensitive(results->root, "predictions");
 }
 
 bb_status bb_results_add_skipped(bb_results *results, const char *scene, const char *rays,

@@ -56,7 +56,9 @@ typedef struct bb_build_record {
     uint32_t step_count;
     struct {
         char name[64];
-        bb_samples ms; /* of the warm builds: they add up to build_ms */
+        bb_samples ms;              /* of the warm builds: they add up to build_ms */
+        double sah;                 /* of the tree after it; NAN: it makes none */
+        uint64_t bytes, bytes_peak; /* of what it made; with its scratch; 0: not known */
     } steps[BB_RECORD_STEPS_MAX];
     uint32_t layout_count;
     struct {
@@ -110,6 +112,16 @@ typedef struct bb_trace_record {
     bool reference;
 } bb_trace_record;
 
+/* How well measures of trees predict what rays of one kind take: SAH, EPO, (1 - alpha) SAH + alpha
+ * EPO, and the counted work (framework/summary/prediction.h makes it). NAN: not known. */
+typedef struct bb_prediction_record {
+    const char *rays;
+    uint32_t cells, groups, trees, scenes;
+    double alpha, alpha_least, alpha_most; /* the range: with one scene left out */
+    double mix_error, mix_correlation, unseen_error;
+    double sah_error, sah_correlation, epo_error, epo_correlation, work_error, work_correlation;
+} bb_prediction_record;
+
 /* Empty records: every figure "not measured", status ok. */
 void bb_build_record_init(bb_build_record *build);
 void bb_trace_record_init(bb_trace_record *trace);
@@ -151,6 +163,11 @@ bb_status bb_results_add_skipped(bb_results *results, const char *scene, const c
 /* A picture (path relative to the results folder) to be shown in the report. */
 bb_status bb_results_add_picture(bb_results *results, const char *scene, const char *view,
                                  const char *caption, const char *path);
+
+/* What follows from the whole document, and not from that of which it becomes a part: merging and
+ * joining take it out. */
+bb_status bb_results_add_prediction(bb_results *results, const bb_prediction_record *prediction);
+void bb_results_clear_predictions(bb_results *results);
 
 /* The least id that no build has. */
 uint32_t bb_results_next_build(const bb_results *results);

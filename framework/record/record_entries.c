@@ -143,7 +143,13 @@ bool bb_put_build_params(cJSON *object, const char *name, const void *record, co
     return false;
 }
 
-/* Of a pipeline; else there are none. */
+/* 0: not known. */
+static bool put_bytes(cJSON *object, const char *name, uint64_t bytes)
+{
+    return bb_put_number(object, name, bytes > 0 ? (double)bytes : (double)NAN);
+}
+
+/* Times, all their samples, SAH, and bytes, of a pipeline; else there are none. */
 bool bb_put_steps(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)extra;
@@ -152,10 +158,18 @@ bool bb_put_steps(cJSON *object, const char *name, const void *record, const voi
         return true;
     cJSON *ms = cJSON_AddObjectToObject(object, name);
     cJSON *samples = cJSON_AddObjectToObject(object, bb_fields[BB_F_BUILD_STAGES_SAMPLES].name);
-    bool ok = ms != NULL && samples != NULL;
-    for (uint32_t i = 0; ok && i < build->step_count; i++)
-        ok = bb_put_number(ms, build->steps[i].name, bb_samples_median(&build->steps[i].ms)) &&
-             bb_put_samples(samples, build->steps[i].name, &build->steps[i].ms);
+    cJSON *sah = cJSON_AddObjectToObject(object, bb_fields[BB_F_BUILD_STAGES_SAH].name);
+    cJSON *bytes = cJSON_AddObjectToObject(object, bb_fields[BB_F_BUILD_STAGES_BYTES].name);
+    cJSON *peak = cJSON_AddObjectToObject(object, bb_fields[BB_F_BUILD_STAGES_PEAK].name);
+    bool ok = ms != NULL && samples != NULL && sah != NULL && bytes != NULL && peak != NULL;
+    for (uint32_t i = 0; ok && i < build->step_count; i++) {
+        const char *step = build->steps[i].name;
+        ok = bb_put_number(ms, step, bb_samples_median(&build->steps[i].ms)) &&
+             bb_put_samples(samples, step, &build->steps[i].ms) &&
+             bb_put_number(sah, step, build->steps[i].sah) &&
+             put_bytes(bytes, step, build->steps[i].bytes) &&
+             put_bytes(peak, step, build->steps[i].bytes_peak);
+    }
     return ok;
 }
 
@@ -196,11 +210,32 @@ bool bb_put_layouts(cJSON *object, const char *name, const void *record, const v
         ok = bb_put_number(ms, layout, bb_samples_median(&build->layouts[i].ms)) &&
              bb_put_samples(samples, layout, &build->layouts[i].ms) &&
              bb_put_number(sah, layout, build->layouts[i].sah) &&
-             bb_put_number(bytes, layout,
-                           build->layouts[i].bytes > 0 ? (double)build->layouts[i].bytes
-                                                       : (double)NAN);
+             put_bytes(bytes, layout, build->layouts[i].bytes);
     }
     return ok;
+}
+
+bool bb_put_first_rays(cJSON *build)
+{
+    const cJSON *layout;
+    if (bb_get(build, BB_F_BUILD_FIRST_RAY) != NULL)
+        return true;
+    cJSON *ms = cJSON_AddObjectToObject(build, bb_fields[BB_F_BUILD_FIRST_RAY].name);
+    bool ok = ms != NULL;
+    cJSON_ArrayForEach(layout, bb_get(build, BB_F_BUILD_LAYOUTS_MS))
+    {
+        ok = ok && bb_put_number(ms, layout->string, bb_first_ray_ms(build, layout->string));
+    }
+    return ok;
+}
+
+/* Follows from what stands in the object already; a reference has no layouts. */
+bool bb_put_first_ray(cJSON *object, const char *name, const void *record, const void *extra)
+{
+    (void)name;
+    (void)record;
+    (void)extra;
+    return bb_put_first_rays(object);
 }
 
 static bool put_metric(cJSON *tree, const bb_metric *metric, const bb_metric_value *measured)
@@ -275,6 +310,32 @@ bool bb_put_rate(cJSON *object, const char *name, const void *record, const void
     return bb_put_number(object, name, rate) &&
            bb_put(object, bb_fields[BB_F_TRACE_RATE_GIVEN].name, cJSON_CreateBool(given)) &&
            bb_put_rate_spread(object, &trace->ms);
+}
+
+/* Tests by their costs in SAH: a pair of boxes, a primitive. On binary nodes, each of which has two
+ * boxes, that is 1.2 for a node; on wide ones children/2 of it, as SAH has it. */
+static double work_of(double boxes, double prims)
+{
+    return BB_COST_TRAVERSAL * 0.5 * boxes + BB_COST_INTERSECTION * prims;
+}
+
+bool bb_put_work(cJSON *object, const char *name, const void *record, const void *extra)
+{
+    (void)extra;
+    const bb_trace_record *trace = record;
+    return bb_put_number(object, name,
+                         trace->status == BB_OK
+                             ? work_of(trace->node_tests_per_ray, trace->prim_tests_per_ray)
+                             : (double)NAN);
+}
+
+bool bb_put_missing_work(cJSON *trace)
+{
+    if (bb_get(trace, BB_F_TRACE_WORK) != NULL)
+        return true;
+    return bb_put_number(trace, bb_fields[BB_F_TRACE_WORK].name,
+                         work_of(bb_get_number(trace, BB_F_TRACE_NODE_TESTS),
+                                 bb_get_number(trace, BB_F_TRACE_PRIM_TESTS)));
 }
 
 bool bb_put_accuracy(cJSON *object, const char *name, const void *record, const void *extra)

@@ -255,6 +255,7 @@ bb_status bb_results_join(bb_results *a, const bb_results *b)
     BB_TRY(check_requests(context, other));
     BB_TRY(check_scenes(a, b));
     BB_TRY(check_traces(a, b));
+    bb_results_clear_predictions(a);
     if (bb_get(context, BB_F_CONTEXT_SHARDS) == NULL)
         BB_TRY(note_shard(context, context));
     BB_TRY(note_shard(context, other));

@@ -118,6 +118,7 @@ static bb_status add_times(bb_results *a, const bb_results *b)
 bb_status bb_results_merge(bb_results *a, const bb_results *b)
 {
     BB_TRY(check_scenes(a, b));
+    bb_results_clear_predictions(a);
     double first_id = bb_results_next_build(a), first_run = 1;
     BB_TRY(copy_contexts(a, b, &first_run));
 

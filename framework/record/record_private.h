@@ -52,11 +52,19 @@ bb_put_fn bb_put_kinds, bb_put_bounds, bb_put_profile, bb_put_boxes, bb_put_view
 bb_put_fn bb_put_builder, bb_put_build_params, bb_put_build_times, bb_put_build_rate, bb_put_phases,
     bb_put_layouts, bb_put_tree;
 bb_put_fn bb_put_native, bb_put_rays_source, bb_put_query, bb_put_rays_params, bb_put_rate,
-    bb_put_accuracy, bb_put_unlike, bb_put_wrong_ppm, bb_put_overflowed, bb_put_first_wrong;
+    bb_put_accuracy, bb_put_unlike, bb_put_wrong_ppm, bb_put_overflowed, bb_put_first_wrong,
+    bb_put_work, bb_put_first_ray;
 
 /* Gives a trace that has no key one of what it says; the rays, of which it does not say all, are
  * known by their hash. For files of earlier versions. */
 bool bb_put_missing_key(cJSON *trace);
+
+/* Gives a build what the first ray on each of its layouts waits for, if it lacks that. */
+bool bb_put_first_rays(cJSON *build);
+
+/* Gives a trace whose tests were counted their cost, if it lacks that. For files of earlier
+ * versions. */
+bool bb_put_missing_work(cJSON *trace);
 
 /* The run's context as the member "context" of the document. */
 bool bb_put_context(cJSON *root, const bb_context *context, const char *embree_version);

@@ -263,6 +263,7 @@ static bb_status check_document(const char *path, const cJSON *root)
     BB_TRY(check_section(path, root, "traces", true, BB_IN_TRACE, "accuracy", BB_IN_ACCURACY));
     BB_TRY(check_section(path, root, "skipped", false, BB_IN_SKIPPED, "", 0));
     BB_TRY(check_section(path, root, "pictures", false, BB_IN_PICTURE, "", 0));
+    BB_TRY(check_section(path, root, "predictions", false, BB_IN_PREDICTION, "", 0));
     BB_TRY(check_section(path, root, "merged", false, BB_IN_CONTEXT, "", 0));
     BB_TRY(check_reproductions(path, root));
     static const char *const times[] = {"steps_ms", "time_ms"};
@@ -290,10 +291,15 @@ static bool complete(bb_results *results)
     if (cJSON_GetObjectItemCaseSensitive(root, "steps_ms") == NULL &&
         cJSON_AddObjectToObject(root, "steps_ms") == NULL)
         return false;
-    cJSON *trace;
+    cJSON *build, *trace;
+    cJSON_ArrayForEach(build, cJSON_GetObjectItemCaseSensitive(root, "builds"))
+    {
+        if (!bb_put_first_rays(build))
+            return false;
+    }
     cJSON_ArrayForEach(trace, cJSON_GetObjectItemCaseSensitive(root, "traces"))
     {
-        if (!bb_put_missing_key(trace))
+        if (!bb_put_missing_key(trace) || !bb_put_missing_work(trace))
             return false;
     }
     return bb_results_put_spreads(results);

@@ -95,6 +95,17 @@ double bb_get_named(const cJSON *entry, bb_field_id field, const char *name)
     return bb_json_number(bb_get(entry, field), name);
 }
 
+double bb_first_ray_ms(const cJSON *build, const char *layout)
+{
+    double boxes = bb_get_number(build, BB_F_BUILD_BOXES_MS);
+    double transfer = bb_get_number(build, BB_F_BUILD_TRANSFER_MS);
+    double layout_ms = bb_get_true(build, BB_F_BUILD_REFERENCE)
+                           ? 0
+                           : bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, layout);
+    return bb_get_number(build, BB_F_BUILD_MS_MEDIAN) + layout_ms + (isfinite(boxes) ? boxes : 0) +
+           (isfinite(transfer) ? transfer : 0);
+}
+
 bool bb_get_samples(const cJSON *entry, bb_field_id field, bb_samples *samples)
 {
     const cJSON *array = bb_get(entry, field), *item;
@@ -176,10 +187,13 @@ bool bb_metric_measured(const cJSON *builds, const bb_metric *metric)
 /* ---- for the page ---- */
 
 static const char *const part_names[BB_PARTS] = {
-    [BB_IN_CONTEXT] = "context",   [BB_IN_SCENE] = "scene",     [BB_IN_PROFILE] = "profile",
-    [BB_IN_BUILD] = "build",       [BB_IN_TREE] = "tree",       [BB_IN_TRACE] = "trace",
-    [BB_IN_ACCURACY] = "accuracy", [BB_IN_SKIPPED] = "skipped", [BB_IN_PICTURE] = "picture",
-    [BB_IN_PAPER] = "paper",       [BB_IN_TABLE] = "table",     [BB_IN_CLAIM] = "claim"};
+    [BB_IN_CONTEXT] = "context",   [BB_IN_SCENE] = "scene",
+    [BB_IN_PROFILE] = "profile",   [BB_IN_BUILD] = "build",
+    [BB_IN_TREE] = "tree",         [BB_IN_TRACE] = "trace",
+    [BB_IN_ACCURACY] = "accuracy", [BB_IN_SKIPPED] = "skipped",
+    [BB_IN_PICTURE] = "picture",   [BB_IN_PREDICTION] = "prediction",
+    [BB_IN_PAPER] = "paper",       [BB_IN_TABLE] = "table",
+    [BB_IN_CLAIM] = "claim"};
 static const char *const format_names[] = {[BB_AS_TEXT] = "text",
                                            [BB_AS_FIGURE] = "figure",
                                            [BB_AS_WHOLE] = "whole",

@@ -24,6 +24,7 @@ typedef enum bb_field_part {
     BB_IN_ACCURACY, /* of a trace: its member "accuracy" */
     BB_IN_SKIPPED,
     BB_IN_PICTURE,
+    BB_IN_PREDICTION,
     BB_IN_PAPER, /* reproduced */
     BB_IN_TABLE, /* of a paper */
     BB_IN_CLAIM, /* of a paper */
@@ -99,6 +100,10 @@ double bb_get_number(const cJSON *entry, bb_field_id field);
 bool bb_get_true(const cJSON *entry, bb_field_id field);
 /* Of an object of figures, the one called `name`; NAN if there is none. */
 double bb_get_named(const cJSON *entry, bb_field_id field, const char *name);
+/* What the first ray waits for, in ms: boxes, build, transfer of a builder on the host, and the
+ * layout. Of a reference, which makes its boxes and its layout inside its build, and is on the host
+ * already, its build. NAN if the build or the layout was not measured. */
+double bb_first_ray_ms(const cJSON *build, const char *layout);
 /* False if it is no array of 1 to BB_SAMPLES_MAX numbers. */
 bool bb_get_samples(const cJSON *entry, bb_field_id field, bb_samples *samples);
 /* Whether both have the same text there. */

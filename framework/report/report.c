@@ -7,6 +7,7 @@
 #include "framework/chart/chart.h"
 #include "framework/record/schema.h"
 #include "framework/report/template.h"
+#include "framework/summary/prediction.h"
 #include "framework/summary/summary.h"
 
 #include <cjson/cJSON.h>
@@ -109,6 +110,7 @@ static char *charts_json(bb_results *results)
 bb_status bb_report_html(bb_results *results, const char *picture_folder, const char *path)
 {
     bb_page_text page = {0};
+    BB_TRY(bb_predictions_record(results));
     bb_status status;
     char *records = bb_results_print(results, false);
     char *pictures = pictures_json(bb_results_json(results), picture_folder);

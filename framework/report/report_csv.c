@@ -61,7 +61,7 @@ static void print_head(FILE *out)
     for (size_t i = 0; i < OF_BUILD; i++)
         fprintf(out, ",%s%s", bb_fields[of_build[i]].part == BB_IN_TREE ? "tree_" : "",
                 bb_fields[of_build[i]].name);
-    fputs(",layout_ms", out);
+    fputs(",layout_ms,first_ray_ms", out);
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         fprintf(out, ",tree_%s", bb_metrics[i]->name);
     fputs("\r\n", out);
@@ -84,6 +84,8 @@ static void print_trace(FILE *out, const cJSON *trace, const cJSON *build)
     fputc(',', out);
     print_number(out,
                  bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, bb_get_text(trace, BB_F_TRACE_LAYOUT)));
+    fputc(',', out);
+    print_number(out, bb_first_ray_ms(build, bb_get_text(trace, BB_F_TRACE_LAYOUT)));
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         fputc(',', out);
         print_number(out, bb_get_metric(build, bb_metrics[i]));

@@ -43,6 +43,8 @@ static void print_row(FILE *out, const bb_summary_row *row)
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
         print_standing(out, &row->image[k]);
     print_standing(out, &row->quality);
+    print_standing(out, &row->overlap);
+    print_standing(out, &row->work);
     print_standing(out, &(bb_standing){.value = row->peak / (1 << 20)});
     if (row->checked > 0)
         fprintf(out, " %.0f of %.0f |\n", row->wrong, row->checked);
@@ -53,11 +55,16 @@ static void print_row(FILE *out, const bb_summary_row *row)
 bb_status bb_report_markdown(const bb_results *results, FILE *out)
 {
     bb_summary summary;
-    char busy[256];
+    char busy[256], implausible[BB_IMPLAUSIBLE];
     BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
     const cJSON *context = bb_results_section(results, "context");
     if (bb_summary_busy(results, busy))
         fprintf(out, "**Warning:** %s\n\n", busy);
+    if (bb_summary_implausible(results, implausible)) {
+        fputs("**Warning:** ", out);
+        print_text(out, implausible);
+        fputs("\n\n", out);
+    }
     fputs("bvhbench ", out);
     print_text(out, bb_get_text(context, BB_F_CONTEXT_REVISION));
     fputs(" on ", out);
@@ -66,9 +73,9 @@ bb_status bb_report_markdown(const bb_results *results, FILE *out)
             summary.rounds);
     fprintf(out,
             "| builder | trace / %s | build Mprims/s | + layout | 0.1 M rays | 1 M | 10 M | 100 M "
-            "| 1 G | 10 G | SAH / best | peak MiB | wrong rays |\n",
+            "| 1 G | 10 G | SAH / best | EPO / best | work / best | peak MiB | wrong rays |\n",
             summary.referenced ? "Embree" : "best");
-    fputs("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n", out);
+    fputs("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n", out);
     for (uint32_t i = 0; i < summary.row_count; i++)
         print_row(out, &summary.rows[i]);
     fputs("\nGeometric means; **best**, ~ not told from it; columns of rays: time to image by the "

@@ -5,6 +5,7 @@
  */
 #include "framework/report/columns.h"
 #include "framework/report/report.h"
+#include "framework/report/report_prediction.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -49,8 +50,9 @@ static int metric_width(const bb_metric *metric)
 static void print_heading(FILE *out, const bb_medians *times, const tree_columns *columns,
                           int width)
 {
-    fprintf(out, "\n  %-*s  %8s  %-*s  %9s", width, bb_fields[BB_F_BUILD_BUILDER].heading,
-            bb_fields[BB_F_BUILD_RATE].heading, times->width, times->heading, "Layout ms");
+    fprintf(out, "\n  %-*s  %8s  %-*s  %9s  %9s", width, bb_fields[BB_F_BUILD_BUILDER].heading,
+            bb_fields[BB_F_BUILD_RATE].heading, times->width, times->heading, "Layout ms",
+            "First ray");
     for (uint32_t i = 0; i < columns->count; i++)
         fprintf(out, "  %*s", metric_width(columns->metrics[i]), columns->metrics[i]->title);
     for (size_t i = 0; i < AFTER_METRICS; i++)
@@ -88,11 +90,36 @@ static void print_tree(FILE *out, const cJSON *build, const tree_columns *column
     fputc('\n', out);
 }
 
+/* Of a pipeline: what each step took, the SAH of the tree after it, and the memory. */
+static void print_stages(FILE *out, const cJSON *build)
+{
+    const cJSON *stage = first_entry(bb_get(build, BB_F_BUILD_STAGES));
+    if (stage == NULL)
+        return;
+    fputs("    stages:", out);
+    for (; stage != NULL; stage = stage->next) {
+        char ms[BB_ENTRY], sah[BB_ENTRY], bytes[BB_ENTRY];
+        bb_text_figure(ms, cJSON_IsNumber(stage) ? stage->valuedouble : (double)NAN);
+        double cost = bb_get_named(build, BB_F_BUILD_STAGES_SAH, stage->string);
+        double peak = bb_get_named(build, BB_F_BUILD_STAGES_PEAK, stage->string);
+        bb_text_figure(sah, cost);
+        bb_text_bytes(bytes, peak);
+        fputc(' ', out);
+        bb_print_text(out, stage->string, 0);
+        fprintf(out, " %s ms", ms);
+        if (isfinite(cost))
+            fprintf(out, ", SAH %s", sah);
+        if (isfinite(peak))
+            fprintf(out, ", %s", bytes);
+        fputs(stage->next != NULL ? ";" : "\n", out);
+    }
+}
+
 static void print_build(FILE *out, const cJSON *build, int width, const bb_medians *times,
                         const tree_columns *columns)
 {
     const cJSON *layout = first_entry(bb_get(build, BB_F_BUILD_LAYOUTS_MS));
-    char rate[BB_ENTRY], ms[BB_ENTRY], conversion[BB_ENTRY];
+    char rate[BB_ENTRY], ms[BB_ENTRY], conversion[BB_ENTRY], first[BB_ENTRY];
     fputs("  ", out);
     bb_print_text(out, bb_get_text(build, BB_F_BUILD_BUILDER), width);
     if (print_reason(out, build, BB_F_BUILD_STATUS, BB_F_BUILD_REASON))
@@ -100,7 +127,8 @@ static void print_build(FILE *out, const cJSON *build, int width, const bb_media
     bb_text_field(rate, build, BB_F_BUILD_RATE);
     bb_medians_text(ms, times, build);
     bb_text_figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
-    fprintf(out, "  %8s  %-*s  %9s", rate, times->width, ms, conversion);
+    bb_text_figure(first, bb_first_ray_ms(build, layout != NULL ? layout->string : ""));
+    fprintf(out, "  %8s  %-*s  %9s  %9s", rate, times->width, ms, conversion, first);
     print_tree(out, build, columns);
     const char *about = bb_get_text(build, BB_F_BUILD_ABOUT);
     if (about[0] != '\0') {
@@ -108,14 +136,16 @@ static void print_build(FILE *out, const cJSON *build, int width, const bb_media
         bb_print_text(out, about, 0);
         fputc('\n', out);
     }
+    print_stages(out, build);
     if (layout == NULL || layout->next == NULL)
         return;
     fputs("    layouts:", out);
     for (; layout != NULL; layout = layout->next) {
         bb_text_figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
         fputc(' ', out);
+        bb_text_figure(first, bb_first_ray_ms(build, layout->string));
         bb_print_text(out, layout->string, 0);
-        fprintf(out, " %s ms%s", conversion, layout->next ? "," : "\n");
+        fprintf(out, " %s ms, first ray %s%s", conversion, first, layout->next ? ";" : "\n");
     }
 }
 
@@ -220,7 +250,7 @@ typedef struct group {
 static void print_trace(FILE *out, const cJSON *trace, const group *set)
 {
     char kernel[640], rate[BB_ENTRY], ratio[BB_ENTRY], wrong[BB_ENTRY], classes[BB_ENTRY],
-        nodes[BB_ENTRY], prims[BB_ENTRY];
+        nodes[BB_ENTRY], prims[BB_ENTRY], work[BB_ENTRY];
     kernel_name(trace, kernel, sizeof kernel);
     fputs("  ", out);
     bb_print_text(out, bb_get_text(trace, BB_F_TRACE_BUILDER), set->builder_width);
@@ -235,8 +265,9 @@ static void print_trace(FILE *out, const cJSON *trace, const group *set)
     classes_entry(classes, trace);
     bb_text_field(nodes, trace, BB_F_TRACE_NODE_TESTS);
     bb_text_field(prims, trace, BB_F_TRACE_PRIM_TESTS);
-    fprintf(out, "  %-*s  %7s  %-12s  %-10s  %9s  %11s", set->rates.width, rate, ratio, wrong,
-            classes, nodes, prims);
+    bb_text_field(work, trace, BB_F_TRACE_WORK);
+    fprintf(out, "  %-*s  %7s  %-12s  %-10s  %9s  %11s  %7s", set->rates.width, rate, ratio, wrong,
+            classes, nodes, prims, work);
     if (bb_get_number(trace, BB_F_TRACE_COUNT) < set->count) {
         bb_text_whole(rate, bb_get_number(trace, BB_F_TRACE_COUNT));
         fprintf(out, "  of the first %s rays", rate);
@@ -275,11 +306,12 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
     }
     fprintf(out, ": %s rays, %s hit\n", count,
             strcmp(bb_get_text(first, BB_F_TRACE_QUERY), "any") == 0 ? "any" : "closest");
-    fprintf(out, "  %-*s  %-*s  %-*s  %7s  %-12s  %-10s  %9s  %11s\n", set.builder_width,
+    fprintf(out, "  %-*s  %-*s  %-*s  %7s  %-12s  %-10s  %9s  %11s  %7s\n", set.builder_width,
             bb_fields[BB_F_TRACE_BUILDER].heading, set.kernel_width,
             bb_fields[BB_F_TRACE_KERNEL].heading, set.rates.width, set.rates.heading, "/Embree",
             bb_fields[BB_F_ACCURACY_WRONG_PPM].heading, "mis/fal/t",
-            bb_fields[BB_F_TRACE_NODE_TESTS].heading, bb_fields[BB_F_TRACE_PRIM_TESTS].heading);
+            bb_fields[BB_F_TRACE_NODE_TESTS].heading, bb_fields[BB_F_TRACE_PRIM_TESTS].heading,
+            bb_fields[BB_F_TRACE_WORK].heading);
     cJSON_ArrayForEach(trace, traces)
     {
         if (same_rays(trace, first))
@@ -383,12 +415,14 @@ static void print_legend(FILE *out, bool traced)
             "neither.\n",
             BB_INTERVAL_ROUNDS);
     if (traced)
-        fputs("*: native, the layout keeps the shape of the builder's own tree.\n"
+        fputs("First ray: boxes, build, transfer and layout, in ms.\n*: native, the layout keeps "
+              "the shape of the builder's own tree.\n"
               "/Embree: to the fastest embree-native row on the same rays.\n"
               "Wrong ppm: wrong rays per million; unlike: answers unlike those of other cells with "
               "`exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nBox tests, Prim. "
               "tests: "
-              "per ray, from a separate counting run.\n",
+              "per ray, from a separate counting run; Work: 1.2 for each pair of boxes, 1 for each "
+              "primitive.\n",
               out);
 }
 
@@ -416,6 +450,7 @@ bb_status bb_report_table(const bb_results *results, FILE *out)
         print_builds(out, builds, name);
         print_traces(out, traces, name);
     }
+    BB_TRY(bb_report_predictions(results, out));
     print_skipped(out, bb_results_section(results, "skipped"));
     print_times(out, bb_results_section(results, "steps_ms"),
                 bb_results_section(results, "time_ms"));

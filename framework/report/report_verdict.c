@@ -12,7 +12,7 @@
 enum { COLUMNS = 100, LABEL = 15 };
 
 /* Numbers of rays that have a column: of bb_summary_counts. */
-static const uint32_t shown_counts[] = {0, 1, 3, 4, 5};
+static const uint32_t shown_counts[] = {0, 1, 3, 4};
 enum { SHOWN = sizeof shown_counts / sizeof shown_counts[0] };
 
 /* ---- the head ---- */
@@ -100,6 +100,8 @@ static void print_row(FILE *out, const bb_summary *s, uint32_t i)
     }
     print_figure(out, row->quality.value, 5);
     fputc(mark_of(&row->quality), out);
+    print_figure(out, row->work.value, 5);
+    fputc(mark_of(&row->work), out);
     print_figure(out, row->peak / (1 << 20), 6);
     if (row->checked > 0)
         snprintf(wrong, sizeof wrong, row->wrong == 0 ? "none" : "%.0f", row->wrong);
@@ -108,14 +110,14 @@ static void print_row(FILE *out, const bb_summary *s, uint32_t i)
 
 static void print_rows(FILE *out, const bb_summary *s)
 {
-    fprintf(out, "\n %-26s%7s  %6s %7s    %-27s%5s %6s%7s\n", "", "trace", "build", "+layout",
-            "time to image, by the best", "SAH", "peak", "wrong");
+    fprintf(out, "\n %-26s%7s  %6s %7s    %-21s%5s %5s %6s%7s\n", "", "trace", "build", "+layout",
+            "time to image /best", "SAH", "work", "peak", "wrong");
     fprintf(out, " %-26s%7s  %6s %7s ", "builder", s->referenced ? "/Embree" : "/best", "M/s",
             "M/s");
     static const char *const counts[] = {"0.1 M", "1 M", "10 M", "100 M", "1 G", "10 G"};
     for (uint32_t k = 0; k < SHOWN; k++)
         fprintf(out, "%5s ", counts[shown_counts[k]]);
-    fprintf(out, "%5s %6s%7s\n", "/best", "MiB", "rays");
+    fprintf(out, "%5s %5s %6s%7s\n", "/best", "/best", "MiB", "rays");
     for (uint32_t i = 0; i < s->row_count; i++) {
         if (i < s->builder_count && s->rows[i].partial && (i == 0 || !s->rows[i - 1].partial))
             fputs(" without a rank, for what they lack of the scenes or rays:\n", out);
@@ -156,7 +158,8 @@ static void print_legend(FILE *out, const bb_summary *s)
     snprintf(
         text, sizeof text,
         "geometric means over ray sets; M/s: million primitives; * best builder, ~ not told from "
-        "it; %s (95 %% each); %s; +layout: build and layout; image: these and so many rays",
+        "it; %s (95 %% each); %s; +layout: build and layout; image: these and so many rays; work: "
+        "counted, per ray",
         ties,
         s->referenced ? "/Embree: by its fastest row on each ray set"
                       : "/best: by the best builder");
@@ -179,11 +182,13 @@ static void print_legend(FILE *out, const bb_summary *s)
 bb_status bb_report_verdict(const bb_results *results, FILE *out)
 {
     bb_summary summary;
-    char busy[256];
+    char busy[256], implausible[BB_IMPLAUSIBLE];
     BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
     bool is_busy = bb_summary_busy(results, busy);
     if (is_busy)
         print_wrapped(out, "WARNING", LABEL, busy);
+    if (bb_summary_implausible(results, implausible))
+        print_wrapped(out, "WARNING", LABEL, implausible);
     if (bb_get_true(bb_results_section(results, "context"), BB_F_CONTEXT_INTERRUPTED))
         print_wrapped(out, "INTERRUPTED", LABEL, "not all that was asked for was measured");
     print_head(out, results, &summary);

@@ -1,4 +1,5 @@
 /* Summaries for the page: of everything, and of each choice of a scene and of rays. */
+#include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 
 #include <cjson/cJSON.h>
@@ -76,6 +77,8 @@ static cJSON *row_json(writer *w, const bb_summary_row *row)
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
         put_figure(w, curve, NULL, row->curve[i]);
     put(w, made, "quality", standing_json(w, &row->quality));
+    put(w, made, "overlap", standing_json(w, &row->overlap));
+    put(w, made, "work", standing_json(w, &row->work));
     put_figure(w, made, "peak", row->peak);
     put_figure(w, made, "wrong", row->wrong);
     put_figure(w, made, "checked", row->checked);
@@ -160,10 +163,37 @@ static bb_status add_choices(writer *w, cJSON *list, const bb_numbers *n)
     return BB_OK;
 }
 
+/* [trace, time, SAH, EPO, mix, work] of each cell, by kind of rays; what follows from them the
+ * document has. */
+static bb_status add_predictions(writer *w, cJSON *object, const bb_results *results)
+{
+    bb_predictions made;
+    BB_TRY(bb_predictions_make(results, &made));
+    cJSON *list = put_array(w, object, "predictions");
+    for (uint32_t i = 0; i < made.count; i++) {
+        const bb_prediction *p = &made.kinds[i];
+        cJSON *kind = cJSON_CreateObject();
+        put_text(w, kind, "rays", p->rays);
+        cJSON *points = put_array(w, kind, "points");
+        for (uint32_t k = 0; k < p->record.cells; k++) {
+            const bb_prediction_point *at = &p->points[k];
+            const double figures[] = {at->trace, at->time, at->sah, at->overlap, at->mix, at->work};
+            cJSON *point = cJSON_CreateArray();
+            for (size_t f = 0; f < sizeof figures / sizeof figures[0]; f++)
+                put(w, point, NULL,
+                    isfinite(figures[f]) ? cJSON_CreateNumber(figures[f]) : cJSON_CreateNull());
+            put(w, points, NULL, point);
+        }
+        put(w, list, NULL, kind);
+    }
+    bb_predictions_free(&made);
+    return BB_OK;
+}
+
 char *bb_summary_json(const bb_results *results)
 {
     bb_numbers numbers;
-    char *text = NULL, busy[256];
+    char *text = NULL, busy[256], implausible[BB_IMPLAUSIBLE];
     writer all = {false}, *w = &all;
     if (bb_numbers_read(results, &numbers) != BB_OK)
         return NULL;
@@ -176,8 +206,11 @@ char *bb_summary_json(const bb_results *results)
         put_figure(w, curve, NULL, bb_summary_curve_count(i));
     if (bb_summary_busy(results, busy))
         put_text(w, made, "busy", busy);
+    if (bb_summary_implausible(results, implausible))
+        put_text(w, made, "implausible", implausible);
     cJSON *choices = put_array(w, made, "choices");
-    if (add_choices(w, choices, &numbers) == BB_OK && !w->lost)
+    if (add_choices(w, choices, &numbers) == BB_OK && add_predictions(w, made, results) == BB_OK &&
+        !w->lost)
         text = cJSON_PrintUnformatted(made);
     cJSON_Delete(made);
     bb_numbers_free(&numbers);

@@ -87,7 +87,8 @@ static const bb_candidate *favourite(const bb_summary_view *v, uint32_t e, uint3
 
 static bool per_scene(const bb_measure *m)
 {
-    return m->quantity == BB_OF_BUILD || m->quantity == BB_OF_READY || m->quantity == BB_OF_QUALITY;
+    return m->quantity == BB_OF_BUILD || m->quantity == BB_OF_READY ||
+           m->quantity == BB_OF_QUALITY || m->quantity == BB_OF_OVERLAP;
 }
 
 /* Of an entrant on a scene or a ray set. */
@@ -97,8 +98,8 @@ static cost cost_on_scene(const bb_summary_view *v, uint32_t e, uint32_t scene, 
     cost found = {.median = NAN};
     if (!b->ok)
         return found;
-    if (m->quantity == BB_OF_QUALITY) {
-        found.median = b->quality;
+    if (m->quantity == BB_OF_QUALITY || m->quantity == BB_OF_OVERLAP) {
+        found.median = m->quantity == BB_OF_QUALITY ? b->quality : b->overlap;
         return found;
     }
     found.median = b->build_ms;
@@ -113,10 +114,23 @@ static cost cost_on_scene(const bb_summary_view *v, uint32_t e, uint32_t scene, 
     return found;
 }
 
+static double least_work(const bb_summary_view *v, uint32_t e, uint32_t set)
+{
+    const uint32_t *start = &v->n->starts[(size_t)e * v->n->set_count + set];
+    double least = NAN;
+    for (uint32_t i = start[0]; i < start[1]; i++)
+        least = fmin(least, v->n->candidates[i].work);
+    return least;
+}
+
 static cost cost_on_rays(const bb_summary_view *v, uint32_t e, uint32_t set, const bb_measure *m,
                          double run)
 {
     cost found = {.median = NAN};
+    if (m->quantity == BB_OF_WORK) {
+        found.median = least_work(v, e, set);
+        return found;
+    }
     const bb_candidate *c = e == BB_FASTEST_REFERENCE
                                 ? fastest_reference(v, set, run)
                                 : bb_fastest(v, e, set, m->quantity == BB_OF_IMAGE ? m->rays : 0);

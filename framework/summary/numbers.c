@@ -1,4 +1,5 @@
 /* The numbers of a document, read once: who took part, on which rays, how long it took. */
+#include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 
 #include <cjson/cJSON.h>
@@ -71,6 +72,7 @@ static void read_build(const bb_results *results, const cJSON *build, bb_built *
     double prims = bb_get_number(scene, BB_F_SCENE_PRIMS);
     b->prims = prims > 0 ? prims : (double)NAN;
     b->quality = bb_get_metric(build, bb_metrics[bb_metric_of_layouts()]);
+    b->overlap = bb_prediction_overlap(build);
     b->peak = isfinite(native) ? native : bb_get_number(build, BB_F_TREE_BYTES_PEAK);
 }
 
@@ -96,6 +98,7 @@ static void read_trace(const cJSON *trace, const cJSON *build, bb_candidate *c)
     c->low = bb_get_number(trace, BB_F_TRACE_RATE_LO);
     c->high = bb_get_number(trace, BB_F_TRACE_RATE_HI);
     c->kernel = bb_get_text(trace, BB_F_TRACE_KERNEL);
+    c->work = bb_get_number(trace, BB_F_TRACE_WORK);
     if (bb_get_true(trace, BB_F_TRACE_REFERENCE))
         return;
     c->layout_ms = bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, layout);

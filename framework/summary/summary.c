@@ -11,7 +11,7 @@ const double bb_summary_counts[BB_SUMMARY_COUNTS] = {1e5, 1e6, 1e7, 1e8, 1e9, 1e
 
 double bb_summary_curve_count(uint32_t i)
 {
-    return pow(10, 3 + 0.25 * i);
+    return pow(10, 0.25 * i);
 }
 
 bool bb_choice_takes(const bb_summary_choice *choice, const char *scene, const char *rays)
@@ -115,14 +115,16 @@ static void add_peak(const bb_summary_view *v, uint32_t e, bb_summary_row *row)
 
 /* Best builders of each column. */
 typedef struct best {
-    uint32_t build, ready, quality, image[BB_SUMMARY_COUNTS], curve[BB_SUMMARY_CURVE];
+    uint32_t build, ready, quality, overlap, work, image[BB_SUMMARY_COUNTS],
+        curve[BB_SUMMARY_CURVE];
     uint32_t base; /* of traces: a builder or BB_FASTEST_REFERENCE */
 } best;
 
 static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_summary_row *row)
 {
     const bb_measure trace = {BB_OF_TRACE, 0}, build = {BB_OF_BUILD, 0}, ready = {BB_OF_READY, 0},
-                     quality = {BB_OF_QUALITY, 0};
+                     quality = {BB_OF_QUALITY, 0}, work = {BB_OF_WORK, 0},
+                     overlap = {BB_OF_OVERLAP, 0};
     const bb_entrant_row *entrant = &v->n->entrants[e];
     *row = (bb_summary_row){.builder = entrant->builder,
                             .run = entrant->run,
@@ -143,6 +145,8 @@ static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_su
     row->build = stand_as_rate(v, e, of->build, &build);
     row->ready = stand_as_rate(v, e, of->ready, &ready);
     row->quality = stand(v, e, of->quality, &quality);
+    row->overlap = stand(v, e, of->overlap, &overlap);
+    row->work = stand(v, e, of->work, &work);
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
         row->image[k] = stand(v, e, of->image[k], &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++) {
@@ -341,6 +345,8 @@ static void find_best(const bb_summary_view *v, bool referenced, best *of)
     of->build = bb_best_builder(v, &(bb_measure){BB_OF_BUILD, 0});
     of->ready = bb_best_builder(v, &(bb_measure){BB_OF_READY, 0});
     of->quality = bb_best_builder(v, &(bb_measure){BB_OF_QUALITY, 0});
+    of->overlap = bb_best_builder(v, &(bb_measure){BB_OF_OVERLAP, 0});
+    of->work = bb_best_builder(v, &(bb_measure){BB_OF_WORK, 0});
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
         of->image[k] = bb_best_builder(v, &(bb_measure){BB_OF_IMAGE, bb_summary_counts[k]});
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
@@ -393,9 +399,11 @@ bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choi
         status = make_rows(&v, choice, enters, summary);
     if (status == BB_OK)
         status = bb_summary_accuracies(numbers->results, choice, summary);
-    if (status == BB_OK)
+    if (status == BB_OK) {
         bb_summary_say(summary);
-    else
+        status = bb_summary_say_predictions(numbers->results, choice, summary);
+    }
+    if (status != BB_OK)
         bb_summary_free(summary);
     free(v.sets);
     free(v.scenes);

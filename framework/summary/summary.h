@@ -14,14 +14,14 @@
 
 enum {
     BB_SUMMARY_COUNTS = 6,     /* numbers of rays of which rows have the time to image */
-    BB_SUMMARY_CURVE = 33,     /* of a curve over numbers of rays */
+    BB_SUMMARY_CURVE = 45,     /* of a curve over numbers of rays */
     BB_SUMMARY_SENTENCES = 16, /* at most */
     BB_SUMMARY_NAME = 64,
 };
 
 /* 10^5, 10^6 ... 10^10 rays. */
 extern const double bb_summary_counts[BB_SUMMARY_COUNTS];
-/* 10^3 to 10^11 rays, four to a power of ten. */
+/* From the first ray to 10^11, four to a power of ten. */
 double bb_summary_curve_count(uint32_t i);
 
 /* Which cells enter. */
@@ -58,6 +58,8 @@ typedef struct bb_summary_row {
     double curve[BB_SUMMARY_CURVE];
     bool curve_first[BB_SUMMARY_CURVE]; /* best there, or not to be told from the best */
     bb_standing quality;                /* by the least of all builders */
+    bb_standing overlap;                /* EPO, likewise */
+    bb_standing work;                   /* counted work per ray, likewise; by the kernel of least */
     double peak;                        /* bytes, of the scene that takes most */
     double wrong;    /* rays, and builds that failed count as none; NAN: nothing was judged */
     double checked;  /* rays judged */
@@ -105,6 +107,11 @@ void bb_summary_free(bb_summary *summary);
 /* The summaries of everything and of each choice of a scene and of rays, for the page. For
  * cJSON_free(); NULL without memory. */
 char *bb_summary_json(const bb_results *results);
+
+enum { BB_IMPLAUSIBLE = 768 };
+/* Trees of more than three times the SAH of the sweep on the same scene (where it was not run: of
+ * the cheapest tree): a line that warns, or false. */
+bool bb_summary_implausible(const bb_results *results, char text[BB_IMPLAUSIBLE]);
 
 /* How busy the machine was with other work: a line that warns, or false. */
 bool bb_summary_busy(const bb_results *results, char text[256]);

@@ -11,6 +11,7 @@ typedef struct bb_candidate {
     uint32_t entrant, set, scene;
     double ns;         /* of a ray, median */
     bb_samples ns_all; /* by rounds; empty: not in the file */
+    double work;       /* counted, per ray; NAN: not counted */
     double layout_ms;  /* of what its kernel reads; 0 for a reference; NAN: not known */
     double low, high;  /* of its rate, Mrays/s */
     const char *kernel;
@@ -24,6 +25,7 @@ typedef struct bb_built {
     bb_samples build_all;
     double prims, peak;
     double quality; /* by the metric that layouts have too */
+    double overlap; /* EPO */
 } bb_built;
 
 typedef struct bb_entrant_row {
@@ -63,6 +65,8 @@ typedef enum bb_quantity {
     BB_OF_READY,   /* the same of build and layout */
     BB_OF_IMAGE,   /* ms for build, layout and some rays, per ray set */
     BB_OF_QUALITY, /* per scene */
+    BB_OF_OVERLAP, /* per scene */
+    BB_OF_WORK,    /* counted work of a ray, per ray set, by the kernel that needs least */
 } bb_quantity;
 
 typedef struct bb_measure {
@@ -111,6 +115,10 @@ bool bb_choice_takes(const bb_summary_choice *choice, const char *scene, const c
 
 /* What the sentences say follows from the rows. */
 void bb_summary_say(bb_summary *summary);
+/* Another sentence, on how well costs of trees predict the time of rays; none for a single scene,
+ * or where too few scenes were measured. */
+bb_status bb_summary_say_predictions(const bb_results *results, const bb_summary_choice *choice,
+                                     bb_summary *summary);
 
 /* Fills accuracy and accuracy_count. */
 bb_status bb_summary_accuracies(const bb_results *results, const bb_summary_choice *choice,

@@ -1,4 +1,5 @@
 /* What follows from the rows, in sentences. */
+#include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 
 #include <stdarg.h>
@@ -268,4 +269,83 @@ void bb_summary_say(bb_summary *summary)
     say_image_at(summary, 4, "For 1 G rays");
     say_answers(summary);
     say_accuracy(summary);
+}
+
+/* The least and the most of an error over the kinds of rays, as "4 to 7 %". */
+typedef struct error_range {
+    double least, most;
+} error_range;
+
+static void widen(error_range *range, double error)
+{
+    range->least = fmin(range->least, 100 * error);
+    range->most = fmax(range->most, 100 * error);
+}
+
+static void say_range(bb_sentence *sentence, const char *before, const error_range *range)
+{
+    if (range->most - range->least < 0.5)
+        say(sentence, "%s%.2g %%", before, range->most);
+    else
+        say(sentence, "%s%.2g to %.2g %%", before, range->least, range->most);
+}
+
+/* Below it less than half of what differs between trees is told. */
+static const double telling_correlation = 0.7;
+
+static void say_mixes(bb_summary *summary, const bb_prediction_record *const *told, uint32_t count)
+{
+    error_range mix = {INFINITY, 0}, sah = mix, work = mix;
+    bb_sentence *sentence = begin(summary, "SAH and EPO");
+    say(sentence, "time per ray goes as (1 - a) SAH + a EPO:");
+    for (uint32_t i = 0; i < count; i++) {
+        const bb_prediction_record *r = told[i];
+        say(sentence, "%s a = %.2f (%.2f to %.2f) for %.40s", i > 0 ? "," : "", r->alpha,
+            r->alpha_least, r->alpha_most, r->rays);
+        widen(&mix, r->unseen_error);
+        widen(&sah, r->sah_error);
+        widen(&work, r->work_error);
+    }
+    say_range(sentence, "; a scene not fitted is off by ", &mix);
+    say_range(sentence, ", by SAH alone ", &sah);
+    say_range(sentence, ", by counted work ", &work);
+}
+
+static void say_untold(bb_summary *summary, const bb_prediction_record *const *untold,
+                       uint32_t count)
+{
+    bb_sentence *sentence = begin(summary, "SAH and EPO");
+    say(sentence, "no mix of the two tells the time per ray of");
+    for (uint32_t i = 0; i < count; i++)
+        say(sentence, "%s %.40s (correlation %.2f)", i > 0 ? "," : "", untold[i]->rays,
+            untold[i]->mix_correlation);
+    say(sentence, " here, be it for the rays or for noise");
+}
+
+bb_status bb_summary_say_predictions(const bb_results *results, const bb_summary_choice *choice,
+                                     bb_summary *summary)
+{
+    enum { KINDS = 8 };
+    bb_predictions made;
+    const bb_prediction_record *told[KINDS], *untold[KINDS];
+    uint32_t told_count = 0, untold_count = 0;
+    if (choice->scene != NULL)
+        return BB_OK;
+    BB_TRY(bb_predictions_make(results, &made));
+    for (uint32_t i = 0; i < made.count; i++) {
+        const bb_prediction_record *r = &made.kinds[i].record;
+        if (!isfinite(r->unseen_error) ||
+            (choice->rays != NULL && strcmp(choice->rays, r->rays) != 0))
+            continue;
+        if (r->mix_correlation >= telling_correlation && told_count < KINDS)
+            told[told_count++] = r;
+        else if (!(r->mix_correlation >= telling_correlation) && untold_count < KINDS)
+            untold[untold_count++] = r;
+    }
+    if (told_count > 0)
+        say_mixes(summary, told, told_count);
+    if (untold_count > 0)
+        say_untold(summary, untold, untold_count);
+    bb_predictions_free(&made);
+    return BB_OK;
 }

@@ -18,7 +18,10 @@ typedef struct bb_metric {
     const char *summary; /* what it says of a tree, a sentence or two for the page and the help */
     bool on_request;     /* costs too much to be measured each time */
     bool of_layouts;     /* the harness also has it of each layout, as traced: layouts_NAME */
-    bool sampled;        /* estimated from points: there is a confidence interval */
+    /* Whether it is mixed with that one to predict the time of rays (summary/prediction.h): of
+     * several that a tree has, the one with the largest number is taken; 0: it is not. */
+    unsigned mixed;
+    bool sampled; /* estimated from points: there is a confidence interval */
     /* Of the tree, which is checked and on the host: *value, NAN if the tree has none; *half, if it
      * is sampled, the half width of the 95 % interval of *value. `samples` points, at least 1,
      * drawn by `seed`: the same for all trees of a scene. May use all cores, but not depend on how

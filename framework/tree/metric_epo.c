@@ -6,10 +6,10 @@
  * Measured as the mean over points p, uniform on S, of the cost of the nodes that contain p but
  * not, in their subtree, p's primitive.
  */
+#include "framework/tree/metric_epo.h"
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
 #include "framework/scene/prim.h"
-#include "framework/tree/metric.h"
 #include "framework/tree/tree_walk.h"
 
 #include <math.h>
@@ -18,6 +18,9 @@
 /* Points whose costs are added up together, so that the number of threads does not change the sum.
  */
 enum { BLOCK = 4096 };
+
+/* Points that say how many nodes one visits. */
+enum { PILOT = 256 };
 
 typedef struct epo {
     const bb_scene *scene;
@@ -59,11 +62,11 @@ static bool holds_prim(const epo *e, uint32_t prim, uint32_t begin, uint32_t end
     return low < last && e->leaves[low] < end;
 }
 
-static double point_cost(const epo *e, uint32_t prim, const double p[3])
+static double point_cost(const epo *e, uint32_t prim, const double p[3], uint64_t *visits)
 {
     uint32_t count = e->tree.info.node_count;
     double cost = 0.0;
-    for (uint32_t i = 0; i < count;) {
+    for (uint32_t i = 0; i < count; (*visits)++) {
         const bb_node *node = &e->tree.nodes[i];
         uint32_t end = node->skip == BB_NONE ? count : node->skip;
         bool inside = node->lo[0] <= p[0] && p[0] <= node->hi[0] && node->lo[1] <= p[1] &&
@@ -75,23 +78,28 @@ static double point_cost(const epo *e, uint32_t prim, const double p[3])
     return cost;
 }
 
+/* Cost of point `sample`; adds the nodes that it visits. */
+static double sample_cost(const epo *e, uint64_t sample, uint64_t *visits)
+{
+    double total = e->area[e->scene->prim_count - 1], p[3], normal[3];
+    bb_random random = bb_random_make(e->seed, sample);
+    uint32_t i, prim = pick(e, bb_random_unit(&random) * total);
+    const bb_prim_kind *kind = bb_prim_of(e->scene, prim, &i);
+    kind->sample(e->scene, i, &random, p, normal);
+    return point_cost(e, prim, p, visits);
+}
+
 static void run_blocks(void *context, size_t begin, size_t end, uint32_t thread)
 {
     (void)thread;
     epo *e = context;
-    double total = e->area[e->scene->prim_count - 1];
+    uint64_t visits = 0;
     for (size_t block = begin; block < end; block++) {
         uint64_t first = (uint64_t)block * BLOCK, rest = e->samples - first;
         uint64_t last = first + (rest < BLOCK ? rest : BLOCK);
         e->sum[block] = e->square[block] = 0.0;
         for (uint64_t sample = first; sample < last; sample++) {
-            bb_random random = bb_random_make(e->seed, sample);
-            uint32_t prim = pick(e, bb_random_unit(&random) * total);
-            uint32_t i;
-            double p[3], normal[3];
-            const bb_prim_kind *kind = bb_prim_of(e->scene, prim, &i);
-            kind->sample(e->scene, i, &random, p, normal);
-            double cost = point_cost(e, prim, p);
+            double cost = sample_cost(e, sample, &visits);
             e->sum[block] += cost;
             e->square[block] += cost * cost;
         }
@@ -173,15 +181,28 @@ static void summarise(const epo *e, size_t blocks, double *mean, double *half)
     *half = 1.959963985 * sqrt(variance / n);
 }
 
-static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
-                         uint64_t seed, double *mean, double *half)
+/* As many points as `visits` nodes suffice for, by what the first ones need. */
+static void limit_samples(epo *e, uint64_t visits)
 {
-    epo e = {.scene = scene, .samples = samples, .seed = seed};
+    uint64_t pilot = e->samples < PILOT ? e->samples : PILOT, seen = 0;
+    for (uint64_t sample = 0; sample < pilot; sample++)
+        (void)sample_cost(e, sample, &seen);
+    uint64_t most = visits / (seen / pilot + 1);
+    if (e->samples > most)
+        e->samples = most > pilot ? most : pilot;
+}
+
+bb_status bb_epo(const bb_tree *tree, const bb_scene *scene, const bb_epo_effort *effort,
+                 uint64_t seed, double *mean, double *half)
+{
+    epo e = {.scene = scene, .samples = effort->samples, .seed = seed};
     bb_tree_init(&e.tree, NULL);
     bb_pool *pool = NULL;
-    size_t blocks = (size_t)((samples - 1) / BLOCK + 1);
-    bb_status status = prepare(&e, tree, blocks);
-    if (status == BB_OK && e.area[scene->prim_count - 1] > 0.0) {
+    bb_status status = prepare(&e, tree, (size_t)((e.samples - 1) / BLOCK + 1));
+    if (status == BB_OK && scene->prim_count > 0 && e.area[scene->prim_count - 1] > 0.0) {
+        if (effort->visits > 0)
+            limit_samples(&e, effort->visits);
+        size_t blocks = (size_t)((e.samples - 1) / BLOCK + 1);
         status = bb_pool_create(0, &pool);
         if (status == BB_OK) {
             bb_parallel_for(pool, blocks, 1, run_blocks, &e);
@@ -199,6 +220,12 @@ static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t sa
     return status;
 }
 
+static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
+                         uint64_t seed, double *mean, double *half)
+{
+    return bb_epo(tree, scene, &(bb_epo_effort){samples, 0}, seed, mean, half);
+}
+
 extern const bb_metric bb_metric_epo;
 const bb_metric bb_metric_epo = {
     .name = "epo",
@@ -208,6 +235,7 @@ const bb_metric bb_metric_epo = {
     .summary = "The mean cost, over random points of the surface, of the nodes that hold the point "
                "although its primitive is not below them. Measured on request.",
     .on_request = true,
+    .mixed = 2,
     .sampled = true,
     .compute = compute,
 };

@@ -267,6 +267,26 @@ bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms)
     return BB_OK;
 }
 
+void bb_tree_drop_copy(bb_tree *tree)
+{
+    const bool on_host = tree->place == BB_ON_HOST;
+    if (on_host)
+        release_device(tree);
+    else
+        release_host(tree);
+    for (uint32_t i = 0; i < tree->array_count; i++) {
+        bb_tree_array *array = &tree->arrays[i];
+        if (on_host) {
+            bb_buffer_release(&array->buffer);
+            continue;
+        }
+        bb_host_free(array->host);
+        array->host = NULL;
+        array->host_bytes = 0;
+    }
+    tree->copied = false;
+}
+
 uint64_t bb_tree_bytes(const bb_tree *tree)
 {
     uint64_t bytes = (uint64_t)tree->info.node_count * sizeof(bb_node) +

@@ -100,6 +100,9 @@ bb_status bb_tree_fetch_info(bb_tree *tree);
 bb_status bb_tree_download(bb_tree *tree, double *ms);
 bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms);
 
+/* Frees the copy on the other side, if there is one. */
+void bb_tree_drop_copy(bb_tree *tree);
+
 /* Bytes of the nodes, references and side arrays in use. */
 uint64_t bb_tree_bytes(const bb_tree *tree);
 

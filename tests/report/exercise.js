@@ -25,6 +25,10 @@ for (const scene of values('pick-scene')) {
         choices++;
       }
       for (const metric of values('pick-metric')) choose('pick-metric', metric);
+      for (const cost of values('pick-cost')) {
+        choose('pick-cost', cost);
+        expect(marks('chart-prediction') > 0, `${rays} ${cost}: no cell`);
+      }
       for (const id of ids) expect(marks(id) > 0 || id === 'chart-quality', `${scene} ${rays} ${view}: ${id} is empty`);
     }
   }

@@ -20,7 +20,8 @@ function cellLines(c) {
     lines.push(`95 %: ${figure(c.ppm_lo)} to ${figure(c.ppm_hi)}; missed ${whole(c.missed)}, false ${whole(c.false)}, ` +
                `wrong t ${whole(c.wrong_t)}`);
   if (c.views === 1 && isNumber(t.node_tests_per_ray))
-    lines.push(`${figure(t.node_tests_per_ray)} box and ${figure(t.prim_tests_per_ray)} primitive tests per ray`);
+    lines.push(`${figure(t.node_tests_per_ray)} box and ${figure(t.prim_tests_per_ray)} primitive tests per ray: work ` +
+               figure(t.work_per_ray));
   if (isNumber(b.build_ms_median))
     lines.push(`built in ${figure(b.build_ms_median)} ms (${figure(b.mprims_s)} Mprims/s)` +
                metrics.filter(m => isNumber(c.metrics[m.name])).map(m => `, ${m.title} ${figure(c.metrics[m.name])}`).join(''));
@@ -140,6 +141,7 @@ function drawBuilders(set, cells) {
     { name: 'Key', text: p => p.key },
     Object.assign(num('Total ms', p => p.y, 'boxes, build, transfer, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn,
     { name: 'Builder', text: p => p.cell.label }, num('Build ms', p => p.cell.t.record.build_ms_median),
+    num('First ray ms', p => p.cell.fixed_ms, 'boxes, build, transfer and layout'),
     Object.assign(num('Other ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median), { title: 'boxes, transfer, layout' }),
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel }]);
@@ -164,7 +166,8 @@ function drawTime(set, cells) {
   const usable = cells.filter(c => c.usable && isNumber(c.fixed_ms)), ours = usable.filter(c => !c.reference);
   const winners = winnersOf(ours), last = winners.length ? winners[winners.length - 1].from : 0;
   const rays = usable.length ? usable[0].rays : 1;
-  const { min, max } = decades([Math.max(1, rays / 1e3), Math.min(Math.max(rays * 1e3, last * 30), 1e13)]);
+  /* from the first ray, which waits for what comes before it, to 10^9, and well beyond the last crossing */
+  const min = 1, max = 10 ** Math.ceil(Math.log10(Math.min(Math.max(1e9, last * 30), 1e13)) - 1e-9);
   const steps = Array.from({ length: 121 }, (_, i) => min * (max / min) ** (i / 120));
   const curves = unique(usable.map(c => c.label)).map((name, i) => {
     const own = usable.filter(c => c.label === name);
@@ -256,5 +259,5 @@ function drawGrowth() {
 
 function drawAll(set) {
   const cells = set.cells.filter(shown);
-  for (const chart of [drawAccuracy, drawBuilders, drawTime, drawQuality, drawBuild]) chart(set, cells);
+  for (const chart of [drawAccuracy, drawBuilders, drawTime, drawQuality, drawBuild, drawPrediction]) chart(set, cells);
 }

@@ -128,12 +128,12 @@ function unfold() {
 }
 
 readAddress();
-for (const part of [head, startVerdict, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid, metricTexts]) part();
+for (const part of [head, startVerdict, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid, metricTexts, startPrediction]) part();
 Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
 redraw();
 for (const [id, key] of [['pick-scene', 'scene'], ['pick-rays', 'rays'], ['pick-view', 'view']])
   $(id).addEventListener('change', event => { picked[key] = event.target.value; redraw(); writeAddress(); });
-for (const id of ['pick-tree', 'pick-metric']) $(id).addEventListener('change', () => drawAll(current));
+for (const id of ['pick-tree', 'pick-metric', 'pick-cost']) $(id).addEventListener('change', () => drawAll(current));
 const redrawAll = () => { drawVerdict(); redraw(); };
 dark.addEventListener('change', redrawAll);
 window.addEventListener('hashchange', unfold);

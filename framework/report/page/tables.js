@@ -109,7 +109,8 @@ function traceTable() {
     field('accuracy', 'wrong_ppm', { text: t => t.status === 'ok' ? wrongText(t) : dash,
       css: t => t.wrong || t.acc.overflowed > 0 ? 'wrong' : t.acc.wrong_ppm > 0 ? 'odd' : '' }),
     num('/Embree', t => t.ratio, 'ratio to the fastest embree-native row on the same rays'),
-    ...fields('accuracy', ['missed', 'false', 'wrong_t']), ...fields('trace', ['node_tests_per_ray', 'prim_tests_per_ray']),
+    ...fields('accuracy', ['missed', 'false', 'wrong_t']), ...fields('trace', ['node_tests_per_ray', 'prim_tests_per_ray', 'work_per_ray']),
+    num('First ray ms', t => t.reference ? t.record.build_ms_median : (t.record.first_ray_ms || {})[t.layout], 'boxes, build, transfer and layout'),
     ...minor([field('trace', 'count'), num('of', t => t.all, 'rays in the set', whole), field('trace', 'counted'),
     field('accuracy', 'overflowed'), ...fields('trace', ['query', 'layout', 'ms_median', 'event_ms', 'cpu_ms']),
     ...fields('accuracy', ['ties', 'margin_limited', 'oracle_wrong', 't_off', 't_ulp_p99', 't_ulp_max'])]),
@@ -124,10 +125,11 @@ function traceTable() {
     ], data.skipped, {});
 }
 
-function pairs(object) {
+function pairs(object, text = figure) {
   const list = Object.entries(object || {}).filter(([, v]) => v !== null);
-  return list.length ? list.map(([k, v]) => `${k} ${typeof v === 'number' ? figure(v) : String(v)}`).join(', ') : dash;
+  return list.length ? list.map(([k, v]) => `${k} ${typeof v === 'number' ? text(v) : String(v)}`).join(', ') : dash;
 }
+const bytePairs = object => pairs(object, bytes);
 
 function buildTable() {
   const treeBytes = b => isNumber(b.bytes_native) ? b.bytes_native : (b.tree || {}).bytes_tree;
@@ -139,7 +141,10 @@ function buildTable() {
     field('tree', 'depth'), ...minor(fields('tree', ['arity', 'nodes', 'refs'])),
     field('tree', 'bytes_tree', { value: treeBytes, text: b => bytes(treeBytes(b)) }),
     field('tree', 'bytes_peak'), field('build', 'layouts_ms'),
-    ...(builds.some(b => b.stages_ms) ? [field('build', 'stages_ms')] : []), ...minor(fields('build', ['phases_ms', 'layouts_sah', 'params'])),
+    field('build', 'first_ray_ms', { text: b => b.reference ? figure(b.build_ms_median) : pairs(b.first_ray_ms) }),
+    ...(builds.some(b => b.stages_ms) ? [...fields('build', ['stages_ms', 'stages_sah']),
+      field('build', 'stages_bytes_peak', { text: b => bytePairs(b.stages_bytes_peak) }),
+      ...minor([field('build', 'stages_bytes', { text: b => bytePairs(b.stages_bytes) })])] : []), ...minor(fields('build', ['phases_ms', 'layouts_sah', 'params'])),
     ...(builds.some(b => b.about) ? [field('build', 'about', { wide: true })] : []),
     ...minor([field('build', 'cell', { wide: true })]),
     field('build', 'status', { text: statusText, wide: true, css: b => b.status === 'ok' ? '' : 'odd' }),

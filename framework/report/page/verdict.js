@@ -43,7 +43,7 @@ function tieClass(rows, i) {
 
 function barRow(summary, row, i) {
   const { rows } = summary;
-  const [million, billion] = [1, 4].map(k => row.image[k]), builds = rows.map(r => r.build.value);
+  const [million, billion] = [1, 4].map(k => row.image[k]), builds = rows.map(r => r.build.value), readies = rows.map(r => r.ready.value);
   const wrong = !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
   const name = el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.partial && !row.reference ? el('span', { class: 'note' },
     ` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null, row.reference ? el('span', { class: 'note' }, '\u00a0ref.') : null);
@@ -53,6 +53,7 @@ function barRow(summary, row, i) {
     barCell(summary.referenced ? 'trace, of Embree' : 'trace, of the best', row.trace, row.trace.value / largest(rows, r => r.trace.value),
             row, tieClass(rows, i)),
     barCell('build, Mprims/s', row.build, logShare(row.build.value, builds), row),
+    barCell('build and layout, Mprims/s', row.ready, logShare(row.ready.value, readies), row),
     barCell('time for 1 M rays', million, time(million, 1), row), barCell('time for 1 G rays', billion, time(billion, 4), row),
     el('td', { class: row.wrong > 0 ? 'wrong' : null, 'data-heading': 'wrong rays' }, wrong));
 }
@@ -63,6 +64,7 @@ function drawBars(summary) {
     el('thead', {}, el('tr', {}, heading('Builder'),
       heading(`Trace speed, of ${summary.referenced ? 'Embree' : 'the best'}`, 'geometric mean over the ray sets; a bracket: this run cannot tell them apart'),
       heading('Build, Mprims/s (log)', 'geometric mean over the scenes'),
+      heading('+ layout', 'build and layout of the kernel that is fastest most often: what the first ray waits for'),
       heading('Time for 1 M rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
       heading('Time for 1 G rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
       heading('Wrong rays'))),
@@ -154,7 +156,9 @@ function drawSummaryTable(summary) {
     standing(`Trace /${summary.referenced ? 'Embree' : 'best'}`, r => r.trace), num('Mrays/s', r => r.mrays_s),
     standing('Build Mprims/s', r => r.build), standing('+ layout', r => r.ready, 'build and layout of its kernel'),
     ...summaries.counts.map((n, k) => standing(`${brief(n)} rays`, r => r.image[k], 'time to image, by the best')),
-    standing(`${schema.metrics.find(m => m.of_layouts).title} /best`, r => r.quality), num('Peak', r => r.peak, null, bytes), num('Wrong', r => r.wrong, 'rays', whole),
+    standing(`${schema.metrics.find(m => m.of_layouts).title} /best`, r => r.quality),
+    standing('EPO /best', r => r.overlap, 'end-point overlap of the tree'),
+    standing('Work /best', r => r.work, 'counted per ray, by the kernel that needs least: 1.2 for each pair of boxes tested, 1 for each primitive'), num('Peak', r => r.peak, null, bytes), num('Wrong', r => r.wrong, 'rays', whole),
     num('Judged', r => r.checked, 'rays', whole), num('Failed', r => r.failed, 'cells and builds', whole), num('Ray sets', r => r.sets, null, whole),
   ], summary.rows, { css: r => r.reference ? 'reference' : null });
 }
@@ -184,6 +188,7 @@ function readAddress() {
 
 function startVerdict() {
   const warnings = [summaries.busy && `The times are not to be trusted: ${summaries.busy}.`,
+    summaries.implausible && `${summaries.implausible}.`,
     data.context.interrupted && 'The run was interrupted: not all that was asked for was measured.'].filter(Boolean);
   $('verdict-warnings').replaceChildren(...warnings.map(text => el('p', { class: 'warning' }, text)));
   for (const [id, key] of [['verdict-scene', 'scene'], ['verdict-rays', 'rays']]) {

@@ -1,0 +1,81 @@
+/* Whether a tree costs far more than a builder that looks at costs would leave: on a scene that is
+ * not made to defeat it, no builder by Morton codes comes near three times the sweep's SAH. What
+ * does is a bug in the tree or in the metric, or such a scene.
+ *
+ * Any builder's tree is held to it: what it builds by is its own affair. A tree of one leaf, which
+ * claims nothing, is not.
+ */
+#include "framework/summary/summary.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double implausible_ratio = 3;
+enum { NAMED = 4 };
+
+static double sah_of(const cJSON *build)
+{
+    bool tree = bb_is_ok(build) && !bb_get_true(build, BB_F_BUILD_REFERENCE) &&
+                bb_get_number(build, BB_F_TREE_NODES) > 1;
+    return tree ? bb_get_metric(build, bb_metrics[bb_metric_of_layouts()]) : (double)NAN;
+}
+
+/* How near a builder comes to the full sweep: 2 for that itself, 1 for its binned form, 0 for all
+ * others, of which the cheapest tree has to do. */
+static int nearness(const cJSON *build)
+{
+    const char *text = bb_get_text(build, BB_F_BUILD_BUILDER);
+    bool sah = strncmp(text, "sah", 3) == 0 && (text[3] == '\0' || text[3] == ':');
+    if (!sah || strchr(text, '+') != NULL)
+        return 0;
+    return strcmp(bb_json_text(bb_get(build, BB_F_BUILD_PARAMS), "method"), "sweep") == 0 ? 2 : 1;
+}
+
+/* What trees of the scene of `like` are held to; NULL if there is none. Runs of a merged document
+ * have the same scenes. */
+static const cJSON *yardstick(const cJSON *builds, const cJSON *like)
+{
+    const cJSON *best = NULL, *build;
+    cJSON_ArrayForEach(build, builds)
+    {
+        double sah = sah_of(build);
+        if (!(sah > 0) || !bb_same_text(build, like, BB_F_BUILD_SCENE))
+            continue;
+        int nearer = best != NULL ? nearness(build) - nearness(best) : 1;
+        if (nearer > 0 || (nearer == 0 && sah < sah_of(best)))
+            best = build;
+    }
+    return best;
+}
+
+bool bb_summary_implausible(const bb_results *results, char text[BB_IMPLAUSIBLE])
+{
+    const cJSON *builds = bb_results_section(results, "builds"), *build;
+    uint32_t found = 0;
+    size_t length = 0;
+    text[0] = '\0';
+    cJSON_ArrayForEach(build, builds)
+    {
+        double sah = sah_of(build);
+        const cJSON *best = sah > 0 ? yardstick(builds, build) : NULL;
+        if (best == NULL || !(sah > implausible_ratio * sah_of(best)))
+            continue;
+        if (found++ < NAMED && length < BB_IMPLAUSIBLE)
+            length +=
+                (size_t)snprintf(text + length, BB_IMPLAUSIBLE - length,
+                                 "%s%.60s on %.60s has %.3g times that of %.40s",
+                                 found > 1 ? "; " : "SAH: ", bb_get_text(build, BB_F_BUILD_BUILDER),
+                                 bb_get_text(build, BB_F_BUILD_SCENE), sah / sah_of(best),
+                                 bb_get_text(best, BB_F_BUILD_BUILDER));
+    }
+    if (found > NAMED && length < BB_IMPLAUSIBLE)
+        length += (size_t)snprintf(text + length, BB_IMPLAUSIBLE - length, "; and %u more",
+                                   found - NAMED);
+    if (found > 0 && length < BB_IMPLAUSIBLE)
+        snprintf(
+            text + length, BB_IMPLAUSIBLE - length,
+            ": above 3 times, the tree or the metric is wrong, or the scene defeats the method");
+    return found > 0;
+}

@@ -1,0 +1,26 @@
+/* End-point overlap from so few points that it can be had of every tree: metric_epo.c says what it
+ * is, and gives it with an eighth of the error and in fifteen times the time.
+ */
+#include "framework/tree/metric_epo.h"
+
+enum { POINTS = 65536, VISITS = 1 << 25 };
+
+static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
+                         uint64_t seed, double *value, double *half)
+{
+    const bb_epo_effort effort = {samples < POINTS ? samples : POINTS, VISITS};
+    return bb_epo(tree, scene, &effort, seed, value, half);
+}
+
+extern const bb_metric bb_metric_epo_quick;
+const bb_metric bb_metric_epo_quick = {
+    .name = "epo_quick",
+    .title = "EPO~",
+    .full_title = "end-point overlap, estimated",
+    .unit = "",
+    .summary = "EPO from 65,536 points, fewer where very many boxes overlap: measured of every "
+               "tree. Its interval, in the result file, says how far to trust it.",
+    .mixed = 1,
+    .sampled = true,
+    .compute = compute,
+};
