@@ -10,6 +10,9 @@ enum {
     LANES_CPU = 8,
     CHUNK_CPU = 1024,    /* nodes or pairs per work-item */
     PUSHES_CPU = 64,     /* pairs that a work-item puts on a list at once */
+    SUBTREE_MOST = 4096, /* leaves of a subtree that one CPU work-item does: its pairs, 256 KiB */
+    SUBTREE_LEAST = 256,
+    SUBTREES_PER_CORE = 16,
     REST_CPU = 16,       /* pairs of a level that one work-item does */
     ITEMS_PER_CORE = 32, /* CPUs: that share a level */
     ROUNDS_MAX = 30,     /* gamma doubles */
@@ -46,11 +49,14 @@ static bb_status read_options(const bb_builder_context *context, uint32_t treele
 static bb_status compile(bb_treelet_optimiser *self, const bb_source *source)
 {
     const bool cpu = on_cpu(self);
-    char shared[128], own[192];
+    char shared[128], own[256];
     snprintf(shared, sizeof shared, "-DBB_CHUNK=%du -DBB_PUSHES=%d -DBB_REST=%du",
              cpu ? CHUNK_CPU : 1, cpu ? PUSHES_CPU : 1, cpu ? REST_CPU : 0);
-    snprintf(own, sizeof own, "%s -DBB_LANES=%d -DBB_TREELET=%u", shared, cpu ? LANES_CPU : 1,
-             self->treelet);
+    if (cpu)
+        snprintf(own, sizeof own, "%s -DBB_TREELET=%u -DBB_LANES=%d -DBB_SUBTREE=%d", shared,
+                 self->treelet, LANES_CPU, SUBTREE_MOST);
+    else
+        snprintf(own, sizeof own, "%s -DBB_TREELET=%u -DBB_LANES=1", shared, self->treelet);
     BB_TRY(bb_program_build(self->device, bb_source_find("treelets.cl"), shared, &self->program));
     BB_TRY(bb_kernel_get(self->program, "treelets_marks", &self->marks));
     BB_TRY(bb_kernel_get(self->program, "treelets_pairs", &self->make));
@@ -58,6 +64,8 @@ static bb_status compile(bb_treelet_optimiser *self, const bb_source *source)
     BB_TRY(bb_kernel_get(self->program, "treelets_start", &self->start));
     BB_TRY(bb_kernel_get(self->program, "treelets_leaves", &self->leaves));
     BB_TRY(bb_program_build(self->device, source, own, &self->rounds_program));
+    if (cpu)
+        BB_TRY(bb_kernel_get(self->rounds_program, "treelets_subtrees", &self->subtrees));
     return bb_kernel_get(self->rounds_program, "treelets_level", &self->level);
 }
 
@@ -74,8 +82,8 @@ bb_status bb_treelets_create(const bb_builder_context *context, const bb_source 
 
 void bb_treelets_release(bb_treelet_optimiser *self)
 {
-    cl_kernel const kernels[] = {self->marks, self->make,   self->count,
-                                 self->start, self->leaves, self->level};
+    cl_kernel const kernels[] = {self->marks,  self->make,  self->count,   self->start,
+                                 self->leaves, self->level, self->subtrees};
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++)
         bb_kernel_release(kernels[i]);
     bb_program_release(self->program);
@@ -85,6 +93,7 @@ void bb_treelets_release(bb_treelet_optimiser *self)
     bb_buffer_release(&self->parents);
     bb_buffer_release(&self->missing);
     bb_buffer_release(&self->held);
+    bb_buffer_release(&self->tasks);
     bb_buffer_release(&self->totals);
     bb_pair_tree_destroy(self->pairs);
     bb_primitives_destroy(self->primitives);
@@ -110,6 +119,9 @@ static bb_status reserve(bb_treelet_optimiser *self, uint32_t leaves, uint32_t r
     BB_TRY(reserve_u32(self, leaves, "treelets: parents", &self->parents));
     BB_TRY(reserve_u32(self, leaves, "treelets: pairs to come", &self->missing));
     BB_TRY(reserve_u32(self, leaves, "treelets: leaves below", &self->held));
+    /* they have no leaf in common, and 3 each or more */
+    BB_TRY(
+        reserve_u32(self, on_cpu(self) ? leaves / 3 + 1 : 1, "treelets: subtrees", &self->tasks));
     BB_TRY(reserve_u32(self, 2, "treelets: totals", &self->totals));
     /* a level of pairs without a common leaf; no pair is higher than the tree has leaves */
     return bb_levels_reserve(&self->levels, self->device, self->account, leaves / 2 + 1, leaves,
@@ -139,10 +151,14 @@ static uint32_t chunks_of(const bb_treelet_optimiser *self, uint32_t count)
     return on_cpu(self) ? (count + CHUNK_CPU - 1) / CHUNK_CPU : count;
 }
 
+static uint32_t cores_of(const bb_treelet_optimiser *self)
+{
+    return self->device->compute_units > 0 ? self->device->compute_units : 1;
+}
+
 static uint32_t items_of(const bb_treelet_optimiser *self, const bb_levels *levels)
 {
-    const uint32_t cores = self->device->compute_units > 0 ? self->device->compute_units : 1;
-    return on_cpu(self) ? cores * ITEMS_PER_CORE : bb_levels_items(levels);
+    return on_cpu(self) ? cores_of(self) * ITEMS_PER_CORE : bb_levels_items(levels);
 }
 
 static bb_status count_level(void *context, const bb_levels *levels, uint32_t n)
@@ -185,24 +201,45 @@ static bb_status make_pairs(bb_treelet_optimiser *self, const bb_tree *input)
                      BB_MEM(self->levels.counts), BB_MEM(self->levels.lists[1]));
 }
 
-static bb_status make_rounds(bb_treelet_optimiser *self, uint32_t leaves, float unit)
+/* Leaves of subtrees that one work-item does: enough of them for all cores. */
+static uint32_t subtree_of(const bb_treelet_optimiser *self, uint32_t leaves)
+{
+    const uint32_t share = leaves / (cores_of(self) * SUBTREES_PER_CORE);
+    if (!on_cpu(self))
+        return 0;
+    return share < SUBTREE_LEAST ? SUBTREE_LEAST : share > SUBTREE_MOST ? SUBTREE_MOST : share;
+}
+
+/* One round over pairs of at least `least` leaves. */
+static bb_status make_round(bb_treelet_optimiser *self, uint32_t leaves, uint32_t least, float unit)
 {
     const bb_buffer *pairs = bb_pair_tree_pairs(self->pairs);
-    const uint32_t count = leaves - 1;
+    const uint32_t count = leaves - 1, above = subtree_of(self, leaves) + 1;
+    const uint32_t lowest = least < above ? above : least;
     pass p = {self, unit};
+    BB_TRY(bb_levels_start(&self->levels));
+    BB_TRY(bb_launch(self->device, self->start, chunks_of(self, count), group_of(self),
+                     BB_MEM(*pairs), BB_VALUE(count), BB_MEM(self->held), BB_VALUE(lowest),
+                     BB_VALUE(least), BB_MEM(self->parents), BB_MEM(self->missing),
+                     BB_MEM(self->levels.counts), BB_MEM(self->levels.lists[1]),
+                     BB_MEM(self->tasks)));
+    if (on_cpu(self))
+        BB_TRY(bb_launch(self->device, self->subtrees, items_of(self, &self->levels),
+                         group_of(self), BB_MEM(*pairs), BB_MEM(self->held), BB_MEM(self->tasks),
+                         BB_MEM(self->levels.counts), BB_VALUE(least), BB_VALUE(unit),
+                         BB_MEM(self->totals)));
+    return bb_levels_run(&self->levels, treelet_level, &p);
+}
+
+static bb_status make_rounds(bb_treelet_optimiser *self, uint32_t leaves, float unit)
+{
     uint32_t totals[2];
     BB_TRY(bb_buffer_fill(&self->totals, sizeof totals, 0));
     for (self->rounds_made = 0; self->rounds_made < self->rounds; self->rounds_made++) {
         const uint64_t gamma = (uint64_t)self->gamma << self->rounds_made;
         if (gamma > leaves)
             break;
-        const uint32_t least = (uint32_t)gamma;
-        BB_TRY(bb_levels_start(&self->levels));
-        BB_TRY(bb_launch(self->device, self->start, chunks_of(self, count), group_of(self),
-                         BB_MEM(*pairs), BB_VALUE(count), BB_MEM(self->held), BB_VALUE(least),
-                         BB_MEM(self->parents), BB_MEM(self->missing), BB_MEM(self->levels.counts),
-                         BB_MEM(self->levels.lists[1])));
-        BB_TRY(bb_levels_run(&self->levels, treelet_level, &p));
+        BB_TRY(make_round(self, leaves, (uint32_t)gamma, unit));
     }
     BB_TRY(bb_buffer_read(&self->totals, 0, sizeof totals, totals));
     self->seen = totals[0];

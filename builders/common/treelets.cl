@@ -3,7 +3,8 @@
  *   inner nodes get the number of inner nodes before them: marks, and a scan       (treelets_marks)
  *   a pair of each inner node                                                      (treelets_pairs)
  *   leaves below each pair, from the bottom up                                     (treelets_count)
- *   each round: pairs of so many leaves that have no such pairs below are level 1  (treelets_start)
+ *   each round: pairs of so many leaves that have no such pairs below are level 1; on CPUs, the
+ *   roots of subtrees below those                                                  (treelets_start)
  *   once the tree is made of pairs: leaves of several references get theirs back  (treelets_leaves)
  *
  * Binary trees in which each inner node has two children; of the common tree in any order.
@@ -95,22 +96,31 @@ kernel void treelets_count(global bb_cluster_pair *pairs, global const uint *par
     BB_LEVEL_LOOP(COUNT_PAIRS)
 }
 
-/* A pair that is taken has at least `least` leaves below it. parents[] and missing[] are of such
- * pairs only; the root's parent stays. */
+/* Pairs of at least `lowest` leaves go by levels: parents[] and missing[] are of such pairs only;
+ * the root's parent stays. What else has at least `least` is below the roots of subtrees, tasks[].
+ */
 kernel void treelets_start(global const bb_cluster_pair *pairs, uint count,
-                           global const uint *held, uint least, global uint *parents,
-                           global uint *missing, volatile global uint *counts, global uint *list)
+                           global const uint *held, uint lowest, uint least, global uint *parents,
+                           global uint *missing, volatile global uint *counts, global uint *list,
+                           global uint *tasks)
 {
     uint begin = get_global_id(0) * BB_CHUNK, end = BB_MIN(begin + BB_CHUNK, count);
-    bb_above first = {counts + 1, list, 0, {0}};
+    bb_above first = {counts + 1, list, 0, {0}}, subtrees = {counts, tasks, 0, {0}};
     for (uint p = begin; p < end; p++) {
-        if (held[p] < least)
+        if (held[p] < lowest) {
+            if (held[p] == count + 1u) /* the root */
+                bb_add_above(&subtrees, p);
             continue;
+        }
         uint below = 0;
         for (uint k = 0; k < 2u; k++) {
             global const bb_pair_side *side = &pairs[p].side[k];
             if ((side->link & BB_LEAF_BIT) != 0 || side->count < least)
                 continue;
+            if (side->count < lowest) {
+                bb_add_above(&subtrees, side->link);
+                continue;
+            }
             parents[side->link] = p;
             below++;
         }
@@ -118,6 +128,7 @@ kernel void treelets_start(global const bb_cluster_pair *pairs, uint count,
         if (below == 0)
             bb_add_above(&first, p);
     }
+    bb_put_above(&subtrees);
     bb_put_above(&first);
 }
 

@@ -8,7 +8,9 @@
  *
  * Everything goes by launches: no work-group hands over to another inside of one, on any device. A
  * pair's treelet depends on what is below that pair alone, so the tree does not depend on the order
- * in a level. On CPUs a work-item does eight treelets side by side, on GPUs one.
+ * in a level. On CPUs a work-item does a whole subtree of up to 4096 leaves first, which stays in
+ * the cache, eight treelets of a depth side by side; then what is above goes by levels. On GPUs a
+ * work-item does one treelet.
  */
 #ifndef BB_TREELETS_H
 #define BB_TREELETS_H
@@ -25,12 +27,14 @@ typedef struct bb_treelet_optimiser {
     uint32_t gamma;   /* leaves below a treelet's root, at least, in the first round */
     cl_program program, rounds_program;
     cl_kernel marks, make, count, start, leaves, level;
+    cl_kernel subtrees; /* of CPUs */
     bb_primitives *primitives;
     bb_pair_tree *pairs;
     bb_levels levels;
     bb_buffer places;           /* u32 per node: its pair, if it is inner */
     bb_buffer parents, missing; /* u32 per pair: the one above; pairs below that are to come */
     bb_buffer held;             /* u32 per pair: leaves below */
+    bb_buffer tasks;            /* u32: roots of subtrees; of CPUs */
     bb_buffer totals;           /* u32: treelets, and those that were rebuilt */
     /* of the last build */
     uint32_t rounds_made;
@@ -43,7 +47,7 @@ bb_status bb_treelets_create(const bb_builder_context *context, const bb_source 
                              uint32_t treelet_most, bb_treelet_optimiser *self);
 void bb_treelets_release(bb_treelet_optimiser *self);
 
-/* Room for trees of one leaf per primitive: 108 bytes per primitive beside the tree, on GPUs 124. */
+/* Room for trees of one leaf per primitive: 94 bytes per primitive beside the tree, on GPUs 120. */
 bb_status bb_treelets_prepare(bb_treelet_optimiser *self, const bb_scene *scene, bb_tree *tree);
 
 /* Phases "pairs", "count", "treelets" and "order", or "copy" for a tree of fewer leaves than gamma;

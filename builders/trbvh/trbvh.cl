@@ -2,7 +2,8 @@
  * 2013, section 3.2), by a table of what each subset of the leaves costs at least:
  *
  *   cost(one leaf) = 0
- *   cost(s) = area(s) + min over p, q of s, both not empty: cost(p) + cost(q)
+ *   below(s) = min over p, q of s, both not empty: cost(p) + cost(q)
+ *   cost(s) = area(s) + below(s)
  *
  * A subset is a number whose bits are leaves, and a smaller one comes before it. Which p and q it
  * was is asked only where the tree gets better: the first p, that without the lowest leaf, in
@@ -65,47 +66,53 @@ bb_lanes least_sum(bb_lanes *cost, uint s)
     return BB_MIN(least0, least2);
 }
 
-/* Of the full set without its area. */
-void fill_costs(const bb_treelets *t, float unit, bb_lanes *cost)
+typedef struct trbvh_table {
+    bb_lanes cost[1 << BB_TREELET];
+    bb_lanes below[1 << BB_TREELET]; /* of sets of three leaves or more */
+} trbvh_table;
+
+void fill_table(const bb_treelets *t, float unit, trbvh_table *table)
 {
     bb_lanes leaves[BB_TREELET][6], low[1 << LOW_LEAVES][6], high[1 << HIGH_LEAVES][6];
     bb_treelet_planes(t, unit, leaves);
     join_leaves(leaves, LOW_LEAVES, low);
     join_leaves(leaves + LOW_LEAVES, HIGH_LEAVES, high);
-    cost[0] = INFINITY;
+    table->cost[0] = INFINITY;
     for (uint s = 1; s < FULL; s++) {
         uint others = s & (s - 1u);
         if (others == 0) {
-            cost[s] = 0.0f;
+            table->cost[s] = 0.0f;
             continue;
         }
         bb_lanes area = joined_area(low[s & ((1u << LOW_LEAVES) - 1u)], high[s >> LOW_LEAVES]);
-        bool pair = (others & (others - 1u)) == 0;
-        cost[s] = pair ? area : area + least_sum(cost, s);
+        if ((others & (others - 1u)) != 0) {
+            table->below[s] = least_sum(table->cost, s);
+            area += table->below[s];
+        }
+        table->cost[s] = area;
     }
-    cost[FULL] = least_sum(cost, FULL);
+    table->below[FULL] = least_sum(table->cost, FULL);
 }
 
-/* cost[s * BB_LANES]: of one lane. */
-uint first_best(const float *cost, uint s)
+/* The p of s with which it costs least; entries of one lane are BB_LANES apart. */
+uint first_best(const float *cost, const float *below, uint s)
 {
     const uint rest = s & (s - 1u);
-    uint best = 0;
-    float least = INFINITY;
-    for (uint p = rest & -rest; p != 0; p = (p - rest) & rest) {
-        float sum = cost[p * BB_LANES] + cost[(s ^ p) * BB_LANES];
-        best = sum < least ? p : best;
-        least = BB_MIN(sum, least);
-    }
-    return best;
+    uint p = rest & -rest;
+    if (p == rest) /* two leaves */
+        return p;
+    const float least = below[s * BB_LANES];
+    while (cost[p * BB_LANES] + cost[(s ^ p) * BB_LANES] != least)
+        p = (p - rest) & rest;
+    return p;
 }
 
-void read_tree(const float *cost, bb_treelet_links links)
+void read_tree(const float *cost, const float *below, bb_treelet_links links)
 {
     uint sets[BB_INNER], made = 1;
     sets[0] = FULL;
     for (uint e = 0; e < BB_INNER; e++) {
-        uint p = first_best(cost, sets[e]);
+        uint p = first_best(cost, below, sets[e]);
         for (uint k = 0; k < 2u; k++, p ^= sets[e]) {
             bool leaf = (p & (p - 1u)) == 0;
             links[e][k] = (uchar)(leaf ? popcount(p - 1u) : BB_TREELET + made);
@@ -117,13 +124,13 @@ void read_tree(const float *cost, bb_treelet_links links)
 
 uint bb_choose_trees(const bb_treelets *t, float unit, bb_treelet_links *links)
 {
-    bb_lanes cost[1 << BB_TREELET];
+    trbvh_table table;
     uint better = 0;
-    fill_costs(t, unit, cost);
-    const float *each = (const float *)cost;
+    fill_table(t, unit, &table);
+    const float *cost = (const float *)table.cost, *below = (const float *)table.below;
     for (uint lane = 0; lane < BB_LANES; lane++)
-        if (each[FULL * BB_LANES + lane] < t->before[lane] * BB_BETTER) {
-            read_tree(each + lane, links[lane]);
+        if (below[FULL * BB_LANES + lane] < t->before[lane] * BB_BETTER) {
+            read_tree(cost + lane, below + lane, links[lane]);
             better |= 1u << lane;
         }
     return better;
