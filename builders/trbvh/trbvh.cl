@@ -16,6 +16,17 @@
 #define LOW_LEAVES (BB_TREELET / 2)
 #define HIGH_LEAVES (BB_TREELET - LOW_LEAVES)
 
+uint last_leaf(uint s)
+{
+    return 31u - clz(s);
+}
+
+/* (Compilers make a popcount of s & (s - 1) == 0, which oclgrind does not know.) */
+bool has_one(uint s)
+{
+    return s == 1u << last_leaf(s);
+}
+
 /* boxes[]: of all subsets of some leaves. */
 void join_leaves(bb_lanes (*leaves)[6], uint count, bb_lanes (*boxes)[6])
 {
@@ -79,13 +90,12 @@ void fill_table(const bb_treelets *t, float unit, trbvh_table *table)
     join_leaves(leaves + LOW_LEAVES, HIGH_LEAVES, high);
     table->cost[0] = INFINITY;
     for (uint s = 1; s < FULL; s++) {
-        uint others = s & (s - 1u);
-        if (others == 0) {
+        if (has_one(s)) {
             table->cost[s] = 0.0f;
             continue;
         }
         bb_lanes area = joined_area(low[s & ((1u << LOW_LEAVES) - 1u)], high[s >> LOW_LEAVES]);
-        if ((others & (others - 1u)) != 0) {
+        if (!has_one(s & (s - 1u))) {
             table->below[s] = least_sum(table->cost, s);
             area += table->below[s];
         }
@@ -99,8 +109,8 @@ uint first_best(const float *cost, const float *below, uint s)
 {
     const uint rest = s & (s - 1u);
     uint p = rest & -rest;
-    if (p == rest) /* two leaves */
-        return p;
+    if (has_one(rest))
+        return rest;
     const float least = below[s * BB_LANES];
     while (cost[p * BB_LANES] + cost[(s ^ p) * BB_LANES] != least)
         p = (p - rest) & rest;
@@ -114,8 +124,8 @@ void read_tree(const float *cost, const float *below, bb_treelet_links links)
     for (uint e = 0; e < BB_INNER; e++) {
         uint p = first_best(cost, below, sets[e]);
         for (uint k = 0; k < 2u; k++, p ^= sets[e]) {
-            bool leaf = (p & (p - 1u)) == 0;
-            links[e][k] = (uchar)(leaf ? popcount(p - 1u) : BB_TREELET + made);
+            bool leaf = has_one(p);
+            links[e][k] = (uchar)(leaf ? last_leaf(p) : BB_TREELET + made);
             if (!leaf)
                 sets[made++] = p;
         }
