@@ -1,0 +1,81 @@
+/* ATRBVH: an optimiser of binary trees that rebuilds treelets greedily, on the device.
+ *
+ *   rounds times, gamma doubling: each node of at least gamma leaves, children first: the treelet
+ *   below it is replaced by the one in which its nearest leaves are merged first, if its area is
+ *   less
+ *
+ * Domingues and Pedrini 2015, "Bounding Volume Hierarchy Optimization through Agglomerative Treelet
+ * Restructuring", section 3. The merging: atrbvh.cl; rounds and levels:
+ * builders/common/treelets.h. Leaves stay as they are.
+ */
+#include "builders/common/treelets.h"
+
+#include <stdlib.h>
+
+BB_DEVICE_SOURCE(atrbvh);
+
+enum { TREELET_MOST = 20 }; /* distances of all pairs stay near the processor */
+
+static const bb_option options[] = {
+    {"rounds", "2", NULL, "most rounds over all nodes, 1 to 30; ends when gamma exceeds the tree"},
+    {"treelet", "9", NULL, "leaves of a treelet, 3 to 20"},
+    {"gamma", NULL, NULL,
+     "fewest leaves below a treelet's root in the first round, doubling with each: from treelet "
+     "(the default) to 2^30"},
+    {.name = NULL},
+};
+
+static void destroy(void *opaque)
+{
+    bb_treelet_optimiser *self = opaque;
+    if (self == NULL)
+        return;
+    bb_treelets_release(self);
+    free(self);
+}
+
+static bb_status create(const bb_builder_context *context, void **out)
+{
+    bb_treelet_optimiser *self = calloc(1, sizeof *self);
+    if (self == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = self;
+    return bb_treelets_create(context, &bb_source_atrbvh, TREELET_MOST, self);
+}
+
+static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
+{
+    return bb_treelets_prepare(opaque, scene, tree);
+}
+
+static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                       bb_phases *phases)
+{
+    (void)scene;
+    return bb_treelets_build(opaque, input, tree, phases);
+}
+
+static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
+{
+    (void)scene;
+    bb_treelets_describe(opaque, text, capacity);
+    return BB_OK;
+}
+
+const bb_builder bb_builder_atrbvh = {
+    .abi_version = BB_ABI_VERSION,
+    .name = "atrbvh",
+    .summary = "optimiser: rebuilds small treelets of a binary tree by merging nearest leaves",
+    .paper = "Domingues, Pedrini 2015, section 3",
+    .kinds = BB_ALL_KINDS,
+    .inputs = BB_INPUT_TREE,
+    .place = BB_ON_DEVICE,
+    .deterministic = true,
+    .options = options,
+    .compared = "",
+    .create = create,
+    .prepare = prepare,
+    .build = build,
+    .describe = describe,
+    .destroy = destroy,
+};

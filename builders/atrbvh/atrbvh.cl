@@ -1,0 +1,120 @@
+/* ATRBVH: a treelet's leaves are merged greedily, always those two first whose union has the
+ * smallest area (Domingues and Pedrini 2015, "Bounding Volume Hierarchy Optimization through
+ * Agglomerative Treelet Restructuring", section 3):
+ *
+ *   distance(i, j) of places i > j = area of their union
+ *   until one is left: the smallest distance, the first of equal ones by i, then by j: what is at
+ *   place j becomes the union, place i is empty
+ *
+ * Merging goes by masks, since each lane merges other places. Distances of places that are empty
+ * are infinite; no other is.
+ */
+#include "treelets.clh"
+
+#define DISTANCES (BB_TREELET * (BB_TREELET - 1) / 2)
+
+bb_lanes joined_area(const bb_lanes *a, const bb_lanes *b)
+{
+    bb_lanes x = BB_MAX(a[3], b[3]) - BB_MIN(a[0], b[0]);
+    bb_lanes y = BB_MAX(a[4], b[4]) - BB_MIN(a[1], b[1]);
+    bb_lanes z = BB_MAX(a[5], b[5]) - BB_MIN(a[2], b[2]);
+    return bb_area_of(x, y, z);
+}
+
+/* The places i and j of the smallest distance. */
+bb_lanes nearest_two(const bb_lanes *distances, bb_lanes_int *i, bb_lanes_int *j)
+{
+    bb_lanes least = INFINITY;
+    *i = 0;
+    *j = 0;
+    uint at = 0;
+    for (int k = 1; k < BB_TREELET; k++)
+        for (int l = 0; l < k; l++, at++) {
+            bb_lanes_int closer = distances[at] < least;
+            least = BB_MIN(distances[at], least);
+            *i = closer ? (bb_lanes_int)k : *i;
+            *j = closer ? (bb_lanes_int)l : *j;
+        }
+    return least;
+}
+
+/* What is at places i and j is at place j. */
+void merge(bb_lanes_int i, bb_lanes_int j, bb_lanes boxes[BB_TREELET][6], bb_lanes *distances)
+{
+    bb_lanes both[6], fresh[BB_TREELET];
+    for (uint k = 0; k < 6u; k++)
+        both[k] = k < 3u ? INFINITY : -INFINITY;
+    for (int s = 0; s < BB_TREELET; s++) {
+        bb_lanes_int taken = (i == s) | (j == s);
+        for (uint k = 0; k < 6u; k++) {
+            bb_lanes own = taken ? boxes[s][k] : both[k];
+            both[k] = k < 3u ? BB_MIN(own, both[k]) : BB_MAX(own, both[k]);
+        }
+    }
+    for (int s = 0; s < BB_TREELET; s++) {
+        bb_lanes_int here = j == s;
+        fresh[s] = joined_area(both, boxes[s]);
+        for (uint k = 0; k < 6u; k++)
+            boxes[s][k] = here ? both[k] : boxes[s][k];
+    }
+    uint at = 0;
+    for (int k = 1; k < BB_TREELET; k++)
+        for (int l = 0; l < k; l++, at++) {
+            bb_lanes old = distances[at], changed = (j == k) ? fresh[l] : old;
+            changed = (j == l) ? fresh[k] : changed;
+            bb_lanes_int empty = (i == k) | (i == l) | (old == INFINITY);
+            distances[at] = empty ? (bb_lanes)INFINITY : changed;
+        }
+}
+
+/* Merges each lane's leaves: which[m][0] and [1] are the places j and i of merge m. Returns the sum
+ * of the areas of the inner nodes but the root's. */
+bb_lanes merge_all(const bb_treelets *t, float unit, bb_lanes_int which[BB_INNER][2])
+{
+    bb_lanes boxes[BB_TREELET][6], distances[DISTANCES], sum = 0.0f;
+    bb_treelet_planes(t, unit, boxes);
+    uint at = 0;
+    for (uint k = 1; k < BB_TREELET; k++)
+        for (uint l = 0; l < k; l++, at++)
+            distances[at] = joined_area(boxes[k], boxes[l]);
+    for (uint m = 0; m < BB_INNER; m++) {
+        bb_lanes least = nearest_two(distances, &which[m][1], &which[m][0]);
+        if (m + 1u < BB_INNER) {
+            sum += least;
+            merge(which[m][1], which[m][0], boxes, distances);
+        }
+    }
+    return sum;
+}
+
+/* merges[]: places j and i of each, BB_LANES apart. The last merge is the root. */
+void read_merges(const int *merges, bb_treelet_links links)
+{
+    uchar at[BB_TREELET];
+    for (uint leaf = 0; leaf < BB_TREELET; leaf++)
+        at[leaf] = (uchar)leaf;
+    for (uint m = 0; m < BB_INNER; m++) {
+        uint e = BB_INNER - 1u - m;
+        int j = merges[2u * m * BB_LANES], i = merges[(2u * m + 1u) * BB_LANES];
+        links[e][0] = at[j];
+        links[e][1] = at[i];
+        at[j] = (uchar)(BB_TREELET + e);
+    }
+}
+
+uint bb_choose_trees(const bb_treelets *t, float unit, bb_treelet_links *links)
+{
+    bb_lanes_int which[BB_INNER][2];
+    bb_lanes after = merge_all(t, unit, which);
+    float sums[BB_LANES];
+    uint better = 0;
+    BB_STORE_LANES(after, sums);
+    for (uint lane = 0; lane < BB_LANES; lane++)
+        if (sums[lane] < t->before[lane] * BB_BETTER) {
+            read_merges((const int *)which + lane, links[lane]);
+            better |= 1u << lane;
+        }
+    return better;
+}
+
+#include "treelet_rounds.clh"
