@@ -87,31 +87,34 @@ void search_below(global const bb_family *families, subtree_search *search, uint
     }
 }
 
-/* From the place of x's parent up; `pivot` is what is there without x. */
+/* From the place of x's parent up; `path`: the boxes of what is there without x, and with it. */
 void search_above(global const bb_family *families, subtree_search *search, uint top, uint place,
-                  bb_two_boxes pivot, float saved)
+                  bb_two_boxes path, float saved)
 {
+    const bb_two_boxes taken_in = first_box(search->box);
+    bool touches = true; /* x a side of the pivots' boxes; if not, nothing is saved above */
     while (place >> 1 != top && search->left > 0u) {
         search->left--;
         uint f = place >> 1, side = 1u - (place & 1u), c = families[f].links[side];
-        bb_two_boxes boxes = load_family(families, f), old = both_boxes(boxes);
-        bb_two_boxes other = one_box(boxes, side);
+        bb_two_boxes other = one_box(load_family(families, f), side);
+        place = families[f].place;
         if (saved - search->area > search->best) {
-            float own = areas_of(other, search->unit).x;
-            float with = areas_of(join_boxes(other, search->box), search->unit).x;
-            float below = saved - (with - own);
+            float2 both = areas_of(join_boxes(other, taken_in), search->unit);
+            float with = both.x, own = both.y, below = saved - (with - own);
             try_place(search, 2u * f + side, saved - with);
             if (!is_leaf_link(c) && own > search->area && below - search->area > search->best)
                 search_below(families, search, c, below);
-        }
-        pivot = join_boxes(pivot, other);
-        float before = areas_of(old, search->unit).x;
-        saved += before - areas_of(pivot, search->unit).x;
-        place = families[f].place;
-        try_place(search, place, saved - before);
-        /* x touches no side of what is above, and nothing more is saved there */
-        if (saved - search->area <= search->best && same_boxes(old, pivot))
+        } else if (!touches) {
             return;
+        }
+        if (touches) {
+            path = join_boxes(path, other);
+            float2 both = areas_of(path, search->unit);
+            float without = both.x, before = both.y;
+            saved += before - without;
+            try_place(search, place, saved - before);
+            touches = !is_one_box(path);
+        }
     }
 }
 
@@ -132,7 +135,8 @@ kernel void search_find(global const bb_family *families, uint top, float unit,
     float saved = areas_of(both_boxes(boxes), unit).x, sibling = areas_of(rest, unit).x;
     if (!is_leaf_link(s) && sibling > search.area)
         search_below(families, &search, s, sibling);
-    search_above(families, &search, top, families[p].place, rest, saved);
+    search_above(families, &search, top, families[p].place, two_boxes(rest, both_boxes(boxes)),
+                 saved);
     bb_move move = {from, search.to, families[p].place, search.best};
     moves[begin + i] = move;
 }
