@@ -1,0 +1,164 @@
+/* Where each subtree would better be: the search of reinsertion.
+ *
+ *   some subtrees' areas, evenly spaced: the host takes a threshold from them  (search_sample)
+ *   the subtrees above it: the larger a subtree, the more there is to gain       (search_mark)
+ *   for each of those, x, with parent p and sibling s:                           (search_find)
+ *       saved = A(p)                                              x taken out, s in p's place
+ *       search below s
+ *       for each pivot q above p, up to the root, with c its other child:
+ *           gain of x beside c: saved - A(c u x); search below c
+ *           saved += A(q) - A(q without x)
+ *           gain of x beside q without x: saved - A(q)
+ *   search below y: grown = sum of A(.) with x - A(.) without, from the pivot's child down to y
+ *       gain of x beside a child c of y: saved - grown - A(c u x)
+ *       go on below the child that grows less, the other one waits; no gain below a child can be
+ *       larger than saved - grown - A(x)
+ *
+ * Meister and Bittner 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization",
+ * section 3: the tree is not changed. Our own: x never goes below a child that is not larger than
+ * itself (beside that child is as good), which is also what makes rings of moves impossible
+ * (reinsert_moves.cl). Ties go to what is met first, in the order of sides.
+ *
+ * Limits: a search ends when it has looked at BB_SEARCH_MOST families, with the best place until
+ * then; and of children that wait at most BB_SEARCH_WAITING are remembered, the rest is left out.
+ * Either only makes the result less good, and the same on every device.
+ */
+#include "families.clh"
+#include "lanes.clh"
+
+#define BB_SEARCH_WAITING 32u
+
+typedef struct subtree_search {
+    bb_two_boxes box; /* of x, in both lanes */
+    float area;
+    float unit;
+    float best;
+    uint to;
+    uint left; /* families that may be looked at */
+} subtree_search;
+
+void try_place(subtree_search *search, uint place, float gain)
+{
+    if (gain > search->best) {
+        search->best = gain;
+        search->to = place;
+    }
+}
+
+/* Below the inner node `f`, which has taken x in; `saved` without what has grown. */
+void search_below(global const bb_family *families, subtree_search *search, uint f, float saved)
+{
+    uint waiting_families[BB_SEARCH_WAITING];
+    float waiting_saved[BB_SEARCH_WAITING];
+    uint waiting = 0;
+    for (;;) {
+        if (search->left == 0u)
+            return;
+        search->left--;
+        bb_two_boxes boxes = load_family(families, f);
+        uint2 links = vload2(0, families[f].links);
+        float2 own = areas_of(boxes, search->unit);
+        float2 with = areas_of(join_boxes(boxes, search->box), search->unit);
+        float2 gain = saved - with, below = saved - (with - own), most = below - search->area;
+        try_place(search, 2u * f, gain.x);
+        try_place(search, 2u * f + 1u, gain.y);
+        bool a = !is_leaf_link(links.x) && own.x > search->area && most.x > search->best;
+        bool b = !is_leaf_link(links.y) && own.y > search->area && most.y > search->best;
+        if (a && b) {
+            bool first = below.x >= below.y;
+            if (waiting < BB_SEARCH_WAITING) {
+                waiting_families[waiting] = first ? links.y : links.x;
+                waiting_saved[waiting++] = first ? below.y : below.x;
+            }
+            f = first ? links.x : links.y;
+            saved = first ? below.x : below.y;
+        } else if (a || b) {
+            f = a ? links.x : links.y;
+            saved = a ? below.x : below.y;
+        } else {
+            do {
+                if (waiting == 0u)
+                    return;
+                waiting--;
+                saved = waiting_saved[waiting];
+            } while (!(saved - search->area > search->best));
+            f = waiting_families[waiting];
+        }
+    }
+}
+
+/* From the place of x's parent up; `path`: the boxes of what is there without x, and with it. */
+void search_above(global const bb_family *families, subtree_search *search, uint top, uint place,
+                  bb_two_boxes path, float saved)
+{
+    const bb_two_boxes taken_in = first_box(search->box);
+    bool touches = true; /* x a side of the pivots' boxes; if not, nothing is saved above */
+    while (place >> 1 != top && search->left > 0u) {
+        search->left--;
+        uint f = place >> 1, side = 1u - (place & 1u), c = families[f].links[side];
+        bb_two_boxes other = one_box(load_family(families, f), side);
+        place = families[f].place;
+        if (saved - search->area > search->best) {
+            float2 both = areas_of(join_boxes(other, taken_in), search->unit);
+            float with = both.x, own = both.y, below = saved - (with - own);
+            try_place(search, 2u * f + side, saved - with);
+            if (!is_leaf_link(c) && own > search->area && below - search->area > search->best)
+                search_below(families, search, c, below);
+        } else if (!touches) {
+            return;
+        }
+        if (touches) {
+            path = join_boxes(path, other);
+            float2 both = areas_of(path, search->unit);
+            float without = both.x, before = both.y;
+            saved += before - without;
+            try_place(search, place, saved - before);
+            touches = !is_one_box(path);
+        }
+    }
+}
+
+/* A part of the list: every `step`-th from `first` on; into moves[begin], ... */
+kernel void search_find(global const bb_family *families, uint top, float unit,
+                        global const uint *list, uint first, uint step, uint begin,
+                        uint count, global bb_move *moves)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    uint from = list[first + i * step], p = from >> 1, side = from & 1u;
+    uint s = families[p].links[1u - side];
+    bb_two_boxes boxes = load_family(families, p);
+    bb_two_boxes rest = one_box(boxes, 1u - side);
+    subtree_search search = {one_box(boxes, side), 0, unit, 0, BB_NONE, BB_SEARCH_MOST};
+    search.area = areas_of(search.box, unit).x;
+    float saved = areas_of(both_boxes(boxes), unit).x, sibling = areas_of(rest, unit).x;
+    if (!is_leaf_link(s) && sibling > search.area)
+        search_below(families, &search, s, sibling);
+    search_above(families, &search, top, families[p].place, two_boxes(rest, both_boxes(boxes)),
+                 saved);
+    bb_move move = {from, search.to, families[p].place, search.best};
+    moves[begin + i] = move;
+}
+
+/* ---- which ---- */
+
+/* Areas of both children of each `step`-th family. */
+kernel void search_sample(global const bb_family *families, uint step, uint count, float unit,
+                          global float2 *areas)
+{
+    uint i = get_global_id(0);
+    if (i < count)
+        areas[i] = areas_of(load_family(families, i * step), unit);
+}
+
+kernel void search_mark(global const bb_family *families, uint count, float unit, float least,
+                        global uint *marks)
+{
+    uint f = get_global_id(0);
+    if (f >= count)
+        return;
+    float2 areas = areas_of(load_family(families, f), unit);
+    marks[2u * f] = areas.x >= least ? 1u : 0u;
+    marks[2u * f + 1u] = areas.y >= least ? 1u : 0u;
+}
