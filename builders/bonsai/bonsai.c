@@ -119,7 +119,7 @@ static bb_status compile_groups(bonsai *self)
 /* Local memory of a mini-tree of up to `room` primitives, as bonsai_mini.cl has it. */
 static uint64_t local_bytes(uint32_t room)
 {
-    const uint64_t elements = 32 + 3 * (4 + 2 * 2 + 4), spans = 2 * 8 + 3 * 8;
+    const uint64_t elements = 32 + 3 * (4 + 2 * 2) + 16, spans = 2 * 8 + 12;
     return room * elements + (room / 3 + 1) * spans + 16;
 }
 

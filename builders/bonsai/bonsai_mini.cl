@@ -48,9 +48,9 @@ kernel void bn_mini(global const uint *starts, uint groups, global const uint *v
     local float8 own[BN_GROUP];
     local uint keys[3 * BN_GROUP];
     local ushort orders[2][3 * BN_GROUP];
-    local float right[3 * BN_GROUP];
+    local float4 right[BN_GROUP];
     local bn_span spans[2][BN_SPANS];
-    local bn_split splits[3 * BN_SPANS];
+    local bn_split splits[BN_SPANS];
     local uint counts[2];
     const uint group = get_group_id(0);
     if (group >= groups)

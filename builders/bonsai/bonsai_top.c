@@ -11,7 +11,7 @@ enum {
     GROUP_SIZE = 64,
     TOP_GROUP_SIZE = 256,
     SPAN_BYTES = 12,  /* bn_span of uint */
-    SPLIT_BYTES = 8,  /* bn_split */
+    SPLIT_BYTES = 12, /* bn_split */
     BOX_BYTES = 32,   /* float8 */
     REST_GROUPS = 64, /* that share what the first launch leaves */
     REST_LEAST = 256, /* items that are not worth a launch's while: see most_of() */
@@ -82,9 +82,9 @@ bb_status bn_top_reserve(bn_top *top, uint32_t items)
         {&top->keys, 3 * n * sizeof(uint32_t), "bonsai: centroids of the top tree"},
         {&top->sort_keys, 3 * n * sizeof(uint64_t), "bonsai: sort keys of the top tree"},
         {&top->orders, 6 * n * sizeof(uint32_t), "bonsai: orders of the top tree"},
-        {&top->right, 3 * n * sizeof(float), "bonsai: costs of the top tree"},
+        {&top->right, n * 4 * sizeof(float), "bonsai: costs of the top tree"},
         {&top->spans, 2 * n * SPAN_BYTES, "bonsai: nodes of the top tree"},
-        {&top->splits, 3 * n * SPLIT_BYTES, "bonsai: splits of the top tree"},
+        {&top->splits, n * SPLIT_BYTES, "bonsai: splits of the top tree"},
         {&top->weights, n * sizeof(uint32_t), "bonsai: weights of the top tree"},
         {&top->tasks, (n / 3 + 1) * sizeof(bn_task), "bonsai: tasks of the top tree"},
         {&top->waiting, sizeof(uint32_t), "bonsai: tasks of the top tree"},

@@ -92,7 +92,7 @@ bool bn_put_off(const bn_grower *g, bn_span span, uint level)
 
 #define BN_TOP_BUFFERS                                                                             \
     global const bn_item *items, uint count, uint refs, float unit, global const float8 *boxes,    \
-        global const uint *keys, global uint *orders, global float *right, global bn_span *spans,  \
+        global const uint *keys, global uint *orders, global float4 *right, global bn_span *spans, \
         global bn_split *splits, global const uint *weights, global uchar *levels,                 \
         global bb_node *nodes, volatile global bb_tree_info *info, global bn_task *tasks,          \
         volatile global uint *waiting
@@ -101,7 +101,7 @@ bool bn_put_off(const bn_grower *g, bn_span span, uint level)
 #define BN_TOP_GROWER(first, least)                                                                \
     {                                                                                              \
         .boxes = boxes, .keys = keys, .orders = {orders, orders + 3u * count}, .right = right,     \
-        .spans = {spans + (first), spans + count + (first)}, .splits = splits + 3u * (first),      \
+        .spans = {spans + (first), spans + count + (first)}, .splits = splits + (first),           \
         .counts = counts, .weights = weights, .stride = count, .unit = unit, .nodes = nodes,       \
         .items = items, .total = refs, .levels = levels, .info = info, .most = (least),            \
         .tasks = tasks, .waiting = waiting                                                         \
