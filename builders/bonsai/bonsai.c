@@ -38,7 +38,7 @@ static const bb_option options[] = {
     {"group", "512", NULL, "most primitives of a mini-tree, 2 to 1024"},
     {"prune", "0.1", NULL,
      "mini-trees are opened down to nodes of this many times their mean area, 0.001 to 1000"},
-    {"weight", "prims", "items|prims", "what the cost of the top tree counts"},
+    {"weight", "items", "items|prims", "what the cost of the top tree counts"},
     BB_UPDATE_OPTION,
     {.name = NULL},
 };
@@ -137,8 +137,7 @@ static bb_status compile_mini(bonsai *self)
                        (unsigned long long)self->device->local_bytes);
     snprintf(defines, sizeof defines, "-DBN_GROUP=%u%s", room,
              self->device->form == BB_FORM_CPU ? " -DBN_ALONE" : "");
-    BB_TRY(
-        bb_program_build(self->device, &bb_source_bonsai_mini, defines, &self->mini_program));
+    BB_TRY(bb_program_build(self->device, &bb_source_bonsai_mini, defines, &self->mini_program));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_mini", &self->mini));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_areas", &self->areas_kernel));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_prune", &self->prune_kernel));
@@ -184,8 +183,8 @@ static bb_status reserve_groups(bonsai *self, uint32_t groups)
 {
     bb_device *device = self->device;
     bb_account *account = self->account;
-    BB_TRY(bb_buffer_reserve(device, account, groups * sizeof(float), "bonsai: areas",
-                             &self->areas));
+    BB_TRY(
+        bb_buffer_reserve(device, account, groups * sizeof(float), "bonsai: areas", &self->areas));
     BB_TRY(bb_buffer_reserve(device, account, groups * sizeof(uint32_t), "bonsai: places",
                              &self->places));
     bb_host_free(self->host_areas);
@@ -209,8 +208,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     const size_t count = scene->prim_count, chunks = count / chunk_of(self) + 1;
     BB_TRY(bb_codes_prepare(self->codes, scene, 1));
     BB_TRY(compile_groups(self));
-    BB_TRY(bb_buffer_reserve(device, account, count * self->key_bytes, "bonsai: codes",
-                             &self->keys));
+    BB_TRY(
+        bb_buffer_reserve(device, account, count * self->key_bytes, "bonsai: codes", &self->keys));
     BB_TRY(bb_buffer_reserve(device, account, count * sizeof(uint32_t), "bonsai: indices",
                              &self->values));
     BB_TRY(bb_buffer_reserve(device, account, chunks * sizeof(uint32_t), "bonsai: chunks",
@@ -234,9 +233,9 @@ static bb_status find_groups(bonsai *self, uint32_t count)
     bb_device *device = self->device;
     const uint32_t chunk = chunk_of(self), chunks = count / chunk + (count % chunk != 0);
     const size_t local = device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
-    BB_TRY(bb_launch(device, self->count_kernel, chunks, local, BB_MEM(self->keys),
-                     BB_VALUE(count), BB_VALUE(self->group), BB_VALUE(chunk), BB_VALUE(chunks),
-                     BB_MEM(self->firsts), BB_MEM(self->counts)));
+    BB_TRY(bb_launch(device, self->count_kernel, chunks, local, BB_MEM(self->keys), BB_VALUE(count),
+                     BB_VALUE(self->group), BB_VALUE(chunk), BB_VALUE(chunks), BB_MEM(self->firsts),
+                     BB_MEM(self->counts)));
     BB_TRY(bb_scan_u32(self->primitives, &self->counts, &self->counts, chunks, &self->total));
     BB_TRY(bb_launch(device, self->starts_kernel, chunks, local, BB_MEM(self->keys),
                      BB_VALUE(count), BB_VALUE(self->group), BB_VALUE(chunk), BB_VALUE(chunks),
@@ -277,10 +276,9 @@ static bb_status count_items(bonsai *self, const bb_tree *tree, float unit, uint
     bb_device *device = self->device;
     for (;; *limit *= 2.0f) {
         BB_TRY(bb_buffer_fill(&self->opened, sizeof(uint32_t), 0));
-        BB_TRY(bb_launch(device, self->prune_kernel, self->groups, GROUP_SIZE,
-                         BB_MEM(self->starts), BB_VALUE(self->groups), BB_MEM(tree->d_nodes),
-                         BB_VALUE(unit), BB_VALUE(*limit), BB_MEM(self->places),
-                         BB_MEM(self->opened)));
+        BB_TRY(bb_launch(device, self->prune_kernel, self->groups, GROUP_SIZE, BB_MEM(self->starts),
+                         BB_VALUE(self->groups), BB_MEM(tree->d_nodes), BB_VALUE(unit),
+                         BB_VALUE(*limit), BB_MEM(self->places), BB_MEM(self->opened)));
         BB_TRY(bb_scan_u32(self->primitives, &self->places, &self->places, self->groups,
                            &self->total));
         BB_TRY(bb_buffer_read(&self->total, 0, sizeof self->item_count, &self->item_count));
@@ -300,8 +298,8 @@ static bb_status prune(bonsai *self, uint32_t count, float unit, bb_tree *tree, 
     BB_TRY(bb_event(phases, "subtrees", self->item_count));
     BB_TRY(reserve_items(self, self->item_count));
     return bb_launch(self->device, self->list, self->groups, GROUP_SIZE, BB_MEM(self->starts),
-                     BB_VALUE(self->groups), BB_MEM(tree->d_nodes), BB_VALUE(unit),
-                     BB_VALUE(limit), BB_MEM(self->places), BB_MEM(self->items));
+                     BB_VALUE(self->groups), BB_MEM(tree->d_nodes), BB_VALUE(unit), BB_VALUE(limit),
+                     BB_MEM(self->places), BB_MEM(self->items));
 }
 
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,

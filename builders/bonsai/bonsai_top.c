@@ -58,9 +58,9 @@ void bn_top_destroy(bn_top *top)
 {
     if (top == NULL)
         return;
-    bb_buffer *const buffers[] = {&top->boxes,  &top->keys,    &top->sort_keys, &top->orders,
-                                  &top->right,  &top->spans,   &top->splits,    &top->weights,
-                                  &top->tasks,  &top->waiting};
+    bb_buffer *const buffers[] = {&top->boxes, &top->keys,   &top->sort_keys, &top->orders,
+                                  &top->right, &top->spans,  &top->splits,    &top->weights,
+                                  &top->tasks, &top->waiting};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
     bb_kernel_release(top->items_kernel);
@@ -116,9 +116,9 @@ bb_status bn_top_make(bn_top *top, bb_primitives *primitives, const bn_leaves *l
 {
     bb_device *device = top->device;
     const uint32_t most = most_of(leaves->count);
-    const size_t group = device->form == BB_FORM_CPU                 ? 1
+    const size_t group = device->form == BB_FORM_CPU               ? 1
                          : device->max_group_size < TOP_GROUP_SIZE ? GROUP_SIZE
-                                                                     : TOP_GROUP_SIZE;
+                                                                   : TOP_GROUP_SIZE;
     BB_TRY(gather(top, leaves, tree));
     BB_TRY(bb_sort_u64(primitives, &top->sort_keys, &top->orders, 3 * leaves->count, AXIS_BITS));
 #define TOP_BUFFERS                                                                                \

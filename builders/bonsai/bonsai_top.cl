@@ -1,8 +1,8 @@
 /* The top tree of bonsai, over what is left of the mini-trees: full-sweep SAH, where an item weighs
  * the primitives that it has, or 1.
  *
- *   boxes, centroids and weights of the items (bn_items); sort along each axis (host: one sort, with
- *   the axis above the centroid)
+ *   boxes, centroids and weights of the items (bn_items); sort along each axis (host: one sort,
+ *   with the axis above the centroid)
  *   grow by one work-group, until nodes have few items                         (bn_top)
  *   grow each of these by a work-group                                        (bn_rest)
  *
