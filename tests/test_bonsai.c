@@ -85,10 +85,10 @@ typedef struct variant {
 
 static const variant variants[] = {
     {"code=mc32,group=512,prune=0.1,weight=items", {512, 0.1, false}},
-    {"group=7,prune=0.5,weight=prims", {7, 0.5, true}},
-    {"group=2,prune=1000", {2, 1000, false}},
-    {"group=64,prune=0.001,weight=prims", {64, 0.001, true}},
-    {"group=30,prune=0.3,weight=items", {30, 0.3, false}},
+    {"code=mc32,group=7,prune=0.5,weight=prims", {7, 0.5, true}},
+    {"code=mc32,group=2,prune=1000", {2, 1000, false}},
+    {"code=mc32,group=64,prune=0.001,weight=prims", {64, 0.001, true}},
+    {"code=mc32,group=30,prune=0.3,weight=items", {30, 0.3, false}},
 };
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
