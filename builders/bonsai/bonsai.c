@@ -9,9 +9,10 @@
  *
  * - Medians are those of a code, whose bits halve cells: one sort makes all groups at once, and any
  *   code will do (bonsai_groups.cl). The default's halve the longest side of the cell.
- * - Groups have up to 256 primitives, not 512: that takes as long, and mountain's SAH is 1.5 % lower.
- * - An item of the top tree weighs 1, whatever it holds (weight=items): with weight=prims the SAH of
- *   kitchen and coffee is 6 % higher.
+ * - Groups have up to 256 primitives, not 512: that takes as long, mountain's SAH is 1.5 % lower,
+ *   and a mini-tree fits into the 32 KiB of local memory that every device has.
+ * - An item of the top tree weighs 1, whatever it holds (weight=items): with weight=prims the SAH
+ *   of kitchen and coffee is 6 % higher.
  * - No more than a share of the primitives (ITEMS_SHARE) becomes leaves of the top tree, else less
  *   is pruned: that bounds memory, and the top tree's time.
  *

@@ -20,23 +20,22 @@ bool begins_group(global const bb_key *keys, uint count, uint i, uint most)
     if (i == 0)
         return true;
     const uint same = common_of(keys, i - 1u, i);
-    uint low = i > most ? i - most : 0, first = i - 1u;
-    while (low < first) {
-        uint middle = (low + first) / 2u;
-        if (common_of(keys, middle, i) >= same)
-            first = middle;
+    uint left = 1, left_most = BB_MIN(i, most), right = 1, right_most = BB_MIN(count - i, most);
+    while (left < left_most) {
+        uint middle = left_most - (left_most - left) / 2u;
+        if (common_of(keys, i - middle, i) >= same)
+            left = middle;
         else
-            low = middle + 1u;
+            left_most = middle - 1u;
     }
-    uint last = i, high = BB_MIN(count - i, most) + i - 1u;
-    while (last < high) {
-        uint middle = high - (high - last) / 2u;
-        if (common_of(keys, i - 1u, middle) >= same)
-            last = middle;
+    while (right < right_most) {
+        uint middle = right_most - (right_most - right) / 2u;
+        if (common_of(keys, i - 1u, i - 1u + middle) >= same)
+            right = middle;
         else
-            high = middle - 1u;
+            right_most = middle - 1u;
     }
-    return last - first + 1u > most;
+    return left + right > most;
 }
 
 /* One past the last key of the group that begins at `begin`. */
