@@ -1,0 +1,141 @@
+/* The top tree of bonsai, over what is left of the mini-trees: full-sweep SAH, where an item weighs
+ * the primitives that it has, or 1.
+ *
+ *   boxes, centroids and weights of the items (bn_items); sort along each axis (host: one sort,
+ *   with the axis above the centroid)
+ *   grow by one work-group, until nodes have few items                         (bn_top)
+ *   grow each of these by a work-group                                        (bn_rest)
+ *
+ * Its nodes take the places of those above the items: with item m the first one on the right, the
+ * children are nodes 2s - 1 and 2s, where s is that item's first reference. A leaf of the top tree
+ * is the root of a subtree, whose last nodes learn where they lead on to.
+ *
+ * -DBN_ALONE: CPUs.
+ */
+#define BN_SPACE global
+#define BN_ID uint
+#define BN_WEIGHTS
+#include "bonsai_grow.clh"
+
+/* keys, also with their axes above: by axis. order: the items as they are. weights by item. */
+kernel void bn_items(global const bn_item *items, uint count, uint refs, uint prims_weigh,
+                     global float8 *boxes, global uint *keys, global ulong *sort_keys,
+                     global uint *order, global uint *weights, global bb_tree_info *info,
+                     global uint *waiting)
+{
+    uint i = get_global_id(0);
+    if (i == 0) {
+        bb_tree_info start = {0, 2u * refs - 1u, refs, refs, refs > 1u ? 2u : 0u, 0};
+        *info = start;
+        *waiting = 0;
+    }
+    if (i >= count)
+        return;
+    float4 lo = vload4(0, items[i].lo), hi = vload4(0, items[i].hi);
+    boxes[i] = (float8)(-lo.xyz, 0.0f, hi.xyz, 0.0f);
+    uint end = i + 1u < count ? items[i + 1u].begin : refs;
+    weights[i] = prims_weigh != 0 ? end - items[i].begin : 1u;
+    uint found[3] = {bn_centroid_key(lo.x, hi.x), bn_centroid_key(lo.y, hi.y),
+                     bn_centroid_key(lo.z, hi.z)};
+    for (uint axis = 0; axis < 3u; axis++) {
+        keys[axis * count + i] = found[axis];
+        sort_keys[axis * count + i] = (ulong)axis << 32 | found[axis];
+        order[axis * count + i] = i;
+    }
+}
+
+/* ---- what the top tree's leaves are ---- */
+
+uint bn_start_of(const bn_grower *g, uint i)
+{
+    return i < g->stride ? g->items[i].begin : g->total;
+}
+
+/* The depth of the tree below an item whose root is on a level of the top tree. */
+void bn_deepen(const bn_grower *g, uint id, uint level, uint right_levels)
+{
+    uint begin = g->items[id].begin, end = bn_start_of(g, id + 1u), deepest = 0;
+    for (uint i = begin; i < end; i++)
+        deepest = BB_MAX((uint)g->levels[i], deepest);
+    /* leaves know their levels below the mini-tree's root; the last one is right_levels below this
+     * one */
+    atomic_max(&g->info->depth, level + deepest + right_levels - g->levels[end - 1u]);
+}
+
+void bn_put_leaf(const bn_grower *g, uint id, uint position, uint place, uint skip, uint level)
+{
+    global const uint *words = (global const uint *)(g->items + id);
+    uint4 lo = vload4(0, words), hi = vload4(1, words);
+    hi.w = skip;
+    vstore4(lo, 0, (global uint *)(g->nodes + place));
+    vstore4(hi, 1, (global uint *)(g->nodes + place));
+    uint right_levels = 0;
+    for (uint link = lo.w; (link & BB_LEAF_BIT) == 0; right_levels++) {
+        uint last = g->nodes[link].skip;
+        g->nodes[last].skip = skip;
+        link = g->nodes[last].first;
+    }
+    bn_deepen(g, id, level, right_levels);
+}
+
+/* ---- growing ---- */
+
+/* What is small enough waits for the second launch, in which `most` is 0. */
+bool bn_put_off(const bn_grower *g, bn_span span, uint level)
+{
+    if (span.end - span.begin > g->most)
+        return false;
+    bn_task task = {span.begin, span.end, span.place, level};
+    g->tasks[atomic_inc(g->waiting)] = task;
+    return true;
+}
+
+#define BN_TOP_BUFFERS                                                                             \
+    global const bn_item *items, uint count, uint refs, float unit, global const float8 *boxes,    \
+        global const uint *keys, global uint *orders, global float4 *right, global bn_span *spans, \
+        global bn_split *splits, global const uint *weights, global uchar *levels,                 \
+        global bb_node *nodes, volatile global bb_tree_info *info, global bn_task *tasks,          \
+        volatile global uint *waiting
+
+/* Of a node whose items begin at `first`: those of its scratch do, too. */
+#define BN_TOP_GROWER(first, least)                                                                \
+    {                                                                                              \
+        .boxes = boxes, .keys = keys, .orders = {orders, orders + 3u * count}, .right = right,     \
+        .spans = {spans + (first), spans + count + (first)}, .splits = splits + (first),           \
+        .counts = counts, .weights = weights, .stride = count, .unit = unit, .nodes = nodes,       \
+        .items = items, .total = refs, .levels = levels, .info = info, .most = (least),            \
+        .tasks = tasks, .waiting = waiting                                                         \
+    }
+
+/* One work-group. */
+kernel void bn_top(BN_TOP_BUFFERS, uint most)
+{
+    local uint counts[2];
+    bn_grower g = BN_TOP_GROWER(0, most);
+    if (BN_LANE == 0) {
+        bn_span root = {0, count, 0};
+        counts[0] = counts[1] = 0;
+        bn_put(&g, orders, root, BB_NONE, 0);
+    }
+    BN_BARRIER();
+    bn_grow(&g, 0);
+}
+
+/* As many work-groups as there may be; they share the tasks. */
+kernel void bn_rest(BN_TOP_BUFFERS)
+{
+    local uint counts[2];
+    for (uint t = get_group_id(0); t < *waiting; t += get_num_groups(0)) {
+        bn_task task = tasks[t];
+        bn_grower g = BN_TOP_GROWER(task.begin, 0);
+        if (BN_LANE == 0) {
+            bn_span span = {task.begin, task.end, task.place};
+            g.spans[task.level & 1u][0] = span;
+            counts[task.level & 1u] = 1;
+            counts[~task.level & 1u] = 0;
+        }
+        BN_BARRIER();
+        bn_grow(&g, task.level);
+        BN_BARRIER();
+    }
+}
