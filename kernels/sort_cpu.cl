@@ -26,7 +26,8 @@
  */
 #include "bb_device.h"
 
-#define BUCKETS_MAX 2048
+#define BUCKETS_MAX 4096
+#define WIDE_DIGIT 11u /* of a bucket; narrower ones for small buckets */
 #define DIGIT(key) ((uint)((key) >> shift) & mask)
 
 /* Launched on one work-item per chunk, in groups of one; the last chunk may be shorter. */
@@ -195,9 +196,9 @@ static bool sort_pairs(pairs a, pairs b, uint count)
         return false;
     const uint low = (uint)popcount((differ & -differ) - 1);
     const uint span = 8u * (uint)sizeof(BB_KEY) - (uint)clz(differ) - low;
-    const uint widest = count < 1024u ? 8u : 11u;
+    const uint widest = count < 1024u ? 8u : WIDE_DIGIT;
     const uint digits = (span + widest - 1u) / widest;
-    uint counts[2][BUCKETS_MAX];
+    uint counts[2][1 << WIDE_DIGIT];
     bool swapped = false;
     digit by = digit_of(0, digits, low, span);
     count_digit(a.keys, count, by, counts[0]);

@@ -15,7 +15,7 @@ enum {
     CHUNKS_PER_UNIT = 4,     /* enough for one slow core not to hold up the others */
     CHUNK_SMALLEST = 2048,   /* elements: below, a chunk is not worth a work-item */
     CHUNK_ALIGNMENT = 64,    /* elements: chunks don't share cache lines */
-    SCAN_SERIAL_MAX = 16384, /* elements that one work-item scans faster than two more launches */
+    SCAN_SERIAL_MAX = 32768, /* elements that one work-item scans faster than two more launches */
     SCAN_ITEMS = 8,          /* of scan_gpu.cl */
     GROUP_MAX = 256,
     REDUCE_GROUPS_PER_UNIT = 8,

@@ -12,8 +12,8 @@
 
 enum {
     DIGIT_BITS_CPU = 8, /* of passes over all keys */
-    TOP_BITS = 11,      /* of the highest digit, of sort_cpu.cl */
-    TILE = 4096, /* places whose buckets one work-item sorts: many fit the second-level cache */
+    TOP_BITS = 12,      /* of the highest digit */
+    TILE = 8192, /* places whose buckets one work-item sorts: many fit the second-level cache */
     BUCKET_SMALL = 16384, /* pairs that one unit sorts faster than several are told to */
     PASSES_MAX = 16,
 };
