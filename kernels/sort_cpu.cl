@@ -21,8 +21,9 @@
  *     by passes: these three, for each digit of 8 bits from the lowest up
  *
  * Limits: BB_KEY is uint or ulong. 8 bits in passes over all keys because the 2 x 256 lines being
- * written then fit the nearest cache; 11 bits in buckets, since all of a bucket fits the next one,
- * and for the first digit, which follows the scene and writes to few places at a time.
+ * written then fit the nearest cache; 11 bits in buckets, which the next cache holds as a whole; 12
+ * bits for the highest digit, since keys come in the order of the scene and few lines are being
+ * written at a time.
  */
 #include "bb_device.h"
 
