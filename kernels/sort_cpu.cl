@@ -1,22 +1,34 @@
-/* Stable radix sort of key-value pairs, one digit of at most 8 bits per pass from the lowest up
- * (LSD); form for CPU devices: one work-item per chunk, no local memory, no barriers.
+/* Stable radix sort of key-value pairs; form for CPU devices: one work-item per chunk or tile, no
+ * local memory, no barriers.
  *
- * Source: Zagha and Blelloch, Radix Sort for Vector Multiprocessors (Supercomputing 1991).
+ * Sources: Zagha and Blelloch, Radix Sort for Vector Multiprocessors (Supercomputing 1991), for the
+ * passes over all keys; McIlroy, Bostic, McIlroy, Engineering Radix Sort (Computing Systems 6(1),
+ * 1993), for buckets by the highest digit first.
  *
- *     for each digit:
- *         sort_count:    for each chunk: counts[digit value][chunk] = how many of the chunk's keys
- *                        have it
- *         the scan:      counts = exclusive prefix sum of counts, digit-major: where each chunk's
- *                        keys of a value go
- *         sort_scatter:  for each chunk, in order: place = counts[digit value of key]++; out[place]
- *                        = key, value
+ *     sort_count:    for each chunk: counts[digit value][chunk] = how many of the chunk's keys have
+ *                    it
+ *     the scan:      counts = exclusive prefix sum of counts, digit-major: where each chunk's keys
+ *                    of a value go
+ *     sort_scatter:  for each chunk, in order: place = counts[digit value of key]++; out[place] =
+ *                    key, value
  *
- * Limits: BB_KEY is uint or ulong. 8 bits because the 2 x 256 lines being written then fit the
- * nearest cache: wider digits save passes and lose more in each.
+ *     by buckets: these three, once, by the highest digit; then
+ *     sort_largest:  one item: the size of the largest bucket
+ *     sort_buckets:  for each tile of places: of the keys of the buckets that begin in it, the bits
+ *                    that differ; by these bits, a digit at a time from the lowest up: scatter as
+ *                    above, and count the next digit on the way
+ *
+ *     by passes: these three, for each digit of 8 bits from the lowest up
+ *
+ * Limits: BB_KEY is uint or ulong. 8 bits in passes over all keys because the 2 x 256 lines being
+ * written then fit the nearest cache; 11 bits in buckets, which the next cache holds as a whole; 12
+ * bits for the highest digit, since keys come in the order of the scene and few lines are being
+ * written at a time.
  */
 #include "bb_device.h"
 
-#define BUCKETS_MAX 256
+#define BUCKETS_MAX 4096
+#define WIDE_DIGIT 11u /* of a bucket; narrower ones for small buckets */
 #define DIGIT(key) ((uint)((key) >> shift) & mask)
 
 /* Launched on one work-item per chunk, in groups of one; the last chunk may be shorter. */
@@ -63,5 +75,179 @@ __kernel void sort_scatter(__global const BB_KEY *keys,
         const uint place = next[DIGIT(key)]++;
         keys_out[place] = key;
         values_out[place] = values[i];
+    }
+}
+
+/* Launched on one work-item. */
+__kernel void sort_largest(__global const uint *places, /* the scanned counts */
+                           const uint count,
+                           const uint chunks,
+                           const uint buckets,
+                           __global uint *largest)
+{
+    uint most = 0;
+    for (uint b = 0; b < buckets; b++) {
+        const uint end = b + 1 < buckets ? places[(b + 1) * chunks] : count;
+        most = max(most, end - places[b * chunks]);
+    }
+    largest[0] = most;
+}
+
+/* The first place from `least` on where a bucket begins; `count` if none does. Place 0 is one. */
+static uint first_bucket(__global const uint *places, uint chunks, uint buckets, uint count,
+                         uint least)
+{
+    if (least == 0)
+        return 0;
+    uint low = 0, high = buckets;
+    while (low < high) {
+        const uint middle = (low + high) / 2;
+        if (places[middle * chunks] < least)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < buckets ? places[low * chunks] : count;
+}
+
+/* A digit of the bits that differ. */
+typedef struct digit {
+    uint shift;
+    uint mask;
+} digit;
+
+/* The `which`-th of `digits` that share the bits `low` to `low + span - 1`. */
+static digit digit_of(uint which, uint digits, uint low, uint span)
+{
+    const uint begin = span * which / digits, end = span * (which + 1) / digits;
+    return (digit){low + begin, (1u << (end - begin)) - 1u};
+}
+
+static void clear(uint *buckets, uint mask)
+{
+    for (uint d = 0; d <= mask; d++)
+        buckets[d] = 0;
+}
+
+static void count_digit(__global const BB_KEY *keys, uint count, digit by, uint *buckets)
+{
+    const uint shift = by.shift, mask = by.mask;
+    clear(buckets, mask);
+    for (uint i = 0; i < count; i++)
+        buckets[DIGIT(keys[i])]++;
+}
+
+/* Counts become places. */
+static void sum_up(uint *buckets, uint mask)
+{
+    uint running = 0;
+    for (uint d = 0; d <= mask; d++) {
+        const uint here = buckets[d];
+        buckets[d] = running;
+        running += here;
+    }
+}
+
+typedef struct pairs {
+    __global BB_KEY *keys;
+    __global uint *values;
+} pairs;
+
+static void scatter(pairs from, pairs to, uint count, digit by, uint *places)
+{
+    const uint shift = by.shift, mask = by.mask;
+    for (uint i = 0; i < count; i++) {
+        const BB_KEY key = from.keys[i];
+        const uint place = places[DIGIT(key)]++;
+        to.keys[place] = key;
+        to.values[place] = from.values[i];
+    }
+}
+
+/* The same, and counts another digit: the order of keys does not matter to their number. */
+static void scatter_counting(pairs from, pairs to, uint count, digit by, uint *places, digit next,
+                             uint *buckets)
+{
+    const uint shift = by.shift, mask = by.mask;
+    clear(buckets, next.mask);
+    for (uint i = 0; i < count; i++) {
+        const BB_KEY key = from.keys[i];
+        const uint place = places[DIGIT(key)]++;
+        buckets[(uint)(key >> next.shift) & next.mask]++;
+        to.keys[place] = key;
+        to.values[place] = from.values[i];
+    }
+}
+
+/* Bits in which any two of the keys differ. */
+static BB_KEY differing_bits(__global const BB_KEY *keys, uint count)
+{
+    const BB_KEY first = keys[0];
+    BB_KEY differ = 0;
+    for (uint i = 1; i < count; i++)
+        differ |= keys[i] ^ first;
+    return differ;
+}
+
+/* Sorts `a`, with `b` as scratch; true if the result is in b. */
+static bool sort_pairs(pairs a, pairs b, uint count)
+{
+    const BB_KEY differ = differing_bits(a.keys, count);
+    if (differ == 0)
+        return false;
+    const uint low = (uint)popcount((differ & -differ) - 1);
+    const uint span = 8u * (uint)sizeof(BB_KEY) - (uint)clz(differ) - low;
+    const uint widest = count < 1024u ? 8u : WIDE_DIGIT;
+    const uint digits = (span + widest - 1u) / widest;
+    uint counts[2][1 << WIDE_DIGIT];
+    bool swapped = false;
+    digit by = digit_of(0, digits, low, span);
+    count_digit(a.keys, count, by, counts[0]);
+    for (uint d = 0; d < digits; d++) {
+        uint *here = counts[d % 2u], *there = counts[(d + 1u) % 2u];
+        const pairs from = swapped ? b : a, to = swapped ? a : b;
+        const bool last = d + 1u == digits;
+        const digit next = digit_of(last ? d : d + 1u, digits, low, span);
+        if (here[(uint)(from.keys[0] >> by.shift) & by.mask] == count) {
+            if (!last) /* all have this value */
+                count_digit(from.keys, count, next, there);
+        } else {
+            sum_up(here, by.mask);
+            if (last)
+                scatter(from, to, count, by, here);
+            else
+                scatter_counting(from, to, count, by, here, next, there);
+            swapped = !swapped;
+        }
+        by = next;
+    }
+    return swapped;
+}
+
+/* Launched on one work-item per tile of places, in groups of one. The pairs come in order of their
+ * buckets, or are one bucket, at place 0, if `buckets` is 0. */
+__kernel void sort_buckets(__global BB_KEY *keys, /* overwritten, as are the values */
+                           __global uint *values,
+                           const uint count,
+                           const uint tile,
+                           __global const uint *places, /* the scanned counts */
+                           const uint chunks,
+                           const uint buckets,
+                           __global BB_KEY *keys_out,
+                           __global uint *values_out)
+{
+    const uint at = get_global_id(0) * tile;
+    const uint begin = first_bucket(places, chunks, buckets, count, at);
+    const uint end =
+        count - at > tile ? first_bucket(places, chunks, buckets, count, at + tile) : count;
+    if (begin >= end)
+        return;
+    const pairs from = {keys + begin, values + begin};
+    const pairs to = {keys_out + begin, values_out + begin};
+    if (sort_pairs(from, to, end - begin))
+        return;
+    for (uint i = 0; i < end - begin; i++) {
+        to.keys[i] = from.keys[i];
+        to.values[i] = from.values[i];
     }
 }

@@ -61,13 +61,14 @@ typedef struct variant {
 } variant;
 
 static const variant variants[] = {
-    {"top-bits=15", {15, 8, 32, false}},
+    {"bins=32", {15, 8, 32, false}}, /* the defaults */
+    {"top-bits=auto", {AUTO_BITS, 8, 32, false}},
     {"top-bits=all", {64, 8, 32, false}},
-    {"each=2", {AUTO_BITS, 2, 32, false}},
+    {"top-bits=auto,each=2", {AUTO_BITS, 2, 32, false}},
     {"top-bits=12,weight=prims", {12, 8, 32, true}},
     {"top-bits=9,weight=prims,bins=5", {9, 8, 5, true}},
     {"top-bits=all,bins=2", {64, 8, 2, false}},
-    {"each=1000000", {AUTO_BITS, 1000000, 32, false}},
+    {"top-bits=auto,each=1000000", {AUTO_BITS, 1000000, 32, false}},
 };
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
@@ -138,7 +139,8 @@ static void the_limits_are_known_trees(void **state)
         expect_equal("hlbvh:code=emc64-var,top-bits=0", "emc:code=emc64-var", boxes, count);
         expect_equal("hlbvh:code=mc64,top-bits=all,weight=prims", "hlbvh:code=mc64,top-bits=all",
                      boxes, count);
-        expect_equal("hlbvh:code=emc64-var,each=3", "hlbvh:code=emc64-var,each=3", boxes, count);
+        expect_equal("hlbvh:code=emc64-var,top-bits=auto,each=3",
+                     "hlbvh:code=emc64-var,top-bits=auto,each=3", boxes, count);
     }
     free(boxes);
 }
@@ -156,7 +158,7 @@ static void what_does_not_fit_is_refused_beforehand(void **state)
     const uint64_t before = device->bytes, global = device->global_bytes;
     for (uint64_t room = 100; room < 100 * count; room *= 3) {
         bb_instance instance = {0};
-        ASSERT_OK(bb_instance_create(device, "hlbvh:each=1", &scene, 1, &instance));
+        ASSERT_OK(bb_instance_create(device, "hlbvh:top-bits=auto,each=1", &scene, 1, &instance));
         device->global_bytes = device->bytes + room;
         if (bb_instance_build(&instance, &scene, false, NULL) != BB_REFUSED)
             fail_msg("%llu bytes: not refused", (unsigned long long)room);
@@ -174,9 +176,17 @@ static void bad_options_are_refused(void **state)
 {
     (void)state;
     static const char *const bad[] = {
-        "hlbvh:top-bits=65",  "hlbvh:top-bits=some", "hlbvh:each=0",
-        "hlbvh:each=1000001", "hlbvh:bins=1",        "hlbvh:bins=65",
-        "hlbvh:bins=few",     "hlbvh:weight=area",   "hlbvh:code=mc16",
+        "hlbvh:top-bits=65",
+        "hlbvh:top-bits=some",
+        "hlbvh:top-bits=auto,each=0",
+        "hlbvh:top-bits=auto,each=1000001",
+        "hlbvh:each=8",
+        "hlbvh:top-bits=15,each=8",
+        "hlbvh:bins=1",
+        "hlbvh:bins=65",
+        "hlbvh:bins=few",
+        "hlbvh:weight=area",
+        "hlbvh:code=mc16",
     };
     bb_box box;
     set_box(&box, (const double[]){0, 0, 0}, (const double[]){1, 1, 1});

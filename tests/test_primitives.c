@@ -147,12 +147,15 @@ typedef enum pattern {
     EXTREMES, /* 0 and all ones in `bits`, mixed */
     LOW_BIT,  /* differ in the lowest bit only */
     HIGH_BIT, /* differ in the highest bit only */
+    ONE_FAR,  /* all but one in the lower half of the bits: one bucket holds the others */
+    HALVES,   /* few values of the upper half of the bits, any of the lower: long runs */
+    LADDER,   /* buckets of growing sizes: every length up to what the count allows */
     PATTERNS,
 } pattern;
 
 static const char *const pattern_names[PATTERNS] = {
-    "random",   "all equal", "sorted",   "reversed", "few distinct",
-    "all zero", "all ones",  "extremes", "low bit",  "high bit",
+    "random",   "all equal", "sorted",   "reversed", "few distinct", "all zero", "all ones",
+    "extremes", "low bit",   "high bit", "one far",  "halves",       "ladder",
 };
 
 typedef struct pair {
@@ -193,6 +196,14 @@ static uint64_t make_key(pattern pattern, uint32_t bits, uint32_t i, uint32_t co
         return (0x5DEECE66D1234566u | any >> 63) & ones;
     case HIGH_BIT:
         return ones & (0x5DEECE66D1234567u >> (64 - bits) | (any >> 63) << (bits - 1));
+    case ONE_FAR:
+        return i == count / 2 ? ones : any & ones >> bits / 2;
+    case HALVES:
+        return (any & ones >> bits / 2) | ((bb_random_mix(any >> 61) & ones) & ~(ones >> bits / 2));
+    case LADDER: { /* the upper half counts 1, 2, 2, 3, 3, 3 ... */
+        uint64_t step = (uint64_t)sqrt(2.0 * i);
+        return (bits > 24 ? step << (bits - 12) : step) & ones & ~(any & ones >> bits / 2);
+    }
     case RANDOM:
     case PATTERNS:
         break;
@@ -260,20 +271,23 @@ static void check_sort(const subject *s, uint32_t key_bytes, pattern pattern, ui
 static void sorts_like_a_stable_host_sort(void **state)
 {
     (void)state;
-    static const uint32_t all_counts[] = {0,   1,   2,    3,    63,   64,    65,     255,
-                                          256, 257, 1000, 4097, 8193, 65537, 1000003};
+    static const uint32_t all_counts[] = {0,    1,    2,     3,     63,    64,
+                                          65,   255,  256,   257,   1000,  2049,
+                                          8192, 8193, 16385, 16449, 65537, 1000003};
     static const uint32_t some_counts[] = {0, 1, 65, 257, 700};
     static const uint32_t all_bits[] = {1, 8, 9, 30, 31, 32, 63, 64};
     static const uint32_t some_bits[] = {1, 9, 32};
     const uint32_t *counts = small ? some_counts : all_counts;
     const uint32_t *bits = small ? some_bits : all_bits;
-    const uint32_t counts_count = small ? 5 : 15, bits_count = small ? 3 : 8;
+    const uint32_t counts_count = small ? 5 : sizeof all_counts / sizeof *all_counts,
+                   bits_count = small ? 3 : 8;
     for (const subject *s = subjects; s < subjects + SUBJECTS; s++)
         for (uint32_t c = 0; c < counts_count; c++)
             for (uint32_t b = 0; b < bits_count; b++)
                 for (uint32_t p = 0; p < PATTERNS; p++) {
                     bool large = counts[c] > 100000; /* takes long on the host */
-                    if (too_big(s, counts[c]) || (large && (bits[b] % 32 < 30 || p > FEW_DISTINCT)))
+                    bool quick = p <= FEW_DISTINCT || p >= ONE_FAR;
+                    if (too_big(s, counts[c]) || (large && (bits[b] % 32 < 30 || !quick)))
                         continue;
                     if (small && (p != (bits[b] < 32 ? EXTREMES : RANDOM) ||
                                   (s->group == 1 && counts[c] > 257)))

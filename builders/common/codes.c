@@ -239,25 +239,36 @@ static void deal_bits(walk *w, bb_code_pattern *layout)
     memcpy(layout->count, w->count, sizeof w->count);
 }
 
-/* Where the lane's bits go, and the moves that bring them there: its bit j, counted from the
- * lowest, travels up to its place in steps of 32, 16 ... 1 ("expand" by parallel moves; Warren,
+/* Where the lane's bits go. */
+static uint64_t places_of(const bb_code_pattern *layout, uint32_t lane)
+{
+    uint64_t places = 0;
+    for (uint32_t i = 0; i < layout->bits; i++)
+        if (layout->axes[i] == lane)
+            places |= UINT64_C(1) << (layout->bits - 1 - i);
+    return places;
+}
+
+/* The moves that bring the lane's bits there: of each word of the key, its bit j, counted from the
+ * lowest, travels up to its place in steps of 16, 8 ... 1 ("expand" by parallel moves; Warren,
  * Hacker's Delight, section 7-5). */
 static void plan_moves(bb_code_pattern *layout, uint32_t lane)
 {
     bb_code_plan *plan = &layout->plan;
-    uint32_t rank = layout->count[lane];
-    for (uint32_t i = 0; i < layout->bits; i++) {
-        if (layout->axes[i] != lane)
-            continue;
-        uint32_t place = layout->bits - 1 - i, at = --rank;
-        plan->kept[lane] |= UINT64_C(1) << place;
-        uint32_t distance = place - at;
-        for (uint32_t step = 0; step < BB_CODE_STEPS; step++) {
-            uint32_t move = 32u >> step;
-            if ((distance & move) == 0)
-                continue;
-            at += move;
-            plan->moved[lane][step] |= UINT64_C(1) << at;
+    uint64_t places = places_of(layout, lane);
+    plan->low_bits[lane] = (uint32_t)__builtin_popcount((uint32_t)places);
+    for (uint32_t word = 0; word < 2; word++) {
+        uint32_t left = (uint32_t)(places >> 32 * word);
+        plan->kept[lane][word] = left;
+        for (uint32_t j = 0; left != 0; j++, left &= left - 1) {
+            uint32_t at = j, distance = (uint32_t)__builtin_ctz(left) - j;
+            for (uint32_t step = 0; step < BB_CODE_STEPS; step++) {
+                uint32_t move = 16u >> step;
+                if ((distance & move) == 0)
+                    continue;
+                at += move;
+                plan->moved[lane][word][step] |= 1u << at;
+            }
         }
     }
 }
@@ -333,7 +344,7 @@ void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
         plan->low[lane] = box->lo[lane];
         plan->scale[lane] = cells_per_unit(layout->count[lane], whole[lane]);
         if ((flips & 1u << lane) != 0)
-            plan->flip |= plan->kept[lane];
+            plan->flip |= places_of(layout, lane);
     }
     double unit = all > 0 && 1.0 / all <= FLT_MAX ? 1.0 / all : 0;
     plan->unit = (float)unit;

@@ -29,6 +29,7 @@ kernel void code_keys(global const bb_box *restrict boxes, uint count,
 #if BB_CODE_LANES == 8
     if (count - i >= 8u) {
         global const float *words = (global const float *)(boxes + i);
+#pragma unroll
         for (uint axis = 0; axis < 3; axis++) {
             b.lo[axis] = eight(words, axis);
             b.hi[axis] = eight(words, 4u + axis);

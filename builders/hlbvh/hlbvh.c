@@ -6,9 +6,10 @@
  *
  * - Clusters go into bins by the centroids of their boxes within those of the task, not by the grid
  *   that the code stands for: with sizes or uneven axes in it, a code has no such grid.
- * - The paper has 15 bits for all scenes, which makes anything from 400 to 10,000 clusters.
+ * - 15 bits for all scenes, as in the paper, make anything from 400 to 10,000 clusters: a top tree
+ *   that takes little time beside the rest where primitives are many. That is the default.
  *   top-bits=auto takes as many as leave `each` primitives to a cluster: it counts in which bit
- *   neighbours in the sorted order differ.
+ *   neighbours in the sorted order differ; a larger top tree, a better tree, a slower build.
  * - A task of fewer clusters than bins has as many bins as clusters.
  * - Work queues become one launch per level, and one for all that is small: no work-item waits for
  *   another.
@@ -33,13 +34,15 @@ enum {
     CHUNK_GPU = 64,
     ALL_BITS = 64,
     AUTO_BITS = 65,
+    EACH = 8, /* primitives per cluster, if the scene decides on the bits */
 };
 
 static const bb_option options[] = {
     BB_CODE_OPTIONS("mc32"),
-    {"top-bits", "auto", NULL,
+    {"top-bits", "15", NULL,
      "clusters have equal codes in so many top bits: 0 to 64, all; auto: see each"},
-    {"each", "8", NULL, "top-bits=auto: primitives per cluster, on average at least, 1 to 1000000"},
+    {"each", NULL, NULL,
+     "top-bits=auto: primitives per cluster, on average at least, 1 to 1000000; without it: 8"},
     {"bins", "32", NULL, "bins per axis of the top tree, 2 to 64"},
     {"weight", "clusters", "clusters|prims", "what the cost of the top tree counts"},
     BB_UPDATE_OPTION,
@@ -137,14 +140,27 @@ static bb_status read_top_bits(const bb_spec *spec, uint32_t *bits)
     return BB_OK;
 }
 
+static bb_status read_each(const bb_spec *spec, uint32_t top_bits, uint32_t *each)
+{
+    uint64_t number;
+    *each = EACH;
+    if (bb_spec_value(spec, options, "each") == NULL)
+        return BB_OK;
+    BB_TRY(bb_spec_u64(spec, options, "each", 1, 1000000, &number));
+    if (top_bits != AUTO_BITS)
+        return bb_fail(BB_INVALID, "builder hlbvh: option 'each' needs top-bits=auto");
+    *each = (uint32_t)number;
+    return BB_OK;
+}
+
 static bb_status create(const bb_builder_context *context, void **out)
 {
     const bb_spec *spec = context->spec;
-    uint64_t bins, each;
-    uint32_t top_bits;
+    uint64_t bins;
+    uint32_t top_bits, each;
     BB_TRY(bb_spec_u64(spec, options, "bins", 2, 64, &bins));
-    BB_TRY(bb_spec_u64(spec, options, "each", 1, 1000000, &each));
     BB_TRY(read_top_bits(spec, &top_bits));
+    BB_TRY(read_each(spec, top_bits, &each));
     hlbvh *self = calloc(1, sizeof *self);
     if (self == NULL)
         return bb_fail(BB_FAILED, "out of memory");
@@ -152,7 +168,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->device = context->device;
     self->account = context->account;
     self->top_bits = top_bits;
-    self->each = (uint32_t)each;
+    self->each = each;
     self->by_prims = bb_spec_is(spec, options, "weight", "prims");
     BB_TRY(bb_codes_create(context, &self->codes));
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));

@@ -1,11 +1,11 @@
-/* Scan, reduction and radix sort on the device: planning, scratch and launches of the kernels in
- * kernels/{scan,reduce,sort}_{cpu,gpu}.cl, which name their sources.
+/* Scan and reduction on the device: planning, scratch and launches of the kernels in
+ * kernels/{scan,reduce}_{cpu,gpu}.cl, which name their sources.
  *
  * CPU form: the input is cut into a few chunks per compute unit, each the work of one work-item.
  * GPU form: the input is cut into tiles, each the work of one group of `group` work-items.
  * In both, everything is enqueued at once: sizes depend on the count alone, never on the data.
  */
-#include "framework/device/primitives.h"
+#include "framework/device/primitives_private.h"
 
 #include "kernels/bb_shared.h"
 
@@ -15,63 +15,15 @@ enum {
     CHUNKS_PER_UNIT = 4,     /* enough for one slow core not to hold up the others */
     CHUNK_SMALLEST = 2048,   /* elements: below, a chunk is not worth a work-item */
     CHUNK_ALIGNMENT = 64,    /* elements: chunks don't share cache lines */
-    SCAN_SERIAL_MAX = 16384, /* elements that one work-item scans faster than two more launches */
-    SCAN_LEVELS_MAX = 11,    /* levels of tiles of 8 or more elements, for 2^32 elements */
+    SCAN_SERIAL_MAX = 32768, /* elements that one work-item scans faster than two more launches */
     SCAN_ITEMS = 8,          /* of scan_gpu.cl */
-    SORT_ITEMS = 4,          /* of sort_gpu.cl */
-    DIGIT_BITS_CPU = 8,      /* of sort_cpu.cl */
-    DIGIT_BITS_GPU = 4,      /* of sort_gpu.cl */
-    PASSES_MAX = 16,
     GROUP_MAX = 256,
     REDUCE_GROUPS_PER_UNIT = 8,
 };
 
-typedef struct sort_kernels {
-    cl_program program;
-    cl_kernel count;
-    cl_kernel scatter;
-} sort_kernels;
-
-struct bb_primitives {
-    bb_device *device;
-    bb_account *account;
-    bool gpu;       /* the form */
-    uint32_t group; /* GPU form: local size, a power of two */
-
-    cl_program scan_program;
-    cl_kernel scan_sums;   /* CPU form */
-    cl_kernel scan_serial; /* CPU form */
-    cl_kernel scan_chunks; /* CPU form */
-    cl_kernel scan_tiles;  /* GPU form */
-    cl_kernel scan_add;    /* GPU form */
-    cl_program reduce_program;
-    cl_kernel reduce_boxes;
-    cl_kernel reduce_partials;
-    sort_kernels sort32;
-    sort_kernels sort64;
-
-    bb_buffer unwanted;                    /* where a total goes that nobody asked for */
-    bb_buffer scan_level[SCAN_LEVELS_MAX]; /* sums of chunks (level 0), of tiles */
-    bb_buffer partials;                    /* two bb_box per chunk or group */
-    bb_buffer counts;                      /* per digit value and chunk or tile */
-    bb_buffer keys;                        /* the other half of the ping-pong */
-    bb_buffer values;
-};
-
 /* ---- how the input is cut ---- */
 
-typedef struct chunking {
-    uint32_t size;  /* elements in a chunk; the last may have fewer, never none */
-    uint32_t count; /* chunks */
-} chunking;
-
-static uint32_t divide_up(uint32_t a, uint32_t b)
-{
-    return a / b + (a % b != 0);
-}
-
-/* `count` is at least 1. */
-static chunking cut(const bb_primitives *self, uint32_t count)
+chunking bb_primitives_cut(const bb_primitives *self, uint32_t count)
 {
     uint32_t chunks = divide_up(count, CHUNK_SMALLEST);
     uint32_t most = CHUNKS_PER_UNIT * self->device->compute_units;
@@ -88,7 +40,7 @@ static uint32_t reduce_groups_max(const bb_primitives *self)
     return (self->gpu ? REDUCE_GROUPS_PER_UNIT : CHUNKS_PER_UNIT) * self->device->compute_units;
 }
 
-static bb_status expect_bytes(const bb_buffer *buffer, uint64_t bytes, const char *what)
+bb_status bb_primitives_expect(const bb_buffer *buffer, uint64_t bytes, const char *what)
 {
     if (buffer->mem != NULL && buffer->bytes >= bytes)
         return BB_OK;
@@ -96,7 +48,8 @@ static bb_status expect_bytes(const bb_buffer *buffer, uint64_t bytes, const cha
                    (unsigned long long)bytes);
 }
 
-static bb_status reserve(bb_primitives *self, uint64_t bytes, const char *what, bb_buffer *buffer)
+bb_status bb_primitives_scratch(bb_primitives *self, uint64_t bytes, const char *what,
+                                bb_buffer *buffer)
 {
     return bb_buffer_reserve(self->device, self->account, (size_t)bytes, what, buffer);
 }
@@ -117,7 +70,8 @@ static uint32_t choose_group(const bb_device *device)
     return group;
 }
 
-static bb_status build(bb_primitives *self, const char *stem, const char *key, cl_program *program)
+bb_status bb_primitives_compile(bb_primitives *self, const char *stem, const char *key,
+                                cl_program *program)
 {
     char name[32], defines[64];
     snprintf(name, sizeof name, "%s_%s.cl", stem, self->gpu ? "gpu" : "cpu");
@@ -130,7 +84,7 @@ static bb_status build(bb_primitives *self, const char *stem, const char *key, c
 
 static bb_status create_scan(bb_primitives *self)
 {
-    BB_TRY(build(self, "scan", "uint", &self->scan_program));
+    BB_TRY(bb_primitives_compile(self, "scan", "uint", &self->scan_program));
     if (self->gpu) {
         BB_TRY(bb_kernel_get(self->scan_program, "scan_tiles", &self->scan_tiles));
         return bb_kernel_get(self->scan_program, "scan_add", &self->scan_add);
@@ -140,24 +94,17 @@ static bb_status create_scan(bb_primitives *self)
     return bb_kernel_get(self->scan_program, "scan_chunks", &self->scan_chunks);
 }
 
-static bb_status create_sort(bb_primitives *self, const char *key, sort_kernels *sort)
-{
-    BB_TRY(build(self, "sort", key, &sort->program));
-    BB_TRY(bb_kernel_get(sort->program, "sort_count", &sort->count));
-    return bb_kernel_get(sort->program, "sort_scatter", &sort->scatter);
-}
-
 static bb_status create_all(bb_primitives *self)
 {
     BB_TRY(create_scan(self));
-    BB_TRY(build(self, "reduce", "uint", &self->reduce_program));
+    BB_TRY(bb_primitives_compile(self, "reduce", "uint", &self->reduce_program));
     BB_TRY(bb_kernel_get(self->reduce_program, "reduce_boxes", &self->reduce_boxes));
     BB_TRY(bb_kernel_get(self->reduce_program, "reduce_partials", &self->reduce_partials));
-    BB_TRY(create_sort(self, "uint", &self->sort32));
-    BB_TRY(create_sort(self, "ulong", &self->sort64));
-    BB_TRY(reserve(self, (uint64_t)reduce_groups_max(self) * 2 * sizeof(bb_box),
-                   "a reduction's partials", &self->partials));
-    return reserve(self, sizeof(uint32_t), "the scan's total", &self->unwanted);
+    BB_TRY(bb_primitives_create_sort(self, "uint", &self->sort32));
+    BB_TRY(bb_primitives_create_sort(self, "ulong", &self->sort64));
+    BB_TRY(bb_primitives_scratch(self, (uint64_t)reduce_groups_max(self) * 2 * sizeof(bb_box),
+                                 "a reduction's partials", &self->partials));
+    return bb_primitives_scratch(self, sizeof(uint32_t), "the scan's total", &self->unwanted);
 }
 
 bb_status bb_primitives_create(bb_device *device, bb_account *account, bb_primitives **out)
@@ -179,13 +126,6 @@ bb_status bb_primitives_create(bb_device *device, bb_account *account, bb_primit
     return BB_OK;
 }
 
-static void destroy_sort(sort_kernels *sort)
-{
-    bb_kernel_release(sort->count);
-    bb_kernel_release(sort->scatter);
-    bb_program_release(sort->program);
-}
-
 void bb_primitives_destroy(bb_primitives *self)
 {
     if (self == NULL)
@@ -199,13 +139,14 @@ void bb_primitives_destroy(bb_primitives *self)
     bb_kernel_release(self->reduce_boxes);
     bb_kernel_release(self->reduce_partials);
     bb_program_release(self->reduce_program);
-    destroy_sort(&self->sort32);
-    destroy_sort(&self->sort64);
+    bb_primitives_destroy_sort(&self->sort32);
+    bb_primitives_destroy_sort(&self->sort64);
     bb_buffer_release(&self->unwanted);
     for (uint32_t level = 0; level < SCAN_LEVELS_MAX; level++)
         bb_buffer_release(&self->scan_level[level]);
     bb_buffer_release(&self->partials);
     bb_buffer_release(&self->counts);
+    bb_buffer_release(&self->largest);
     bb_buffer_release(&self->keys);
     bb_buffer_release(&self->values);
     bb_host_free(self);
@@ -213,19 +154,19 @@ void bb_primitives_destroy(bb_primitives *self)
 
 /* ---- scan ---- */
 
-/* The sums of every level that a scan of `count` (at least 1) needs. */
-static bb_status reserve_scan(bb_primitives *self, uint32_t count)
+bb_status bb_primitives_reserve_scan(bb_primitives *self, uint32_t count)
 {
     if (!self->gpu)
-        return reserve(self, (uint64_t)cut(self, count).count * sizeof(uint32_t), "a scan's sums",
-                       &self->scan_level[0]);
+        return bb_primitives_scratch(
+            self, (uint64_t)bb_primitives_cut(self, count).count * sizeof(uint32_t),
+            "a scan's sums", &self->scan_level[0]);
     uint32_t tiles = count;
     for (uint32_t level = 0; level < SCAN_LEVELS_MAX; level++) {
         tiles = divide_up(tiles, self->group * SCAN_ITEMS);
         if (tiles == 1)
             break;
-        BB_TRY(reserve(self, (uint64_t)tiles * sizeof(uint32_t), "a scan's sums",
-                       &self->scan_level[level]));
+        BB_TRY(bb_primitives_scratch(self, (uint64_t)tiles * sizeof(uint32_t), "a scan's sums",
+                                     &self->scan_level[level]));
     }
     return BB_OK;
 }
@@ -237,7 +178,7 @@ static bb_status scan_by_chunks(bb_primitives *self, const bb_buffer *in, bb_buf
     if (count <= SCAN_SERIAL_MAX)
         return bb_launch(device, self->scan_serial, 1, 1, BB_MEM(*in), BB_MEM(*out),
                          BB_VALUE(count), BB_MEM(*total));
-    chunking chunks = cut(self, count);
+    chunking chunks = bb_primitives_cut(self, count);
     bb_buffer *sums = &self->scan_level[0];
     BB_TRY(bb_launch(device, self->scan_sums, chunks.count, 1, BB_MEM(*in), BB_VALUE(count),
                      BB_VALUE(chunks.size), BB_MEM(*sums)));
@@ -279,12 +220,12 @@ bb_status bb_scan_u32(bb_primitives *self, const bb_buffer *in, bb_buffer *out, 
 {
     if (total == NULL)
         total = &self->unwanted;
-    BB_TRY(expect_bytes(total, sizeof(uint32_t), "total of a scan"));
+    BB_TRY(bb_primitives_expect(total, sizeof(uint32_t), "total of a scan"));
     if (count == 0)
         return bb_buffer_fill(total, sizeof(uint32_t), 0);
-    BB_TRY(expect_bytes(in, (uint64_t)count * sizeof(uint32_t), "input of a scan"));
-    BB_TRY(expect_bytes(out, (uint64_t)count * sizeof(uint32_t), "output of a scan"));
-    BB_TRY(reserve_scan(self, count));
+    BB_TRY(bb_primitives_expect(in, (uint64_t)count * sizeof(uint32_t), "input of a scan"));
+    BB_TRY(bb_primitives_expect(out, (uint64_t)count * sizeof(uint32_t), "output of a scan"));
+    BB_TRY(bb_primitives_reserve_scan(self, count));
     return self->gpu ? scan_by_tiles(self, in, out, count, total)
                      : scan_by_chunks(self, in, out, count, total);
 }
@@ -294,7 +235,7 @@ bb_status bb_scan_u32(bb_primitives *self, const bb_buffer *in, bb_buffer *out, 
 static bb_status reduce_by_chunks(bb_primitives *self, const bb_buffer *boxes, uint32_t count,
                                   bb_buffer *out)
 {
-    chunking chunks = cut(self, count);
+    chunking chunks = bb_primitives_cut(self, count);
     BB_TRY(bb_launch(self->device, self->reduce_boxes, chunks.count, 1, BB_MEM(*boxes),
                      BB_VALUE(count), BB_VALUE(chunks.size), BB_MEM(self->partials)));
     return bb_launch(self->device, self->reduce_partials, 1, 1, BB_MEM(self->partials),
@@ -318,124 +259,8 @@ bb_status bb_reduce_boxes(bb_primitives *self, const bb_buffer *boxes, uint32_t 
 {
     if (count == 0)
         return bb_fail(BB_INVALID, "a reduction needs at least one box");
-    BB_TRY(expect_bytes(boxes, (uint64_t)count * sizeof(bb_box), "boxes of a reduction"));
-    BB_TRY(expect_bytes(out, 2 * sizeof(bb_box), "output of a reduction"));
+    BB_TRY(bb_primitives_expect(boxes, (uint64_t)count * sizeof(bb_box), "boxes of a reduction"));
+    BB_TRY(bb_primitives_expect(out, 2 * sizeof(bb_box), "output of a reduction"));
     return self->gpu ? reduce_by_groups(self, boxes, count, out)
                      : reduce_by_chunks(self, boxes, count, out);
-}
-
-/* ---- sort ---- */
-
-typedef struct sort_pass {
-    uint32_t shift;
-    uint32_t mask;
-} sort_pass;
-
-/* An even number of passes, so that the result is in place, with digits as equal as can be. */
-static uint32_t plan_passes(uint32_t bits, uint32_t widest, sort_pass passes[PASSES_MAX])
-{
-    uint32_t count = divide_up(bits, widest);
-    count += count % 2;
-    for (uint32_t i = 0, shift = 0; i < count; i++) {
-        uint32_t digit = bits / count + (i < bits % count);
-        passes[i] = (sort_pass){shift, (1u << digit) - 1};
-        shift += digit;
-    }
-    return count;
-}
-
-/* Chunks or tiles of a sort. */
-static chunking cut_sort(const bb_primitives *self, uint32_t count)
-{
-    if (!self->gpu)
-        return cut(self, count);
-    uint32_t size = self->group * SORT_ITEMS;
-    return (chunking){size, divide_up(count, size)};
-}
-
-bb_status bb_primitives_reserve(bb_primitives *self, uint32_t count, uint32_t key_bytes)
-{
-    if (count == 0)
-        return BB_OK;
-    uint64_t digit_values = 1u << (self->gpu ? DIGIT_BITS_GPU : DIGIT_BITS_CPU);
-    uint64_t counts = cut_sort(self, count).count * digit_values;
-    if (counts > UINT32_MAX)
-        return bb_fail(BB_REFUSED, "a sort of %u pairs in groups of %u needs %llu counters", count,
-                       self->group, (unsigned long long)counts);
-    BB_TRY(reserve(self, (uint64_t)count * key_bytes, "a sort's keys", &self->keys));
-    BB_TRY(reserve(self, (uint64_t)count * sizeof(uint32_t), "a sort's values", &self->values));
-    BB_TRY(reserve(self, counts * sizeof(uint32_t), "a sort's counts", &self->counts));
-    return reserve_scan(self, (uint32_t)counts);
-}
-
-static bb_status launch_pass(bb_primitives *self, const sort_kernels *kernels, sort_pass pass,
-                             uint32_t count, const bb_buffer *keys, const bb_buffer *values,
-                             const bb_buffer *keys_out, const bb_buffer *values_out)
-{
-    bb_device *device = self->device;
-    chunking chunks = cut_sort(self, count);
-    uint32_t counts = chunks.count * (pass.mask + 1);
-    size_t local = self->gpu ? self->group : 1;
-    size_t global = chunks.count * local;
-    if (self->gpu)
-        BB_TRY(bb_launch(device, kernels->count, global, local, BB_MEM(*keys), BB_VALUE(count),
-                         BB_VALUE(pass.shift), BB_VALUE(pass.mask), BB_MEM(self->counts)));
-    else
-        BB_TRY(bb_launch(device, kernels->count, global, local, BB_MEM(*keys), BB_VALUE(count),
-                         BB_VALUE(chunks.size), BB_VALUE(pass.shift), BB_VALUE(pass.mask),
-                         BB_MEM(self->counts)));
-    BB_TRY(bb_scan_u32(self, &self->counts, &self->counts, counts, NULL));
-    if (self->gpu)
-        return bb_launch(device, kernels->scatter, global, local, BB_MEM(*keys), BB_MEM(*values),
-                         BB_VALUE(count), BB_VALUE(pass.shift), BB_VALUE(pass.mask),
-                         BB_MEM(self->counts), BB_MEM(*keys_out), BB_MEM(*values_out));
-    return bb_launch(device, kernels->scatter, global, local, BB_MEM(*keys), BB_MEM(*values),
-                     BB_VALUE(count), BB_VALUE(chunks.size), BB_VALUE(pass.shift),
-                     BB_VALUE(pass.mask), BB_MEM(self->counts), BB_MEM(*keys_out),
-                     BB_MEM(*values_out));
-}
-
-static bb_status sort(bb_primitives *self, bb_buffer *keys, bb_buffer *values, uint32_t count,
-                      uint32_t bits, uint32_t key_bytes)
-{
-    if (bits < 1 || bits > 8 * key_bytes)
-        return bb_fail(BB_INVALID, "a sort by %u bits: keys of %u bytes have 1 to %u", bits,
-                       key_bytes, 8 * key_bytes);
-    if (count <= 1)
-        return BB_OK;
-    BB_TRY(expect_bytes(keys, (uint64_t)count * key_bytes, "keys of a sort"));
-    BB_TRY(expect_bytes(values, (uint64_t)count * sizeof(uint32_t), "values of a sort"));
-    BB_TRY(bb_primitives_reserve(self, count, key_bytes));
-
-    const sort_kernels *kernels = key_bytes == 8 ? &self->sort64 : &self->sort32;
-    sort_pass passes[PASSES_MAX];
-    uint32_t pass_count = plan_passes(bits, self->gpu ? DIGIT_BITS_GPU : DIGIT_BITS_CPU, passes);
-    for (uint32_t i = 0; i < pass_count; i += 2) {
-        BB_TRY(
-            launch_pass(self, kernels, passes[i], count, keys, values, &self->keys, &self->values));
-        BB_TRY(launch_pass(self, kernels, passes[i + 1], count, &self->keys, &self->values, keys,
-                           values));
-    }
-    return BB_OK;
-}
-
-bb_status bb_sort_u32(bb_primitives *primitives, bb_buffer *keys, bb_buffer *values, uint32_t count,
-                      uint32_t bits)
-{
-    return sort(primitives, keys, values, count, bits, sizeof(uint32_t));
-}
-
-bb_status bb_sort_u64(bb_primitives *primitives, bb_buffer *keys, bb_buffer *values, uint32_t count,
-                      uint32_t bits)
-{
-    return sort(primitives, keys, values, count, bits, sizeof(uint64_t));
-}
-
-bb_status bb_sort_keys(bb_primitives *primitives, uint32_t key_bytes, bb_buffer *keys,
-                       bb_buffer *values, uint32_t count, uint32_t bits)
-{
-    if (bits == 0)
-        return BB_OK;
-    return key_bytes == 8 ? bb_sort_u64(primitives, keys, values, count, bits)
-                          : bb_sort_u32(primitives, keys, values, count, bits);
 }

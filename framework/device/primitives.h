@@ -2,8 +2,9 @@
  * interface: for CPU devices (one work-item per chunk) and for GPUs (local memory and barriers);
  * device->form chooses, and either can be forced on any device.
  *
- * Nothing here waits for the device. BB_INVALID: a buffer is too small for the count, or the count
- * or bits are out of range; BB_REFUSED: there is no memory for the scratch.
+ * Nothing here waits for the device, but for the sort's CPU form, once. BB_INVALID: a buffer is too
+ * small for the count, or the count or bits are out of range; BB_REFUSED: there is no memory for
+ * the scratch.
  */
 #ifndef BB_PRIMITIVES_H
 #define BB_PRIMITIVES_H
@@ -36,7 +37,8 @@ bb_status bb_reduce_boxes(bb_primitives *primitives, const bb_buffer *boxes, uin
 
 /* Stable ascending sort of `count` key-value pairs by the lowest `bits` bits of the key (1 to 32,
  * or to 64). Keys and values are sorted in place; `keys` holds u32 or u64, `values` u32. Bits above
- * `bits` must be 0. Enqueued. */
+ * `bits` must be 0. Time and scratch are proportional to the count, whatever the keys. Enqueued;
+ * the CPU form waits until it knows how many keys share their highest digit. */
 bb_status bb_sort_u32(bb_primitives *primitives, bb_buffer *keys, bb_buffer *values, uint32_t count,
                       uint32_t bits);
 bb_status bb_sort_u64(bb_primitives *primitives, bb_buffer *keys, bb_buffer *values, uint32_t count,
