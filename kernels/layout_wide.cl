@@ -279,10 +279,16 @@ void arrange(const bb_wide_boxes *boxes, uint count, uint sides[BB_WIDTH])
 }
 #endif
 
+/* What a leaf's link becomes. `single`: primitives are records in the order of the references. */
+uint leaf_link(global const uint *first, uint ref, uint single)
+{
+    return BB_LEAF_BIT | (single != 0u ? ref : first[ref]);
+}
+
 /* first[] and index[] are the scans. sides: of each place of each node, for layouts that follow. */
 kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uint *opened,
                        global const uint *index, global const uint *first, uint ref_count,
-                       uint octants, global bb_wide *nodes, global uint *sides)
+                       uint single, uint octants, global bb_wide *nodes, global uint *sides)
 {
     uint p = get_global_id(0);
     if (p >= count || index[p] == index[p + 1u])
@@ -303,10 +309,10 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uin
 #endif
     bb_wide_write(&boxes, node);
     for (uint c = 0; c < BB_WIDTH; c++) {
-        uint link = BB_LEAF_BIT | first[ref_count]; /* the block without primitives */
+        uint link = leaf_link(first, ref_count, single); /* the block without primitives */
         if (own[c] != BB_NONE) {
             link = pairs[own[c] >> 1].links[own[c] & 1u];
-            link = (link & BB_LEAF_BIT) != 0 ? BB_LEAF_BIT | first[link & BB_INDEX_MASK]
+            link = (link & BB_LEAF_BIT) != 0 ? leaf_link(first, link & BB_INDEX_MASK, single)
                                              : index[link];
         }
         node->links[c] = link;

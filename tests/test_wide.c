@@ -136,7 +136,7 @@ typedef struct wide {
     bool quantised, octants;
     uint8_t *nodes;
     uint32_t *blocks;
-    uint32_t words; /* of a block */
+    uint32_t words, lanes; /* of a block */
     uint32_t *seen; /* per primitive */
     uint32_t stack_need;
 } wide;
@@ -200,11 +200,11 @@ static bool read_leaf(wide *w, uint32_t block, bb_box *box)
     bool any = false, last = false;
     for (; !last; block++) {
         const uint32_t *words = w->blocks + (size_t)block * w->words;
-        const uint32_t *prims = words + w->words - BB_BLOCK_LANES;
+        const uint32_t *prims = words + bb_leaf_prim_payload(w->scene->kinds, 0) * w->lanes;
         last = (prims[0] & BB_LAST_BIT) != 0;
-        for (uint32_t lane = 0; lane < BB_BLOCK_LANES; lane++) {
+        for (uint32_t lane = 0; lane < w->lanes; lane++) {
             if (prims[lane] == BB_NONE) {
-                assert_true(lane == 0 || prims[3] == BB_NONE);
+                assert_true(lane == 0 || prims[w->lanes - 1] == BB_NONE);
                 continue;
             }
             uint32_t prim = lane == 0 ? prims[0] & BB_INDEX_MASK : prims[lane];
@@ -217,7 +217,7 @@ static bool read_leaf(wide *w, uint32_t block, bb_box *box)
                                     : bb_scene_floats(w->scene, BB_SPHERE) +
                                           4 * (size_t)(prim - w->scene->prims[BB_TRIANGLE].count);
             for (uint32_t k = 0; k < (triangle ? 9u : 4u); k++)
-                assert_memory_equal(&words[k * BB_BLOCK_LANES + lane], &from[k], sizeof *from);
+                assert_memory_equal(&words[k * w->lanes + lane], &from[k], sizeof *from);
             w->seen[prim]++;
             join(box, &w->scene->boxes[prim]);
             any = true;
@@ -316,9 +316,14 @@ static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, u
         .octants = octants,
         .nodes = download(&data.buffers[0]),
         .blocks = download(&data.buffers[1]),
-        .words = bb_block_words(scene->kinds, BB_FORMAT_VERTICES),
+        .words = data.lanes == 1 ? bb_leaf_prim_words(scene->kinds, BB_FORMAT_VERTICES)
+                                 : bb_block_words(scene->kinds, BB_FORMAT_VERTICES),
+        .lanes = data.lanes,
         .seen = calloc(scene->prim_count, sizeof *w.seen),
     };
+    /* records of one lane where no leaf needs more */
+    assert_int_equal(w.lanes,
+                     leaf == 1 && tree->info.leaf_count == tree->info.ref_count ? 1 : BB_BLOCK_LANES);
     bb_box box = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
     assert_true(read_link(&w, data.root, 0, &box));
     assert_int_equal(w.stack_need, data.stack_need);

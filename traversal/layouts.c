@@ -89,6 +89,7 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
     bb_layout_source source = {.scene = scene,
                                .kinds = data->kinds,
                                .octants = maker->wish.octants,
+                               .leaf = leaf,
                                .same_links = same_links};
     *traced = tree;
     if (leaf > 1 && layout->array.name != NULL)
@@ -119,6 +120,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
     data->ends = bb_scene_ends(scene);
     data->kinds = scene->kinds | maker->wish.kinds;
     data->format = format;
+    data->lanes = maker->layout->block;
     data->scale = scene->scale;
     bb_tree *traced;
     bb_stopwatch watch;
