@@ -57,5 +57,6 @@ bb_status bb_leaf_prims_make(bb_leaf_prims *leaf_prims, const bb_layout_source *
     return bb_launch(leaf_prims->device, leaf_prims->kernel, records, GROUP_SIZE,
                      BB_MEM(tree->d_refs), BB_VALUE(count), BB_MEM(geometry->vertices),
                      BB_MEM(geometry->prims), BB_VALUE(ends), BB_VALUE(scene->scale),
-                     BB_VALUE(format), BB_VALUE(words), BB_VALUE(id_word), BB_VALUE(more), BB_MEM(*out));
+                     BB_VALUE(format), BB_VALUE(words), BB_VALUE(id_word), BB_VALUE(more),
+                     BB_MEM(*out));
 }

@@ -34,7 +34,7 @@ typedef struct bb_layout_source {
                                node's box holds them whole, and has their longest side */
     uint32_t kinds; /* of primitives that records have room for: the scene's at least */
     bool octants;   /* bb_layout_wish */
-    uint32_t leaf;  /* what leaf collapse was asked for; 1: nothing, the leaves are the builder's */
+    uint32_t leaf;  /* references that make() may gather in a leaf; 0: collapse has been there */
     const bb_buffer *array; /* the side array that the layout asks for; NULL if none */
     /* The object's last make() was of this tree, with the same links: its numbering is still in
      * scratch, and good; boxes and primitives are not. */
@@ -50,9 +50,9 @@ typedef struct bb_layout_data {
     bb_prim_ends ends;                        /* of the scene's kinds */
     uint32_t kinds;                           /* of primitives that it is laid out for */
     bb_u32 format;                            /* of triangles: BB_FORMAT_... */
-    uint32_t lanes; /* primitives side by side in a record: the layout's `block`, or 1 */
-    float scale;                              /* the scene's */
-    uint32_t stack_need;                      /* entries that an ordered traversal needs */
+    uint32_t lanes;      /* primitives side by side in a record: the layout's `block`, or 1 */
+    float scale;         /* the scene's */
+    uint32_t stack_need; /* entries that an ordered traversal needs */
     uint32_t levels; /* inner nodes on the longest path, as the kernel sees them; an upper bound */
     uint64_t bytes;
     /* the nodes traced are the tree's own: its SAH is also the layout's; the row is native */
@@ -80,6 +80,9 @@ typedef struct bb_layout {
      * fewer than a block's; adds to data->bytes. May
      * enqueue and return. bb_layout_maker_make() does the rest. */
     bb_status (*make)(void *self, const bb_layout_source *source, bb_layout_data *data);
+    /* Whether make() itself collapses the leaves of this tree, as source->leaf asks; else its tree's
+     * are collapsed already. Optional: never. */
+    bool (*collapses)(const void *self, const bb_tree *tree);
     void (*destroy)(void *self); /* whatever create() made, even if it failed; NULL is allowed */
 } bb_layout;
 

@@ -3,7 +3,7 @@
 
 #include "framework/device/levels.h"
 #include "traversal/leaf_prims.h"
-#include "traversal/wide_follow.h"
+#include "traversal/wide_direct.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,8 +36,9 @@ typedef struct wide_layout {
     bb_buffer index;            /* u32 per pair, and the total: its wide node */
     bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
     bb_wide_follow follow;
+    bb_wide_direct direct;     /* for the trees that it takes; zeroed in the form for GPUs */
     bb_leaf_prims *leaf_prims; /* of leaves of one primitive each */
-    char defines[160]; /* of the programs */
+    char defines[160];         /* of the programs */
     /* of the last making */
     uint32_t block_count, node_count, root, stack_need;
 } wide_layout;
@@ -54,6 +55,7 @@ void bb_wide_destroy(void *opaque)
         bb_buffer_release(buffers[i]);
     bb_pairs_destroy(&self->pairs);
     bb_wide_follow_release(&self->follow);
+    bb_wide_direct_release(&self->direct);
     bb_leaf_prims_destroy(self->leaf_prims);
     bb_kernel_release(self->parents_kernel);
     bb_kernel_release(self->plan);
@@ -88,6 +90,9 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
              width, quantised);
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_leaf_prims_create(device, account, &self->leaf_prims));
+    if (device->form == BB_FORM_CPU)
+        BB_TRY(bb_wide_direct_create(device, account, self->pairs.primitives, width, self->defines,
+                                     &self->direct));
     BB_TRY(
         bb_program_build(device, bb_source_find("layout_wide.cl"), self->defines, &self->program));
     BB_TRY(bb_kernel_get(self->program, "wide_parents", &self->parents_kernel));
@@ -258,9 +263,9 @@ static bb_status write_nodes(wide_layout *self, const bb_layout_source *source, 
     const bb_buffer *first = single ? &self->index : &self->first;
     BB_TRY(bb_wide_follow_reserve(&self->follow, self->node_count));
     return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index),
-                     BB_MEM(*first), BB_VALUE(ref_count), BB_VALUE(single), BB_VALUE(octants),
-                     BB_MEM(*nodes), BB_MEM(self->follow.sides));
+                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index), BB_MEM(*first),
+                     BB_VALUE(ref_count), BB_VALUE(single), BB_VALUE(octants), BB_MEM(*nodes),
+                     BB_MEM(self->follow.sides));
 }
 
 /* No node at all: the root is the tree's only leaf, which starts at reference `ref`. */
@@ -297,11 +302,44 @@ static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, b
                               : write_nodes(self, source, pair_count, &data->buffers[0]);
 }
 
+bool bb_wide_collapses(const void *opaque, const bb_tree *tree)
+{
+    const wide_layout *self = opaque;
+    return bb_wide_direct_takes(self->device, tree);
+}
+
+/* Without pairs: layout_wide_direct.cl. */
+static bb_status make_direct(wide_layout *self, const bb_layout_source *source,
+                             bb_layout_data *data)
+{
+    bb_wide_direct *direct = &self->direct;
+    if (!source->same_links)
+        BB_TRY(bb_wide_direct_number(direct, source));
+    BB_TRY(source->leaf == 1 ? make_blocks(self, source, data)
+                             : bb_wide_direct_blocks(direct, source, data->format,
+                                                     &data->buffers[1], &data->bytes));
+    data->levels = bb_pairs_stack_need(&source->tree->info);
+    data->root = direct->root;
+    data->stack_need = direct->stack_need;
+    size_t bytes = direct->node_count * self->node_bytes;
+    BB_TRY(reserve(self, bytes > 0 ? bytes : self->node_bytes, "wide: nodes", &data->buffers[0]));
+    data->bytes += bytes;
+    if (direct->node_count == 0) /* the root is a leaf */
+        return BB_OK;
+    if (source->same_links)
+        return bb_wide_follow_boxes(&self->follow, NULL, self->defines, source, direct->node_count,
+                                    &data->buffers[0]);
+    BB_TRY(bb_wide_follow_reserve(&self->follow, direct->node_count));
+    return bb_wide_direct_nodes(direct, source, &data->buffers[0], &self->follow.sides);
+}
+
 bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_data *data)
 {
     wide_layout *self = opaque;
     data->buffer_count = 2;
     data->keeps_shape = false;
+    if (source->leaf > 0 && bb_wide_direct_takes(self->device, source->tree))
+        return make_direct(self, source, data);
     BB_TRY(make_blocks(self, source, data));
     return make_nodes(self, source, data);
 }
