@@ -33,8 +33,8 @@ uint leftmost(global const bb_node *nodes, uint n)
 /* One work-item. Opens what has more than `share` references, breadth first, until there are `most`
  * pieces. In trees whose references are in another order than their leaves the sizes are wrong, and
  * so is only the balance. */
-kernel void direct_cut(global const bb_node *nodes, uint root, uint ref_count, uint share, uint most,
-                       global bb_direct_piece *pieces, global bb_direct_state *state)
+kernel void direct_cut(global const bb_node *nodes, uint root, uint ref_count, uint share,
+                       uint most, global bb_direct_piece *pieces, global bb_direct_state *state)
 {
     uint count = 1;
     bb_direct_piece whole = {root, 0u, ref_count, BB_NONE};
@@ -60,10 +60,11 @@ kernel void direct_cut(global const bb_node *nodes, uint root, uint ref_count, u
 
 /* ---- the plan ---- */
 
+/* `refs`: how many, and BB_SCATTERED if they do not lie together. */
 typedef struct done {
     bb_costs costs;
     float cost;
-    uint begin, refs; /* refs: BB_LEAF_BIT: they do not lie together */
+    uint begin, refs;
     bool leaf;
 } done;
 
@@ -74,50 +75,54 @@ typedef struct planner {
     bb_cost_model model;
 } planner;
 
-done plan_leaf(const planner *p, uint n)
+/* Always: with the results in registers a node takes half the time. */
+#define BB_INLINED static inline __attribute__((always_inline))
+
+BB_INLINED void plan_leaf(const planner *p, uint n, done *d)
 {
-    done d;
-    d.costs = (bb_costs)(0.0f);
-    d.cost = 0.0f;
-    d.begin = p->nodes[n].first & BB_INDEX_MASK;
-    d.refs = 1u;
-    d.leaf = true;
+    d->costs = (bb_costs)(0.0f);
+    d->cost = 0.0f;
+    d->begin = p->nodes[n].first & BB_INDEX_MASK;
+    d->refs = 1u;
+    d->leaf = true;
     if (p->model.max_leaf > 1u) {
-        d.cost = bb_collapse_area(p->nodes + n, p->model.scale) * bb_leaf_cost(&p->model, 1u);
-        p->words[n] = (uint2)(1u, d.begin);
+        d->cost = bb_collapse_area(p->nodes + n, p->model.scale) * bb_leaf_cost(&p->model, 1u);
+        p->words[n] = (uint2)(1u, d->begin);
     }
-    return d;
 }
 
 /* Collapse of node n, from its children: sets all but the costs of the plan. */
-void collapse_node(const planner *p, uint n, const done *left, const done *right, done *d)
+BB_INLINED void collapse_node(const planner *p, uint n, const done *left, const done *right,
+                              done *d)
 {
     const bb_cost_model *model = &p->model;
-    uint many = (left->refs & BB_INDEX_MASK) + (right->refs & BB_INDEX_MASK);
+    uint left_refs = left->refs & BB_INDEX_MASK, many = left_refs + (right->refs & BB_INDEX_MASK);
     bool scattered = ((left->refs | right->refs) & BB_SCATTERED) != 0 ||
-                     right->begin != left->begin + (left->refs & BB_INDEX_MASK);
+                     right->begin != left->begin + left_refs;
     float area = bb_collapse_area(p->nodes + n, model->scale);
-    d->cost = left->cost + right->cost;
-    d->cost += bb_inner_cost(model, area, 2u);
-    d->leaf = bb_better_leaf(model, area, many, &d->cost);
+    float cost = left->cost + right->cost;
+    cost += bb_inner_cost(model, area, 2u);
+    d->leaf = bb_better_leaf(model, area, many, &cost);
+    d->cost = cost;
     d->begin = left->begin;
     d->refs = many | (scattered ? BB_SCATTERED : 0u);
-    if (d->leaf) {
-        d->costs = (bb_costs)(0.0f);
+    if (d->leaf)
         p->words[n] = (uint2)(d->refs, d->begin);
-    }
 }
 
-/* Inner node n, whose children are planned. */
-done plan_node(const planner *p, uint n, uint left, uint right, const done *l, const done *r,
-               uint flags)
+/* Inner node n, whose children are planned. *d may be one of theirs. */
+BB_INLINED void plan_node(const planner *p, uint n, uint left, uint right, const done *l,
+                          const done *r, uint flags, done *d)
 {
-    done d = *l;
-    d.leaf = false;
+    bb_costs left_costs = l->costs, right_costs = r->costs;
+    flags |= (l->leaf ? BB_LEFT_LEAF : 0u) | (r->leaf ? BB_RIGHT_LEAF : 0u) |
+             (right != left + 1u ? BB_FAR_RIGHT : 0u);
+    d->leaf = false;
     if (p->model.max_leaf > 1u)
-        collapse_node(p, n, l, r, &d);
-    if (d.leaf)
-        return d;
+        collapse_node(p, n, l, r, d);
+    d->costs = (bb_costs)(0.0f);
+    if (d->leaf)
+        return;
     global const float *a = (global const float *)(p->nodes + left);
     global const float *b = (global const float *)(p->nodes + right);
     float4 a_lo = vload4(0, a), b_lo = vload4(0, b), a_hi = vload4(1, a), b_hi = vload4(1, b);
@@ -125,44 +130,52 @@ done plan_node(const planner *p, uint n, uint left, uint right, const done *l, c
     float scale = p->model.scale;
     float area = bb_finite_half_area(size.x * scale, size.y * scale, size.z * scale);
     uint splits;
-    d.costs = bb_plan_pair(l->costs, r->costs, area, &splits);
-    flags |= (l->leaf ? BB_LEFT_LEAF : 0u) | (r->leaf ? BB_RIGHT_LEAF : 0u) |
-             (right != left + 1u ? BB_FAR_RIGHT : 0u);
+    if ((flags & (BB_LEFT_LEAF | BB_RIGHT_LEAF)) == (BB_LEFT_LEAF | BB_RIGHT_LEAF)) {
+        /* what bb_plan_pair() says of leaves */
+        splits = (area > 0.0f ? 1u << 4u : 0u) | 1u << 4u * (BB_WIDTH - 1u);
+        d->costs.s0 = area;
+    } else {
+        d->costs = bb_plan_pair(left_costs, right_costs, area, &splits);
+    }
     p->words[n] = (uint2)(splits | flags, left);
-    return d;
 }
 
-/* An inner node whose left child has been planned, or is. */
+/* Inner nodes whose left children are being planned, or have been. */
 typedef struct waiting {
     done left;
     uint node, first;
     bool has_left;
 } waiting;
 
+/* How many nodes ahead of a leaf memory is asked for: in most trees leaves lie in order. */
+#define BB_AHEAD 96u
+
 /* All below node n, and itself. */
-done plan_subtree(const planner *p, uint n)
+BB_INLINED void plan_subtree(const planner *p, uint n, done *d)
 {
     waiting stack[BB_DIRECT_DEPTH];
     uint top = 0;
     for (;;) {
         uint first = p->nodes[n].first;
-        if ((first & BB_LEAF_BIT) == 0) {
+        while ((first & BB_LEAF_BIT) == 0) {
             stack[top].node = n;
             stack[top].first = first;
             stack[top].has_left = false;
             top++;
             n = first;
-            continue;
+            first = p->nodes[n].first;
         }
-        done d = plan_leaf(p, n);
+        BB_PREFETCH(p->nodes + n + BB_AHEAD);
+        BB_PREFETCH(p->nodes + n + BB_AHEAD + 1u);
+        plan_leaf(p, n, d);
         while (top > 0u && stack[top - 1u].has_left) {
             top--;
             uint left = stack[top].first;
-            d = plan_node(p, stack[top].node, left, p->nodes[left].skip, &stack[top].left, &d, 0u);
+            plan_node(p, stack[top].node, left, p->nodes[left].skip, &stack[top].left, d, 0u, d);
         }
         if (top == 0u)
-            return d;
-        stack[top - 1u].left = d;
+            return;
+        stack[top - 1u].left = *d;
         stack[top - 1u].has_left = true;
         n = p->nodes[stack[top - 1u].first].skip;
     }
@@ -197,7 +210,8 @@ kernel void direct_plan(global const bb_node *nodes, float scale, float traversa
     if (i >= state->pieces || pieces[i].child != BB_NONE)
         return;
     const planner p = {nodes, words, {scale, traversal, intersection, block, max_leaf}};
-    done d = plan_subtree(&p, pieces[i].node);
+    done d;
+    plan_subtree(&p, pieces[i].node, &d);
     put_done(&d, results + i);
 }
 
@@ -231,6 +245,8 @@ uint open_node(const opener *o, uint n, uint sides[BB_WIDTH], uint *need)
 {
     uint own[BB_WIDTH], inner = 0;
     uint children = bb_direct_sides(o->nodes, o->words, n, own);
+    for (uint c = 0; c < children; c++)
+        BB_PREFETCH(o->words + (own[c] & BB_INDEX_MASK) + 4u * BB_AHEAD);
     *need += children - 1u;
     o->marks[n] = BB_MARK_NODE;
     for (uint c = 0; c < children; c++)
@@ -256,8 +272,9 @@ kernel void direct_top(global const bb_node *nodes, global const uint *refs, bb_
         if (child == BB_NONE)
             continue;
         done left = get_done(results + child), right = get_done(results + child + 1u);
-        done d = plan_node(&p, pieces[i].node, pieces[child].node, pieces[child + 1u].node, &left,
-                           &right, BB_TOP);
+        done d = left;
+        plan_node(&p, pieces[i].node, pieces[child].node, pieces[child + 1u].node, &left, &right,
+                  BB_TOP, &d);
         put_done(&d, results + i);
     }
     if (results[0].leaf != 0u) {

@@ -7,15 +7,17 @@
 #include "wide_boxes.clh"
 #include "wide_direct.clh"
 
-/* Blocks of the leaves that collapse made, and firsts[n]: where those of leaf n begin. before[]: the
- * blocks before each word of marks. */
+/* Blocks of the leaves that collapse made, and firsts[n]: where those of leaf n begin. before[]:
+ * the blocks before each word of marks. */
 kernel void direct_blocks(global const bb_node *nodes, global const uint *refs,
                           global const uint2 *words, global const uchar *marks, uint count,
-                          global const uint *before, global const float *vertices,
+                          uint ref_count, global const uint *before,
+                          global const float *vertices,
                           global const uint *data, bb_prim_ends ends, float scale, uint format,
                           uint block_words, uint fresh, global uint *firsts, global uint *blocks)
 {
-    const bb_block_writer writer = {vertices, data, ends, scale, format, block_words, fresh, blocks};
+    const bb_block_writer writer = {vertices, data,        ends,  scale,
+                                    format,   block_words, fresh, blocks};
     uint begin = get_global_id(0) * BB_DIRECT_CHUNK, end = BB_MIN(begin + BB_DIRECT_CHUNK, count);
     if (begin >= count)
         return;
@@ -25,6 +27,8 @@ kernel void direct_blocks(global const bb_node *nodes, global const uint *refs,
             continue;
         uint prims[BB_LEAF_MAX], next[BB_KIND_COUNT];
         uint many = bb_direct_prims(nodes, refs, n, words[n], prims);
+        for (uint i = 0; i < many; i++)
+            bb_ask_ahead(refs, words[n].y + i, ref_count, data, vertices, &ends);
         bb_count_kinds(prims, many, &ends, next);
         firsts[n] = at;
         bb_blocks_begin(&writer, at, next);
@@ -73,11 +77,11 @@ uint link_of(const node_writer *w, uint side)
     return w->collapsed != 0u ? BB_LEAF_BIT | w->firsts[n] : w->nodes[n].first;
 }
 
-void write_node(const node_writer *w, uint n, global bb_wide *node, global uint *sides)
+/* `own`: what the node of node n takes in, `children` of it. */
+void write_node(const node_writer *w, uint own[BB_WIDTH], uint children, global bb_wide *node,
+                global uint *sides)
 {
     bb_wide_boxes boxes;
-    uint own[BB_WIDTH];
-    uint children = bb_direct_sides(w->nodes, w->words, n, own);
     for (uint c = children; c < BB_WIDTH; c++)
         own[c] = BB_NONE;
     gather_boxes(w->nodes, own, &boxes);
@@ -99,6 +103,28 @@ void write_node(const node_writer *w, uint n, global bb_wide *node, global uint 
         node->pad[p] = 0;
 }
 
+/* Nodes that a work-item has found and not written: it asks for all their children's boxes at once,
+ * which lie anywhere, and so waits for memory once, not once per node. */
+#define BATCH 32
+typedef struct batch {
+    uint sides[BATCH][BB_WIDTH];
+    uint children[BATCH];
+    uint count;
+} batch;
+
+void add_to_batch(const node_writer *w, uint n, batch *b)
+{
+    uint *own = b->sides[b->count];
+    uint children = bb_direct_sides(w->nodes, w->words, n, own);
+    for (uint c = 0; c < children; c++) {
+        uint side = own[c] & BB_INDEX_MASK;
+        BB_PREFETCH(w->nodes + side);
+        if (w->collapsed != 0u && side != own[c])
+            BB_PREFETCH(w->firsts + side);
+    }
+    b->children[b->count++] = children;
+}
+
 /* sides: the tree's node at each place of each wide node, for layouts that follow. */
 kernel void direct_nodes(global const bb_node *nodes, global const uint2 *words, uint count,
                          global const ulong *bits, global const uint *before,
@@ -110,9 +136,20 @@ kernel void direct_nodes(global const bb_node *nodes, global const uint2 *words,
     if (begin >= count)
         return;
     uint at = before[begin / BB_DIRECT_WORD];
-    for (uint n = begin; n < end; n += BB_DIRECT_WORD)
-        for (ulong left = bits[n / BB_DIRECT_WORD]; left != 0ul; left &= left - 1ul, at++) {
-            uint bit = (uint)popcount((left & (0ul - left)) - 1ul);
-            write_node(&w, n + bit, wide + at, sides + (ulong)at * BB_WIDTH);
+    batch b;
+    b.count = 0;
+    for (uint n = begin; n < end; n += BB_DIRECT_WORD) {
+        for (uint k = 0; k < BB_DIRECT_WORD; k += 8u) /* words, a cache line each */
+            BB_PREFETCH(words + n + 4u * BB_DIRECT_WORD + k);
+        for (ulong left = bits[n / BB_DIRECT_WORD]; left != 0ul; left &= left - 1ul) {
+            add_to_batch(&w, n + (uint)popcount((left & (0ul - left)) - 1ul), &b);
+            if (b.count < BATCH)
+                continue;
+            for (uint i = 0; i < BATCH; i++, at++)
+                write_node(&w, b.sides[i], b.children[i], wide + at, sides + (ulong)at * BB_WIDTH);
+            b.count = 0;
         }
+    }
+    for (uint i = 0; i < b.count; i++, at++)
+        write_node(&w, b.sides[i], b.children[i], wide + at, sides + (ulong)at * BB_WIDTH);
 }

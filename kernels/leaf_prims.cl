@@ -25,6 +25,7 @@ kernel void make_leaf_prims(global const uint *refs, uint count, global const fl
             leaf_prim[w] = w == id_word ? BB_NONE : as_uint(NAN);
     if (i >= count)
         return;
+    bb_ask_ahead(refs, i, count, data, vertices, &ends);
     uint prim = refs[i] & BB_INDEX_MASK;
     for (uint w = 0; w < words; w++)
         leaf_prim[w] = 0;

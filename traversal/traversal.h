@@ -80,8 +80,8 @@ typedef struct bb_layout {
      * fewer than a block's; adds to data->bytes. May
      * enqueue and return. bb_layout_maker_make() does the rest. */
     bb_status (*make)(void *self, const bb_layout_source *source, bb_layout_data *data);
-    /* Whether make() itself collapses the leaves of this tree, as source->leaf asks; else its tree's
-     * are collapsed already. Optional: never. */
+    /* Whether make() itself collapses the leaves of this tree, as source->leaf asks; else they are
+     * collapsed already. Optional: never. */
     bool (*collapses)(const void *self, const bb_tree *tree);
     void (*destroy)(void *self); /* whatever create() made, even if it failed; NULL is allowed */
 } bb_layout;

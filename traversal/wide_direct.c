@@ -172,10 +172,10 @@ bb_status bb_wide_direct_blocks(bb_wide_direct *d, const bb_layout_source *sourc
     *bytes += size;
     return bb_launch(d->device, d->blocks, chunks_of(tree), 1, BB_MEM(tree->d_nodes),
                      BB_MEM(tree->d_refs), BB_MEM(d->words), BB_MEM(d->marks), BB_VALUE(count),
-                     BB_MEM(d->blocks_before), BB_MEM(scene->on_device.vertices),
-                     BB_MEM(scene->on_device.prims), BB_VALUE(ends), BB_VALUE(scale),
-                     BB_VALUE(format), BB_VALUE(words), BB_VALUE(fresh), BB_MEM(d->firsts),
-                     BB_MEM(*blocks));
+                     BB_VALUE(tree->info.ref_count), BB_MEM(d->blocks_before),
+                     BB_MEM(scene->on_device.vertices), BB_MEM(scene->on_device.prims),
+                     BB_VALUE(ends), BB_VALUE(scale), BB_VALUE(format), BB_VALUE(words),
+                     BB_VALUE(fresh), BB_MEM(d->firsts), BB_MEM(*blocks));
 }
 
 bb_status bb_wide_direct_nodes(bb_wide_direct *d, const bb_layout_source *source,

@@ -34,8 +34,8 @@ bb_status bb_wide_direct_create(bb_device *device, bb_account *account, bb_primi
                                 uint32_t width, const char *defines, bb_wide_direct *direct);
 void bb_wide_direct_release(bb_wide_direct *direct); /* of a zeroed object: does nothing */
 
-/* Whether it takes this tree, which is on the device: binary, one reference per leaf, each primitive
- * once, not too deep; and the device's form is that for CPUs. */
+/* Whether it takes this tree, which is on the device: binary, one reference per leaf, each
+ * primitive once, not too deep; and the device's form is that for CPUs. */
 bool bb_wide_direct_takes(const bb_device *device, const bb_tree *tree);
 
 /* Which nodes and leaves the layout has, and their numbers, with leaves of up to source->leaf

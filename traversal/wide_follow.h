@@ -20,8 +20,8 @@ void bb_wide_follow_release(bb_wide_follow *self);
 /* For nodes made anew: room for the sides of `node_count` of them. What was known is forgotten. */
 bb_status bb_wide_follow_reserve(bb_wide_follow *self, uint32_t node_count);
 
-/* New boxes for all nodes. `pairs`, NULL if sides are nodes of the tree (wide_direct.h), has the numbering of the tree's pairs; `defines` are those that
- * layout_wide.cl was compiled with. */
+/* New boxes for all nodes. `pairs` has the numbering of the tree's pairs, NULL if sides are nodes
+ * of the tree (wide_direct.h); `defines` are those that layout_wide.cl was compiled with. */
 bb_status bb_wide_follow_boxes(bb_wide_follow *self, const bb_pairs *pairs, const char *defines,
                                const bb_layout_source *source, uint32_t node_count,
                                const bb_buffer *nodes);
