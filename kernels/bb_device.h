@@ -23,6 +23,12 @@ float bb_half_area(float x, float y, float z)
     return x * y + y * z + z * x;
 }
 
+/* The same of sides that may be infinite, whose product with 0 would have no order. */
+float bb_finite_half_area(float x, float y, float z)
+{
+    return bb_half_area(BB_MIN(x, FLT_MAX), BB_MIN(y, FLT_MAX), BB_MIN(z, FLT_MAX));
+}
+
 /* OpenCL allows a quotient to be off by 2.5 ulp. What the `exact` intersector divides goes through
  * here, so that a test can be as far off on a device that is not. */
 #ifndef BB_DIVIDE

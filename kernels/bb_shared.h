@@ -124,7 +124,8 @@ typedef struct bb_interval {
 typedef struct bb_pair {
     float planes[12];
     bb_u32 links[2];
-    bb_u32 pad[2];
+    float area; /* half that of the box around both, before padding: for plans of wide nodes */
+    bb_u32 pad;
 } bb_pair;
 
 /* What layouts hold of a triangle, as the intersector wants it: its vertices, or the affine map

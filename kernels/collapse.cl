@@ -19,6 +19,7 @@
  * decide between two trees that are both right.
  */
 #include "bb_device.h"
+#include "collapse_cost.clh"
 #include "handover.clh"
 #include "parents.clh"
 
@@ -28,25 +29,6 @@ kernel void collapse_parents(global const bb_node *nodes, uint count, uint root,
     uint n = get_global_id(0);
     if (n < count)
         missing[n] = bb_make_parent(nodes, n, root, parents);
-}
-
-/* In the layout's units: those of the scene may be so small or large that products leave the range
- * of floats. */
-float half_area(global const bb_node *node, float scale)
-{
-    return bb_half_area((node->hi[0] - node->lo[0]) * scale, (node->hi[1] - node->lo[1]) * scale,
-                        (node->hi[2] - node->lo[2]) * scale);
-}
-
-/* Ct per pair of children, Ci per block of up to `block` references. */
-typedef struct cost_model {
-    float scale, traversal, intersection;
-    uint block, max_leaf;
-} cost_model;
-
-float leaf_cost(const cost_model *model, uint refs)
-{
-    return model->intersection * (float)((refs + model->block - 1u) / model->block);
 }
 
 /* References from `first` to the end of the leaf. */
@@ -60,7 +42,7 @@ uint run_length(global const uint *refs, uint first)
 
 /* What inner node n is worth, from its children's. */
 bb_subtree join(global const bb_node *nodes, volatile global const bb_subtree *subtrees, uint n,
-                const cost_model *model)
+                const bb_cost_model *model)
 {
     const uint enough = model->max_leaf + 1u;
     bb_subtree s = {0.0f, 0u, 0u, 0u, 0u, 0u};
@@ -75,11 +57,9 @@ bb_subtree join(global const bb_node *nodes, volatile global const bb_subtree *s
         s.arity = BB_MAX(arity, s.arity);
     }
     s.arity = BB_MAX(children, s.arity);
-    float area = half_area(nodes + n, model->scale);
-    s.cost += area * 0.5f * model->traversal * (float)children;
-    float as_leaf = area * leaf_cost(model, s.refs);
-    if (s.refs <= model->max_leaf && as_leaf <= s.cost) {
-        s.cost = as_leaf;
+    float area = bb_collapse_area(nodes + n, model->scale);
+    s.cost += bb_inner_cost(model, area, children);
+    if (bb_better_leaf(model, area, s.refs, &s.cost)) {
         s.leaf = s.leaves = 1u;
         s.height = s.arity = 0u;
     }
@@ -97,10 +77,10 @@ void put(volatile global bb_subtree *at, const bb_subtree *s)
 }
 
 void decide_leaf(global const bb_node *nodes, global const uint *refs, uint n,
-                 const cost_model *model, volatile global bb_subtree *subtrees)
+                 const bb_cost_model *model, volatile global bb_subtree *subtrees)
 {
     bb_subtree s = {0.0f, run_length(refs, nodes[n].first & BB_INDEX_MASK), 1u, 0u, 0u, 1u};
-    s.cost = half_area(nodes + n, model->scale) * leaf_cost(model, s.refs);
+    s.cost = bb_collapse_area(nodes + n, model->scale) * bb_leaf_cost(model, s.refs);
     put(subtrees + n, &s);
 }
 
@@ -113,7 +93,7 @@ kernel void collapse_decide(global const bb_node *nodes, global const uint *refs
     uint n = get_global_id(0);
     if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
         return;
-    const cost_model model = {scale, traversal, intersection, block, max_leaf};
+    const bb_cost_model model = {scale, traversal, intersection, block, max_leaf};
     decide_leaf(nodes, refs, n, &model, subtrees);
     for (uint p = parents[n]; p != BB_NONE; p = parents[p]) {
         BB_DEVICE_FENCE();
@@ -135,7 +115,7 @@ kernel void collapse_leaves(global const bb_node *nodes, global const uint *refs
     uint n = get_global_id(0);
     if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
         return;
-    const cost_model model = {scale, traversal, intersection, block, max_leaf};
+    const bb_cost_model model = {scale, traversal, intersection, block, max_leaf};
     decide_leaf(nodes, refs, n, &model, subtrees);
     uint p = parents[n];
     if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
@@ -148,7 +128,7 @@ kernel void collapse_level(global const bb_node *nodes, float scale, float trave
                            volatile global bb_subtree *subtrees, global const uint *level,
                            uint number, volatile global uint *counts, global uint *next)
 {
-    const cost_model model = {scale, traversal, intersection, block, max_leaf};
+    const bb_cost_model model = {scale, traversal, intersection, block, max_leaf};
     uint count = counts[number];
     for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
         uint n = level[i];

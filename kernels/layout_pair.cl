@@ -82,11 +82,16 @@ kernel void pair_nodes(global const bb_node *nodes, uint count, global const uin
         uint from, to;
         pair_range(gap, children, &from, &to);
         global bb_pair *pair = pairs + base[n] + gap - 1u;
+        float both_lo[3], both_hi[3];
         for (uint side = 0; side < 2; side++) {
             uint begin = side == 0 ? from : gap, end = side == 0 ? gap : to;
             bb_siblings siblings = pair_siblings(nodes, n, begin, end);
             float lo[3], hi[3], longest;
             bb_siblings_box(nodes, has_reach != 0 ? reach : NULL, siblings, lo, hi, &longest);
+            for (uint k = 0; k < 3; k++) {
+                both_lo[k] = side == 0 ? lo[k] : BB_MIN(lo[k], both_lo[k]);
+                both_hi[k] = side == 0 ? hi[k] : BB_MAX(hi[k], both_hi[k]);
+            }
             bb_scale_and_pad(lo, hi, scale, has_reach != 0 ? longest : -1.0f);
             pair->links[side] = siblings.count == 1u ? pair_link(nodes, base, siblings.first)
                                                      : base[n] + (begin + end) / 2u - 1u;
@@ -94,8 +99,11 @@ kernel void pair_nodes(global const bb_node *nodes, uint count, global const uin
                 pair->planes[4 * k + side] = lo[k];
                 pair->planes[4 * k + 2 + side] = hi[k];
             }
-            pair->pad[side] = 0;
         }
+        pair->area = bb_finite_half_area((both_hi[0] - both_lo[0]) * scale,
+                                         (both_hi[1] - both_lo[1]) * scale,
+                                         (both_hi[2] - both_lo[2]) * scale);
+        pair->pad = 0;
     }
 }
 

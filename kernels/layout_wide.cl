@@ -4,9 +4,7 @@
  *   plan, bottom-up; the last of a pair's two sides to come hands over to it (handover.clh)
  *                                                (wide_parents, wide_plan, or plan_leaves and
  *                                                plan_level)
- *     cost(p, 1) = A(p) + cost(p as BB_WIDTH)               p becomes a node
- *     cost(p, n) = min over k of cost(left, k) + cost(right, n - k), or cost(p, n - 1)      p makes
- *     way for up to n of those below it
+ *     costs of the pair as 1, 2, ... children, and its splits: wide_plan.clh
  *   level by level from the root: open the pair by its plan, mark it; those of its children that
  *   are pairs are the next
  *     level; keep the sides of pairs that it takes in, in place of its plan       (wide_open)
@@ -25,8 +23,9 @@
 #include "bb_device.h"
 
 #include "handover.clh"
-#include "prims.clh"
+#include "wide_blocks.clh"
 #include "wide_boxes.clh"
+#include "wide_plan.clh"
 
 #define OPEN_LATER 64
 
@@ -53,43 +52,27 @@ kernel void wide_parents(global const bb_pair *pairs, uint count, global uint *p
     missing[p] = inner;
 }
 
-/* Cost of what `link` leads to, as up to `places` children. */
-float plan_cost(volatile global const bb_wide_plan *plans, uint link, uint places)
+/* Costs of what `link` leads to. */
+bb_costs plan_costs(volatile global const bb_wide_plan *plans, uint link)
 {
-    return (link & BB_LEAF_BIT) != 0 ? 0.0f : plans[link].cost[places - 1u];
+    float costs[BB_WIDTH];
+    if ((link & BB_LEAF_BIT) != 0)
+        return (bb_costs)(0.0f);
+    for (uint n = 0; n + 1u < BB_WIDTH; n++)
+        costs[n] = plans[link].cost[n];
+    costs[BB_WIDTH - 1] = 0.0f;
+    return BB_VECTOR(vload, BB_WIDTH)(0, costs);
 }
 
 void plan_pair(global const bb_pair *pairs, uint p, volatile global bb_wide_plan *plans)
 {
-    float size[3];
-    for (uint axis = 0; axis < 3; axis++) {
-        global const float *planes = pairs[p].planes + 4u * axis;
-        float lo = BB_MIN(planes[0], planes[1]), hi = BB_MAX(planes[2], planes[3]);
-        size[axis] = BB_MIN(hi - lo, FLT_MAX); /* infinity times 0 would have no order */
-    }
-    float area = bb_half_area(size[0], size[1], size[2]);
-    uint left = pairs[p].links[0], right = pairs[p].links[1], splits = 0;
-    float best[BB_WIDTH + 1];
-    for (uint places = 2; places <= BB_WIDTH; places++) {
-        best[places] = INFINITY;
-        uint split = 0;
-        for (uint k = 1; k < places; k++) {
-            float cost = plan_cost(plans, left, k) + plan_cost(plans, right, places - k);
-            if (split == 0u || cost < best[places]) {
-                best[places] = cost;
-                split = k;
-            }
-        }
-        splits |= split << 4u * (places - 1u);
-    }
-    best[1] = area + best[BB_WIDTH];
-    for (uint places = 2; places < BB_WIDTH; places++)
-        if (best[places - 1u] <= best[places]) {
-            best[places] = best[places - 1u];
-            splits &= ~(15u << 4u * (places - 1u));
-        }
-    for (uint places = 1; places < BB_WIDTH; places++)
-        plans[p].cost[places - 1u] = best[places];
+    uint splits;
+    float costs[BB_WIDTH];
+    bb_costs best = bb_plan_pair(plan_costs(plans, pairs[p].links[0]),
+                                 plan_costs(plans, pairs[p].links[1]), pairs[p].area, &splits);
+    BB_VECTOR(vstore, BB_WIDTH)(best, 0, costs);
+    for (uint n = 0; n + 1u < BB_WIDTH; n++)
+        plans[p].cost[n] = costs[n];
     plans[p].splits = splits;
 }
 
@@ -153,10 +136,7 @@ uint opened_sides(global const bb_pair *pairs, global const bb_wide_plan *plans,
     while (top > 0u) {
         uint2 item = stack[--top];
         uint link = pairs[item.x >> 1].links[item.x & 1u], places = item.y;
-        split = 0;
-        if ((link & BB_LEAF_BIT) == 0)
-            for (; places > 1u && split == 0u; places -= split == 0u ? 1u : 0u)
-                split = plans[link].splits >> 4u * (places - 1u) & 15u;
+        split = (link & BB_LEAF_BIT) == 0 ? bb_plan_split(plans[link].splits, &places) : 0u;
         if (split != 0u) {
             stack[top++] = (uint2)(2u * link + 1u, places - split);
             stack[top++] = (uint2)(2u * link, split);
@@ -240,49 +220,16 @@ void put_boxes(global const bb_pair *pairs, const uint sides[BB_WIDTH], bb_wide_
     }
 }
 
-#if BB_WIDTH == 8
-/* Puts the first `count` sides in places such that place ^ octant is roughly the order in which
- * rays of that octant meet them: bit a of an octant is set where rays go down axis a, bit a of a
- * place where its child should lie high on axis a. The pair of child and place that fits best
- * first. */
-void arrange(const bb_wide_boxes *boxes, uint count, uint sides[BB_WIDTH])
+/* What a leaf's link becomes. `single`: primitives are records in the order of the references. */
+uint leaf_link(global const uint *first, uint ref, uint single)
 {
-    float fit[BB_WIDTH][BB_WIDTH]; /* of child and place */
-    uint arranged[BB_WIDTH];
-    uint children = 0, places = 0; /* done */
-    for (uint c = 0; c < BB_WIDTH; c++)
-        arranged[c] = BB_NONE;
-    for (uint c = 0; c < count; c++)
-        for (uint place = 0; place < BB_WIDTH; place++) {
-            fit[c][place] = 0.0f;
-            for (uint axis = 0; axis < 3; axis++) {
-                const float *plane = boxes->planes + 2u * axis * BB_WIDTH + c;
-                float middle = 0.5f * plane[0] + 0.5f * plane[BB_WIDTH];
-                fit[c][place] += (place >> axis & 1u) != 0u ? middle : -middle;
-            }
-        }
-    for (uint i = 0; i < count; i++) {
-        uint child = BB_NONE, place = 0;
-        for (uint c = 0; c < count; c++)
-            for (uint p = 0; p < BB_WIDTH; p++)
-                if (((children >> c | places >> p) & 1u) == 0u &&
-                    (child == BB_NONE || fit[c][p] > fit[child][place])) {
-                    child = c;
-                    place = p;
-                }
-        children |= 1u << child;
-        places |= 1u << place;
-        arranged[place] = sides[child];
-    }
-    for (uint c = 0; c < BB_WIDTH; c++)
-        sides[c] = arranged[c];
+    return BB_LEAF_BIT | (single != 0u ? ref : first[ref]);
 }
-#endif
 
 /* first[] and index[] are the scans. sides: of each place of each node, for layouts that follow. */
 kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uint *opened,
                        global const uint *index, global const uint *first, uint ref_count,
-                       uint octants, global bb_wide *nodes, global uint *sides)
+                       uint single, uint octants, global bb_wide *nodes, global uint *sides)
 {
     uint p = get_global_id(0);
     if (p >= count || index[p] == index[p + 1u])
@@ -297,16 +244,16 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uin
     put_boxes(pairs, own, &boxes);
 #if BB_WIDTH == 8
     if (octants != 0u) {
-        arrange(&boxes, children, own);
+        bb_wide_arrange(&boxes, children, own);
         put_boxes(pairs, own, &boxes);
     }
 #endif
     bb_wide_write(&boxes, node);
     for (uint c = 0; c < BB_WIDTH; c++) {
-        uint link = BB_LEAF_BIT | first[ref_count]; /* the block without primitives */
+        uint link = leaf_link(first, ref_count, single); /* the block without primitives */
         if (own[c] != BB_NONE) {
             link = pairs[own[c] >> 1].links[own[c] & 1u];
-            link = (link & BB_LEAF_BIT) != 0 ? BB_LEAF_BIT | first[link & BB_INDEX_MASK]
+            link = (link & BB_LEAF_BIT) != 0 ? leaf_link(first, link & BB_INDEX_MASK, single)
                                              : index[link];
         }
         node->links[c] = link;
@@ -339,24 +286,9 @@ kernel void wide_count(global const uint *refs, uint count, bb_prim_ends ends, g
     blocks[i] = 0;
     if (i == count || (i > 0u && (refs[i - 1u] & BB_LAST_BIT) == 0))
         return;
-    uint counts[BB_KIND_COUNT], total = 0;
+    uint counts[BB_KIND_COUNT];
     leaf_kinds(refs, i, &ends, counts);
-    for (uint kind = 0; kind < BB_KIND_COUNT; kind++)
-        total += (counts[kind] + BB_BLOCK_LANES - 1u) / BB_BLOCK_LANES;
-    blocks[i] = total;
-}
-
-/* A block that nothing can hit. */
-void block_empty(global uint *block, uint words, uint id_word, uint kind)
-{
-    uint empty = as_uint(NAN);
-#define BB_EMPTY(NAME, name, words, kept) empty = kind == BB_##NAME ? BB_##NAME##_EMPTY : empty;
-    BB_PRIM_KINDS(BB_EMPTY)
-#undef BB_EMPTY
-    for (uint w = 0; w < words; w++)
-        block[w] = empty;
-    for (uint lane = 0; lane < BB_BLOCK_LANES; lane++)
-        block[id_word + lane] = BB_NONE;
+    blocks[i] = bb_blocks_of(counts);
 }
 
 /* fresh = 0: the blocks have held the same primitives before, so that empty lanes are empty. */
@@ -365,30 +297,19 @@ kernel void wide_blocks(global const uint *refs, uint count, global const float 
                         uint words, global const uint *first, uint fresh, global uint *blocks)
 {
     uint i = get_global_id(0);
-    uint id_word = words - BB_BLOCK_LANES;
+    const bb_block_writer writer = {vertices, data, ends, scale, format, words, fresh, blocks};
     /* what the links of places without a child lead to, whatever the scene's kinds */
     if (i == count)
-        block_empty(blocks + (ulong)first[i] * words, words, id_word, BB_KIND_COUNT);
+        bb_block_empty(&writer, first[i], BB_KIND_COUNT);
     if (i >= count || (i > 0u && (refs[i - 1u] & BB_LAST_BIT) == 0))
         return;
     uint next[BB_KIND_COUNT]; /* counts, then lanes */
-    uint block = first[i], end = first[i + 1u];
     leaf_kinds(refs, i, &ends, next);
-    for (uint kind = 0; kind < BB_KIND_COUNT; kind++) {
-        uint last_block = block + (next[kind] + BB_BLOCK_LANES - 1u) / BB_BLOCK_LANES;
-        next[kind] = block * BB_BLOCK_LANES;
-        for (; block < last_block; block++)
-            if (fresh != 0)
-                block_empty(blocks + (ulong)block * words, words, id_word, kind);
+    bb_blocks_begin(&writer, first[i], next);
+    bool last = false;
+    for (uint at = i; !last; at++) {
+        last = (refs[at] & BB_LAST_BIT) != 0;
+        bb_blocks_put(&writer, refs[at] & BB_INDEX_MASK, next);
     }
-    for (bool last = false; !last; i++) {
-        last = (refs[i] & BB_LAST_BIT) != 0;
-        uint prim = refs[i] & BB_INDEX_MASK;
-        uint place = next[bb_prim_kind(prim, &ends)]++;
-        global uint *lane =
-            blocks + (ulong)(place / BB_BLOCK_LANES) * words + place % BB_BLOCK_LANES;
-        bb_prim_write(lane, BB_BLOCK_LANES, format, prim, data, vertices, &ends, scale);
-        lane[id_word] = prim;
-    }
-    blocks[(ulong)(end - 1u) * words + id_word] |= BB_LAST_BIT;
+    bb_blocks_end(&writer, first[i + 1u]);
 }

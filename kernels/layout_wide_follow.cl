@@ -1,7 +1,8 @@
 /* Wide nodes whose tree has kept its links and has other boxes: new boxes for the places that
  * children have (layout_wide.cl gave them), without the way over pair nodes.
  *
- *   once: what each place is made of, from its side of a pair     (wide_sources)
+ *   once: what each place is made of, from its side of a pair     (wide_sources), or from its node
+ *   of the tree                                                   (wide_nodes_sources)
  *   then: the union of those boxes of the tree, scaled and padded (wide_follow)
  *
  * Which pairs a node was made of, and which place has which child, stay as they were best for the
@@ -22,6 +23,16 @@ kernel void wide_sources(global const uint *sides, uint count,
         return;
     bb_siblings none = {BB_NONE, 0};
     sources[i] = sides[i] != BB_NONE ? of_sides[sides[i]] : none;
+}
+
+/* The same where `sides` has nodes of the tree (layout_wide_direct_write.cl). */
+kernel void wide_nodes_sources(global const uint *sides, uint count, global bb_siblings *sources)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    bb_siblings siblings = {sides[i], sides[i] != BB_NONE ? 1u : 0u};
+    sources[i] = siblings;
 }
 
 /* `reach` per node of the tree, used if has_reach: else a box's own longest side. */

@@ -5,6 +5,8 @@
  *   then
  *               refs[i] itself, with its last-bit
  *
+ * and, if asked for, one more that nothing can hit, of the primitive BB_NONE.
+ *
  * Pro: one stream of memory per leaf, no indirection. Con: a primitive that several leaves
  * reference is stored that often. Limits: 2^31 - 1 leaf primitives.
  */
@@ -14,13 +16,17 @@
 
 kernel void make_leaf_prims(global const uint *refs, uint count, global const float *vertices,
                          global const uint *data, bb_prim_ends ends, float scale, uint format,
-                         uint words, uint id_word, global uint *leaf_prims)
+                         uint words, uint id_word, uint closed, global uint *leaf_prims)
 {
     uint i = get_global_id(0);
+    global uint *leaf_prim = leaf_prims + (ulong)i * words;
+    if (i == count && closed != 0u)
+        for (uint w = 0; w < words; w++)
+            leaf_prim[w] = w == id_word ? BB_NONE : as_uint(NAN);
     if (i >= count)
         return;
+    bb_ask_ahead(refs, i, count, data, vertices, &ends);
     uint prim = refs[i] & BB_INDEX_MASK;
-    global uint *leaf_prim = leaf_prims + (ulong)i * words;
     for (uint w = 0; w < words; w++)
         leaf_prim[w] = 0;
     bb_prim_write(leaf_prim, 1, format, prim, data, vertices, &ends, scale);

@@ -25,7 +25,7 @@
 #define BB_WIDTH 2
 #endif
 #include "wide.clh"
-#if BB_WIDTH > 2
+#if BB_WIDTH > 2 && !defined(BB_LANES)
 #define BB_LANES BB_BLOCK_LANES
 #endif
 #include "search.clh"

@@ -1,5 +1,5 @@
 /* Stack traversal of wide nodes: all children's boxes at once, primitives in blocks of
- * BB_BLOCK_LANES.
+ * BB_LANES.
  *
  *   link = root
  *   loop: while link is a node: test its boxes; none met: pop. Go to the nearest, push the others,
@@ -32,7 +32,9 @@
 #define BB_NODE_OF(wide) (wide)->planes
 #define BB_PLACES(wide) ~0u
 #endif
+#ifndef BB_LANES
 #define BB_LANES BB_BLOCK_LANES
+#endif
 #include "search.clh"
 
 #ifndef BB_STACK_SIZE

@@ -227,6 +227,7 @@ static made make_form(const bb_layout *layout, const bb_scene *scene, bb_tree *t
     check(bb_layout_maker_create(layout, device, &maker), layout->name);
     check(bb_layout_maker_make(&maker, scene, tree, 4, form, &data), layout->name);
     assert_int_equal(data.format, form);
+    assert_int_equal(data.lanes, layout->block); /* some leaves have several */
     const bb_buffer *records = &data.buffers[1];
     made made = {malloc(records->bytes), records->bytes / sizeof(float), data.bytes, ""};
     memcpy(made.name, data.name, sizeof made.name);

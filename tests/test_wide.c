@@ -136,8 +136,8 @@ typedef struct wide {
     bool quantised, octants;
     uint8_t *nodes;
     uint32_t *blocks;
-    uint32_t words; /* of a block */
-    uint32_t *seen; /* per primitive */
+    uint32_t words, lanes; /* of a block */
+    uint32_t *seen;        /* per primitive */
     uint32_t stack_need;
 } wide;
 
@@ -200,11 +200,11 @@ static bool read_leaf(wide *w, uint32_t block, bb_box *box)
     bool any = false, last = false;
     for (; !last; block++) {
         const uint32_t *words = w->blocks + (size_t)block * w->words;
-        const uint32_t *prims = words + w->words - BB_BLOCK_LANES;
+        const uint32_t *prims = words + bb_leaf_prim_payload(w->scene->kinds, 0) * w->lanes;
         last = (prims[0] & BB_LAST_BIT) != 0;
-        for (uint32_t lane = 0; lane < BB_BLOCK_LANES; lane++) {
+        for (uint32_t lane = 0; lane < w->lanes; lane++) {
             if (prims[lane] == BB_NONE) {
-                assert_true(lane == 0 || prims[3] == BB_NONE);
+                assert_true(lane == 0 || prims[w->lanes - 1] == BB_NONE);
                 continue;
             }
             uint32_t prim = lane == 0 ? prims[0] & BB_INDEX_MASK : prims[lane];
@@ -217,7 +217,7 @@ static bool read_leaf(wide *w, uint32_t block, bb_box *box)
                                     : bb_scene_floats(w->scene, BB_SPHERE) +
                                           4 * (size_t)(prim - w->scene->prims[BB_TRIANGLE].count);
             for (uint32_t k = 0; k < (triangle ? 9u : 4u); k++)
-                assert_memory_equal(&words[k * BB_BLOCK_LANES + lane], &from[k], sizeof *from);
+                assert_memory_equal(&words[k * w->lanes + lane], &from[k], sizeof *from);
             w->seen[prim]++;
             join(box, &w->scene->boxes[prim]);
             any = true;
@@ -316,9 +316,14 @@ static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, u
         .octants = octants,
         .nodes = download(&data.buffers[0]),
         .blocks = download(&data.buffers[1]),
-        .words = bb_block_words(scene->kinds, BB_FORMAT_VERTICES),
+        .words = data.lanes == 1 ? bb_leaf_prim_words(scene->kinds, BB_FORMAT_VERTICES)
+                                 : bb_block_words(scene->kinds, BB_FORMAT_VERTICES),
+        .lanes = data.lanes,
         .seen = calloc(scene->prim_count, sizeof *w.seen),
     };
+    /* records of one lane where no leaf needs more */
+    assert_int_equal(
+        w.lanes, leaf == 1 && tree->info.leaf_count == tree->info.ref_count ? 1 : BB_BLOCK_LANES);
     bb_box box = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
     assert_true(read_link(&w, data.root, 0, &box));
     assert_int_equal(w.stack_need, data.stack_need);
@@ -449,6 +454,91 @@ static void pairs_wait_where_there_is_no_room(void **state)
     free_uploaded(scene);
 }
 
+/* ---- the ways to the same layout ---- */
+
+typedef struct made {
+    uint32_t root, stack_need, lanes;
+    size_t sizes[2];
+    void *data[2];
+} made;
+
+static made make_on(int form, bb_scene *scene, const char *name, uint32_t arity, uint32_t per_leaf,
+                    uint64_t run, uint32_t leaf)
+{
+    bb_random random = bb_random_make(SEED + 3, run);
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    bb_tree tree;
+    device = devices[form];
+    ASSERT_OK(bb_scene_upload(scene, device));
+    make_random_tree(scene, arity, per_leaf, &random, &tree);
+    ASSERT_OK(bb_tree_upload(&tree, device, NULL));
+    ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
+    maker.wish.octants = run % 2 == 1;
+    ASSERT_OK(bb_layout_maker_make(&maker, scene, &tree, leaf, BB_FORMAT_VERTICES, &data));
+    made made = {data.root, data.stack_need, data.lanes, {0}, {NULL}};
+    for (uint32_t i = 0; i < 2; i++) {
+        made.sizes[i] = data.buffers[i].bytes;
+        made.data[i] = download(&data.buffers[i]);
+    }
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
+    bb_tree_release(&tree);
+    bb_scene_device *geometry = &scene->on_device;
+    bb_buffer_release(&geometry->boxes);
+    bb_buffer_release(&geometry->vertices);
+    bb_buffer_release(&geometry->prims);
+    return made;
+}
+
+/* Straight from a binary tree, or by way of pairs, with a fence or by levels: one layout, bit for
+ * bit. Scenes of one kind of primitives and of two, extreme coordinates, and sizes with and without
+ * nodes above the subtrees of the cut. */
+static void all_ways_make_one_layout(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"wide8", "wide4", "quant8"};
+    static const uint32_t leaves[] = {1, 2, 8, 64};
+    for (uint32_t run = 0; run < (small() ? 4u : 40u); run++) {
+        bb_random random = bb_random_make(SEED + 2, run);
+        uint32_t triangles = 1 + bb_random_below(&random, small() ? 60 : run % 8 == 0 ? 6000 : 300);
+        uint32_t spheres = run % 3 == 0 ? bb_random_below(&random, 50) : 0;
+        float *v = malloc((9 * (size_t)triangles + 4 * (size_t)spheres) * sizeof *v);
+        for (uint32_t i = 0; i < 9 * triangles; i++)
+            v[i] = extreme(&random, run % 5);
+        for (uint32_t i = 0; i < 4 * spheres; i++)
+            v[9 * triangles + i] = fabsf(extreme(&random, 0));
+        bb_scene *scene = make_scene(v, triangles, v + 9 * (size_t)triangles, spheres);
+        free(v);
+        for (uint32_t k = 0; k < 4; k++) {
+            const char *name = names[(run + k) % 3];
+            const uint32_t per_leaf = run % 4 == 3 ? 3 : 1; /* else straight */
+            made first = {0};
+            for (int form = CPU_FORM; form < FORMS; form++) {
+                made made = make_on(form, scene, name, 2, per_leaf, run, leaves[k]);
+                if (form == CPU_FORM) {
+                    first = made;
+                    continue;
+                }
+                assert_int_equal(first.root, made.root);
+                assert_int_equal(first.stack_need, made.stack_need);
+                assert_int_equal(first.lanes, made.lanes);
+                for (uint32_t i = 0; i < 2; i++) {
+                    assert_int_equal(first.sizes[i], made.sizes[i]);
+                    bool is_written = i == 1 || (made.root & BB_LEAF_BIT) == 0;
+                    if (is_written && memcmp(first.data[i], made.data[i], made.sizes[i]) != 0)
+                        fail_msg("run %u %s leaf %u: buffer %u of form %d differs", run, name,
+                                 leaves[k], i, form);
+                    free(made.data[i]);
+                }
+            }
+            free(first.data[0]);
+            free(first.data[1]);
+        }
+        free_scene(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -457,7 +547,10 @@ int main(void)
         cmocka_unit_test(wide_layouts_hold_the_tree),
         cmocka_unit_test(pairs_wait_where_there_is_no_room),
     };
+    const struct CMUnitTest of_all[] = {cmocka_unit_test(all_ways_make_one_layout)};
     int failed = open_devices(NULL);
+    if (first_form() == CPU_FORM && failed == 0)
+        failed = cmocka_run_group_tests(of_all, NULL, NULL);
     for (int form = first_form(); form < FORMS && failed == 0; form += LEVELS_FORM) {
         device = devices[form];
         failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,6 +25,11 @@ struct bb_collapse {
     bb_tree tree;
 };
 
+float bb_collapse_traversal(uint32_t width)
+{
+    return (float)(BB_COST_TRAVERSAL * 0.5 * width / (width - 1));
+}
+
 static bb_status get_kernels(bb_collapse *self)
 {
     char defines[96];
@@ -166,7 +171,7 @@ bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, 
     decision d = {.self = self,
                   .tree = tree,
                   .scale = scale,
-                  .traversal = (float)(BB_COST_TRAVERSAL * 0.5 * width / (width - 1)),
+                  .traversal = bb_collapse_traversal(width),
                   .intersection = (float)BB_COST_INTERSECTION,
                   .block = block,
                   .max_leaf = max_leaf};

@@ -7,6 +7,10 @@
 
 typedef struct bb_collapse bb_collapse;
 
+/* Ct of a pair of children in a layout of nodes of up to `width`, one of which replaces width - 1
+ * binary ones. */
+float bb_collapse_traversal(uint32_t width);
+
 /* Compiles the kernels. Scratch and the resulting tree are booked on `account`. Owned by the
  * caller. */
 bb_status bb_collapse_create(bb_device *device, bb_account *account, bb_collapse **out);

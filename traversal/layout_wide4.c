@@ -9,6 +9,7 @@ static bb_status create(bb_device *device, bb_account *account, void **self)
 
 const bb_layout bb_layout_wide4 = {
     .name = "wide4",
-    .summary = "up to 4 children by surface area, boxes side by side; primitives in blocks of four",
+    .summary = "up to 4 children by surface area, boxes side by side; primitives in blocks of "
+               "four, or one by one",
     BB_WIDE_LAYOUT(4),
 };

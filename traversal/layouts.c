@@ -81,6 +81,13 @@ static bb_status find_array(const bb_layout *layout, const bb_tree *tree, const 
     return BB_OK;
 }
 
+/* Whether leaves of the tree are to be collapsed before the layout is made. */
+static bool collapses_first(const bb_layout_maker *maker, const bb_tree *tree, uint32_t leaf)
+{
+    const bb_layout *layout = maker->layout;
+    return leaf > 1 && !(layout->collapses != NULL && layout->collapses(maker->self, tree));
+}
+
 /* What is timed. *traced is the tree whose leaves the layout has: collapsed, or `tree` itself. */
 static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
                       bool same_links, bb_layout_data *data, bb_tree **traced)
@@ -89,6 +96,7 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
     bb_layout_source source = {.scene = scene,
                                .kinds = data->kinds,
                                .octants = maker->wish.octants,
+                               .leaf = collapses_first(maker, tree, leaf) ? 0 : leaf,
                                .same_links = same_links};
     *traced = tree;
     if (leaf > 1 && layout->array.name != NULL)
@@ -96,7 +104,7 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
                        "layout %s reads the side array '%s', which leaf collapse leaves behind: "
                        "take leaf=1",
                        layout->name, layout->array.name);
-    if (leaf > 1)
+    if (collapses_first(maker, tree, leaf))
         BB_TRY(same_links ? bb_collapse_again(maker->collapse, tree, traced)
                           : bb_collapse_make(maker->collapse, tree, scene->scale, leaf,
                                              layout->width, layout->block, traced));
@@ -111,7 +119,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
                             uint32_t leaf, uint32_t format, bool same_links, bb_layout_data *data)
 {
     maker->links = 0;
-    if (leaf > 1 && maker->collapse == NULL)
+    if (collapses_first(maker, tree, leaf) && maker->collapse == NULL)
         BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
     if (tree->duplicated && maker->reach == NULL)
         BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
@@ -119,6 +127,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
     data->ends = bb_scene_ends(scene);
     data->kinds = scene->kinds | maker->wish.kinds;
     data->format = format;
+    data->lanes = maker->layout->block;
     data->scale = scene->scale;
     bb_tree *traced;
     bb_stopwatch watch;

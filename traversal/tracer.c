@@ -34,6 +34,7 @@ struct bb_tracer {
     bool persistent;
     bb_buffer taken; /* u32: rays that groups have taken; of the persistent form */
     bb_u32 format;   /* of the triangles that it reads */
+    uint32_t lanes;  /* and primitives side by side */
     cl_program program;
     cl_kernel kernel;
 };
@@ -227,6 +228,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
              request->kernel->defines != NULL ? request->kernel->defines : "", v.kinds,
              query->define, request->defines != NULL ? request->defines : "", request->counting,
              persistent);
+    append_number("BB_LANES", layout->lanes, defines, sizeof defines);
     if (v.stack_size > 0)
         append_number("BB_STACK_SIZE", v.stack_size, defines, sizeof defines);
     if (v.levels > 0)
@@ -249,6 +251,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
     tracer->counting = request->counting;
     tracer->persistent = persistent;
     tracer->format = bb_intersector_format(request->intersector);
+    tracer->lanes = layout->lanes;
     const bb_source *source = bb_source_find(request->kernel->source);
     bb_status status = source != NULL ? bb_program_build(device, source, defines, &tracer->program)
                                       : bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s",
@@ -299,7 +302,8 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
                            uint32_t count, bb_buffer *results, bb_buffer *counts,
                            const bb_arg *more, uint32_t more_count)
 {
-    assert(layout->format == tracer->format && more_count <= BB_MORE_ARGS_MAX);
+    assert(layout->format == tracer->format && layout->lanes == tracer->lanes &&
+           more_count <= BB_MORE_ARGS_MAX);
     bb_device *device = tracer->device;
     tracer->launched += count;
     bb_arg args[BB_LAYOUT_BUFFERS_MAX + 8 + BB_MORE_ARGS_MAX];

@@ -34,6 +34,7 @@ typedef struct bb_layout_source {
                                node's box holds them whole, and has their longest side */
     uint32_t kinds; /* of primitives that records have room for: the scene's at least */
     bool octants;   /* bb_layout_wish */
+    uint32_t leaf;  /* references that make() may gather in a leaf; 0: collapse has been there */
     const bb_buffer *array; /* the side array that the layout asks for; NULL if none */
     /* The object's last make() was of this tree, with the same links: its numbering is still in
      * scratch, and good; boxes and primitives are not. */
@@ -49,8 +50,9 @@ typedef struct bb_layout_data {
     bb_prim_ends ends;                        /* of the scene's kinds */
     uint32_t kinds;                           /* of primitives that it is laid out for */
     bb_u32 format;                            /* of triangles: BB_FORMAT_... */
-    float scale;                              /* the scene's */
-    uint32_t stack_need;                      /* entries that an ordered traversal needs */
+    uint32_t lanes;      /* primitives side by side in a record: the layout's `block`, or 1 */
+    float scale;         /* the scene's */
+    uint32_t stack_need; /* entries that an ordered traversal needs */
     uint32_t levels; /* inner nodes on the longest path, as the kernel sees them; an upper bound */
     uint64_t bytes;
     /* the nodes traced are the tree's own: its SAH is also the layout's; the row is native */
@@ -74,9 +76,13 @@ typedef struct bb_layout {
     } array;
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
     /* Makes the layout of `source`, with triangles in data->format and lengths multiplied by
-     * data->scale: sets buffers, root, stack_need, levels, keeps_shape; adds to data->bytes. May
+     * data->scale: sets buffers, root, stack_need, levels, keeps_shape, and lanes if they are
+     * fewer than a block's; adds to data->bytes. May
      * enqueue and return. bb_layout_maker_make() does the rest. */
     bb_status (*make)(void *self, const bb_layout_source *source, bb_layout_data *data);
+    /* Whether make() itself collapses the leaves of this tree, as source->leaf asks; else they are
+     * collapsed already. Optional: never. */
+    bool (*collapses)(const void *self, const bb_tree *tree);
     void (*destroy)(void *self); /* whatever create() made, even if it failed; NULL is allowed */
 } bb_layout;
 

@@ -2,7 +2,8 @@
 #include "traversal/wide.h"
 
 #include "framework/device/levels.h"
-#include "traversal/wide_follow.h"
+#include "traversal/leaf_prims.h"
+#include "traversal/wide_direct.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,7 +36,9 @@ typedef struct wide_layout {
     bb_buffer index;            /* u32 per pair, and the total: its wide node */
     bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
     bb_wide_follow follow;
-    char defines[160]; /* of the programs */
+    bb_wide_direct direct;     /* for the trees that it takes; zeroed in the form for GPUs */
+    bb_leaf_prims *leaf_prims; /* of leaves of one primitive each */
+    char defines[160];         /* of the programs */
     /* of the last making */
     uint32_t block_count, node_count, root, stack_need;
 } wide_layout;
@@ -52,6 +55,8 @@ void bb_wide_destroy(void *opaque)
         bb_buffer_release(buffers[i]);
     bb_pairs_destroy(&self->pairs);
     bb_wide_follow_release(&self->follow);
+    bb_wide_direct_release(&self->direct);
+    bb_leaf_prims_destroy(self->leaf_prims);
     bb_kernel_release(self->parents_kernel);
     bb_kernel_release(self->plan);
     bb_kernel_release(self->plan_leaves);
@@ -84,6 +89,10 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
     snprintf(self->defines, sizeof self->defines, "%s -DBB_WIDTH=%u -DBB_QUANTISED=%d", handover,
              width, quantised);
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
+    BB_TRY(bb_leaf_prims_create(device, account, &self->leaf_prims));
+    if (device->form == BB_FORM_CPU)
+        BB_TRY(bb_wide_direct_create(device, account, self->pairs.primitives, width, self->defines,
+                                     &self->direct));
     BB_TRY(
         bb_program_build(device, bb_source_find("layout_wide.cl"), self->defines, &self->program));
     BB_TRY(bb_kernel_get(self->program, "wide_parents", &self->parents_kernel));
@@ -183,6 +192,14 @@ static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pa
     return bb_buffer_read(&self->state, 0, sizeof self->stack_need, &self->stack_need);
 }
 
+/* Leaves of one primitive each are records of one lane: a block of four would be three quarters
+ * empty. */
+static bool has_records(const bb_layout_source *source)
+{
+    const bb_tree_info *info = &source->tree->info;
+    return source->leaf == 1 && info->leaf_count == info->ref_count;
+}
+
 /* Where the blocks of each leaf begin: self->first. */
 static bb_status number_blocks(wide_layout *self, const bb_layout_source *source)
 {
@@ -197,7 +214,7 @@ static bb_status number_blocks(wide_layout *self, const bb_layout_source *source
     return read_total(&self->first, count, &self->block_count);
 }
 
-/* From references to blocks: data->buffers[1]. Needs self->first. */
+/* From references to blocks: data->buffers[1]. */
 static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
                              bb_layout_data *data)
 {
@@ -208,6 +225,13 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
     uint32_t count = tree->info.ref_count;
     uint32_t words = bb_block_words(source->kinds, data->format);
     uint32_t fresh = !source->same_links;
+    if (has_records(source)) {
+        data->lanes = 1;
+        return bb_leaf_prims_make(self->leaf_prims, source, data->format, true, &data->buffers[1],
+                                  &data->bytes);
+    }
+    if (fresh)
+        BB_TRY(number_blocks(self, source));
     size_t scan = (size_t)count + 1;
     size_t bytes = ((size_t)self->block_count + 1) * words * sizeof(uint32_t);
     BB_TRY(reserve(self, bytes, "wide: blocks of primitives", &data->buffers[1]));
@@ -234,24 +258,30 @@ static bb_status write_nodes(wide_layout *self, const bb_layout_source *source, 
                              const bb_buffer *nodes)
 {
     uint32_t ref_count = source->tree->info.ref_count, octants = source->octants;
+    uint32_t single = has_records(source);
+    /* not read if single: any will do */
+    const bb_buffer *first = single ? &self->index : &self->first;
     BB_TRY(bb_wide_follow_reserve(&self->follow, self->node_count));
     return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index),
-                     BB_MEM(self->first), BB_VALUE(ref_count), BB_VALUE(octants), BB_MEM(*nodes),
+                     BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index), BB_MEM(*first),
+                     BB_VALUE(ref_count), BB_VALUE(single), BB_VALUE(octants), BB_MEM(*nodes),
                      BB_MEM(self->follow.sides));
 }
 
 /* No node at all: the root is the tree's only leaf, which starts at reference `ref`. */
-static bb_status make_root_leaf(wide_layout *self, uint32_t ref, bb_layout_data *data)
+static bb_status make_root_leaf(wide_layout *self, const bb_layout_source *source, uint32_t ref,
+                                bb_layout_data *data)
 {
     data->stack_need = 0;
     BB_TRY(reserve(self, self->node_bytes, "wide: nodes", &data->buffers[0]));
-    BB_TRY(bb_buffer_read(&self->first, ref * sizeof data->root, sizeof data->root, &data->root));
+    data->root = ref;
+    if (!has_records(source))
+        BB_TRY(bb_buffer_read(&self->first, ref * sizeof ref, sizeof ref, &data->root));
     data->root |= BB_LEAF_BIT;
     return BB_OK;
 }
 
-/* data->buffers[0], root and stack need. Needs self->first. */
+/* data->buffers[0], root and stack need. After the blocks. */
 static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, bb_layout_data *data)
 {
     const bb_tree *tree = source->tree;
@@ -260,7 +290,7 @@ static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, b
     if (!source->same_links)
         BB_TRY(bb_pairs_make(&self->pairs, source, &self->pair_nodes, &pair_count, &root));
     if ((root & BB_LEAF_BIT) != 0)
-        return make_root_leaf(self, root & BB_INDEX_MASK, data);
+        return make_root_leaf(self, source, root & BB_INDEX_MASK, data);
     if (!source->same_links)
         BB_TRY(number_nodes(self, tree, pair_count, root));
     data->root = self->root;
@@ -272,13 +302,44 @@ static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, b
                               : write_nodes(self, source, pair_count, &data->buffers[0]);
 }
 
+bool bb_wide_collapses(const void *opaque, const bb_tree *tree)
+{
+    const wide_layout *self = opaque;
+    return bb_wide_direct_takes(self->device, tree);
+}
+
+/* Without pairs: layout_wide_direct.cl. */
+static bb_status make_direct(wide_layout *self, const bb_layout_source *source,
+                             bb_layout_data *data)
+{
+    bb_wide_direct *direct = &self->direct;
+    if (!source->same_links)
+        BB_TRY(bb_wide_direct_number(direct, source));
+    BB_TRY(source->leaf == 1 ? make_blocks(self, source, data)
+                             : bb_wide_direct_blocks(direct, source, data->format,
+                                                     &data->buffers[1], &data->bytes));
+    data->levels = bb_pairs_stack_need(&source->tree->info);
+    data->root = direct->root;
+    data->stack_need = direct->stack_need;
+    size_t bytes = direct->node_count * self->node_bytes;
+    BB_TRY(reserve(self, bytes > 0 ? bytes : self->node_bytes, "wide: nodes", &data->buffers[0]));
+    data->bytes += bytes;
+    if (direct->node_count == 0) /* the root is a leaf */
+        return BB_OK;
+    if (source->same_links)
+        return bb_wide_follow_boxes(&self->follow, NULL, self->defines, source, direct->node_count,
+                                    &data->buffers[0]);
+    BB_TRY(bb_wide_follow_reserve(&self->follow, direct->node_count));
+    return bb_wide_direct_nodes(direct, source, &data->buffers[0], &self->follow.sides);
+}
+
 bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_data *data)
 {
     wide_layout *self = opaque;
     data->buffer_count = 2;
     data->keeps_shape = false;
-    if (!source->same_links)
-        BB_TRY(number_blocks(self, source));
+    if (source->leaf > 0 && bb_wide_direct_takes(self->device, source->tree))
+        return make_direct(self, source, data);
     BB_TRY(make_blocks(self, source, data));
     return make_nodes(self, source, data);
 }

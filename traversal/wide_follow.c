@@ -8,9 +8,10 @@ void bb_wide_follow_release(bb_wide_follow *self)
     bb_buffer_release(&self->sides);
     bb_buffer_release(&self->sources);
     bb_kernel_release(self->sources_kernel);
+    bb_kernel_release(self->nodes_sources);
     bb_kernel_release(self->follow);
     bb_program_release(self->program);
-    self->sources_kernel = self->follow = NULL;
+    self->sources_kernel = self->nodes_sources = self->follow = NULL;
     self->program = NULL;
 }
 
@@ -31,6 +32,8 @@ static bb_status compile(bb_wide_follow *self, const char *defines)
                                 &self->program));
     if (self->sources_kernel == NULL)
         BB_TRY(bb_kernel_get(self->program, "wide_sources", &self->sources_kernel));
+    if (self->nodes_sources == NULL)
+        BB_TRY(bb_kernel_get(self->program, "wide_nodes_sources", &self->nodes_sources));
     return bb_kernel_get(self->program, "wide_follow", &self->follow);
 }
 
@@ -42,6 +45,12 @@ static bb_status find_sources(bb_wide_follow *self, const bb_pairs *pairs,
     bb_buffer of_sides = {0};
     BB_TRY(bb_buffer_reserve(self->device, self->account, (size_t)places * SIBLINGS_BYTES,
                              "wide: what places are of", &self->sources));
+    if (pairs == NULL) {
+        BB_TRY(bb_launch(self->device, self->nodes_sources, places, GROUP_SIZE, BB_MEM(self->sides),
+                         BB_VALUE(places), BB_MEM(self->sources)));
+        self->known = true;
+        return BB_OK;
+    }
     bb_status status = bb_pairs_sides(pairs, source->tree, &of_sides);
     if (status == BB_OK)
         status =

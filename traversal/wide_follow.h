@@ -9,8 +9,8 @@ typedef struct bb_wide_follow {
     bb_account *account;
     uint32_t width;
     cl_program program; /* compiled when it is first needed */
-    cl_kernel sources_kernel, follow;
-    bb_buffer sides;   /* u32 per place of a node: which side of a pair; layout_wide.cl writes it */
+    cl_kernel sources_kernel, nodes_sources, follow;
+    bb_buffer sides;   /* u32 per place of a node: which side of a pair, or node of the tree */
     bb_buffer sources; /* what of the tree that is; known after the first bb_wide_follow_boxes() */
     bool known;
 } bb_wide_follow;
@@ -20,8 +20,8 @@ void bb_wide_follow_release(bb_wide_follow *self);
 /* For nodes made anew: room for the sides of `node_count` of them. What was known is forgotten. */
 bb_status bb_wide_follow_reserve(bb_wide_follow *self, uint32_t node_count);
 
-/* New boxes for all nodes. `pairs` has the numbering of the tree's pairs; `defines` are those that
- * layout_wide.cl was compiled with. */
+/* New boxes for all nodes. `pairs` has the numbering of the tree's pairs, NULL if sides are nodes
+ * of the tree (wide_direct.h); `defines` are those that layout_wide.cl was compiled with. */
 bb_status bb_wide_follow_boxes(bb_wide_follow *self, const bb_pairs *pairs, const char *defines,
                                const bb_layout_source *source, uint32_t node_count,
                                const bb_buffer *nodes);
