@@ -135,8 +135,8 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
 {
     (void)scene;
     const presplit *self = opaque;
-    snprintf(text, capacity, "%u references to %u primitives, by %s", self->references,
-             self->prims, self->esc != NULL ? "early split clipping" : "priority");
+    snprintf(text, capacity, "%u references to %u primitives, by %s", self->references, self->prims,
+             self->esc != NULL ? "early split clipping" : "priority");
     return BB_OK;
 }
 

@@ -54,11 +54,10 @@ bb_status ps_priority_create(const bb_builder_context *context, double beta, ps_
     self->account = context->account;
     self->beta = beta;
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
-    BB_TRY(bb_program_build(self->device, &bb_source_presplit,
-                            bb_device_divides_exactly(self->device)
-                                ? "-cl-fp32-correctly-rounded-divide-sqrt"
-                                : "",
-                            &self->program));
+    BB_TRY(bb_program_build(
+        self->device, &bb_source_presplit,
+        bb_device_divides_exactly(self->device) ? "-cl-fp32-correctly-rounded-divide-sqrt" : "",
+        &self->program));
     BB_TRY(bb_kernel_get(self->program, "ps_priorities", &self->priorities_kernel));
     BB_TRY(bb_kernel_get(self->program, "ps_sums", &self->sums_kernel));
     BB_TRY(bb_kernel_get(self->program, "ps_counts", &self->counts_kernel));
@@ -156,8 +155,8 @@ bb_status ps_priority_split(ps_priority *self, const bb_scene *scene, bb_referen
     BB_TRY(bb_scan_u32(self->primitives, &self->places, &self->places, count, NULL));
     BB_TRY(bb_phase(phases, "split"));
     BB_TRY(bb_launch(device, self->split_kernel, count, GROUP_SIZE, BB_MEM(there->boxes),
-                     BB_MEM(there->prims), BB_MEM(there->vertices), BB_VALUE(count),
-                     BB_VALUE(grid), BB_MEM(self->priorities), BB_VALUE(d), BB_MEM(self->places),
+                     BB_MEM(there->prims), BB_MEM(there->vertices), BB_VALUE(count), BB_VALUE(grid),
+                     BB_MEM(self->priorities), BB_VALUE(d), BB_MEM(self->places),
                      BB_MEM(references->d_boxes), BB_MEM(references->d_prims)));
     references->count = (uint32_t)(count + splits);
     return bb_phase(phases, NULL);
