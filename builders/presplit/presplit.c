@@ -4,8 +4,8 @@
  *              (presplit_priority.c, presplit.cl): Karras, Aila 2013
  *   esc        the largest boxes are halved first, on the host (presplit_esc.c): Ernst, Greiner 2007
  *
- * An option of one of them chooses it. On devices with memory of their own `esc` reads the scene
- * back, within its time.
+ * `beta` chooses the first, any other option leaves it at the second. On devices with memory of
+ * their own `esc` reads the scene back, within its time.
  */
 #include "builders/presplit/presplit_esc.h"
 #include "builders/presplit/presplit_priority.h"
@@ -16,13 +16,14 @@
 
 static const bb_option options[] = {
     {"method", "auto", "auto|priority|esc",
-     "Karras and Aila's or early split clipping; auto: priority, or that whose options are given"},
+     "Karras and Aila's or early split clipping; auto: priority if beta is given, else esc"},
     {"beta", "0.3", NULL, "priority: most splits per primitive of the scene, 0 to 15"},
     {"budget", "1.5", NULL, "esc: most references per primitive of the scene, 1 to 16"},
     {"above", "0.5", NULL,
      "esc: smallest box to split: its area, relative to the mean of all boxes, 0 to 1e9"},
     {"saves", "0.3", NULL,
-     "esc: least area that a split must save, as a share of the box's, -1 to 0.9; -1: any"},
+     "least area that a split must save, as a share of the box's, -1 to 0.9; -1: any; priority: "
+     "the first"},
     {.name = NULL},
 };
 
@@ -45,18 +46,19 @@ static void destroy(void *opaque)
 /* An option of the method that was not chosen would be without effect. */
 static bb_status choose_method(const bb_spec *spec, bool *esc)
 {
-    static const char *const of_esc[] = {"budget", "above", "saves"};
-    const char *chosen = NULL, *beta = bb_spec_value(spec, NULL, "beta") != NULL ? "beta" : NULL;
-    for (size_t i = 0; i < sizeof of_esc / sizeof of_esc[0] && chosen == NULL; i++)
-        chosen = bb_spec_value(spec, NULL, of_esc[i]) != NULL ? of_esc[i] : NULL;
-    const bool asked = bb_spec_is(spec, options, "method", "esc");
-    *esc = asked || (chosen != NULL && bb_spec_is(spec, options, "method", "auto"));
-    const char *idle = *esc ? beta : chosen;
-    if (idle == NULL)
+    const bool beta = bb_spec_value(spec, NULL, "beta") != NULL;
+    const bool budget = bb_spec_value(spec, NULL, "budget") != NULL;
+    const bool above = bb_spec_value(spec, NULL, "above") != NULL;
+    *esc = bb_spec_is(spec, options, "method", "esc") ||
+           (bb_spec_is(spec, options, "method", "auto") && !beta);
+    if (*esc ? !beta : !budget && !above)
         return BB_OK;
-    return bb_fail(BB_INVALID, "%s: option '%s' is not of the method '%s'%s%s%s: leave it out",
-                   spec->text, idle, *esc ? "esc" : "priority", asked || !*esc ? "" : ", which '",
-                   asked || !*esc ? "" : chosen, asked || !*esc ? "" : "' chooses");
+    return bb_fail(BB_INVALID, "%s: option '%s' is not of the method '%s': leave it out",
+                   spec->text,
+                   *esc     ? "beta"
+                   : budget ? "budget"
+                            : "above",
+                   *esc ? "esc" : "priority");
 }
 
 static bb_status create(const bb_builder_context *context, void **out)
@@ -76,7 +78,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     *out = self;
     if (esc)
         return ps_esc_create(context->account, limits, &self->esc);
-    return ps_priority_create(context, beta, &self->priority);
+    return ps_priority_create(context, beta, limits.saves, &self->priority);
 }
 
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
@@ -87,7 +89,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
                              : ps_priority_prepare(self->priority, scene);
 }
 
-/* A buffer that is mapped while a method on the host reads it; a scene without vertices has none. */
+/* A buffer that is mapped while a method on the host reads it. Without vertices there is none. */
 typedef struct mapping {
     const bb_buffer *buffer;
     void *memory;

@@ -1,21 +1,25 @@
 /* Splits by priority (Karras, Aila 2013, "Fast Parallel Construction of High-Quality Bounding
  * Volume Hierarchies", section 4).
  *
- *   for each triangle: p = (2^-level (area of its box - area of ideal boxes))^(1/3)   (ps_priorities)
+ *   for each triangle: p = (2^-level (its box's area - ideal boxes' area))^(1/3)   (ps_priorities)
  *   for some D: sum of min(floor(D p), PS_MOST), by chunks; host: the largest D within beta n
- *                                                                                         (ps_sums)
- *   for each primitive: its number of splits at D, scanned                              (ps_counts)
- *   for each primitive: split its box, and the halves, as often as that                  (ps_split)
+ *                                                                                        (ps_sums)
+ *   for each primitive: its number of splits at D, scanned                             (ps_counts)
+ *   for each primitive: split its box, and the halves, as often as that                 (ps_split)
  *
  * The level is that of the most important plane of the Morton grid through the box: 0 for the plane
- * that halves the scene, 1 for those that halve the halves. The sums are of integers, and a priority
- * takes products and differences alone, so that all devices split alike.
+ * that halves the scene, 1 for those that halve the halves. The sums are of integers, and a
+ * priority takes products and differences alone.
  *
  * A split is at that plane, else at the middle of the longest side. Each half holds the vertices on
  * its side and the points where edges cross the plane, rounded outwards, within the box that was
  * split. Splits that are left are dealt out by the halves' longest sides. A primitive's references
  * are written one behind the other; those that have yet to be split wait in their places, so there
  * is no stack.
+ *
+ * `keeps` is of our own: a triangle whose first split does not save the share 1 - keeps of the
+ * box's area has no priority. The paper's rule spends most on walls, whose halves are flat and as
+ * full as the whole, and makes trees of more nodes about nothing.
  *
  * Only triangles are split: no other kind fits its halves better than a box.
  */
@@ -55,10 +59,21 @@ float ps_half_side(const ps_part *part, int axis)
     return 0.5f * part->hi[axis] - 0.5f * part->lo[axis];
 }
 
-uint ps_cell(float x, ps_grid grid, int axis)
+float ps_place(uint cell, ps_grid grid, int axis)
+{
+    return grid.lo[axis] + (float)cell * grid.step[axis];
+}
+
+/* The last cell that begins at or before x, of `below` before x; by its place, whatever rounding
+ * did to the quotient. */
+uint ps_cell(float x, bool below, ps_grid grid, int axis)
 {
     float last = (float)((1 << PS_GRID_BITS) - 1);
-    return (uint)BB_MAX(BB_MIN((x - grid.lo[axis]) * grid.per_unit[axis], last), 0.0f);
+    uint cell = (uint)BB_MAX(BB_MIN((x - grid.lo[axis]) * grid.per_unit[axis], last), 0.0f);
+    float next = ps_place(cell + 1u, grid, axis), own = ps_place(cell, grid, axis);
+    if (below ? next < x : next <= x)
+        return BB_MIN(cell + 1u, (uint)last);
+    return (below ? own < x : own <= x) || cell == 0 ? cell : cell - 1u;
 }
 
 /* The most important plane of the grid through the box: its level, PS_GRID_BITS if there is none,
@@ -67,8 +82,9 @@ uint ps_plane(const ps_part *part, ps_grid grid, int *axis, uint *cell)
 {
     uint most = 0;
     for (int k = 0; k < 3; k++) {
-        uint low = ps_cell(part->lo[k], grid, k), high = ps_cell(part->hi[k], grid, k);
-        uint differ = low ^ high, bit = differ == 0 ? 0 : 32u - clz(differ);
+        uint low = ps_cell(part->lo[k], false, grid, k);
+        uint high = ps_cell(part->hi[k], true, grid, k);
+        uint bit = low < high ? 32u - clz(low ^ high) : 0;
         if (bit > most) {
             most = bit;
             *axis = k;
@@ -78,82 +94,14 @@ uint ps_plane(const ps_part *part, ps_grid grid, int *axis, uint *cell)
     return PS_GRID_BITS - most;
 }
 
-/* ---- priorities ---- */
-
-/* Newton's iteration for x^(-1/3), which has no division; from a first guess by the exponent. */
-float ps_cube_root(float x)
+void ps_corners(global const uint *indices, global const float *vertices, uint i, float v[3][3])
 {
-    float y = as_float(0x54A21D2Au - as_uint(x) / 3u);
-    for (int i = 0; i < 4; i++)
-        y = y * (1.33333337f - 0.333333343f * (x * y) * (y * y));
-    return x * (y * y);
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++)
+            v[c][k] = vertices[3u * (size_t)indices[3u * (size_t)i + c] + k];
 }
 
-kernel void ps_priorities(global const bb_box *boxes, global const uint *indices,
-                          global const float *vertices, uint triangles, uint count, ps_grid grid,
-                          global float *priorities)
-{
-    uint i = get_global_id(0);
-    if (i >= count)
-        return;
-    float priority = 0.0f;
-    if (i < triangles) {
-        ps_part box = ps_load(boxes + i);
-        int axis;
-        uint cell, level = ps_plane(&box, grid, &axis, &cell);
-        float v[3][3];
-        for (int c = 0; c < 3; c++)
-            for (int k = 0; k < 3; k++)
-                v[c][k] = vertices[3u * (size_t)indices[3u * (size_t)i + c] + k] * grid.unit;
-        float d[3], e[3], s[3];
-        for (int k = 0; k < 3; k++) {
-            d[k] = v[1][k] - v[0][k];
-            e[k] = v[2][k] - v[0][k];
-            s[k] = box.hi[k] * grid.unit - box.lo[k] * grid.unit;
-        }
-        float ideal = fabs(d[1] * e[2] - d[2] * e[1]) + fabs(d[2] * e[0] - d[0] * e[2]) +
-                      fabs(d[0] * e[1] - d[1] * e[0]);
-        float excess = 2.0f * bb_half_area(s[0], s[1], s[2]) - ideal;
-        excess *= as_float((127u - level) << 23);
-        if (excess >= 0x1p-120f)
-            priority = ps_cube_root(excess);
-    }
-    priorities[i] = priority;
-}
-
-/* ---- how many splits ---- */
-
-uint ps_splits(float priority, float d)
-{
-    return (uint)BB_MIN(priority * d, (float)PS_MOST);
-}
-
-/* sums[chunk]: splits for each of the D's. */
-kernel void ps_sums(global const float *priorities, uint count, uint chunk, ps_tries tries,
-                    global uint *sums)
-{
-    uint number = get_global_id(0), begin = number * chunk;
-    if (begin >= count)
-        return;
-    uint end = BB_MIN(count - begin, chunk) + begin;
-    float16 d = vload16(0, tries.d);
-    uint16 sum = 0;
-    for (uint i = begin; i < end; i++) {
-        float priority = priorities[i];
-        if (priority * tries.d[PS_TRIES - 1] >= 1.0f)
-            sum += convert_uint16(BB_MIN(priority * d, (float16)((float)PS_MOST)));
-    }
-    vstore16(sum, number, sums);
-}
-
-kernel void ps_counts(global const float *priorities, uint count, float d, global uint *splits)
-{
-    uint i = get_global_id(0);
-    if (i < count)
-        splits[i] = ps_splits(priorities[i], d);
-}
-
-/* ---- splits ---- */
+/* ---- one split ---- */
 
 void ps_include(ps_part *part, const float lo[3], const float hi[3])
 {
@@ -165,8 +113,8 @@ void ps_include(ps_part *part, const float lo[3], const float hi[3])
 
 /* Where the edge from a to b crosses the plane, as a box: a[axis] < plane < b[axis].
  *
- * With u = 2^-24 and a quotient that may be off by 2.5 ulp, the parameter is off by 8u of itself, so
- * a coordinate by 10u times that of the edge, and u times itself; `error` is more. */
+ * With u = 2^-24 and a quotient that may be off by 2.5 ulp, the parameter is off by 8u of itself,
+ * so a coordinate by 10u times that of the edge, and u times itself; `error` is more. */
 void ps_cross(const float a[3], const float b[3], int axis, float plane, float lo[3], float hi[3])
 {
     float whole = 0.5f * b[axis] - 0.5f * a[axis];
@@ -240,7 +188,7 @@ bool ps_choose(const ps_part *box, ps_grid grid, int *axis, float *plane)
 {
     uint cell;
     if (ps_plane(box, grid, axis, &cell) < PS_GRID_BITS) {
-        *plane = grid.lo[*axis] + (float)cell * grid.step[*axis];
+        *plane = ps_place(cell, grid, *axis);
         if (box->lo[*axis] < *plane && *plane < box->hi[*axis])
             return true;
     }
@@ -249,6 +197,105 @@ bool ps_choose(const ps_part *box, ps_grid grid, int *axis, float *plane)
     *plane = 0.5f * box->lo[*axis] + 0.5f * box->hi[*axis];
     return box->lo[*axis] < *plane && *plane < box->hi[*axis];
 }
+
+/* ---- priorities ---- */
+
+/* Newton's iteration for x^(-1/3), which has no division; from a first guess by the exponent. */
+float ps_cube_root(float x)
+{
+    float y = as_float(0x54A21D2Au - as_uint(x) / 3u);
+    for (int i = 0; i < 4; i++)
+        y = y * (1.33333337f - 0.333333343f * (x * y) * (y * y));
+    return x * (y * y);
+}
+
+float ps_half_area(const ps_part *part, float unit)
+{
+    return bb_half_area(part->hi[0] * unit - part->lo[0] * unit,
+                        part->hi[1] * unit - part->lo[1] * unit,
+                        part->hi[2] * unit - part->lo[2] * unit);
+}
+
+/* The least area that boxes of ever smaller parts have together: three times two sides of the
+ * triangle's shadows. */
+float ps_ideal_area(float v[3][3], float unit)
+{
+    float d[3], e[3];
+    for (int k = 0; k < 3; k++) {
+        d[k] = v[1][k] * unit - v[0][k] * unit;
+        e[k] = v[2][k] * unit - v[0][k] * unit;
+    }
+    return fabs(d[1] * e[2] - d[2] * e[1]) + fabs(d[2] * e[0] - d[0] * e[2]) +
+           fabs(d[0] * e[1] - d[1] * e[0]);
+}
+
+/* Do the halves of the box have less than `keeps` of its area? */
+bool ps_saves(float v[3][3], const ps_part *box, ps_grid grid, float keeps)
+{
+    ps_part below, above;
+    int axis;
+    float plane;
+    return ps_choose(box, grid, &axis, &plane) &&
+           ps_cut(v, box, axis, plane, &below, &above) == 3u &&
+           ps_half_area(&below, grid.unit) + ps_half_area(&above, grid.unit) <=
+               keeps * ps_half_area(box, grid.unit);
+}
+
+kernel void ps_priorities(global const bb_box *boxes, global const uint *indices,
+                          global const float *vertices, uint triangles, uint count, ps_grid grid,
+                          float keeps, global float *priorities)
+{
+    uint i = get_global_id(0);
+    if (i >= count)
+        return;
+    float priority = 0.0f;
+    if (i < triangles) {
+        ps_part box = ps_load(boxes + i);
+        float v[3][3];
+        int axis;
+        uint cell, level = ps_plane(&box, grid, &axis, &cell);
+        ps_corners(indices, vertices, i, v);
+        float excess = 2.0f * ps_half_area(&box, grid.unit) - ps_ideal_area(v, grid.unit);
+        excess *= as_float((127u - level) << 23);
+        if (excess >= 0x1p-120f && ps_saves(v, &box, grid, keeps))
+            priority = ps_cube_root(excess);
+    }
+    priorities[i] = priority;
+}
+
+/* ---- how many splits ---- */
+
+uint ps_splits(float priority, float d)
+{
+    return (uint)BB_MIN(priority * d, (float)PS_MOST);
+}
+
+/* sums[chunk]: splits for each of the D's. */
+kernel void ps_sums(global const float *priorities, uint count, uint chunk, ps_tries tries,
+                    global uint *sums)
+{
+    uint number = get_global_id(0), begin = number * chunk;
+    if (begin >= count)
+        return;
+    uint end = BB_MIN(count - begin, chunk) + begin;
+    float16 d = vload16(0, tries.d);
+    uint16 sum = 0;
+    for (uint i = begin; i < end; i++) {
+        float priority = priorities[i];
+        if (priority * tries.d[PS_TRIES - 1] >= 1.0f)
+            sum += convert_uint16(BB_MIN(priority * d, (float16)((float)PS_MOST)));
+    }
+    vstore16(sum, number, sums);
+}
+
+kernel void ps_counts(global const float *priorities, uint count, float d, global uint *splits)
+{
+    uint i = get_global_id(0);
+    if (i < count)
+        splits[i] = ps_splits(priorities[i], d);
+}
+
+/* ---- all splits ---- */
 
 /* Of `splits`, those of the part below. */
 uint ps_share(const ps_part *below, const ps_part *above, uint splits)
@@ -273,9 +320,7 @@ kernel void ps_split(global const bb_box *boxes, global const uint *indices,
     ps_part box = ps_load(boxes + i);
     float v[3][3];
     if (splits > 0)
-        for (int c = 0; c < 3; c++)
-            for (int k = 0; k < 3; k++)
-                v[c][k] = vertices[3u * (size_t)indices[3u * (size_t)i + c] + k];
+        ps_corners(indices, vertices, i, v);
     for (;;) {
         /* a split that leaves all on one side shrinks the box, and is not counted as one */
         for (uint tries = 0; splits > 0 && tries < 64; tries++) {

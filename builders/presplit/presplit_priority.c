@@ -18,6 +18,7 @@ struct ps_priority {
     bb_device *device;
     bb_account *account;
     double beta;
+    float keeps;
     bb_primitives *primitives;
     cl_program program;
     cl_kernel priorities_kernel, sums_kernel, counts_kernel, split_kernel;
@@ -44,7 +45,8 @@ void ps_priority_destroy(ps_priority *self)
     free(self);
 }
 
-bb_status ps_priority_create(const bb_builder_context *context, double beta, ps_priority **out)
+bb_status ps_priority_create(const bb_builder_context *context, double beta, double saves,
+                             ps_priority **out)
 {
     ps_priority *self = calloc(1, sizeof *self);
     if (self == NULL)
@@ -53,6 +55,7 @@ bb_status ps_priority_create(const bb_builder_context *context, double beta, ps_
     self->device = context->device;
     self->account = context->account;
     self->beta = beta;
+    self->keeps = (float)(1 - saves);
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
     BB_TRY(bb_program_build(
         self->device, &bb_source_presplit,
@@ -147,7 +150,8 @@ bb_status ps_priority_split(ps_priority *self, const bb_scene *scene, bb_referen
     const ps_grid grid = grid_over(&bounds[0]);
     BB_TRY(bb_launch(device, self->priorities_kernel, count, GROUP_SIZE, BB_MEM(there->boxes),
                      BB_MEM(there->prims), BB_MEM(there->vertices), BB_VALUE(triangles),
-                     BB_VALUE(count), BB_VALUE(grid), BB_MEM(self->priorities)));
+                     BB_VALUE(count), BB_VALUE(grid), BB_VALUE(self->keeps),
+                     BB_MEM(self->priorities)));
     BB_TRY(bb_phase(phases, "counts"));
     BB_TRY(search(self, count, most, &d, &splits));
     BB_TRY(bb_launch(device, self->counts_kernel, count, GROUP_SIZE, BB_MEM(self->priorities),

@@ -4,7 +4,7 @@
 
 /* Values of D that one pass tries, and the most times that a primitive is split. */
 #define PS_TRIES 16
-#define PS_MOST 255u
+#define PS_MOST 31u
 
 /* Cells of the Morton grid along an axis, as a power of two. */
 #define PS_GRID_BITS 16
@@ -22,7 +22,7 @@ typedef struct ps_tries {
     float d[PS_TRIES];
 } ps_tries;
 
-#ifndef __OPENCL_VERSION__
+#ifdef BB_STATIC_ASSERT
 BB_STATIC_ASSERT(sizeof(ps_grid) == 40, "ps_grid");
 BB_STATIC_ASSERT(sizeof(ps_tries) == 64, "ps_tries");
 #endif

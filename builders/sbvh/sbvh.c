@@ -12,8 +12,8 @@
  *
  * - Objects are binned, not swept; the paper has both, with about the same trees.
  * - References are at most `budget` times as many as primitives, so that memory is known before.
- *   Each node has its part of what may be added: by the number of its references of its parent's, and
- *   what the nodes before it left over. Else the first nodes would take it all.
+ *   Each node has its part of what may be added: by the number of its references of its
+ *   parent's, and what the nodes before it left over. Else the first nodes would take it all.
  * - Splits of space end at a depth of SPATIAL_DEPTH.
  *
  * A node never has two references of one primitive, since the two parts go to different sides. If

@@ -1,6 +1,6 @@
 /* Splits of space: binned references (Stich, Friedrich, Dietrich 2009, sections 4.1 to 4.3).
  *
- *   K slabs of equal width cut the node's box; each reference is cut into the slabs that it reaches:
+ *   K slabs of equal width cut the node's box; each reference is cut into those that it reaches:
  *       box[k] grows by its part there; enter[first slab]++, leave[last slab]++
  *   cost of plane k = A(boxes below) sum of enter below + A(boxes above) sum of leave above
  *
