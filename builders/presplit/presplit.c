@@ -2,7 +2,8 @@
  *
  *   priority   splits are dealt out by priority, at planes of the Morton grid, on the device
  *              (presplit_priority.c, presplit.cl): Karras, Aila 2013
- *   esc        the largest boxes are halved first, on the host (presplit_esc.c): Ernst, Greiner 2007
+ *   esc        the largest boxes are halved first, on the host (presplit_esc.c): Ernst, Greiner
+ *              2007
  *
  * `beta` chooses the first, any other option leaves it at the second. On devices with memory of
  * their own `esc` reads the scene back, within its time.

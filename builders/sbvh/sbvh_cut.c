@@ -4,35 +4,34 @@
  *                          where edges cross the plane; its box, in the box that is cut
  *   box:                   on either side the box's part
  *
- * Crossings are computed in double and rounded outwards: they are off by less than 2^-50 of the
- * edge's largest coordinate, and are given 2^-48. So no point of the primitive is in neither half.
+ * Crossings are computed in double: they are off by less than 2^-50 of the edge's largest
+ * coordinate, M, and rounding to a float adds half of its last place, 2^-24 M, or 2^-150 where
+ * floats are denormal. So with 2^-23 M + 2^-149 on either side no point of the primitive is in neither half.
  */
 #include "builders/sbvh/sbvh_split.h"
 
 #include <math.h>
 
-static float round_down(double x)
+static float least(float a, float b)
 {
-    float y = (float)x;
-    return (double)y > x ? nextafterf(y, -INFINITY) : y;
+    return a < b ? a : b;
 }
 
-static float round_up(double x)
+static float most(float a, float b)
 {
-    float y = (float)x;
-    return (double)y < x ? nextafterf(y, INFINITY) : y;
+    return a > b ? a : b;
 }
 
 /* Where the edge from a to b crosses the plane, which is strictly between its ends. */
-static sb_bounds cross(const float *a, const float *b, int axis, float plane)
+static inline sb_bounds cross(const float *a, const float *b, int axis, float plane)
 {
     sb_bounds box;
     double t = ((double)plane - a[axis]) / ((double)b[axis] - a[axis]);
     for (int k = 0; k < 3; k++) {
         double at = a[k] + t * ((double)b[k] - a[k]);
-        double error = 0x1p-48 * fmax(fabs((double)a[k]), fabs((double)b[k]));
-        box.lo[k] = fmaxf(round_down(at - error), fminf(a[k], b[k]));
-        box.hi[k] = fminf(round_up(at + error), fmaxf(a[k], b[k]));
+        double slack = 0x1p-23 * most(fabsf(a[k]), fabsf(b[k])) + 0x1p-149;
+        box.lo[k] = most((float)(at - slack), least(a[k], b[k]));
+        box.hi[k] = least((float)(at + slack), most(a[k], b[k]));
     }
     box.lo[axis] = box.hi[axis] = plane;
     return box;
@@ -65,8 +64,8 @@ static void keep_within(sb_bounds *side, const sb_bounds *box)
 {
     bool some = true;
     for (int k = 0; k < 3; k++) {
-        side->lo[k] = fmaxf(side->lo[k], box->lo[k]) + 0.0f;
-        side->hi[k] = fminf(side->hi[k], box->hi[k]) + 0.0f;
+        side->lo[k] = most(side->lo[k], box->lo[k]) + 0.0f;
+        side->hi[k] = least(side->hi[k], box->hi[k]) + 0.0f;
         some = some && side->lo[k] <= side->hi[k];
     }
     if (!some)
@@ -91,8 +90,8 @@ void sb_cut(const bb_scene *scene, const sb_ref *ref, int axis, float plane, sb_
     } else {
         sides[0] = sides[1] = ref->box;
     }
-    sides[0].hi[axis] = fminf(sides[0].hi[axis], plane);
-    sides[1].lo[axis] = fmaxf(sides[1].lo[axis], plane);
+    sides[0].hi[axis] = least(sides[0].hi[axis], plane);
+    sides[1].lo[axis] = most(sides[1].lo[axis], plane);
     keep_within(&sides[0], &ref->box);
     keep_within(&sides[1], &ref->box);
 }
