@@ -6,7 +6,8 @@
  *
  * Crossings are computed in double: they are off by less than 2^-50 of the edge's largest
  * coordinate, M, and rounding to a float adds half of its last place, 2^-24 M, or 2^-150 where
- * floats are denormal. So with 2^-23 M + 2^-149 on either side no point of the primitive is in neither half.
+ * floats are denormal. So with 2^-23 M + 2^-149 on either side no point of the primitive is in
+ * neither half.
  */
 #include "builders/sbvh/sbvh_split.h"
 
