@@ -2,6 +2,7 @@
  * covers, budgets, degenerate and extreme inputs, kinds that stay whole; options and orders of
  * stages. Early split clipping: test_pipeline.c. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/builder/instance.h"
+#include "framework/builder/registry.h"
 #include "framework/tree/tree_cover.h"
 #include "tests/box_inputs.h"
 #include "tests/device_forms.h"
@@ -499,6 +500,10 @@ static void options_choose_the_method(void **state)
         {"presplit:beta=-1", "must be a number from 0 to 15"},
         {"presplit:method=none", "'none'"},
     };
+    /* else `presplit` and `presplit:beta=0.3` would be one cell in a record */
+    bb_spec plain;
+    ASSERT_OK(bb_spec_parse("presplit", &plain));
+    assert_null(bb_spec_value(&plain, bb_builder_find("presplit")->options, "beta"));
     float corners[20 * CORNERS];
     bb_random random = bb_random_make(seed, 4);
     fill_triangles(&random, 20, corners);

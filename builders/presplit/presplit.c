@@ -18,7 +18,7 @@
 static const bb_option options[] = {
     {"method", "auto", "auto|priority|esc",
      "Karras and Aila's or early split clipping; auto: priority if beta is given, else esc"},
-    {"beta", "0.3", NULL, "priority: most splits per primitive of the scene, 0 to 15"},
+    {"beta", NULL, NULL, "priority: most splits per primitive of the scene, 0 to 15; default: 0.3"},
     {"budget", "1.5", NULL, "esc: most references per primitive of the scene, 1 to 16"},
     {"above", "0.5", NULL,
      "esc: smallest box to split: its area, relative to the mean of all boxes, 0 to 1e9"},
@@ -44,7 +44,8 @@ static void destroy(void *opaque)
     free(self);
 }
 
-/* An option of the method that was not chosen would be without effect. */
+/* By whether `beta` is given, which therefore has no default: a cell is known by its values. An
+ * option of the method that was not chosen would be without effect. */
 static bb_status choose_method(const bb_spec *spec, bool *esc)
 {
     const bool beta = bb_spec_value(spec, NULL, "beta") != NULL;
@@ -66,10 +67,11 @@ static bb_status create(const bb_builder_context *context, void **out)
 {
     const bb_spec *spec = context->spec;
     ps_esc_limits limits;
-    double beta;
+    double beta = 0.3;
     bool esc;
     BB_TRY(choose_method(spec, &esc));
-    BB_TRY(bb_spec_double(spec, options, "beta", 0, 15, &beta));
+    if (bb_spec_value(spec, NULL, "beta") != NULL)
+        BB_TRY(bb_spec_double(spec, options, "beta", 0, 15, &beta));
     BB_TRY(bb_spec_double(spec, options, "budget", 1, 16, &limits.budget));
     BB_TRY(bb_spec_double(spec, options, "above", 0, 1e9, &limits.above));
     BB_TRY(bb_spec_double(spec, options, "saves", -1, 0.9, &limits.saves));
