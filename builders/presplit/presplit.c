@@ -1,48 +1,36 @@
-/* presplit: early split clipping, on the host; a splitter, which makes references of primitives.
+/* presplit: a splitter, which makes references of primitives; by one of two methods.
  *
- *   a reference to each primitive, with its box
- *   while there is room, and the largest box is larger than `above` of the average ones:
- *       halve it along its longest side, and shrink each half to the primitive's part in it,
- *       if the halves are smaller together by the share that `saves` asks for
+ *   priority   splits are dealt out by priority, at planes of the Morton grid, on the device
+ *              (presplit_priority.c, presplit.cl): Karras, Aila 2013
+ *   esc        the largest boxes are halved first, on the host (presplit_esc.c): Ernst, Greiner
+ *              2007
  *
- * Ernst, Greiner 2007 (Early Split Clipping for Bounding Volume Hierarchies), whose recursion by a
- * threshold is a heap here, so that the room goes to the largest boxes first, and a budget holds
- * whatever the threshold. Size is the surface area, as theirs. Triangles are clipped, spheres stay
- * whole, and of any other kind the halves of the box hold all there is.
- *
- * `saves` is of our own: half of a wall's box is as full as the whole, so halving it makes the tree
- * larger and no better, while the boxes of a long triangle that lies askew shrink to half.
- *
- * Limits: one thread. A tie goes to the reference of the least number, so the result depends on the
- * scene alone.
+ * `beta` chooses the first, any other option leaves it at the second. On devices with memory of
+ * their own `esc` reads the scene back, within its time.
  */
-#include "clip.h"
+#include "builders/presplit/presplit_esc.h"
+#include "builders/presplit/presplit_priority.h"
 #include "framework/builder/builder.h"
 
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
 
 static const bb_option options[] = {
-    {"budget", "1.5", NULL, "most references per primitive of the scene, 1 to 16"},
+    {"method", "auto", "auto|priority|esc",
+     "Karras and Aila's or early split clipping; auto: priority if beta is given, else esc"},
+    {"beta", NULL, NULL, "priority: most splits per primitive of the scene, 0 to 15; default: 0.3"},
+    {"budget", "1.5", NULL, "esc: most references per primitive of the scene, 1 to 16"},
     {"above", "0.5", NULL,
-     "smallest box to split: its area, relative to the mean of all boxes, 0 to 1e9"},
+     "esc: smallest box to split: its area, relative to the mean of all boxes, 0 to 1e9"},
     {"saves", "0.3", NULL,
-     "least area that a split must save, as a share of the box's, -1 to 0.9; -1: any"},
+     "least area that a split must save, as a share of the box's, -1 to 0.9; -1: any; priority: "
+     "the first"},
     {.name = NULL},
 };
 
-/* A reference that may be halved. */
-typedef struct candidate {
-    double area;
-    uint32_t index;
-} candidate;
-
 typedef struct presplit {
-    bb_account *account;
-    double budget, above, saves;
-    candidate *heap; /* the largest first */
-    uint32_t heap_count;
-    size_t heap_capacity;
+    ps_priority *priority; /* the method that was chosen; the other is NULL */
+    ps_esc *esc;
     uint32_t prims, references; /* of the last build */
 } presplit;
 
@@ -51,164 +39,120 @@ static void destroy(void *opaque)
     presplit *self = opaque;
     if (self == NULL)
         return;
-    bb_host_free(self->heap);
-    bb_host_free(self);
+    ps_priority_destroy(self->priority);
+    ps_esc_destroy(self->esc);
+    free(self);
+}
+
+/* By whether `beta` is given, which therefore has no default: a cell is known by its values. An
+ * option of the method that was not chosen would be without effect. */
+static bb_status choose_method(const bb_spec *spec, bool *esc)
+{
+    const bool beta = bb_spec_value(spec, NULL, "beta") != NULL;
+    const bool budget = bb_spec_value(spec, NULL, "budget") != NULL;
+    const bool above = bb_spec_value(spec, NULL, "above") != NULL;
+    *esc = bb_spec_is(spec, options, "method", "esc") ||
+           (bb_spec_is(spec, options, "method", "auto") && !beta);
+    if (*esc ? !beta : !budget && !above)
+        return BB_OK;
+    return bb_fail(BB_INVALID, "%s: option '%s' is not of the method '%s': leave it out",
+                   spec->text,
+                   *esc     ? "beta"
+                   : budget ? "budget"
+                            : "above",
+                   *esc ? "esc" : "priority");
 }
 
 static bb_status create(const bb_builder_context *context, void **out)
 {
-    presplit *self = NULL;
-    BB_TRY(bb_host_alloc(context->account, sizeof *self, "presplit: object", &self));
-    memset(self, 0, sizeof *self);
+    const bb_spec *spec = context->spec;
+    ps_esc_limits limits;
+    double beta = 0.3;
+    bool esc;
+    BB_TRY(choose_method(spec, &esc));
+    if (bb_spec_value(spec, NULL, "beta") != NULL)
+        BB_TRY(bb_spec_double(spec, options, "beta", 0, 15, &beta));
+    BB_TRY(bb_spec_double(spec, options, "budget", 1, 16, &limits.budget));
+    BB_TRY(bb_spec_double(spec, options, "above", 0, 1e9, &limits.above));
+    BB_TRY(bb_spec_double(spec, options, "saves", -1, 0.9, &limits.saves));
+    presplit *self = calloc(1, sizeof *self);
+    if (self == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
     *out = self;
-    self->account = context->account;
-    BB_TRY(bb_spec_double(context->spec, options, "budget", 1, 16, &self->budget));
-    BB_TRY(bb_spec_double(context->spec, options, "above", 0, 1e9, &self->above));
-    return bb_spec_double(context->spec, options, "saves", -1, 0.9, &self->saves);
-}
-
-static size_t most_references(const presplit *self, const bb_scene *scene)
-{
-    return (size_t)(self->budget * scene->prim_count);
+    if (esc)
+        return ps_esc_create(context->account, limits, &self->esc);
+    return ps_priority_create(context, beta, limits.saves, &self->priority);
 }
 
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     (void)tree;
     presplit *self = opaque;
-    size_t most = most_references(self, scene);
-    if (most <= self->heap_capacity)
-        return BB_OK;
-    self->heap_capacity = 0;
-    BB_TRY(bb_host_alloc(self->account, most * sizeof *self->heap, "presplit: heap", &self->heap));
-    self->heap_capacity = most;
-    return BB_OK;
+    return self->esc != NULL ? ps_esc_prepare(self->esc, scene)
+                             : ps_priority_prepare(self->priority, scene);
 }
 
-/* ---- the heap ---- */
+/* A buffer that is mapped while a method on the host reads it. Without vertices there is none. */
+typedef struct mapping {
+    const bb_buffer *buffer;
+    void *memory;
+} mapping;
 
-static bool comes_first(const candidate *a, const candidate *b)
+static bb_status split_on_host(ps_esc *esc, const bb_scene *scene, bb_references *references,
+                               bb_phases *phases)
 {
-    return a->area > b->area || (a->area == b->area && a->index < b->index);
-}
-
-static void push(presplit *self, candidate item)
-{
-    candidate *heap = self->heap;
-    uint32_t at = self->heap_count++;
-    for (; at > 0 && comes_first(&item, &heap[(at - 1) / 2]); at = (at - 1) / 2)
-        heap[at] = heap[(at - 1) / 2];
-    heap[at] = item;
-}
-
-static candidate pop(presplit *self)
-{
-    candidate *heap = self->heap, top = heap[0], last = heap[--self->heap_count];
-    uint32_t at = 0, count = self->heap_count;
-    for (uint32_t child = 1; child < count; child = 2 * at + 1) {
-        child += child + 1 < count && comes_first(&heap[child + 1], &heap[child]);
-        if (!comes_first(&heap[child], &last))
-            break;
-        heap[at] = heap[child];
-        at = child;
+    const bb_scene_device *there = &scene->on_device;
+    mapping mapped[] = {{&there->boxes, NULL}, {&there->prims, NULL}, {&there->vertices, NULL}};
+    enum { MAPPED = sizeof mapped / sizeof mapped[0] };
+    bb_status status = bb_phase(phases, "areas");
+    for (int i = 0; i < MAPPED && status == BB_OK; i++)
+        if (mapped[i].buffer->mem != NULL)
+            status = bb_buffer_map(mapped[i].buffer, false, &mapped[i].memory);
+    if (status == BB_OK) {
+        bb_scene here = *scene;
+        here.boxes = mapped[0].memory;
+        here.prims[BB_TRIANGLE].data = mapped[1].memory; /* the first kind */
+        here.vertices = mapped[2].memory;
+        status = ps_esc_split(esc, &here, references, phases);
     }
-    heap[at] = last;
-    return top;
-}
-
-/* ---- splitting ---- */
-
-static double area_of(const bb_box *box)
-{
-    return bb_half_area(box->lo, box->hi);
-}
-
-static int longest_axis(const bb_box *box)
-{
-    int longest = 0;
-    for (int k = 1; k < 3; k++)
-        if ((double)box->hi[k] - box->lo[k] > (double)box->hi[longest] - box->lo[longest])
-            longest = k;
-    return longest;
-}
-
-/* Halves reference `index` into itself and a new one at the end; false if that does not save
- * enough, or no float lies between. */
-static bool halve(const presplit *self, const bb_scene *scene, bb_references *references,
-                  uint32_t index)
-{
-    bb_box *box = &references->boxes[index], halves[2] = {*box, *box};
-    const bb_prims *spheres = &scene->prims[BB_SPHERE];
-    if (references->prims[index] - spheres->first < spheres->count)
-        return false; /* the kernels' test of a sphere is proven for boxes that hold it whole */
-    int axis = longest_axis(box);
-    float middle = 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
-    if (!(box->lo[axis] < middle && middle < box->hi[axis]))
-        return false;
-    halves[0].hi[axis] = halves[1].lo[axis] = middle;
-    bb_clip_primitive(scene, references->prims[index], &halves[0]);
-    bb_clip_primitive(scene, references->prims[index], &halves[1]);
-    if (area_of(&halves[0]) + area_of(&halves[1]) > (1 - self->saves) * area_of(box))
-        return false;
-    *box = halves[0];
-    references->boxes[references->count] = halves[1];
-    references->prims[references->count++] = references->prims[index];
-    return true;
+    for (int i = 0; i < MAPPED; i++)
+        if (mapped[i].memory != NULL) {
+            bb_status unmapped = bb_buffer_unmap(mapped[i].buffer, mapped[i].memory);
+            status = status == BB_OK ? unmapped : status;
+        }
+    return status;
 }
 
 static bb_status split(void *opaque, const bb_scene *scene, bb_references *references,
                        bb_phases *phases)
 {
     presplit *self = opaque;
-    size_t most = most_references(self, scene);
-    double sum = 0;
-    BB_TRY(prepare(self, scene, NULL));
-    BB_TRY(bb_references_reserve(references, NULL, BB_ON_HOST, most));
-    BB_TRY(bb_phase(phases, "areas"));
-    references->count = scene->prim_count;
-    memcpy(references->boxes, scene->boxes, scene->prim_count * sizeof *scene->boxes);
-    for (uint32_t i = 0; i < scene->prim_count; i++) {
-        references->prims[i] = i;
-        sum += area_of(&scene->boxes[i]);
-    }
-    BB_TRY(bb_phase(phases, "split"));
-    double least = self->above * sum / scene->prim_count;
-    self->heap_count = 0;
-    for (uint32_t i = 0; i < scene->prim_count; i++)
-        if (area_of(&scene->boxes[i]) > least)
-            push(self, (candidate){area_of(&scene->boxes[i]), i});
-    while (self->heap_count > 0 && references->count < most) {
-        uint32_t index = pop(self).index;
-        const uint32_t halves[2] = {index, references->count};
-        if (!halve(self, scene, references, index))
-            continue;
-        for (int i = 0; i < 2; i++) {
-            candidate half = {area_of(&references->boxes[halves[i]]), halves[i]};
-            if (half.area > least)
-                push(self, half);
-        }
-    }
     self->prims = scene->prim_count;
+    if (self->esc != NULL)
+        BB_TRY(split_on_host(self->esc, scene, references, phases));
+    else
+        BB_TRY(ps_priority_split(self->priority, scene, references, phases));
     self->references = references->count;
-    return bb_phase(phases, NULL);
+    return bb_event(phases, "splits", references->count - scene->prim_count);
 }
 
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
 {
     (void)scene;
     const presplit *self = opaque;
-    snprintf(text, capacity, "%u references to %u primitives", self->references, self->prims);
+    snprintf(text, capacity, "%u references to %u primitives, by %s", self->references, self->prims,
+             self->esc != NULL ? "early split clipping" : "priority");
     return BB_OK;
 }
 
 const bb_builder bb_builder_presplit = {
     .abi_version = BB_ABI_VERSION,
     .name = "presplit",
-    .summary = "splitter: halves large boxes and clips the parts to their primitives, on the host",
-    .paper = "Ernst, Greiner 2007",
+    .summary = "splitter: splits large boxes and clips the parts to their primitives",
+    .paper = "Karras, Aila 2013, section 4 (priority); Ernst, Greiner 2007 (esc)",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY,
-    .place = BB_ON_HOST,
+    .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
     .compared = "",

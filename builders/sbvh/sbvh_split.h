@@ -1,0 +1,94 @@
+/* What the parts of `sbvh` share: references, the node that is split, and both ways to split it. */
+#ifndef BB_SBVH_SPLIT_H
+#define BB_SBVH_SPLIT_H
+
+#include "framework/scene/scene.h"
+#include "framework/tree/tree.h"
+
+enum { SB_BINS_MAX = 256 };
+
+/* A box, empty while lo > hi. */
+typedef struct sb_bounds {
+    float lo[3], hi[3];
+} sb_bounds;
+
+/* A primitive, or the part of it in a box. */
+typedef struct sb_ref {
+    sb_bounds box;
+    uint32_t prim;
+} sb_ref;
+
+/* The best split of a kind: cost = A(left) left + A(right) right, with half areas. left = 0: there
+ * is none. */
+typedef struct sb_split {
+    double cost;
+    uint32_t left, right;
+    sb_bounds sides[2];
+    int axis;
+    uint32_t bin; /* of an object split: bins below this one are on the left */
+    float low;    /* of an object split: where the bins begin, and how many there are per unit */
+    double scale;
+    float plane; /* of a spatial split */
+} sb_split;
+
+static inline sb_bounds sb_nothing(void)
+{
+    const float most = __builtin_inff();
+    return (sb_bounds){{most, most, most}, {-most, -most, -most}};
+}
+
+static inline void sb_grow(sb_bounds *box, const sb_bounds *more)
+{
+    for (int k = 0; k < 3; k++) {
+        box->lo[k] = more->lo[k] < box->lo[k] ? more->lo[k] : box->lo[k];
+        box->hi[k] = more->hi[k] > box->hi[k] ? more->hi[k] : box->hi[k];
+    }
+}
+
+/* Half the area; 0 of nothing. */
+static inline double sb_area(const sb_bounds *box)
+{
+    return box->lo[0] <= box->hi[0] ? bb_half_area(box->lo, box->hi) : 0;
+}
+
+static inline float sb_centroid(const sb_ref *ref, int axis)
+{
+    return 0.5f * ref->box.lo[axis] + 0.5f * ref->box.hi[axis];
+}
+
+/* Cuts a reference at a plane that is strictly inside of its box. Each side gets the box of what of
+ * the primitive is there, never less; nothing, if none of it is. Not for spheres. */
+void sb_cut(const bb_scene *scene, const sb_ref *ref, int axis, float plane, sb_bounds sides[2]);
+
+/* May it be cut? Spheres stay whole: the kernels' test of a sphere is proven for boxes that hold
+ * it. */
+static inline bool sb_can_cut(const bb_scene *scene, const sb_ref *ref)
+{
+    const bb_prims *spheres = &scene->prims[BB_SPHERE];
+    return ref->prim - spheres->first >= spheres->count;
+}
+
+/* ---- splits by objects: sbvh_object.c ---- */
+
+/* The best plane between `bins` bins of centroids. */
+sb_split sb_find_object(const sb_ref *refs, uint32_t count, uint32_t bins);
+
+/* Moves the right side's references to the front, the left side's behind them, both in their order.
+ * `scratch` has room for `count`. */
+void sb_part_object(sb_ref *refs, uint32_t count, const sb_split *split, uint32_t bins,
+                    sb_ref *scratch);
+
+/* ---- splits of space: sbvh_spatial.c ---- */
+
+/* The best of the planes between `bins` slabs of `box` that makes at most `spare` more references.
+ */
+sb_split sb_find_spatial(const bb_scene *scene, const sb_ref *refs, uint32_t count,
+                         const sb_bounds *box, uint32_t bins, uint32_t spare);
+
+/* The same as sb_part_object() for a split of space: references across the plane are cut in two, or
+ * go to one side whole, whichever is the cheapest. refs[] has room for what `split` says. Sets
+ * split->left and split->right to what came of it; if one of them is 0, refs[] are as they were. */
+void sb_part_spatial(const bb_scene *scene, sb_ref *refs, uint32_t count, sb_split *split,
+                     sb_ref *scratch);
+
+#endif
