@@ -10,7 +10,6 @@ const bb_kernel bb_kernel_stack8 = {
     .layout = "wide8",
     .defines = "-DBB_WIDTH=8",
     .options = options,
-    .compared = "stack8:leaf=8",
-    .tried = "stack8:leaf=4",
+    .tried = "stack8:leaf=8,stack8:leaf=4",
     BB_STACK_WIDE_KERNEL,
 };

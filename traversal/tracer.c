@@ -13,7 +13,7 @@
 const bb_option bb_kernel_common_options[] = {
     {"leaf", "1", NULL,
      "collapse subtrees of up to this many references into a leaf where that lowers SAH"},
-    {"group", "64", NULL, "work-group size"},
+    {"group", "64", NULL, "work-group size, in rays"},
     /* no defaults: keys of cells that were measured before there were these stay as they are */
     {"stack", NULL, "auto|4|8|16|32|64|128|256|512|1024",
      "entries of the stack; auto, or not given: what the tree needs, rounded up"},
@@ -32,6 +32,7 @@ struct bb_tracer {
     uint64_t launched;
     bool counting;
     bool persistent;
+    bool batched;
     bb_buffer taken; /* u32: rays that groups have taken; of the persistent form */
     bb_u32 format;   /* of the triangles that it reads */
     uint32_t lanes;  /* and primitives side by side */
@@ -233,6 +234,8 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
         append_number("BB_STACK_SIZE", v.stack_size, defines, sizeof defines);
     if (v.levels > 0)
         append_number("BB_LEVELS", v.levels, defines, sizeof defines);
+    if (request->kernel->batched)
+        append_number("BB_BATCH", (uint32_t)group, defines, sizeof defines);
     append_options(request->kernel, request->spec, defines, sizeof defines);
     snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)
@@ -250,6 +253,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
     tracer->stack_size = v.stack_size;
     tracer->counting = request->counting;
     tracer->persistent = persistent;
+    tracer->batched = request->kernel->batched;
     tracer->format = bb_intersector_format(request->intersector);
     tracer->lanes = layout->lanes;
     const bb_source *source = bb_source_find(request->kernel->source);
@@ -322,10 +326,11 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
         args[n++] = BB_MEM(tracer->taken);
     for (uint32_t i = 0; i < more_count; i++)
         args[n++] = more[i];
+    uint32_t local = tracer->batched ? 1 : tracer->group;
+    uint32_t items = tracer->batched ? (count - 1) / tracer->group + 1 : count;
     if (!tracer->persistent)
-        return bb_launch_args(device, tracer->kernel, count, tracer->group, args, n);
+        return bb_launch_args(device, tracer->kernel, items, local, args, n);
     BB_TRY(bb_buffer_fill(&tracer->taken, sizeof(cl_uint), 0));
-    uint64_t items = (uint64_t)device->compute_units * GROUPS_PER_UNIT * tracer->group;
-    return bb_launch_args(device, tracer->kernel, items < count ? items : count, tracer->group,
-                          args, n);
+    uint64_t most = (uint64_t)device->compute_units * GROUPS_PER_UNIT * local;
+    return bb_launch_args(device, tracer->kernel, most < items ? most : items, local, args, n);
 }

@@ -165,6 +165,7 @@ typedef struct bb_kernel {
     /* Its layout keeps the shape of any tree: by default, `run` uses it for trees whose shape no
      * compared kernel keeps. */
     bool native;
+    bool batched;   /* one work-item traces all rays of a group: gets their number as BB_BATCH */
     bool stackless; /* needs no stack of the tree's size: gets no BB_STACK_SIZE */
     /* Keeps a bit trail: gets BB_LEVELS, and refuses trees with more levels than this; 0: keeps
      * none. */

@@ -1,0 +1,22 @@
+/* The stack8i kernel: kernels/stack_interleaved.cl on nodes of 8 children. */
+#include "traversal/traversal.h"
+
+static const bb_option options[] = {
+    {"rays", "32", "1|4|8|16|32|64", "rays in flight per work-item, which take steps by turns"},
+    {.name = NULL},
+};
+
+const bb_kernel bb_kernel_stack8i = {
+    .name = "stack8i",
+    .summary = "as stack8, with many rays in flight by turns, without branches: for CPUs",
+    .paper = "Kocberber, Falsafi and Grot 2015",
+    .layout = "wide8",
+    .source = "stack_interleaved.cl",
+    .defines = "-DBB_WIDTH=8",
+    .queries = BB_ALONG_RAYS,
+    .ordered = true,
+    .batched = true,
+    .options = options,
+    .compared = "stack8i:leaf=8,group=256",
+    .tried = "stack8i:leaf=4,group=256",
+};
