@@ -12,12 +12,20 @@
 static const char *const prologue[] = {
     "",
     /* up to two floats off what is rounded rightly, by chance */
-    "float off(float q)\n"
+    "float __attribute__((overloadable)) off(float q)\n"
     "{\n"
     "    uint bits = as_uint(q), hash = (bits ^ bits >> 15) * 0x2C1B3C6Du;\n"
     "    hash = (hash ^ hash >> 12) * 0x297A2D39u;\n"
     "    bool usable = fabs(q) > 0.0f && fabs(q) < FLT_MAX;\n"
     "    return usable ? as_float(bits + (hash >> 15) % 5u - 2u) : q;\n"
+    "}\n"
+    "float2 __attribute__((overloadable)) off(float2 q)\n"
+    "{\n"
+    "    return (float2)(off(q.x), off(q.y));\n"
+    "}\n"
+    "float4 __attribute__((overloadable)) off(float4 q)\n"
+    "{\n"
+    "    return (float4)(off(q.lo), off(q.hi));\n"
     "}\n"
     "#define BB_DIVIDE(a, b) off((a) / (b))\n",
 };
