@@ -141,7 +141,7 @@ static void bb_flight_at_leaf(bb_flight *f, global const bb_wide *nodes, global 
 void bb_flight_to_root(bb_flight *f, uint root)
 {
     f->links[0] = BB_NONE;
-    f->entries[0] = 0u;
+    f->entries[0] = as_uint(-INFINITY); /* however little there is of the ray */
     f->top = 1;
     f->link = root;
 }

@@ -103,8 +103,9 @@ static void no_rays_and_empty_intervals(void **state)
     (void)state;
     const float bad[] = {NAN, INFINITY, -INFINITY, 0.0f, -0.0f, 1e-45f, 3e38f, 1.0f};
     const float ends[][2] = {{0, INFINITY}, {0, 0},   {0.5f, 0.5f},         {1, 0.5f},
-                             {NAN, 1},      {0, NAN}, {INFINITY, INFINITY}, {-1, 1e-45f}};
-    enum { BAD = 8, ENDS = 8, ALL = BAD * BAD * BAD * 2 + 1000 * ENDS };
+                             {NAN, 1},      {0, NAN}, {INFINITY, INFINITY}, {-1, 1e-45f},
+                             {0, -1},       {-2, -1}, {0, -INFINITY}};
+    enum { BAD = 8, ENDS = 11, ALL = BAD * BAD * BAD * 2 + 1000 * ENDS };
     bb_ray *rays = calloc(ALL, sizeof *rays);
     bb_hit *hits = calloc(ALL, sizeof *hits);
     bb_random random = bb_random_make(seed, 3);
