@@ -44,7 +44,7 @@ static void unlike_answers_give_exit_status_1(void **state)
     (void)state;
     char command[1024];
     snprintf(command, sizeof command,
-             "mkdir -p %s/odd && sed 's/bb_lanes t = bb_primitive(/bb_lanes t = (BB_LANES == 4 ? "
+             "mkdir -p %s/odd && sed 's/bb_lanes t = bb_primitive(/bb_lanes t = (BB_WIDTH == 4 ? "
              "1.0000002f : 1.0f) * bb_primitive(/' " BB_TEST_SOURCE_DIR
              "/kernels/search.clh >%s/odd/search.clh",
              folder, folder);

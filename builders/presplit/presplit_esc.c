@@ -146,6 +146,7 @@ bb_status ps_esc_split(ps_esc *self, const bb_scene *scene, bb_references *refer
 {
     size_t most = most_references(self, scene);
     double sum = 0;
+    bb_phases_on_host(phases);
     BB_TRY(ps_esc_prepare(self, scene));
     BB_TRY(bb_references_reserve(references, NULL, BB_ON_HOST, most));
     BB_TRY(bb_phase(phases, "areas"));

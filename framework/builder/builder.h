@@ -76,6 +76,9 @@ typedef struct bb_phases {
 /* Ends the current phase and begins `name` (a string constant); NULL only ends it. If a name is
  * used again, its times add up. */
 bb_status bb_phase(bb_phases *phases, const char *name);
+/* For a build that is made on the host whatever its builder's place says, before its first phase:
+ * boundaries are exact, and the device's clock need not see any work. */
+void bb_phases_on_host(bb_phases *phases);
 
 /* The same for a phase that is not part of the method, such as converting a library's own tree: it
  * is recorded, and subtracted from the build's time. BB_FAILED for builders on the device, whose

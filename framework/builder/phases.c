@@ -35,6 +35,11 @@ bb_status bb_phase(bb_phases *phases, const char *name)
     return BB_OK;
 }
 
+void bb_phases_on_host(bb_phases *phases)
+{
+    phases->device = NULL;
+}
+
 bb_status bb_phase_outside(bb_phases *phases, const char *name)
 {
     if (phases->device != NULL)
