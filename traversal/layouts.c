@@ -47,7 +47,8 @@ static void name(const bb_layout_maker *maker, uint32_t leaf, uint32_t format, b
     } parts[] = {{leaf > 1, leaves},
                  {format == BB_FORMAT_AFFINE, "triangles=affine"},
                  {more_kinds, "kinds=all"},
-                 {maker->wish.octants, "places=octant"}};
+                 {maker->wish.octants, "places=octant"},
+                 {maker->wish.greedy, "plan=greedy"}};
     int length = snprintf(data->name, capacity, "%s", maker->layout->name);
     char separator = ':';
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
@@ -96,6 +97,7 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
     bb_layout_source source = {.scene = scene,
                                .kinds = data->kinds,
                                .octants = maker->wish.octants,
+                               .greedy = maker->wish.greedy,
                                .leaf = collapses_first(maker, tree, leaf) ? 0 : leaf,
                                .same_links = same_links};
     *traced = tree;

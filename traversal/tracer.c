@@ -18,6 +18,9 @@ const bb_option bb_kernel_common_options[] = {
     {"stack", NULL, "auto|4|8|16|32|64|128|256|512|1024",
      "entries of the stack; auto, or not given: what the tree needs, rounded up"},
     {"kinds", NULL, "scene|all", "kinds of primitives compiled in; default: the scene's"},
+    {"plan", NULL, "optimal|greedy",
+     "nodes of more than two children: of least area in all, or by opening the largest child; "
+     "default: optimal"},
     {"persistent", "no", "no|yes",
      "as many groups as fit the device, which fetch rays from a counter: for GPUs"},
     {.name = NULL},
@@ -68,6 +71,9 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     BB_TRY(bb_spec_validate(spec, all, what));
     if (kernel->stackless && bb_spec_value(spec, NULL, "stack") != NULL)
         return bb_fail(BB_INVALID, "%s has no stack of the tree's size: drop stack=", what);
+    if (bb_layout_find(kernel->layout)->width == 2 && bb_spec_value(spec, NULL, "plan") != NULL)
+        return bb_fail(BB_INVALID,
+                       "%s has no nodes of more than two children to plan: drop plan=", what);
     return BB_OK;
 }
 
@@ -76,7 +82,13 @@ bb_layout_wish bb_kernel_wish(const bb_spec *spec)
     return (bb_layout_wish){
         .kinds = bb_spec_is(spec, NULL, "kinds", "all") ? BB_ALL_KINDS : 0,
         .octants = bb_spec_is(spec, NULL, "order", "octant"),
+        .greedy = bb_spec_is(spec, NULL, "plan", "greedy"),
     };
+}
+
+bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b)
+{
+    return a->kinds == b->kinds && a->octants == b->octants && a->greedy == b->greedy;
 }
 
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel)

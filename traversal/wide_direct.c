@@ -98,22 +98,23 @@ static bb_status mark(bb_wide_direct *d, const bb_layout_source *source)
           traversal = bb_collapse_traversal(d->width);
     uint32_t block = BB_BLOCK_LANES, leaf = source->leaf, collapsed = leaf > 1, most = PIECES_MAX,
              share = info->ref_count / (d->device->compute_units * PIECES_PER_UNIT),
-             one_kind = (scene->kinds & (scene->kinds - 1)) == 0;
+             one_kind = (scene->kinds & (scene->kinds - 1)) == 0, greedy = source->greedy;
     BB_TRY(bb_buffer_fill(&d->marks, (size_t)words_of(tree) * BB_DIRECT_WORD, 0));
     BB_TRY(bb_launch(d->device, d->cut, 1, 1, BB_MEM(tree->d_nodes), BB_VALUE(info->root),
                      BB_VALUE(info->ref_count), BB_VALUE(share), BB_VALUE(most), BB_MEM(d->pieces),
                      BB_MEM(d->state)));
     BB_TRY(bb_launch(d->device, d->plan, most, 1, BB_MEM(tree->d_nodes), BB_VALUE(scale),
                      BB_VALUE(traversal), BB_VALUE(intersection), BB_VALUE(block), BB_VALUE(leaf),
-                     BB_MEM(d->pieces), BB_MEM(d->state), BB_MEM(d->words), BB_MEM(d->results)));
+                     BB_VALUE(greedy), BB_MEM(d->pieces), BB_MEM(d->state), BB_MEM(d->words),
+                     BB_MEM(d->results)));
     BB_TRY(bb_launch(d->device, d->top, 1, 1, BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
                      BB_VALUE(ends), BB_VALUE(scale), BB_VALUE(traversal), BB_VALUE(intersection),
-                     BB_VALUE(block), BB_VALUE(leaf), BB_VALUE(info->root), BB_MEM(d->pieces),
-                     BB_MEM(d->words), BB_MEM(d->results), BB_MEM(d->marks), BB_VALUE(one_kind),
-                     BB_MEM(d->queue), BB_MEM(d->state)));
+                     BB_VALUE(block), BB_VALUE(leaf), BB_VALUE(greedy), BB_VALUE(info->root),
+                     BB_MEM(d->pieces), BB_MEM(d->words), BB_MEM(d->results), BB_MEM(d->marks),
+                     BB_VALUE(one_kind), BB_MEM(d->queue), BB_MEM(d->state)));
     return bb_launch(d->device, d->open, QUEUE_MAX, 1, BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
-                     BB_VALUE(ends), BB_VALUE(collapsed), BB_VALUE(one_kind), BB_MEM(d->words),
-                     BB_MEM(d->marks), BB_MEM(d->queue), BB_MEM(d->state));
+                     BB_VALUE(ends), BB_VALUE(collapsed), BB_VALUE(one_kind), BB_VALUE(greedy),
+                     BB_MEM(d->words), BB_MEM(d->marks), BB_MEM(d->queue), BB_MEM(d->state));
 }
 
 static bb_status read_u32(const bb_buffer *buffer, size_t at, uint32_t *value)
@@ -183,10 +184,11 @@ bb_status bb_wide_direct_nodes(bb_wide_direct *d, const bb_layout_source *source
 {
     const bb_tree *tree = source->tree;
     uint32_t count = tree->info.node_count, collapsed = source->leaf > 1,
-             none = collapsed ? d->block_count : tree->info.ref_count, octants = source->octants;
+             none = collapsed ? d->block_count : tree->info.ref_count, octants = source->octants,
+             greedy = source->greedy;
     float scale = source->scene->scale;
     return bb_launch(d->device, d->nodes, chunks_of(tree), 1, BB_MEM(tree->d_nodes),
                      BB_MEM(d->words), BB_VALUE(count), BB_MEM(d->bits), BB_MEM(d->before),
                      BB_MEM(d->firsts), BB_VALUE(scale), BB_VALUE(collapsed), BB_VALUE(none),
-                     BB_VALUE(octants), BB_MEM(*nodes), BB_MEM(*sides));
+                     BB_VALUE(octants), BB_VALUE(greedy), BB_MEM(*nodes), BB_MEM(*sides));
 }
