@@ -156,8 +156,7 @@ int greedy_size(global const bb_pair *pairs, uint side)
 /* The same, without a plan. */
 uint greedy_sides(global const bb_pair *pairs, uint root, uint sides[BB_WIDTH])
 {
-    bb_greedy g;
-    g.count = 1u;
+    bb_greedy g = bb_greedy_of(root);
     uint at = 0, opened = root;
     for (;;) {
         uint left = 2u * opened, right = left + 1u;
@@ -165,10 +164,10 @@ uint greedy_sides(global const bb_pair *pairs, uint root, uint sides[BB_WIDTH])
         at = bb_greedy_next(&g);
         if (at == BB_WIDTH)
             break;
-        opened = pairs[g.sides[at] >> 1].links[g.sides[at] & 1u];
+        uint side = bb_greedy_side(&g, at);
+        opened = pairs[side >> 1].links[side & 1u];
     }
-    for (uint c = 0; c < g.count; c++)
-        sides[c] = g.sides[c];
+    BB_VECTOR(vstore, BB_WIDTH)(g.sides, 0, sides);
     return g.count;
 }
 

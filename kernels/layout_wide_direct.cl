@@ -231,6 +231,59 @@ typedef struct opener {
     uint collapsed, one_kind, greedy;
 } opener;
 
+int greedy_size(global const uint2 *words, uint side)
+{
+    return (side & BB_LEAF_BIT) != 0 ? BB_GREEDY_LEAF : (int)(words[side].x & ~15u);
+}
+
+/* What the wide node of node n takes in, left to right, greedily; how many. */
+uint greedy_sides(global const bb_node *nodes, global const uint2 *words, uint n,
+                  uint sides[BB_WIDTH])
+{
+    bb_greedy g = bb_greedy_of(n);
+    uint at = 0, opened = n;
+    for (;;) {
+        uint2 word = words[opened];
+        uint left = bb_left_side(word, 0u).x, right = bb_right_side(nodes, word, 0u).x;
+        bb_greedy_open(&g, at, left, greedy_size(words, left), right,
+                       greedy_size(words, right));
+        at = bb_greedy_next(&g);
+        if (at == BB_WIDTH)
+            break;
+        opened = bb_greedy_side(&g, at);
+    }
+    BB_VECTOR(vstore, BB_WIDTH)(g.sides, 0, sides);
+    return g.count;
+}
+
+/* The same by the plan. */
+uint planned_sides(global const bb_node *nodes, global const uint2 *words, uint n,
+                  uint sides[BB_WIDTH])
+{
+    uint2 stack[BB_WIDTH];
+    uint top = 0, count = 0;
+    uint2 word = words[n];
+    uint split = word.x >> 4u * (BB_WIDTH - 1u) & 15u;
+    stack[top++] = bb_right_side(nodes, word, BB_WIDTH - split);
+    stack[top++] = bb_left_side(word, split);
+    while (top > 0u) {
+        uint2 item = stack[--top];
+        uint places = item.y;
+        split = 0;
+        if (places > 1u && (item.x & BB_LEAF_BIT) == 0) {
+            word = words[item.x];
+            split = bb_plan_split(word.x, &places);
+        }
+        if (split != 0u) {
+            stack[top++] = bb_right_side(nodes, word, places - split);
+            stack[top++] = bb_left_side(word, split);
+        } else {
+            sides[count++] = item.x;
+        }
+    }
+    return count;
+}
+
 /* Of the leaf that node n became. */
 uint blocks_of_leaf(const opener *o, uint n)
 {
@@ -247,8 +300,8 @@ uint blocks_of_leaf(const opener *o, uint n)
 uint open_node(const opener *o, uint n, uint sides[BB_WIDTH], uint *need)
 {
     uint own[BB_WIDTH], inner = 0;
-    uint children = o->greedy != 0u ? bb_direct_greedy_sides(o->nodes, o->words, n, own)
-                                    : bb_direct_sides(o->nodes, o->words, n, own);
+    uint children = o->greedy != 0u ? greedy_sides(o->nodes, o->words, n, own)
+                                    : planned_sides(o->nodes, o->words, n, own);
     for (uint c = 0; c < children; c++)
         BB_PREFETCH(o->words + (own[c] & BB_INDEX_MASK) + 4u * BB_AHEAD);
     *need += children - 1u;

@@ -64,7 +64,7 @@ typedef struct node_writer {
     global const ulong *bits;
     global const uint *before, *firsts;
     float scale;
-    uint collapsed, none, octants, greedy;
+    uint collapsed, none, octants;
 } node_writer;
 
 uint link_of(const node_writer *w, uint side)
@@ -115,8 +115,7 @@ typedef struct batch {
 void add_to_batch(const node_writer *w, uint n, batch *b)
 {
     uint *own = b->sides[b->count];
-    uint children = w->greedy != 0u ? bb_direct_greedy_sides(w->nodes, w->words, n, own)
-                                    : bb_direct_sides(w->nodes, w->words, n, own);
+    uint children = bb_direct_sides(w->nodes, w->words, w->bits, n, own);
     for (uint c = 0; c < children; c++) {
         uint side = own[c] & BB_INDEX_MASK;
         BB_PREFETCH(w->nodes + side);
@@ -130,10 +129,9 @@ void add_to_batch(const node_writer *w, uint n, batch *b)
 kernel void direct_nodes(global const bb_node *nodes, global const uint2 *words, uint count,
                          global const ulong *bits, global const uint *before,
                          global const uint *firsts, float scale, uint collapsed, uint none,
-                         uint octants, uint greedy, global bb_wide *wide, global uint *sides)
+                         uint octants, global bb_wide *wide, global uint *sides)
 {
-    const node_writer w = {nodes, words,     bits, before,  firsts,
-                           scale, collapsed, none, octants, greedy};
+    const node_writer w = {nodes, words, bits, before, firsts, scale, collapsed, none, octants};
     uint begin = get_global_id(0) * BB_DIRECT_CHUNK, end = BB_MIN(begin + BB_DIRECT_CHUNK, count);
     if (begin >= count)
         return;

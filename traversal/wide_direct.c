@@ -184,11 +184,10 @@ bb_status bb_wide_direct_nodes(bb_wide_direct *d, const bb_layout_source *source
 {
     const bb_tree *tree = source->tree;
     uint32_t count = tree->info.node_count, collapsed = source->leaf > 1,
-             none = collapsed ? d->block_count : tree->info.ref_count, octants = source->octants,
-             greedy = source->greedy;
+             none = collapsed ? d->block_count : tree->info.ref_count, octants = source->octants;
     float scale = source->scene->scale;
     return bb_launch(d->device, d->nodes, chunks_of(tree), 1, BB_MEM(tree->d_nodes),
                      BB_MEM(d->words), BB_VALUE(count), BB_MEM(d->bits), BB_MEM(d->before),
                      BB_MEM(d->firsts), BB_VALUE(scale), BB_VALUE(collapsed), BB_VALUE(none),
-                     BB_VALUE(octants), BB_VALUE(greedy), BB_MEM(*nodes), BB_MEM(*sides));
+                     BB_VALUE(octants), BB_MEM(*nodes), BB_MEM(*sides));
 }
