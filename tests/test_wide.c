@@ -23,7 +23,9 @@ static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32
                      uint32_t block, bb_tree **out)
 {
     ASSERT_OK(bb_tree_upload(tree, device, NULL));
-    ASSERT_OK(bb_collapse_make(collapse, tree, 1.0f, leaf, width, block, out));
+    ASSERT_OK(bb_collapse_make(collapse, tree, 1.0f, leaf,
+                               bb_collapse_traversal(bb_collapse_node_cost(width), width), block,
+                               out));
     ASSERT_OK(bb_tree_download(*out, NULL));
 }
 
@@ -97,6 +99,9 @@ static void collapse_decides_by_cost(void **state)
     collapse(self, &tree, 2, 8, 4, &out); /* one block, 203, against 1.2 * 4 / 7 * 203 + 2 * 3 */
     assert_int_equal(out->info.node_count, 3);
     collapse(self, &tree, 2, 2, 4, &out); /* 203 against 1.2 * 203 + 2 * 3 */
+    assert_int_equal(out->info.node_count, 1);
+    /* the same where a node of 8 costs as much as 40 blocks: 40 / 7 * 203 + 2 * 3 */
+    ASSERT_OK(bb_collapse_make(self, &tree, 1.0f, 2, bb_collapse_traversal(40, 8), 4, &out));
     assert_int_equal(out->info.node_count, 1);
     bb_tree_release(&tree);
 
@@ -544,7 +549,7 @@ static double area_below(const wide *w, uint32_t link)
 }
 
 /* Who asks for it by name gets it; who has no use for it is told. */
-static void a_kernel_asks_for_its_plan(void **state)
+static void a_kernel_asks_for_its_nodes(void **state)
 {
     (void)state;
     bb_spec spec;
@@ -556,19 +561,58 @@ static void a_kernel_asks_for_its_plan(void **state)
     assert_int_equal(bb_kernel_parse("stack4:plan=best", &spec, &kernel), BB_INVALID);
     assert_int_equal(bb_kernel_parse("stack:plan=optimal", &spec, &kernel), BB_INVALID);
     assert_non_null(strstr(bb_message(), "drop plan="));
+    ASSERT_OK(bb_kernel_parse("stack8i:leaf=8,node=0.25", &spec, &kernel));
+    assert_true(bb_kernel_wish(&spec).node_cost == 0.25);
+    ASSERT_OK(bb_kernel_parse("stack:leaf=8", &spec, &kernel));
+    assert_true(bb_kernel_wish(&spec).node_cost == 0);
+    assert_int_equal(bb_kernel_parse("stack8i:leaf=8,node=0", &spec, &kernel), BB_INVALID);
+    assert_int_equal(bb_kernel_parse("stack8i:leaf=8,node=half", &spec, &kernel), BB_INVALID);
+    assert_int_equal(bb_kernel_parse("stack8i:node=0.25", &spec, &kernel), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "give leaf=N"));
 }
 
 /* Triangles with corners of small whole numbers, so that areas have no error and many are equal. */
-static bb_scene *make_lattice_scene(bb_random *random)
+static bb_scene *make_lattice_scene(uint32_t count, bb_random *random)
 {
-    uint32_t count = 2 + bb_random_below(random, 63);
     float v[9 * 64];
+    assert_true(count <= 64);
     for (uint32_t i = 0; i < 9 * count; i++)
         v[i] = (float)bb_random_below(random, 12);
     bb_scene *scene = make_scene(v, count, NULL, 0);
     assert_true(scene->scale == 1.0f); /* what padded_box() is for */
     ASSERT_OK(bb_scene_upload(scene, device));
     return scene;
+}
+
+/* The cheaper a node, the fewer leaves become one: and the layout's name says what it was taken to
+ * cost. */
+static void cheap_nodes_keep_leaves_apart(void **state)
+{
+    (void)state;
+    static const double costs[] = {100, 0.01};
+    bb_random random = bb_random_make(SEED + 5, 0);
+    bb_tree tree;
+    size_t before = 0;
+    device = devices[CPU_FORM];
+    bb_scene *scene = make_lattice_scene(64, &random);
+    make_random_tree(scene, 2, 1, &random, &tree);
+    ASSERT_OK(bb_tree_upload(&tree, device, NULL));
+    for (size_t i = 0; i < sizeof costs / sizeof costs[0]; i++) {
+        bb_layout_maker maker;
+        bb_layout_data data = {0};
+        char node[24];
+        ASSERT_OK(bb_layout_maker_create(bb_layout_find("wide8"), device, &maker));
+        maker.wish.node_cost = costs[i];
+        ASSERT_OK(bb_layout_maker_make(&maker, scene, &tree, 8, BB_FORMAT_VERTICES, &data));
+        snprintf(node, sizeof node, "node=%g", costs[i]);
+        assert_non_null(strstr(data.name, node));
+        assert_true(data.buffers[0].bytes > before);
+        before = data.buffers[0].bytes;
+        bb_layout_data_release(&data);
+        bb_layout_maker_destroy(&maker);
+    }
+    bb_tree_release(&tree);
+    free_uploaded(scene);
 }
 
 /* Greedy nodes are those of the definition, and the plan's have no more area: less on some tree. */
@@ -579,7 +623,7 @@ static void nodes_are_those_of_the_plan(void **state)
     uint32_t better = 0;
     for (uint32_t run = 0; run < (small() ? 6u : 60u); run++) {
         bb_random random = bb_random_make(SEED + 4, run);
-        bb_scene *scene = make_lattice_scene(&random);
+        bb_scene *scene = make_lattice_scene(2 + bb_random_below(&random, 63), &random);
         const char *name = run % 2 == 0 ? "wide8" : "wide4";
         bb_tree tree;
         uint32_t root;
@@ -621,7 +665,8 @@ static made make_on(int form, bb_scene *scene, const char *name, uint32_t arity,
     make_random_tree(scene, arity, per_leaf, &random, &tree);
     ASSERT_OK(bb_tree_upload(&tree, device, NULL));
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
-    maker.wish = (bb_layout_wish){.octants = run % 2 == 1, .greedy = run / 2 % 2 == 1};
+    maker.wish = (bb_layout_wish){
+        .octants = run % 2 == 1, .greedy = run / 2 % 2 == 1, .node_cost = run % 3 == 1 ? 0.5 : 0};
     ASSERT_OK(bb_layout_maker_make(&maker, scene, &tree, leaf, BB_FORMAT_VERTICES, &data));
     made made = {data.root, data.stack_need, data.lanes, {0}, {NULL}};
     for (uint32_t i = 0; i < 2; i++) {
@@ -696,7 +741,8 @@ int main(void)
         cmocka_unit_test(nodes_are_those_of_the_plan),
     };
     const struct CMUnitTest of_all[] = {
-        cmocka_unit_test(a_kernel_asks_for_its_plan),
+        cmocka_unit_test(a_kernel_asks_for_its_nodes),
+        cmocka_unit_test(cheap_nodes_keep_leaves_apart),
         cmocka_unit_test(all_ways_make_one_layout),
     };
     int failed = open_devices(NULL);

@@ -21,9 +21,10 @@ enum {
 
 /* What a kernel asks of its layout beside what it asks for the scene. */
 typedef struct bb_layout_wish {
-    uint32_t kinds; /* of primitives that records shall have room for, beside the scene's */
-    bool octants;   /* children of nodes of 8 in places by the octant that they lie in */
-    bool greedy;    /* wide nodes by the largest box, not by the plan of least area */
+    uint32_t kinds;   /* of primitives that records shall have room for, beside the scene's */
+    bool octants;     /* children of nodes of 8 in places by the octant that they lie in */
+    bool greedy;      /* wide nodes by the largest box, not by the plan of least area */
+    double node_cost; /* as bb_layout.node_cost; 0: that one */
 } bb_layout_wish;
 
 /* What a layout is made of. */
@@ -31,12 +32,13 @@ typedef struct bb_layout_source {
     const bb_scene *scene;
     const bb_tree *tree; /* on the device */
     const bb_buffer
-        *reach;     /* float per node: the longest side of the primitives below it; NULL: the
+        *reach;      /* float per node: the longest side of the primitives below it; NULL: the
                                node's box holds them whole, and has their longest side */
-    uint32_t kinds; /* of primitives that records have room for: the scene's at least */
-    bool octants;   /* bb_layout_wish */
-    bool greedy;    /* bb_layout_wish */
-    uint32_t leaf;  /* references that make() may gather in a leaf; 0: collapse has been there */
+    uint32_t kinds;  /* of primitives that records have room for: the scene's at least */
+    bool octants;    /* bb_layout_wish */
+    bool greedy;     /* bb_layout_wish */
+    float traversal; /* what leaf collapse takes a pair of children to cost */
+    uint32_t leaf;   /* references that make() may gather in a leaf; 0: collapse has been there */
     const bb_buffer *array; /* the side array that the layout asks for; NULL if none */
     /* The object's last make() was of this tree, with the same links: its numbering is still in
      * scratch, and good; boxes and primitives are not. */
@@ -69,6 +71,9 @@ typedef struct bb_layout {
     const char *summary;
     uint32_t width; /* most children of a node; 2 if there is no limit. Required */
     uint32_t block; /* number of primitives that its kernels test at once. Required */
+    /* What its kernels need for a node, where they need 1 for a block: leaf collapse goes by it.
+     * Optional: BB_COST_TRAVERSAL per pair of children. */
+    double node_cost;
     /* The side array of the tree that make() reads (bb_tree_reserve_array()): trees without one of
      * this name and format are refused. Optional. */
     struct {
@@ -174,7 +179,7 @@ typedef struct bb_kernel {
     uint32_t trail_max;
     /* Its own options: the value of `name` reaches the kernel as -DBB_NAME=value, so each must list
      * its `values`. Common to all kernels: `leaf`, `group`, `stack`, `kinds`, `plan`,
-     * `persistent`. */
+     * `node`, `persistent`. */
     const bb_option *options;
 } bb_kernel;
 

@@ -91,7 +91,7 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_leaf_prims_create(device, account, &self->leaf_prims));
     if (device->form == BB_FORM_CPU)
-        BB_TRY(bb_wide_direct_create(device, account, self->pairs.primitives, width, self->defines,
+        BB_TRY(bb_wide_direct_create(device, account, self->pairs.primitives, self->defines,
                                      &self->direct));
     BB_TRY(
         bb_program_build(device, bb_source_find("layout_wide.cl"), self->defines, &self->program));
