@@ -22,9 +22,9 @@ void bb_collapse_destroy(bb_collapse *collapse); /* NULL is allowed */
 /* Makes a copy of `tree`, which is on the device, in which each subtree of at most `max_leaf`
  * references (1 to BB_LEAF_MAX) has become one leaf, wherever that does not raise the SAH. A leaf
  * costs Ci = 1 per started block of `block` references; an inner node `traversal` for each pair of
- * children (bb_collapse_traversal()). Areas are those of boxes times `scale`, the scene's. If several leaves of a subtree reference the
- * same primitive, the new leaf does so once. *out is on the device, belongs to `collapse` and is
- * valid until the next call. Its info has been fetched. */
+ * children (bb_collapse_traversal()). Areas are those of boxes times `scale`, the scene's. If
+ * several leaves of a subtree reference the same primitive, the new leaf does so once. *out is on
+ * the device, belongs to `collapse` and is valid until the next call. Its info has been fetched. */
 bb_status bb_collapse_make(bb_collapse *collapse, const bb_tree *tree, float scale,
                            uint32_t max_leaf, float traversal, uint32_t block, bb_tree **out);
 

@@ -94,10 +94,9 @@ static bool collapses_first(const bb_layout_maker *maker, const bb_tree *tree, u
 /* Ct of a pair of children. */
 static float traversal_of(const bb_layout_maker *maker)
 {
-    const bb_layout *layout = maker->layout;
-    double node = layout->node_cost > 0 ? layout->node_cost : bb_collapse_node_cost(layout->width);
-    return bb_collapse_traversal(maker->wish.node_cost > 0 ? maker->wish.node_cost : node,
-                                 layout->width);
+    uint32_t width = maker->layout->width;
+    double wish = maker->wish.node_cost;
+    return bb_collapse_traversal(wish > 0 ? wish : bb_collapse_node_cost(width), width);
 }
 
 /* What is timed. *traced is the tree whose leaves the layout has: collapsed, or `tree` itself. */

@@ -23,7 +23,8 @@ const bb_option bb_kernel_common_options[] = {
      "nodes of more than two children: of least area in all, or by opening the largest child; "
      "default: optimal"},
     {"node", NULL, NULL,
-     "what leaf=N takes a node to cost, a block of primitives being 1; default: as measured"},
+     "what leaf=N takes a node to cost, a block of primitives being 1; default: "
+     "1.2 per pair of children"},
     {"persistent", "no", "no|yes",
      "as many groups as fit the device, which fetch rays from a counter: for GPUs"},
     {.name = NULL},

@@ -24,7 +24,7 @@ typedef struct bb_layout_wish {
     uint32_t kinds;   /* of primitives that records shall have room for, beside the scene's */
     bool octants;     /* children of nodes of 8 in places by the octant that they lie in */
     bool greedy;      /* wide nodes by the largest box, not by the plan of least area */
-    double node_cost; /* as bb_layout.node_cost; 0: that one */
+    double node_cost; /* in blocks of primitives, for leaf collapse; 0: bb_collapse_node_cost() */
 } bb_layout_wish;
 
 /* What a layout is made of. */
@@ -71,9 +71,6 @@ typedef struct bb_layout {
     const char *summary;
     uint32_t width; /* most children of a node; 2 if there is no limit. Required */
     uint32_t block; /* number of primitives that its kernels test at once. Required */
-    /* What its kernels need for a node, where they need 1 for a block: leaf collapse goes by it.
-     * Optional: BB_COST_TRAVERSAL per pair of children. */
-    double node_cost;
     /* The side array of the tree that make() reads (bb_tree_reserve_array()): trees without one of
      * this name and format are refused. Optional. */
     struct {
