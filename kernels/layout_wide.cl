@@ -4,7 +4,7 @@
  *   plan, bottom-up; the last of a pair's two sides to come hands over to it (handover.clh)
  *                                                (wide_parents, wide_plan, or plan_leaves and
  *                                                plan_level)
- *     costs of the pair as 1, 2, ... children, and its splits: wide_plan.clh
+ *     costs of the pair as 1, 2, ... children, and its splits: wide_plan.clh; none if it is greedy
  *   level by level from the root: open the pair by its plan, mark it; those of its children that
  *   are pairs are the next
  *     level; keep the sides of pairs that it takes in, in place of its plan       (wide_open)
@@ -124,8 +124,8 @@ kernel void plan_level(global const bb_pair *pairs, uint root, global const uint
 }
 
 /* What the wide node that pair `root` becomes takes in: sides of pairs, 2 * pair + side, one per
- * child, left to right. How many; the rest of `sides` is BB_NONE. */
-uint opened_sides(global const bb_pair *pairs, global const bb_wide_plan *plans, uint root,
+ * child, left to right. How many. */
+uint planned_sides(global const bb_pair *pairs, global const bb_wide_plan *plans, uint root,
                   uint sides[BB_WIDTH])
 {
     uint2 stack[BB_WIDTH]; /* side of a pair, places */
@@ -144,9 +144,31 @@ uint opened_sides(global const bb_pair *pairs, global const bb_wide_plan *plans,
             sides[count++] = item.x;
         }
     }
-    for (uint c = count; c < BB_WIDTH; c++)
-        sides[c] = BB_NONE;
     return count;
+}
+
+int greedy_size(global const bb_pair *pairs, uint side)
+{
+    uint link = pairs[side >> 1].links[side & 1u];
+    return (link & BB_LEAF_BIT) != 0 ? BB_GREEDY_LEAF : bb_greedy_size(pairs[link].area);
+}
+
+/* The same, without a plan. */
+uint greedy_sides(global const bb_pair *pairs, uint root, uint sides[BB_WIDTH])
+{
+    bb_greedy g = bb_greedy_of(root);
+    uint at = 0, opened = root;
+    for (;;) {
+        uint left = 2u * opened, right = left + 1u;
+        bb_greedy_open(&g, at, left, greedy_size(pairs, left), right, greedy_size(pairs, right));
+        at = bb_greedy_next(&g);
+        if (at == BB_WIDTH)
+            break;
+        uint side = bb_greedy_side(&g, at);
+        opened = pairs[side >> 1].links[side & 1u];
+    }
+    BB_VECTOR(vstore, BB_WIDTH)(g.sides, 0, sides);
+    return g.count;
 }
 
 /* Pairs that one work-item has still to open. */
@@ -159,17 +181,18 @@ typedef struct open_list {
 /* Opens a pair. Those of its children that are pairs go on the list, the last first, or, where it
  * is full, to the next level. An opened pair's plan is not needed any more: `opened` is in its
  * place. */
-void open_pair(global const bb_pair *pairs, global const bb_wide_plan *plans, uint2 item,
-               open_list *list, global uint *marks, global uint *opened,
+void open_pair(global const bb_pair *pairs, global const bb_wide_plan *plans, uint greedy,
+               uint2 item, open_list *list, global uint *marks, global uint *opened,
                volatile global uint *next_count, global uint2 *next)
 {
     uint sides[BB_WIDTH];
-    uint children = opened_sides(pairs, plans, item.x, sides);
+    uint children = greedy != 0u ? greedy_sides(pairs, item.x, sides)
+                                 : planned_sides(pairs, plans, item.x, sides);
     uint need = item.y + children - 1u;
     list->need = BB_MAX(need, list->need);
     marks[item.x] = 1u;
     for (uint c = 0; c < BB_WIDTH; c++)
-        opened[(ulong)item.x * OPENED_WORDS + c] = sides[c];
+        opened[(ulong)item.x * OPENED_WORDS + c] = c < children ? sides[c] : BB_NONE;
     for (uint c = children; c-- > 0u;) {
         uint link = pairs[sides[c] >> 1].links[sides[c] & 1u];
         if ((link & BB_LEAF_BIT) != 0)
@@ -184,7 +207,7 @@ void open_pair(global const bb_pair *pairs, global const bb_wide_plan *plans, ui
 /* One level, and from level `deeper` on all that is below it, as long as the list has room: what
  * lies together is then opened one after the other. state[0]: the largest stack need so far;
  * state[1 + level]: items of the level. */
-kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *plans,
+kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *plans, uint greedy,
                       global const uint2 *level, uint number, uint deeper,
                       volatile global uint *state, global uint *marks, global uint *opened,
                       global uint2 *next)
@@ -195,9 +218,9 @@ kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *pl
     list.need = 0;
     for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
         list.count = number < deeper ? OPEN_LATER : 0u;
-        open_pair(pairs, plans, level[i], &list, marks, opened, next_count, next);
+        open_pair(pairs, plans, greedy, level[i], &list, marks, opened, next_count, next);
         while (number >= deeper && list.count > 0u)
-            open_pair(pairs, plans, list.items[--list.count], &list, marks, opened,
+            open_pair(pairs, plans, greedy, list.items[--list.count], &list, marks, opened,
                       next_count, next);
     }
     if (list.need > 0u)

@@ -4,7 +4,7 @@
  *
  *   one work-item cuts the tree into subtrees enough for all cores                    (direct_cut)
  *   for each subtree: bottom-up on a private stack, leaf or not (collapse_cost.clh), and the plan
- *     (wide_plan.clh); kept is a word per node                                       (direct_plan)
+ *     (wide_plan.clh), or the area that greedy goes by; kept is a word per node      (direct_plan)
  *   one work-item: the same above the subtrees; then opens nodes there, from the root (direct_top)
  *   for each node below that is to be opened: it and all below it; marks              (direct_open)
  *   marks as bits, counted, and scanned: nodes keep the order of the tree in memory (direct_count)
@@ -73,6 +73,7 @@ typedef struct planner {
     global const bb_node *nodes;
     global uint2 *words;
     bb_cost_model model;
+    uint greedy;
 } planner;
 
 /* Always: with the results in registers a node takes half the time. */
@@ -130,7 +131,9 @@ BB_INLINED void plan_node(const planner *p, uint n, uint left, uint right, const
     float scale = p->model.scale;
     float area = bb_finite_half_area(size.x * scale, size.y * scale, size.z * scale);
     uint splits;
-    if ((flags & (BB_LEFT_LEAF | BB_RIGHT_LEAF)) == (BB_LEFT_LEAF | BB_RIGHT_LEAF)) {
+    if (p->greedy != 0u) {
+        splits = (uint)bb_greedy_size(area);
+    } else if ((flags & (BB_LEFT_LEAF | BB_RIGHT_LEAF)) == (BB_LEFT_LEAF | BB_RIGHT_LEAF)) {
         /* what bb_plan_pair() says of leaves */
         splits = (area > 0.0f ? 1u << 4u : 0u) | 1u << 4u * (BB_WIDTH - 1u);
         d->costs.s0 = area;
@@ -202,14 +205,14 @@ done get_done(global const bb_direct_done *at)
 }
 
 kernel void direct_plan(global const bb_node *nodes, float scale, float traversal,
-                        float intersection, uint block, uint max_leaf,
+                        float intersection, uint block, uint max_leaf, uint greedy,
                         global const bb_direct_piece *pieces, global const bb_direct_state *state,
                         global uint2 *words, global bb_direct_done *results)
 {
     uint i = get_global_id(0);
     if (i >= state->pieces || pieces[i].child != BB_NONE)
         return;
-    const planner p = {nodes, words, {scale, traversal, intersection, block, max_leaf}};
+    const planner p = {nodes, words, {scale, traversal, intersection, block, max_leaf}, greedy};
     done d;
     plan_subtree(&p, pieces[i].node, &d);
     put_done(&d, results + i);
@@ -225,8 +228,61 @@ typedef struct opener {
     global const uint2 *words;
     global uchar *marks;
     bb_prim_ends ends;
-    uint collapsed, one_kind;
+    uint collapsed, one_kind, greedy;
 } opener;
+
+int greedy_size(global const uint2 *words, uint side)
+{
+    return (side & BB_LEAF_BIT) != 0 ? BB_GREEDY_LEAF : (int)(words[side].x & ~15u);
+}
+
+/* What the wide node of node n takes in, left to right, greedily; how many. */
+uint greedy_sides(global const bb_node *nodes, global const uint2 *words, uint n,
+                  uint sides[BB_WIDTH])
+{
+    bb_greedy g = bb_greedy_of(n);
+    uint at = 0, opened = n;
+    for (;;) {
+        uint2 word = words[opened];
+        uint left = bb_left_side(word, 0u).x, right = bb_right_side(nodes, word, 0u).x;
+        bb_greedy_open(&g, at, left, greedy_size(words, left), right,
+                       greedy_size(words, right));
+        at = bb_greedy_next(&g);
+        if (at == BB_WIDTH)
+            break;
+        opened = bb_greedy_side(&g, at);
+    }
+    BB_VECTOR(vstore, BB_WIDTH)(g.sides, 0, sides);
+    return g.count;
+}
+
+/* The same by the plan. */
+uint planned_sides(global const bb_node *nodes, global const uint2 *words, uint n,
+                  uint sides[BB_WIDTH])
+{
+    uint2 stack[BB_WIDTH];
+    uint top = 0, count = 0;
+    uint2 word = words[n];
+    uint split = word.x >> 4u * (BB_WIDTH - 1u) & 15u;
+    stack[top++] = bb_right_side(nodes, word, BB_WIDTH - split);
+    stack[top++] = bb_left_side(word, split);
+    while (top > 0u) {
+        uint2 item = stack[--top];
+        uint places = item.y;
+        split = 0;
+        if (places > 1u && (item.x & BB_LEAF_BIT) == 0) {
+            word = words[item.x];
+            split = bb_plan_split(word.x, &places);
+        }
+        if (split != 0u) {
+            stack[top++] = bb_right_side(nodes, word, places - split);
+            stack[top++] = bb_left_side(word, split);
+        } else {
+            sides[count++] = item.x;
+        }
+    }
+    return count;
+}
 
 /* Of the leaf that node n became. */
 uint blocks_of_leaf(const opener *o, uint n)
@@ -244,7 +300,8 @@ uint blocks_of_leaf(const opener *o, uint n)
 uint open_node(const opener *o, uint n, uint sides[BB_WIDTH], uint *need)
 {
     uint own[BB_WIDTH], inner = 0;
-    uint children = bb_direct_sides(o->nodes, o->words, n, own);
+    uint children = o->greedy != 0u ? greedy_sides(o->nodes, o->words, n, own)
+                                    : planned_sides(o->nodes, o->words, n, own);
     for (uint c = 0; c < children; c++)
         BB_PREFETCH(o->words + (own[c] & BB_INDEX_MASK) + 4u * BB_AHEAD);
     *need += children - 1u;
@@ -261,12 +318,13 @@ uint open_node(const opener *o, uint n, uint sides[BB_WIDTH], uint *need)
  * queue: a node, and the stack's need above it. */
 kernel void direct_top(global const bb_node *nodes, global const uint *refs, bb_prim_ends ends,
                        float scale, float traversal, float intersection, uint block, uint max_leaf,
-                       uint root, global const bb_direct_piece *pieces, global uint2 *words,
+                       uint greedy, uint root, global const bb_direct_piece *pieces,
+                       global uint2 *words,
                        global bb_direct_done *results, global uchar *marks, uint one_kind,
                        global uint2 *queue, global bb_direct_state *state)
 {
-    const planner p = {nodes, words, {scale, traversal, intersection, block, max_leaf}};
-    const opener o = {nodes, refs, words, marks, ends, max_leaf > 1u ? 1u : 0u, one_kind};
+    const planner p = {nodes, words, {scale, traversal, intersection, block, max_leaf}, greedy};
+    const opener o = {nodes, refs, words, marks, ends, max_leaf > 1u ? 1u : 0u, one_kind, greedy};
     for (uint i = state->pieces; i-- > 0u;) {
         uint child = pieces[i].child;
         if (child == BB_NONE)
@@ -300,14 +358,14 @@ kernel void direct_top(global const bb_node *nodes, global const uint *refs, bb_
 }
 
 kernel void direct_open(global const bb_node *nodes, global const uint *refs, bb_prim_ends ends,
-                        uint collapsed, uint one_kind, global const uint2 *words,
-                        global uchar *marks,
-                        global const uint2 *queue, volatile global bb_direct_state *state)
+                        uint collapsed, uint one_kind, uint greedy, global const uint2 *words,
+                        global uchar *marks, global const uint2 *queue,
+                        volatile global bb_direct_state *state)
 {
     uint i = get_global_id(0);
     if (i >= state->queued || (words[queue[i].x].x & BB_TOP) != 0u)
         return;
-    const opener o = {nodes, refs, words, marks, ends, collapsed, one_kind};
+    const opener o = {nodes, refs, words, marks, ends, collapsed, one_kind, greedy};
     uint2 stack[(BB_WIDTH - 1) * BB_DIRECT_DEPTH + 1];
     uint top = 0, deepest = 0, sides[BB_WIDTH];
     stack[top++] = queue[i];

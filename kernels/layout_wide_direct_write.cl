@@ -115,7 +115,7 @@ typedef struct batch {
 void add_to_batch(const node_writer *w, uint n, batch *b)
 {
     uint *own = b->sides[b->count];
-    uint children = bb_direct_sides(w->nodes, w->words, n, own);
+    uint children = bb_direct_sides(w->nodes, w->words, w->bits, n, own);
     for (uint c = 0; c < children; c++) {
         uint side = own[c] & BB_INDEX_MASK;
         BB_PREFETCH(w->nodes + side);

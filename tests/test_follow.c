@@ -67,7 +67,7 @@ static void stop(moving *m)
 }
 
 static void come_back(bb_device *device, const char *scene, const char *builder, const char *layout,
-                      uint32_t leaf)
+                      uint32_t leaf, bool greedy)
 {
     moving m;
     bb_layout_maker maker;
@@ -75,6 +75,7 @@ static void come_back(bb_device *device, const char *scene, const char *builder,
     bool in_place;
     start(&m, device, scene, builder);
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(layout), device, &maker));
+    maker.wish.greedy = greedy;
     ASSERT_OK(bb_layout_maker_make(&maker, m.scene, &m.instance.tree, leaf, 0, &data));
     bytes before = read_layout(&data);
     for (uint32_t frame = 1; frame <= FRAMES; frame++) {
@@ -111,7 +112,7 @@ static void layouts_come_back(void **state)
             come_back(
                 devices[CPU_FORM],
                 scene_of("crowd:kind=explode,n=100,frames=4", "crowd:kind=explode,n=2000,frames=4"),
-                "lbvh+refit", layouts[i], leaf);
+                "lbvh+refit", layouts[i], leaf, false);
 }
 
 /* Nodes of many children: several pairs of a node, and sides that are made of several children. */
@@ -120,7 +121,16 @@ static void layouts_of_many_children_come_back(void **state)
     (void)state;
     for (int i = 0; i < LAYOUTS; i++)
         come_back(devices[CPU_FORM], scene_of("twist:n=100,frames=4", "twist:n=1500,frames=4"),
-                  "loose-bvh+refit", layouts[i], 1);
+                  "loose-bvh+refit", layouts[i], 1, false);
+}
+
+/* Nodes that were opened greedily, straight from the tree and by way of pairs. */
+static void greedy_nodes_come_back(void **state)
+{
+    (void)state;
+    const char *scene = scene_of("twist:n=100,frames=4", "twist:n=1500,frames=4");
+    come_back(devices[CPU_FORM], scene, "lbvh+refit", "wide8", 4, true);
+    come_back(devices[CPU_FORM], scene, "loose-bvh+refit", "wide4", 1, true);
 }
 
 /* A tree that is one leaf, and one of a single inner node. */
@@ -130,7 +140,7 @@ static void small_layouts_come_back(void **state)
     for (int i = 0; i < LAYOUTS; i++)
         for (uint32_t leaf = 1; leaf <= 64; leaf += 63)
             come_back(devices[CPU_FORM], "crowd:kind=flow,n=2,frames=4", "lbvh+refit", layouts[i],
-                      leaf);
+                      leaf, false);
 }
 
 /* A new tree of another number of nodes: what was known of the old one is forgotten. */
@@ -178,6 +188,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layouts_come_back),
         cmocka_unit_test(layouts_of_many_children_come_back),
+        cmocka_unit_test(greedy_nodes_come_back),
         cmocka_unit_test(small_layouts_come_back),
         cmocka_unit_test(a_new_tree_is_followed_too),
     };

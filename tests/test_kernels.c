@@ -227,7 +227,7 @@ static void compare(const bb_scene *scene, const bb_layout_data *layout, const b
     assert_true(decided > RAYS / 2 && hits > RAYS / 4);
 }
 
-static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
+static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf, bool greedy,
                             const bb_kernel *kernel, const bb_intersector *intersector)
 {
     bb_layout_maker maker;
@@ -235,6 +235,7 @@ static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
     if (leaf > 1 && getenv("BVHBENCH_TEST_SMALL") != NULL)
         return; /* slow there, and test_wide looks at leaf collapse itself */
     check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
+    maker.wish.greedy = greedy;
     check(
         bb_layout_maker_make(&maker, scene, tree, leaf, bb_intersector_format(intersector), &data),
         "layout");
@@ -267,12 +268,33 @@ static void kernels_agree_with_brute_force(void **state)
             check(bb_tree_upload(&instance.tree, device, NULL), "upload");
             for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
                 for (uint32_t leaf = 1; leaf <= 4; leaf += 3)
-                    compare_on_tree(&scene, &instance.tree, leaf, *kernel, &bb_intersectors[0]);
+                    compare_on_tree(&scene, &instance.tree, leaf, false, *kernel,
+                                    &bb_intersectors[0]);
             bb_instance_destroy(&instance);
         }
         assert_true(ran > 0);
         release_scene(&scene);
     }
+}
+
+/* Nodes opened greedily, for every kernel that reads wide ones. */
+static void kernels_agree_on_greedy_nodes(void **state)
+{
+    (void)state;
+    bb_scene scene;
+    bb_instance instance;
+    uint32_t ran = 0;
+    make_scene(&scene, TRIANGLES, SPHERES);
+    check(bb_instance_create(device, "sah", &scene, 1, &instance), "create");
+    check(bb_instance_build(&instance, &scene, false, NULL), "build");
+    check(bb_tree_upload(&instance.tree, device, NULL), "upload");
+    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
+        for (uint32_t leaf = 1; leaf <= 8 && bb_layout_find((*kernel)->layout)->width > 2;
+             leaf += 7, ran++)
+            compare_on_tree(&scene, &instance.tree, leaf, true, *kernel, &bb_intersectors[0]);
+    assert_true(ran >= 12);
+    bb_instance_destroy(&instance);
+    release_scene(&scene);
 }
 
 /* Away from edges all intersectors are right: with every kernel, for triangles, spheres and
@@ -295,7 +317,7 @@ static void every_kernel_takes_every_intersector(void **state)
                 continue; /* the kinds matter to the form of records */
             for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
                 if (in_this_part((uint64_t)(kernel - bb_kernels) + (uint64_t)(i - bb_intersectors)))
-                    compare_on_tree(&scene, &instance.tree, small ? 1 : 4, *kernel, i);
+                    compare_on_tree(&scene, &instance.tree, small ? 1 : 4, false, *kernel, i);
         }
         bb_instance_destroy(&instance);
         release_scene(&scene);
@@ -397,7 +419,8 @@ static void trees_of_any_arity_are_traced_rightly(void **state)
         check(bb_tree_check(&tree, &scene), "the test's own tree");
         check(bb_tree_upload(&tree, device, NULL), "upload");
         for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
-            compare_on_tree(&scene, &tree, trial % 3 == 0 ? 4 : 1, *kernel, &bb_intersectors[0]);
+            compare_on_tree(&scene, &tree, trial % 3 == 0 ? 4 : 1, false, *kernel,
+                            &bb_intersectors[0]);
         }
         bb_tree_release(&tree);
         release_scene(&scene);
@@ -449,7 +472,7 @@ static void a_tree_of_depth_200_is_traced_rightly(void **state)
         check(bb_tree_check(&tree, &scene), "the test's own tree");
         check(bb_tree_upload(&tree, device, NULL), "upload");
         for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-            compare_on_tree(&scene, &tree, 1, *kernel, &bb_intersectors[0]);
+            compare_on_tree(&scene, &tree, 1, false, *kernel, &bb_intersectors[0]);
         bb_tree_release(&tree);
         release_scene(&scene);
     }
@@ -459,6 +482,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_agree_with_brute_force),
+        cmocka_unit_test(kernels_agree_on_greedy_nodes),
         cmocka_unit_test(every_kernel_takes_every_intersector),
         cmocka_unit_test(answers_depend_on_neither_groups_nor_order),
         cmocka_unit_test(trees_of_any_arity_are_traced_rightly),

@@ -25,9 +25,14 @@ struct bb_collapse {
     bb_tree tree;
 };
 
-float bb_collapse_traversal(uint32_t width)
+double bb_collapse_node_cost(uint32_t width)
 {
-    return (float)(BB_COST_TRAVERSAL * 0.5 * width / (width - 1));
+    return BB_COST_TRAVERSAL * 0.5 * width;
+}
+
+float bb_collapse_traversal(double node, uint32_t width)
+{
+    return (float)(node / (width - 1));
 }
 
 static bb_status get_kernels(bb_collapse *self)
@@ -163,15 +168,15 @@ static bb_status write_tree(bb_collapse *self, const bb_tree *tree, bb_tree **ou
 }
 
 bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, uint32_t max_leaf,
-                           uint32_t width, uint32_t block, bb_tree **out)
+                           float traversal, uint32_t block, bb_tree **out)
 {
-    assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && width >= 2 && block >= 1);
+    assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && traversal > 0.0f && block >= 1);
     uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0, totals[2];
     BB_TRY(reserve(self, count));
     decision d = {.self = self,
                   .tree = tree,
                   .scale = scale,
-                  .traversal = bb_collapse_traversal(width),
+                  .traversal = traversal,
                   .intersection = (float)BB_COST_INTERSECTION,
                   .block = block,
                   .max_leaf = max_leaf};

@@ -7,9 +7,12 @@
 
 typedef struct bb_collapse bb_collapse;
 
-/* Ct of a pair of children in a layout of nodes of up to `width`, one of which replaces width - 1
- * binary ones. */
-float bb_collapse_traversal(uint32_t width);
+/* What a node of `width` children costs by Ct = BB_COST_TRAVERSAL per pair of them. */
+double bb_collapse_node_cost(uint32_t width);
+
+/* Ct of a pair of children in a layout of nodes of up to `width` that cost `node` each, one of
+ * which replaces width - 1 binary ones. */
+float bb_collapse_traversal(double node, uint32_t width);
 
 /* Compiles the kernels. Scratch and the resulting tree are booked on `account`. Owned by the
  * caller. */
@@ -18,13 +21,12 @@ void bb_collapse_destroy(bb_collapse *collapse); /* NULL is allowed */
 
 /* Makes a copy of `tree`, which is on the device, in which each subtree of at most `max_leaf`
  * references (1 to BB_LEAF_MAX) has become one leaf, wherever that does not raise the SAH. A leaf
- * costs Ci = 1 per started block of `block` references; an inner node Ct = 1.2 * children / 2,
- * times width / 2 / (width - 1), since a node of `width` children replaces width - 1 binary ones.
- * Areas are those of boxes times `scale`, the scene's. If several leaves of a subtree reference the
- * same primitive, the new leaf does so once. *out is on the device, belongs to `collapse` and is
- * valid until the next call. Its info has been fetched. */
+ * costs Ci = 1 per started block of `block` references; an inner node `traversal` for each pair of
+ * children (bb_collapse_traversal()). Areas are those of boxes times `scale`, the scene's. If
+ * several leaves of a subtree reference the same primitive, the new leaf does so once. *out is on
+ * the device, belongs to `collapse` and is valid until the next call. Its info has been fetched. */
 bb_status bb_collapse_make(bb_collapse *collapse, const bb_tree *tree, float scale,
-                           uint32_t max_leaf, uint32_t width, uint32_t block, bb_tree **out);
+                           uint32_t max_leaf, float traversal, uint32_t block, bb_tree **out);
 
 /* The same for the tree of the last call, with other boxes and the same links: the subtrees that
  * became leaves then do so again. */

@@ -39,15 +39,18 @@ static void name(const bb_layout_maker *maker, uint32_t leaf, uint32_t format, b
                  bb_layout_data *data)
 {
     const size_t capacity = sizeof data->name;
-    char leaves[24];
+    char leaves[24], node[24];
     snprintf(leaves, sizeof leaves, "leaf=%u", leaf);
+    snprintf(node, sizeof node, "node=%g", maker->wish.node_cost);
     const struct {
         bool is;
         const char *text;
     } parts[] = {{leaf > 1, leaves},
                  {format == BB_FORMAT_AFFINE, "triangles=affine"},
                  {more_kinds, "kinds=all"},
-                 {maker->wish.octants, "places=octant"}};
+                 {maker->wish.octants, "places=octant"},
+                 {maker->wish.greedy, "plan=greedy"},
+                 {leaf > 1 && maker->wish.node_cost > 0, node}};
     int length = snprintf(data->name, capacity, "%s", maker->layout->name);
     char separator = ':';
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
@@ -88,6 +91,14 @@ static bool collapses_first(const bb_layout_maker *maker, const bb_tree *tree, u
     return leaf > 1 && !(layout->collapses != NULL && layout->collapses(maker->self, tree));
 }
 
+/* Ct of a pair of children. */
+static float traversal_of(const bb_layout_maker *maker)
+{
+    uint32_t width = maker->layout->width;
+    double wish = maker->wish.node_cost;
+    return bb_collapse_traversal(wish > 0 ? wish : bb_collapse_node_cost(width), width);
+}
+
 /* What is timed. *traced is the tree whose leaves the layout has: collapsed, or `tree` itself. */
 static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
                       bool same_links, bb_layout_data *data, bb_tree **traced)
@@ -96,6 +107,8 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
     bb_layout_source source = {.scene = scene,
                                .kinds = data->kinds,
                                .octants = maker->wish.octants,
+                               .greedy = maker->wish.greedy,
+                               .traversal = traversal_of(maker),
                                .leaf = collapses_first(maker, tree, leaf) ? 0 : leaf,
                                .same_links = same_links};
     *traced = tree;
@@ -107,7 +120,7 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
     if (collapses_first(maker, tree, leaf))
         BB_TRY(same_links ? bb_collapse_again(maker->collapse, tree, traced)
                           : bb_collapse_make(maker->collapse, tree, scene->scale, leaf,
-                                             layout->width, layout->block, traced));
+                                             source.traversal, layout->block, traced));
     source.tree = *traced;
     BB_TRY(find_array(layout, *traced, &source.array));
     if (tree->duplicated)

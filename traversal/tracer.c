@@ -1,6 +1,7 @@
 /* Kernels compiled for what a scene needs, and their launches. */
 #include "traversal/traversal.h"
 
+#include "framework/base/number.h"
 #include "framework/base/suggest.h"
 #include "framework/scene/prim.h"
 
@@ -18,6 +19,12 @@ const bb_option bb_kernel_common_options[] = {
     {"stack", NULL, "auto|4|8|16|32|64|128|256|512|1024",
      "entries of the stack; auto, or not given: what the tree needs, rounded up"},
     {"kinds", NULL, "scene|all", "kinds of primitives compiled in; default: the scene's"},
+    {"plan", NULL, "optimal|greedy",
+     "nodes of more than two children: of least area in all, or by opening the largest child; "
+     "default: optimal"},
+    {"node", NULL, NULL,
+     "what leaf=N takes a node to cost, a block of primitives being 1; default: "
+     "1.2 per pair of children"},
     {"persistent", "no", "no|yes",
      "as many groups as fit the device, which fetch rays from a counter: for GPUs"},
     {.name = NULL},
@@ -46,6 +53,8 @@ static bb_tracer *cache;
  * only find no rays left. */
 enum { GROUPS_PER_UNIT = 16 };
 
+static const double NODE_COST_LEAST = 0.001, NODE_COST_MOST = 1000;
+
 const bb_kernel *bb_kernel_find(const char *name)
 {
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
@@ -68,15 +77,38 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     BB_TRY(bb_spec_validate(spec, all, what));
     if (kernel->stackless && bb_spec_value(spec, NULL, "stack") != NULL)
         return bb_fail(BB_INVALID, "%s has no stack of the tree's size: drop stack=", what);
+    if (bb_layout_find(kernel->layout)->width == 2 && bb_spec_value(spec, NULL, "plan") != NULL)
+        return bb_fail(BB_INVALID,
+                       "%s has no nodes of more than two children to plan: drop plan=", what);
+    if (bb_spec_value(spec, NULL, "node") == NULL)
+        return BB_OK;
+    uint64_t leaf;
+    double node;
+    BB_TRY(bb_spec_u64(spec, all, "leaf", 1, BB_LEAF_MAX, &leaf));
+    BB_TRY(bb_spec_double(spec, all, "node", NODE_COST_LEAST, NODE_COST_MOST, &node));
+    if (leaf == 1)
+        return bb_fail(BB_INVALID, "%s: node= decides which leaves become one: give leaf=N", what);
     return BB_OK;
 }
 
 bb_layout_wish bb_kernel_wish(const bb_spec *spec)
 {
+    const char *node = bb_spec_value(spec, NULL, "node");
+    double node_cost = 0;
+    if (node != NULL && !bb_read_real(node, &node_cost))
+        node_cost = 0; /* bb_kernel_validate() refuses it */
     return (bb_layout_wish){
         .kinds = bb_spec_is(spec, NULL, "kinds", "all") ? BB_ALL_KINDS : 0,
         .octants = bb_spec_is(spec, NULL, "order", "octant"),
+        .greedy = bb_spec_is(spec, NULL, "plan", "greedy"),
+        .node_cost = node_cost,
     };
+}
+
+bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b)
+{
+    return a->kinds == b->kinds && a->octants == b->octants && a->greedy == b->greedy &&
+           a->node_cost == b->node_cost;
 }
 
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel)

@@ -21,8 +21,10 @@ enum {
 
 /* What a kernel asks of its layout beside what it asks for the scene. */
 typedef struct bb_layout_wish {
-    uint32_t kinds; /* of primitives that records shall have room for, beside the scene's */
-    bool octants;   /* children of nodes of 8 in places by the octant that they lie in */
+    uint32_t kinds;   /* of primitives that records shall have room for, beside the scene's */
+    bool octants;     /* children of nodes of 8 in places by the octant that they lie in */
+    bool greedy;      /* wide nodes by the largest box, not by the plan of least area */
+    double node_cost; /* in blocks of primitives, for leaf collapse; 0: bb_collapse_node_cost() */
 } bb_layout_wish;
 
 /* What a layout is made of. */
@@ -30,11 +32,13 @@ typedef struct bb_layout_source {
     const bb_scene *scene;
     const bb_tree *tree; /* on the device */
     const bb_buffer
-        *reach;     /* float per node: the longest side of the primitives below it; NULL: the
+        *reach;      /* float per node: the longest side of the primitives below it; NULL: the
                                node's box holds them whole, and has their longest side */
-    uint32_t kinds; /* of primitives that records have room for: the scene's at least */
-    bool octants;   /* bb_layout_wish */
-    uint32_t leaf;  /* references that make() may gather in a leaf; 0: collapse has been there */
+    uint32_t kinds;  /* of primitives that records have room for: the scene's at least */
+    bool octants;    /* bb_layout_wish */
+    bool greedy;     /* bb_layout_wish */
+    float traversal; /* what leaf collapse takes a pair of children to cost */
+    uint32_t leaf;   /* references that make() may gather in a leaf; 0: collapse has been there */
     const bb_buffer *array; /* the side array that the layout asks for; NULL if none */
     /* The object's last make() was of this tree, with the same links: its numbering is still in
      * scratch, and good; boxes and primitives are not. */
@@ -59,7 +63,7 @@ typedef struct bb_layout_data {
     bool keeps_shape;
     double sah;       /* of the layout as traced; NAN: not known here */
     bb_timing timing; /* of making it, leaf collapse included */
-    char name[64];    /* as recorded: "pair", "pair:leaf=4", "pair:leaf=4,triangles=affine" */
+    char name[96];    /* as recorded: "pair", "pair:leaf=4", "pair:leaf=4,triangles=affine" */
 } bb_layout_data;
 
 typedef struct bb_layout {
@@ -171,7 +175,8 @@ typedef struct bb_kernel {
      * none. */
     uint32_t trail_max;
     /* Its own options: the value of `name` reaches the kernel as -DBB_NAME=value, so each must list
-     * its `values`. Common to all kernels: `leaf`, `group`, `stack`, `kinds`, `persistent`. */
+     * its `values`. Common to all kernels: `leaf`, `group`, `stack`, `kinds`, `plan`,
+     * `node`, `persistent`. */
     const bb_option *options;
 } bb_kernel;
 
@@ -180,6 +185,8 @@ const bb_kernel *bb_kernel_find(const char *name);
 extern const bb_option bb_kernel_common_options[];
 /* Checks the parameters of a kernel's specification: its own options and the common ones. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
+/* Whether both are of one layout. */
+bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b);
 /* What the kernel's parameters ask for: for bb_layout_maker.wish. */
 bb_layout_wish bb_kernel_wish(const bb_spec *spec);
 /* The kernel that `text` names, and its specification, checked. */

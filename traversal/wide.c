@@ -91,7 +91,7 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_leaf_prims_create(device, account, &self->leaf_prims));
     if (device->form == BB_FORM_CPU)
-        BB_TRY(bb_wide_direct_create(device, account, self->pairs.primitives, width, self->defines,
+        BB_TRY(bb_wide_direct_create(device, account, self->pairs.primitives, self->defines,
                                      &self->direct));
     BB_TRY(
         bb_program_build(device, bb_source_find("layout_wide.cl"), self->defines, &self->program));
@@ -150,10 +150,8 @@ static bb_status plan_by_levels(wide_layout *self, uint32_t count, uint32_t root
 /* How each pair is best collapsed: self->plans. Clears the marks. `most`: levels of pairs. */
 static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root, uint32_t most)
 {
-    BB_TRY(reserve(self, ((size_t)count + 1) * sizeof(uint32_t), "wide: numbering", &self->index));
     BB_TRY(reserve(self, count * sizeof(uint32_t), "wide: parents", &self->parents));
     BB_TRY(reserve(self, count * sizeof(uint32_t), "wide: sides to come", &self->missing));
-    BB_TRY(reserve(self, count * sizeof(bb_wide_plan), "wide: plans", &self->plans));
     BB_TRY(bb_launch(self->device, self->parents_kernel, (size_t)count + 1, GROUP_SIZE,
                      BB_MEM(self->pair_nodes), BB_VALUE(count), BB_MEM(self->parents),
                      BB_MEM(self->missing), BB_MEM(self->index)));
@@ -165,9 +163,10 @@ static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root, ui
 }
 
 /* Level by level from the root: marks in self->index the pairs that become nodes. */
-static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pair_count,
+static bb_status open_levels(wide_layout *self, const bb_layout_source *source, uint32_t pair_count,
                              uint32_t root)
 {
+    const bb_tree *tree = source->tree;
     uint64_t most = bb_pairs_levels(&tree->info) + 1;
     if (most > LEVELS_MAX)
         return bb_fail(BB_UNSUPPORTED, "layout %s takes trees of up to %d levels, not %llu",
@@ -177,15 +176,16 @@ static bb_status open_levels(wide_layout *self, const bb_tree *tree, uint32_t pa
         BB_TRY(reserve(self, pair_count * sizeof(cl_uint2), "wide: level", &self->levels[i]));
     BB_TRY(reserve(self, state_bytes, "wide: levels", &self->state));
     BB_TRY(bb_buffer_fill(&self->state, state_bytes, 0));
-    const uint32_t start[2] = {root, 0}, one = 1, deeper = DEEPER;
+    const uint32_t start[2] = {root, 0}, one = 1, deeper = DEEPER, greedy = source->greedy;
     BB_TRY(bb_buffer_write(&self->levels[0], 0, sizeof start, start));
     BB_TRY(bb_buffer_write(&self->state, sizeof one, sizeof one, &one));
     uint32_t items = pair_count < LEVEL_ITEMS ? pair_count : LEVEL_ITEMS;
     for (uint32_t level = 0, left = 1; level < most && left > 0; level++) {
         BB_TRY(bb_launch(self->device, self->open, items, GROUP_SIZE, BB_MEM(self->pair_nodes),
-                         BB_MEM(self->plans), BB_MEM(self->levels[level % 2]), BB_VALUE(level),
-                         BB_VALUE(deeper), BB_MEM(self->state), BB_MEM(self->index),
-                         BB_MEM(self->plans), BB_MEM(self->levels[(level + 1) % 2])));
+                         BB_MEM(self->plans), BB_VALUE(greedy), BB_MEM(self->levels[level % 2]),
+                         BB_VALUE(level), BB_VALUE(deeper), BB_MEM(self->state),
+                         BB_MEM(self->index), BB_MEM(self->plans),
+                         BB_MEM(self->levels[(level + 1) % 2])));
         if (level % LEVELS_AT_ONCE == LEVELS_AT_ONCE - 1)
             BB_TRY(bb_buffer_read(&self->state, (level + 2) * sizeof left, sizeof left, &left));
     }
@@ -243,11 +243,16 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
 }
 
 /* Which pairs become nodes, and their numbers: self->plans, self->index. */
-static bb_status number_nodes(wide_layout *self, const bb_tree *tree, uint32_t pair_count,
-                              uint32_t root)
+static bb_status number_nodes(wide_layout *self, const bb_layout_source *source,
+                              uint32_t pair_count, uint32_t root)
 {
-    BB_TRY(make_plans(self, pair_count, root, bb_pairs_stack_need(&tree->info)));
-    BB_TRY(open_levels(self, tree, pair_count, root));
+    size_t marks = ((size_t)pair_count + 1) * sizeof(uint32_t);
+    BB_TRY(reserve(self, marks, "wide: numbering", &self->index));
+    BB_TRY(reserve(self, pair_count * sizeof(bb_wide_plan), "wide: plans", &self->plans));
+    BB_TRY(source->greedy
+               ? bb_buffer_fill(&self->index, marks, 0)
+               : make_plans(self, pair_count, root, bb_pairs_stack_need(&source->tree->info)));
+    BB_TRY(open_levels(self, source, pair_count, root));
     BB_TRY(bb_scan_u32(self->pairs.primitives, &self->index, &self->index, pair_count + 1, NULL));
     BB_TRY(read_total(&self->index, pair_count, &self->node_count));
     return read_total(&self->index, root, &self->root);
@@ -292,7 +297,7 @@ static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, b
     if ((root & BB_LEAF_BIT) != 0)
         return make_root_leaf(self, source, root & BB_INDEX_MASK, data);
     if (!source->same_links)
-        BB_TRY(number_nodes(self, tree, pair_count, root));
+        BB_TRY(number_nodes(self, source, pair_count, root));
     data->root = self->root;
     data->stack_need = self->stack_need;
     BB_TRY(reserve(self, self->node_count * self->node_bytes, "wide: nodes", &data->buffers[0]));

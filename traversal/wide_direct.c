@@ -2,7 +2,6 @@
 #include "traversal/wide_direct.h"
 
 #include "kernels/wide_direct_shared.h"
-#include "traversal/collapse.h"
 #include "traversal/pairs.h"
 
 enum {
@@ -13,13 +12,10 @@ enum {
 };
 
 bb_status bb_wide_direct_create(bb_device *device, bb_account *account, bb_primitives *primitives,
-                                uint32_t width, const char *defines, bb_wide_direct *direct)
+                                const char *defines, bb_wide_direct *direct)
 {
-    *direct = (bb_wide_direct){.device = device,
-                               .account = account,
-                               .primitives = primitives,
-                               .width = width,
-                               .defines = defines};
+    *direct = (bb_wide_direct){
+        .device = device, .account = account, .primitives = primitives, .defines = defines};
     BB_TRY(bb_program_build(device, bb_source_find("layout_wide_direct.cl"), defines,
                             &direct->program));
     BB_TRY(bb_program_build(device, bb_source_find("layout_wide_direct_write.cl"), defines,
@@ -95,25 +91,26 @@ static bb_status mark(bb_wide_direct *d, const bb_layout_source *source)
     const bb_scene *scene = source->scene;
     const bb_prim_ends ends = bb_scene_ends(scene);
     float scale = scene->scale, intersection = (float)BB_COST_INTERSECTION,
-          traversal = bb_collapse_traversal(d->width);
+          traversal = source->traversal;
     uint32_t block = BB_BLOCK_LANES, leaf = source->leaf, collapsed = leaf > 1, most = PIECES_MAX,
              share = info->ref_count / (d->device->compute_units * PIECES_PER_UNIT),
-             one_kind = (scene->kinds & (scene->kinds - 1)) == 0;
+             one_kind = (scene->kinds & (scene->kinds - 1)) == 0, greedy = source->greedy;
     BB_TRY(bb_buffer_fill(&d->marks, (size_t)words_of(tree) * BB_DIRECT_WORD, 0));
     BB_TRY(bb_launch(d->device, d->cut, 1, 1, BB_MEM(tree->d_nodes), BB_VALUE(info->root),
                      BB_VALUE(info->ref_count), BB_VALUE(share), BB_VALUE(most), BB_MEM(d->pieces),
                      BB_MEM(d->state)));
     BB_TRY(bb_launch(d->device, d->plan, most, 1, BB_MEM(tree->d_nodes), BB_VALUE(scale),
                      BB_VALUE(traversal), BB_VALUE(intersection), BB_VALUE(block), BB_VALUE(leaf),
-                     BB_MEM(d->pieces), BB_MEM(d->state), BB_MEM(d->words), BB_MEM(d->results)));
+                     BB_VALUE(greedy), BB_MEM(d->pieces), BB_MEM(d->state), BB_MEM(d->words),
+                     BB_MEM(d->results)));
     BB_TRY(bb_launch(d->device, d->top, 1, 1, BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
                      BB_VALUE(ends), BB_VALUE(scale), BB_VALUE(traversal), BB_VALUE(intersection),
-                     BB_VALUE(block), BB_VALUE(leaf), BB_VALUE(info->root), BB_MEM(d->pieces),
-                     BB_MEM(d->words), BB_MEM(d->results), BB_MEM(d->marks), BB_VALUE(one_kind),
-                     BB_MEM(d->queue), BB_MEM(d->state)));
+                     BB_VALUE(block), BB_VALUE(leaf), BB_VALUE(greedy), BB_VALUE(info->root),
+                     BB_MEM(d->pieces), BB_MEM(d->words), BB_MEM(d->results), BB_MEM(d->marks),
+                     BB_VALUE(one_kind), BB_MEM(d->queue), BB_MEM(d->state)));
     return bb_launch(d->device, d->open, QUEUE_MAX, 1, BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
-                     BB_VALUE(ends), BB_VALUE(collapsed), BB_VALUE(one_kind), BB_MEM(d->words),
-                     BB_MEM(d->marks), BB_MEM(d->queue), BB_MEM(d->state));
+                     BB_VALUE(ends), BB_VALUE(collapsed), BB_VALUE(one_kind), BB_VALUE(greedy),
+                     BB_MEM(d->words), BB_MEM(d->marks), BB_MEM(d->queue), BB_MEM(d->state));
 }
 
 static bb_status read_u32(const bb_buffer *buffer, size_t at, uint32_t *value)

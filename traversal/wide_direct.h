@@ -11,7 +11,6 @@ typedef struct bb_wide_direct {
     bb_device *device;
     bb_account *account;
     bb_primitives *primitives;
-    uint32_t width;
     const char *defines;
     cl_program program, write_program;
     cl_kernel cut, plan, top, open, count, blocks, nodes;
@@ -31,7 +30,7 @@ typedef struct bb_wide_direct {
 /* Compiles. `primitives` and `defines` (layout_wide.cl's) outlive it. To be released also if it
  * fails. */
 bb_status bb_wide_direct_create(bb_device *device, bb_account *account, bb_primitives *primitives,
-                                uint32_t width, const char *defines, bb_wide_direct *direct);
+                                const char *defines, bb_wide_direct *direct);
 void bb_wide_direct_release(bb_wide_direct *direct); /* of a zeroed object: does nothing */
 
 /* Whether it takes this tree, which is on the device: binary, one reference per leaf, each

@@ -137,7 +137,7 @@ static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_
     for (uint32_t i = 0; i < bench->layout_count; i++) {
         const bb_layout_choice *l = &bench->layouts[i];
         if (l->maker.layout == layout && l->format == format && l->leaf == choice->leaf &&
-            l->maker.wish.kinds == wish.kinds && l->maker.wish.octants == wish.octants) {
+            bb_layout_wish_is(&l->maker.wish, &wish)) {
             choice->layouts[format] = i;
             return BB_OK;
         }

@@ -62,7 +62,7 @@ typedef struct bb_build_record {
     } steps[BB_RECORD_STEPS_MAX];
     uint32_t layout_count;
     struct {
-        char name[64]; /* as recorded: "pair:leaf=4" */
+        char name[96]; /* as recorded: "pair:leaf=4" */
         bb_samples ms;
         double sah;
         uint64_t bytes;
@@ -81,7 +81,7 @@ typedef struct bb_build_record {
 typedef struct bb_trace_record {
     uint32_t build;         /* id */
     char cell[BB_CELL_KEY]; /* the key; "": none */
-    char scene[256], view[48], builder[512], kernel[512], layout[64], intersector[64];
+    char scene[256], view[48], builder[512], kernel[512], layout[96], intersector[64];
     char rays[128];
     bool rays_as_given; /* made by hand, not by a workload: see `bvhbench judge --verify no` */
     const bb_spec *rays_spec; /* with the defaults, all parameters are recorded; may be NULL */
