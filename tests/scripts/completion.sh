@@ -57,7 +57,7 @@ expect 'bvhbench run --builder sah:method=' binned sweep
 expect 'bvhbench run --builder sah:method=binned,bi' binned,bins=
 expect 'bvhbench run --kernel stack4' stack4
 expect 'bvhbench run --rays prim' primary
-expect 'bvhbench run --metrics ep' epo
+expect 'bvhbench run --metrics ep' epo epo_quick
 expect 'bvhbench run --intersector exact,mo' exact,moeller
 expect 'bvhbench run --quiet --sce' --scene
 expect 'bvhbench report roo' room.glb
