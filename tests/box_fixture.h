@@ -61,4 +61,27 @@ static inline void close_box_build(box_build *b)
     bb_buffer_release(&b->scene.on_device.boxes);
 }
 
+/* A build that does not fit into the device's memory is refused, gives back what it took, and the
+ * same object builds once there is room. `needed`: bytes per box that are surely too few. */
+static inline void expect_refusals_for_room(bb_device *on, const char *builder, const bb_box *boxes,
+                                            uint32_t count, uint32_t needed)
+{
+    bb_scene scene = scene_of(boxes, count);
+    ASSERT_OK(upload_boxes(&scene, on));
+    const uint64_t before = on->bytes, global = on->global_bytes;
+    for (uint64_t room = 100; room < (uint64_t)needed * count; room *= 3) {
+        bb_instance instance = {0};
+        ASSERT_OK(bb_instance_create(on, builder, &scene, 1, &instance));
+        on->global_bytes = on->bytes + room;
+        if (bb_instance_build(&instance, &scene, false, NULL) != BB_REFUSED)
+            fail_msg("%s: %llu bytes: not refused", builder, (unsigned long long)room);
+        assert_non_null(strstr(bb_message(), "bytes"));
+        on->global_bytes = global;
+        ASSERT_OK(bb_instance_build(&instance, &scene, false, NULL)); /* and it goes on */
+        bb_instance_destroy(&instance);
+        assert_true(on->bytes == before);
+    }
+    bb_buffer_release(&scene.on_device.boxes);
+}
+
 #endif

@@ -108,4 +108,17 @@ static const box_input quality_inputs[] = {
 };
 enum { QUALITY_INPUTS = sizeof quality_inputs / sizeof quality_inputs[0] };
 
+/* Nine floats each: triangles from corner to corner of boxes. To be freed. */
+static inline float *triangles_of_boxes(const bb_box *boxes, uint32_t count)
+{
+    float *corners = malloc(9 * (size_t)count * sizeof *corners);
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            corners[9 * i + axis] = boxes[i].lo[axis];
+            corners[9 * i + 3 + axis] = boxes[i].hi[axis];
+            corners[9 * i + 6 + axis] = axis == i % 3 ? boxes[i].hi[axis] : boxes[i].lo[axis];
+        }
+    return corners;
+}
+
 #endif

@@ -151,25 +151,9 @@ static void no_input_makes_a_chain(void **state)
 static void what_does_not_fit_is_refused_beforehand(void **state)
 {
     (void)state;
-    bb_device *device = devices[first_form()];
     const uint32_t count = small ? 30 : 1000;
     bb_box *boxes = make_boxes(quality_inputs, 0, count);
-    bb_scene scene = scene_of(boxes, count);
-    ASSERT_OK(upload_boxes(&scene, device));
-    const uint64_t before = device->bytes, global = device->global_bytes;
-    for (uint64_t room = 100; room < 100 * count; room *= 3) {
-        bb_instance instance = {0};
-        ASSERT_OK(bb_instance_create(device, "bonsai", &scene, 1, &instance));
-        device->global_bytes = device->bytes + room;
-        if (bb_instance_build(&instance, &scene, false, NULL) != BB_REFUSED)
-            fail_msg("%llu bytes: not refused", (unsigned long long)room);
-        assert_non_null(strstr(bb_message(), "bytes"));
-        device->global_bytes = global;
-        ASSERT_OK(bb_instance_build(&instance, &scene, false, NULL)); /* and it goes on */
-        bb_instance_destroy(&instance);
-        assert_true(device->bytes == before);
-    }
-    bb_buffer_release(&scene.on_device.boxes);
+    expect_refusals_for_room(devices[first_form()], "bonsai", boxes, count, 100);
     free(boxes);
 }
 

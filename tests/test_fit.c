@@ -3,14 +3,10 @@
 #include "framework/base/random.h"
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary.h"
-#include "tests/fixture.h"
+#include "tests/document_fixture.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { SCENES = 4, TREES = 6, CELLS = SCENES * TREES };
 
@@ -114,10 +110,6 @@ static void what_cannot_be_known_is_not_said(void **state)
 
 /* ---- of a document ---- */
 
-typedef struct document {
-    cJSON *root, *scenes, *builds, *traces;
-} document;
-
 static cJSON *put(cJSON *list)
 {
     cJSON *entry = cJSON_CreateObject();
@@ -165,12 +157,7 @@ static cJSON *add_trace(document *d, int id, const char *scene, const char *buil
  * it. */
 static document make_document(int scenes, bool epo)
 {
-    document d = {.root = cJSON_CreateObject()};
-    cJSON_AddStringToObject(d.root, "schema", "bvhbench-results/1");
-    cJSON_AddObjectToObject(d.root, "context");
-    d.scenes = cJSON_AddArrayToObject(d.root, "scenes");
-    d.builds = cJSON_AddArrayToObject(d.root, "builds");
-    d.traces = cJSON_AddArrayToObject(d.root, "traces");
+    document d = empty_document();
     for (int s = 0; s < scenes; s++) {
         char scene[16];
         snprintf(scene, sizeof scene, "scene%d", s);
@@ -191,27 +178,6 @@ static document make_document(int scenes, bool epo)
         }
     }
     return d;
-}
-
-static bb_results *read_back(document *d)
-{
-    const char *folder = getenv("BVHBENCH_TEST_DIR");
-    char path[600];
-    bb_results *results = NULL;
-    folder = folder != NULL ? folder : "/tmp";
-    mkdir(folder, 0777);
-    snprintf(path, sizeof path, "%s/fit.json", folder);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    char *text = cJSON_Print(d->root);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
-    cJSON_free(text);
-    cJSON_Delete(d->root);
-    if (bb_results_read(path, &results) != BB_OK)
-        fail_msg("%s", bb_message());
-    remove(path);
-    return results;
 }
 
 static void a_document_is_fitted_by_kind_of_rays(void **state)

@@ -233,7 +233,7 @@ static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
     bb_layout_maker maker;
     bb_layout_data data = {0};
     if (leaf > 1 && getenv("BVHBENCH_TEST_SMALL") != NULL)
-        return; /* slow there, and test_wide looks at leaf collapse itself */
+        return; /* slow there, and test_collapse looks at leaf collapse itself */
     check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
     maker.wish.greedy = greedy;
     check(

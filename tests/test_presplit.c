@@ -393,14 +393,7 @@ static void degenerate_inputs_are_covered(void **state)
         for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
             const uint32_t count = counts[c];
             bb_box *boxes = make_boxes(quality_inputs, k, count);
-            float *corners = malloc(count * CORNERS * sizeof *corners);
-            for (uint32_t i = 0; i < count; i++)
-                for (int axis = 0; axis < 3; axis++) {
-                    corners[CORNERS * i + axis] = boxes[i].lo[axis];
-                    corners[CORNERS * i + 3 + axis] = boxes[i].hi[axis];
-                    corners[CORNERS * i + 6 + axis] =
-                        axis == (int)(i % 3) ? boxes[i].hi[axis] : boxes[i].lo[axis];
-                }
+            float *corners = triangles_of_boxes(boxes, count);
             expect_same_in_all_forms("presplit:beta=2,saves=-1+sah", corners, count, 2,
                                      quality_inputs[k].name);
             free(corners);

@@ -405,14 +405,7 @@ static void degenerate_inputs_end(void **state)
         for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
             const uint32_t count = counts[c];
             bb_box *boxes = make_boxes(quality_inputs, k, count);
-            float *corners = malloc(count * CORNERS * sizeof *corners);
-            for (uint32_t i = 0; i < count; i++)
-                for (int axis = 0; axis < 3; axis++) {
-                    corners[CORNERS * i + axis] = boxes[i].lo[axis];
-                    corners[CORNERS * i + 3 + axis] = boxes[i].hi[axis];
-                    corners[CORNERS * i + 6 + axis] =
-                        axis == (int)(i % 3) ? boxes[i].hi[axis] : boxes[i].lo[axis];
-                }
+            float *corners = triangles_of_boxes(boxes, count);
             bb_scene *scene = make_scene(corners, count, NULL, 0);
             made m;
             open_builder("sbvh:alpha=0", &m);

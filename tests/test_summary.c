@@ -1,33 +1,12 @@
 /* What is said of a result document: means, order, ties, best, sentences. Documents are made here,
  * with times that are known. */
 #include "framework/summary/summary.h"
-#include "tests/fixture.h"
+#include "tests/document_fixture.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { ROUNDS = 7, LAYOUT_MS = 10 }; /* of the rounds the first counts for nothing */
-
-typedef struct document {
-    cJSON *root, *scenes, *builds, *traces;
-    int next;
-} document;
-
-static document make_document(void)
-{
-    document d = {.root = cJSON_CreateObject()};
-    cJSON_AddStringToObject(d.root, "schema", "bvhbench-results/1");
-    cJSON *context = cJSON_AddObjectToObject(d.root, "context");
-    cJSON_AddNumberToObject(context, "cpu_threads", 4);
-    d.scenes = cJSON_AddArrayToObject(d.root, "scenes");
-    d.builds = cJSON_AddArrayToObject(d.root, "builds");
-    d.traces = cJSON_AddArrayToObject(d.root, "traces");
-    return d;
-}
 
 static void add_scene(document *d, const char *name, double prims)
 {
@@ -101,27 +80,6 @@ static void add_trace(document *d, const traced *t)
     cJSON_AddItemToArray(d->traces, trace);
 }
 
-static bb_results *read_back(document *d)
-{
-    const char *folder = getenv("BVHBENCH_TEST_DIR");
-    char path[600];
-    bb_results *results = NULL;
-    folder = folder != NULL ? folder : "/tmp";
-    mkdir(folder, 0777);
-    snprintf(path, sizeof path, "%s/summary.json", folder);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    char *text = cJSON_Print(d->root);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
-    cJSON_free(text);
-    cJSON_Delete(d->root);
-    if (bb_results_read(path, &results) != BB_OK)
-        fail_msg("%s", bb_message());
-    remove(path);
-    return results;
-}
-
 static const bb_summary_row *row_of(const bb_summary *s, const char *builder)
 {
     for (uint32_t i = 0; i < s->row_count; i++)
@@ -158,7 +116,7 @@ static document three_builders(void)
     } builders[] = {{"slow", 1000, {100, 50}, 0.001},
                     {"fast", 10, {400, 100}, 0.001},
                     {"alike", 1000, {101, 50}, 0.05}};
-    document d = make_document();
+    document d = empty_document();
     for (int s = 0; s < 2; s++) {
         add_scene(&d, scenes[s], 1e6);
         for (int b = 0; b < 3; b++) {
@@ -405,7 +363,7 @@ static void lonely_sets_are_left_aside(void **state)
 static void nothing_to_say_is_no_error(void **state)
 {
     (void)state;
-    document empty = make_document();
+    document empty = empty_document();
     bb_results *results = read_back(&empty);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
@@ -413,7 +371,7 @@ static void nothing_to_say_is_no_error(void **state)
     bb_summary_free(&s);
     bb_results_destroy(results);
 
-    document builds = make_document(); /* as with --rays none */
+    document builds = empty_document(); /* as with --rays none */
     add_scene(&builds, "a", 1e6);
     add_build(&builds, "a", "one", 10, false);
     add_build(&builds, "a", "two", 20, false);
@@ -498,7 +456,7 @@ static void a_busy_machine_is_said(void **state)
     (void)state;
     static const double others[] = {0.2, 0.9};
     for (int i = 0; i < 2; i++) {
-        document d = make_document();
+        document d = empty_document();
         char text[256];
         cJSON_AddNumberToObject(cJSON_GetObjectItem(d.root, "context"), "others_cpu", others[i]);
         bb_results *results = read_back(&d);
@@ -513,7 +471,7 @@ static void a_busy_machine_is_said(void **state)
 static void long_names_are_shortened(void **state)
 {
     (void)state;
-    document d = make_document();
+    document d = empty_document();
     add_scene(&d, "a", 1e6);
     add_build(&d, "a", "tree:quality=medium,mode=robust", 10, false);
     add_build(&d, "a", "a-tree-with-a-name-that-is-much-too-long-for-a-column", 10, false);

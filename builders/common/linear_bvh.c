@@ -100,12 +100,7 @@ bb_status bb_linear_build(void *opaque, const bb_scene *scene, const bb_tree *in
 bb_status bb_linear_update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                            bb_phases *phases)
 {
-    linear_bvh *self = opaque;
-    if (self->refitter == NULL || changed != BB_CHANGED_POSITIONS)
-        return bb_fail(BB_UNSUPPORTED, "the tree is built again");
-    BB_TRY(bb_phase(phases, "refit"));
-    BB_TRY(bb_refit_device(self->refitter, &scene->on_device.boxes, tree));
-    return bb_phase(phases, NULL);
+    return bb_refit_update(((linear_bvh *)opaque)->refitter, scene, changed, tree, phases);
 }
 
 bb_status bb_linear_describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)

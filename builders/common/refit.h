@@ -15,6 +15,7 @@
 #ifndef BB_REFIT_H
 #define BB_REFIT_H
 
+#include "framework/builder/builder.h"
 #include "framework/device/device.h"
 #include "framework/tree/tree.h"
 
@@ -57,6 +58,11 @@ bb_status bb_refit_plan(bb_refitter *refitter, const bb_tree *tree);
  * waited for; by levels it asks the device now and then. The tree must be valid: links are not
  * checked. */
 bb_status bb_refit_device(bb_refitter *refitter, const bb_buffer *boxes, bb_tree *tree);
+
+/* update() of a builder with BB_UPDATE_OPTION: a refit, phase "refit". `refitter` is NULL where
+ * trees are to be built again: BB_UNSUPPORTED, as if more than positions has changed. */
+bb_status bb_refit_update(bb_refitter *refitter, const bb_scene *scene, uint32_t changed,
+                          bb_tree *tree, bb_phases *phases);
 
 #ifdef __cplusplus
 }

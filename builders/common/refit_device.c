@@ -135,3 +135,13 @@ bb_status bb_refit_device(bb_refitter *refitter, const bb_buffer *boxes, bb_tree
     bb_tree_boxes_changed(tree);
     return BB_OK;
 }
+
+bb_status bb_refit_update(bb_refitter *refitter, const bb_scene *scene, uint32_t changed,
+                          bb_tree *tree, bb_phases *phases)
+{
+    if (refitter == NULL || changed != BB_CHANGED_POSITIONS)
+        return bb_fail(BB_UNSUPPORTED, "the tree is built again");
+    BB_TRY(bb_phase(phases, "refit"));
+    BB_TRY(bb_refit_device(refitter, &scene->on_device.boxes, tree));
+    return bb_phase(phases, NULL);
+}

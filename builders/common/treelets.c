@@ -1,9 +1,12 @@
 /* The host side of treelets.cl and treelet_rounds.clh. */
 #include "builders/common/treelets.h"
 
+#include "builders/common/pair_tree.h"
 #include "builders/common/scene_unit.h"
+#include "framework/device/levels.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 enum {
     GROUP_SIZE = 64,
@@ -19,7 +22,29 @@ enum {
     GAMMA_MAX = 1 << 30,
 };
 
-static bool on_cpu(const bb_treelet_optimiser *self)
+typedef struct optimiser {
+    bb_device *device;
+    bb_account *account;
+    uint32_t rounds;  /* at most */
+    uint32_t treelet; /* leaves */
+    uint32_t gamma;   /* leaves below a treelet's root, at least, in the first round */
+    cl_program program, rounds_program;
+    cl_kernel marks, make, count, start, leaves, level;
+    cl_kernel subtrees; /* of CPUs */
+    bb_primitives *primitives;
+    bb_pair_tree *pairs;
+    bb_levels levels;
+    bb_buffer places;           /* u32 per node: its pair, if it is inner */
+    bb_buffer parents, missing; /* u32 per pair: the one above; pairs below that are to come */
+    bb_buffer held;             /* u32 per pair: leaves below */
+    bb_buffer tasks;            /* u32: roots of subtrees; of CPUs */
+    bb_buffer totals;           /* u32: treelets, and those that were rebuilt */
+    /* of the last build */
+    uint32_t rounds_made;
+    uint32_t seen, rebuilt;
+} optimiser;
+
+static bool on_cpu(const optimiser *self)
 {
     return self->device->form == BB_FORM_CPU;
 }
@@ -27,7 +52,7 @@ static bool on_cpu(const bb_treelet_optimiser *self)
 /* ---- an object ---- */
 
 static bb_status read_options(const bb_builder_context *context, uint32_t treelet_most,
-                              bb_treelet_optimiser *self)
+                              optimiser *self)
 {
     uint64_t rounds, treelet, gamma;
     BB_TRY(bb_spec_u64(context->spec, context->options, "rounds", 1, ROUNDS_MAX, &rounds));
@@ -46,7 +71,7 @@ static bb_status read_options(const bb_builder_context *context, uint32_t treele
     return BB_OK;
 }
 
-static bb_status compile(bb_treelet_optimiser *self, const bb_source *source)
+static bb_status compile(optimiser *self, const bb_source *source)
 {
     const bool cpu = on_cpu(self);
     char shared[128], own[256];
@@ -70,8 +95,12 @@ static bb_status compile(bb_treelet_optimiser *self, const bb_source *source)
 }
 
 bb_status bb_treelets_create(const bb_builder_context *context, const bb_source *source,
-                             uint32_t treelet_most, bb_treelet_optimiser *self)
+                             uint32_t treelet_most, void **out)
 {
+    optimiser *self = calloc(1, sizeof *self);
+    if (self == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    *out = self;
     self->device = context->device;
     self->account = context->account;
     BB_TRY(read_options(context, treelet_most, self));
@@ -80,8 +109,11 @@ bb_status bb_treelets_create(const bb_builder_context *context, const bb_source 
     return bb_pair_tree_create(self->device, self->account, &self->pairs);
 }
 
-void bb_treelets_release(bb_treelet_optimiser *self)
+void bb_treelets_destroy(void *opaque)
 {
+    optimiser *self = opaque;
+    if (self == NULL)
+        return;
     cl_kernel const kernels[] = {self->marks,  self->make,  self->count,   self->start,
                                  self->leaves, self->level, self->subtrees};
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++)
@@ -97,18 +129,17 @@ void bb_treelets_release(bb_treelet_optimiser *self)
     bb_buffer_release(&self->totals);
     bb_pair_tree_destroy(self->pairs);
     bb_primitives_destroy(self->primitives);
+    free(self);
 }
 
 /* ---- room ---- */
 
-static bb_status reserve_u32(bb_treelet_optimiser *self, size_t count, const char *what,
-                             bb_buffer *out)
+static bb_status reserve_u32(optimiser *self, size_t count, const char *what, bb_buffer *out)
 {
     return bb_buffer_reserve(self->device, self->account, count * sizeof(uint32_t), what, out);
 }
 
-static bb_status reserve(bb_treelet_optimiser *self, uint32_t leaves, uint32_t references,
-                         bb_tree *tree)
+static bb_status reserve(optimiser *self, uint32_t leaves, uint32_t references, bb_tree *tree)
 {
     const size_t nodes = 2 * (size_t)leaves - 1;
     BB_TRY(bb_tree_reserve(tree, self->device, BB_ON_DEVICE, nodes, references));
@@ -128,42 +159,42 @@ static bb_status reserve(bb_treelet_optimiser *self, uint32_t leaves, uint32_t r
                              "treelets: levels");
 }
 
-bb_status bb_treelets_prepare(bb_treelet_optimiser *self, const bb_scene *scene, bb_tree *tree)
+bb_status bb_treelets_prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
-    return reserve(self, scene->prim_count, scene->prim_count, tree);
+    return reserve(opaque, scene->prim_count, scene->prim_count, tree);
 }
 
 /* ---- a build ---- */
 
 typedef struct pass {
-    bb_treelet_optimiser *self;
+    optimiser *self;
     float unit;
 } pass;
 
-static uint32_t group_of(const bb_treelet_optimiser *self)
+static uint32_t group_of(const optimiser *self)
 {
     return on_cpu(self) ? 1 : GROUP_SIZE;
 }
 
 /* Work-items of a launch over `count` nodes or pairs. */
-static uint32_t chunks_of(const bb_treelet_optimiser *self, uint32_t count)
+static uint32_t chunks_of(const optimiser *self, uint32_t count)
 {
     return on_cpu(self) ? (count + CHUNK_CPU - 1) / CHUNK_CPU : count;
 }
 
-static uint32_t cores_of(const bb_treelet_optimiser *self)
+static uint32_t cores_of(const optimiser *self)
 {
     return self->device->compute_units > 0 ? self->device->compute_units : 1;
 }
 
-static uint32_t items_of(const bb_treelet_optimiser *self, const bb_levels *levels)
+static uint32_t items_of(const optimiser *self, const bb_levels *levels)
 {
     return on_cpu(self) ? cores_of(self) * ITEMS_PER_CORE : bb_levels_items(levels);
 }
 
 static bb_status count_level(void *context, const bb_levels *levels, uint32_t n)
 {
-    bb_treelet_optimiser *self = ((const pass *)context)->self;
+    optimiser *self = ((const pass *)context)->self;
     const bb_buffer *pairs = bb_pair_tree_pairs(self->pairs);
     return bb_launch(self->device, self->count, items_of(self, levels), group_of(self),
                      BB_MEM(*pairs), BB_MEM(self->parents), BB_MEM(self->missing),
@@ -174,7 +205,7 @@ static bb_status count_level(void *context, const bb_levels *levels, uint32_t n)
 static bb_status treelet_level(void *context, const bb_levels *levels, uint32_t n)
 {
     const pass *p = context;
-    bb_treelet_optimiser *self = p->self;
+    optimiser *self = p->self;
     const bb_buffer *pairs = bb_pair_tree_pairs(self->pairs);
     return bb_launch(self->device, self->level, items_of(self, levels), group_of(self),
                      BB_MEM(*pairs), BB_MEM(self->parents), BB_MEM(self->missing),
@@ -184,7 +215,7 @@ static bb_status treelet_level(void *context, const bb_levels *levels, uint32_t 
 }
 
 /* Pairs of the tree, and the first level of those that are to be counted. */
-static bb_status make_pairs(bb_treelet_optimiser *self, const bb_tree *input)
+static bb_status make_pairs(optimiser *self, const bb_tree *input)
 {
     const bb_tree_info *info = &input->info;
     const bb_buffer *pairs = bb_pair_tree_pairs(self->pairs);
@@ -202,7 +233,7 @@ static bb_status make_pairs(bb_treelet_optimiser *self, const bb_tree *input)
 }
 
 /* Leaves of subtrees that one work-item does: enough of them for all cores. */
-static uint32_t subtree_of(const bb_treelet_optimiser *self, uint32_t leaves)
+static uint32_t subtree_of(const optimiser *self, uint32_t leaves)
 {
     const uint32_t share = leaves / (cores_of(self) * SUBTREES_PER_CORE);
     if (!on_cpu(self))
@@ -211,7 +242,7 @@ static uint32_t subtree_of(const bb_treelet_optimiser *self, uint32_t leaves)
 }
 
 /* One round over pairs of at least `least` leaves. */
-static bb_status make_round(bb_treelet_optimiser *self, uint32_t leaves, uint32_t least, float unit)
+static bb_status make_round(optimiser *self, uint32_t leaves, uint32_t least, float unit)
 {
     const bb_buffer *pairs = bb_pair_tree_pairs(self->pairs);
     const uint32_t count = leaves - 1, above = subtree_of(self, leaves) + 1;
@@ -231,7 +262,7 @@ static bb_status make_round(bb_treelet_optimiser *self, uint32_t leaves, uint32_
     return bb_levels_run(&self->levels, treelet_level, &p);
 }
 
-static bb_status make_rounds(bb_treelet_optimiser *self, uint32_t leaves, float unit)
+static bb_status make_rounds(optimiser *self, uint32_t leaves, float unit)
 {
     uint32_t totals[2];
     BB_TRY(bb_buffer_fill(&self->totals, sizeof totals, 0));
@@ -247,7 +278,7 @@ static bb_status make_rounds(bb_treelet_optimiser *self, uint32_t leaves, float 
     return BB_OK;
 }
 
-static bb_status make_tree(bb_treelet_optimiser *self, const bb_tree *input, bb_tree *tree)
+static bb_status make_tree(optimiser *self, const bb_tree *input, bb_tree *tree)
 {
     const bb_tree_info *info = &input->info;
     BB_TRY(bb_pair_tree_finish(self->pairs, info->leaf_count, tree));
@@ -270,8 +301,7 @@ static bb_status copy_tree(const bb_tree *input, bb_tree *tree)
     return bb_buffer_write(&tree->d_info, 0, sizeof *info, info);
 }
 
-static bb_status optimise(bb_treelet_optimiser *self, const bb_tree *input, bb_tree *tree,
-                          bb_phases *phases)
+static bb_status optimise(optimiser *self, const bb_tree *input, bb_tree *tree, bb_phases *phases)
 {
     const bb_tree_info *info = &input->info;
     bb_node root;
@@ -292,9 +322,11 @@ static bb_status optimise(bb_treelet_optimiser *self, const bb_tree *input, bb_t
     return make_tree(self, input, tree);
 }
 
-bb_status bb_treelets_build(bb_treelet_optimiser *self, const bb_tree *input, bb_tree *tree,
-                            bb_phases *phases)
+bb_status bb_treelets_build(void *opaque, const bb_scene *scene, const bb_tree *input,
+                            bb_tree *tree, bb_phases *phases)
 {
+    (void)scene;
+    optimiser *self = opaque;
     const bb_tree_info *info = &input->info;
     if (info->arity > 2 || info->node_count != 2 * info->leaf_count - 1)
         return bb_fail(BB_UNSUPPORTED,
@@ -313,8 +345,11 @@ bb_status bb_treelets_build(bb_treelet_optimiser *self, const bb_tree *input, bb
     return bb_phase(phases, NULL);
 }
 
-void bb_treelets_describe(const bb_treelet_optimiser *self, char *text, size_t capacity)
+bb_status bb_treelets_describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
 {
+    (void)scene;
+    const optimiser *self = opaque;
     snprintf(text, capacity, "%u of %u treelets of %u leaves rebuilt in %u rounds", self->rebuilt,
              self->seen, self->treelet, self->rounds_made);
+    return BB_OK;
 }

@@ -15,48 +15,26 @@
 #ifndef BB_TREELETS_H
 #define BB_TREELETS_H
 
-#include "builders/common/pair_tree.h"
 #include "framework/builder/builder.h"
-#include "framework/device/levels.h"
 
-typedef struct bb_treelet_optimiser {
-    bb_device *device;
-    bb_account *account;
-    uint32_t rounds;  /* at most */
-    uint32_t treelet; /* leaves */
-    uint32_t gamma;   /* leaves below a treelet's root, at least, in the first round */
-    cl_program program, rounds_program;
-    cl_kernel marks, make, count, start, leaves, level;
-    cl_kernel subtrees; /* of CPUs */
-    bb_primitives *primitives;
-    bb_pair_tree *pairs;
-    bb_levels levels;
-    bb_buffer places;           /* u32 per node: its pair, if it is inner */
-    bb_buffer parents, missing; /* u32 per pair: the one above; pairs below that are to come */
-    bb_buffer held;             /* u32 per pair: leaves below */
-    bb_buffer tasks;            /* u32: roots of subtrees; of CPUs */
-    bb_buffer totals;           /* u32: treelets, and those that were rebuilt */
-    /* of the last build */
-    uint32_t rounds_made;
-    uint32_t seen, rebuilt;
-} bb_treelet_optimiser;
-
-/* Reads the options rounds, treelet (3 to `treelet_most`) and gamma, and compiles `source`. `self`
- * is zeroed, and to be released even after a failure. */
+/* Makes an optimiser, which the other hooks get: reads the options rounds, treelet (3 to
+ * `treelet_most`) and gamma, and compiles `source`. */
 bb_status bb_treelets_create(const bb_builder_context *context, const bb_source *source,
-                             uint32_t treelet_most, bb_treelet_optimiser *self);
-void bb_treelets_release(bb_treelet_optimiser *self);
+                             uint32_t treelet_most, void **out);
+
+/* ---- the other hooks of such a builder ---- */
+
+void bb_treelets_destroy(void *opaque);
 
 /* Room for trees of one leaf per primitive: 94 bytes per primitive beside the tree, on GPUs 120. */
-bb_status bb_treelets_prepare(bb_treelet_optimiser *self, const bb_scene *scene, bb_tree *tree);
+bb_status bb_treelets_prepare(void *opaque, const bb_scene *scene, bb_tree *tree);
 
 /* Phases "pairs", "count", "treelets" and "order", or "copy" for a tree of fewer leaves than gamma;
  * events "treelets" and "improved". BB_UNSUPPORTED for a tree with inner nodes of another number of
  * children than two. */
-bb_status bb_treelets_build(bb_treelet_optimiser *self, const bb_tree *input, bb_tree *tree,
-                            bb_phases *phases);
+bb_status bb_treelets_build(void *opaque, const bb_scene *scene, const bb_tree *input,
+                            bb_tree *tree, bb_phases *phases);
 
-/* One line on the last build. */
-void bb_treelets_describe(const bb_treelet_optimiser *self, char *text, size_t capacity);
+bb_status bb_treelets_describe(void *opaque, const bb_scene *scene, char *text, size_t capacity);
 
 #endif

@@ -306,12 +306,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                         bb_phases *phases)
 {
-    hlbvh *self = opaque;
-    if (self->refitter == NULL || changed != BB_CHANGED_POSITIONS)
-        return bb_fail(BB_UNSUPPORTED, "the tree is built again");
-    BB_TRY(bb_phase(phases, "refit"));
-    BB_TRY(bb_refit_device(self->refitter, &scene->on_device.boxes, tree));
-    return bb_phase(phases, NULL);
+    return bb_refit_update(((hlbvh *)opaque)->refitter, scene, changed, tree, phases);
 }
 
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)

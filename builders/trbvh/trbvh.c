@@ -10,8 +10,6 @@
  */
 #include "builders/common/treelets.h"
 
-#include <stdlib.h>
-
 BB_DEVICE_SOURCE(trbvh);
 
 enum { TREELET_MOST = 8 }; /* the table has 3^8 steps */
@@ -25,41 +23,9 @@ static const bb_option options[] = {
     {.name = NULL},
 };
 
-static void destroy(void *opaque)
-{
-    bb_treelet_optimiser *self = opaque;
-    if (self == NULL)
-        return;
-    bb_treelets_release(self);
-    free(self);
-}
-
 static bb_status create(const bb_builder_context *context, void **out)
 {
-    bb_treelet_optimiser *self = calloc(1, sizeof *self);
-    if (self == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
-    *out = self;
-    return bb_treelets_create(context, &bb_source_trbvh, TREELET_MOST, self);
-}
-
-static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
-{
-    return bb_treelets_prepare(opaque, scene, tree);
-}
-
-static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
-                       bb_phases *phases)
-{
-    (void)scene;
-    return bb_treelets_build(opaque, input, tree, phases);
-}
-
-static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
-{
-    (void)scene;
-    bb_treelets_describe(opaque, text, capacity);
-    return BB_OK;
+    return bb_treelets_create(context, &bb_source_trbvh, TREELET_MOST, out);
 }
 
 const bb_builder bb_builder_trbvh = {
@@ -74,8 +40,8 @@ const bb_builder bb_builder_trbvh = {
     .options = options,
     .compared = "",
     .create = create,
-    .prepare = prepare,
-    .build = build,
-    .describe = describe,
-    .destroy = destroy,
+    .prepare = bb_treelets_prepare,
+    .build = bb_treelets_build,
+    .describe = bb_treelets_describe,
+    .destroy = bb_treelets_destroy,
 };
