@@ -205,14 +205,16 @@ done get_done(global const bb_direct_done *at)
 }
 
 kernel void direct_plan(global const bb_node *nodes, float scale, float traversal,
-                        float intersection, uint block, uint max_leaf, uint greedy,
+                        float intersection, uint max_leaf, uint greedy,
                         global const bb_direct_piece *pieces, global const bb_direct_state *state,
                         global uint2 *words, global bb_direct_done *results)
 {
-    uint i = get_global_id(0);
+    /* every 32nd: drivers give neighbours to one core, and the subtrees are the last pieces */
+    uint i = get_global_id(0) % 32u * (BB_DIRECT_PIECES / 32u) + get_global_id(0) / 32u;
     if (i >= state->pieces || pieces[i].child != BB_NONE)
         return;
-    const planner p = {nodes, words, {scale, traversal, intersection, block, max_leaf}, greedy};
+    const bb_cost_model model = {scale, traversal, intersection, BB_BLOCK_LANES, max_leaf};
+    const planner p = {nodes, words, model, greedy};
     done d;
     plan_subtree(&p, pieces[i].node, &d);
     put_done(&d, results + i);
@@ -317,13 +319,14 @@ uint open_node(const opener *o, uint n, uint sides[BB_WIDTH], uint *need)
 /* One work-item. Plans what is above the subtrees and opens it. What lies in subtrees stays on the
  * queue: a node, and the stack's need above it. */
 kernel void direct_top(global const bb_node *nodes, global const uint *refs, bb_prim_ends ends,
-                       float scale, float traversal, float intersection, uint block, uint max_leaf,
-                       uint greedy, uint root, global const bb_direct_piece *pieces,
+                       float scale, float traversal, float intersection, uint max_leaf, uint greedy,
+                       uint root, global const bb_direct_piece *pieces,
                        global uint2 *words,
                        global bb_direct_done *results, global uchar *marks, uint one_kind,
                        global uint2 *queue, global bb_direct_state *state)
 {
-    const planner p = {nodes, words, {scale, traversal, intersection, block, max_leaf}, greedy};
+    const bb_cost_model model = {scale, traversal, intersection, BB_BLOCK_LANES, max_leaf};
+    const planner p = {nodes, words, model, greedy};
     const opener o = {nodes, refs, words, marks, ends, max_leaf > 1u ? 1u : 0u, one_kind, greedy};
     for (uint i = state->pieces; i-- > 0u;) {
         uint child = pieces[i].child;
@@ -362,19 +365,20 @@ kernel void direct_open(global const bb_node *nodes, global const uint *refs, bb
                         global uchar *marks, global const uint2 *queue,
                         volatile global bb_direct_state *state)
 {
-    uint i = get_global_id(0);
-    if (i >= state->queued || (words[queue[i].x].x & BB_TOP) != 0u)
-        return;
     const opener o = {nodes, refs, words, marks, ends, collapsed, one_kind, greedy};
     uint2 stack[(BB_WIDTH - 1) * BB_DIRECT_DEPTH + 1];
     uint top = 0, deepest = 0, sides[BB_WIDTH];
-    stack[top++] = queue[i];
-    while (top > 0u) {
-        uint2 item = stack[--top];
-        uint need = item.y, inner = open_node(&o, item.x, sides, &need);
-        deepest = BB_MAX(need, deepest);
-        while (inner > 0u)
-            stack[top++] = (uint2)(sides[--inner], need);
+    for (uint i = get_global_id(0); i < state->queued; i += (uint)get_global_size(0)) {
+        if ((words[queue[i].x].x & BB_TOP) != 0u)
+            continue;
+        stack[top++] = queue[i];
+        while (top > 0u) {
+            uint2 item = stack[--top];
+            uint need = item.y, inner = open_node(&o, item.x, sides, &need);
+            deepest = BB_MAX(need, deepest);
+            while (inner > 0u)
+                stack[top++] = (uint2)(sides[--inner], need);
+        }
     }
     atomic_max(&state->stack_need, deepest);
 }

@@ -7,10 +7,35 @@
 #include "wide_boxes.clh"
 #include "wide_direct.clh"
 
+/* The blocks of the leaf that node n became, from block `at` on. */
+void write_prims(const bb_block_writer *writer, global const bb_node *nodes,
+                 global const uint *refs, uint n, uint2 word, uint ref_count, uint at)
+{
+    uint prims[BB_LEAF_MAX], next[BB_KIND_COUNT];
+    uint many = bb_direct_prims(nodes, refs, n, word, prims);
+    for (uint i = 0; i < many; i++)
+        bb_ask_ahead(refs, word.y + i, ref_count, writer->data, writer->vertices, &writer->ends);
+    bb_count_kinds(prims, many, &writer->ends, next);
+    bb_blocks_begin(writer, at, next);
+    for (uint i = 0; i < many; i++)
+        bb_blocks_put(writer, prims[i], next);
+}
+
+/* The same where there are triangles only, as vertices. */
+void write_triangles(const bb_block_writer *writer, global const bb_node *nodes,
+                     global const uint *refs, uint n, uint2 word, uint ref_count, uint at)
+{
+    uint prims[BB_LEAF_MAX];
+    uint many = bb_direct_prims(nodes, refs, n, word, prims);
+    for (uint i = 0; i < many; i++)
+        bb_ask_ahead_triangles(refs, word.y + i, ref_count, writer->data, writer->vertices);
+    bb_blocks_of_triangles(writer, at, prims, many);
+}
+
 /* Blocks of the leaves that collapse made, and firsts[n]: where those of leaf n begin. before[]:
  * the blocks before each word of marks. */
 kernel void direct_blocks(global const bb_node *nodes, global const uint *refs,
-                          global const uint2 *words, global const uchar *marks, uint count,
+                          global const uint2 *words, global const ulong *marks, uint count,
                           uint ref_count, global const uint *before,
                           global const float *vertices,
                           global const uint *data, bb_prim_ends ends, float scale, uint format,
@@ -22,39 +47,60 @@ kernel void direct_blocks(global const bb_node *nodes, global const uint *refs,
     if (begin >= count)
         return;
     uint at = before[begin / BB_DIRECT_WORD];
-    for (uint n = begin; n < end; n++) {
-        if (marks[n] == 0 || marks[n] == BB_MARK_NODE)
-            continue;
-        uint prims[BB_LEAF_MAX], next[BB_KIND_COUNT];
-        uint many = bb_direct_prims(nodes, refs, n, words[n], prims);
-        for (uint i = 0; i < many; i++)
-            bb_ask_ahead(refs, words[n].y + i, ref_count, data, vertices, &ends);
-        bb_count_kinds(prims, many, &ends, next);
-        firsts[n] = at;
-        bb_blocks_begin(&writer, at, next);
-        for (uint i = 0; i < many; i++)
-            bb_blocks_put(&writer, prims[i], next);
-        at += marks[n];
-        bb_blocks_end(&writer, at);
+    const bool triangles = format == BB_FORMAT_VERTICES && bb_only_triangles(&ends) &&
+                           block_words == BB_TRIANGLE_BLOCK_WORDS;
+    for (uint n = begin; n < end; n += 8u) {
+        ulong eight = marks[n / 8u];
+        /* bit 7 of each byte that is a number of blocks */
+        ulong leaves = (eight & 0x7F7F7F7F7F7F7F7Ful) + 0x7F7F7F7F7F7F7F7Ful;
+        for (leaves &= 0x8080808080808080ul; leaves != 0ul; leaves &= leaves - 1ul) {
+            uint byte = (uint)popcount((leaves & (0ul - leaves)) - 1ul) / 8u;
+            uint own = (uint)(eight >> 8u * byte) & 0x7Fu;
+            firsts[n + byte] = at;
+            if (triangles)
+                write_triangles(&writer, nodes, refs, n + byte, words[n + byte], ref_count, at);
+            else
+                write_prims(&writer, nodes, refs, n + byte, words[n + byte], ref_count, at);
+            at += own;
+            bb_blocks_end(&writer, at);
+        }
     }
     if (end == count) /* what the links of places without a child lead to */
         bb_block_empty(&writer, at, BB_KIND_COUNT);
 }
 
+/* From boxes, as nodes have them, to planes of axes: four by four. */
+void transpose(const float8 box[BB_WIDTH], float planes[6 * BB_WIDTH])
+{
+    for (uint c = 0; c < BB_WIDTH; c += 4u) {
+        float8 a = box[c], b = box[c + 1u], d = box[c + 2u], e = box[c + 3u];
+        float8 x_y = (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5);
+        float8 also_x_y = (float8)(d.s0, e.s0, d.s1, e.s1, d.s4, e.s4, d.s5, e.s5);
+        float8 z = (float8)(a.s2, b.s2, a.s2, b.s2, a.s6, b.s6, a.s6, b.s6);
+        float8 also_z = (float8)(d.s2, e.s2, d.s2, e.s2, d.s6, e.s6, d.s6, e.s6);
+        vstore4((float4)(x_y.s01, also_x_y.s01), 0, planes + c);
+        vstore4((float4)(x_y.s45, also_x_y.s45), 0, planes + BB_WIDTH + c);
+        vstore4((float4)(x_y.s23, also_x_y.s23), 0, planes + 2u * BB_WIDTH + c);
+        vstore4((float4)(x_y.s67, also_x_y.s67), 0, planes + 3u * BB_WIDTH + c);
+        vstore4((float4)(z.s01, also_z.s01), 0, planes + 4u * BB_WIDTH + c);
+        vstore4((float4)(z.s45, also_z.s45), 0, planes + 5u * BB_WIDTH + c);
+    }
+}
+
 /* Boxes of the nodes that have the places, as the tree has them. */
 void gather_boxes(global const bb_node *nodes, const uint sides[BB_WIDTH], bb_wide_boxes *boxes)
 {
-    bb_wide_clear(boxes);
+    float8 box[BB_WIDTH];
+    boxes->places = 0;
     for (uint c = 0; c < BB_WIDTH; c++) {
+        box[c] = (float8)(INFINITY, INFINITY, INFINITY, 0.0f, -INFINITY, -INFINITY, -INFINITY,
+                          0.0f);
         if (sides[c] == BB_NONE)
             continue;
-        global const bb_node *node = nodes + (sides[c] & BB_INDEX_MASK);
-        for (uint axis = 0; axis < 3; axis++) {
-            boxes->planes[2u * axis * BB_WIDTH + c] = node->lo[axis];
-            boxes->planes[(2u * axis + 1u) * BB_WIDTH + c] = node->hi[axis];
-        }
+        box[c] = vload8(0, (global const float *)(nodes + (sides[c] & BB_INDEX_MASK)));
         boxes->places |= 1u << c;
     }
+    transpose(box, boxes->planes);
 }
 
 /* What writing a node needs; `none`: the record that nothing hits. */

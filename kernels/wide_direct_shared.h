@@ -10,6 +10,8 @@
 
 /* Levels of nodes that a work-item's own stack has room for. */
 #define BB_DIRECT_DEPTH 128
+/* Pieces that a tree is cut into, at most. */
+#define BB_DIRECT_PIECES 1024
 /* Nodes that share a word of marks. */
 #define BB_DIRECT_WORD 64
 /* Nodes that one work-item numbers and writes. */

@@ -237,8 +237,12 @@ static made make_on(int form, bb_scene *scene, const char *name, uint32_t arity,
     make_random_tree(scene, arity, per_leaf, &random, &tree);
     ASSERT_OK(bb_tree_upload(&tree, device, NULL));
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
-    maker.wish = (bb_layout_wish){
-        .octants = run % 2 == 1, .greedy = run / 2 % 2 == 1, .node_cost = run % 3 == 1 ? 0.5 : 0};
+    maker.wish =
+        (bb_layout_wish){.octants = run % 2 == 1,
+                         .greedy = run / 2 % 2 == 1,
+                         .node_cost = run % 3 == 1 ? 0.5 : 0,
+                         .kinds = run % 5 == 4 ? 1u << BB_TETRAHEDRON
+                                               : 0}; /* blocks larger than the scene asks for */
     ASSERT_OK(bb_layout_maker_make(&maker, scene, &tree, leaf, BB_FORMAT_VERTICES, &data));
     made made = {data.root, data.stack_need, data.lanes, {0}, {NULL}};
     for (uint32_t i = 0; i < 2; i++) {

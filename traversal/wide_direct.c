@@ -6,9 +6,10 @@
 
 enum {
     GROUP_SIZE = 64,
-    PIECES_MAX = 1024,
+    PIECES_MAX = BB_DIRECT_PIECES,
     PIECES_PER_UNIT = 32,           /* subtrees, at least: none is then much of the work */
     QUEUE_MAX = 4 * PIECES_MAX + 1, /* half of the pieces are opened, into 8 at most */
+    OPENERS_PER_UNIT = 32,          /* work-items that share the queue */
 };
 
 bb_status bb_wide_direct_create(bb_device *device, bb_account *account, bb_primitives *primitives,
@@ -92,7 +93,7 @@ static bb_status mark(bb_wide_direct *d, const bb_layout_source *source)
     const bb_prim_ends ends = bb_scene_ends(scene);
     float scale = scene->scale, intersection = (float)BB_COST_INTERSECTION,
           traversal = source->traversal;
-    uint32_t block = BB_BLOCK_LANES, leaf = source->leaf, collapsed = leaf > 1, most = PIECES_MAX,
+    uint32_t leaf = source->leaf, collapsed = leaf > 1, most = PIECES_MAX,
              share = info->ref_count / (d->device->compute_units * PIECES_PER_UNIT),
              one_kind = (scene->kinds & (scene->kinds - 1)) == 0, greedy = source->greedy;
     BB_TRY(bb_buffer_fill(&d->marks, (size_t)words_of(tree) * BB_DIRECT_WORD, 0));
@@ -100,17 +101,17 @@ static bb_status mark(bb_wide_direct *d, const bb_layout_source *source)
                      BB_VALUE(info->ref_count), BB_VALUE(share), BB_VALUE(most), BB_MEM(d->pieces),
                      BB_MEM(d->state)));
     BB_TRY(bb_launch(d->device, d->plan, most, 1, BB_MEM(tree->d_nodes), BB_VALUE(scale),
-                     BB_VALUE(traversal), BB_VALUE(intersection), BB_VALUE(block), BB_VALUE(leaf),
-                     BB_VALUE(greedy), BB_MEM(d->pieces), BB_MEM(d->state), BB_MEM(d->words),
-                     BB_MEM(d->results)));
+                     BB_VALUE(traversal), BB_VALUE(intersection), BB_VALUE(leaf), BB_VALUE(greedy),
+                     BB_MEM(d->pieces), BB_MEM(d->state), BB_MEM(d->words), BB_MEM(d->results)));
     BB_TRY(bb_launch(d->device, d->top, 1, 1, BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
                      BB_VALUE(ends), BB_VALUE(scale), BB_VALUE(traversal), BB_VALUE(intersection),
-                     BB_VALUE(block), BB_VALUE(leaf), BB_VALUE(greedy), BB_VALUE(info->root),
-                     BB_MEM(d->pieces), BB_MEM(d->words), BB_MEM(d->results), BB_MEM(d->marks),
-                     BB_VALUE(one_kind), BB_MEM(d->queue), BB_MEM(d->state)));
-    return bb_launch(d->device, d->open, QUEUE_MAX, 1, BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
-                     BB_VALUE(ends), BB_VALUE(collapsed), BB_VALUE(one_kind), BB_VALUE(greedy),
-                     BB_MEM(d->words), BB_MEM(d->marks), BB_MEM(d->queue), BB_MEM(d->state));
+                     BB_VALUE(leaf), BB_VALUE(greedy), BB_VALUE(info->root), BB_MEM(d->pieces),
+                     BB_MEM(d->words), BB_MEM(d->results), BB_MEM(d->marks), BB_VALUE(one_kind),
+                     BB_MEM(d->queue), BB_MEM(d->state)));
+    return bb_launch(d->device, d->open, (size_t)d->device->compute_units * OPENERS_PER_UNIT, 1,
+                     BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs), BB_VALUE(ends),
+                     BB_VALUE(collapsed), BB_VALUE(one_kind), BB_VALUE(greedy), BB_MEM(d->words),
+                     BB_MEM(d->marks), BB_MEM(d->queue), BB_MEM(d->state));
 }
 
 static bb_status read_u32(const bb_buffer *buffer, size_t at, uint32_t *value)
