@@ -1,6 +1,7 @@
 /* Pre-splitting by priority: against a plain reading of the paper for few triangles, in all forms;
  * covers, budgets, degenerate and extreme inputs, kinds that stay whole; options and orders of
- * stages. Early split clipping: test_pipeline.c. Seed: BVHBENCH_TEST_SEED. */
+ * stages. Early split clipping: test_pipeline.c. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL
+ * keeps the inputs small (for oclgrind). */
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
 #include "framework/tree/tree_cover.h"
@@ -16,6 +17,8 @@
 #include <string.h>
 
 enum { CORNERS = 9 };
+
+static bool small;
 
 /* ---- scenes ---- */
 
@@ -313,6 +316,8 @@ static void few_triangles_are_split_by_definition(void **state)
     uint32_t split = 0, compared = 0;
     for (uint32_t run = 0; run < COUNTS * BETAS; run++) {
         const uint32_t count = counts[run / BETAS];
+        if (small && (count < 7 || count > 20))
+            continue;
         const double beta = betas[run % BETAS];
         float corners[64 * CORNERS];
         char builder[64];
@@ -333,7 +338,7 @@ static void few_triangles_are_split_by_definition(void **state)
             close_build(&b);
         }
     }
-    assert_true(compared > 300 && compared > split / 2);
+    assert_true(compared > (small ? 10 : 300) && compared > split / 2);
 }
 
 /* ---- what always holds ---- */
@@ -367,18 +372,18 @@ static void all_forms_split_alike(void **state)
     static const double betas[] = {0, 0.3, 15};
     static const double scales[] = {1, 0x1p-90, 0x1p100, 1e-3};
     static const double offsets[] = {0, 0, 0, 1e4};
-    enum { COUNT = 1500 };
+    const uint32_t count = small ? 30 : 1500;
     bb_random random = bb_random_make(seed, 2);
-    float *corners = malloc(COUNT * CORNERS * sizeof *corners);
+    float *corners = malloc(count * CORNERS * sizeof *corners);
     for (size_t s = 0; s < sizeof scales / sizeof scales[0]; s++) {
-        fill_triangles(&random, COUNT, corners);
-        for (uint32_t i = 0; i < COUNT * CORNERS; i++)
+        fill_triangles(&random, count, corners);
+        for (uint32_t i = 0; i < count * CORNERS; i++)
             corners[i] = (float)(corners[i] * scales[s] + offsets[s]);
-        for (size_t i = 0; i < sizeof betas / sizeof betas[0]; i++) {
+        for (size_t i = small ? 1 + s % 2 : 0; i < (small ? 2 + s % 2 : 3); i++) {
             char builder[64], what[64];
             snprintf(builder, sizeof builder, "presplit:beta=%g,saves=-1+lbvh", betas[i]);
             snprintf(what, sizeof what, "times %g, from %g on", scales[s], offsets[s]);
-            expect_same_in_all_forms(builder, corners, COUNT, betas[i], what);
+            expect_same_in_all_forms(builder, corners, count, betas[i], what);
         }
     }
     free(corners);
@@ -392,6 +397,8 @@ static void degenerate_inputs_are_covered(void **state)
     for (size_t k = 0; k < QUALITY_INPUTS; k++)
         for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
             const uint32_t count = counts[c];
+            if (small && (k % 3 != 0 || c != k / 3 % 4))
+                continue;
             bb_box *boxes = make_boxes(quality_inputs, k, count);
             float *corners = triangles_of_boxes(boxes, count);
             expect_same_in_all_forms("presplit:beta=2,saves=-1+sah", corners, count, 2,
@@ -405,17 +412,17 @@ static void degenerate_inputs_are_covered(void **state)
 static void no_triangle_takes_all(void **state)
 {
     (void)state;
-    enum { COUNT = 2000 };
-    float *corners = calloc(COUNT * CORNERS, sizeof *corners);
+    const uint32_t count = small ? 80 : 2000;
+    float *corners = calloc(count * CORNERS, sizeof *corners);
     bb_random random = bb_random_make(seed, 3);
-    fill_triangles(&random, COUNT, corners);
-    for (uint32_t i = 1; i < COUNT; i++)
+    fill_triangles(&random, count, corners);
+    for (uint32_t i = 1; i < count; i++)
         for (int c = 0; c < CORNERS; c++)
             corners[CORNERS * i + c] = 0.5f + 1e-5f * corners[CORNERS * i + c];
     const float large[CORNERS] = {-1, -1, -1, 1, 1, 1, 1, 0.5f, -0.5f};
     memcpy(corners, large, sizeof large);
     presplit_build b;
-    open_build(&b, devices[first_form()], "presplit:beta=0.5,saves=-1+sah", corners, COUNT,
+    open_build(&b, devices[first_form()], "presplit:beta=0.5,saves=-1+sah", corners, count,
                "one of many");
     uint32_t of_first = 0;
     for (uint32_t i = 0; i < b.instance.references.count; i++)
@@ -428,8 +435,8 @@ static void no_triangle_takes_all(void **state)
 static void what_is_no_triangle_stays_whole(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {"spheres:n=500", "blocks:side=4", "tets:side=2"};
-    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+    static const char *const scenes[] = {"tets:side=2", "spheres:n=500", "blocks:side=4"};
+    for (size_t i = 0; i < (small ? 1 : sizeof scenes / sizeof scenes[0]); i++) {
         bb_scene *scene;
         bb_instance instance;
         ASSERT_OK(bb_scene_load(scenes[i], &scene));
@@ -451,6 +458,8 @@ static void splits_pay_where_boxes_are_empty(void **state)
     (void)state;
     static const char *const builders[] = {"sah", "lbvh", "ploc"};
     bb_scene *scene;
+    if (small)
+        return;
     ASSERT_OK(bb_scene_load("slivers:aspect=40", &scene));
     ASSERT_OK(bb_scene_upload(scene, devices[first_form()]));
     for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++) {
@@ -503,6 +512,8 @@ static void options_choose_the_method(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char builder[96], text[256];
         presplit_build b;
+        if (small && i > 0)
+            continue;
         snprintf(builder, sizeof builder, "%s+sah", cases[i][0]);
         open_build(&b, devices[first_form()], builder, corners, 20, "options");
         ASSERT_OK(bb_instance_describe(&b.instance, b.scene, text, sizeof text));
@@ -545,6 +556,12 @@ static void splits_come_first_or_not_at_all(void **state)
     }
 }
 
+static int open_all(void **state)
+{
+    small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    return open_devices(state);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -557,5 +574,5 @@ int main(void)
         cmocka_unit_test(options_choose_the_method),
         cmocka_unit_test(splits_come_first_or_not_at_all),
     };
-    return cmocka_run_group_tests_name("presplit", tests, open_devices, close_devices);
+    return cmocka_run_group_tests_name("presplit", tests, open_all, close_devices);
 }

@@ -462,7 +462,7 @@ static void options_do_not_depend_on_the_form(void **state)
         "lbvh+reinsert:visits=8",
         "lbvh+reinsert:passes=1+reinsert:passes=1,share=0.3",
     };
-    const uint32_t count = small ? 40 : 4000;
+    const uint32_t count = small ? 20 : 4000;
     bb_box *boxes = make_boxes(quality_inputs, 0, count);
     for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++)
         expect_one_tree(boxes, count, "lbvh", builders[i], "options");
@@ -476,7 +476,7 @@ static void leaves_stay_as_they_are(void **state)
     static const char *const builders[] = {"sah:leaf=4", "null", "presplit:saves=-1+lbvh"};
     bb_scene *scene;
     bb_device *on = devices[first_form()];
-    ASSERT_OK(bb_scene_load(small ? "interior:n=1000" : "interior:n=3000", &scene));
+    ASSERT_OK(bb_scene_load(small ? "random:n=100" : "interior:n=3000", &scene));
     ASSERT_OK(bb_scene_upload(scene, on));
     for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++) {
         bb_instance before = {0}, after = {0};
