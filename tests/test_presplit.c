@@ -1,21 +1,23 @@
 /* Pre-splitting by priority: against a plain reading of the paper for few triangles, in all forms;
  * covers, budgets, degenerate and extreme inputs, kinds that stay whole; options and orders of
- * stages. Early split clipping: test_pipeline.c. Seed: BVHBENCH_TEST_SEED. */
+ * stages. Early split clipping: test_pipeline.c. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL
+ * keeps the inputs small (for oclgrind). */
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
 #include "framework/tree/tree_cover.h"
 #include "tests/box_inputs.h"
 #include "tests/device_forms.h"
+#include "tests/presplit_reference.h"
 #include "tests/quality_inputs.h"
 #include "tests/tree_fixture.h"
-
-#include "builders/presplit/presplit_shared.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { CORNERS = 9 };
+
+static bool small;
 
 /* ---- scenes ---- */
 
@@ -85,176 +87,6 @@ static void close_build(presplit_build *b)
 
 /* ---- by definition ---- */
 
-typedef struct parts {
-    bb_box boxes[PS_MOST + 1];
-    uint32_t count;
-    bool
-        close; /* a decision hangs on the last bits: the margins of what is rounded outwards tell */
-} parts;
-
-typedef struct definition {
-    const bb_scene *scene;
-    double lo[3], step[3];
-    double unit, saves;
-} definition;
-
-static definition define(const bb_scene *scene, double saves)
-{
-    definition d = {.scene = scene, .unit = 1, .saves = saves};
-    double longest = 0;
-    for (int k = 0; k < 3; k++) {
-        double lo = INFINITY, hi = -INFINITY;
-        for (uint32_t i = 0; i < scene->prim_count; i++) {
-            lo = fmin(lo, scene->boxes[i].lo[k]);
-            hi = fmax(hi, scene->boxes[i].hi[k]);
-        }
-        d.lo[k] = lo;
-        d.step[k] = (float)((hi - lo) / (1 << PS_GRID_BITS));
-        longest = fmax(longest, hi - lo);
-    }
-    while (longest * d.unit >= 1)
-        d.unit /= 2;
-    while (longest * d.unit < 0.5)
-        d.unit *= 2;
-    return d;
-}
-
-/* Of all planes through the box that of the least level, then axis: tries them from the root. */
-static int plane_of(const definition *d, const bb_box *box, int *axis, double *plane)
-{
-    for (int level = 0; level < PS_GRID_BITS; level++)
-        for (int k = 0; k < 3; k++) {
-            uint32_t width = 1u << (PS_GRID_BITS - 1 - level);
-            for (uint32_t cell = width; cell < 1u << PS_GRID_BITS; cell += 2 * width) {
-                double at = d->lo[k] + cell * d->step[k];
-                if (box->lo[k] < (float)at && (float)at < box->hi[k]) {
-                    *axis = k;
-                    *plane = (float)at;
-                    return level;
-                }
-            }
-        }
-    return PS_GRID_BITS;
-}
-
-static bb_box side_of(const bb_scene *scene, uint32_t prim, const bb_box *box, int axis,
-                      double plane, double sign);
-static void choose(const definition *d, const bb_box *box, int *axis, double *plane);
-
-static bool saves(const definition *d, uint32_t prim)
-{
-    const bb_box *box = &d->scene->boxes[prim];
-    double plane;
-    int axis;
-    choose(d, box, &axis, &plane);
-    bb_box below = side_of(d->scene, prim, box, axis, plane, 1);
-    bb_box above = side_of(d->scene, prim, box, axis, plane, -1);
-    return bb_half_area(below.lo, below.hi) + bb_half_area(above.lo, above.hi) <=
-           (1 - d->saves) * bb_half_area(box->lo, box->hi);
-}
-
-static double priority_of(const definition *d, uint32_t prim)
-{
-    if (!saves(d, prim))
-        return 0;
-    const float *v[3];
-    const bb_box *box = &d->scene->boxes[prim];
-    double e[3], f[3], plane;
-    int axis;
-    for (uint32_t c = 0; c < 3; c++)
-        v[c] = bb_scene_vertex(d->scene, prim, c);
-    for (int k = 0; k < 3; k++) {
-        e[k] = ((double)v[1][k] - v[0][k]) * d->unit;
-        f[k] = ((double)v[2][k] - v[0][k]) * d->unit;
-    }
-    double ideal = fabs(e[1] * f[2] - e[2] * f[1]) + fabs(e[2] * f[0] - e[0] * f[2]) +
-                   fabs(e[0] * f[1] - e[1] * f[0]);
-    double excess = 2 * bb_half_area(box->lo, box->hi) * d->unit * d->unit - ideal;
-    return cbrt(fmax(0, ldexp(excess, -plane_of(d, box, &axis, &plane))));
-}
-
-static double longest_of(const bb_box *box)
-{
-    double longest = 0;
-    for (int k = 0; k < 3; k++)
-        longest = fmax(longest, (double)box->hi[k] - box->lo[k]);
-    return longest;
-}
-
-/* The part of a triangle on one side of a plane, in a box. */
-static bb_box side_of(const bb_scene *scene, uint32_t prim, const bb_box *box, int axis,
-                      double plane, double sign)
-{
-    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (uint32_t c = 0; c < 3; c++) {
-        const float *a = bb_scene_vertex(scene, prim, c);
-        const float *b = bb_scene_vertex(scene, prim, (c + 1) % 3);
-        double t = (plane - a[axis]) / ((double)b[axis] - a[axis]);
-        for (int k = 0; k < 3; k++) {
-            if (sign * a[axis] <= sign * plane) {
-                lo[k] = fmin(lo[k], a[k]);
-                hi[k] = fmax(hi[k], a[k]);
-            }
-            if (t > 0 && t < 1) {
-                lo[k] = fmin(lo[k], a[k] + t * ((double)b[k] - a[k]));
-                hi[k] = fmax(hi[k], a[k] + t * ((double)b[k] - a[k]));
-            }
-        }
-    }
-    bb_box side = *box;
-    for (int k = 0; k < 3; k++) {
-        side.lo[k] = fmaxf(side.lo[k], (float)lo[k]);
-        side.hi[k] = fminf(side.hi[k], (float)hi[k]);
-    }
-    return side;
-}
-
-static void choose(const definition *d, const bb_box *box, int *axis, double *plane)
-{
-    if (plane_of(d, box, axis, plane) < PS_GRID_BITS)
-        return;
-    *axis = 0;
-    for (int k = 1; k < 3; k++)
-        if (box->hi[k] - box->lo[k] > box->hi[*axis] - box->lo[*axis])
-            *axis = k;
-    *plane = 0.5f * box->lo[*axis] + 0.5f * box->hi[*axis];
-}
-
-/* The shortest side; less than 0: there is nothing. */
-static double shortest_of(const bb_box *box)
-{
-    double shortest = INFINITY;
-    for (int k = 0; k < 3; k++)
-        shortest = fmin(shortest, (double)box->hi[k] - box->lo[k]);
-    return shortest;
-}
-
-static void split_by_definition(const definition *d, uint32_t prim, bb_box box, uint32_t splits,
-                                parts *out)
-{
-    while (splits > 0) {
-        double plane;
-        int axis;
-        choose(d, &box, &axis, &plane);
-        bb_box below = side_of(d->scene, prim, &box, axis, plane, 1);
-        bb_box above = side_of(d->scene, prim, &box, axis, plane, -1);
-        double thin = fmin(shortest_of(&below), shortest_of(&above));
-        out->close = out->close || (thin != 0 && fabs(thin) < 1e-5 * longest_of(&box));
-        if (thin < 0) {
-            box = shortest_of(&below) < 0 ? above : below;
-            continue;
-        }
-        double low = longest_of(&below), high = longest_of(&above);
-        double exact = (splits - 1) * (low / (low + high)) + 0.5;
-        uint32_t share = (uint32_t)floor(exact);
-        out->close = out->close || fabs(exact - round(exact)) < 1e-4;
-        split_by_definition(d, prim, below, share, out);
-        box = above;
-        splits -= 1 + share;
-    }
-    out->boxes[out->count++] = box;
-}
-
 /* Numbers of splits are those of one D, and a D that is larger by a thousandth exceeds the budget.
  */
 static void expect_one_d(const definition *d, const uint32_t *splits, uint32_t count, double beta)
@@ -313,6 +145,8 @@ static void few_triangles_are_split_by_definition(void **state)
     uint32_t split = 0, compared = 0;
     for (uint32_t run = 0; run < COUNTS * BETAS; run++) {
         const uint32_t count = counts[run / BETAS];
+        if (small && (count < 7 || count > 20))
+            continue;
         const double beta = betas[run % BETAS];
         float corners[64 * CORNERS];
         char builder[64];
@@ -333,7 +167,7 @@ static void few_triangles_are_split_by_definition(void **state)
             close_build(&b);
         }
     }
-    assert_true(compared > 300 && compared > split / 2);
+    assert_true(compared > (small ? 10 : 300) && compared > split / 2);
 }
 
 /* ---- what always holds ---- */
@@ -367,18 +201,18 @@ static void all_forms_split_alike(void **state)
     static const double betas[] = {0, 0.3, 15};
     static const double scales[] = {1, 0x1p-90, 0x1p100, 1e-3};
     static const double offsets[] = {0, 0, 0, 1e4};
-    enum { COUNT = 1500 };
+    const uint32_t count = small ? 30 : 1500;
     bb_random random = bb_random_make(seed, 2);
-    float *corners = malloc(COUNT * CORNERS * sizeof *corners);
+    float *corners = malloc(count * CORNERS * sizeof *corners);
     for (size_t s = 0; s < sizeof scales / sizeof scales[0]; s++) {
-        fill_triangles(&random, COUNT, corners);
-        for (uint32_t i = 0; i < COUNT * CORNERS; i++)
+        fill_triangles(&random, count, corners);
+        for (uint32_t i = 0; i < count * CORNERS; i++)
             corners[i] = (float)(corners[i] * scales[s] + offsets[s]);
-        for (size_t i = 0; i < sizeof betas / sizeof betas[0]; i++) {
+        for (size_t i = small ? 1 + s % 2 : 0; i < (small ? 2 + s % 2 : 3); i++) {
             char builder[64], what[64];
             snprintf(builder, sizeof builder, "presplit:beta=%g,saves=-1+lbvh", betas[i]);
             snprintf(what, sizeof what, "times %g, from %g on", scales[s], offsets[s]);
-            expect_same_in_all_forms(builder, corners, COUNT, betas[i], what);
+            expect_same_in_all_forms(builder, corners, count, betas[i], what);
         }
     }
     free(corners);
@@ -392,6 +226,8 @@ static void degenerate_inputs_are_covered(void **state)
     for (size_t k = 0; k < QUALITY_INPUTS; k++)
         for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
             const uint32_t count = counts[c];
+            if (small && (k % 3 != 0 || c != k / 3 % 4))
+                continue;
             bb_box *boxes = make_boxes(quality_inputs, k, count);
             float *corners = triangles_of_boxes(boxes, count);
             expect_same_in_all_forms("presplit:beta=2,saves=-1+sah", corners, count, 2,
@@ -405,17 +241,17 @@ static void degenerate_inputs_are_covered(void **state)
 static void no_triangle_takes_all(void **state)
 {
     (void)state;
-    enum { COUNT = 2000 };
-    float *corners = calloc(COUNT * CORNERS, sizeof *corners);
+    const uint32_t count = small ? 80 : 2000;
+    float *corners = calloc(count * CORNERS, sizeof *corners);
     bb_random random = bb_random_make(seed, 3);
-    fill_triangles(&random, COUNT, corners);
-    for (uint32_t i = 1; i < COUNT; i++)
+    fill_triangles(&random, count, corners);
+    for (uint32_t i = 1; i < count; i++)
         for (int c = 0; c < CORNERS; c++)
             corners[CORNERS * i + c] = 0.5f + 1e-5f * corners[CORNERS * i + c];
     const float large[CORNERS] = {-1, -1, -1, 1, 1, 1, 1, 0.5f, -0.5f};
     memcpy(corners, large, sizeof large);
     presplit_build b;
-    open_build(&b, devices[first_form()], "presplit:beta=0.5,saves=-1+sah", corners, COUNT,
+    open_build(&b, devices[first_form()], "presplit:beta=0.5,saves=-1+sah", corners, count,
                "one of many");
     uint32_t of_first = 0;
     for (uint32_t i = 0; i < b.instance.references.count; i++)
@@ -428,8 +264,8 @@ static void no_triangle_takes_all(void **state)
 static void what_is_no_triangle_stays_whole(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {"spheres:n=500", "blocks:side=4", "tets:side=2"};
-    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+    static const char *const scenes[] = {"tets:side=2", "spheres:n=500", "blocks:side=4"};
+    for (size_t i = 0; i < (small ? 1 : sizeof scenes / sizeof scenes[0]); i++) {
         bb_scene *scene;
         bb_instance instance;
         ASSERT_OK(bb_scene_load(scenes[i], &scene));
@@ -451,6 +287,8 @@ static void splits_pay_where_boxes_are_empty(void **state)
     (void)state;
     static const char *const builders[] = {"sah", "lbvh", "ploc"};
     bb_scene *scene;
+    if (small)
+        return;
     ASSERT_OK(bb_scene_load("slivers:aspect=40", &scene));
     ASSERT_OK(bb_scene_upload(scene, devices[first_form()]));
     for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++) {
@@ -503,6 +341,8 @@ static void options_choose_the_method(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char builder[96], text[256];
         presplit_build b;
+        if (small && i > 0)
+            continue;
         snprintf(builder, sizeof builder, "%s+sah", cases[i][0]);
         open_build(&b, devices[first_form()], builder, corners, 20, "options");
         ASSERT_OK(bb_instance_describe(&b.instance, b.scene, text, sizeof text));
@@ -545,6 +385,12 @@ static void splits_come_first_or_not_at_all(void **state)
     }
 }
 
+static int open_all(void **state)
+{
+    small = getenv("BVHBENCH_TEST_SMALL") != NULL;
+    return open_devices(state);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -557,5 +403,5 @@ int main(void)
         cmocka_unit_test(options_choose_the_method),
         cmocka_unit_test(splits_come_first_or_not_at_all),
     };
-    return cmocka_run_group_tests_name("presplit", tests, open_devices, close_devices);
+    return cmocka_run_group_tests_name("presplit", tests, open_all, close_devices);
 }

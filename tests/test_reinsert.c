@@ -1,11 +1,9 @@
 /* Reinsertion: the search against all places there are, moves against taking out and putting in by
- * pointers, roots exhaustively, undoing, degenerate inputs and chains; one tree in all forms, never
- * a worse one. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (oclgrind). */
+ * pointers, each of them in every small tree; undoing. Whole builds: test_reinsert_trees.c. Seed:
+ * BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (oclgrind). */
 #include "builders/reinsert/moves.h"
 #include "builders/reinsert/search.h"
-#include "framework/builder/registry.h"
 #include "tests/device_forms.h"
-#include "tests/quality_inputs.h"
 #include "tests/tree_fixture.h"
 
 static bool small;
@@ -415,162 +413,6 @@ static void moves_do_not_depend_on_their_order(void **state)
     free_scene(scene);
 }
 
-/* ---- whole builds ---- */
-
-static void expect_one_tree(const bb_box *boxes, uint32_t count, const char *before,
-                            const char *builder, const char *what)
-{
-    box_build base, builds[FORMS];
-    open_box_build(&base, devices[first_form()], before, boxes, count, what);
-    const double was = bb_tree_sah(&base.preorder);
-    for (int form = first_form(); form < FORMS; form++) {
-        open_box_build(&builds[form], devices[form], builder, boxes, count, what);
-        const bb_tree *tree = &builds[form].preorder, *first = &builds[first_form()].preorder;
-        const double sah = bb_tree_sah(tree);
-        if (!(sah <= was * (1 + 1e-6)) && !isnan(was))
-            fail_msg("%s, %s, %u boxes: SAH %.9g, was %.9g", builder, what, count, sah, was);
-        assert_memory_equal(&tree->info, &first->info, sizeof tree->info);
-        if (memcmp(tree->nodes, first->nodes, tree->info.node_count * sizeof(bb_node)) != 0 ||
-            memcmp(tree->refs, first->refs, tree->info.ref_count * sizeof(uint32_t)) != 0)
-            fail_msg("%s, %s, %u boxes, seed %llu: form %d gives another tree", builder, what,
-                     count, (unsigned long long)seed, form);
-    }
-    for (int form = first_form(); form < FORMS; form++)
-        close_box_build(&builds[form]);
-    close_box_build(&base);
-}
-
-static void all_forms_give_one_tree_and_no_worse(void **state)
-{
-    (void)state;
-    static const uint32_t counts[] = {1, 2, 3, 4, 33, 600}, few[] = {1, 3, 20};
-    const uint32_t *sizes = small ? few : counts;
-    for (size_t k = 0; k < (small ? 2 : QUALITY_INPUTS); k++)
-        for (size_t c = 0; c < (small ? 3 : 6); c++) {
-            bb_box *boxes = make_boxes(quality_inputs, k, sizes[c]);
-            expect_one_tree(boxes, sizes[c], "lbvh", "lbvh+reinsert", quality_inputs[k].name);
-            free(boxes);
-        }
-}
-
-static void options_do_not_depend_on_the_form(void **state)
-{
-    (void)state;
-    static const char *const builders[] = {
-        "lbvh+reinsert:passes=20,stop=0,parts=1",
-        "lbvh+reinsert:share=0.05,parts=64",
-        "lbvh+reinsert:visits=8",
-        "lbvh+reinsert:passes=1+reinsert:passes=1,share=0.3",
-    };
-    const uint32_t count = small ? 40 : 4000;
-    bb_box *boxes = make_boxes(quality_inputs, 0, count);
-    for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++)
-        expect_one_tree(boxes, count, "lbvh", builders[i], "options");
-    free(boxes);
-}
-
-/* Leaves of several references, one leaf alone, and references that a splitter has made. */
-static void leaves_stay_as_they_are(void **state)
-{
-    (void)state;
-    static const char *const builders[] = {"sah:leaf=4", "null", "presplit:saves=-1+lbvh"};
-    bb_scene *scene;
-    bb_device *on = devices[first_form()];
-    ASSERT_OK(bb_scene_load(small ? "interior:n=1000" : "interior:n=3000", &scene));
-    ASSERT_OK(bb_scene_upload(scene, on));
-    for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++) {
-        bb_instance before = {0}, after = {0};
-        char text[128];
-        snprintf(text, sizeof text, "%s+reinsert", builders[i]);
-        ASSERT_OK(bb_instance_create(on, builders[i], scene, 1, &before));
-        ASSERT_OK(bb_instance_build(&before, scene, false, NULL));
-        ASSERT_OK(bb_tree_download(&before.tree, NULL));
-        ASSERT_OK(bb_instance_create(on, text, scene, 1, &after));
-        ASSERT_OK(bb_instance_build(&after, scene, false, NULL));
-        ASSERT_OK(bb_tree_download(&after.tree, NULL));
-        ASSERT_OK(bb_tree_check(&after.tree, scene));
-        assert_int_equal(before.tree.info.leaf_count, after.tree.info.leaf_count);
-        assert_int_equal(before.tree.duplicated, after.tree.duplicated);
-        assert_true(bb_tree_sah(&after.tree) <= bb_tree_sah(&before.tree) * (1 + 1e-6));
-        if (i != 1 && !small)
-            assert_true(bb_tree_sah(&after.tree) < 0.95 * bb_tree_sah(&before.tree));
-        bb_instance_destroy(&before);
-        bb_instance_destroy(&after);
-    }
-    bb_scene_free(scene);
-}
-
-/* Boxes around each other as a chain of so many levels: straight into the hook. */
-static void make_chain(uint32_t levels, bb_scene **scene, bb_tree *chain)
-{
-    *scene = make_box_scene(levels + 1);
-    bb_tree_init(chain, NULL);
-    ASSERT_OK(bb_tree_reserve(chain, NULL, BB_ON_HOST, 2ul * levels + 1, levels + 1));
-    for (uint32_t i = 0; i <= levels; i++) {
-        const float half = 1.0f + (float)(levels - i);
-        const bb_box box = {.lo = {-half, -half, -half}, .hi = {half, half, half}};
-        (*scene)->boxes[i] = box;
-        chain->refs[i] = i | BB_LAST_BIT;
-        chain->nodes[2 * i] = make_node(box.lo, box.hi, 2 * i + 1, BB_NONE);
-        if (i == levels)
-            chain->nodes[2 * i].first = BB_LEAF_BIT | i;
-        else
-            chain->nodes[2 * i + 1] = make_node(box.lo, box.hi, BB_LEAF_BIT | i, 2 * i + 2);
-    }
-    chain->info = (bb_tree_info){0, 2 * levels + 1, levels + 1, levels + 1, 2, levels};
-}
-
-static void chains_end(void **state)
-{
-    (void)state;
-    const uint32_t levels = small ? 50 : 20000;
-    bb_device *on = devices[CPU_FORM];
-    const bb_builder *reinsert = bb_builder_find("reinsert");
-    bb_spec spec;
-    bb_scene *scene;
-    bb_tree chain, out;
-    void *self = NULL;
-    bb_account account = {0};
-    bb_builder_context context = {
-        .device = on, .account = &account, .spec = &spec, .options = reinsert->options};
-    bb_phases phases = {.current = -1, .device = on};
-    ASSERT_OK(bb_spec_parse("reinsert:passes=2", &spec));
-    make_chain(levels, &scene, &chain);
-    bb_tree_init(&out, &account);
-    ASSERT_OK(bb_tree_check(&chain, scene));
-    ASSERT_OK(bb_tree_upload(&chain, on, NULL));
-    ASSERT_OK(reinsert->create(&context, &self));
-    ASSERT_OK(reinsert->build(self, scene, &chain, &out, &phases));
-    ASSERT_OK(bb_tree_fetch_info(&out));
-    ASSERT_OK(bb_tree_download(&out, NULL));
-    ASSERT_OK(bb_tree_check(&out, scene));
-    assert_true(bb_tree_sah(&out) <= bb_tree_sah(&chain) * (1 + 1e-6));
-    chain.info.arity = 3;
-    assert_int_equal(reinsert->build(self, scene, &chain, &out, &phases), BB_UNSUPPORTED);
-    assert_non_null(strstr(bb_message(), "binary trees"));
-    reinsert->destroy(self);
-    bb_tree_release(&chain);
-    bb_tree_release(&out);
-    free_scene(scene);
-}
-
-static void bad_options_are_refused(void **state)
-{
-    (void)state;
-    static const char *const bad[] = {
-        "lbvh+reinsert:passes=0", "lbvh+reinsert:share=0",   "lbvh+reinsert:share=1.1",
-        "lbvh+reinsert:stop=2",   "lbvh+reinsert:visits=7",  "lbvh+reinsert:parts=0",
-        "lbvh+reinsert:parts=65", "lbvh+reinsert:nothing=1", "reinsert+lbvh"};
-    const bb_box box = {{0}, 0, {0}, 0};
-    const bb_scene scene = scene_of(&box, 1);
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        bb_instance instance = {0};
-        assert_int_equal(bb_instance_create(devices[first_form()], bad[i], &scene, 1, &instance),
-                         BB_INVALID);
-        bb_instance_destroy(&instance);
-    }
-}
-
 static int open_all(void **state)
 {
     small = getenv("BVHBENCH_TEST_SMALL") != NULL;
@@ -584,11 +426,6 @@ int main(void)
         cmocka_unit_test(the_search_finds_the_best_place),
         cmocka_unit_test(any_move_can_be_made_and_undone),
         cmocka_unit_test(moves_do_not_depend_on_their_order),
-        cmocka_unit_test(all_forms_give_one_tree_and_no_worse),
-        cmocka_unit_test(options_do_not_depend_on_the_form),
-        cmocka_unit_test(leaves_stay_as_they_are),
-        cmocka_unit_test(chains_end),
-        cmocka_unit_test(bad_options_are_refused),
     };
     return cmocka_run_group_tests(tests, open_all, close_devices);
 }

@@ -7,17 +7,19 @@
 
 enum { ROW = 64, FEW = 16 }; /* FEW: what wide leaves and rough orders may take */
 
-/* Triangles across the x axis, at x = 0, 1, 2 ..., each `times` over: i, i + ROW, ... */
-static bb_scene *make_row(uint32_t times)
+/* Triangles across the x axis, at x = 0, 1, 2 ..., each `times` over: i, i + ROW, ...; those from
+ * number `turned` on are the other halves of their boxes. */
+static bb_scene *make_row(uint32_t times, uint32_t turned)
 {
-    static const float corners[3][2] = {{-1, -1}, {3, -1}, {-1, 3}};
+    static const float corners[2][3][2] = {{{-1, -1}, {3, -1}, {-1, 3}},
+                                           {{3, 3}, {-1, 3}, {3, -1}}};
     bb_scene *scene = hand_scene(times * ROW, 0);
     for (uint32_t i = 0; i < times * ROW; i++)
         for (uint32_t c = 0; c < 3; c++) {
             float *vertex = scene->vertices + 3 * (3 * (size_t)i + c);
             vertex[0] = (float)(i % ROW);
-            vertex[1] = corners[c][0];
-            vertex[2] = corners[c][1];
+            vertex[1] = corners[i >= turned][c][0];
+            vertex[2] = corners[i >= turned][c][1];
         }
     hand_finish(scene);
     return scene;
@@ -30,7 +32,7 @@ static void the_nearer_child_comes_first(void **state)
                             {{ROW, 0, 0}, 0, {-1, 0, 0}, INFINITY}};
     uint32_t ordered = 0;
     bed b;
-    open_bed(&b, make_row(1), "lbvh", "stack", 1);
+    open_bed(&b, make_row(1, ROW), "lbvh", "stack", 1);
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
         bb_hit hits[2];
         bb_count counts[2];
@@ -92,7 +94,23 @@ static void each_is_found(void **state)
         rays[i] = (bb_ray){{-1, 0, 0}, (float)i + 0.5f, {1, 0, 0}, INFINITY};
         prims[i] = i;
     }
-    open_bed(&b, make_row(1), "lbvh", "stack", 1);
+    open_bed(&b, make_row(1, ROW), "lbvh", "stack", 1);
+    expect_hits(&b, &bb_query_closest, rays, prims, ROW);
+    close_bed(&b);
+}
+
+/* The last of five that have one box, and so are in one leaf. */
+static void the_last_of_a_leaf_is_found(void **state)
+{
+    (void)state;
+    bb_ray rays[ROW];
+    uint32_t prims[ROW];
+    bed b;
+    for (uint32_t i = 0; i < ROW; i++) {
+        rays[i] = (bb_ray){{-1, 2, 2}, (float)i + 0.5f, {1, 0, 0}, INFINITY};
+        prims[i] = 4 * ROW + i;
+    }
+    open_bed(&b, make_row(5, 4 * ROW), "lbvh", "stack", 1);
     expect_hits(&b, &bb_query_closest, rays, prims, ROW);
     close_bed(&b);
 }
@@ -127,7 +145,7 @@ static void the_lowest_of_equals_wins(void **state)
                             {{ROW, 0, 0}, 0, {-1, 0, 0}, INFINITY}};
     const uint32_t prims[2] = {0, ROW - 1};
     bed b;
-    open_bed(&b, make_row(5), "lbvh", "stack", 1);
+    open_bed(&b, make_row(5, 5 * ROW), "lbvh", "stack", 1);
     expect_hits(&b, &bb_query_closest, rays, prims, 2);
     close_bed(&b);
 }
@@ -142,7 +160,7 @@ static void only_the_interval_counts(void **state)
                            {{-1, 0, 0}, 64.5f, {1, 0, 0}, 1e30f}};
     const uint32_t prims[] = {BB_NONE, BB_NONE, 0, 2, 3, BB_NONE, BB_NONE};
     bed b;
-    open_bed(&b, make_row(1), "lbvh", "stack", 1);
+    open_bed(&b, make_row(1, ROW), "lbvh", "stack", 1);
     expect_hits(&b, &bb_query_closest, rays, prims, 7);
     expect_hits(&b, &bb_query_any, rays, prims, 7);
     close_bed(&b);
@@ -152,8 +170,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_nearer_child_comes_first), cmocka_unit_test(each_is_found),
-        cmocka_unit_test(spheres_are_entered),          cmocka_unit_test(the_lowest_of_equals_wins),
-        cmocka_unit_test(only_the_interval_counts),
+        cmocka_unit_test(the_last_of_a_leaf_is_found),  cmocka_unit_test(spheres_are_entered),
+        cmocka_unit_test(the_lowest_of_equals_wins),    cmocka_unit_test(only_the_interval_counts),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

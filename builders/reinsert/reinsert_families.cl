@@ -71,7 +71,10 @@ kernel void families_cost(global const bb_family *families, uint count, float un
         return;
     ulong sum = 0;
     for (uint f = begin; f < end; f++) {
-        float area = areas_of(both_boxes(load_family(families, f)), unit).x;
+        bb_two_boxes boxes;
+        load_family(families, f, &boxes);
+        unite_boxes(&boxes);
+        float area = areas_of(&boxes, unit).x;
         sum += convert_ulong_rtz(area * BB_COST_ONE);
     }
     sums[get_global_id(0)] = sum;

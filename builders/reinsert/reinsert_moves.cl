@@ -119,19 +119,19 @@ typedef struct place_content {
     uint link;
 } place_content;
 
-place_content take(global const bb_family *families, uint place)
+void take(global const bb_family *families, uint place, place_content *content)
 {
-    place_content content = {one_box(load_family(families, place >> 1), place & 1u),
-                             families[place >> 1].links[place & 1u]};
-    return content;
+    load_family(families, place >> 1, &content->box);
+    spread_box(&content->box, place & 1u);
+    content->link = families[place >> 1].links[place & 1u];
 }
 
-void put(global bb_family *families, uint place, place_content content)
+void put(global bb_family *families, uint place, const place_content *content)
 {
-    store_box(families, place, content.box);
-    families[place >> 1].links[place & 1u] = content.link;
-    if (!is_leaf_link(content.link))
-        families[content.link].place = place;
+    store_box(families, place, &content->box);
+    families[place >> 1].links[place & 1u] = content->link;
+    if (!is_leaf_link(content->link))
+        families[content->link].place = place;
 }
 
 /* x's sibling goes to where their parent is, the parent between `to` and what is there, which
@@ -144,11 +144,13 @@ kernel void moves_make(global const bb_move *moves, uint begin, uint end, global
         return;
     bb_move move = moves[i];
     uint p = move.from >> 1, beside = move.from ^ 1u;
-    place_content sibling = take(families, beside);
-    put(families, move.above, sibling);
-    place_content other = take(families, move.to), parent = {other.box, p};
-    put(families, beside, other);
-    put(families, move.to, parent);
+    place_content moved;
+    take(families, beside, &moved);
+    put(families, move.above, &moved);
+    take(families, move.to, &moved);
+    put(families, beside, &moved);
+    moved.link = p;
+    put(families, move.to, &moved);
 }
 
 /* The same backwards. */
@@ -160,10 +162,13 @@ kernel void moves_undo(global const bb_move *moves, uint begin, uint end, global
         return;
     bb_move move = moves[i];
     uint p = move.from >> 1, beside = move.from ^ 1u;
-    put(families, move.to, take(families, beside));
-    place_content sibling = take(families, move.above), parent = {sibling.box, p};
-    put(families, beside, sibling);
-    put(families, move.above, parent);
+    place_content moved;
+    take(families, beside, &moved);
+    put(families, move.to, &moved);
+    take(families, move.above, &moved);
+    put(families, beside, &moved);
+    moved.link = p;
+    put(families, move.above, &moved);
 }
 
 /* ---- boxes ---- */
@@ -193,7 +198,10 @@ kernel void moves_arrive(global const bb_move *moves, uint begin, uint end,
 uint fit_family(volatile global bb_family *families, uint f)
 {
     uint place = families[f].place;
-    store_box(families, place, both_boxes(load_family(families, f)));
+    bb_two_boxes boxes;
+    load_family(families, f, &boxes);
+    unite_boxes(&boxes);
+    store_box(families, place, &boxes);
     return place >> 1;
 }
 

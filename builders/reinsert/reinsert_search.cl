@@ -55,10 +55,12 @@ void search_below(global const bb_family *families, subtree_search *search, uint
         if (search->left == 0u)
             return;
         search->left--;
-        bb_two_boxes boxes = load_family(families, f);
+        bb_two_boxes boxes;
+        load_family(families, f, &boxes);
         uint2 links = vload2(0, families[f].links);
-        float2 own = areas_of(boxes, search->unit);
-        float2 with = areas_of(join_boxes(boxes, search->box), search->unit);
+        float2 own = areas_of(&boxes, search->unit);
+        join_boxes(&boxes, &search->box);
+        float2 with = areas_of(&boxes, search->unit);
         float2 gain = saved - with, below = saved - (with - own), most = below - search->area;
         try_place(search, 2u * f, gain.x);
         try_place(search, 2u * f + 1u, gain.y);
@@ -89,17 +91,22 @@ void search_below(global const bb_family *families, subtree_search *search, uint
 
 /* From the place of x's parent up; `path`: the boxes of what is there without x, and with it. */
 void search_above(global const bb_family *families, subtree_search *search, uint top, uint place,
-                  bb_two_boxes path, float saved)
+                  bb_two_boxes *path, float saved)
 {
-    const bb_two_boxes taken_in = first_box(search->box);
+    bb_two_boxes taken_in = search->box;
+    drop_second(&taken_in);
     bool touches = true; /* x a side of the pivots' boxes; if not, nothing is saved above */
     while (place >> 1 != top && search->left > 0u) {
         search->left--;
         uint f = place >> 1, side = 1u - (place & 1u), c = families[f].links[side];
-        bb_two_boxes other = one_box(load_family(families, f), side);
+        bb_two_boxes other;
+        load_family(families, f, &other);
+        spread_box(&other, side);
         place = families[f].place;
         if (saved - search->area > search->best) {
-            float2 both = areas_of(join_boxes(other, taken_in), search->unit);
+            bb_two_boxes joined = other;
+            join_boxes(&joined, &taken_in);
+            float2 both = areas_of(&joined, search->unit);
             float with = both.x, own = both.y, below = saved - (with - own);
             try_place(search, 2u * f + side, saved - with);
             if (!is_leaf_link(c) && own > search->area && below - search->area > search->best)
@@ -108,7 +115,7 @@ void search_above(global const bb_family *families, subtree_search *search, uint
             return;
         }
         if (touches) {
-            path = join_boxes(path, other);
+            join_boxes(path, &other);
             float2 both = areas_of(path, search->unit);
             float without = both.x, before = both.y;
             saved += before - without;
@@ -128,15 +135,20 @@ kernel void search_find(global const bb_family *families, uint top, float unit,
         return;
     uint from = list[first + i * step], p = from >> 1, side = from & 1u;
     uint s = families[p].links[1u - side];
-    bb_two_boxes boxes = load_family(families, p);
-    bb_two_boxes rest = one_box(boxes, 1u - side);
-    subtree_search search = {one_box(boxes, side), 0, unit, 0, BB_NONE, BB_SEARCH_MOST};
-    search.area = areas_of(search.box, unit).x;
-    float saved = areas_of(both_boxes(boxes), unit).x, sibling = areas_of(rest, unit).x;
+    bb_two_boxes boxes;
+    load_family(families, p, &boxes);
+    bb_two_boxes path = boxes; /* the sibling, and both */
+    spread_box(&path, 1u - side);
+    float sibling = areas_of(&path, unit).x;
+    subtree_search search = {boxes, 0, unit, 0, BB_NONE, BB_SEARCH_MOST};
+    spread_box(&search.box, side);
+    search.area = areas_of(&search.box, unit).x;
+    unite_boxes(&boxes);
+    float saved = areas_of(&boxes, unit).x;
+    put_second(&path, &boxes);
     if (!is_leaf_link(s) && sibling > search.area)
         search_below(families, &search, s, sibling);
-    search_above(families, &search, top, families[p].place, two_boxes(rest, both_boxes(boxes)),
-                 saved);
+    search_above(families, &search, top, families[p].place, &path, saved);
     bb_move move = {from, search.to, families[p].place, search.best};
     moves[begin + i] = move;
 }
@@ -148,8 +160,11 @@ kernel void search_sample(global const bb_family *families, uint step, uint coun
                           global float2 *areas)
 {
     uint i = get_global_id(0);
-    if (i < count)
-        areas[i] = areas_of(load_family(families, i * step), unit);
+    if (i >= count)
+        return;
+    bb_two_boxes boxes;
+    load_family(families, i * step, &boxes);
+    areas[i] = areas_of(&boxes, unit);
 }
 
 kernel void search_mark(global const bb_family *families, uint count, float unit, float least,
@@ -158,7 +173,9 @@ kernel void search_mark(global const bb_family *families, uint count, float unit
     uint f = get_global_id(0);
     if (f >= count)
         return;
-    float2 areas = areas_of(load_family(families, f), unit);
+    bb_two_boxes boxes;
+    load_family(families, f, &boxes);
+    float2 areas = areas_of(&boxes, unit);
     marks[2u * f] = areas.x >= least ? 1u : 0u;
     marks[2u * f + 1u] = areas.y >= least ? 1u : 0u;
 }
