@@ -5,6 +5,7 @@
 #include "framework/builder/registry.h"
 #include "framework/tree/tree_cover.h"
 #include "tests/device_fixture.h"
+#include "tests/registry.h"
 #include "tests/tree_fixture.h"
 
 #include "framework/scene/scene.h"
@@ -232,6 +233,35 @@ static void idle_stages_change_nothing(void **state)
 }
 
 /* Trees go over to the device and back, whoever made them, with all that they say of themselves. */
+/* A stage that finds nothing to do, as in a tree of one leaf, has still handed one on: a clock that
+ * saw the device do nothing would not be believed. */
+static void the_device_is_seen_at_work_in_each_stage(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"single", "cube"};
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
+        bb_scene *scene = load(scenes[s]);
+        uint32_t ran = 0;
+        for (size_t i = 0; i < bb_builder_count(); i++) {
+            const char *builder = whole_builder(bb_builder_at(i));
+            bb_instance instance = {0};
+            bb_status status = bb_instance_create(device, builder, scene, SEED, &instance);
+            if (status == BB_OK)
+                status = bb_instance_build(&instance, scene, false, NULL);
+            if (is_taken(status, builder, &ran))
+                for (uint32_t k = 0; k < instance.step_count; k++) {
+                    const bb_build_step *step = &instance.steps[k];
+                    const bool on_host = step->phases.device == NULL && step->phases.count > 0;
+                    if (step->phases.used_device && !on_host && !(step->timing.timing.event_ms > 0))
+                        fail_msg("%s of %s: no work was seen in %s", builder, scenes[s],
+                                 step->label);
+                }
+            bb_instance_destroy(&instance);
+        }
+        bb_scene_free(scene);
+    }
+}
+
 static void trees_are_handed_over_both_ways(void **state)
 {
     (void)state;
@@ -512,6 +542,7 @@ int main(void)
         cmocka_unit_test(stages_are_timed_and_booked_apart),
         cmocka_unit_test(stages_have_figures_of_their_own),
         cmocka_unit_test(idle_stages_change_nothing),
+        cmocka_unit_test(the_device_is_seen_at_work_in_each_stage),
         cmocka_unit_test(trees_are_handed_over_both_ways),
         cmocka_unit_test(rotations_never_raise_the_cost),
         cmocka_unit_test(rotations_lower_the_cost),
