@@ -435,6 +435,89 @@ static void splits_are_covered_and_within_the_budget(void **state)
     }
 }
 
+/* Halves reference `index` as presplit_esc.c says, or leaves it. */
+static bool halve(const bb_scene *scene, bb_box *boxes, const uint32_t *prims, uint32_t index,
+                  uint32_t count, double saves)
+{
+    const bb_prims *spheres = &scene->prims[BB_SPHERE];
+    bb_box halves[2] = {boxes[index], boxes[index]};
+    int axis = 0;
+    for (int k = 1; k < 3; k++)
+        if ((double)halves[0].hi[k] - halves[0].lo[k] >
+            (double)halves[0].hi[axis] - halves[0].lo[axis])
+            axis = k;
+    const float middle = 0.5f * halves[0].lo[axis] + 0.5f * halves[0].hi[axis];
+    if (prims[index] - spheres->first < spheres->count || !(halves[0].lo[axis] < middle) ||
+        !(middle < halves[0].hi[axis]))
+        return false;
+    halves[0].hi[axis] = halves[1].lo[axis] = middle;
+    double sum = 0;
+    for (int i = 0; i < 2; i++) {
+        bb_clip_primitive(scene, prims[index], &halves[i]);
+        sum += bb_half_area(halves[i].lo, halves[i].hi);
+    }
+    if (sum > (1 - saves) * bb_half_area(boxes[index].lo, boxes[index].hi))
+        return false;
+    boxes[index] = halves[0];
+    boxes[count] = halves[1];
+    return true;
+}
+
+/* The largest box first, the first of several, found by looking at all of them. */
+static void the_largest_boxes_are_split_first(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"slivers:aspect=40", "interior:n=1000", "blinds:n=10",
+                                         "blocks:side=4,mixed=yes"};
+    const double above = 0.1, saves = 0.05;
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
+        bb_scene *scene = load(scenes[s]);
+        const uint32_t most = (uint32_t)(1.25 * scene->prim_count);
+        bb_box *boxes = malloc(most * sizeof *boxes);
+        uint32_t *prims = malloc(most * sizeof *prims), count = scene->prim_count, largest;
+        bool *done = calloc(most, sizeof *done);
+        double sum = 0, area;
+        built b;
+        for (uint32_t i = 0; i < count; i++) {
+            boxes[i] = scene->boxes[i];
+            prims[i] = i;
+            sum += bb_half_area(boxes[i].lo, boxes[i].hi);
+        }
+        const double least = above * sum / count;
+        do {
+            largest = BB_NONE;
+            double most_area = least;
+            for (uint32_t i = 0; i < count; i++) {
+                area = bb_half_area(boxes[i].lo, boxes[i].hi);
+                if (!done[i] && area > most_area) {
+                    most_area = area;
+                    largest = i;
+                }
+            }
+            if (largest == BB_NONE)
+                break;
+            if (halve(scene, boxes, prims, largest, count, saves))
+                prims[count++] = prims[largest];
+            else
+                done[largest] = true;
+        } while (count < most);
+        build(scene, "presplit:budget=1.25,above=0.1,saves=0.05+sah", &b);
+        const bb_references *made = &b.instance.references;
+        assert_true(count > scene->prim_count + 10);
+        assert_int_equal(made->count, count);
+        for (uint32_t i = 0; i < count; i++) {
+            assert_memory_equal(made->boxes[i].lo, boxes[i].lo, sizeof boxes[i].lo);
+            assert_memory_equal(made->boxes[i].hi, boxes[i].hi, sizeof boxes[i].hi);
+            assert_int_equal(made->prims[i], prims[i]);
+        }
+        bb_instance_destroy(&b.instance);
+        free(boxes);
+        free(prims);
+        free(done);
+        bb_scene_free(scene);
+    }
+}
+
 /* Triangles cut in two again and again, also far from the origin and thin beside it: the parts
  * cover. */
 static void clips_lose_nothing(void **state)
@@ -548,6 +631,7 @@ int main(void)
         cmocka_unit_test(rotations_lower_the_cost),
         cmocka_unit_test(rotate_takes_chains_and_refuses_wide_nodes),
         cmocka_unit_test(splits_are_covered_and_within_the_budget),
+        cmocka_unit_test(the_largest_boxes_are_split_first),
         cmocka_unit_test(clips_lose_nothing),
         cmocka_unit_test(splits_are_made_where_they_save),
         cmocka_unit_test(a_wrong_clip_is_found),
