@@ -262,6 +262,29 @@ static void the_device_is_seen_at_work_in_each_stage(void **state)
     }
 }
 
+/* What a builder takes of the device is booked, and given back. */
+static void the_account_holds_what_the_device_gave(void **state)
+{
+    (void)state;
+    bb_scene *scene = load("interior:n=5000");
+    uint32_t ran = 0;
+    for (size_t i = 0; i < bb_builder_count(); i++) {
+        const char *builder = whole_builder(bb_builder_at(i));
+        const uint64_t before = device->bytes;
+        bb_instance instance = {0};
+        bb_status status = bb_instance_create(device, builder, scene, SEED, &instance);
+        if (status == BB_OK)
+            status = bb_instance_build(&instance, scene, false, NULL);
+        if (is_taken(status, builder, &ran) && device->bytes - before > instance.account.bytes)
+            fail_msg("%s: %llu bytes of the device, %llu are booked", builder,
+                     (unsigned long long)(device->bytes - before),
+                     (unsigned long long)instance.account.bytes);
+        bb_instance_destroy(&instance);
+        assert_true(device->bytes == before);
+    }
+    bb_scene_free(scene);
+}
+
 static void trees_are_handed_over_both_ways(void **state)
 {
     (void)state;
@@ -626,6 +649,7 @@ int main(void)
         cmocka_unit_test(stages_have_figures_of_their_own),
         cmocka_unit_test(idle_stages_change_nothing),
         cmocka_unit_test(the_device_is_seen_at_work_in_each_stage),
+        cmocka_unit_test(the_account_holds_what_the_device_gave),
         cmocka_unit_test(trees_are_handed_over_both_ways),
         cmocka_unit_test(rotations_never_raise_the_cost),
         cmocka_unit_test(rotations_lower_the_cost),
