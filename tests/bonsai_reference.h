@@ -6,6 +6,7 @@
 
 #include "framework/tree/tree.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -224,7 +225,7 @@ static inline void prune_all(bonsai_reference *r, twig *const *roots, uint32_t c
     uint32_t most = count / ITEMS_SHARE > r->groups ? count / ITEMS_SHARE : r->groups;
     for (uint32_t g = 0; g < r->groups; g++)
         sum += area_of_box(&roots[g]->box, r->unit);
-    float limit = (float)(r->choice->prune * (sum / r->groups));
+    float limit = fmaxf((float)(r->choice->prune * (sum / r->groups)), FLT_MIN);
     do {
         r->items = 0;
         for (uint32_t g = 0; g < r->groups; g++)

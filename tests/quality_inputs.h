@@ -85,6 +85,16 @@ static inline void fill_near(bb_random *random, uint32_t i, uint32_t count, bb_b
     }
 }
 
+/* Beside one side the others are so thin that areas are denormal, a tenth of which is nothing. */
+static inline void fill_thin(bb_random *random, uint32_t i, uint32_t count, bb_box *box)
+{
+    (void)i;
+    (void)count;
+    *box = (bb_box){.hi = {1, 0, 0}};
+    box->lo[1] = ldexpf((float)bb_random_below(random, 4), -149);
+    box->hi[1] = box->lo[1] + ldexpf(1, -149);
+}
+
 /* The first is an ordinary one. */
 static const box_input quality_inputs[] = {
     {"mixed", fill_mixed},
@@ -105,6 +115,7 @@ static const box_input quality_inputs[] = {
     {"outlier", fill_outlier},
     {"huge", fill_huge},
     {"tiny", fill_tiny},
+    {"thin", fill_thin},
 };
 enum { QUALITY_INPUTS = sizeof quality_inputs / sizeof quality_inputs[0] };
 

@@ -5,6 +5,7 @@
 #include "framework/builder/registry.h"
 #include "framework/tree/tree_cover.h"
 #include "tests/device_fixture.h"
+#include "tests/registry.h"
 #include "tests/tree_fixture.h"
 
 #include "framework/scene/scene.h"
@@ -232,6 +233,58 @@ static void idle_stages_change_nothing(void **state)
 }
 
 /* Trees go over to the device and back, whoever made them, with all that they say of themselves. */
+/* A stage that finds nothing to do, as in a tree of one leaf, has still handed one on: a clock that
+ * saw the device do nothing would not be believed. */
+static void the_device_is_seen_at_work_in_each_stage(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"single", "cube"};
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
+        bb_scene *scene = load(scenes[s]);
+        uint32_t ran = 0;
+        for (size_t i = 0; i < bb_builder_count(); i++) {
+            const char *builder = whole_builder(bb_builder_at(i));
+            bb_instance instance = {0};
+            bb_status status = bb_instance_create(device, builder, scene, SEED, &instance);
+            if (status == BB_OK)
+                status = bb_instance_build(&instance, scene, false, NULL);
+            if (is_taken(status, builder, &ran))
+                for (uint32_t k = 0; k < instance.step_count; k++) {
+                    const bb_build_step *step = &instance.steps[k];
+                    const bool on_host = step->phases.device == NULL && step->phases.count > 0;
+                    if (step->phases.used_device && !on_host && !(step->timing.timing.event_ms > 0))
+                        fail_msg("%s of %s: no work was seen in %s", builder, scenes[s],
+                                 step->label);
+                }
+            bb_instance_destroy(&instance);
+        }
+        bb_scene_free(scene);
+    }
+}
+
+/* What a builder takes of the device is booked, and given back. */
+static void the_account_holds_what_the_device_gave(void **state)
+{
+    (void)state;
+    bb_scene *scene = load("interior:n=5000");
+    uint32_t ran = 0;
+    for (size_t i = 0; i < bb_builder_count(); i++) {
+        const char *builder = whole_builder(bb_builder_at(i));
+        const uint64_t before = device->bytes;
+        bb_instance instance = {0};
+        bb_status status = bb_instance_create(device, builder, scene, SEED, &instance);
+        if (status == BB_OK)
+            status = bb_instance_build(&instance, scene, false, NULL);
+        if (is_taken(status, builder, &ran) && device->bytes - before > instance.account.bytes)
+            fail_msg("%s: %llu bytes of the device, %llu are booked", builder,
+                     (unsigned long long)(device->bytes - before),
+                     (unsigned long long)instance.account.bytes);
+        bb_instance_destroy(&instance);
+        assert_true(device->bytes == before);
+    }
+    bb_scene_free(scene);
+}
+
 static void trees_are_handed_over_both_ways(void **state)
 {
     (void)state;
@@ -405,6 +458,89 @@ static void splits_are_covered_and_within_the_budget(void **state)
     }
 }
 
+/* Halves reference `index` as presplit_esc.c says, or leaves it. */
+static bool halve(const bb_scene *scene, bb_box *boxes, const uint32_t *prims, uint32_t index,
+                  uint32_t count, double saves)
+{
+    const bb_prims *spheres = &scene->prims[BB_SPHERE];
+    bb_box halves[2] = {boxes[index], boxes[index]};
+    int axis = 0;
+    for (int k = 1; k < 3; k++)
+        if ((double)halves[0].hi[k] - halves[0].lo[k] >
+            (double)halves[0].hi[axis] - halves[0].lo[axis])
+            axis = k;
+    const float middle = 0.5f * halves[0].lo[axis] + 0.5f * halves[0].hi[axis];
+    if (prims[index] - spheres->first < spheres->count || !(halves[0].lo[axis] < middle) ||
+        !(middle < halves[0].hi[axis]))
+        return false;
+    halves[0].hi[axis] = halves[1].lo[axis] = middle;
+    double sum = 0;
+    for (int i = 0; i < 2; i++) {
+        bb_clip_primitive(scene, prims[index], &halves[i]);
+        sum += bb_half_area(halves[i].lo, halves[i].hi);
+    }
+    if (sum > (1 - saves) * bb_half_area(boxes[index].lo, boxes[index].hi))
+        return false;
+    boxes[index] = halves[0];
+    boxes[count] = halves[1];
+    return true;
+}
+
+/* The largest box first, the first of several, found by looking at all of them. */
+static void the_largest_boxes_are_split_first(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"slivers:aspect=40", "interior:n=1000", "blinds:n=10",
+                                         "blocks:side=4,mixed=yes"};
+    const double above = 0.1, saves = 0.05;
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
+        bb_scene *scene = load(scenes[s]);
+        const uint32_t most = (uint32_t)(1.25 * scene->prim_count);
+        bb_box *boxes = malloc(most * sizeof *boxes);
+        uint32_t *prims = malloc(most * sizeof *prims), count = scene->prim_count, largest;
+        bool *done = calloc(most, sizeof *done);
+        double sum = 0, area;
+        built b;
+        for (uint32_t i = 0; i < count; i++) {
+            boxes[i] = scene->boxes[i];
+            prims[i] = i;
+            sum += bb_half_area(boxes[i].lo, boxes[i].hi);
+        }
+        const double least = above * sum / count;
+        do {
+            largest = BB_NONE;
+            double most_area = least;
+            for (uint32_t i = 0; i < count; i++) {
+                area = bb_half_area(boxes[i].lo, boxes[i].hi);
+                if (!done[i] && area > most_area) {
+                    most_area = area;
+                    largest = i;
+                }
+            }
+            if (largest == BB_NONE)
+                break;
+            if (halve(scene, boxes, prims, largest, count, saves))
+                prims[count++] = prims[largest];
+            else
+                done[largest] = true;
+        } while (count < most);
+        build(scene, "presplit:budget=1.25,above=0.1,saves=0.05+sah", &b);
+        const bb_references *made = &b.instance.references;
+        assert_true(count > scene->prim_count + 10);
+        assert_int_equal(made->count, count);
+        for (uint32_t i = 0; i < count; i++) {
+            assert_memory_equal(made->boxes[i].lo, boxes[i].lo, sizeof boxes[i].lo);
+            assert_memory_equal(made->boxes[i].hi, boxes[i].hi, sizeof boxes[i].hi);
+            assert_int_equal(made->prims[i], prims[i]);
+        }
+        bb_instance_destroy(&b.instance);
+        free(boxes);
+        free(prims);
+        free(done);
+        bb_scene_free(scene);
+    }
+}
+
 /* Triangles cut in two again and again, also far from the origin and thin beside it: the parts
  * cover. */
 static void clips_lose_nothing(void **state)
@@ -512,11 +648,14 @@ int main(void)
         cmocka_unit_test(stages_are_timed_and_booked_apart),
         cmocka_unit_test(stages_have_figures_of_their_own),
         cmocka_unit_test(idle_stages_change_nothing),
+        cmocka_unit_test(the_device_is_seen_at_work_in_each_stage),
+        cmocka_unit_test(the_account_holds_what_the_device_gave),
         cmocka_unit_test(trees_are_handed_over_both_ways),
         cmocka_unit_test(rotations_never_raise_the_cost),
         cmocka_unit_test(rotations_lower_the_cost),
         cmocka_unit_test(rotate_takes_chains_and_refuses_wide_nodes),
         cmocka_unit_test(splits_are_covered_and_within_the_budget),
+        cmocka_unit_test(the_largest_boxes_are_split_first),
         cmocka_unit_test(clips_lose_nothing),
         cmocka_unit_test(splits_are_made_where_they_save),
         cmocka_unit_test(a_wrong_clip_is_found),

@@ -60,6 +60,80 @@ static void options_do_not_depend_on_the_form(void **state)
     free(boxes);
 }
 
+/* What a build says of itself. */
+typedef struct account_of_passes {
+    unsigned long long moved, searched;
+    unsigned passes;
+    uint64_t hash;
+    double sah;
+} account_of_passes;
+
+static account_of_passes passes_of(const char *builder, const bb_box *boxes, uint32_t count)
+{
+    account_of_passes a;
+    char text[512];
+    box_build b;
+    open_box_build(&b, devices[first_form()], builder, boxes, count, "passes");
+    ASSERT_OK(bb_instance_describe(&b.instance, &b.scene, text, sizeof text));
+    const char *own = strstr(text, "reinsert: ");
+    assert_non_null(own);
+    assert_int_equal(
+        sscanf(own, "reinsert: %llu of %llu moved in %u passes", &a.moved, &a.searched, &a.passes),
+        3);
+    ASSERT_OK(bb_tree_hash(&b.preorder, &a.hash));
+    a.sah = bb_tree_sah(&b.preorder);
+    close_box_build(&b);
+    return a;
+}
+
+/* A pass after which the tree is worse is as if it had not been; none is made after one that gains
+ * less than it should. */
+static void no_pass_raises_the_cost(void **state)
+{
+    (void)state;
+    enum { PASSES = 20, TRIES = 8 };
+    const uint32_t count = small ? 40 : 600;
+    uint32_t taken_back = 0;
+    for (uint32_t i = 0; i < (small ? 1 : TRIES) && taken_back < 2; i++) {
+        bb_box *boxes = make_boxes(quality_inputs, 0, count + i);
+        account_of_passes before = passes_of("lbvh+reinsert:stop=1", boxes, count + i);
+        assert_int_equal(before.passes, 1);
+        for (unsigned passes = 1; passes <= PASSES; passes++) {
+            char text[64];
+            snprintf(text, sizeof text, "lbvh+reinsert:stop=0,parts=2,passes=%u", passes);
+            const account_of_passes now = passes_of(text, boxes, count + i);
+            if (passes > 1 && now.sah > before.sah * (1 + 1e-7))
+                fail_msg("%u boxes, pass %u, seed %llu: SAH %.9g, was %.9g", count + i, passes,
+                         (unsigned long long)seed, now.sah, before.sah);
+            if (passes > 1 && now.searched > before.searched && now.moved == before.moved) {
+                assert_true(now.hash == before.hash);
+                taken_back++;
+            }
+            before = now;
+            if (now.passes < passes)
+                break;
+        }
+        free(boxes);
+    }
+    assert_true(small || taken_back > 0);
+}
+
+/* No two boxes are of one size here, so that a share is a number of subtrees. */
+static void a_share_is_that_of_all_subtrees(void **state)
+{
+    (void)state;
+    static const double shares[] = {0.02, 0.25, 0.5, 0.9};
+    const uint32_t count = small ? 40 : 600, places = 2 * (count - 1);
+    bb_box *boxes = make_boxes(quality_inputs, 0, count);
+    for (size_t i = 0; i < sizeof shares / sizeof shares[0]; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "lbvh+reinsert:passes=1,share=%g", shares[i]);
+        const account_of_passes a = passes_of(text, boxes, count);
+        assert_true(fabs((double)a.searched - shares[i] * places) <= 2);
+    }
+    free(boxes);
+}
+
 /* Leaves of several references, one leaf alone, and references that a splitter has made. */
 static void leaves_stay_as_they_are(void **state)
 {
@@ -174,6 +248,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_forms_give_one_tree_and_no_worse),
         cmocka_unit_test(options_do_not_depend_on_the_form),
+        cmocka_unit_test(no_pass_raises_the_cost),
+        cmocka_unit_test(a_share_is_that_of_all_subtrees),
         cmocka_unit_test(leaves_stay_as_they_are),
         cmocka_unit_test(chains_end),
         cmocka_unit_test(bad_options_are_refused),

@@ -106,6 +106,114 @@ static void degenerate_inputs_end(void **state)
         }
 }
 
+/* Of triangles that lie on each other no split saves anything: a leaf takes as many as it may. */
+static void leaves_are_as_large_as_they_may_be(void **state)
+{
+    (void)state;
+    static const uint32_t leaves[] = {1, 2, 7, 255};
+    for (size_t i = 0; i < sizeof leaves / sizeof leaves[0]; i++)
+        for (uint32_t count = leaves[i]; count <= leaves[i] + 1; count++) {
+            float *corners = malloc(CORNERS * (size_t)count * sizeof *corners);
+            for (uint32_t c = 0; c < CORNERS * count; c++)
+                corners[c] = (float)(c % CORNERS * (c % CORNERS));
+            bb_scene *scene = make_scene(corners, count, NULL, 0);
+            char text[32];
+            made m;
+            snprintf(text, sizeof text, "sbvh:alpha=1,leaf=%u", leaves[i]);
+            open_builder(text, &m);
+            build_twice(&m, scene, 2);
+            assert_int_equal(m.tree.info.node_count, count == leaves[i] ? 1 : 3);
+            close_builder(&m);
+            free_scene(scene);
+            free(corners);
+        }
+}
+
+/* Node by node of the preorder: how deep it is. */
+static uint32_t *depths_of(const bb_tree *tree)
+{
+    uint32_t *depths = calloc(tree->info.node_count, sizeof *depths);
+    for (uint32_t i = 0; i < tree->info.node_count; i++)
+        if (!bb_node_is_leaf(&tree->nodes[i]))
+            for (uint32_t c = i + 1; c != tree->nodes[i].skip; c = tree->nodes[c].skip)
+                depths[c] = depths[i] + 1;
+    return depths;
+}
+
+/* Below the depth at which splits of space end, no primitive is in two leaves of one node. Heaps of
+ * slivers, each 16 times as large as the one before, make a deep tree with work at its end. */
+static void splits_of_space_end_somewhere(void **state)
+{
+    (void)state;
+    enum { COUNT = 360, HEAP = 6, DEEPEST = 48 };
+    bb_random random = bb_random_make(seed, 6);
+    float corners[CORNERS * COUNT];
+    for (uint32_t i = 0; i < CORNERS * COUNT; i++) {
+        const int octave = 4 * (int)(i / CORNERS / HEAP) - 2 * COUNT / HEAP;
+        const double place = i % CORNERS < 6 ? bb_random_range(&random, 1, 2) : 0.01;
+        corners[i] = ldexpf((float)place, octave) + (i % CORNERS < 6 ? 0 : corners[i - 6]);
+    }
+    bb_scene *scene = make_scene(corners, COUNT, NULL, 0);
+    bb_tree tree;
+    made m;
+    open_builder("sbvh:alpha=0,budget=16", &m);
+    build(&m, scene);
+    bb_tree_init(&tree, NULL);
+    ASSERT_OK(bb_tree_preorder(&m.tree, &tree));
+    uint32_t *depths = depths_of(&tree), seen[COUNT] = {0}, deep = 0;
+    for (uint32_t i = 0, top = 0; i < tree.info.node_count; i++) {
+        top = depths[i] == DEEPEST ? i + 1 : top;
+        if (depths[i] < DEEPEST || !bb_node_is_leaf(&tree.nodes[i]))
+            continue;
+        const uint32_t prim = tree.refs[tree.nodes[i].first & BB_INDEX_MASK] & BB_INDEX_MASK;
+        if (seen[prim] == top)
+            fail_msg("seed %llu: primitive %u is twice below node %u", (unsigned long long)seed,
+                     prim, top - 1);
+        seen[prim] = top;
+        deep += depths[i] > DEEPEST;
+    }
+    free(depths);
+    bb_tree_release(&tree);
+    close_builder(&m);
+    free_scene(scene);
+    assert_true(deep > 20);
+}
+
+/* The sides of a node overlap by no more than its own area: below nodes of less than alpha of the
+ * root's no primitive is in two leaves, if splits by objects are found everywhere. */
+static void alpha_is_a_share_of_the_roots_area(void **state)
+{
+    (void)state;
+    const double alpha = 0.02;
+    bb_scene *scene = load("soup:n=1000,edge=6,aspect=100");
+    bb_tree tree;
+    made m;
+    open_builder("sbvh:alpha=0.02,budget=4", &m);
+    build(&m, scene);
+    assert_true(event(&m, "spatial") > 10);
+    bb_tree_init(&tree, NULL);
+    ASSERT_OK(bb_tree_preorder(&m.tree, &tree));
+    const bb_node *nodes = tree.nodes;
+    const double least = alpha * bb_half_area(nodes[0].lo, nodes[0].hi);
+    uint32_t *seen = calloc(scene->prim_count, sizeof *seen);
+    for (uint32_t i = 0, end = 0, top = 0; i < tree.info.node_count; i++) {
+        if (i >= end && bb_half_area(nodes[i].lo, nodes[i].hi) < least) {
+            end = nodes[i].skip == BB_NONE ? tree.info.node_count : nodes[i].skip;
+            top = i + 1;
+        }
+        if (i >= end || !bb_node_is_leaf(&nodes[i]))
+            continue;
+        const uint32_t prim = tree.refs[nodes[i].first & BB_INDEX_MASK] & BB_INDEX_MASK;
+        if (seen[prim] == top)
+            fail_msg("primitive %u is twice below node %u", prim, top - 1);
+        seen[prim] = top;
+    }
+    free(seen);
+    bb_tree_release(&tree);
+    close_builder(&m);
+    bb_scene_free(scene);
+}
+
 /* No plane lies between two floats that are neighbours. */
 static void what_no_plane_divides_stays_whole(void **state)
 {
@@ -158,7 +266,9 @@ static void bad_options_and_orders_are_refused(void **state)
 static void later_stages_take_duplicates(void **state)
 {
     (void)state;
-    static const char *const builders[] = {"sbvh", "sbvh+rotate", "sbvh+refit"};
+    static const char *const builders[] = {
+        "sbvh",          "sbvh+rotate",        "sbvh+refit", "sbvh+trbvh", "sbvh+atrbvh+rotate",
+        "sbvh+reinsert", "sbvh+reinsert+trbvh"};
     for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++) {
         bb_scene *scene = load("wave:n=800,strips=6,frames=3");
         bb_instance instance;
@@ -185,6 +295,9 @@ int main(void)
         cmocka_unit_test(trees_are_covered_and_within_the_budget),
         cmocka_unit_test(splits_pay_where_boxes_are_empty),
         cmocka_unit_test(degenerate_inputs_end),
+        cmocka_unit_test(leaves_are_as_large_as_they_may_be),
+        cmocka_unit_test(splits_of_space_end_somewhere),
+        cmocka_unit_test(alpha_is_a_share_of_the_roots_area),
         cmocka_unit_test(what_no_plane_divides_stays_whole),
         cmocka_unit_test(bad_options_and_orders_are_refused),
         cmocka_unit_test(later_stages_take_duplicates),

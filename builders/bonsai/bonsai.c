@@ -23,6 +23,8 @@
 #include "builders/common/refit.h"
 #include "builders/common/scene_unit.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -262,14 +264,14 @@ static bb_status grow(bonsai *self, const bb_scene *scene, float unit, bb_tree *
 }
 
 /* The area above which nodes are opened: added up on the host, in order, so that it is the same on
- * every device. */
+ * every device. Never 0, however small the areas are: count_items() doubles it. */
 static bb_status find_limit(bonsai *self, float *limit)
 {
     double sum = 0;
     BB_TRY(bb_buffer_read(&self->areas, 0, self->groups * sizeof(float), self->host_areas));
     for (uint32_t g = 0; g < self->groups; g++)
         sum += self->host_areas[g];
-    *limit = (float)(self->prune * (sum / self->groups));
+    *limit = fmaxf((float)(self->prune * (sum / self->groups)), FLT_MIN);
     return BB_OK;
 }
 

@@ -16,7 +16,7 @@
  * whatever they reference, and so does what they cost.
  *
  * Bounded: passes, parts and rounds are counted, a search looks at `visits` nodes at most, and
- * nothing recurses.
+ * nothing recurses. Depth is not: boxes around each other cost least as a chain, and become one.
  */
 #include "builders/reinsert/families.h"
 #include "builders/reinsert/moves.h"

@@ -1,5 +1,6 @@
 /* Buffers of a device, booked on accounts; and its queue. */
 #include "framework/device/cl_error.h"
+#include "framework/device/device_private.h"
 
 #include <stdlib.h>
 #include <sys/mman.h>
@@ -97,20 +98,26 @@ bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, v
 
 bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern)
 {
-    if (bytes > 0)
-        BB_CL_TRY(clEnqueueFillBuffer(buffer->device->queue, buffer->mem, &pattern, sizeof pattern,
-                                      0, bytes, 0, NULL, NULL),
-                  "filling %zu bytes on the device", bytes);
-    return BB_OK;
+    bb_device *device = buffer->device;
+    cl_event event;
+    if (bytes == 0)
+        return BB_OK;
+    BB_CL_TRY(clEnqueueFillBuffer(device->queue, buffer->mem, &pattern, sizeof pattern, 0, bytes, 0,
+                                  NULL, device->profile_events ? &event : NULL),
+              "filling %zu bytes on the device", bytes);
+    return device->profile_events ? bb_device_add_event(device, event) : BB_OK;
 }
 
 bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes)
 {
-    if (bytes > 0)
-        BB_CL_TRY(
-            clEnqueueCopyBuffer(to->device->queue, from->mem, to->mem, 0, 0, bytes, 0, NULL, NULL),
-            "copying %zu bytes on the device", bytes);
-    return BB_OK;
+    bb_device *device = to->device;
+    cl_event event;
+    if (bytes == 0)
+        return BB_OK;
+    BB_CL_TRY(clEnqueueCopyBuffer(device->queue, from->mem, to->mem, 0, 0, bytes, 0, NULL,
+                                  device->profile_events ? &event : NULL),
+              "copying %zu bytes on the device", bytes);
+    return device->profile_events ? bb_device_add_event(device, event) : BB_OK;
 }
 
 bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer)

@@ -39,8 +39,10 @@ extern const bb_source bb_embedded_sources[];
 void bb_programs_clear(bb_device *device);
 
 /* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read
- * device->event_ms. */
+ * device->event_ms. While profile_events is set, whatever the device does by itself is added:
+ * launches, copies from buffer to buffer, fills. It then owns the event. */
 void bb_device_clear_events(bb_device *device);
+bb_status bb_device_add_event(bb_device *device, cl_event event);
 bb_status bb_device_collect_events(bb_device *device);
 
 #endif

@@ -1,4 +1,4 @@
-/* Launches: arguments, and the times of their events. */
+/* Launches: arguments, and the times of events. */
 #include "framework/device/cl_error.h"
 #include "framework/device/device_private.h"
 
@@ -12,7 +12,7 @@ struct bb_event_list {
     cl_event events[EVENTS_MAX];
 };
 
-static bb_status add_event(bb_device *device, cl_event event)
+bb_status bb_device_add_event(bb_device *device, cl_event event)
 {
     if (device->events == NULL)
         device->events = calloc(1, sizeof *device->events);
@@ -63,7 +63,7 @@ bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, siz
               "launching kernel %s on %zu work-items in groups of %zu",
               name_of(kernel, name, sizeof name), whole, local);
     if (device->profile_events)
-        BB_TRY(add_event(device, event));
+        BB_TRY(bb_device_add_event(device, event));
     return BB_OK;
 }
 

@@ -18,7 +18,7 @@ typedef struct bb_stopwatch {
 typedef struct bb_timing {
     double ms;       /* wall */
     double cpu_ms;   /* of the process, all threads */
-    double event_ms; /* sum of the kernels' times, by the device's clock */
+    double event_ms; /* kernels, copies and fills, by the device's clock */
 } bb_timing;
 
 /* From a finished queue; BB_FAILED if the device fails. No other watch may run on the device. */
