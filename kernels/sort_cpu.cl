@@ -16,19 +16,25 @@
  *     sort_largest:  one item: the size of the largest bucket
  *     sort_buckets:  for each tile of places: of the keys of the buckets that begin in it, the bits
  *                    that differ; by these bits, a digit at a time from the lowest up: scatter as
- *                    above, and count the next digit on the way
+ *                    above, and count the next digit on the way; of many bits only by the highest,
+ *                    which leave hardly a pair out of order: then each is moved back to its place
  *
  *     by passes: these three, for each digit of 8 bits from the lowest up
  *
  * Limits: BB_KEY is uint or ulong. 8 bits in passes over all keys because the 2 x 256 lines being
- * written then fit the nearest cache; 11 bits in buckets, which the next cache holds as a whole; 12
- * bits for the highest digit, since keys come in the order of the scene and few lines are being
- * written at a time.
+ * written then fit the nearest cache; 12 bits in buckets, which the next cache holds as a whole,
+ * and 14 in those with more keys than such digits have values; 12 bits for the highest digit, since
+ * keys come in the order of the scene and few lines are being written at a time.
  */
 #include "bb_device.h"
 
 #define BUCKETS_MAX 4096
-#define WIDE_DIGIT 11u /* of a bucket; narrower ones for small buckets */
+#define SMALL 1024u  /* keys of a bucket that are not worth the clearing of wide digits ... */
+#define LARGE 24576u /* ... and that are worth the clearing of the widest ones */
+#define WIDEST_DIGIT (sizeof(BB_KEY) == 8 ? 14u : 12u)
+#define LONG 32u      /* bits; from shorter keys insertion takes longer than a digit */
+#define LEFT_OVER 12u /* bits, the lowest, in which few keys differ that agree in the others ... */
+#define MOVES 2u      /* ... and the moves per pair that may find out that many do */
 #define DIGIT(key) ((uint)((key) >> shift) & mask)
 
 /* Launched on one work-item per chunk, in groups of one; the last chunk may be shorter. */
@@ -189,17 +195,12 @@ static BB_KEY differing_bits(__global const BB_KEY *keys, uint count)
     return differ;
 }
 
-/* Sorts `a`, with `b` as scratch; true if the result is in b. */
-static bool sort_pairs(pairs a, pairs b, uint count)
+/* Sorts `a` by `digits` digits of the bits `low` to `low + span - 1`, with `b` as scratch; true if
+ * the result is in b. Not inlined: it has large arrays. */
+__attribute__((noinline)) static bool sort_digits(pairs a, pairs b, uint count, uint low, uint span,
+                                                  uint digits)
 {
-    const BB_KEY differ = differing_bits(a.keys, count);
-    if (differ == 0)
-        return false;
-    const uint low = (uint)popcount((differ & -differ) - 1);
-    const uint span = 8u * (uint)sizeof(BB_KEY) - (uint)clz(differ) - low;
-    const uint widest = count < 1024u ? 8u : WIDE_DIGIT;
-    const uint digits = (span + widest - 1u) / widest;
-    uint counts[2][1 << WIDE_DIGIT];
+    uint counts[2][1 << WIDEST_DIGIT];
     bool swapped = false;
     digit by = digit_of(0, digits, low, span);
     count_digit(a.keys, count, by, counts[0]);
@@ -222,6 +223,54 @@ static bool sort_pairs(pairs a, pairs b, uint count)
         by = next;
     }
     return swapped;
+}
+
+/* Sorts what is nearly in order; `to` may be `from`. False, with all pairs still in `from`, if that
+ * takes too many moves. */
+static bool insert_pairs(pairs from, pairs to, uint count)
+{
+    uint moves = MOVES * count;
+    BB_KEY highest = 0;
+    for (uint i = 0; i < count; i++) {
+        const BB_KEY key = from.keys[i];
+        const uint value = from.values[i];
+        uint place = i;
+        if (key >= highest)
+            highest = key;
+        else
+            for (; place > 0 && to.keys[place - 1u] > key; place--) {
+                to.keys[place] = to.keys[place - 1u];
+                to.values[place] = to.values[place - 1u];
+            }
+        to.keys[place] = key;
+        to.values[place] = value;
+        if (i - place > moves)
+            return false;
+        moves -= i - place;
+    }
+    return true;
+}
+
+/* Sorts `a`, with `b` as scratch; true if the result is in b. */
+static bool sort_pairs(pairs a, pairs b, uint count)
+{
+    const BB_KEY differ = differing_bits(a.keys, count);
+    if (differ == 0)
+        return false;
+    const uint low = (uint)popcount((differ & -differ) - 1);
+    const uint span = 8u * (uint)sizeof(BB_KEY) - (uint)clz(differ) - low;
+    const uint widest = count < SMALL ? 8u : count < LARGE ? 12u : WIDEST_DIGIT;
+    const uint left_over = span > LONG ? min(span - LONG, LEFT_OVER) : 0u;
+    const uint digits = (span - left_over + widest - 1u) / widest;
+    const uint high = min(span, digits * widest);
+    const bool swapped = sort_digits(a, b, count, low + span - high, high, digits);
+    if (high == span)
+        return swapped;
+    const pairs from = swapped ? b : a;
+    if (insert_pairs(from, b, count))
+        return true;
+    const pairs to = swapped ? a : b;
+    return swapped != sort_digits(from, to, count, low, span, (span + widest - 1u) / widest);
 }
 
 /* Launched on one work-item per tile of places, in groups of one. The pairs come in order of their

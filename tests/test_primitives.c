@@ -150,12 +150,15 @@ typedef enum pattern {
     ONE_FAR,  /* all but one in the lower half of the bits: one bucket holds the others */
     HALVES,   /* few values of the upper half of the bits, any of the lower: long runs */
     LADDER,   /* buckets of growing sizes: every length up to what the count allows */
+    CLUSTERS, /* two, far apart, of keys that differ in the lowest bits only */
+    CROWDED,  /* few values of the highest bits, any of the others: large buckets, long keys */
     PATTERNS,
 } pattern;
 
 static const char *const pattern_names[PATTERNS] = {
-    "random",   "all equal", "sorted",   "reversed", "few distinct", "all zero", "all ones",
-    "extremes", "low bit",   "high bit", "one far",  "halves",       "ladder",
+    "random",   "all equal", "sorted",   "reversed", "few distinct",
+    "all zero", "all ones",  "extremes", "low bit",  "high bit",
+    "one far",  "halves",    "ladder",   "clusters", "crowded",
 };
 
 typedef struct pair {
@@ -204,6 +207,10 @@ static uint64_t make_key(pattern pattern, uint32_t bits, uint32_t i, uint32_t co
         uint64_t step = (uint64_t)sqrt(2.0 * i);
         return (bits > 24 ? step << (bits - 12) : step) & ones & ~(any & ones >> bits / 2);
     }
+    case CLUSTERS:
+        return (any >> 63) << (bits - 1) | (any & ones >> (bits - (bits + 7) / 8));
+    case CROWDED:
+        return bits > 12 ? any & ones & ~(UINT64_C(0x1FF) << (bits - 12)) : any & ones;
     case RANDOM:
     case PATTERNS:
         break;
