@@ -5,7 +5,7 @@
 #include "tests/wide_fixture.h"
 #include "traversal/pass.h"
 
-enum { RAYS = 400 };
+enum { RAYS = 400, LAYERS_MAX = 24 };
 
 typedef struct work {
     uint32_t boxes, prims;
@@ -89,8 +89,8 @@ static void walk_wide(const wide *l, uint32_t link, const bb_ray *ray, double sl
 
 /* ---- by kernels ---- */
 
-static void count_on_device(const char *kernel, const bb_scene *scene, bb_tree *tree,
-                            const bb_ray *rays, bb_count *counts)
+static void ask(const char *kernel, const bb_query *query, const bb_scene *scene, bb_tree *tree,
+                const bb_ray *rays, void *results, bb_count *counts)
 {
     bb_spec spec;
     const bb_kernel *found;
@@ -102,7 +102,6 @@ static void count_on_device(const char *kernel, const bb_scene *scene, bb_tree *
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(found->layout), device, &maker));
     maker.wish = bb_kernel_wish(&spec);
     ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, (uint32_t)leaf, BB_FORMAT_VERTICES, &data));
-    const bb_query *query = bb_query_find("interval");
     const bb_tracer_request request = {.kernel = found,
                                        .spec = &spec,
                                        .intersector = bb_intersector_find("exact"),
@@ -111,9 +110,8 @@ static void count_on_device(const char *kernel, const bb_scene *scene, bb_tree *
     bb_tracer *tracer;
     ASSERT_OK(bb_tracer_get(device, &request, &data, &tracer));
     bb_buffer d_rays, d_results, d_counts;
-    static bb_interval results[RAYS];
     make_buffer(&d_rays, rays, RAYS * sizeof *rays);
-    make_buffer(&d_results, NULL, sizeof results);
+    make_buffer(&d_results, NULL, RAYS * query->result_bytes);
     make_buffer(&d_counts, NULL, RAYS * sizeof *counts);
     const bb_pass pass = {.query = query,
                           .tracer = tracer,
@@ -135,11 +133,12 @@ static void expect_work(const char *kernel, const char *name, uint32_t leaf, con
 {
     const double slack = 1e-3;
     static bb_count counts[RAYS];
+    static bb_interval results[RAYS];
     const bool greedy = strstr(kernel, "plan=greedy") != NULL,
                octants = strstr(kernel, "order=octant") != NULL,
                asks_root = strncmp(kernel, "stackless", 9) == 0;
     const bb_layout_wish wish = {.octants = octants, .greedy = greedy};
-    count_on_device(kernel, scene, tree, rays, counts);
+    ask(kernel, bb_query_find("interval"), scene, tree, rays, results, counts);
     wide w = {0};
     uint32_t root = 0, sure = 0;
     if (name != NULL)
@@ -221,9 +220,117 @@ static void work_is_what_the_layout_asks_for(void **state)
     }
 }
 
+/* Copies of one triangle: what a closest hit asks all of, an any hit has in the first leaf. */
+static void any_hit_ends_the_search(void **state)
+{
+    (void)state;
+    enum { COPIES = 100 };
+    static const char *const kernels[] = {
+        "stack",         "stackless", "trail",   "short8",          "stack4",
+        "stack8:leaf=8", "stack8q",   "stack8i", "stack8i:leaf=64",
+    };
+    static bb_ray rays[RAYS];
+    static bb_hit hits[RAYS];
+    static bb_count counts[RAYS];
+    float v[9 * COPIES];
+    bb_tree tree;
+    bb_random random = bb_random_make(seed, 77);
+    for (uint32_t i = 0; i < 9 * COPIES; i++)
+        v[i] = (const float[9]){-1, -1, 1, 3, -1, 2, -1, 3, 3}[i % 9];
+    bb_scene *scene = make_scene(v, COPIES, NULL, 0);
+    ASSERT_OK(bb_scene_upload(scene, device));
+    make_random_tree(scene, 2, 1, &random, &tree);
+    ASSERT_OK(bb_tree_upload(&tree, device, NULL));
+    for (uint32_t i = 0; i < RAYS; i++)
+        rays[i] = (bb_ray){.d = {0, 0, 1}, .tmax = INFINITY};
+    for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
+        ask(kernels[k], &bb_query_closest, scene, &tree, rays, hits, counts);
+        for (uint32_t i = 0; i < RAYS; i++)
+            if (hits[i].prim != 0 || counts[i].prims != COPIES)
+                fail_msg("%s, ray %u: %u of %u tests", kernels[k], i, counts[i].prims, COPIES);
+        ask(kernels[k], &bb_query_any, scene, &tree, rays, hits, counts);
+        for (uint32_t i = 0; i < RAYS; i++)
+            if (hits[i].prim >= COPIES || counts[i].prims > BB_BLOCK_LANES)
+                fail_msg("%s, ray %u, any hit: %u tests", kernels[k], i, counts[i].prims);
+    }
+    bb_tree_release(&tree);
+    free_uploaded(scene);
+}
+
+/* ---- stacks ---- */
+
+/* Triangles at z = 2^-i, as large, triangle i and all behind it: a chain, of which a ray towards +z from
+ * beside triangle k pushes all k before it comes to the nearest. */
+static void make_chain(uint32_t layers, bb_scene **scene, bb_tree *tree)
+{
+    float v[9 * LAYERS_MAX];
+    bb_node nodes[2 * LAYERS_MAX];
+    uint32_t refs[LAYERS_MAX];
+    const float least = ldexpf(1, 1 - (int)layers);
+    for (uint32_t i = 0; i < layers; i++) {
+        const float z = ldexpf(1, -(int)i);
+        const float corners[9] = {-z, -z, z, 3 * z, -z, z, -z, 3 * z, z};
+        const uint32_t leaf = i + 1 < layers ? 2 * i + 1 : 2 * i;
+        memcpy(v + 9 * (size_t)i, corners, sizeof corners);
+        nodes[2 * i] = make_node(V(-z, -z, least), V(3 * z, 3 * z, z), 2 * i + 1, BB_NONE);
+        nodes[leaf] = make_node(V(-z, -z, z), V(3 * z, 3 * z, z), BB_LEAF_BIT | i,
+                                i + 1 < layers ? 2 * i + 2 : BB_NONE);
+        refs[i] = i | BB_LAST_BIT;
+    }
+    *scene = make_scene(v, layers, NULL, 0);
+    ASSERT_OK(bb_scene_upload(*scene, device));
+    make_tree(tree, nodes, 2 * layers - 1, refs, layers, 2, layers - 1);
+    ASSERT_OK(bb_tree_check(tree, *scene));
+    ASSERT_OK(bb_tree_upload(tree, device, NULL));
+}
+
+/* Ray i needs as many entries as there are triangles before the one that it starts beside. */
+static void expect_overflow(const char *kernel, uint32_t size, uint32_t layers)
+{
+    bb_scene *scene;
+    bb_tree tree;
+    bb_ray rays[RAYS];
+    bb_count counts[RAYS];
+    bb_hit hits[RAYS];
+    char text[96];
+    snprintf(text, sizeof text, "%s,stack=%u", kernel, size);
+    make_chain(layers, &scene, &tree);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const uint32_t nearest = i * 7 % layers;
+        rays[i] = (bb_ray){.d = {0, 0, 1}, .tmax = INFINITY};
+        rays[i].o[2] = ldexpf(0.75f, -(int)nearest);
+    }
+    ask(text, &bb_query_closest, scene, &tree, rays, hits, counts);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const uint32_t nearest = i * 7 % layers;
+        const bool fits = nearest <= size;
+        if (counts[i].overflow != (fits ? 0u : 1u) || hits[i].prim != (fits ? nearest : BB_POISON))
+            fail_msg("%s, %u triangles, ray %u: primitive %u, %s", text, layers, i, hits[i].prim,
+                     counts[i].overflow != 0 ? "an overflow" : "no overflow");
+    }
+    bb_tree_release(&tree);
+    free_uploaded(scene);
+}
+
+/* Neither sooner than said, nor later: then what is beyond the stack is overwritten. */
+static void a_stack_has_the_entries_that_it_says(void **state)
+{
+    (void)state;
+    static const char *const kernels[] = {
+        "stack:leaf=1",   "stack4:leaf=1",           "stack8:leaf=1",
+        "stack8q:leaf=1", "stack8i:leaf=1,group=64", "stack8i:rays=1,group=9",
+    };
+    for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++)
+        for (uint32_t size = 4; size <= 16; size *= 2)
+            for (uint32_t layers = size; layers <= size + 4; layers++)
+                expect_overflow(kernels[k], size, layers);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(any_hit_ends_the_search),
+        cmocka_unit_test(a_stack_has_the_entries_that_it_says),
         cmocka_unit_test(work_is_what_the_layout_asks_for),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
