@@ -275,6 +275,30 @@ static void a_document_is_fitted_by_kind_of_rays(void **state)
 }
 
 /* Wrong answers, references, single leaves and cells that are alone on their rays say nothing. */
+/* Rays of the same name that are others, as from another seed, take another time: a group of their
+ * own. */
+static void other_rays_are_another_group(void **state)
+{
+    (void)state;
+    document d = make_document(1, true);
+    for (int b = 0; b < TREES; b++) {
+        char builder[16];
+        snprintf(builder, sizeof builder, "b%d", b);
+        const double cost = 0.7 * costs[b][0] + 0.3 * costs[b][1];
+        cJSON *trace = add_trace(&d, b, "scene0", builder, "primary", "stack", 50 * cost, 1 + cost);
+        cJSON_ReplaceItemInObject(trace, "rays_hash", cJSON_CreateString("others"));
+    }
+    bb_results *results = read_back(&d);
+    bb_predictions made;
+    ASSERT_OK(bb_predictions_make(results, &made));
+    assert_int_equal(made.kinds[0].record.cells, 3 * TREES);
+    assert_int_equal(made.kinds[0].record.groups, 3);
+    assert_close(made.kinds[0].record.alpha, 0.3, 1e-5);
+    assert_close(made.kinds[0].record.mix_error, 0, 1e-4);
+    bb_predictions_free(&made);
+    bb_results_destroy(results);
+}
+
 static void only_sound_cells_enter(void **state)
 {
     (void)state;
@@ -398,6 +422,7 @@ int main(void)
         cmocka_unit_test(no_other_alpha_is_better),
         cmocka_unit_test(what_cannot_be_known_is_not_said),
         cmocka_unit_test(a_document_is_fitted_by_kind_of_rays),
+        cmocka_unit_test(other_rays_are_another_group),
         cmocka_unit_test(only_sound_cells_enter),
         cmocka_unit_test(without_epo_sah_and_work_are_judged),
         cmocka_unit_test(it_is_recorded_once),
