@@ -1,6 +1,6 @@
-/* What kernels count, against a walk over the layout on the host: interval queries cut nothing off,
- * so that a ray's work follows from the boxes that it meets. Rays that meet a box by a hair are left
- * out. Seed: BVHBENCH_TEST_SEED. */
+/* What kernels count, against a walk over the layout on the host: interval queries cut nothing
+ * off, so that a ray's work follows from the boxes that it meets. Rays that meet a box by a hair
+ * are left out. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/judge/queries.h"
 #include "tests/wide_fixture.h"
 #include "traversal/pass.h"
@@ -259,8 +259,8 @@ static void any_hit_ends_the_search(void **state)
 
 /* ---- stacks ---- */
 
-/* Triangles at z = 2^-i, as large, triangle i and all behind it: a chain, of which a ray towards +z from
- * beside triangle k pushes all k before it comes to the nearest. */
+/* Triangles at z = 2^-i, as large, triangle i and all behind it: a chain, of which a ray towards +z
+ * from beside triangle k pushes all k before it comes to the nearest. */
 static void make_chain(uint32_t layers, bb_scene **scene, bb_tree *tree)
 {
     float v[9 * LAYERS_MAX];
