@@ -97,17 +97,46 @@ static void tiny_components_and_origins_on_surfaces(void **state)
     free(rays);
 }
 
+static bool is_number(const bb_ray *ray)
+{
+    bool number = true;
+    for (int k = 0; k < 3; k++)
+        number = number && !isnan(ray->o[k]) && !isnan(ray->d[k]);
+    return number;
+}
+
+/* `room` has space for an interval of each ray. */
+static void expect_within(bed *b, const char *kernel, const bb_query *query, const bb_ray *rays,
+                          uint32_t count, void *room)
+{
+    const bb_hit *hits = room;
+    const bb_interval *intervals = room;
+    choose_kernel(b, kernel, 1);
+    trace(b, "exact", rays, count, query, room, NULL);
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t end = 0; end < (query->is_hit ? 1u : 2u); end++) {
+            const float t = query->is_hit ? hits[i].t : intervals[i].t[end];
+            const uint32_t prim = query->is_hit ? hits[i].prim : intervals[i].prims[end];
+            bool miss = prim == BB_NONE && t == (end == 0 ? INFINITY : -INFINITY);
+            bool inside = t > rays[i].tmin && t < rays[i].tmax;
+            if (!miss && (!is_number(&rays[i]) || !inside || prim >= b->scene->prim_count))
+                fail_msg("kernel %s, %s, ray %u: %u at %g (seed %llu)", kernel, query->name, i,
+                         prim, t, (unsigned long long)seed);
+        }
+}
+
 /* Every ray gets an answer; no hit lies outside of its interval; what is no ray hits nothing. */
 static void no_rays_and_empty_intervals(void **state)
 {
     (void)state;
     const float bad[] = {NAN, INFINITY, -INFINITY, 0.0f, -0.0f, 1e-45f, 3e38f, 1.0f};
-    const float ends[][2] = {{0, INFINITY}, {0, 0},   {0.5f, 0.5f},         {1, 0.5f},
-                             {NAN, 1},      {0, NAN}, {INFINITY, INFINITY}, {-1, 1e-45f},
-                             {0, -1},       {-2, -1}, {0, -INFINITY}};
-    enum { BAD = 8, ENDS = 11, ALL = BAD * BAD * BAD * 2 + 1000 * ENDS };
+    const float ends[][2] = {{0, INFINITY},  {0, 0},   {0.5f, 0.5f},         {1, 0.5f},
+                             {NAN, 1},       {0, NAN}, {INFINITY, INFINITY}, {-1, 1e-45f},
+                             {0, -1},        {-2, -1}, {0, -INFINITY},       {3e38f, INFINITY},
+                             {INFINITY, NAN}};
+    enum { BAD = 8, ENDS = 13, ALL = BAD * BAD * BAD * 2 + 1000 * ENDS };
     bb_ray *rays = calloc(ALL, sizeof *rays);
-    bb_hit *hits = calloc(ALL, sizeof *hits);
+    bb_interval *hits = calloc(ALL, sizeof *hits);
     bb_random random = bb_random_make(seed, 3);
     for (uint32_t i = 0; i < ALL; i++) {
         bb_ray *r = &rays[i];
@@ -124,25 +153,17 @@ static void no_rays_and_empty_intervals(void **state)
         r->tmin = ends[i % ENDS][0];
         r->tmax = ends[i % ENDS][1];
     }
-    bed b;
-    open_bed(&b, load("interior:n=2000"), "lbvh", bb_kernels[0]->name, 1);
-    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
-        choose_kernel(&b, (*kernel)->name, 1);
-        trace(&b, "exact", rays, ALL, &bb_query_closest, hits, NULL);
-        for (uint32_t i = 0; i < ALL; i++) {
-            bool number = true;
-            for (int k = 0; k < 3; k++)
-                number = number && !isnan(rays[i].o[k]) && !isnan(rays[i].d[k]);
-            bool miss = hits[i].prim == BB_NONE && hits[i].t == INFINITY;
-            bool inside = hits[i].t > rays[i].tmin && hits[i].t < rays[i].tmax;
-            if (!miss && (!number || !inside || hits[i].prim >= b.scene->prim_count))
-                fail_msg("kernel %s, ray %u: %u at %g (seed %llu)", (*kernel)->name, i,
-                         hits[i].prim, hits[i].t, (unsigned long long)seed);
-        }
+    const bb_query *const queries[] = {&bb_query_closest, &bb_query_any, bb_query_find("interval")};
+    for (uint32_t i = 0; i < 6; i++) {
+        bed b; /* the cube is one leaf, which rays come to without a box */
+        open_bed(&b, load(i % 2 == 0 ? "interior:n=2000" : "cube"), i % 2 == 0 ? "lbvh" : "null",
+                 bb_kernels[0]->name, 1);
+        for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
+            expect_within(&b, (*kernel)->name, queries[i / 2], rays, ALL, hits);
+        close_bed(&b);
     }
     free(rays);
     free(hits);
-    close_bed(&b);
 }
 
 int main(void)

@@ -107,6 +107,20 @@ static void collapse_decides_by_cost(void **state)
         bb_tree_release(&tree);
     }
 
+    /* Two unit squares side by side, with Ct = 1: 2 * 2 against 2 + 1 + 1, which is no more. */
+    const float square[3] = {1, 1, 0}, twice[3] = {2, 1, 0}, beside[3] = {1, 0, 0};
+    const bb_node tied[] = {make_node(lo, twice, 1, BB_NONE),
+                            make_node(lo, square, BB_LEAF_BIT | 0, 2),
+                            make_node(beside, twice, BB_LEAF_BIT | 1, BB_NONE)};
+    make_tree(&tree, tied, 3, refs, 2, 2, 1);
+    ASSERT_OK(bb_tree_upload(&tree, device, NULL));
+    for (int more = 0; more < 2; more++) {
+        const float traversal = more ? 1.0f : 0.999f;
+        ASSERT_OK(bb_collapse_make(self, &tree, 1.0f, 2, traversal, 1, &out));
+        assert_int_equal(out->info.node_count, more ? 1 : 3);
+    }
+    bb_tree_release(&tree);
+
     /* A primitive that both leaves reference is referenced once by the leaf of both. */
     make_tree(&tree, near, 3, refs, 2, 2, 1);
     tree.duplicated = true;

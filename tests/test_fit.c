@@ -108,6 +108,62 @@ static void what_cannot_be_known_is_not_said(void **state)
     assert_true(bb_fit_of(cells, CELLS, 0, 0).error > 0.1);
 }
 
+/* The definition, written out: each group has its own factor, which is free. */
+static double plain_squares(const bb_fit_cell *cells, uint32_t count, double alpha,
+                            uint32_t without)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        double mean = 0, same = 0;
+        for (uint32_t k = 0; k < count; k++)
+            if (cells[k].group == cells[i].group) {
+                mean += log(cells[k].y / ((1 - alpha) * cells[k].a + alpha * cells[k].b));
+                same++;
+            }
+        double off =
+            log(cells[i].y / ((1 - alpha) * cells[i].a + alpha * cells[i].b)) - mean / same;
+        sum += cells[i].fold == without ? 0 : off * off;
+    }
+    return sum;
+}
+
+/* Random cells, several groups in a fold: no alpha of a fine grid is better than the one found, and
+ * errors are those of the definition. */
+static void no_other_alpha_is_better(void **state)
+{
+    (void)state;
+    enum { FOLDS = 5, GRID = 5000 };
+    for (uint32_t run = 0; run < 10; run++) {
+        bb_random random = bb_random_make(11, run);
+        bb_fit_cell cells[FOLDS * 3 * 4];
+        uint32_t count = 0, groups = 0;
+        double unseen = 0;
+        for (uint32_t fold = 0; fold < FOLDS; fold++)
+            for (uint32_t g = 0; g < 1 + fold % 3; g++, groups++)
+                for (uint32_t i = 0, size = 2 + bb_random_below(&random, 3); i < size; i++)
+                    cells[count++] = (bb_fit_cell){groups, fold, bb_random_range(&random, 1, 99),
+                                                   bb_random_range(&random, 0.1, 20),
+                                                   exp(bb_random_range(&random, -3, 3))};
+        for (uint32_t without = 0; without <= FOLDS; without++) {
+            const uint32_t left_out = without < FOLDS ? without : BB_FIT_ALL;
+            const double alpha = bb_fit_alpha(cells, count, left_out);
+            const double least = plain_squares(cells, count, alpha, left_out);
+            for (int i = 0; i <= GRID; i++)
+                if (plain_squares(cells, count, (double)i / GRID, left_out) < least * (1 - 1e-9))
+                    fail_msg("run %u without %u: %g is better than %g", run, without,
+                             (double)i / GRID, alpha);
+            if (without == FOLDS)
+                assert_close(bb_fit_of(cells, count, alpha, 1).error,
+                             exp(sqrt(least / (count - groups - 1))) - 1, 1e-9);
+            else
+                unseen += plain_squares(cells, count, alpha, BB_FIT_ALL) -
+                          plain_squares(cells, count, alpha, without);
+        }
+        assert_close(bb_fit_folds(cells, count, FOLDS).unseen,
+                     exp(sqrt(unseen / (count - groups))) - 1, 1e-9);
+    }
+}
+
 /* ---- of a document ---- */
 
 static cJSON *put(cJSON *list)
@@ -219,6 +275,30 @@ static void a_document_is_fitted_by_kind_of_rays(void **state)
 }
 
 /* Wrong answers, references, single leaves and cells that are alone on their rays say nothing. */
+/* Rays of the same name that are others, as from another seed, take another time: a group of their
+ * own. */
+static void other_rays_are_another_group(void **state)
+{
+    (void)state;
+    document d = make_document(1, true);
+    for (int b = 0; b < TREES; b++) {
+        char builder[16];
+        snprintf(builder, sizeof builder, "b%d", b);
+        const double cost = 0.7 * costs[b][0] + 0.3 * costs[b][1];
+        cJSON *trace = add_trace(&d, b, "scene0", builder, "primary", "stack", 50 * cost, 1 + cost);
+        cJSON_ReplaceItemInObject(trace, "rays_hash", cJSON_CreateString("others"));
+    }
+    bb_results *results = read_back(&d);
+    bb_predictions made;
+    ASSERT_OK(bb_predictions_make(results, &made));
+    assert_int_equal(made.kinds[0].record.cells, 3 * TREES);
+    assert_int_equal(made.kinds[0].record.groups, 3);
+    assert_close(made.kinds[0].record.alpha, 0.3, 1e-5);
+    assert_close(made.kinds[0].record.mix_error, 0, 1e-4);
+    bb_predictions_free(&made);
+    bb_results_destroy(results);
+}
+
 static void only_sound_cells_enter(void **state)
 {
     (void)state;
@@ -339,8 +419,10 @@ int main(void)
         cmocka_unit_test(a_planted_mix_is_found),
         cmocka_unit_test(noise_is_what_the_error_says),
         cmocka_unit_test(folds_are_left_out),
+        cmocka_unit_test(no_other_alpha_is_better),
         cmocka_unit_test(what_cannot_be_known_is_not_said),
         cmocka_unit_test(a_document_is_fitted_by_kind_of_rays),
+        cmocka_unit_test(other_rays_are_another_group),
         cmocka_unit_test(only_sound_cells_enter),
         cmocka_unit_test(without_epo_sah_and_work_are_judged),
         cmocka_unit_test(it_is_recorded_once),

@@ -1,4 +1,5 @@
 /* SAH and EPO against cases solved by hand; the derivations are beside them. Ct = 1.2, Ci = 1. */
+#include "framework/scene/prim.h"
 #include "framework/tree/metric.h"
 #include "tests/tree_fixture.h"
 
@@ -266,6 +267,109 @@ static void test_epo_quick(void **state)
     free(refs);
 }
 
+/* ---- random trees, by recursion over all nodes ---- */
+
+/* Adds up the surface area heuristic, times the half area of the root, and marks the nodes whose
+ * subtrees hold the primitive. */
+static bool walk_all(const bb_tree *tree, uint32_t n, uint32_t prim, bool *holds, double *cost,
+                     double *sah)
+{
+    const bb_node *node = &tree->nodes[n];
+    const double x = (double)node->hi[0] - node->lo[0], y = (double)node->hi[1] - node->lo[1],
+                 z = (double)node->hi[2] - node->lo[2];
+    holds[n] = false;
+    cost[n] = 0;
+    if (bb_node_is_leaf(node)) {
+        bool last = false;
+        for (uint32_t at = node->first & BB_INDEX_MASK; !last; at++) {
+            last = (tree->refs[at] & BB_LAST_BIT) != 0;
+            holds[n] = holds[n] || (tree->refs[at] & BB_INDEX_MASK) == prim;
+            cost[n] += 1;
+        }
+    } else {
+        for (uint32_t c = node->first; c != node->skip; c = tree->nodes[c].skip) {
+            const bool below = walk_all(tree, c, prim, holds, cost, sah);
+            holds[n] = holds[n] || below;
+            cost[n] += 0.6;
+        }
+    }
+    *sah += cost[n] * (x * y + y * z + z * x);
+    return holds[n];
+}
+
+/* The same points, each against all nodes. */
+static double naive_epo(const bb_tree *tree, const bb_scene *scene, uint32_t points)
+{
+    const uint32_t count = tree->info.node_count;
+    bool *holds = malloc(count * sizeof *holds);
+    double *cost = malloc(count * sizeof *cost), total = 0, sum = 0, sah = 0;
+    const bb_prim_kind *kind = bb_prim_kinds[BB_TRIANGLE];
+    for (uint32_t i = 0; i < scene->prim_count; i++)
+        total += kind->area(scene, i);
+    for (uint32_t sample = 0; sample < points; sample++) {
+        bb_random random = bb_random_make(SEED, sample);
+        double at = bb_random_unit(&random) * total, below = 0, p[3], normal[3];
+        uint32_t prim = 0;
+        for (;; prim++) {
+            below += kind->area(scene, prim);
+            if (below > at || prim + 1 == scene->prim_count)
+                break;
+        }
+        kind->sample(scene, prim, &random, p, normal);
+        walk_all(tree, tree->info.root, prim, holds, cost, &sah);
+        for (uint32_t n = 0; n < count; n++) {
+            bool inside = !holds[n];
+            for (int k = 0; k < 3; k++)
+                inside = inside && tree->nodes[n].lo[k] <= p[k] && p[k] <= tree->nodes[n].hi[k];
+            sum += inside ? cost[n] : 0;
+        }
+    }
+    free(holds);
+    free(cost);
+    return sum / points;
+}
+
+static void test_random_trees(void **state)
+{
+    (void)state;
+    enum { POINTS = 5000, RUNS = 12 };
+    for (uint32_t run = 0; run < RUNS; run++) {
+        bb_random random = bb_random_make(SEED, 1000 + run);
+        const uint32_t count = 1 + bb_random_below(&random, run < 3 ? 3 : 120);
+        float *v = malloc(9 * (size_t)count * sizeof *v);
+        for (uint32_t i = 0; i < 9 * count; i++)
+            v[i] = (float)bb_random_range(&random, -100, 100);
+        bb_scene *scene = make_scene(v, count, NULL, 0);
+        free(v);
+        bb_tree tree;
+        make_random_tree(scene, 2 + bb_random_below(&random, 8), 1 + bb_random_below(&random, 4),
+                         &random, &tree);
+        if (run % 3 == 2) { /* as if trees had split primitives: some are listed again */
+            for (uint32_t i = 0; i < count / 2; i++) {
+                uint32_t *ref = &tree.refs[bb_random_below(&random, count)];
+                *ref = (*ref & BB_LAST_BIT) | bb_random_below(&random, count);
+            }
+            tree.duplicated = true;
+        }
+        bb_metric_value epo;
+        ASSERT_OK(measure("epo", &tree, scene, POINTS, &epo));
+        const double expected = naive_epo(&tree, scene, POINTS);
+        ASSERT_NEAR(epo.value, expected, 1e-10 * expected);
+        bool *holds = malloc(tree.info.node_count * sizeof *holds);
+        double *cost = malloc(tree.info.node_count * sizeof *cost), sah = 0;
+        walk_all(&tree, tree.info.root, 0, holds, cost, &sah);
+        const bb_node *root = &tree.nodes[tree.info.root];
+        const double x = (double)root->hi[0] - root->lo[0], y = (double)root->hi[1] - root->lo[1],
+                     z = (double)root->hi[2] - root->lo[2];
+        sah /= x * y + y * z + z * x;
+        ASSERT_NEAR(bb_tree_sah(&tree), sah, 1e-12 * sah);
+        free(holds);
+        free(cost);
+        bb_tree_release(&tree);
+        free_scene(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -274,6 +378,7 @@ int main(void)
         cmocka_unit_test(test_epo_triangles),    cmocka_unit_test(test_epo_flat),
         cmocka_unit_test(test_epo_spheres),      cmocka_unit_test(test_epo_duplicated),
         cmocka_unit_test(test_epo_without_area), cmocka_unit_test(test_epo_quick),
+        cmocka_unit_test(test_random_trees),
     };
     return cmocka_run_group_tests_name("metrics", tests, NULL, NULL);
 }

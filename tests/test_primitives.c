@@ -238,15 +238,16 @@ static void *narrow_keys(const pair *pairs, uint32_t count, uint32_t key_bytes)
     return keys;
 }
 
-static void check_sort(const subject *s, uint32_t key_bytes, pattern pattern, uint32_t bits,
-                       uint32_t count)
+/* Sorts these keys, with random values. */
+static void check_keys(const subject *s, uint32_t key_bytes, const char *what, uint32_t bits,
+                       uint32_t count, const uint64_t *wide)
 {
-    bb_random random = bb_random_make(seed, (uint64_t)pattern << 48 | (uint64_t)bits << 40 | count);
+    bb_random random = bb_random_make(seed, count);
     pair *pairs = allocate(count * sizeof *pairs);
     uint32_t *values = allocate(count * sizeof *values);
     for (uint32_t i = 0; i < count; i++) {
         values[i] = (uint32_t)bb_random_u64(&random);
-        pairs[i] = (pair){make_key(pattern, bits, i, count, &random), i, values[i]};
+        pairs[i] = (pair){wide[i], i, values[i]};
     }
     void *keys = narrow_keys(pairs, count, key_bytes);
     bb_buffer keys_device = upload(s, keys, (size_t)count * key_bytes);
@@ -270,9 +271,20 @@ static void check_sort(const subject *s, uint32_t key_bytes, pattern pattern, ui
     if (!guarded || !right || at < count)
         fail_msg("sort, %s: %s, %u-byte keys, %u bits, count %u, seed %llu: keys %s, first wrong "
                  "value %u, %s the end",
-                 s->name, pattern_names[pattern], key_bytes, bits, count, (unsigned long long)seed,
+                 s->name, what, key_bytes, bits, count, (unsigned long long)seed,
                  right ? "right" : "wrong", at,
                  guarded ? "nothing written beyond" : "wrote beyond");
+}
+
+static void check_sort(const subject *s, uint32_t key_bytes, pattern pattern, uint32_t bits,
+                       uint32_t count)
+{
+    bb_random random = bb_random_make(seed, (uint64_t)pattern << 48 | (uint64_t)bits << 40 | count);
+    uint64_t *wide = allocate(count * sizeof *wide);
+    for (uint32_t i = 0; i < count; i++)
+        wide[i] = make_key(pattern, bits, i, count, &random);
+    check_keys(s, key_bytes, pattern_names[pattern], bits, count, wide);
+    free(wide);
 }
 
 static void sorts_like_a_stable_host_sort(void **state)
@@ -321,6 +333,53 @@ static void sorts_again_with_other_counts(void **state)
             uint32_t bits = 1 + bb_random_below(&random, 8 * key_bytes);
             check_sort(s, key_bytes, RANDOM, bits, count);
         }
+    }
+}
+
+/* Buckets whose sizes are next to those at which another way is taken, and counts likewise; of the
+ * lower bits a run of any length differs, none, or one digit of several. */
+static void sorts_buckets_of_all_sizes(void **state)
+{
+    (void)state;
+    static const uint32_t borders[] = {1, 1023, 1024, 1025, 2048, 8191, 8192, 8193, 16384, 16385};
+    enum { BORDERS = sizeof borders / sizeof borders[0] };
+    if (small)
+        skip();
+    for (uint32_t round = 0; round < 60; round++) {
+        bb_random random = bb_random_make(seed, 1000 + round);
+        const uint32_t key_bytes = round % 2 ? 8 : 4,
+                       bits = 1 + bb_random_below(&random, 8 * key_bytes),
+                       top = bits < 12 ? bits : 12, low = bits - top,
+                       count = borders[bb_random_below(&random, BORDERS)] *
+                                   (1 + bb_random_below(&random, 6)) +
+                               bb_random_below(&random, 3) - 1;
+        uint64_t *wide = allocate(((size_t)count + 1) * sizeof *wide);
+        uint64_t bucket = 0, fixed = 0, differ = 0;
+        for (uint32_t i = 0, left = 0; i < count; i++, left--) {
+            if (left == 0) {
+                left = borders[bb_random_below(&random, BORDERS)];
+                bucket += 1 + bb_random_below(&random, 3);
+                fixed = bb_random_u64(&random);
+                differ = bb_random_u64(&random) >> bb_random_below(&random, 64)
+                                                       << bb_random_below(&random, 64);
+                if (bb_random_below(&random, 2) == 0)
+                    differ &= 0xFF801ull << bb_random_below(&random, 40);
+            }
+            uint64_t any = (fixed & ~differ) | (bb_random_u64(&random) & differ);
+            any &= low == 0 ? 0 : UINT64_MAX >> (64 - low);
+            wide[i] = (bucket & ((1u << top) - 1)) << low | any;
+        }
+        if (bb_random_below(&random, 2) == 0) /* else in the order of their buckets */
+            for (uint32_t i = count; i > 1; i--) {
+                const uint32_t k = bb_random_below(&random, i);
+                const uint64_t other = wide[i - 1];
+                wide[i - 1] = wide[k];
+                wide[k] = other;
+            }
+        for (const subject *s = subjects; s < subjects + SUBJECTS; s++)
+            if (!too_big(s, count))
+                check_keys(s, key_bytes, "buckets", bits, count, wide);
+        free(wide);
     }
 }
 
@@ -588,6 +647,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sorts_like_a_stable_host_sort),
         cmocka_unit_test(sorts_again_with_other_counts),
+        cmocka_unit_test(sorts_buckets_of_all_sizes),
         cmocka_unit_test(grows_while_work_is_enqueued),
         cmocka_unit_test(reserves_all_that_a_sort_needs),
         cmocka_unit_test(scans_like_the_host),
