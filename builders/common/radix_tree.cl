@@ -44,6 +44,7 @@
  * -DBB_KEY64 for ulong keys.
  */
 #include "bb_device.h"
+#include "lanes.clh"
 #include "handover.clh"
 #include "radix_keys.clh"
 
@@ -139,29 +140,12 @@ void start_leaf(bb_work *w, uint i, global const uint *starts, global const uint
 }
 
 /* Boxes lie in the order of the primitives, not of the references: a work-item that does many
- * leaves asks for those of the next references all at once, and so waits for memory once, not once
- * per leaf. */
-#define BB_AHEAD 128u
-typedef struct bb_ahead {
-    float4 lo[BB_AHEAD], hi[BB_AHEAD];
-    uint from, to; /* references that are here */
-} bb_ahead;
-
-void fetch_ahead(bb_ahead *ahead, uint at, uint end, global const uint *values,
-                 global const bb_box *boxes)
-{
-    ahead->from = at;
-    ahead->to = end - at < BB_AHEAD ? end : at + BB_AHEAD;
-    for (uint k = 0; k < ahead->to - at; k++) {
-        global const float *words = (global const float *)(boxes + values[at + k]);
-        ahead->lo[k] = vload4(0, words);
-        ahead->hi[k] = vload4(1, words);
-    }
-}
+ * leaves asks for that of a later reference at each one, and so never waits for memory. */
+#define BB_AHEAD 64u
 
 /* As start_leaf(); `end` is where the last reference ends that the work-item will come to. */
 void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global const uint *values,
-                      global const bb_box *boxes, global uint *refs, uint end, bb_ahead *ahead)
+                      global const bb_box *boxes, global uint *refs, uint end)
 {
 #ifdef BB_LEAF_RUNS
     uint first = starts[i], stop = starts[i + 1u];
@@ -175,9 +159,9 @@ void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global cons
     w->first = BB_LEAF_BIT | first;
     w->height = 0;
     for (uint at = first; at < stop; at++) {
-        if (at >= ahead->to)
-            fetch_ahead(ahead, at, end, values, boxes);
-        join_box(w, ahead->lo[at - ahead->from], ahead->hi[at - ahead->from]);
+        global const float *box = (global const float *)(boxes + values[at]);
+        BB_PREFETCH(boxes + values[BB_MIN(at + BB_AHEAD, end - 1u)]);
+        join_box(w, vload4(0, box), vload4(1, box));
         refs[at] = values[at] | (at + 1u == stop ? BB_LAST_BIT : 0u);
     }
 }
@@ -262,13 +246,11 @@ kernel void link_chunks(global const bb_key *keys, global const uint *starts,
 #else
     uint ref_end = end;
 #endif
-    bb_ahead ahead;
-    ahead.to = 0;
     for (uint i = begin; i < end; i++) {
         uint level_right = level_of(keys, count, i);
         uint level = level_left;
         bb_work w;
-        start_leaf_ahead(&w, i, starts, values, boxes, refs, ref_end, &ahead);
+        start_leaf_ahead(&w, i, starts, values, boxes, refs, ref_end);
         for (;;) {
             if (level == level_right) {
                 write_root(nodes, info, &w, count, ref_count);
