@@ -10,20 +10,18 @@ typedef ulong bb_u64;
 typedef uint64_t bb_u64;
 #endif
 
-#define BB_CODE_STEPS 5      /* of the expansion: moves by 16, 8, 4, 2, 1 */
+#define BB_CODE_STEPS 6      /* of the expansion: moves by 32, 16, 8, 4, 2, 1 */
 #define BB_CODE_SIZES 32     /* the most size bits */
 #define BB_CODE_CHUNK_BITS 8 /* of a cell per look-up */
 #define BB_CODE_CHUNKS 3     /* per axis: cells have up to 24 bits */
 
 /* Lanes 0 to 2 are the axes x, y, z, lane 3 is the size. */
 typedef struct bb_code_plan {
-    float low[4];       /* of the box that is quantised */
-    float scale[4];     /* cells per unit; lane 3: per unit of the size measure; 0: no cells */
-    float last[4];      /* largest cell: 2^bits - 1, exact */
-    bb_u32 low_bits[4]; /* how many of the lane's bits, its lowest, are in the key's lower word */
-    bb_u32 moved[4][2][BB_CODE_STEPS]; /* of each word: where bits are after the step that moved
-                                          them there */
-    bb_u32 kept[4][2];                 /* where they are in the end */
+    float low[4];   /* of the box that is quantised */
+    float scale[4]; /* cells per unit; lane 3: per unit of the size measure; 0: no cells */
+    float last[4];  /* largest cell: 2^bits - 1, exact */
+    bb_u64 moved[4][BB_CODE_STEPS]; /* where bits are after the step that moved them there */
+    bb_u64 kept[4];                 /* where they are in the end */
     bb_u64 flip;       /* bits that are negated: axes along which the view looks backwards */
     float unit;        /* 1 / longest side: sizes are measured in it, so that no square overflows */
     bb_u32 size_count; /* with sizes told by the cell: how many size bits */

@@ -249,26 +249,22 @@ static uint64_t places_of(const bb_code_pattern *layout, uint32_t lane)
     return places;
 }
 
-/* The moves that bring the lane's bits there: of each word of the key, its bit j, counted from the
- * lowest, travels up to its place in steps of 16, 8 ... 1 ("expand" by parallel moves; Warren,
- * Hacker's Delight, section 7-5). */
+/* The moves that bring the lane's bits there: bit j, counted from the lowest, travels up to its
+ * place in steps of 32, 16 ... 1 ("expand" by parallel moves; Warren, Hacker's Delight, section
+ * 7-5). */
 static void plan_moves(bb_code_pattern *layout, uint32_t lane)
 {
     bb_code_plan *plan = &layout->plan;
-    uint64_t places = places_of(layout, lane);
-    plan->low_bits[lane] = (uint32_t)__builtin_popcount((uint32_t)places);
-    for (uint32_t word = 0; word < 2; word++) {
-        uint32_t left = (uint32_t)(places >> 32 * word);
-        plan->kept[lane][word] = left;
-        for (uint32_t j = 0; left != 0; j++, left &= left - 1) {
-            uint32_t at = j, distance = (uint32_t)__builtin_ctz(left) - j;
-            for (uint32_t step = 0; step < BB_CODE_STEPS; step++) {
-                uint32_t move = 16u >> step;
-                if ((distance & move) == 0)
-                    continue;
-                at += move;
-                plan->moved[lane][word][step] |= 1u << at;
-            }
+    uint64_t left = places_of(layout, lane);
+    plan->kept[lane] = left;
+    for (uint32_t j = 0; left != 0; j++, left &= left - 1) {
+        uint32_t at = j, distance = (uint32_t)__builtin_ctzll(left) - j;
+        for (uint32_t step = 0; step < BB_CODE_STEPS; step++) {
+            uint32_t move = 32u >> step;
+            if ((distance & move) == 0)
+                continue;
+            at += move;
+            plan->moved[lane][step] |= UINT64_C(1) << at;
         }
     }
 }

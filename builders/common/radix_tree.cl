@@ -46,6 +46,7 @@
 #include "bb_device.h"
 #include "lanes.clh"
 #include "handover.clh"
+#include "leaf_boxes.clh"
 #include "radix_keys.clh"
 
 /* Left children that can wait at once: their levels grow strictly towards the bottom. */
@@ -66,11 +67,7 @@ uint place_of(const bb_work *w, bool is_left)
 void write_node(global bb_node *nodes, uint place, const bb_work *w, uint count)
 {
     uint skip = w->r + 1u < count ? 2u * w->r + 2u : BB_NONE;
-    /* as integers: a device may flush links, which look like denormals, or quiet them, which look
-     * like NaNs */
-    global uint *words = (global uint *)(nodes + place);
-    vstore4((uint4)(as_uint4(w->lo).xyz, w->first), 0, words);
-    vstore4((uint4)(as_uint4(w->hi).xyz, skip), 1, words);
+    bb_write_node(nodes, place, w->lo, w->hi, w->first, skip);
 }
 
 /* Of a node whose links are there already. */
@@ -139,11 +136,7 @@ void start_leaf(bb_work *w, uint i, global const uint *starts, global const uint
     refs[last] = prim | BB_LAST_BIT;
 }
 
-/* Boxes lie in the order of the primitives, not of the references: a work-item that does many
- * leaves asks for that of a later reference at each one, and so never waits for memory. */
-#define BB_AHEAD 64u
-
-/* As start_leaf(); `end` is where the last reference ends that the work-item will come to. */
+/* As start_leaf(), where the work-item goes on to the references before `end`. */
 void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global const uint *values,
                       global const bb_box *boxes, global uint *refs, uint end)
 {
@@ -159,9 +152,7 @@ void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global cons
     w->first = BB_LEAF_BIT | first;
     w->height = 0;
     for (uint at = first; at < stop; at++) {
-        global const float *box = (global const float *)(boxes + values[at]);
-        BB_PREFETCH(boxes + values[BB_MIN(at + BB_AHEAD, end - 1u)]);
-        join_box(w, vload4(0, box), vload4(1, box));
+        bb_join_box_ahead(values, boxes, at, end, &w->lo, &w->hi);
         refs[at] = values[at] | (at + 1u == stop ? BB_LAST_BIT : 0u);
     }
 }

@@ -35,7 +35,6 @@ enum {
     CHUNK_PRIMS = 2048, /* of the CPU form, per work-item */
     CHUNK_WORDS = 256,  /* the same: words of eight octree nodes */
     BINARY_TREE_BYTES = 2 * sizeof(bb_node) + sizeof(uint32_t), /* per primitive */
-    FETCH = 64, /* boxes that a work-item of the CPU form fetches at once */
 };
 
 static const bb_option options[] = {
@@ -98,8 +97,7 @@ static bb_status compile(lobvh *self, const bb_spec *spec)
     int side = 0;
     while (!bb_spec_is(spec, options, "side", sides[side]))
         side++;
-    snprintf(defines, sizeof defines, "-DBB_SIDE=%d -DBB_FETCH=%d%s%s", side,
-             self->device->form == BB_FORM_CPU ? FETCH : 1,
+    snprintf(defines, sizeof defines, "-DBB_SIDE=%d%s%s", side,
              bb_spec_is(spec, options, "fit", "yes") ? " -DBB_FIT" : "",
              self->chains ? " -DBB_CHAINS" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_lobvh, defines, &self->program));

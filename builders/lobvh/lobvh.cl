@@ -30,7 +30,7 @@
  *
  * Kernels with `chunk` go through that many elements per work-item: on CPUs hundreds, on GPUs one.
  * -DBB_SIDE: the size measure; -DBB_FIT: with the fit test; -DBB_CHAINS: nodes that only have one
- * child stay; -DBB_FETCH: leaf_boxes.clh.
+ * child stay.
  *
  * Limits: 10 levels (32-bit keys); 2^31 - 1 primitives; little-endian devices. One work-item joins
  * the boxes of one node's primitives, however many.
@@ -341,8 +341,6 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
     const dense octree = {words, own, offsets};
     uint leaves = 0, parent = BB_NONE;
     family siblings = {0, 0, 0, 0};
-    bb_fetched ahead;
-    ahead.end = 0;
     uint i = begin;
     /* what began before is another work-item's */
     if (begin > 0u)
@@ -352,10 +350,7 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
         uint key = keys[i], from = i;
         float4 lo = (float4)(INFINITY), hi = (float4)(-INFINITY);
         do {
-            if (i >= ahead.end)
-                bb_fetch(&ahead, values, boxes, i, count);
-            lo = BB_MIN(ahead.lo[i - ahead.begin], lo);
-            hi = BB_MAX(ahead.hi[i - ahead.begin], hi);
+            bb_join_box_ahead(values, boxes, i, count, &lo, &hi);
             i++;
         } while (i < count && keys[i] == key);
         uint2 at = (uint2)(0u, BB_NONE); /* of the root */

@@ -47,7 +47,6 @@ enum {
     CHUNK_GPU = 8,
     CHUNK_CELLS = 1024, /* of the CPU form: cells per work-item that links them */
     LANES = 8,          /* keys that a work-item of the CPU form makes at once */
-    FETCH = 64,         /* boxes that a work-item of the CPU form fetches at once */
 };
 
 static const bb_option options[] = {
@@ -111,8 +110,7 @@ static bool on_cpu(const loose_bvh *self)
 static bb_status compile(loose_bvh *self, const bb_spec *spec)
 {
     char defines[64];
-    snprintf(defines, sizeof defines, "-DBB_FETCH=%d -DBB_LANES=%d%s", on_cpu(self) ? FETCH : 1,
-             on_cpu(self) ? LANES : 1,
+    snprintf(defines, sizeof defines, "-DBB_LANES=%d%s", on_cpu(self) ? LANES : 1,
              bb_spec_is(spec, options, "root", "cube") ? " -DBB_CUBE" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_loose_bvh, defines, &self->program));
     BB_TRY(bb_kernel_get(self->program, "loose_keys", &self->keys_kernel));

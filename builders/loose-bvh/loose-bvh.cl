@@ -37,8 +37,8 @@
  * hand over between launches alone.
  *
  * -DBB_CUBE: the root cell is a cube. -DBB_LANES: boxes whose keys are made at once, 1 or 8.
- * -DBB_FETCH: leaf_boxes.clh. Limits: 10 levels (32-bit keys); 2^30 primitives. Where sides are
- * denormal a primitive may lie nearer to the root than equation 3 says.
+ * Limits: 10 levels (32-bit keys); 2^30 primitives. Where sides are denormal a primitive may lie
+ * nearer to the root than equation 3 says.
  */
 #include "bb_device.h"
 #include "leaf_boxes.clh"
@@ -392,8 +392,6 @@ kernel void loose_leaves(global const uint *restrict values, global const bb_box
         return;
     uint end = count - begin < chunk ? count : begin + chunk;
     const loose l = {bases, splits, totals[0], totals[1], count, nodes, heights, info};
-    bb_fetched ahead;
-    ahead.end = 0;
     uint c = heads[get_global_id(0)]; /* the first that begins here */
     if (starts[c] > begin)
         c--;
@@ -401,12 +399,11 @@ kernel void loose_leaves(global const uint *restrict values, global const bb_box
         uint start = starts[c], stop = starts[c + 1u], to = BB_MIN(stop, end);
         float4 lo = (float4)(INFINITY), hi = (float4)(-INFINITY);
         for (; i < to; i++) {
-            if (i >= ahead.end)
-                bb_fetch(&ahead, values, boxes, i, end);
-            lo = BB_MIN(ahead.lo[i - ahead.begin] + 0.0f, lo);
-            hi = BB_MAX(ahead.hi[i - ahead.begin] + 0.0f, hi);
+            bb_join_box_ahead(values, boxes, i, end, &lo, &hi);
             refs[i] = values[i] | (i + 1u == stop ? BB_LAST_BIT : 0u);
         }
+        lo += 0.0f;
+        hi += 0.0f;
         if (start >= begin && stop <= end)
             write_leaf(&l, c, start, lo, hi);
         else
