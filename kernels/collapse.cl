@@ -1,17 +1,15 @@
 /* Leaf collapse by the surface area heuristic, one pass for all builders and layouts, from tree to
  * tree.
  *
- *   parent of each node                                                   (collapse_parents)
- *   bottom-up from the leaves; the last of a node's children to come hands over to it
- *   (handover.clh):
- *     a leaf costs Ci A per block of references that it begins; an inner node Ct children/2 A and
- *     what its children cost
- *     if its subtree has at most max_leaf references and a leaf of them costs no more: collapse
- *     (collapse_decide, or collapse_leaves and collapse_level)
- *   kept: nodes without a collapsed ancestor; their references, each once (collapse_mark)
- *   places = exclusive scans of both
- *   (framework/device/primitives.h)
- *   write                                                                 (collapse_write)
+ *   parent of each node                                                       (collapse_parents)
+ *   for each node, bottom-up; the last of its children to come goes on with it (handover.clh):
+ *       cost of a leaf = Ci A per block of references that it begins
+ *       cost of an inner node = Ct children/2 A, and what its children cost
+ *       if its subtree has at most max_leaf references and a leaf of them costs no more: collapse
+ *                                       (collapse_decide, or collapse_leaves and collapse_level)
+ *   mark the nodes without a collapsed ancestor, and their references, each once (collapse_mark)
+ *   places = exclusive scans of both marks
+ *   write what is marked at its place                                           (collapse_write)
  *
  * MacDonald and Booth 1990 (the heuristic); Wald, Benthin and Boulos 2008 (leaves in blocks of the
  * vector's length). Nodes and references keep their order in memory. Reads any tree. A primitive

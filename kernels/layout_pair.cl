@@ -1,12 +1,11 @@
 /* The `pair` layout: from the common tree to pair nodes. (The primitives: leaf_prims.cl.)
  *
- *   extra[n] = children(n) - 1 for inner nodes, 0 for leaves     (pair_extra)
- *   base = exclusive scan of extra                                (framework/device/primitives.h)
- *   inner node n with k children owns pair nodes base[n] .. base[n] + k - 2, one per gap between
- *   two children: a balanced
- *   binary tree over them, whose root is the gap in the middle    (pair_nodes)
- *
- *   boxes are scaled and padded (padding.clh)
+ *   extra[n] = children(n) - 1 for inner nodes, 0 for leaves                         (pair_extra)
+ *   base = exclusive scan of extra
+ *   for each inner node n, of k children:                                            (pair_nodes)
+ *       pair nodes base[n] .. base[n] + k - 2, one per gap between two children, form a balanced
+ *           binary tree over them, whose root is the gap in the middle
+ *       write each, its boxes scaled and padded (padding.clh)
  *
  * Aila and Laine 2009 (both children's boxes in the parent). Reads any tree of any arity; a binary
  * tree keeps its shape and its order in memory; a node with one child is passed through. Limits:

@@ -3,14 +3,12 @@
  *
  *   next(n) = first(n) of an inner node, skip(n) of a leaf: a list of all nodes, in preorder
  *   position(n) = place of n in that list:
- *       every stride-th node, and the root, is a splitter; each walks to the next one and counts
- *       (skip_walk)
- *       the splitters' own places, one after the other
- *       (skip_rank)
- *       each walks again and numbers the nodes that it passes
- *       (skip_place)
+ *       every stride-th node, and the root, is a splitter: it walks to the next one and counts
+ *                                                                                   (skip_walk)
+ *       the splitters' own places, one after the other                              (skip_rank)
+ *       each splitter walks again and numbers the nodes that it passes             (skip_place)
  *   out[position(n)] = node n, its links renumbered, its box scaled and padded (padding.clh)
- *   (skip_nodes)
+ *                                                                                  (skip_nodes)
  *
  * Smits 1998, "Efficiency Issues for Ray Tracing" (the order); Helman, JaJa 1999, "Designing
  * Practical Efficient Algorithms for Symmetric Multiprocessors" (the ranking of the list). Takes

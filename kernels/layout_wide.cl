@@ -1,18 +1,17 @@
 /* The wide layouts: from pair nodes (layout_pair.cl) to nodes of up to BB_WIDTH children, and from
  * references to blocks of primitives.
  *
- *   plan, bottom-up; the last of a pair's two sides to come hands over to it (handover.clh)
- *                                                (wide_parents, wide_plan, or plan_leaves and
- *                                                plan_level)
- *     costs of the pair as 1, 2, ... children, and its splits: wide_plan.clh; none if it is greedy
- *   level by level from the root: open the pair by its plan, mark it; those of its children that
- *   are pairs are the next
- *     level; keep the sides of pairs that it takes in, in place of its plan       (wide_open)
- *   index = exclusive scan of the marks                    (framework/device/primitives.h): nodes
- *   keep the order of the tree in memory
- *   for each marked pair: write the node of its sides      (wide_nodes)
- *   first[i] = exclusive scan of the blocks that the leaf at reference i needs     (wide_count)
- *   for each leaf: write its blocks                        (wide_blocks)
+ *   for each pair, bottom-up; the last of its two sides to come goes on with it (handover.clh):
+ *       its costs as 1, 2, ... children, and its splits (wide_plan.clh); none if it is greedy
+ *                                  (wide_parents, then wide_plan, or plan_leaves and plan_level)
+ *   for each pair of the level, from the root down:                                   (wide_open)
+ *       open it by its plan, and mark it
+ *       keep the sides of the pairs that it takes in, in place of its plan
+ *       those of its children that are pairs are the next level's
+ *   index = exclusive scan of the marks: nodes keep the order of the tree in memory
+ *   for each marked pair: write the node of its sides                                (wide_nodes)
+ *   first[i] = exclusive scan of the blocks that the leaf at reference i needs       (wide_count)
+ *   for each leaf: write its blocks                                                 (wide_blocks)
  *
  * When only boxes and positions have changed: layout_wide_follow.cl, and wide_blocks again.
  *

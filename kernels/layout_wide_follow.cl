@@ -1,9 +1,9 @@
 /* Wide nodes whose tree has kept its links and has other boxes: new boxes for the places that
  * children have (layout_wide.cl gave them), without the way over pair nodes.
  *
- *   once: what each place is made of, from its side of a pair     (wide_sources), or from its node
- *   of the tree                                                   (wide_nodes_sources)
- *   then: the union of those boxes of the tree, scaled and padded (wide_follow)
+ *   once: what each place is made of: from its side of a pair                     (wide_sources)
+ *                                     or from its node of the tree          (wide_nodes_sources)
+ *   then: the union of those boxes of the tree, scaled and padded                  (wide_follow)
  *
  * Which pairs a node was made of, and which place has which child, stay as they were best for the
  * boxes of the time when the layout was made.

@@ -2,8 +2,7 @@
  * in the order of the leaves.
  *
  *   leaf_prims[i] = what its kind keeps of primitive refs[i] (prims.clh), in the layout's units;
- *   then
- *               refs[i] itself, with its last-bit
+ *                   then refs[i] itself, with its last-bit
  *
  * and, if asked for, one more that nothing can hit, of the primitive BB_NONE.
  *

@@ -1,9 +1,10 @@
 /* Does a fence of this device do what it promises? Message passing between work-groups, as the
  * bottom-up passes do it (handover.clh).
  *
- *   two work-items of different groups per slot: each writes a message, goes through the slot's
- *   atomic, and, if it is the second, reads the other's message; a word that is not there yet is
- *   counted
+ *   for each slot, two work-items of different groups, each:
+ *       write a message
+ *       go through the slot's atomic
+ *       if it is the second: read the other's message, count the words that are not there yet
  *
  * A count of 0 proves nothing, any other count proves that the device can't be used this way. The
  * messages of a slot lie apart, so that they are in different cache lines.

@@ -1,11 +1,13 @@
 /* Which tetrahedra of one mesh share a point with one of another: those without a volume are left
  * out, touching is sharing (Stroeter, Mueller-Roemer, Stork, Fellner 2020, section 4.4).
  *
- *   for each tetrahedron of the one: is a tetrahedron of the other among those whose boxes meet its
- *   box that it meets (solids.clh)?  One is enough.
- *   BB_OVERLAP_FLAGS: in a cell that is all inside of the other mesh (octree_inside.cl) it is
- *   enough to have a corner, which is looked at first, or to hold the cell's centre; in one that is
- *   all outside there is nothing to look for
+ *   for each tetrahedron of the one mesh:
+ *       for each of the other mesh whose box meets its box: do they meet (solids.clh)?
+ *           yes: done, one is enough
+ *   with BB_OVERLAP_FLAGS:
+ *       in a cell that is all inside of the other mesh (octree_inside.cl) it is enough to have a
+ *           corner, which is looked at first, or to hold the cell's centre
+ *       in one that is all outside there is nothing to look for
  *
  *   BB_OVERLAP_FLAGS   1, or 0; 1 with BB_LOCATE_OCTREE only
  *   and those of locate_points.cl, and BB_LOCATE_ALL

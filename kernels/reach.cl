@@ -1,10 +1,10 @@
 /* The longest side of the primitives below each node of a tree whose leaves hold parts of
  * primitives.
  *
- *   parent of each node                                     (reach_parents)
- *   for each leaf: r = longest side of the boxes of its primitives
+ *   parent of each node                                                       (reach_parents)
+ *   for each leaf:                                                              (reach_climb)
+ *       r = longest side of the boxes of its primitives
  *       for the leaf and its ancestors: reach = max(reach, r); stop where it was not less
- *       (reach_climb)
  *
  * Layouts pad boxes in proportion to the primitives in them (padding.clh). Where a leaf's box holds
  * its primitives whole, the box itself says how long they may be; a box that was cut does not.

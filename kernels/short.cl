@@ -5,12 +5,14 @@
  *             met = the children that the ray meets, nearest first
  *             at = level < retrace ? place(level) : 0
  *             at is past the last of them: go to next
- *             push met[at + 1 ...], the farthest first; place(level) = at, open(level) = is there
- *             one after it? node = met[at], level = level + 1
+ *             push met[at + 1 ...], the farthest first
+ *             place(level) = at, open(level) = is there one after it?
+ *             node = met[at], level = level + 1
  *         test the primitives of the leaf
  *   next: l = the deepest open level, its place moved on by one; none: done
- *         the stack is not empty: node = what it has, level = l + 1, retrace = 0; again if that is
- *         farther than the hit it is empty: node = root, level = 0, retrace = l + 1
+ *         the stack is empty: node = root, level = 0, retrace = l + 1
+ *         else: node = what it has, level = l + 1, retrace = 0
+ *               node is farther than the hit: go to next
  *
  * Vaidyanathan, Woop, Benthin 2019, "Wide BVH Traversal with a Short Stack"; without entries Laine
  * 2010, "Restart Trail for Stackless BVH Traversal". Pro: children in order, with a few words of

@@ -6,15 +6,16 @@
  * references, instead of four 1-bit splits.
  *
  *     for each digit:
- *         sort_count:    for each tile (one group): counts[digit value][tile] = how many of the
- *                        tile's keys have it
+ *         sort_count:    for each tile (one group):
+ *                            counts[digit value][tile] = how many of the tile's keys have it
  *         the scan:      counts = exclusive prefix sum of counts, digit-major: where each tile's
- *                        keys of a value go
+ *                            keys of a value go
  *         sort_scatter:  for each tile (one group):
  *                            each item counts the digit values of its SORT_ITEMS neighbours
  *                            ranks = exclusive prefix sum of those counts, digit-major: places
- *                            inside the sorted tile sort the tile in local memory, then write it
- *                            out run by run (neighbours to neighbours)
+ *                                inside the sorted tile
+ *                            sort the tile in local memory
+ *                            write it out run by run, neighbours to neighbours
  *
  * Limits: BB_KEY is uint or ulong; BB_GROUP (the local size) is any power of two whose tile fits in
  * local memory; no group waits for another.

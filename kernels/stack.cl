@@ -1,9 +1,11 @@
 /* Stack traversal of pair nodes, while-while.
  *
  *   link = root
- *   loop: while link is a pair node: test both boxes; go to the nearer, push the farther with its
- *   distance
- *         test the primitives of the leaf; pop until an entry is nearer than the hit
+ *   loop: while link is a pair node:
+ *             test both boxes
+ *             go to the nearer, push the farther with its distance
+ *         test the primitives of the leaf
+ *         pop until an entry is nearer than the hit
  *
  * Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs", the per-ray
  * while-while loop, without speculation. Pro: few steps, children in order. Con: a stack per ray,

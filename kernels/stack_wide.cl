@@ -2,9 +2,12 @@
  * BB_LANES.
  *
  *   link = root
- *   loop: while link is a node: test its boxes; none met: pop. Go to the nearest, push the others,
- *   the farthest first
- *         test the blocks of the leaf; pop until an entry is nearer than the hit
+ *   loop: while link is a node:
+ *             test its boxes
+ *             none met: pop
+ *             else: go to the nearest, push the others, the farthest first
+ *         test the blocks of the leaf
+ *         pop until an entry is nearer than the hit
  *
  * Wald, Benthin, Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
  * Multi-Branching BVHs"; Dammertz, Hanika, Keller 2008, "Shallow Bounding Volume Hierarchies for

@@ -3,8 +3,9 @@
  * Agglomerative Treelet Restructuring", section 3):
  *
  *   distance(i, j) of places i > j = area of their union
- *   until one is left: the smallest distance, the first of equal ones by i, then by j: what is at
- *   place j becomes the union, place i is empty
+ *   until one is left:
+ *       find the smallest distance, the first of equal ones by i, then by j
+ *       what is at place j becomes the union, place i is empty
  *
  * Merging goes by masks, since each lane merges other places. Distances of places that are empty
  * are infinite; no other is.

@@ -5,8 +5,11 @@
  * and whose parent has more. The tree is not made: from a group's first key, its end is found among
  * the next `most` keys; and whether a group begins at a key, among as many on either side.
  *
- *   for each chunk of keys: find the first group that begins in it; go from group to group, and
- *   count (bn_count); scan; again, and write where they begin (bn_starts)
+ *   for each chunk of keys:                                                          (bn_count)
+ *       find the first group that begins in it
+ *       go from group to group, and count
+ *   scan the counts
+ *   for each chunk of keys: again, and write where groups begin                     (bn_starts)
  *
  * -DBB_KEY64 for ulong keys.
  */

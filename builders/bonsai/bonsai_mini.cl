@@ -1,10 +1,14 @@
 /* Mini-trees of bonsai, and what the top tree takes of them.
  *
- *   for each group, by one work-group: boxes and centroids to local memory; sort along each axis;
- *   grow                                                                            (bn_mini)
- *   how large is its root?                                                         (bn_areas)
- *   prune: from the root down, what is larger than a limit is opened; count what remains, scan,
- *   and list it                                                         (bn_prune, bn_list)
+ *   for each group, by one work-group:                                               (bn_mini)
+ *       boxes and centroids to local memory
+ *       sort along each axis
+ *       grow (bonsai_grow.clh)
+ *   for each mini-tree: how large is its root?                                      (bn_areas)
+ *   for each mini-tree, from the root down: open what is larger than a limit; count what remains
+ *                                                                                   (bn_prune)
+ *   scan the counts
+ *   list what remains                                                                (bn_list)
  *
  * Nodes are numbered as those of a radix tree: with the references in the order of the leaves, the
  * children below the split between references s and s + 1 are nodes 2s + 1 and 2s + 2. The root of

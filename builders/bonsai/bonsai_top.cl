@@ -1,10 +1,10 @@
 /* The top tree of bonsai, over what is left of the mini-trees: full-sweep SAH, where an item weighs
  * the primitives that it has, or 1.
  *
- *   boxes, centroids and weights of the items (bn_items); sort along each axis (host: one sort,
- *   with the axis above the centroid)
- *   grow by one work-group, until nodes have few items                         (bn_top)
- *   grow each of these by a work-group                                        (bn_rest)
+ *   boxes, centroids and weights of the items                                       (bn_items)
+ *   sort along each axis: one sort, with the axis above the centroid
+ *   one work-group: grow, until nodes have few items                                  (bn_top)
+ *   a work-group for each of these: grow it                                          (bn_rest)
  *
  * Its nodes take the places of those above the items: with item m the first one on the right, the
  * children are nodes 2s - 1 and 2s, where s is that item's first reference. A leaf of the top tree

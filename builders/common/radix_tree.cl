@@ -8,17 +8,23 @@
  *
  * Apetrei 2014 (link_climb; one work-item per leaf):
  *   node = leaf i
- *   loop: write node at its place; publish its far end at the parent's split by an atomic exchange
- *         first to come: stop. second: node = parent = [l, r] with the union of both boxes
+ *   loop: write node at its place
+ *         publish its far end at the parent's split, by an atomic exchange
+ *         first to come: stop
+ *         second to come: node = parent = [l, r], with the union of both boxes
  *
  * The same, for CPUs (link_chunks; one work-item per chunk of leaves, in order):
- *   left children wait on a private stack; a right child whose sibling is on the stack joins it
- *   without an atomic; what has its sibling in another chunk goes the atomic way. Most of the tree
- *   is made in the chunk's own cache.
+ *   left child: waits on a private stack
+ *   right child whose sibling is on the stack: joins it, without an atomic
+ *   node whose sibling is in another chunk: goes the atomic way
+ * Most of the tree is made in the cache of the core that has the chunk.
  *
  * Karras 2012, sections 3 and 4 (link_ranges, link_boxes):
- *   for each inner node i: direction, range by exponential and binary search, split by binary
- *   search; link for each leaf: climb; the second to come joins the boxes of both children
+ *   for each inner node i:
+ *       direction
+ *       range, by exponential and binary search
+ *       split, by binary search; links of both children
+ *   for each leaf: climb; the second to come joins the boxes of both children
  *
  * -DBB_KEY_NODES: keys are nodes of a binary tree, any of which may be an ancestor of others: the
  * steps from the root (0 left, 1 right) from the top bit, then a 1, then zeros; sorted in preorder.
@@ -37,8 +43,10 @@
  *
  * Where a device has no fence for that (handover.clh), in launches by levels (link_ranges,
  * link_leaves, link_level):
- *   for each inner node: link; for each leaf: write it; the second child to come puts the parent on
- *   the list level by level: join the boxes of both children; the second to come ...
+ *   for each inner node: link it
+ *   for each leaf: write it; the second child to come puts the parent on the list
+ *   for each level, upwards: for each node on its list:
+ *       join the boxes of both children; the second child to come puts the parent on the next list
  *
  * No work-item waits for another. Limits: count <= 2^30, so that 2s + 2 stays below the leaf bit;
  * -DBB_KEY64 for ulong keys.

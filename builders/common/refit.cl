@@ -1,8 +1,9 @@
 /* Refit of a tree's boxes, bottom-up from the leaves (refit.h).
  *
- *   a subtree below a root of the cut (subtrees.h): its nodes in preorder; a leaf: union of its
- *   primitives' boxes; behind the last child of a node: union of its children's
- *   above: the last of a node's children to come joins all of them              (refit_subtrees)
+ *   each subtree below a root of the cut (subtrees.h): for each of its nodes, in preorder:
+ *       a leaf: union of its primitives' boxes
+ *       behind the last child of a node: union of its children's boxes
+ *   above the cut: the last of a node's children to come joins all of them      (refit_subtrees)
  * Where work-groups hand over by levels, all of it goes up by them    (refit_leaves, refit_level).
  *
  * Last to come goes on: Karras 2012, section 4; how the children's boxes reach it: handover.clh. No

@@ -3,8 +3,9 @@
  *   inner nodes get the number of inner nodes before them: marks, and a scan       (treelets_marks)
  *   a pair of each inner node                                                      (treelets_pairs)
  *   leaves below each pair, from the bottom up                                     (treelets_count)
- *   each round: pairs of so many leaves that have no such pairs below are level 1; on CPUs, the
- *   roots of subtrees below those                                                  (treelets_start)
+ *   each round:                                                                    (treelets_start)
+ *       level 1 = pairs of so many leaves that have no such pairs below
+ *       CPUs: the roots of the subtrees below those, each for one work-item
  *   once the tree is made of pairs: leaves of several references get theirs back  (treelets_leaves)
  *
  * Binary trees in which each inner node has two children; of the common tree in any order.

@@ -1,10 +1,13 @@
 /* H-PLOC for GPUs: hploc.cl says what it does, and gives the same pairs.
  *
- *   for each split of the radix tree: the range of its node; how many of its children hold more
- *   than T primitives; nodes that hold more, but no such children, are level 1      (hploc_ranges)
- *   for each level: one work-group per node puts the clusters of both children together, and lets
- *   at most T remain; the last child to come puts the parent on the next level's list
- *                                                                                    (hploc_level)
+ *   for each split of the radix tree:                                               (hploc_ranges)
+ *       the range of its node
+ *       how many of its children hold more than T primitives
+ *       if it holds more, and none of its children does: it is of level 1
+ *   for each level, for each node of it, by one work-group:                          (hploc_level)
+ *       put the clusters of both children together
+ *       let at most T remain
+ *       the last child to come puts the parent on the next level's list
  *
  * One launch per level, so that no fence between work-groups is needed. Clusters of node [l, r] are
  * at l, l + 1, ...; live[l] says how many.

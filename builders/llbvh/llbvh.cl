@@ -5,14 +5,16 @@
  * Loose Octrees), section 3.3:
  *
  *   for each primitive (llbvh_nodes):
- *       m = Morton code of its centroid (codes.cl), l = 3 * level by its size; m' = m with all but
- *       the first l bits set to 0 key = preorder index of node (m', l) in the complete binary tree
+ *       m = Morton code of its centroid (codes.cl)
+ *       l = 3 * level by its size
+ *       m' = m with all but the first l bits set to 0
+ *       key = preorder index of node (m', l) in the complete binary tree
  *   sort primitives by key
- *   for each chunk: count those that have another key than the one before, where leaves begin
- *   (llbvh_heads)
- *   scan; for each leaf: its node and where its primitives start
- *   (llbvh_leaves) link: builders/common/radix_tree.cl, which takes the place of the paper's
- *   algorithm 1
+ *   for each chunk: count the keys that differ from the one before: leaves begin there
+ *                                                                                (llbvh_heads)
+ *   scan the counts
+ *   for each leaf: its node, and where its primitives start                     (llbvh_leaves)
+ *   link: builders/common/radix_tree.cl, which takes the place of the paper's algorithm 1
  *
  * The preorder index. From the root each step left is 1 further, each step right past the left
  * subtree: at level d (of L') 1 + (2^(L' - d) - 1) = 2^(L' - d), that is twice the bit of m' that

@@ -6,13 +6,15 @@
  * begins at D(l) = (8^l - 1) / 7.
  *
  *   lobvh_keys     initialization: for each primitive, level l by equation 1 and the fit test, key
- *                  k = D(l) + morton(cell at l) (sort the primitives by key)
+ *                  k = D(l) + morton(cell at l)
+ *   sort the primitives by key
  *   lobvh_mark     pointer setup: where the key changes a node's primitives end: mark the node,
  *                  close its leaf
  *   lobvh_vacancy  per level, bottom-up: a node is vacant if it has no primitive and all its
  *                  children are vacant
  *   lobvh_sizes    compaction: for each node the children that stay, and a leaf if it has
- *                  primitives besides children (scan the sizes: where each node's children go)
+ *                  primitives besides children
+ *   scan the sizes: where each node's children go
  *   lobvh_leaves   for each node with primitives: its leaf, with box and next pointer
  *   lobvh_inner    per level, bottom-up: first-child pointer, next pointer, box of the children
  *

@@ -6,8 +6,9 @@
  *   loose_keys    for each primitive: level k = floor(log2(min over the axes of S / O)), clamped to
  *                 0 .. N (equation 3), plus `deeper`, at most N; on each axis cell i = floor(2^k
  *                 (mid - min) / S), at most 2^k - 1 (equation 4); key = in-order index of that node
- *                 (sort primitives by key)
- *   loose_heads   count runs of equal keys (scan)
+ *   sort primitives by key
+ *   loose_heads   count runs of equal keys
+ *   scan the counts
  *   loose_cells   each run is a cell: its start, what lies between it and the next
  *   loose_leaves  for each cell: a leaf with its primitives, their box
  *   loose_spans   the same for cells that several work-items share

@@ -4,10 +4,12 @@
  *   nodes with few nodes below, whose parent has many, are roots of parts         (parts_mark)
  *   part: how many inner nodes; the top's leaves are the parts                 (parts_measure)
  *   part: its inner nodes, level by level                                         (parts_list)
- *   part: leaves: union of their primitives' boxes; backwards through the list:
- *   union of the children's; then the same of the top                              (parts_fit)
- *   part that has become worse: split its leaves from the top down, by binned SAH; if that costs
- *   less: link the inner nodes accordingly, in the pairs of places that there are  (parts_rebuild)
+ *   each part, then the top:                                                       (parts_fit)
+ *       its leaves: union of their primitives' boxes
+ *       its inner nodes, backwards through the list: union of the children's boxes
+ *   each part that has become worse:                                           (parts_rebuild)
+ *       split its leaves from the top down, by binned SAH
+ *       if that costs less: link the inner nodes accordingly, in the pairs of places that there are
  *   depth of the tree                                                             (parts_depth)
  *
  * Limits: the top is one work-item's; it has as many leaves as there are parts.

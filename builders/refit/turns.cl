@@ -1,11 +1,12 @@
 /* Refit of a binary tree that also keeps its books: what the tree costs, and, if asked for, one
  * rotation per node on the way up (rotation.clh).
  *
- *   a subtree below a root of the cut (subtrees.h): leaf: union of its primitives' boxes; then the
- *   inner nodes from the lowest level up
- *   above: the last of two children to come                                    (turn_subtrees)
+ *   each subtree below a root of the cut (subtrees.h):                         (turn_subtrees)
+ *       each leaf: union of its primitives' boxes
+ *       each inner node, from the lowest level up: turn it
+ *   above the cut: the last of two children to come goes on with the parent
  *   roots of the next cut: a node's children are final once its parent has been turned; those of a
- *   node with many nodes below that have few themselves are put on the list          (put_roots)
+ *       node with many nodes below that have few themselves are put on the list      (put_roots)
  * Where work-groups hand over by levels, all of it goes up by them       (turn_leaves, turn_level).
  *
  * Rotations in the pass of a refit: Kopta, Ize, Spjut, Brunvand, Davis, Kensler 2012 (Fast,
