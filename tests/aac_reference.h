@@ -1,5 +1,5 @@
-/* AAC by slow recursion from its definition (Gu, He, Fatahalian, Blelloch 2013, section 3), over a
- * radix tree that is given: distances are made anew for every comparison, clusters are trees. */
+/* AAC (Gu, He, Fatahalian, Blelloch 2013) as builders/aac/aac.c defines it, by slow recursion over
+ * a radix tree that is given: distances are made anew for every comparison, clusters are trees. */
 #ifndef BB_TEST_AAC_REFERENCE_H
 #define BB_TEST_AAC_REFERENCE_H
 

@@ -1,6 +1,6 @@
-/* Bonsai by slow recursion from its definition (Ganestam, Barringer, Doggett, Akenine-Moller 2015),
- * over a radix tree of codes that is given: each split is tried by going through all that is on
- * either side, and every node sorts. */
+/* Bonsai (Ganestam, Barringer, Doggett, Akenine-Moller 2015) as builders/bonsai/bonsai.c defines
+ * it, by slow recursion over a radix tree of codes that is given: each split is tried by going
+ * through all that is on either side, and every node sorts. */
 #ifndef BB_TEST_BONSAI_REFERENCE_H
 #define BB_TEST_BONSAI_REFERENCE_H
 

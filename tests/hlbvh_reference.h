@@ -1,5 +1,5 @@
-/* HLBVH by slow recursion from its definition (Garanzha, Pantaleoni, McAllister 2011, sections 3
- * and 4), over a radix tree of 30-bit Morton codes that is given: each plane is tried by going
+/* HLBVH (Garanzha, Pantaleoni, McAllister 2011) as builders/hlbvh/hlbvh.c defines it, by slow
+ * recursion over a radix tree of 30-bit Morton codes that is given: each plane is tried by going
  * through all clusters. */
 #ifndef BB_TEST_HLBVH_REFERENCE_H
 #define BB_TEST_HLBVH_REFERENCE_H

@@ -1,5 +1,6 @@
-/* Splits by priority by a plain reading of the paper (Karras, Aila 2013, section 4), in doubles:
- * which plane, what a triangle's priority is, into which parts it goes. */
+/* Splits by priority (Karras, Aila 2013) by a plain reading of what builders/presplit/presplit.cl
+ * says of them, in doubles: which plane, what a triangle's priority is, into which parts it
+ * goes. */
 #ifndef BB_TEST_PRESPLIT_REFERENCE_H
 #define BB_TEST_PRESPLIT_REFERENCE_H
 

@@ -1,6 +1,6 @@
-/* Optimisers of treelets by slow recursion from their definition (Karras and Aila 2013, section 3;
- * Domingues and Pedrini 2015, section 3), over a binary tree that is given. How a treelet's leaves
- * become a tree is the caller's. */
+/* Optimisers of treelets (Karras and Aila 2013; Domingues and Pedrini 2015) as builders/trbvh and
+ * builders/atrbvh define them, by slow recursion over a binary tree that is given. How a treelet's
+ * leaves become a tree is the caller's. */
 #ifndef BB_TEST_TREELET_REFERENCE_H
 #define BB_TEST_TREELET_REFERENCE_H
 

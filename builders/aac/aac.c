@@ -1,16 +1,17 @@
 /* AAC: approximate agglomerative clustering, on the device, over any code.
  *
  * Gu, He, Fatahalian, Blelloch 2013, "Efficient BVH Construction via Approximate Agglomerative
- * Clustering". The steps: aac.cl and aac_combine.clh. variant=hq and fast are the paper's two
- * settings of delta and epsilon. Where this departs from the paper:
+ * Clustering". The paper's text was not at hand: made from its abstract, from what later papers and
+ * published code say of the method, and derived again. variant=hq and fast are delta and epsilon of
+ * AAC-HQ and AAC-Fast as published code has them. The steps: aac.cl and aac_combine.clh. Where this
+ * knowingly departs from the method:
  *
  * - No matrices of distances: distances are computed again from boxes in the first-level cache. So
  *   memory grows with f(n), not with its square; it is reserved before a build.
  * - Equal codes are told apart by their index, so that the recursion is at most 32 levels deeper
  *   than the code is long.
  * - Recursion is by subtrees of a given size, then upwards by levels of the radix tree.
- * - Neither large triangles split first nor subtrees flipped (sections 4.2 and 4.3): `presplit+aac`
- *   is the former.
+ * - Large triangles are not split first; `presplit+aac` does that.
  */
 #include "builders/aac/aac_goal.h"
 #include "builders/aac/aac_shared.h"
@@ -37,7 +38,7 @@ enum {
 
 static const bb_option options[] = {
     BB_CODE_OPTIONS("mc32"),
-    {"variant", "hq", "hq|fast", "the paper's AAC-HQ (delta 20, epsilon 0.1) or AAC-Fast (4, 0.2)"},
+    {"variant", "hq", "hq|fast", "AAC-HQ (delta 20, epsilon 0.1) or AAC-Fast (4, 0.2)"},
     {"delta", NULL, NULL, "nodes of fewer primitives are combined at once, 2 to 256"},
     {"epsilon", NULL, NULL,
      "a node of k primitives keeps about k^(0.5 - epsilon) clusters, 0 to 0.5"},
@@ -357,7 +358,7 @@ const bb_builder bb_builder_aac = {
     .abi_version = BB_ABI_VERSION,
     .name = "aac",
     .summary = "agglomerative: nearest clusters first, within the nodes of a radix tree",
-    .paper = "Gu, He, Fatahalian, Blelloch 2013, section 3",
+    .paper = "Gu, He, Fatahalian, Blelloch 2013",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_PROFILE,
     .place = BB_ON_DEVICE,

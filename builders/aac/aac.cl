@@ -1,6 +1,6 @@
 /* AAC, approximate agglomerative clustering: Gu, He, Fatahalian, Blelloch 2013.
  *
- * build(keys l .. r of a node of the radix tree):                            (section 3, BuildTree)
+ * build(keys l .. r of a node of the radix tree):
  *   fewer than delta: a cluster each, combined to f(delta)
  *   else: build both children, put their clusters together, combine to f(r - l + 1)
  * at the root: combine to 1

@@ -1,4 +1,4 @@
-/* How many clusters AAC leaves of a node: Gu et al. 2013, section 3. */
+/* How many clusters AAC leaves of a node: Gu et al. 2013 (see aac.c). */
 #ifndef BB_AAC_GOAL_H
 #define BB_AAC_GOAL_H
 

@@ -5,8 +5,9 @@
  *   less
  *
  * Domingues and Pedrini 2015, "Bounding Volume Hierarchy Optimization through Agglomerative Treelet
- * Restructuring", section 3. The merging: atrbvh.cl; rounds and levels:
- * builders/common/treelets.h. Leaves stay as they are.
+ * Restructuring". The paper's text was not at hand: made from its abstract and the authors' code,
+ * and derived again. Where it knowingly departs from that: README.md. The merging: atrbvh.cl;
+ * rounds and levels: builders/common/treelets.h. Leaves stay as they are.
  */
 #include "builders/common/treelets.h"
 
@@ -32,7 +33,7 @@ const bb_builder bb_builder_atrbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "atrbvh",
     .summary = "optimiser: rebuilds small treelets of a binary tree by merging nearest leaves",
-    .paper = "Domingues, Pedrini 2015, section 3",
+    .paper = "Domingues, Pedrini 2015",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_TREE,
     .place = BB_ON_DEVICE,

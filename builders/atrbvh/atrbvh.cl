@@ -1,6 +1,6 @@
 /* ATRBVH: a treelet's leaves are merged greedily, always those two first whose union has the
  * smallest area (Domingues and Pedrini 2015, "Bounding Volume Hierarchy Optimization through
- * Agglomerative Treelet Restructuring", section 3):
+ * Agglomerative Treelet Restructuring"; see atrbvh.c):
  *
  *   distance(i, j) of places i > j = area of their union
  *   until one is left:

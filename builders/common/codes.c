@@ -250,8 +250,7 @@ static uint64_t places_of(const bb_code_pattern *layout, uint32_t lane)
 }
 
 /* The moves that bring the lane's bits there: bit j, counted from the lowest, travels up to its
- * place in steps of 32, 16 ... 1 ("expand" by parallel moves; Warren, Hacker's Delight, section
- * 7-5). */
+ * place in steps of 32, 16 ... 1 ("expand" by parallel moves; Warren, Hacker's Delight). */
 static void plan_moves(bb_code_pattern *layout, uint32_t lane)
 {
     bb_code_plan *plan = &layout->plan;

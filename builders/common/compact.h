@@ -1,6 +1,6 @@
 /* Compaction on the device: moves the values to be kept to the front, in order; for example nodes
  * that are not empty, or clusters that have not been merged. A scan of the marks says where each
- * value goes (Blelloch 1990, "Prefix Sums and Their Applications", section 1.5.1).
+ * value goes (Blelloch 1990, "Prefix Sums and Their Applications").
  */
 #ifndef BB_COMPACT_H
 #define BB_COMPACT_H

@@ -19,7 +19,7 @@
  *   node whose sibling is in another chunk: goes the atomic way
  * Most of the tree is made in the cache of the core that has the chunk.
  *
- * Karras 2012, sections 3 and 4 (link_ranges, link_boxes):
+ * Karras 2012 (link_ranges, link_boxes):
  *   for each inner node i:
  *       direction
  *       range, by exponential and binary search

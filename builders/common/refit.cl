@@ -6,7 +6,7 @@
  *   above the cut: the last of a node's children to come joins all of them      (refit_subtrees)
  * Where work-groups hand over by levels, all of it goes up by them    (refit_leaves, refit_level).
  *
- * Last to come goes on: Karras 2012, section 4; how the children's boxes reach it: handover.clh. No
+ * Last to come goes on: Karras 2012; how the children's boxes reach it: handover.clh. No
  * work-item waits for another. Limits: a node's children are joined by one work-item.
  */
 #include "bb_device.h"

@@ -4,7 +4,7 @@
  *   nodes below each node, up: the last of its children to come adds them up   (subtrees_sizes)
  *   roots = nodes with few below, whose parents have many                       (subtrees_mark)
  *
- * Last to come goes on: Karras 2012, section 4; how what the others wrote reaches it: handover.clh.
+ * Last to come goes on: Karras 2012; how what the others wrote reaches it: handover.clh.
  */
 #include "bb_device.h"
 #include "handover.clh"

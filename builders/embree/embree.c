@@ -448,8 +448,7 @@ const bb_builder bb_builder_embree = {
     .abi_version = BB_ABI_VERSION,
     .name = "embree",
     .summary = "Embree's builders (rtcBuildBVH): Morton, binned SAH, SAH with spatial splits",
-    .paper =
-        "Wald et al., Embree: A Kernel Framework for Efficient CPU Ray Tracing, 2014, section 5",
+    .paper = "Wald et al., Embree: A Kernel Framework for Efficient CPU Ray Tracing, 2014",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY,
     .place = BB_ON_HOST,

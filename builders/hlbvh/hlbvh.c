@@ -1,13 +1,15 @@
 /* HLBVH: a binned SAH tree over clusters, which are runs of primitives whose codes begin alike; an
  * LBVH inside of each. On the device, over any code.
  *
- * Garanzha, Pantaleoni, McAllister 2011, "Simpler and Faster HLBVH with Work Queues". The steps:
- * hlbvh.cl and hlbvh_top.cl. Where this departs from the paper:
+ * Garanzha, Pantaleoni, McAllister 2011, "Simpler and Faster HLBVH with Work Queues". The paper's
+ * text was not at hand: made from what later papers and published code say of the method, and
+ * derived again. The steps: hlbvh.cl and hlbvh_top.cl. Where this knowingly departs from it, and
+ * what was added:
  *
  * - Clusters go into bins by the centroids of their boxes within those of the task, not by the grid
  *   that the code stands for: with sizes or uneven axes in it, a code has no such grid.
- * - 15 bits for all scenes, as in the paper, make anything from 400 to 10,000 clusters: a top tree
- *   that takes little time beside the rest where primitives are many. That is the default.
+ * - 15 bits for all scenes, as in published code, make anything from 400 to 10,000 clusters: a top
+ *   tree that takes little time beside the rest where primitives are many. That is the default.
  *   top-bits=auto takes as many as leave `each` primitives to a cluster: it counts in which bit
  *   neighbours in the sorted order differ; a larger top tree, a better tree, a slower build.
  * - A task of fewer clusters than bins has as many bins as clusters.
@@ -334,7 +336,7 @@ const bb_builder bb_builder_hlbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "hlbvh",
     .summary = "binned SAH over clusters of equal top bits, an LBVH in each",
-    .paper = "Garanzha, Pantaleoni, McAllister 2011, sections 3-4",
+    .paper = "Garanzha, Pantaleoni, McAllister 2011",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_PROFILE,
     .place = BB_ON_DEVICE,

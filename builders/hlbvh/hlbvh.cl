@@ -1,5 +1,5 @@
 /* Clusters of HLBVH: runs of sorted keys whose top m bits are equal (Garanzha, Pantaleoni,
- * McAllister 2011, section 3).
+ * McAllister 2011; see hlbvh.c).
  *
  *   for each pair of neighbours: in which bit do they differ first?               (hl_levels)
  *   host: choose m from how many pairs differ first in each bit

@@ -1,5 +1,5 @@
-/* The top tree of HLBVH, over clusters, by binned SAH: Garanzha, Pantaleoni, McAllister 2011,
- * section 4 (Simpler and faster HLBVH with work queues).
+/* The top tree of HLBVH, over clusters, by binned SAH: Garanzha, Pantaleoni, McAllister 2011
+ * ("Simpler and Faster HLBVH with Work Queues"; see hlbvh.c).
  *
  * A task is a range of clusters with the node that they go below. Large ones are split by many
  * work-items, all of one level at once, from one list of clusters to the other:

@@ -2,8 +2,13 @@
  * the device.
  *
  * Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024, "H-PLOC: Hierarchical Parallel
- * Locally-Ordered Clustering for Bounding Volume Hierarchy Construction". Steps: hploc.cl; the
- * merge step, which PLOC shares: builders/common/ploc_cluster.clh.
+ * Locally-Ordered Clustering for Bounding Volume Hierarchy Construction". The paper's text was not
+ * at hand: made from its abstract and published code, whose radius of 8 and window of 32 are the
+ * defaults, and derived again. Steps: hploc.cl; the merge step, which PLOC shares:
+ * builders/common/ploc_cluster.clh.
+ *
+ * What was added: PLOC's rules for ties and against chains (builders/ploc/ploc.c), and hand-over by
+ * launches instead of fences, so that nothing depends on how work-groups are run.
  */
 #include "builders/common/ploc.h"
 #include "framework/device/levels.h"

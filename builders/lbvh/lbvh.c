@@ -16,7 +16,7 @@ const bb_builder bb_builder_lbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "lbvh",
     .summary = "binary radix tree over Morton codes",
-    .paper = "Karras 2012, sections 3-4; Apetrei 2014; Lauterbach et al. 2009",
+    .paper = "Karras 2012; Apetrei 2014; Lauterbach et al. 2009",
     .options = options,
     .compared = "lbvh,lbvh:bits=63",
     .moving = "lbvh",

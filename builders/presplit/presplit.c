@@ -5,8 +5,12 @@
  *   esc        the largest boxes are halved first, on the host (presplit_esc.c): Ernst, Greiner
  *              2007
  *
- * `beta` chooses the first, any other option leaves it at the second. On devices with memory of
- * their own `esc` reads the scene back, within its time.
+ * `method` chooses. If it is `auto`, `beta` means `priority`, and without it `esc` is taken.
+ * `saves` is an option of both, and our addition; `beta` is one of `priority` alone, `budget` and
+ * `above` of `esc`. On devices with memory of their own `esc` reads the scene back, within its
+ * time.
+ *
+ * The papers' texts were not at hand: `priority` was made from published code, and derived again.
  */
 #include "builders/presplit/presplit_esc.h"
 #include "builders/presplit/presplit_priority.h"
@@ -149,7 +153,7 @@ const bb_builder bb_builder_presplit = {
     .abi_version = BB_ABI_VERSION,
     .name = "presplit",
     .summary = "splitter: splits large boxes and clips the parts to their primitives",
-    .paper = "Karras, Aila 2013, section 4 (priority); Ernst, Greiner 2007 (esc)",
+    .paper = "Karras, Aila 2013 (priority); Ernst, Greiner 2007 (esc)",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY,
     .place = BB_ON_DEVICE,

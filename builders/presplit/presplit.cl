@@ -1,5 +1,5 @@
 /* Splits by priority (Karras, Aila 2013, "Fast Parallel Construction of High-Quality Bounding
- * Volume Hierarchies", section 4).
+ * Volume Hierarchies"; see presplit.c).
  *
  *   for each triangle: p = (2^-level (its box's area - ideal boxes' area))^(1/3)   (ps_priorities)
  *   for some D: sum of min(floor(D p), PS_MOST), by chunks; host: the largest D within beta n
@@ -17,9 +17,9 @@
  * are written one behind the other; those that have yet to be split wait in their places, so there
  * is no stack.
  *
- * `keeps` is of our own: a triangle whose first split does not save the share 1 - keeps of the
- * box's area has no priority. The paper's rule spends most on walls, whose halves are flat and as
- * full as the whole, and makes trees of more nodes about nothing.
+ * `keeps` is our addition: a triangle whose first split does not save the share 1 - keeps of the
+ * box's area has no priority. Without it most splits are spent on walls, whose halves are flat and
+ * as full as the whole: more nodes for nothing.
  *
  * Only triangles are split: no other kind fits its halves better than a box.
  */

@@ -5,13 +5,14 @@
  *       halve it along its longest side, and shrink each half to the primitive's part in it,
  *       if the halves are smaller together by the share that `saves` asks for
  *
- * Ernst, Greiner 2007 (Early Split Clipping for Bounding Volume Hierarchies), whose recursion by a
- * threshold is a heap here, so that the room goes to the largest boxes first, and a budget holds
- * whatever the threshold. Size is the surface area, as theirs. Triangles are clipped, spheres stay
- * whole, and of any other kind the halves of the box hold all there is.
+ * Ernst, Greiner 2007 (Early Split Clipping for Bounding Volume Hierarchies). Where this knowingly
+ * departs from it: not a recursion down to a threshold but a heap, so that the room goes to the
+ * largest boxes first, and a budget holds whatever the threshold. Size is the surface area.
+ * Triangles are clipped, spheres stay whole, and of any other kind the halves of the box hold all
+ * there is.
  *
- * `saves` is of our own: half of a wall's box is as full as the whole, so halving it makes the tree
- * larger and no better, while the boxes of a long triangle that lies askew shrink to half.
+ * `saves` is our addition: half of a wall's box is as full as the whole, so halving it makes the
+ * tree larger and no better, while the boxes of a long triangle that lies askew shrink to half.
  *
  * Limits: one thread. A tie goes to the reference of the least number, so the result depends on the
  * scene alone.

@@ -1,7 +1,8 @@
 /* Splits by priority: grid, search for D, launches. The method: presplit.cl.
  *
  * D is looked for among 1, 4, 16 ... 4^15, then thrice in sixteenths of what lies between the last
- * that keeps to the budget and the next one (0 and 1, if 1 does not); the paper halves six times.
+ * that keeps to the budget and the next one (0 and 1, if 1 does not); published code halves an
+ * interval six times.
  */
 #include "builders/presplit/presplit_priority.h"
 #include "builders/common/scene_unit.h"

@@ -8,7 +8,7 @@
  *   sah:F    the tree's SAH is more than F times what it was when it was built: never, if that was
  *            the worst, with all at one place
  *   ratio:F  the mean over all inner nodes of area / (area of both children) has risen by more than
- *            F: Lauterbach, Yoon, Tuft, Manocha 2006 (RT-DEFORM), section 3.2, who take 0.4
+ *            F: Lauterbach, Yoon, Tuft, Manocha 2006 (RT-DEFORM)
  *   every:N  with each N-th update
  *
  * What a trigger needs is summed up in the pass of the refit. With partial=F parts of the tree that

@@ -10,7 +10,7 @@
  * Where work-groups hand over by levels, all of it goes up by them       (turn_leaves, turn_level).
  *
  * Rotations in the pass of a refit: Kopta, Ize, Spjut, Brunvand, Davis, Kensler 2012 (Fast,
- * Effective BVH Updates for Animated Scenes), section 3. The order of the list of roots is that of
+ * Effective BVH Updates for Animated Scenes). The order of the list of roots is that of
  * the work-groups; nothing but the order of work depends on it.
  */
 #include "bb_device.h"

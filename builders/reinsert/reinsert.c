@@ -9,11 +9,19 @@
  *       if the tree has become worse: the pass is taken back
  *   nodes of the families                                                   (reinsert_families.cl)
  *
- * Meister and Bittner 2018 (Parallel Reinsertion for Bounding Volume Hierarchy Optimization): whose
- * every n-th node is a part here. The largest subtrees alone have most of what is to be gained, as
+ * Meister and Bittner 2018 (Parallel Reinsertion for Bounding Volume Hierarchy Optimization), after
  * Bittner, Hapala and Havran 2013 (Fast Insertion-Based Optimization of Bounding Volume
- * Hierarchies) pick them; the cost is the sum of all inner nodes' areas: leaves stay as they are,
+ * Hierarchies). The papers' texts were not at hand: made from their abstracts and the authors'
+ * code, and derived again. The cost is the sum of all inner nodes' areas: leaves stay as they are,
  * whatever they reference, and so does what they cost.
+ *
+ * Where this knowingly departs from that code, and what was added:
+ *
+ * - Their "every n-th node" is one part here.
+ * - With `share` only the largest subtrees are considered: they have most of what can be gained.
+ * - A search looks at `visits` nodes at most.
+ * - Moves are chosen in several rounds (reinsert_moves.cl), and rings of moves are impossible
+ *   (reinsert_search.cl).
  *
  * Bounded: passes, parts and rounds are counted, a search looks at `visits` nodes at most, and
  * nothing recurses. Depth is not: boxes around each other cost least as a chain, and become one.
@@ -205,7 +213,7 @@ const bb_builder bb_builder_reinsert = {
     .abi_version = BB_ABI_VERSION,
     .name = "reinsert",
     .summary = "optimiser: moves subtrees of a binary tree to where they cost least, on the device",
-    .paper = "Meister, Bittner 2018 (parallel reinsertion), section 3",
+    .paper = "Meister, Bittner 2018 (parallel reinsertion)",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_TREE,
     .place = BB_ON_DEVICE,

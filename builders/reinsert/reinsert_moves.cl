@@ -3,7 +3,7 @@
  *   a move from place (p, side) to place (o, side'), with g the family above p's node, rewrites
  *   places of p, g and o, and no others: it needs these three families for itself
  *   rounds: of the moves that are still open
- *       whoever needs a family that is taken is out of it                       (moves_clear)
+ *       a move that needs a family already taken is dropped                     (moves_clear)
  *       each bids its gain for its families                                       (moves_bid)
  *       of those with the largest bid the least place holds a family              (moves_tie)
  *       who holds all three is made, and takes them                            (moves_settle)
@@ -12,10 +12,11 @@
  *   boxes: families that moves have rewritten, and all above them; each is joined by the last one
  *       below it to come                                             (moves_arrive, moves_refit)
  *
- * Meister and Bittner 2018, section 3, who lock six nodes by one atomic of 64 bits; two of 32 bits
- * give the same in OpenCL 1.2, and the three parents stand for the six. Further rounds are of our
- * own: they find more moves for the same search. Only integers are compared, and a claim is won by
- * the same move in whatever order they come.
+ * Meister and Bittner 2018, whose code locks six nodes, for the larger gain and, where gains are
+ * equal, by the node. Here three families stand for the six, and gain and place take an atomic of
+ * 32 bits each, since OpenCL 1.2 has none of 64. Further rounds are our addition: they find more
+ * moves for the same search. Only integers are compared, and a claim is won by the same move in
+ * whatever order they come.
  *
  * No ring: follow the moved tree upwards from a node. A step goes to what was above before, or with
  * a moved x to the parent of what it was put beside: which is above x, too, or was larger than x in

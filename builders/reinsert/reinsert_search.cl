@@ -1,4 +1,4 @@
-/* Where each subtree would better be: the search of reinsertion.
+/* Finds the best new position for each subtree: the search of reinsertion.
  *
  *   some subtrees' areas, evenly spaced: the host takes a threshold from them  (search_sample)
  *   the subtrees above it: the larger a subtree, the more there is to gain       (search_mark)
@@ -14,10 +14,10 @@
  *       go on below the child that grows less, the other one waits; no gain below a child can be
  *       larger than saved - grown - A(x)
  *
- * Meister and Bittner 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization",
- * section 3: the tree is not changed. Our own: x never goes below a child that is not larger than
- * itself (beside that child is as good), which is also what makes rings of moves impossible
- * (reinsert_moves.cl). Ties go to what is met first, in the order of sides.
+ * Meister and Bittner 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization" (see
+ * reinsert.c): the tree is not changed. Our addition: x is never moved below a child that is not
+ * larger than itself (beside that child is as good), which is also what makes rings of moves
+ * impossible (reinsert_moves.cl). Ties go to what is met first, in the order of sides.
  *
  * Limits: a search ends when it has looked at BB_SEARCH_MOST families, with the best place until
  * then; and of children that wait at most BB_SEARCH_WAITING are remembered, the rest is left out.

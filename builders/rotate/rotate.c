@@ -5,7 +5,8 @@
  *           of the exchanges of a with a child of b, of b with a child of a, and of a child of
  *           a with one of b: take the one that shrinks the boxes of a and b most, if one does
  *
- * Kensler 2008 (Tree Rotations for Improving Bounding Volume Hierarchies), hill climbing. A
+ * Kensler 2008 (Tree Rotations for Improving Bounding Volume Hierarchies), hill climbing. The
+ * paper's text was not at hand: made from what others say of the method, and derived again. A
  * rotation changes no box but those of a and b, which stay inside of n's; so nodes may come in any
  * order, and the cost never rises: what follows the boxes' areas alone. Leaves stay as they are,
  * whatever they reference. Takes nodes of one child, which it leaves, but no wider ones than two.

@@ -1,5 +1,5 @@
-/* Binned SAH (Wald: On fast construction of SAH-based bounding volume hierarchies, RT 2007,
- * section 3): on each axis, the centroids are counted into K bins of equal width over the
+/* Binned SAH (Wald: On fast construction of SAH-based bounding volume hierarchies, RT 2007):
+ * on each axis, the centroids are counted into K bins of equal width over the
  * centroids' extent; the K - 1 planes between bins are the candidates.
  *
  *   for each primitive: bin k = K (c - low) / extent; count[k]++; box[k] grows

@@ -2,19 +2,20 @@
  *
  *   take a node off the stack: its references are the last ones of the list
  *   if it has one, or at most `leaf` and no split is cheaper than a leaf: it is a leaf
- *   the best split by objects (sbvh_object.c)
- *   if the boxes of its sides overlap by more than alpha of the root's area: the best split of
- *   space (sbvh_spatial.c), which is taken if it is cheaper
+ *   else the best object split (sbvh_object.c)
+ *   if the boxes of its sides overlap by more than alpha of the root's area: the best spatial split
+ *       (sbvh_spatial.c), which is taken if it is cheaper
  *   references of the right side stay where they were, those of the left one behind them; push both
  *
- * Stich, Friedrich, Dietrich 2009, "Spatial Splits in Bounding Volume Hierarchies". Where this
- * departs from it:
+ * Stich, Friedrich, Dietrich 2009, "Spatial Splits in Bounding Volume Hierarchies". The paper's
+ * text was not at hand: made from published code, and derived again. Where this knowingly departs
+ * from that, and what was added:
  *
- * - Objects are binned, not swept; the paper has both, with about the same trees.
+ * - Object splits are binned, not swept.
  * - References are at most `budget` times as many as primitives, so that memory is known before.
- *   Each node has its part of what may be added: by the number of its references of its
- *   parent's, and what the nodes before it left over. Else the first nodes would take it all.
- * - Splits of space end at a depth of SPATIAL_DEPTH.
+ *   Each node has its part of what may be added: in proportion to its share of its parent's
+ *   references, and what the nodes before it left over. Else the first nodes would take it all.
+ * - Spatial splits end at a depth of SPATIAL_DEPTH, which is that of published code.
  *
  * A node never has two references of one primitive, since the two parts go to different sides. If
  * nothing separates the centroids, the references are halved by their order. Nothing recurses.
@@ -275,7 +276,7 @@ const bb_builder bb_builder_sbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "sbvh",
     .summary = "top-down by SAH with spatial splits, on the host",
-    .paper = "Stich, Friedrich, Dietrich 2009, section 4",
+    .paper = "Stich, Friedrich, Dietrich 2009",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_GEOMETRY,
     .place = BB_ON_HOST,

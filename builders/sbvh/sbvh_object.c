@@ -1,4 +1,4 @@
-/* Splits by objects: binned SAH (Wald 2007, section 3) over the references' centroids.
+/* Object splits: binned SAH (Wald 2007) over the references' centroids.
  *
  *   for each reference, on each axis: bin k = K (c - low) / extent; count[k]++; box[k] grows
  *   from the right: boxes and counts of the bins k ... K - 1

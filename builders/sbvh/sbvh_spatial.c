@@ -1,4 +1,4 @@
-/* Splits of space: binned references (Stich, Friedrich, Dietrich 2009, sections 4.1 to 4.3).
+/* Spatial splits: binned references (Stich, Friedrich, Dietrich 2009; see sbvh.c).
  *
  *   K slabs of equal width cut the node's box; each reference is cut into those that it reaches:
  *       box[k] grows by its part there; enter[first slab]++, leave[last slab]++

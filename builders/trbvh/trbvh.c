@@ -4,9 +4,10 @@
  *   rounds times, gamma doubling: each node of at least gamma leaves, children first: the treelet
  *   below it is replaced by the binary tree of the least area over the same leaves, if that is less
  *
- * Karras and Aila 2013, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies",
- * section 3. The table of subsets: trbvh.cl; rounds and levels: builders/common/treelets.h. Leaves
- * stay as they are: none is made of several, which the paper does in the same table.
+ * Karras and Aila 2013, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies".
+ * The paper's text was not at hand: made from its abstract and from what the code of ATRBVH's
+ * authors says of the method, and derived again. Where it knowingly departs from it: README.md. The
+ * table of subsets: trbvh.cl; rounds and levels: builders/common/treelets.h.
  */
 #include "builders/common/treelets.h"
 
@@ -32,7 +33,7 @@ const bb_builder bb_builder_trbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "trbvh",
     .summary = "optimiser: makes each small treelet of a binary tree the best there is",
-    .paper = "Karras, Aila 2013, section 3",
+    .paper = "Karras, Aila 2013",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_TREE,
     .place = BB_ON_DEVICE,

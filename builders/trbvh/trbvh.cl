@@ -1,5 +1,5 @@
 /* TRBVH: of all binary trees over a treelet's leaves the one of the least cost (Karras and Aila
- * 2013, section 3.2), by a table of what each subset of the leaves costs at least:
+ * 2013; see trbvh.c), by a table of what each subset of the leaves costs at least:
  *
  *   cost(one leaf) = 0
  *   below(s) = min over p, q of s, both not empty: cost(p) + cost(q)
