@@ -21,7 +21,7 @@ typedef struct bn_leaves {
 bb_status bn_top_create(bb_device *device, bb_account *account, bool by_prims, bn_top **out);
 void bn_top_destroy(bn_top *top); /* NULL is allowed */
 
-/* Scratch for up to `items` items: 184 bytes each. */
+/* Scratch for up to `items` items; grows with their number. */
 bb_status bn_top_reserve(bn_top *top, uint32_t items);
 
 /* Writes the nodes above the items, their roots included, into the tree, whose other nodes are

@@ -22,7 +22,8 @@ bb_status hl_top_create(bb_device *device, bb_account *account, uint32_t bins, b
                         hl_top **out);
 void hl_top_destroy(hl_top *top); /* NULL is allowed */
 
-/* Scratch for up to `clusters` clusters: 64 to 200 bytes each, depending on the device's form. */
+/* Scratch for up to `clusters` clusters. Per cluster that is little more than an hl_item, and on
+ * GPUs the bins of a chunk for every so many clusters. */
 bb_status hl_top_reserve(hl_top *top, uint32_t clusters);
 
 /* Writes the nodes above the clusters, their roots included, into the tree, which holds the radix
