@@ -7,13 +7,13 @@
  *         each ray that is at a block of a leaf: test it; go on to the leaf's next one, or pop
  *         a ray whose stack is empty: write what it has found; take the next ray of the batch
  *
- * One ray after the other, as in stack_wide.cl, a CPU waits: for the node, and, more often, for the
- * outcome of a branch that it has guessed wrong (how many children are met, node or leaf, hit or
- * not). Here the rays of a turn do not depend on each other, what they read next is asked for a
- * turn ahead, and steps have no branches: children are sorted by a network, the stack takes a whole
- * vector, of which what was not met lies above its top, and rays go on the list of those at nodes
- * or at leaves by counting up one or the other. What remains are a guess per turn, one per ray, and
- * one where a hit makes entries of the stack obsolete.
+ * With one ray after the other, as in stack_wide.cl, a CPU stalls: for the node, and, more often,
+ * on mispredicted branches (how many children are met, node or leaf, hit or not). Here the rays of
+ * a turn do not depend on each other, what they read next is asked for a turn ahead, and steps have
+ * no branches: children are sorted by a network, the stack takes a whole vector, of which what was
+ * not met lies above its top, and rays go on the list of those at nodes or at leaves by counting up
+ * one or the other. What remains is a branch to predict per turn, one per ray, and one where a hit
+ * makes entries of the stack obsolete.
  *
  * Kocberber, Falsafi, Grot 2015, "Asynchronous Memory Access Chaining" (VLDB 9), whose searches in
  * hash tables and trees are these rays; Batcher 1968, "Sorting Networks and their Applications"

@@ -61,8 +61,8 @@ static void trees_are_covered_and_within_the_budget(void **state)
     }
 }
 
-/* What forbids splits of space gives the tree of objects, whichever way; splits lower the cost of
- * what lies askew. */
+/* What forbids spatial splits gives the tree of object splits, whichever way; they lower the cost
+ * of what lies askew. */
 static void splits_pay_where_boxes_are_empty(void **state)
 {
     (void)state;
@@ -140,7 +140,7 @@ static uint32_t *depths_of(const bb_tree *tree)
     return depths;
 }
 
-/* Below the depth at which splits of space end, no primitive is in two leaves of one node. Heaps of
+/* Below the depth at which spatial splits end, no primitive is in two leaves of one node. Heaps of
  * slivers, each 16 times as large as the one before, make a deep tree with work at its end. */
 static void splits_of_space_end_somewhere(void **state)
 {
@@ -180,7 +180,7 @@ static void splits_of_space_end_somewhere(void **state)
 }
 
 /* The sides of a node overlap by no more than its own area: below nodes of less than alpha of the
- * root's no primitive is in two leaves, if splits by objects are found everywhere. */
+ * root's no primitive is in two leaves, if object splits are found everywhere. */
 static void alpha_is_a_share_of_the_roots_area(void **state)
 {
     (void)state;

@@ -5,8 +5,8 @@
  *   else: build both children, put their clusters together, combine to f(r - l + 1)
  * at the root: combine to 1
  *
- * The clusters of a node over keys l .. r lie from place l on; what a node has is put behind what
- * its left sibling has, in place. In launches:
+ * The clusters of a node over keys l .. r lie from place l on; a right child's clusters are moved
+ * up behind its left sibling's, in place. In launches:
  *   from the root down, level by level: split nodes of more than `large` keys           (aac_split)
  *   their other children, by a work-group each, in one pass over their keys           (aac_subtree)
  *   the large nodes, from the last level up                                             (aac_join)

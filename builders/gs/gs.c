@@ -33,11 +33,11 @@
 
 static const bb_option options[] = {
     {"order", "rounds", "rounds|shuffled|file",
-     "of insertion: random rounds, each in the order of the file; shuffled; as in the file"},
+     "order of insertion: random rounds, each in the file's order; shuffled; as in the file"},
     {"arity", "k", "k|2", "any number of children, or two"},
     {"max_children", "16", NULL, "arity=k: most children of a node, 3 or more; 0: any number"},
     {"search", "greedy", "greedy|bb",
-     "for the place of an object: one path, or the whole tree by branch and bound"},
+     "how an object's place is found: along one path, or in the whole tree by branch and bound"},
     {"update", "dynamic", "dynamic|rebuild", "insert again what moved, or build again"},
     {"start", "enclosing", "enclosing|root",
      "where what moved is inserted from: the first ancestor whose box contains it, or the root"},

@@ -42,9 +42,10 @@ enum {
 static const bb_option options[] = {
     BB_CODE_OPTIONS("mc32"),
     {"top-bits", "15", NULL,
-     "clusters have equal codes in so many top bits: 0 to 64, all; auto: see each"},
+     "primitives whose codes agree in this many top bits form a cluster: 0 to 64, or all; "
+     "auto: see `each`"},
     {"each", NULL, NULL,
-     "top-bits=auto: primitives per cluster, on average at least, 1 to 1000000; without it: 8"},
+     "top-bits=auto: fewest primitives per cluster on average, 1 to 1000000; default: 8"},
     {"bins", "32", NULL, "bins per axis of the top tree, 2 to 64"},
     {"weight", "clusters", "clusters|prims", "what the cost of the top tree counts"},
     BB_UPDATE_OPTION,

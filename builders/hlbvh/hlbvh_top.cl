@@ -1,7 +1,7 @@
 /* The top tree of HLBVH, over clusters, by binned SAH: Garanzha, Pantaleoni, McAllister 2011
  * ("Simpler and Faster HLBVH with Work Queues"; see hlbvh.c).
  *
- * A task is a range of clusters with the node that they go below. Large ones are split by many
+ * A task is a range of clusters with the node that will be their root. Large ones are split by many
  * work-items, all of one level at once, from one list of clusters to the other:
  *   each chunk: bins                                                                  (hl_bin)
  *   each task: adds its chunks' bins up; finds the split; where each chunk's items go (hl_divide)

@@ -32,8 +32,8 @@ enum {
 
 static const bb_option options[] = {
     BB_CODE_OPTIONS("mc64"),
-    {"radius", "8", NULL, "places on either side that a cluster looks at, 1 to 127"},
-    {"window", "32", NULL, "most clusters at a node, 4 to 256 and even; half of them are left"},
+    {"radius", "8", NULL, "clusters on either side that a cluster is compared with, 1 to 127"},
+    {"window", "32", NULL, "most clusters at a node, 4 to 256 and even; it hands half of them up"},
     {.name = NULL},
 };
 

@@ -53,7 +53,7 @@ static const bb_option options[] = {
     {"levels", "auto", "auto|1|2|3|4|5|6|7|8|9|10",
      "N: the deepest cells are 2^N per axis; auto: by the number of primitives"},
     {"deeper", "1", NULL,
-     "levels that primitives lie deeper than cells as large as they are, 0 to 10; 0: the paper's"},
+     "levels by which primitives lie below the cells of their size, 0 to 10; 0: as in the paper"},
     {"root", "cube", "cube|box", "root cell: a cube as long as the scene, or the scene's box"},
     {.name = NULL},
 };

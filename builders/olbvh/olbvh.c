@@ -40,7 +40,7 @@ enum {
 
 static const bb_option options[] = {
     {"alpha", "0", NULL, "how much coarser cells are than primitives, in levels, 0 to 10"},
-    {"bits", "auto", NULL, "of cells along an axis, 0 to 10; auto: by the primitives' sizes"},
+    {"bits", "auto", NULL, "2^bits cells along an axis, 0 to 10; auto: by the primitives' sizes"},
     {.name = NULL},
 };
 

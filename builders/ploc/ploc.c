@@ -37,7 +37,7 @@ enum {
 
 static const bb_option options[] = {
     BB_CODE_OPTIONS("mc64"),
-    {"radius", "8", NULL, "places on either side that a cluster looks at, 1 to 127"},
+    {"radius", "8", NULL, "clusters on either side that a cluster is compared with, 1 to 127"},
     {.name = NULL},
 };
 

@@ -26,12 +26,13 @@
 static const bb_option options[] = {
     {"rotate", "no", "no|yes", "rotate each node at most once in an update, where that helps"},
     {"pause", "0", NULL,
-     "updates without rotations between those with, 0 to 1000: layouts follow them in place"},
+     "updates without rotations after each one with them, 0 to 1000: layouts follow those in "
+     "place"},
     {"trigger", "none", NULL,
      "when to build again: none, sah:F (SAH F times that of the build), ratio:F, every:N"},
     {"partial", "none", NULL,
-     "build again, in place, subtrees whose share of the SAH is F times that of their build; from "
-     "1"},
+     "none, or F, from 1: rebuild in place each part of the tree whose share of the SAH is F times "
+     "what it was when the part was built"},
     {.name = NULL},
 };
 

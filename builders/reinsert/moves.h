@@ -34,7 +34,7 @@ typedef struct bb_moves {
     uint32_t begin, end;
 } bb_moves;
 
-/* Chooses those that get on with each other, the largest gain first, in up to BB_MOVE_ROUNDS
+/* Chooses moves that do not conflict, the largest gain first, in up to BB_MOVE_ROUNDS
  * rounds; *made: how many. Waits for the device. */
 enum { BB_MOVE_ROUNDS = 3 };
 bb_status bb_mover_choose(bb_mover *mover, bb_moves moves, uint32_t *made);

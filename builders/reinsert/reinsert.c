@@ -39,9 +39,10 @@ enum { PARTS_MAX = 64 };
 static const bb_option options[] = {
     {"passes", "3", NULL, "most passes, 1 to 1000; it ends when one gains too little"},
     {"share", "1", NULL,
-     "share of the subtrees that a pass looks for better places for, the largest, 0.0001 to 1"},
+     "share of the subtrees, the largest first, for which a pass looks for a better position, "
+     "0.0001 to 1"},
     {"parts", "8", NULL,
-     "parts in which a pass goes, 1 to 64: what one has moved the next one sees"},
+     "parts that a pass is divided into, 1 to 64: each sees what those before it have moved"},
     {"stop", "1e-4", NULL,
      "ends after a pass that lowers the cost of the inner nodes by less than this share, 0 to 1"},
     {"visits", "1000", NULL,

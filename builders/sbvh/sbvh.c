@@ -31,9 +31,9 @@ enum { SPATIAL_DEPTH = 48 };
 
 static const bb_option options[] = {
     {"alpha", "1e-5", NULL,
-     "least overlap for a split of space: area, as a share of the root's, 0 to 1; 1: none"},
-    {"bins", "32", NULL, "bins per axis for splits by objects, 2 to 256"},
-    {"slabs", "16", NULL, "slabs per axis for splits of space, 2 to 256"},
+     "least overlap for a spatial split: area, as a share of the root's, 0 to 1; 1: none"},
+    {"bins", "32", NULL, "bins per axis for object splits, 2 to 256"},
+    {"slabs", "16", NULL, "slabs per axis for spatial splits, 2 to 256"},
     {"budget", "2", NULL, "most references per primitive of the scene, 1 to 16"},
     {"leaf", "1", NULL, "most references per leaf, used where that is cheaper, 1 to 255"},
     {.name = NULL},

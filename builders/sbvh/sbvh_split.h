@@ -68,7 +68,7 @@ static inline bool sb_can_cut(const bb_scene *scene, const sb_ref *ref)
     return ref->prim - spheres->first >= spheres->count;
 }
 
-/* ---- splits by objects: sbvh_object.c ---- */
+/* ---- object splits: sbvh_object.c ---- */
 
 /* The best plane between `bins` bins of centroids. */
 sb_split sb_find_object(const sb_ref *refs, uint32_t count, uint32_t bins);
@@ -78,14 +78,14 @@ sb_split sb_find_object(const sb_ref *refs, uint32_t count, uint32_t bins);
 void sb_part_object(sb_ref *refs, uint32_t count, const sb_split *split, uint32_t bins,
                     sb_ref *scratch);
 
-/* ---- splits of space: sbvh_spatial.c ---- */
+/* ---- spatial splits: sbvh_spatial.c ---- */
 
 /* The best of the planes between `bins` slabs of `box` that makes at most `spare` more references.
  */
 sb_split sb_find_spatial(const bb_scene *scene, const sb_ref *refs, uint32_t count,
                          const sb_bounds *box, uint32_t bins, uint32_t spare);
 
-/* The same as sb_part_object() for a split of space: references across the plane are cut in two, or
+/* The same as sb_part_object() for a spatial split: references across the plane are cut in two, or
  * go to one side whole, whichever is the cheapest. refs[] has room for what `split` says. Sets
  * split->left and split->right to what came of it; if one of them is 0, refs[] are as they were. */
 void sb_part_spatial(const bb_scene *scene, sb_ref *refs, uint32_t count, sb_split *split,
