@@ -319,7 +319,7 @@ static void say_untold(bb_summary *summary, const bb_prediction_record *const *u
     for (uint32_t i = 0; i < count; i++)
         say(sentence, "%s %.40s (correlation %.2f)", i > 0 ? "," : "", untold[i]->rays,
             untold[i]->mix_correlation);
-    say(sentence, " here, be it for the rays or for noise");
+    say(sentence, " here, whether because of the rays or of noise");
 }
 
 bb_status bb_summary_say_predictions(const bb_results *results, const bb_summary_choice *choice,
