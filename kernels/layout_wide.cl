@@ -16,8 +16,8 @@
  * When only boxes and positions have changed: layout_wide_follow.cl, and wide_blocks again.
  *
  * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
- * BVHs", section 3.1 (the plan: of all collapses the one with the least area, leaves being given),
- * 3.2 (8 bits per plane), 3.4 (places by octant). Reads any tree.
+ * BVHs": the plan (of all collapses the one with the least area, leaves being given), 8 bits per
+ * plane, places by octant. The paper's text was not at hand (wide_plan.clh). Reads any tree.
  */
 #include "bb_device.h"
 

@@ -1,8 +1,9 @@
 /* A triangle clipped against a box, conservatively.
  *
- *   the polygon of the triangle, in double, against the six planes, one after the other
- *   (Sutherland, Hodgman 1974), each moved out by a margin; the box of its corners, grown by the
- *   margin, rounded outwards to floats; never beyond the box itself
+ *   polygon = the triangle, in double
+ *   for each of the six planes, moved out by a margin: clip it there (Sutherland, Hodgman 1974)
+ *   box of its corners: grow it by the margin, round it outwards to floats
+ *   cut off what is beyond the box itself
  *
  * Why nothing is lost: with M the largest coordinate, a computed corner on a plane is within 8 *
  * 2^-53 M of where the edge meets that plane, since distances to the plane are rounded once each,

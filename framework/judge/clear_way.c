@@ -1,8 +1,9 @@
 /* Traversal of the arbiter's boxes, four at a time, in doubles.
  *
  *   nodes of up to four children: the binary nodes whose children have most area make way for them
- *   stack: test the four boxes; push those that the ray meets; ask exact.c about the primitives of
- *   leaves
+ *   until the stack is empty: take a node
+ *       inner: test its four boxes; push those that the ray meets
+ *       leaf: ask exact.c about its primitives
  *
  * Planes are floats and so are the ray's numbers: their differences are off by 2^-53 at most,
  * distances by three times that, which reciprocals padded by 2^-50 cover, as in kernels/slab.clh. A
