@@ -295,8 +295,6 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
     return BB_OK;
 }
 
-/* A layout that is refused is the trace's failure, not the build's: bb_resident_layout() will say
- * so again. */
 /* Is there a cell of this entrant's with this kernel and intersector among those that are to be
  * measured? */
 static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel,
@@ -310,6 +308,8 @@ static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint3
     return bb_bench_wants(bench, &parts);
 }
 
+/* A layout that is refused is the trace's failure, not the build's: bb_resident_layout() will say
+ * so again. */
 static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
 {
     for (uint32_t k = 0; k < bench->kernel_count; k++)

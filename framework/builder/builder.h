@@ -76,14 +76,15 @@ typedef struct bb_phases {
 /* Ends the current phase and begins `name` (a string constant); NULL only ends it. If a name is
  * used again, its times add up. */
 bb_status bb_phase(bb_phases *phases, const char *name);
+
+/* As bb_phase(), for a phase that is not part of the method, such as converting a library's own
+ * tree: it is recorded, and subtracted from the build's time. BB_FAILED for builders on the device,
+ * whose phases have no clock of their own. */
+bb_status bb_phase_outside(bb_phases *phases, const char *name);
+
 /* For a build that is made on the host whatever its builder's place says, before its first phase:
  * boundaries are exact, and the device's clock need not see any work. */
 void bb_phases_on_host(bb_phases *phases);
-
-/* The same for a phase that is not part of the method, such as converting a library's own tree: it
- * is recorded, and subtracted from the build's time. BB_FAILED for builders on the device, whose
- * phases have no clock of their own. */
-bb_status bb_phase_outside(bb_phases *phases, const char *name);
 
 /* Counts what a build or an update did, for the record: "moved", "reinserted", "thinned". The name
  * is a string constant; if it is used again, its numbers add up. BB_FAILED for more than
@@ -105,7 +106,7 @@ struct bb_builder {
     uint32_t abi_version; /* BB_ABI_VERSION. Required. */
     const char *name;     /* lower case, digits, '-'; the folder's name. Required. */
     const char *summary;  /* one line for `list`. Required. */
-    const char *paper;    /* what it implements, with section. Required ("none" for none). */
+    const char *paper;    /* what it implements: authors, year. Required ("none" for none). */
     uint32_t kinds;  /* primitive kinds it takes: BB_TRIANGLES | ..., or BB_ALL_KINDS. Required. */
     uint32_t inputs; /* BB_INPUT_...; Required. */
     bb_place place;  /* where its tree is made. Required. */
