@@ -62,9 +62,11 @@ static void compare_all(const bb_box *boxes, uint32_t count, const char *options
     box_build radix;
     bonsai_reference r;
     uint64_t first = 0;
-    open_box_build(&radix, devices[first_form()], "lbvh", boxes, count, what);
+    const bool its_own_code = strstr(options, "code=") == NULL;
+    open_box_build(&radix, devices[first_form()], its_own_code ? "lbvh:code=emc32-var" : "lbvh",
+                   boxes, count, what);
     make_bonsai_reference(&r, &radix.preorder, choice);
-    snprintf(builder, sizeof builder, "bonsai:%s", options);
+    snprintf(builder, sizeof builder, "bonsai%s%s", options[0] != '\0' ? ":" : "", options);
     for (int form = first_form(); form < FORMS; form++) {
         uint64_t hash = compare(devices[form], builder, boxes, count, &r, what);
         first = form == first_form() ? hash : first;
@@ -90,6 +92,7 @@ static const variant variants[] = {
     {"code=mc32,group=64,prune=0.001,weight=prims", {64, 0.001, true}},
     {"code=mc32,group=512,prune=0.1,weight=items", {512, 0.1, false}},
     {"code=mc32,group=30,prune=0.3,weight=items", {30, 0.3, false}},
+    {"", {256, 0.1, false}}, /* with its own code */
 };
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 

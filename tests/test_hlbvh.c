@@ -139,8 +139,54 @@ static void the_limits_are_known_trees(void **state)
         expect_equal("hlbvh:code=emc64-var,top-bits=0", "emc:code=emc64-var", boxes, count);
         expect_equal("hlbvh:code=mc64,top-bits=all,weight=prims", "hlbvh:code=mc64,top-bits=all",
                      boxes, count);
-        expect_equal("hlbvh:code=emc64-var,top-bits=auto,each=3",
-                     "hlbvh:code=emc64-var,top-bits=auto,each=3", boxes, count);
+    }
+    free(boxes);
+}
+
+/* Which tasks are small enough for one work-item depends on the cores, no node does. */
+static void any_number_of_cores_makes_the_same_tree(void **state)
+{
+    (void)state;
+    static const uint32_t cores[] = {1, 3, 64, 1000};
+    const uint32_t count = small ? 60 : 20000;
+    const char *builder = "hlbvh:code=emc64-var,top-bits=auto,each=3";
+    bb_device *device = devices[first_form()];
+    bb_box *boxes = make_boxes(quality_inputs, 0, count);
+    const uint32_t own = device->compute_units;
+    const uint64_t hash = hash_of_build(device, builder, boxes, count);
+    for (size_t i = 0; i < sizeof cores / sizeof cores[0]; i++) {
+        device->compute_units = cores[i];
+        const uint64_t other = hash_of_build(device, builder, boxes, count);
+        device->compute_units = own;
+        if (other != hash)
+            fail_msg("%u cores, %u boxes, seed %llu: another tree", cores[i], count,
+                     (unsigned long long)seed);
+    }
+    free(boxes);
+}
+
+static void a_decision_names_who_made_it(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *builder;
+        bb_decider by;
+    } cases[] = {
+        {"hlbvh", BB_BY_DEFAULT},
+        {"hlbvh:top-bits=15", BB_GIVEN},
+        {"hlbvh:top-bits=all", BB_GIVEN},
+        {"hlbvh:top-bits=auto,each=3", BB_BY_SCENE},
+    };
+    bb_box *boxes = make_boxes(quality_inputs, 0, 20);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        box_build b;
+        bb_decisions decisions = {0};
+        open_box_build(&b, devices[first_form()], cases[i].builder, boxes, 20, "decisions");
+        bb_instance_decisions(&b.instance, &b.scene, &decisions);
+        const bb_decision *decision = bb_decision_find(&decisions, "top bits");
+        assert_non_null(decision);
+        assert_int_equal(decision->by, cases[i].by);
+        close_box_build(&b);
     }
     free(boxes);
 }
@@ -193,6 +239,8 @@ int main(void)
         cmocka_unit_test(few_boxes_make_the_tree_of_the_definition),
         cmocka_unit_test(many_boxes_make_the_tree_of_the_definition),
         cmocka_unit_test(the_limits_are_known_trees),
+        cmocka_unit_test(any_number_of_cores_makes_the_same_tree),
+        cmocka_unit_test(a_decision_names_who_made_it),
         cmocka_unit_test(what_does_not_fit_is_refused_beforehand),
         cmocka_unit_test(bad_options_are_refused),
     };

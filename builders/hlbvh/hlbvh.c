@@ -56,6 +56,7 @@ typedef struct hlbvh {
     bb_device *device;
     bb_account *account;
     uint32_t top_bits; /* asked for: 0 to 64, or AUTO_BITS */
+    bb_decider top_bits_by;
     uint32_t each;
     bool by_prims;
     bb_primitives *primitives;
@@ -171,6 +172,9 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->device = context->device;
     self->account = context->account;
     self->top_bits = top_bits;
+    self->top_bits_by = top_bits == AUTO_BITS             ? BB_BY_SCENE
+                        : bb_spec_gives(spec, "top-bits") ? BB_GIVEN
+                                                          : BB_BY_DEFAULT;
     self->each = each;
     self->by_prims = bb_spec_is(spec, options, "weight", "prims");
     BB_TRY(bb_codes_create(context, &self->codes));
@@ -328,8 +332,7 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 {
     const hlbvh *self = opaque;
     bb_codes_decide(self->codes, scene, decisions);
-    bb_decide_number(decisions, "top bits", self->bits,
-                     self->top_bits == AUTO_BITS ? BB_BY_SCENE : BB_GIVEN,
+    bb_decide_number(decisions, "top bits", self->bits, self->top_bits_by,
                      "%u clusters of %u primitives", self->clusters, scene->prim_count);
 }
 

@@ -92,14 +92,31 @@ static uint32_t at_least(uint32_t a, uint32_t b)
     return a > b ? a : b;
 }
 
+static uint32_t at_most(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+static uint32_t divide_up(uint32_t a, uint32_t b)
+{
+    return a / b + (a % b != 0);
+}
+
+/* Room for so many clusters is room for fewer: no bound falls where their number grows. */
 static void choose_sizes(hl_top *top, uint32_t clusters)
 {
-    uint32_t parts = TASKS_PER_CORE * at_least(top->device->compute_units, 1);
-    bool cpu = top->device->form == BB_FORM_CPU;
-    top->small = cpu ? at_least(clusters / parts, SMALL_CPU) : SMALL_GPU;
-    top->chunk = cpu ? CHUNK_CPU : at_least(clusters / CHUNKS_GPU, CHUNK_GPU);
-    top->tasks_most = clusters / top->small + 1;
-    top->chunks_most = clusters / top->chunk + top->tasks_most;
+    if (top->device->form == BB_FORM_CPU) {
+        uint32_t parts = TASKS_PER_CORE * at_least(top->device->compute_units, 1);
+        top->small = at_least(divide_up(clusters, parts), SMALL_CPU);
+        top->chunk = CHUNK_CPU;
+        top->tasks_most = at_most(clusters / SMALL_CPU, parts) + 1;
+        top->chunks_most = clusters / CHUNK_CPU + top->tasks_most;
+    } else {
+        top->small = SMALL_GPU;
+        top->chunk = at_least(divide_up(clusters, CHUNKS_GPU), CHUNK_GPU);
+        top->tasks_most = clusters / SMALL_GPU + 1;
+        top->chunks_most = at_most(clusters / CHUNK_GPU, CHUNKS_GPU) + top->tasks_most;
+    }
 }
 
 bb_status hl_top_reserve(hl_top *top, uint32_t clusters)

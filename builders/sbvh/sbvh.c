@@ -194,7 +194,7 @@ static sb_split divide(sbvh *self, const bb_scene *scene, const task *item, cons
                                    BB_COST_TRAVERSAL * area + BB_COST_INTERSECTION * halves)
         return (sb_split){.left = 0};
     if (spatial) {
-        sb_part_spatial(scene, refs, count, &space, self->scratch);
+        sb_part_spatial(scene, refs, count, item->spare, &space, self->scratch);
         self->spatial += space.left > 0 && space.right > 0;
         if (space.left > 0 && space.right > 0)
             return space;

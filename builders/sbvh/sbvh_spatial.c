@@ -179,8 +179,8 @@ static void put(growing *g, int side, const sb_bounds *box)
     g->count[side]++;
 }
 
-/* Where a reference across the plane goes; ACROSS: `parts` go to both sides. */
-static int choose(growing *g, const sb_bounds *whole, const sb_bounds parts[2])
+/* Where a reference across the plane goes; ACROSS, if it may be cut: `parts` go to both sides. */
+static int choose(growing *g, const sb_bounds *whole, const sb_bounds parts[2], bool may_cut)
 {
     if (parts[0].lo[0] > parts[0].hi[0])
         return RIGHT;
@@ -192,13 +192,15 @@ static int choose(growing *g, const sb_bounds *whole, const sb_bounds parts[2])
                   area_with(&g->box[RIGHT], &parts[1]) * (right + 1);
     double all_left = area_with(&g->box[LEFT], whole) * (left + 1) + area[RIGHT] * right;
     double all_right = area[LEFT] * left + area_with(&g->box[RIGHT], whole) * (right + 1);
-    if (all_left <= both && all_left <= all_right)
-        return LEFT;
-    return all_right <= both ? RIGHT : ACROSS;
+    if (may_cut && both < all_left && both < all_right)
+        return ACROSS;
+    return all_left <= all_right ? LEFT : RIGHT;
 }
 
-void sb_part_spatial(const bb_scene *scene, sb_ref *refs, uint32_t count, sb_split *split,
-                     sb_ref *scratch)
+/* The slabs have cut a reference at several planes, here it is cut at one: their numbers need not
+ * be the same to the last float, hence `spare`. */
+void sb_part_spatial(const bb_scene *scene, sb_ref *refs, uint32_t count, uint32_t spare,
+                     sb_split *split, sb_ref *scratch)
 {
     growing g = {{sb_nothing(), sb_nothing()}, {0, 0}};
     uint32_t left = 0, right = 0;
@@ -213,7 +215,7 @@ void sb_part_spatial(const bb_scene *scene, sb_ref *refs, uint32_t count, sb_spl
         if (side == ACROSS) {
             sb_bounds parts[2];
             sb_cut(scene, &ref, split->axis, split->plane, parts);
-            side = choose(&g, &ref.box, parts);
+            side = choose(&g, &ref.box, parts, left + right - i < spare);
             if (side == ACROSS) {
                 put(&g, LEFT, &parts[0]);
                 put(&g, RIGHT, &parts[1]);

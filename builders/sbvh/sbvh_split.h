@@ -86,9 +86,10 @@ sb_split sb_find_spatial(const bb_scene *scene, const sb_ref *refs, uint32_t cou
                          const sb_bounds *box, uint32_t bins, uint32_t spare);
 
 /* The same as sb_part_object() for a spatial split: references across the plane are cut in two, or
- * go to one side whole, whichever is the cheapest. refs[] has room for what `split` says. Sets
- * split->left and split->right to what came of it; if one of them is 0, refs[] are as they were. */
-void sb_part_spatial(const bb_scene *scene, sb_ref *refs, uint32_t count, sb_split *split,
-                     sb_ref *scratch);
+ * go to one side whole, whichever is the cheapest. refs[] and scratch[] have room for `spare` more;
+ * once these are used up none is cut. Sets split->left and split->right to what came of it; if one
+ * of them is 0, refs[] are as they were. */
+void sb_part_spatial(const bb_scene *scene, sb_ref *refs, uint32_t count, uint32_t spare,
+                     sb_split *split, sb_ref *scratch);
 
 #endif

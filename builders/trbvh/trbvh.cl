@@ -112,9 +112,9 @@ uint first_best(const float *cost, const float *below, uint s)
     if (has_one(rest))
         return rest;
     const float least = below[s * BB_LANES];
-    while (cost[p * BB_LANES] + cost[(s ^ p) * BB_LANES] != least)
+    while (p != 0 && cost[p * BB_LANES] + cost[(s ^ p) * BB_LANES] != least)
         p = (p - rest) & rest;
-    return p;
+    return p != 0 ? p : rest; /* none only where the device adds lanes and numbers differently */
 }
 
 void read_tree(const float *cost, const float *below, bb_treelet_links links)

@@ -140,11 +140,24 @@ bb_status bb_spec_validate(const bb_spec *spec, const bb_option *options, const 
     return BB_OK;
 }
 
-const char *bb_spec_value(const bb_spec *spec, const bb_option *options, const char *key)
+static const char *given_value(const bb_spec *spec, const char *key)
 {
     for (uint32_t i = 0; spec != NULL && i < spec->param_count; i++)
         if (strcmp(spec->keys[i], key) == 0)
             return spec->values[i];
+    return NULL;
+}
+
+bool bb_spec_gives(const bb_spec *spec, const char *key)
+{
+    return given_value(spec, key) != NULL;
+}
+
+const char *bb_spec_value(const bb_spec *spec, const bb_option *options, const char *key)
+{
+    const char *given = given_value(spec, key);
+    if (given != NULL)
+        return given;
     const bb_option *option = find_option(options, key);
     return option != NULL ? option->default_value : NULL;
 }

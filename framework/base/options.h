@@ -49,6 +49,9 @@ bb_status bb_spec_validate(const bb_spec *spec, const bb_option *options, const 
 /* Value of `key`: as given, else its declared default, else NULL. */
 const char *bb_spec_value(const bb_spec *spec, const bb_option *options, const char *key);
 
+/* Whether `spec` gives `key` itself. */
+bool bb_spec_gives(const bb_spec *spec, const char *key);
+
 /* Typed values, range included; whole numbers also as 1e6, 20k, 1.5M or 1_000_000. BB_INVALID names
  * option, value and range. */
 bb_status bb_spec_u64(const bb_spec *spec, const bb_option *options, const char *key, uint64_t low,

@@ -1,9 +1,9 @@
 /* Traversal of the arbiter's boxes, four at a time, in doubles.
  *
  *   nodes of up to four children: the binary nodes whose children have most area make way for them
- *   until the stack is empty: take a node
- *       inner: test its four boxes; push those that the ray meets
- *       leaf: ask exact.c about its primitives
+ *   until the stack is empty: take a node; for each of its four boxes that the ray meets:
+ *       box of a node: push it
+ *       box of a leaf: ask exact.c about its primitives
  *
  * Planes are floats and so are the ray's numbers: their differences are off by 2^-53 at most,
  * distances by three times that, which reciprocals padded by 2^-50 cover, as in kernels/slab.clh. A
