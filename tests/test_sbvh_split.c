@@ -257,8 +257,8 @@ static void space_is_split_where_it_costs_least(void **state)
 }
 
 /* Each reference is on one side whole, or in two parts that cover it; those across the plane are
- * where the three costs are least, given who came before; none is cut once no more references may be
- * added. */
+ * where the three costs are least, given who came before; none is cut once no more references may
+ * be added. */
 static void references_go_where_they_cost_least(void **state)
 {
     (void)state;
