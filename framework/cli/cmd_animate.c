@@ -31,7 +31,7 @@ static const bb_cli_option options[] = {
     {"quiet", NULL, "do not show progress", BB_CLI_ONCE},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first",
      BB_CLI_ONCE},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", BB_CLI_ONCE},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      BB_CLI_ONCE},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", BB_CLI_LIST},

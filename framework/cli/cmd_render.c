@@ -28,7 +28,7 @@ static const bb_cli_option options[] = {
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"out", "FILE", "FILE.png: a picture; FILE.exr: the numbers behind it", false},
