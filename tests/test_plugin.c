@@ -181,6 +181,10 @@ static void test_validation(void **state)
     EXPECT_INVALID(compared, "sah,other", "another builder");
     EXPECT_INVALID(compared, "sah:colour=red", "colour");
     EXPECT_INVALID(compared, "sah:bins=", "builder sah:");
+    EXPECT_INVALID(cost_reference, "other", "cost_reference holds 'other'");
+    EXPECT_INVALID(volumes, "sah,other", "volumes holds 'other'");
+    EXPECT_INVALID(meshes, "sah:colour=red", "colour");
+    EXPECT_INVALID(meshes_long, "other", "meshes_long holds 'other'");
 
     static const bb_option no_help[] = {{"a", "1", NULL, NULL}, {.name = NULL}};
     static const bb_option twice[] = {{"a", "1", NULL, "x"}, {"a", "1", NULL, "x"}, {.name = NULL}};

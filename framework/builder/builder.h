@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 10 };
+enum { BB_ABI_VERSION = 11 };
 
 /* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
  * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the
@@ -127,6 +127,17 @@ struct bb_builder {
     /* Variants that `stress` tries by default besides those of `compared`, as a list: what shows a
      * weak spot that the others have not. Optional. */
     const char *stressed;
+    /* The builder that is taken where one is needed and none is named: beside a splitter or an
+     * optimiser that stands alone, for a picture, for an axis of `stress`. Optional: of one, which
+     * takes all kinds and is compared by default (bb_usual_builder() in pipeline.h). */
+    bool usual;
+    /* The variant whose SAH trees of other builders are held to: several times that is taken for a
+     * bug, or for a scene that defeats the method. Optional: of one. */
+    const char *cost_reference;
+    /* Variants, as lists, that are compared by default by `volume` on volumes; by `volume`, `slice`
+     * and `overlap` on meshes of tetrahedra; and on these those that take long, which
+     * `volume --brief` leaves out. Optional. */
+    const char *volumes, *meshes, *meshes_long;
     /* For `advise`: variants, as a list, that take no more than the scene needs, and one that is
      * enough for any scene, which tells what they save. Optional. */
     const char *least, *generous;

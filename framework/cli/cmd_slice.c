@@ -16,7 +16,7 @@ static const bb_cli_option options[] = {
      "mesh of tetrahedra: a file (.node, .ele, .msh, .mesh, .vtk) or `tets:side=N` (may be "
      "repeated)",
      BB_CLI_REPEATED},
-    {"builder", "B", "default: " BB_USUAL_TET_BUILDERS, BB_CLI_LIST},
+    {"builder", "B", "default: what builders name for it, see below", BB_CLI_LIST},
     {"search", "S", "skip, octree, octree:boundary=no; default: skip,octree", BB_CLI_LIST},
     {"no-tree", NULL, "also by all tetrahedra, one after the other, which others are compared with",
      false},
@@ -81,7 +81,7 @@ static bb_status read_request(job *j)
     request->exr = bb_exr_check() == BB_OK;
     if (!request->exr && bb_cli_value(j->cli, "out") != NULL)
         fprintf(stderr, "bvhbench: slices are written without EXR files: %s\n", bb_message());
-    BB_TRY(bb_choose_tree_builders(j->cli, BB_USUAL_TET_BUILDERS, &j->builders));
+    BB_TRY(bb_choose_tree_builders(j->cli, BB_OF_MESHES, &j->builders));
     BB_TRY(bb_choose_searches(j->cli, &j->searches));
     request->builders = (const char *const *)j->builders.items;
     request->builder_count = (uint32_t)j->builders.count;
@@ -181,6 +181,7 @@ const bb_command bb_command_slice = {
         "Exit status 1: a voxel differs from the first way's (of a mesh that overlaps itself, "
         "values "
         "may).",
+    .more_help = bb_print_mesh_builders,
     .options = options,
     .run = run,
 };
