@@ -143,7 +143,8 @@ struct bb_builder {
     const char *least, *generous;
 
     /* Compiles and allocates what does not depend on the scene; not timed. Called once per object;
-     * the other hooks get `self`. Required. */
+     * the other hooks get *self, which is NULL before. If it fails after it has set *self, that goes
+     * to destroy() and to no other hook: set it as soon as there is something to free. Required. */
     bb_status (*create)(const bb_builder_context *context, void **self);
 
     /* Allocates what build() will need for this scene, so that build() does not have to. Called
@@ -188,7 +189,9 @@ struct bb_builder {
      * Not timed. Optional. */
     void (*decide)(void *self, const bb_scene *scene, bb_decisions *decisions);
 
-    /* Frees everything; called once, even after a failed build. Required. */
+    /* Frees everything; called once on whatever create() has set, also after a build that failed,
+     * and after a create() that failed half-way: members that it did not come to are as it left
+     * them. Not called if *self is NULL. Required. */
     void (*destroy)(void *self);
 };
 
