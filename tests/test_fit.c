@@ -404,6 +404,11 @@ static void a_tree_of_three_times_the_sweep_is_named(void **state)
         cJSON_AddObjectToObject(cJSON_GetArrayItem(d.builds, 2 * TREES + 2), "params"), "method",
         "sweep");
     expect_warning(&d, "broken on scene1 has 3.06 times that of sah:method=sweep");
+    d = make_document(2, true); /* neither is the reference: the cheapest is taken */
+    add_build(&d, 60, "scene1", "broken", 101, 3);
+    add_build(&d, 61, "scene1", "presplit+sah", 34, 3);
+    add_build(&d, 62, "scene1", "sahara", 34, 3);
+    expect_warning(&d, "broken on scene1 has 3.01 times that of b3");
     d = make_document(2, true);
     add_build(&d, 60, "scene1", "one-leaf", 1e5, 0);
     cJSON_SetNumberHelper(

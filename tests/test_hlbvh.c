@@ -2,6 +2,7 @@
  * one; degenerate inputs. Bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the
  * inputs small (for oclgrind). */
 #include "tests/box_inputs.h"
+#include "tests/decision_fixture.h"
 #include "tests/device_forms.h"
 #include "tests/hlbvh_reference.h"
 #include "tests/quality_inputs.h"
@@ -183,7 +184,7 @@ static void a_decision_names_who_made_it(void **state)
         bb_decisions decisions = {0};
         open_box_build(&b, devices[first_form()], cases[i].builder, boxes, 20, "decisions");
         bb_instance_decisions(&b.instance, &b.scene, &decisions);
-        const bb_decision *decision = bb_decision_find(&decisions, "top bits");
+        const bb_decision *decision = find_decision(&decisions, "top bits");
         assert_non_null(decision);
         assert_int_equal(decision->by, cases[i].by);
         close_box_build(&b);

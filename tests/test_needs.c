@@ -2,6 +2,7 @@
  * given by hand, bit for bit; what is given wins and is recorded as given. */
 #include "framework/builder/instance.h"
 #include "framework/scene/needs.h"
+#include "tests/decision_fixture.h"
 #include "tests/device_fixture.h"
 #include "tests/hand_scene.h"
 
@@ -125,22 +126,22 @@ static void decisions_say_what_they_rest_on(void **state)
     bb_scene *scene = grid(counts, 0.01f, 1);
     bb_decisions needs = {0};
     bb_scene_needs(scene, &needs);
-    const bb_decision *kinds = bb_decision_find(&needs, BB_DECIDED_KINDS);
+    const bb_decision *kinds = find_decision(&needs, BB_DECIDED_KINDS);
     /* builders that are octrees decide that for themselves */
-    assert_null(bb_decision_find(&needs, BB_DECIDED_LEVELS));
+    assert_null(find_decision(&needs, BB_DECIDED_LEVELS));
     assert_string_equal(kinds->value, "spheres");
     assert_string_equal(kinds->figure, "0 triangles, 64 spheres, 0 boxes, 0 tetrahedra");
     assert_int_equal(kinds->by, BB_BY_SCENE);
-    assert_non_null(strstr(bb_decision_find(&needs, BB_DECIDED_CODE_BITS)->figure, "6 tell all"));
-    assert_string_equal(bb_decision_find(&needs, BB_DECIDED_SIZE_BITS)->value, "0");
-    assert_string_equal(bb_decision_find(&needs, "index bits")->value, "32");
-    assert_null(bb_decision_find(&needs, "nothing"));
-    assert_null(bb_decision_find(&needs, "frames"));
+    assert_non_null(strstr(find_decision(&needs, BB_DECIDED_CODE_BITS)->figure, "6 tell all"));
+    assert_string_equal(find_decision(&needs, BB_DECIDED_SIZE_BITS)->value, "0");
+    assert_string_equal(find_decision(&needs, "index bits")->value, "32");
+    assert_null(find_decision(&needs, "nothing"));
+    assert_null(find_decision(&needs, "frames"));
     scene->frame_count = 5;
     bb_scene_needs(scene, &needs);
-    assert_string_equal(bb_decision_find(&needs, "frames")->value, "1");
-    assert_non_null(strstr(bb_decision_find(&needs, "frames")->figure, "the first of 5"));
-    assert_non_null(strstr(bb_decision_find(&needs, "frames")->figure, "animate"));
+    assert_string_equal(find_decision(&needs, "frames")->value, "1");
+    assert_non_null(strstr(find_decision(&needs, "frames")->figure, "the first of 5"));
+    assert_non_null(strstr(find_decision(&needs, "frames")->figure, "animate"));
     for (int i = 0; i < BB_DECISIONS_MAX + 3; i++)
         bb_decide_number(&needs, "one more", 1, BB_GIVEN, "none");
     assert_int_equal(needs.count, BB_DECISIONS_MAX);
@@ -165,7 +166,7 @@ static uint64_t build(const char *builder, bb_scene *scene, bb_decisions *decisi
 
 static const char *value_of(const bb_decisions *decisions, const char *what, bb_decider by)
 {
-    const bb_decision *d = bb_decision_find(decisions, what);
+    const bb_decision *d = find_decision(decisions, what);
     assert_non_null(d);
     assert_int_equal(d->by, by);
     return d->value;

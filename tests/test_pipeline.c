@@ -94,6 +94,34 @@ static void what_stands_alone_gets_a_builder(void **state)
     assert_string_equal(whole, "sah+rotate");
 }
 
+/* One declares itself, so that what stands beside a stage does not hang on the order of names. */
+static void the_usual_builder_is_declared(void **state)
+{
+    (void)state;
+    const bb_builder *usual = NULL;
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const bb_builder *builder = bb_builder_at(i);
+        assert_false(builder->usual && usual != NULL);
+        usual = builder->usual ? builder : usual;
+    }
+    assert_non_null(usual);
+    assert_true(usual->deterministic);
+    assert_ptr_equal(bb_usual_builder(BB_ALL_KINDS), usual);
+    assert_null(bb_usual_builder(0));
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const bb_builder *stage = bb_builder_at(i);
+        char whole[512], expected[512];
+        ASSERT_OK(bb_pipeline_complete(stage->name, whole, sizeof whole, NULL));
+        if (bb_is_splitter(stage))
+            snprintf(expected, sizeof expected, "%s+%s", stage->name, usual->name);
+        else if (bb_is_optimiser(stage))
+            snprintf(expected, sizeof expected, "%s+%s", usual->name, stage->name);
+        else
+            snprintf(expected, sizeof expected, "%s", stage->name);
+        assert_string_equal(whole, expected);
+    }
+}
+
 /* ---- building ---- */
 
 typedef struct built {
@@ -645,6 +673,7 @@ int main(void)
         cmocka_unit_test(a_plus_separates_stages),
         cmocka_unit_test(bad_orders_are_refused_in_one_line),
         cmocka_unit_test(what_stands_alone_gets_a_builder),
+        cmocka_unit_test(the_usual_builder_is_declared),
         cmocka_unit_test(stages_are_timed_and_booked_apart),
         cmocka_unit_test(stages_have_figures_of_their_own),
         cmocka_unit_test(idle_stages_change_nothing),

@@ -1,6 +1,7 @@
 /* Plug-ins: what bb_plugin_load() takes, and what it says of what it does not take. The example of
  * tests/plugin/median is loaded and builds; the shared objects of tests/plugin/broken are refused,
  * each with one clear line. */
+#include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
 #include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
@@ -181,6 +182,10 @@ static void test_validation(void **state)
     EXPECT_INVALID(compared, "sah,other", "another builder");
     EXPECT_INVALID(compared, "sah:colour=red", "colour");
     EXPECT_INVALID(compared, "sah:bins=", "builder sah:");
+    EXPECT_INVALID(cost_reference, "other", "cost_reference holds 'other'");
+    EXPECT_INVALID(volumes, "sah,other", "volumes holds 'other'");
+    EXPECT_INVALID(meshes, "sah:colour=red", "colour");
+    EXPECT_INVALID(meshes_long, "other", "meshes_long holds 'other'");
 
     static const bb_option no_help[] = {{"a", "1", NULL, NULL}, {.name = NULL}};
     static const bb_option twice[] = {{"a", "1", NULL, "x"}, {"a", "1", NULL, "x"}, {.name = NULL}};
@@ -216,12 +221,71 @@ static void test_phases(void **state)
     assert_int_equal(bb_phase(&phases, many[BB_PHASES_MAX]), BB_FAILED);
 }
 
+/* ---- a create() that fails half-way ---- */
+
+static struct {
+    uint32_t destroyed;
+    bool set; /* create() sets *self before it fails */
+} half;
+
+static bb_status half_create(const bb_builder_context *context, void **self)
+{
+    (void)context;
+    assert_null(*self);
+    if (half.set)
+        *self = &half;
+    return bb_fail(BB_FAILED, "half-way");
+}
+
+static void half_destroy(void *self)
+{
+    assert_ptr_equal(self, &half);
+    half.destroyed++;
+}
+
+static bb_status half_build(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
+                            bb_phases *phases)
+{
+    (void)self, (void)scene, (void)input, (void)tree, (void)phases;
+    fail_msg("an object that was never made is asked to build");
+    return BB_FAILED;
+}
+
+static void test_failed_create(void **state)
+{
+    (void)state;
+    static const bb_builder builder = {.abi_version = BB_ABI_VERSION,
+                                       .name = "half-made",
+                                       .summary = "fails in create()",
+                                       .paper = "none",
+                                       .kinds = BB_ALL_KINDS,
+                                       .inputs = BB_INPUT_BOXES,
+                                       .create = half_create,
+                                       .build = half_build,
+                                       .destroy = half_destroy};
+    static const bb_registration registration = {BB_PLUGIN_MAGIC, BB_ABI_VERSION,
+                                                 sizeof registration, &builder, NULL};
+    bb_instance instance;
+    bb_random random = bb_random_make(7, 0);
+    bb_scene *scene = make_random_scene(10, &random);
+    ASSERT_OK(open_test_device(BB_FORM_AUTO, NULL, &device));
+    ASSERT_OK(bb_builder_add(&registration));
+    for (uint32_t set = 0; set < 2; set++) {
+        half.set = set == 1;
+        assert_int_equal(bb_instance_create(device, "half-made", scene, 1, &instance), BB_FAILED);
+        assert_non_null(strstr(bb_message(), "half-way"));
+        assert_int_equal(half.destroyed, set);
+    }
+    free_scene(scene);
+    bb_device_close(device);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refusals),      cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_median_builds), cmocka_unit_test(test_validation),
-        cmocka_unit_test(test_phases),
+        cmocka_unit_test(test_phases),        cmocka_unit_test(test_failed_create),
     };
     return cmocka_run_group_tests_name("plugin", tests, NULL, NULL);
 }

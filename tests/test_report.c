@@ -156,6 +156,30 @@ static void table_notes_partly_traced_sets(void **state)
     bb_results_destroy(results);
 }
 
+/* A query that this version does not know is printed by its name. */
+static void table_names_the_query(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *query, *words;
+    } cases[] = {{"closest", ": 262,144 rays, closest hit\n"},
+                 {"any", ": 262,144 rays, any hit\n"},
+                 {"interval", ": 262,144 rays, first and last hit\n"},
+                 {"nearest-two", ": 262,144 rays, nearest-two\n"},
+                 {"", ": 262,144 rays\n"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bb_results *results = sample_results(NULL);
+        cJSON *first = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
+        cJSON_ReplaceItemInObject(first, "query", cJSON_CreateString(cases[i].query));
+        char *text = table_of(results);
+        const char *heading = strstr(text, "\n  primary, view front");
+        if (heading == NULL || !line_has(heading + 1, cases[i].words))
+            fail_msg("query '%s': %.60s", cases[i].query, heading != NULL ? heading + 1 : text);
+        free(text);
+        bb_results_destroy(results);
+    }
+}
+
 /* The line of the table after the first `heading` that begins with `start`. */
 static const char *line_after(const char *text, const char *heading, const char *start)
 {
@@ -545,6 +569,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(tables_show_what_trees_cost),
         cmocka_unit_test(table_names_what_was_skipped),
         cmocka_unit_test(table_notes_partly_traced_sets),
+        cmocka_unit_test(table_names_the_query),
         cmocka_unit_test(table_calls_a_range_a_range),
         cmocka_unit_test(table_tells_a_range_among_intervals),
         cmocka_unit_test(table_marks_rays_as_given),

@@ -8,7 +8,7 @@
 /* With EMC-64-var, of one method: costs and times as ratios to those with MC-64, and boxes per ray,
  * where MC-64 has 40. */
 typedef struct made_up {
-    double cost[2], centred[2], build, time[INSIDE_KINDS], boxes;
+    double cost[2], centred[2], build, time[EMC_INSIDE_KINDS], boxes;
 } made_up;
 
 /* Both codes of a method on both scenes. */
@@ -18,7 +18,7 @@ static void add_method(bb_results *results, int id, const made_up *m)
     for (int s = 0; s < 2; s++) {
         uint32_t plain = add_build(results, scenes[s], method->plain, 100, 10);
         uint32_t var = add_build(results, scenes[s], method->var, 100 * m->cost[s], 10 * m->build);
-        for (int k = 0; k < INSIDE_KINDS; k++) {
+        for (int k = 0; k < EMC_INSIDE_KINDS; k++) {
             add_trace_of(results, plain, "stack", "", bb_emc_rays[k], 6, 40);
             add_trace_of(results, var, "stack", "", bb_emc_rays[k], 6 * m->time[k], m->boxes);
         }
@@ -37,35 +37,35 @@ static void add_centred(bb_results *results, int id, const made_up *m)
 
 /* All methods, and in the box of the centroids a sweep that costs 80 everywhere, and PLOC with
  * wider radii, which costs 89 and 85. */
-static const cJSON *reproduce_with(bb_results *results, const made_up methods[METHOD_COUNT])
+static const cJSON *reproduce_with(bb_results *results, const made_up methods[EMC_METHOD_COUNT])
 {
     const bb_paper *paper = NULL;
     bb_findings all[BB_EXPERIMENTS_MAX];
     assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
         all[e] = findings_of(results, 0);
-    for (int i = 0; i < METHOD_COUNT; i++)
+    for (int i = 0; i < EMC_METHOD_COUNT; i++)
         add_method(results, i, &methods[i]);
     for (int s = 0; s < 2; s++)
-        add_build(results, scenes[s], ATRBVH_SORT64, 95, 10.2);
-    all[INSIDE] = findings_of(results, 0);
+        add_build(results, scenes[s], EMC_ATRBVH_SORT64, 95, 10.2);
+    all[EMC_INSIDE] = findings_of(results, 0);
     uint32_t first = bb_results_next_build(results);
-    for (int i = 0; i < METHOD_COUNT; i++)
+    for (int i = 0; i < EMC_METHOD_COUNT; i++)
         add_centred(results, i, &methods[i]);
     for (int s = 0; s < 2; s++) {
-        add_build(results, scenes[s], SWEEP, 80, 100);
-        add_build(results, scenes[s], PLOC_RADIUS("16"), 89, 10);
-        add_build(results, scenes[s], PLOC_RADIUS("32"), 85, 10);
+        add_build(results, scenes[s], EMC_SWEEP, 80, 100);
+        add_build(results, scenes[s], EMC_PLOC_RADIUS("16"), 89, 10);
+        add_build(results, scenes[s], EMC_PLOC_RADIUS("32"), 85, 10);
     }
-    all[CENTRED] = findings_of(results, first);
+    all[EMC_CENTRED] = findings_of(results, first);
     assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
     const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
     return cJSON_GetArrayItem(list, cJSON_GetArraySize(list) - 1);
 }
 
-static void all_better(made_up methods[METHOD_COUNT])
+static void all_better(made_up methods[EMC_METHOD_COUNT])
 {
-    for (int i = 0; i < METHOD_COUNT; i++)
+    for (int i = 0; i < EMC_METHOD_COUNT; i++)
         methods[i] = (made_up){{.7, .9}, {.9, .9}, 1.01, {.8, .9, .9, .9}, 30};
 }
 
@@ -77,7 +77,7 @@ static double number(const cJSON *table, const char *row, int column)
 static void better_everywhere_is_held(void **state)
 {
     (void)state;
-    made_up methods[METHOD_COUNT];
+    made_up methods[EMC_METHOD_COUNT];
     bb_results *results = new_results();
     all_better(methods);
     const cJSON *r = reproduce_with(results, methods);
@@ -126,15 +126,15 @@ static void better_everywhere_is_held(void **state)
 static void what_is_worse_is_not_held(void **state)
 {
     (void)state;
-    made_up methods[METHOD_COUNT];
+    made_up methods[EMC_METHOD_COUNT];
     bb_results *results = new_results();
     all_better(methods);
-    methods[HPLOC].cost[1] = 1.4;
-    methods[PLOC].centred[1] = 1.2; /* in the other box alone */
-    methods[HLBVH].time[2] = 1.1;
-    methods[AAC_FAST].boxes = 45;
-    methods[AAC_HQ].cost[0] = methods[AAC_HQ].cost[1] = 0.95;
-    methods[PLOC].build = 1.2;
+    methods[EMC_HPLOC].cost[1] = 1.4;
+    methods[EMC_PLOC].centred[1] = 1.2; /* in the other box alone */
+    methods[EMC_HLBVH].time[2] = 1.1;
+    methods[EMC_AAC_FAST].boxes = 45;
+    methods[EMC_AAC_HQ].cost[0] = methods[EMC_AAC_HQ].cost[1] = 0.95;
+    methods[EMC_PLOC].build = 1.2;
     const cJSON *r = reproduce_with(results, methods);
     const cJSON *cost = claim_with(r, "lowers the cost of H-PLOC");
     assert_true(cJSON_IsFalse(cost));
@@ -161,7 +161,7 @@ static void what_is_worse_is_not_held(void **state)
 static void few_rounds_decide_costs_alone(void **state)
 {
     (void)state;
-    made_up methods[METHOD_COUNT];
+    made_up methods[EMC_METHOD_COUNT];
     bb_results *results = new_results();
     all_better(methods);
     rounds = 3;
@@ -178,7 +178,7 @@ static void few_rounds_decide_costs_alone(void **state)
 static void atrbvh_has_both_sides(void **state)
 {
     (void)state;
-    made_up methods[METHOD_COUNT];
+    made_up methods[EMC_METHOD_COUNT];
     bb_results *results = new_results();
     all_better(methods);
     const cJSON *r = reproduce_with(results, methods);
@@ -186,7 +186,7 @@ static void atrbvh_has_both_sides(void **state)
     assert_true(number(table, "pompeii (paper)", 5) == 0.75);
     assert_true(number(table, "average (paper)", 3) == 0.66);
     bb_words missing = {0};
-    if (bb_emc_missing(bb_emc_methods[ATRBVH].plain, &missing)) {
+    if (bb_emc_missing(bb_emc_methods[EMC_ATRBVH].plain, &missing)) {
         assert_string_equal(missing.text, "no such builder: atrbvh");
         assert_string_equal(cJSON_GetStringValue(cell_of(table, "average (here)", 6)),
                             missing.text);
@@ -211,16 +211,16 @@ static void builders_are_set_beside_lbvh(void **state)
     const bb_paper *paper = NULL;
     bb_findings all[BB_EXPERIMENTS_MAX];
     assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
-    for (int i = 0; i < 2 * METHOD_COUNT; i++) {
+    for (int i = 0; i < 2 * EMC_METHOD_COUNT; i++) {
         int id = i / 2;
-        bool more = id == AAC_HQ || id == AAC_FAST || id == PLOC || id == HPLOC;
+        bool more = id == EMC_AAC_HQ || id == EMC_AAC_FAST || id == EMC_PLOC || id == EMC_HPLOC;
         uint32_t build = add_build(results, scenes[i % 2], bb_emc_methods[id].plain, 100 + id, 10);
-        for (int k = 0; k < INSIDE_KINDS; k++)
+        for (int k = 0; k < EMC_INSIDE_KINDS; k++)
             add_trace_of(results, build, "stack", "", bb_emc_rays[k], 6 + id, more ? 60 : 40);
     }
-    add_build(results, flat, PLOC_RADIUS("16"), 89, 10);
-    add_build(results, flat, PLOC_RADIUS("32"), 85, 10);
-    add_build(results, flat, bb_emc_methods[PLOC].centred_plain, 90, 10);
+    add_build(results, flat, EMC_PLOC_RADIUS("16"), 89, 10);
+    add_build(results, flat, EMC_PLOC_RADIUS("32"), 85, 10);
+    add_build(results, flat, bb_emc_methods[EMC_PLOC].centred_plain, 90, 10);
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
         all[e] = findings_of(results, 0);
     assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
@@ -243,14 +243,14 @@ static void means_of_times_are_geometric(void **state)
     (void)state;
     bb_results *results = new_results();
     bb_findings all[BB_EXPERIMENTS_MAX];
-    const bb_emc_method *m = &bb_emc_methods[PLOC];
+    const bb_emc_method *m = &bb_emc_methods[EMC_PLOC];
     for (int s = 0; s < 2; s++) {
         uint32_t plain = add_build(results, scenes[s], m->plain, 100, 10),
                  var = add_build(results, scenes[s], m->var, 100, s == 0 ? 20 : 5);
         add_trace_of(results, plain, "stack", "", "shadow", 6, 40);
         add_trace_of(results, var, "stack", "", "shadow", s == 0 ? 24 : 1.5, 40);
     }
-    all[INSIDE] = findings_of(results, 0);
+    all[EMC_INSIDE] = findings_of(results, 0);
     bb_estimate time = bb_emc_mean(all, (bb_emc_figure){EMC_TIME, "shadow"}, m->var, m->plain),
                 build = bb_emc_mean(all, (bb_emc_figure){EMC_BUILD, NULL}, m->var, m->plain);
     assert_float_equal(time.value, 1, 1e-12);

@@ -1,5 +1,6 @@
 /* Axes: what their files may hold, the values along them; and the search for thresholds, on methods
  * whose thresholds are made up. */
+#include "framework/builder/pipeline.h"
 #include "framework/stress/search.h"
 #include "tests/fixture.h"
 
@@ -42,6 +43,18 @@ static const char *with(const char *before, const char *after)
     assert_non_null(at);
     snprintf(text, sizeof text, "%.*s%s%s", (int)(at - whole), whole, after, at + strlen(before));
     return text;
+}
+
+static void an_axis_without_a_builder_takes_the_usual_one(void **state)
+{
+    (void)state;
+    bb_axis axis;
+    ASSERT_OK(bb_axis_parse(with("\"builder\": \"lbvh\", ", ""), "x", &axis));
+    assert_string_equal(axis.builder, bb_usual_builder(BB_ALL_KINDS)->name);
+    bb_axis_free(&axis);
+    ASSERT_OK(bb_axis_parse(with("\"lbvh\"", "\"sah\""), "x", &axis));
+    assert_string_equal(axis.builder, "sah");
+    bb_axis_free(&axis);
 }
 
 static void refuses_what_is_no_axis(void **state)
@@ -389,6 +402,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reads_an_axis),
+        cmocka_unit_test(an_axis_without_a_builder_takes_the_usual_one),
         cmocka_unit_test(refuses_what_is_no_axis),
         cmocka_unit_test(built_in_axes_are_in_order),
         cmocka_unit_test(fills_and_halves),

@@ -365,6 +365,43 @@ static void the_answer_does_not_depend_on_the_tree(void **state)
     free(others);
 }
 
+/* ---- definitions ---- */
+
+/* A program is found by its definitions: those that differ in the last letter only must not be
+ * taken for the same, nor cut off. */
+static void long_definitions_are_told_apart(void **state)
+{
+    (void)state;
+    static char defines[2000];
+    const size_t lengths[] = {8, 500, 700, 900, 1500};
+    bed b;
+    open_bed(&b, load("cube"), "lbvh", "stack", 1);
+    const bb_tracer_request request = {.kernel = bb_kernel_find("stack"),
+                                       .spec = &b.kernel,
+                                       .intersector = bb_intersector_find("exact"),
+                                       .query = &bb_query_closest,
+                                       .defines = defines};
+    uint32_t taken = 0;
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        bb_tracer *tracers[2];
+        bb_status status[2];
+        for (int k = 0; k < 2; k++) {
+            memset(defines, 'X', lengths[i]);
+            memcpy(defines, "-DBB_", 5);
+            snprintf(defines + lengths[i], 4, "=%d", k);
+            status[k] = bb_tracer_get(device, &request, &b.layout, &tracers[k]);
+            if (status[k] != BB_OK)
+                assert_non_null(strstr(bb_message(), "no room"));
+        }
+        assert_int_equal(status[0], status[1]);
+        if (status[0] == BB_OK)
+            assert_ptr_not_equal(tracers[0], tracers[1]);
+        taken += status[0] == BB_OK;
+    }
+    assert_in_range(taken, 2, sizeof lengths / sizeof lengths[0] - 1);
+    close_bed(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -377,6 +414,7 @@ int main(void)
         cmocka_unit_test(moving_on_a_grid_changes_nothing),
         cmocka_unit_test(permuting_primitives_changes_no_distance),
         cmocka_unit_test(the_answer_does_not_depend_on_the_tree),
+        cmocka_unit_test(long_definitions_are_told_apart),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

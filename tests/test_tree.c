@@ -63,31 +63,8 @@ static void test_deep_chain(void **state)
     }
     tree.info = (bb_tree_info){0, 2 * count - 1, count, count, 2, count - 1};
     ASSERT_OK(bb_tree_check(&tree, scene));
-    uint32_t need;
-    ASSERT_OK(bb_tree_stack_need(&tree, &need));
-    assert_int_equal(need, count - 1);
     bb_tree_release(&tree);
     free_scene(scene);
-}
-
-/* Entries of an ordered traversal: 2 at the root (3 children), then 1 at the node with two leaves.
- */
-static void test_stack_need(void **state)
-{
-    (void)state;
-    const float lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1};
-    const bb_node nodes[] = {
-        make_node(lo, hi, 1, BB_NONE),         make_node(lo, hi, 2, 4),
-        make_node(lo, hi, BB_LEAF_BIT | 0, 3), make_node(lo, hi, BB_LEAF_BIT | 1, 4),
-        make_node(lo, hi, BB_LEAF_BIT | 2, 5), make_node(lo, hi, BB_LEAF_BIT | 3, BB_NONE),
-    };
-    const uint32_t refs[] = {0 | BB_LAST_BIT, 1 | BB_LAST_BIT, 2 | BB_LAST_BIT, 3 | BB_LAST_BIT};
-    bb_tree tree;
-    uint32_t need;
-    make_tree(&tree, nodes, 6, refs, 4, 3, 2);
-    ASSERT_OK(bb_tree_stack_need(&tree, &need));
-    assert_int_equal(need, 3);
-    bb_tree_release(&tree);
 }
 
 /* ---- memory ---- */
@@ -175,7 +152,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_trees_pass),
         cmocka_unit_test(test_deep_chain),
-        cmocka_unit_test(test_stack_need),
         cmocka_unit_test(test_reserve_refuses),
         cmocka_unit_test(test_copies),
     };

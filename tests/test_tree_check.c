@@ -312,11 +312,9 @@ static void test_fuzzed_trees_do_no_harm(void **state)
                 ((uint32_t *)&tree.info)[at - words - refs] ^= bit;
         }
         uint64_t hash;
-        uint32_t need;
         bb_metric_value epo;
         (void)bb_tree_check(&tree, scene);
         (void)bb_tree_hash(&tree, &hash);
-        (void)bb_tree_stack_need(&tree, &need);
         (void)bb_tree_sah(&tree);
         (void)bb_metric_compute(bb_metrics[bb_metric_find("epo")], &tree, scene, 1, 1, &epo);
         bb_tree_release(&tree);

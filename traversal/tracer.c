@@ -7,6 +7,7 @@
 
 #include <assert.h>
 #include <ctype.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -208,94 +209,142 @@ static void release(bb_tracer *tracer)
     free(tracer);
 }
 
-static void append_number(const char *name, uint32_t value, char *text, size_t capacity)
+/* ---- the compiler's options ---- */
+
+/* The definitions are what a cached program is found by: those that were cut off could be another
+ * variant's. */
+__attribute__((format(printf, 3, 4))) static bb_status append(char *text, size_t capacity,
+                                                              const char *format, ...)
 {
     size_t length = strlen(text);
-    snprintf(text + length, capacity - length, " -D%s=%u", name, value);
+    va_list list;
+    va_start(list, format);
+    int more = vsnprintf(text + length, capacity - length, format, list);
+    va_end(list);
+    return more >= 0 && (size_t)more < capacity - length
+               ? BB_OK
+               : bb_fail(BB_FAILED, "the definitions of a kernel have no room in %zu characters",
+                         capacity - 1);
 }
 
-/* The kernel's own options as -DBB_NAME=value, '-' as '_'. Appends to `text`. */
-static void append_options(const bb_kernel *kernel, const bb_spec *spec, char *text,
-                           size_t capacity)
+/* The kernel's own options as -DBB_NAME=value, '-' as '_'. */
+static bb_status append_options(const bb_kernel *kernel, const bb_spec *spec, char *text,
+                                size_t capacity)
 {
     for (const bb_option *o = kernel->options; o != NULL && o->name != NULL; o++) {
         size_t length = strlen(text);
-        snprintf(text + length, capacity - length, " -DBB_%s=%s", o->name,
-                 bb_spec_value(spec, kernel->options, o->name));
+        BB_TRY(append(text, capacity, " -DBB_%s=%s", o->name,
+                      bb_spec_value(spec, kernel->options, o->name)));
         for (char *c = text + length + 3; *c != '\0' && *c != '='; c++)
             *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
     }
+    return BB_OK;
 }
 
-bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
-                        const bb_layout_data *layout, bb_tracer **out)
+static const char *or_empty(const char *text)
 {
+    return text != NULL ? text : "";
+}
+
+static bool is_persistent(const bb_tracer_request *request)
+{
+    return bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
+}
+
+static bb_status write_defines(const bb_device *device, const bb_tracer_request *request,
+                               const bb_layout_data *layout, const variant *v, uint32_t group,
+                               char *text, size_t capacity)
+{
+    const bb_kernel *kernel = request->kernel;
+    bb_intersector_defines(request->intersector, text, capacity);
+    /* so that all kernels get the same bits from the same steps */
+    if (bb_intersector_is_exact(request->intersector) && bb_device_divides_exactly(device))
+        BB_TRY(append(text, capacity, " -cl-fp32-correctly-rounded-divide-sqrt"));
+    BB_TRY(append(text, capacity,
+                  " %s -DBB_KINDS=%u -D%s %s -DBB_COUNTING=%d -DBB_PERSISTENT=%d -DBB_LANES=%u",
+                  or_empty(kernel->defines), v->kinds, request->query->define,
+                  or_empty(request->defines), request->counting, is_persistent(request),
+                  layout->lanes));
+    if (v->stack_size > 0)
+        BB_TRY(append(text, capacity, " -DBB_STACK_SIZE=%u", v->stack_size));
+    if (v->levels > 0)
+        BB_TRY(append(text, capacity, " -DBB_LEVELS=%u", v->levels));
+    if (kernel->batched)
+        BB_TRY(append(text, capacity, " -DBB_BATCH=%u", group));
+    return append_options(kernel, request->spec, text, capacity);
+}
+
+/* ---- tracers ---- */
+
+/* Whether the kernel answers the query for these primitives, and its trail takes the tree. */
+static bb_status check_request(const bb_tracer_request *request, const bb_layout_data *layout)
+{
+    const bb_kernel *kernel = request->kernel;
     const bb_query *query = request->query;
-    if ((request->kernel->queries & query->way) == 0)
-        return bb_fail(BB_UNSUPPORTED, "kernel %s does not answer %s queries",
-                       request->kernel->name, query->name);
+    if ((kernel->queries & query->way) == 0)
+        return bb_fail(BB_UNSUPPORTED, "kernel %s does not answer %s queries", kernel->name,
+                       query->name);
     if ((layout->kinds & ~query->kinds) != 0) {
         char kinds[64];
         bb_prim_kind_names(query->kinds, kinds, sizeof kinds);
         return bb_fail(BB_UNSUPPORTED, "%s queries are for %s alone", query->name, kinds);
     }
-    uint64_t group;
-    BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
-                       &group));
-    if (request->kernel->trail_max > 0 && layout->levels > request->kernel->trail_max)
+    if (kernel->trail_max > 0 && layout->levels > kernel->trail_max)
         return bb_fail(
             BB_UNSUPPORTED,
             "the trail of kernel %s is at most %u levels long and the tree has up to %u; a kernel "
             "without a trail may take it",
-            request->kernel->name, request->kernel->trail_max, layout->levels);
+            kernel->name, kernel->trail_max, layout->levels);
+    return BB_OK;
+}
+
+/* What depends on the device: the program, its kernel, the counter of the persistent form. */
+static bb_status compile(bb_tracer *tracer, const bb_kernel *kernel, const char *defines)
+{
+    const bb_source *source = bb_source_find(kernel->source);
+    if (source == NULL)
+        return bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s", kernel->name,
+                       kernel->source);
+    BB_TRY(bb_program_build(tracer->device, source, defines, &tracer->program));
+    BB_TRY(bb_kernel_get(tracer->program, "trace", &tracer->kernel));
+    return tracer->persistent ? bb_buffer_reserve(tracer->device, NULL, sizeof(cl_uint),
+                                                  "rays taken", &tracer->taken)
+                              : BB_OK;
+}
+
+bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
+                        const bb_layout_data *layout, bb_tracer **out)
+{
     variant v;
+    uint64_t group;
+    char defines[768], key[sizeof((bb_tracer *)NULL)->key] = "";
+    BB_TRY(check_request(request, layout));
+    BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
+                       &group));
     BB_TRY(choose_variant(request, layout, &v));
-    char intersector[192], defines[768], key[1024];
-    bb_intersector_defines(request->intersector, intersector, sizeof intersector);
-    /* so that all kernels get the same bits from the same steps */
-    if (bb_intersector_is_exact(request->intersector) && bb_device_divides_exactly(device))
-        strcat(intersector, " -cl-fp32-correctly-rounded-divide-sqrt");
-    bool persistent = bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
-    snprintf(defines, sizeof defines,
-             "%s %s -DBB_KINDS=%u -D%s %s -DBB_COUNTING=%d -DBB_PERSISTENT=%d", intersector,
-             request->kernel->defines != NULL ? request->kernel->defines : "", v.kinds,
-             query->define, request->defines != NULL ? request->defines : "", request->counting,
-             persistent);
-    append_number("BB_LANES", layout->lanes, defines, sizeof defines);
-    if (v.stack_size > 0)
-        append_number("BB_STACK_SIZE", v.stack_size, defines, sizeof defines);
-    if (v.levels > 0)
-        append_number("BB_LEVELS", v.levels, defines, sizeof defines);
-    if (request->kernel->batched)
-        append_number("BB_BATCH", (uint32_t)group, defines, sizeof defines);
-    append_options(request->kernel, request->spec, defines, sizeof defines);
-    snprintf(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines);
+    BB_TRY(write_defines(device, request, layout, &v, (uint32_t)group, defines, sizeof defines));
+    BB_TRY(append(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines));
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)
         if (tracer->device == device && strcmp(tracer->key, key) == 0) {
             *out = tracer;
             return BB_OK;
         }
 
-    bb_tracer *tracer = calloc(1, sizeof *tracer);
+    bb_tracer *tracer = malloc(sizeof *tracer);
     if (tracer == NULL)
         return bb_fail(BB_FAILED, "out of memory");
-    tracer->device = device;
-    strcpy(tracer->key, key);
-    tracer->group = (uint32_t)group;
-    tracer->stack_size = v.stack_size;
-    tracer->counting = request->counting;
-    tracer->persistent = persistent;
-    tracer->batched = request->kernel->batched;
-    tracer->format = bb_intersector_format(request->intersector);
-    tracer->lanes = layout->lanes;
-    const bb_source *source = bb_source_find(request->kernel->source);
-    bb_status status = source != NULL ? bb_program_build(device, source, defines, &tracer->program)
-                                      : bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s",
-                                                request->kernel->name, request->kernel->source);
-    if (status == BB_OK)
-        status = bb_kernel_get(tracer->program, "trace", &tracer->kernel);
-    if (status == BB_OK && persistent)
-        status = bb_buffer_reserve(device, NULL, sizeof(cl_uint), "rays taken", &tracer->taken);
+    *tracer = (bb_tracer){
+        .device = device,
+        .group = (uint32_t)group,
+        .stack_size = v.stack_size,
+        .counting = request->counting,
+        .persistent = is_persistent(request),
+        .batched = request->kernel->batched,
+        .format = bb_intersector_format(request->intersector),
+        .lanes = layout->lanes,
+    };
+    memcpy(tracer->key, key, sizeof key);
+    bb_status status = compile(tracer, request->kernel, defines);
     if (status != BB_OK) {
         release(tracer);
         return status;

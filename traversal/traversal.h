@@ -78,6 +78,8 @@ typedef struct bb_layout {
         bool per_reference;
         uint32_t stride;
     } array;
+    /* Compiles and allocates what does not depend on a tree. Both outlive the object; all memory is
+     * booked on `account`. If it fails, *self goes to destroy(), as it was set until then. */
     bb_status (*create)(bb_device *device, bb_account *account, void **self);
     /* Makes the layout of `source`, with triangles in data->format and lengths multiplied by
      * data->scale: sets buffers, root, stack_need, levels, keeps_shape, and lanes if they are
@@ -90,9 +92,9 @@ typedef struct bb_layout {
     void (*destroy)(void *self); /* whatever create() made, even if it failed; NULL is allowed */
 } bb_layout;
 
-extern const bb_layout *const bb_layouts[]; /* generated; ends with NULL */
-const bb_layout *bb_layout_find(const char *name);
-void bb_layout_data_release(bb_layout_data *data);
+extern const bb_layout *const bb_layouts[];        /* generated; ends with NULL */
+const bb_layout *bb_layout_find(const char *name); /* NULL if there is none */
+void bb_layout_data_release(bb_layout_data *data); /* a zeroed one is allowed */
 
 /* A layout in use on a device. It must not be moved: the account is in it. */
 typedef struct bb_layout_maker {
@@ -108,6 +110,8 @@ typedef struct bb_layout_maker {
     uint32_t leaf;
 } bb_layout_maker;
 
+/* Compiles what the layout needs on the device, which outlives the maker. After a failure the maker
+ * is zeroed, and there is nothing to destroy. */
 bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device,
                                  bb_layout_maker *maker);
 void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed */
@@ -137,7 +141,7 @@ typedef struct bb_intersector {
 extern const bb_intersector
     bb_intersectors[]; /* from exact to careless; ends with name NULL; the first is the default */
 extern const bb_option bb_intersector_options[]; /* the defaults are those of each preset */
-const bb_intersector *bb_intersector_find(const char *name);
+const bb_intersector *bb_intersector_find(const char *name); /* NULL if there is none */
 
 /* The preset that `text` names, with its options applied. BB_INVALID for an unknown name, option or
  * value. */
@@ -149,7 +153,7 @@ bb_u32 bb_intersector_format(const bb_intersector *intersector);
 /* Whether it must never be wrong: then it counts for the exit status of `run`. */
 bool bb_intersector_is_exact(const bb_intersector *intersector);
 
-/* Its options as -D definitions for kernels/intersect.clh. */
+/* Its options as -D definitions for kernels/intersect.clh: less than 128 characters. */
 void bb_intersector_defines(const bb_intersector *intersector, char *text, size_t capacity);
 
 typedef struct bb_kernel {
@@ -180,16 +184,18 @@ typedef struct bb_kernel {
     const bb_option *options;
 } bb_kernel;
 
-extern const bb_kernel *const bb_kernels[]; /* generated; ends with NULL */
-const bb_kernel *bb_kernel_find(const char *name);
+extern const bb_kernel *const bb_kernels[];        /* generated; ends with NULL */
+const bb_kernel *bb_kernel_find(const char *name); /* NULL if there is none */
 extern const bb_option bb_kernel_common_options[];
-/* Checks the parameters of a kernel's specification: its own options and the common ones. */
+/* Checks the parameters of a kernel's specification: its own options and the common ones.
+ * BB_INVALID names the one that it does not take. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
 /* Whether both are of one layout. */
 bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b);
 /* What the kernel's parameters ask for: for bb_layout_maker.wish. */
 bb_layout_wish bb_kernel_wish(const bb_spec *spec);
-/* The kernel that `text` names, and its specification, checked. */
+/* The kernel that `text` names, and its specification, checked. BB_INVALID for an unknown name,
+ * option or value. */
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel);
 
 /* A kernel compiled for an intersector, a query, and what a layout needs. */
@@ -206,14 +212,17 @@ typedef struct bb_tracer_request {
 
 /* A tracer for layouts that need no more than this one: primitive kinds, stack entries (rounded up
  * to 16, 32, 64 ...), levels of a trail (64, 128, 256 ...). Taken from a cache of the device, so
- * that equal requests compile once; owned by the cache. BB_UNSUPPORTED if the kernel does not
- * answer the query, or not for these primitives, or if its trail is too short for the tree. */
+ * that equal requests compile once; owned by the cache, until bb_tracers_clear(). BB_UNSUPPORTED if
+ * the kernel does not answer the query, or not for these primitives, or if its trail is too short
+ * for the tree; BB_FAILED if it does not compile, or its definitions are too long. */
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
                         const bb_layout_data *layout, bb_tracer **tracer);
 /* What was decided for such a tracer: stack, levels of the trail, kinds. */
 bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_data *layout,
                            bb_decisions *decisions);
+/* Releases all tracers of the device: before it is closed, and when nobody uses one any more. */
 void bb_tracers_clear(bb_device *device);
+/* Rays of a work-group. */
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t
 bb_tracer_stack_size(const bb_tracer *tracer);        /* 0: it needs no stack of the tree's size */

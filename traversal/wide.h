@@ -5,12 +5,19 @@
 
 #include "traversal/traversal.h"
 
-/* A layout of nodes with up to `width` children (4 or 8; quantised: 8), called `name`. */
+/* Makes a layout of nodes with up to `width` children (4 or 8; quantised: 8), which the hooks below
+ * get. `device`, `account` and `name`, as which memory is booked, outlive it. After a failure *self
+ * is to be destroyed too. */
 bb_status bb_wide_create(bb_device *device, bb_account *account, const char *name, uint32_t width,
                          bool quantised, void **self);
+
+/* The hooks of bb_layout. make() fills two buffers, nodes and records, which the caller releases
+ * with `data`; BB_UNSUPPORTED for what the layout does not take, BB_REFUSED where there is no
+ * memory. collapses() is true for trees of which nodes are made without pairs of children in
+ * between (wide_direct.h). */
 bb_status bb_wide_make(void *self, const bb_layout_source *source, bb_layout_data *data);
 bool bb_wide_collapses(const void *self, const bb_tree *tree);
-void bb_wide_destroy(void *self);
+void bb_wide_destroy(void *self); /* NULL is allowed */
 
 /* What the struct of such a layout says after name and summary; create() is the file's own. */
 #define BB_WIDE_LAYOUT(places)                                                                     \

@@ -169,7 +169,7 @@ static uint32_t room_for(const aac *self, uint32_t size)
 
 static void choose_sizes(aac *self, uint32_t count)
 {
-    uint32_t cores = most_of(self->device->compute_units, 1);
+    uint32_t cores = self->device->compute_units;
     self->prepared = count;
     self->large = on_cpu(self) ? most_of(count / (TASKS_PER_CORE * cores), LARGE_CPU) : LARGE_GPU;
     self->goals = aac_goal(&self->law, most_of(count, self->law.delta));

@@ -32,7 +32,7 @@ typedef struct bb_ploc {
 /* For a builder with BB_CODE_OPTIONS and an option `radius`; `ploc` is zeroed. To be released even
  * after a failure. */
 bb_status bb_ploc_create(const bb_builder_context *context, bb_ploc *ploc);
-void bb_ploc_release(bb_ploc *ploc);
+void bb_ploc_release(bb_ploc *ploc); /* one that is only zeroed is allowed */
 
 /* Settles the code, and reserves everything for `lists` lists of as many clusters as the scene has
  * primitives. */

@@ -184,7 +184,7 @@ static uint32_t chunks_of(const optimiser *self, uint32_t count)
 
 static uint32_t cores_of(const optimiser *self)
 {
-    return self->device->compute_units > 0 ? self->device->compute_units : 1;
+    return self->device->compute_units;
 }
 
 static uint32_t items_of(const optimiser *self, const bb_levels *levels)

@@ -18,13 +18,14 @@
 #include "framework/builder/builder.h"
 
 /* Makes an optimiser, which the other hooks get: reads the options rounds, treelet (3 to
- * `treelet_most`) and gamma, and compiles `source`. */
+ * `treelet_most`) and gamma, and compiles `source`. BB_INVALID for options out of range. After a
+ * failure *out, if it was set, is to be destroyed. */
 bb_status bb_treelets_create(const bb_builder_context *context, const bb_source *source,
                              uint32_t treelet_most, void **out);
 
 /* ---- the other hooks of such a builder ---- */
 
-void bb_treelets_destroy(void *opaque);
+void bb_treelets_destroy(void *opaque); /* NULL is allowed */
 
 /* Room for trees of one leaf per primitive: 94 bytes per primitive beside the tree, on GPUs 120. */
 bb_status bb_treelets_prepare(void *opaque, const bb_scene *scene, bb_tree *tree);
@@ -35,6 +36,7 @@ bb_status bb_treelets_prepare(void *opaque, const bb_scene *scene, bb_tree *tree
 bb_status bb_treelets_build(void *opaque, const bb_scene *scene, const bb_tree *input,
                             bb_tree *tree, bb_phases *phases);
 
+/* Treelets rebuilt of those looked at, their leaves and the rounds made: of the last build. */
 bb_status bb_treelets_describe(void *opaque, const bb_scene *scene, char *text, size_t capacity);
 
 #endif

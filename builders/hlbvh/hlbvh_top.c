@@ -106,7 +106,7 @@ static uint32_t divide_up(uint32_t a, uint32_t b)
 static void choose_sizes(hl_top *top, uint32_t clusters)
 {
     if (top->device->form == BB_FORM_CPU) {
-        uint32_t parts = TASKS_PER_CORE * at_least(top->device->compute_units, 1);
+        uint32_t parts = TASKS_PER_CORE * top->device->compute_units;
         top->small = at_least(divide_up(clusters, parts), SMALL_CPU);
         top->chunk = CHUNK_CPU;
         top->tasks_most = at_most(clusters / SMALL_CPU, parts) + 1;

@@ -392,6 +392,8 @@ const bb_builder bb_builder_olbvh = {
     .deterministic = true,
     .options = options,
     .compared = "",
+    .meshes = "olbvh,olbvh:alpha=1",
+    .meshes_long = "olbvh:alpha=2",
     .create = create,
     .prepare = prepare,
     .build = build,

@@ -241,6 +241,7 @@ const bb_builder bb_builder_sah = {
     .options = options,
     .compared = "sah,sah:method=sweep",
     .yardstick = true,
+    .cost_reference = "sah:method=sweep",
     .create = create,
     .prepare = prepare,
     .build = build,

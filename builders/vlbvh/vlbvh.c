@@ -274,6 +274,7 @@ const bb_builder bb_builder_vlbvh = {
     .deterministic = true,
     .options = options,
     .compared = "",
+    .volumes = "vlbvh",
     .create = create,
     .prepare = prepare,
     .build = build,

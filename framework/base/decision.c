@@ -4,7 +4,6 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 const char *bb_decider_word(bb_decider by)
 {
@@ -41,12 +40,4 @@ void bb_decide_word(bb_decisions *list, const char *what, const char *value, bb_
     va_start(arguments, figure);
     decide(list, what, value, by, figure, arguments);
     va_end(arguments);
-}
-
-const bb_decision *bb_decision_find(const bb_decisions *list, const char *what)
-{
-    for (uint32_t i = 0; i < list->count; i++)
-        if (strcmp(list->items[i].what, what) == 0)
-            return &list->items[i];
-    return NULL;
 }

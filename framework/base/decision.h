@@ -47,9 +47,6 @@ void bb_decide_number(bb_decisions *list, const char *what, uint64_t value, bb_d
 void bb_decide_word(bb_decisions *list, const char *what, const char *value, bb_decider by,
                     const char *figure, ...) __attribute__((format(printf, 5, 6)));
 
-/* The decision of that name; NULL if there is none. */
-const bb_decision *bb_decision_find(const bb_decisions *list, const char *what);
-
 #ifdef __cplusplus
 }
 #endif

@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 10 };
+enum { BB_ABI_VERSION = 11 };
 
 /* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
  * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the
@@ -127,12 +127,24 @@ struct bb_builder {
     /* Variants that `stress` tries by default besides those of `compared`, as a list: what shows a
      * weak spot that the others have not. Optional. */
     const char *stressed;
+    /* The builder that is taken where one is needed and none is named: beside a splitter or an
+     * optimiser that stands alone, for a picture, for an axis of `stress`. Optional: of one, which
+     * takes all kinds and is compared by default (bb_usual_builder() in pipeline.h). */
+    bool usual;
+    /* The variant whose SAH trees of other builders are held to: several times that is taken for a
+     * bug, or for a scene that defeats the method. Optional: of one. */
+    const char *cost_reference;
+    /* Variants, as lists, that are compared by default by `volume` on volumes; by `volume`, `slice`
+     * and `overlap` on meshes of tetrahedra; and on these those that take long, which
+     * `volume --brief` leaves out. Optional. */
+    const char *volumes, *meshes, *meshes_long;
     /* For `advise`: variants, as a list, that take no more than the scene needs, and one that is
      * enough for any scene, which tells what they save. Optional. */
     const char *least, *generous;
 
     /* Compiles and allocates what does not depend on the scene; not timed. Called once per object;
-     * the other hooks get `self`. Required. */
+     * the other hooks get *self, which is NULL before. If it fails after it has set *self, that goes
+     * to destroy() and to no other hook: set it as soon as there is something to free. Required. */
     bb_status (*create)(const bb_builder_context *context, void **self);
 
     /* Allocates what build() will need for this scene, so that build() does not have to. Called
@@ -177,7 +189,9 @@ struct bb_builder {
      * Not timed. Optional. */
     void (*decide)(void *self, const bb_scene *scene, bb_decisions *decisions);
 
-    /* Frees everything; called once, even after a failed build. Required. */
+    /* Frees everything; called once on whatever create() has set, also after a build that failed,
+     * and after a create() that failed half-way: members that it did not come to are as it left
+     * them. Not called if *self is NULL. Required. */
     void (*destroy)(void *self);
 };
 

@@ -105,20 +105,21 @@ bb_status bb_pipeline_parse(const char *text, bb_pipeline *pipeline)
     return BB_OK;
 }
 
-/* What stands beside a splitter or an optimiser that was named alone. */
-static const bb_builder *default_beside(const bb_builder *stage)
+const bb_builder *bb_usual_builder(uint32_t kinds)
 {
     const bb_builder *best = NULL;
     int most = 0;
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *builder = bb_builder_at(i);
         bool compared = builder->compared == NULL || builder->compared[0] != '\0';
-        int kinds = __builtin_popcount(stage->kinds & builder->kinds);
+        int taken = __builtin_popcount(kinds & builder->kinds);
         if (!compared || bb_is_splitter(builder) || bb_is_optimiser(builder) ||
-            (builder->inputs & BB_INPUTS_OF_PRIMITIVES) != 0 || kinds <= most)
+            (builder->inputs & BB_INPUTS_OF_PRIMITIVES) != 0 || taken == 0)
             continue;
-        best = builder;
-        most = kinds;
+        if (taken > most || (taken == most && builder->usual && !best->usual)) {
+            best = builder;
+            most = taken;
+        }
     }
     return best;
 }
@@ -130,7 +131,7 @@ bb_status bb_pipeline_complete(const char *text, char *whole, size_t capacity, b
     const bb_builder *stage = pipeline.stages[0].builder;
     bool splits = bb_is_splitter(stage), alone = pipeline.count == 1;
     bool lacks = alone && (splits || bb_is_optimiser(stage));
-    const bb_builder *beside = lacks ? default_beside(stage) : NULL;
+    const bb_builder *beside = lacks ? bb_usual_builder(stage->kinds) : NULL;
     if (lacks && beside == NULL)
         return bb_fail(BB_INVALID, "%s needs a builder beside it, and none takes what it takes",
                        stage->name);

@@ -22,11 +22,14 @@ typedef struct bb_pipeline {
  * builder, optimisers or none. BB_INVALID with one line that says what to write. */
 bb_status bb_pipeline_parse(const char *text, bb_pipeline *pipeline);
 
-/* `text` as it is, in whatever order its stages are; but a splitter or an optimiser alone gets a
- * builder beside it: of those that `run` compares by default and that read no geometry, the one
- * that takes most of its kinds of primitives, the first of several. *completed says whether that
- * was needed (may be NULL). BB_INVALID if there is no such builder, the text is unknown, or has no
- * room. */
+/* The builder that is taken where one is needed and none is named: of those that `run` compares by
+ * default and that read no geometry, the one that takes most of these kinds of primitives; of
+ * several, the one that declares itself the usual one, else the first. NULL: none takes any. */
+const bb_builder *bb_usual_builder(uint32_t kinds);
+
+/* `text` as it is, in whatever order its stages are; but a splitter or an optimiser alone gets the
+ * usual builder of its kinds beside it. *completed says whether that was needed (may be NULL).
+ * BB_INVALID if there is no such builder, the text is unknown, or has no room. */
 bb_status bb_pipeline_complete(const char *text, char *whole, size_t capacity, bool *completed);
 
 /* How many of its stages are on the device. */

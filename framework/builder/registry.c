@@ -184,9 +184,16 @@ bb_status bb_builder_validate(const bb_builder *builder)
         if (!rules[i].good)
             return bb_fail(BB_INVALID, "builder %s: %s", builder->name, rules[i].problem);
     BB_TRY(validate_options(builder->name, builder->options));
-    BB_TRY(validate_variants(builder, builder->compared, "compared"));
-    BB_TRY(validate_variants(builder, builder->least, "least"));
-    return validate_variants(builder, builder->generous, "generous");
+    const struct {
+        const char *list, *member;
+    } variants[] = {
+        {builder->compared, "compared"},      {builder->least, "least"},
+        {builder->generous, "generous"},      {builder->cost_reference, "cost_reference"},
+        {builder->volumes, "volumes"},        {builder->meshes, "meshes"},
+        {builder->meshes_long, "meshes_long"}};
+    for (size_t i = 0; i < sizeof variants / sizeof *variants; i++)
+        BB_TRY(validate_variants(builder, variants[i].list, variants[i].member));
+    return BB_OK;
 }
 
 /* ---- adding one ---- */

@@ -8,6 +8,13 @@
 #include "framework/device/device.h"
 #include "framework/scene/scene.h"
 
+/* --form: what it is, and the option as all commands have it that open a device in one form. */
+#define BB_FORM_HELP "which variant of device code to use where there are two"
+#define BB_FORM_OPTION                                                                             \
+    {                                                                                              \
+        "form", "F", BB_FORM_HELP ": auto, cpu or gpu; default: auto", BB_CLI_ONCE                 \
+    }
+
 /* By --device, --form and --kernels-from. */
 bb_status bb_open_device(const bb_cli *cli, bb_device **device);
 /* The same in a form of the caller's. */

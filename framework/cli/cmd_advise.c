@@ -32,7 +32,7 @@ static const bb_cli_option options[] = {
     {"seed", "N", "random seed; default: 1", false},
     {"json", NULL, "print the advice as JSON", false},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},

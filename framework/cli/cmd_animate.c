@@ -31,7 +31,7 @@ static const bb_cli_option options[] = {
     {"quiet", NULL, "do not show progress", BB_CLI_ONCE},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first",
      BB_CLI_ONCE},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", BB_CLI_ONCE},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      BB_CLI_ONCE},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", BB_CLI_LIST},
@@ -234,12 +234,12 @@ const bb_command bb_command_animate = {
     .name = "animate",
     .summary = "moving scenes: methods that keep trees up to date, frame by frame",
     .details = "A method is a builder, which builds each frame anew, or follows with what it has "
-               "for it:\n"
-               "lbvh, lbvh+refit, sah+refit:rotate=yes. All go through the frames together; each "
-               "frame's trees\n"
-               "are checked and each answer judged. Reported are updates, layouts, tracing, costs "
-               "beside those of\n"
-               "trees made for the frame, and who wins for how many rays per frame.\n"
+               "for it, alone or\n"
+               "with optimisers behind it. All go through the frames together; each frame's trees "
+               "are checked and\n"
+               "each answer judged. Reported are updates, layouts, tracing, costs beside those of "
+               "trees made for the\n"
+               "frame, and who wins for how many rays per frame.\n"
                "Exit status 1: an answer is wrong, or a tree does not hold.",
     .more_help = more_help,
     .options = options,

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 static const bb_cli_option options[] = {
-    {"builder", "B", "default: " BB_USUAL_TET_BUILDERS, BB_CLI_LIST},
+    {"builder", "B", "default: what builders name for it, see below", BB_CLI_LIST},
     {"search", "S", "skip, octree, octree:boundary=no; default: skip,octree", BB_CLI_LIST},
     {"no-tree", NULL, "also by all pairs, which others are compared with", false},
     {"fit", "X",
@@ -22,7 +22,7 @@ static const bb_cli_option options[] = {
     {"seed", "N", "random seed; default: 1", false},
     {"json", NULL, "print JSON", false},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
@@ -50,7 +50,7 @@ static bb_status read_request(job *j)
     BB_TRY(bb_cli_u64(j->cli, "seed", 1, 0, UINT64_MAX, &request->seed));
     request->repeats = (uint32_t)repeats;
     request->without = bb_cli_value(j->cli, "no-tree") != NULL;
-    BB_TRY(bb_choose_tree_builders(j->cli, BB_USUAL_TET_BUILDERS, &j->builders));
+    BB_TRY(bb_choose_tree_builders(j->cli, BB_OF_MESHES, &j->builders));
     BB_TRY(bb_choose_searches(j->cli, &j->searches));
     request->builders = (const char *const *)j->builders.items;
     request->builder_count = (uint32_t)j->builders.count;
@@ -171,6 +171,7 @@ const bb_command bb_command_overlap = {
         "spares\n"
         "tests where a cell is all inside of the other mesh, or all outside.\n"
         "Exit status 1: an answer differs from the first way's.",
+    .more_help = bb_print_mesh_builders,
     .options = options,
     .run = run,
 };

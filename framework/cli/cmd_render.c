@@ -1,6 +1,6 @@
 /* bvhbench render: one picture of a view, traced by a builder's tree and a kernel. */
 #include "framework/builder/instance.h"
-#include "framework/builder/registry.h"
+#include "framework/builder/pipeline.h"
 #include "framework/cli/choice.h"
 #include "framework/device/device_private.h"
 #include "framework/judge/judge.h"
@@ -17,7 +17,7 @@
 
 static const bb_cli_option options[] = {
     {"scene", "S", "file, shipped or procedural scene", false},
-    {"builder", "B", "default: the first that `run` compares", false},
+    {"builder", "B", "default: the usual one, which takes all kinds of primitives", false},
     {"kernel", "K", "default: the first in `list kernels`", false},
     {"intersector", "I", "default: exact", false},
     {"show", "P", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
@@ -28,7 +28,7 @@ static const bb_cli_option options[] = {
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"out", "FILE", "FILE.png: a picture; FILE.exr: the numbers behind it", false},
@@ -64,12 +64,11 @@ static bb_status choose_builder(const bb_cli *cli, char *whole, size_t capacity)
         snprintf(whole, capacity, "%s", given);
         return bb_instance_check(given);
     }
-    for (uint32_t i = 0; i < bb_builder_count(); i++) {
-        const bb_builder *builder = bb_builder_at(i);
-        if (builder->compared == NULL || builder->compared[0] != '\0')
-            return bb_pipeline_complete(builder->name, whole, capacity, NULL);
-    }
-    return bb_fail(BB_INVALID, "`run` compares no builder by default: give --builder");
+    const bb_builder *usual = bb_usual_builder(BB_ALL_KINDS);
+    if (usual == NULL)
+        return bb_fail(BB_INVALID, "`run` compares no builder by default: give --builder");
+    snprintf(whole, capacity, "%s", usual->name);
+    return BB_OK;
 }
 
 static bb_status choose_kernel(const bb_cli *cli, rendering *r)

@@ -17,7 +17,7 @@ static const bb_cli_option options[] = {
     {"quick", NULL, "small scenes, few rays, two rounds: a trial that decides no claim on times",
      false},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"seed", "N", "random seed; default: 1", false},

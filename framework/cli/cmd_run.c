@@ -27,7 +27,7 @@ static const bb_cli_option options[] = {
      true},
     {"cell", "KEY", "measure exactly this cell, instead of all of the above", BB_CLI_REPEATED},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"size", "WxH",

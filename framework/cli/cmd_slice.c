@@ -16,7 +16,7 @@ static const bb_cli_option options[] = {
      "mesh of tetrahedra: a file (.node, .ele, .msh, .mesh, .vtk) or `tets:side=N` (may be "
      "repeated)",
      BB_CLI_REPEATED},
-    {"builder", "B", "default: " BB_USUAL_TET_BUILDERS, BB_CLI_LIST},
+    {"builder", "B", "default: what builders name for it, see below", BB_CLI_LIST},
     {"search", "S", "skip, octree, octree:boundary=no; default: skip,octree", BB_CLI_LIST},
     {"no-tree", NULL, "also by all tetrahedra, one after the other, which others are compared with",
      false},
@@ -31,7 +31,7 @@ static const bb_cli_option options[] = {
     {"seed", "N", "random seed; default: 1", false},
     {"json", NULL, "print JSON", false},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
@@ -81,7 +81,7 @@ static bb_status read_request(job *j)
     request->exr = bb_exr_check() == BB_OK;
     if (!request->exr && bb_cli_value(j->cli, "out") != NULL)
         fprintf(stderr, "bvhbench: slices are written without EXR files: %s\n", bb_message());
-    BB_TRY(bb_choose_tree_builders(j->cli, BB_USUAL_TET_BUILDERS, &j->builders));
+    BB_TRY(bb_choose_tree_builders(j->cli, BB_OF_MESHES, &j->builders));
     BB_TRY(bb_choose_searches(j->cli, &j->searches));
     request->builders = (const char *const *)j->builders.items;
     request->builder_count = (uint32_t)j->builders.count;
@@ -181,6 +181,7 @@ const bb_command bb_command_slice = {
         "Exit status 1: a voxel differs from the first way's (of a mesh that overlaps itself, "
         "values "
         "may).",
+    .more_help = bb_print_mesh_builders,
     .options = options,
     .run = run,
 };

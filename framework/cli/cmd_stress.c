@@ -26,7 +26,7 @@ static const bb_cli_option options[] = {
     {"limit", "SECONDS", "what takes longer, for one value of an axis, hangs; default: 120", false},
     {"memory", "MIB", "what takes more floods the memory; default: 8192", false},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"seed", "N", "random seed; default: 1", false},

@@ -21,7 +21,7 @@ static const bb_cli_option options[] = {
      "transfer function: of `list transfers`, or a file; several follow each other; default: the "
      "scene's; of a mesh, ramp",
      BB_CLI_LIST},
-    {"builder", "B", "default: vlbvh,lbvh; for a mesh " BB_USUAL_TET_BUILDERS, BB_CLI_LIST},
+    {"builder", "B", "default: what builders name for it, see below", BB_CLI_LIST},
     {"kernel", "K", "of a volume; default: stack,stack8", BB_CLI_LIST},
     {"search", "S",
      "of a mesh, how samples are found: skip, octree, octree:boundary=no; default: skip,octree",
@@ -44,11 +44,11 @@ static const bb_cli_option options[] = {
      BB_CLI_LIST},
     {"repeats", "N", "measured rounds; default: 10", false},
     {"seed", "N", "random seed; default: 1", false},
-    {"brief", NULL, "less: by default no alpha=2, which takes long; no trees, phases and legends",
-     false},
+    {"brief", NULL,
+     "less: by default no builders that take long on meshes; no trees, phases and legends", false},
     {"json", NULL, "print JSON", false},
     {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
-    {"form", "F", "variant of sort and scan: auto, cpu or gpu; default: auto", false},
+    BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
@@ -116,11 +116,10 @@ static bb_status read_numbers(const bb_cli *cli, bb_dvr_request *request)
 static bb_status read_names(job *j)
 {
     const bool brief = bb_cli_value(j->cli, "brief") != NULL;
-    const char *const usual[2] = {"vlbvh,lbvh",
-                                  brief ? "lbvh,olbvh,olbvh:alpha=1" : BB_USUAL_TET_BUILDERS};
     uint32_t count;
-    for (int mesh = 0; mesh < 2; mesh++)
-        BB_TRY(bb_choose_tree_builders(j->cli, usual[mesh], &j->builders[mesh]));
+    BB_TRY(bb_choose_tree_builders(j->cli, BB_OF_VOLUMES, &j->builders[0]));
+    BB_TRY(bb_choose_tree_builders(j->cli, brief ? BB_OF_MESHES_BRIEFLY : BB_OF_MESHES,
+                                   &j->builders[1]));
     BB_TRY(bb_choose_searches(j->cli, &j->searches));
     bb_cli_values(j->cli, "kernel", &count);
     return count > 0 ? bb_choose_kernels(j->cli, &j->kernels)
@@ -295,6 +294,7 @@ const bb_command bb_command_volume = {
         "then how far pictures are from converged ones, by the distance of samples.\n"
         "Of a mesh of tetrahedra: each builder with each search, against the first of them.\n"
         "Exit status 1: a picture differs from the one without a tree, or from the first.",
+    .more_help = bb_print_volume_builders,
     .options = options,
     .run = run,
 };

@@ -3,6 +3,7 @@
 #include "framework/base/file.h"
 #include "framework/base/interrupt.h"
 #include "framework/builder/pipeline.h"
+#include "framework/builder/registry.h"
 #include "framework/cli/inputs.h"
 #include "framework/locate/tet_search.h"
 #include "framework/record/put.h"
@@ -30,11 +31,53 @@ bb_status bb_choose_searches(const bb_cli *cli, bb_names *searches)
     return count > 0 ? BB_OK : bb_names_add(searches, "skip,octree");
 }
 
-bb_status bb_choose_tree_builders(const bb_cli *cli, const char *usual, bb_names *builders)
+static const char *declared(const bb_builder *builder, bb_contest_kind kind)
+{
+    return kind == BB_OF_VOLUMES ? builder->volumes : builder->meshes;
+}
+
+/* The usual builder is first: of meshes, others are compared with it. Those that take long are
+ * last. */
+static bb_status add_declared(bb_names *names, bb_contest_kind kind)
+{
+    const bb_builder *usual = bb_usual_builder(BB_ALL_KINDS);
+    if (usual != NULL && declared(usual, kind) != NULL)
+        BB_TRY(bb_names_add(names, declared(usual, kind)));
+    for (uint32_t i = 0; i < bb_builder_count(); i++)
+        if (bb_builder_at(i) != usual && declared(bb_builder_at(i), kind) != NULL)
+            BB_TRY(bb_names_add(names, declared(bb_builder_at(i), kind)));
+    for (uint32_t i = 0; i < bb_builder_count() && kind == BB_OF_MESHES; i++)
+        if (bb_builder_at(i)->meshes_long != NULL)
+            BB_TRY(bb_names_add(names, bb_builder_at(i)->meshes_long));
+    return BB_OK;
+}
+
+bb_status bb_choose_tree_builders(const bb_cli *cli, bb_contest_kind kind, bb_names *builders)
 {
     uint32_t count;
     bb_cli_values(cli, "builder", &count);
-    return count > 0 ? bb_choose_builders(cli, true, builders) : bb_names_add(builders, usual);
+    return count > 0 ? bb_choose_builders(cli, true, builders) : add_declared(builders, kind);
+}
+
+static void print_declared(FILE *out, bb_contest_kind kind, const char *what)
+{
+    bb_names names = {0};
+    if (add_declared(&names, kind) == BB_OK)
+        for (size_t i = 0; i < names.count; i++)
+            fprintf(out, "%s%s", i == 0 ? what : ", ", names.items[i]);
+    fputs(names.count > 0 ? "\n" : "", out);
+    bb_names_free(&names);
+}
+
+void bb_print_volume_builders(FILE *out)
+{
+    print_declared(out, BB_OF_VOLUMES, "\nbuilders by default: of volumes ");
+    print_declared(out, BB_OF_MESHES, "                     of meshes ");
+}
+
+void bb_print_mesh_builders(FILE *out)
+{
+    print_declared(out, BB_OF_MESHES, "\nbuilders by default: ");
 }
 
 bool bb_contest_document(const char *schema, const bb_device *device, cJSON **document,

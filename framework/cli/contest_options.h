@@ -7,14 +7,19 @@
 
 #include <cjson/cJSON.h>
 
-/* Builders and searches of meshes by default. */
-#define BB_USUAL_TET_BUILDERS "lbvh,olbvh,olbvh:alpha=1,olbvh:alpha=2"
-
 /* --search; "skip,octree" if there is none. */
 bb_status bb_choose_searches(const bb_cli *cli, bb_names *searches);
 
-/* --builder; `usual` if there is none. */
-bb_status bb_choose_tree_builders(const bb_cli *cli, const char *usual, bb_names *builders);
+/* What builders declare to be compared by default: on volumes, on meshes of tetrahedra, and on
+ * meshes without those that take long. */
+typedef enum bb_contest_kind { BB_OF_VOLUMES, BB_OF_MESHES, BB_OF_MESHES_BRIEFLY } bb_contest_kind;
+
+/* --builder; if there is none, what builders declare for it. */
+bb_status bb_choose_tree_builders(const bb_cli *cli, bb_contest_kind kind, bb_names *builders);
+
+/* The defaults as lines of help. */
+void bb_print_volume_builders(FILE *out);
+void bb_print_mesh_builders(FILE *out);
 
 /* A document of this schema with revision and device, and its list of results, which is in it.
  * False: no memory, and there is no document. */

@@ -47,7 +47,7 @@ typedef struct bb_device {
     char fence[64];        /* options that compile a fence between work-groups; "": there is none */
     uint32_t litmus_pairs; /* of work-groups' messages in the litmus test; 0: there is no fence */
     uint32_t litmus_stale; /* words of them that were not there yet */
-    uint32_t compute_units;
+    uint32_t compute_units; /* at least 1 */
     size_t max_group_size;
     cl_device_fp_config float_config; /* CL_DEVICE_SINGLE_FP_CONFIG */
     uint64_t local_bytes;

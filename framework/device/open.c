@@ -168,7 +168,8 @@ static bb_status query_device(bb_device *device)
             clGetDeviceInfo(device->id, queries[i].what, queries[i].size, queries[i].out, NULL),
             "asking the device what it is");
     device->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
-    device->compute_units = units;
+    device->compute_units =
+        units > 0 ? units : 1; /* some drivers do not know: work is divided by it */
     device->global_bytes = global;
     device->largest_allocation = largest;
     device->local_bytes = local;

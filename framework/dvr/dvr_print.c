@@ -80,8 +80,8 @@ void bb_dvr_print(const bb_dvr_result *r)
            "picture\n",
            mesh ? "the first way" : "the march without a tree", mesh ? ", in tetrahedra only" : "");
     if (!mesh)
-        printf(" builders other than vlbvh get the boxes of what is seen, and find nothing out "
-               "themselves\n");
+        printf(" builders that do not read the volume itself get the boxes of what is seen, and "
+               "find nothing out\n");
     printf("\n");
     if (mesh)
         bb_contest_print_trees(r->ways, r->way_count, r->tets);

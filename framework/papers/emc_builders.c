@@ -18,10 +18,10 @@ void bb_emc_summary(const bb_findings *all, bb_reproduction *r, const char *titl
                                           "time primary", "time diffuse", "time shadow",
                                           "time random",  "build",        NULL};
     bb_table(r, title, columns);
-    for (int i = 0; i < METHOD_COUNT; i++) {
+    for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         const bb_emc_method *m = &bb_emc_methods[i];
         const char *builder = beside ? m->plain : m->var;
-        const char *base = beside ? bb_emc_methods[LBVH].plain : m->plain;
+        const char *base = beside ? bb_emc_methods[EMC_LBVH].plain : m->plain;
         bb_words name = {0};
         bb_say(&name, "%s", m->name);
         bb_emc_missing(m->plain, &name);
@@ -29,7 +29,7 @@ void bb_emc_summary(const bb_findings *all, bb_reproduction *r, const char *titl
         bb_table_text(r, name.text);
         bb_table_number(r, bb_emc_mean(all, cost, builder, base).value, 3);
         for (bb_emc_what what = EMC_WORK; what <= EMC_TIME; what++)
-            for (int k = 0; k < INSIDE_KINDS; k++) {
+            for (int k = 0; k < EMC_INSIDE_KINDS; k++) {
                 bb_emc_figure figure = {what, bb_emc_rays[k]};
                 bb_table_number(r, bb_emc_mean(all, figure, builder, base).value, 3);
             }
@@ -49,10 +49,11 @@ void bb_emc_builders(const bb_findings *all, bb_reproduction *r)
 
 static double over_lbvh(const bb_findings *all, bb_emc_figure figure, int method)
 {
-    return bb_emc_mean(all, figure, bb_emc_methods[method].plain, bb_emc_methods[LBVH].plain).value;
+    return bb_emc_mean(all, figure, bb_emc_methods[method].plain, bb_emc_methods[EMC_LBVH].plain)
+        .value;
 }
 
-static const int agglomerative[] = {AAC_HQ, AAC_FAST, PLOC, HPLOC};
+static const int agglomerative[] = {EMC_AAC_HQ, EMC_AAC_FAST, EMC_PLOC, EMC_HPLOC};
 enum { AGGLOMERATIVE = sizeof agglomerative / sizeof agglomerative[0] };
 
 static void claim_flattered(const bb_findings *all, bb_reproduction *r)
@@ -82,7 +83,7 @@ static void claim_hlbvh(const bb_findings *all, bb_reproduction *r)
 {
     bb_verdict each[AGGLOMERATIVE];
     bb_words ours = {0}, why = {0};
-    double least = over_lbvh(all, work, HLBVH);
+    double least = over_lbvh(all, work, EMC_HLBVH);
     if (!isnan(least))
         bb_say(&ours, "over LBVH: HLBVH %.3f", least);
     for (int i = 0; i < AGGLOMERATIVE; i++) {
@@ -105,16 +106,16 @@ static void claim_radius(const bb_findings *all, bb_reproduction *r)
     static const double margin = 0.02;
     static const struct {
         const char *radius, *builder;
-    } wider[] = {{"16", PLOC_RADIUS("16")}, {"32", PLOC_RADIUS("32")}};
+    } wider[] = {{"16", EMC_PLOC_RADIUS("16")}, {"32", EMC_PLOC_RADIUS("32")}};
     enum { WIDER = sizeof wider / sizeof wider[0] };
     bb_verdict each[WIDER];
     bb_words ours = {0}, why = {0};
     for (int i = 0; i < WIDER; i++) {
-        bb_figures s = {.f = &all[CENTRED]};
+        bb_figures s = {.f = &all[EMC_CENTRED]};
         bb_words what = {0};
         for (size_t k = 0; k < s.f->scene_count; k++)
             s.values[k] = bb_found_sah(s.f, s.f->scenes[k], wider[i].builder) /
-                          bb_found_sah(s.f, s.f->scenes[k], bb_emc_methods[PLOC].centred_plain);
+                          bb_found_sah(s.f, s.f->scenes[k], bb_emc_methods[EMC_PLOC].centred_plain);
         double mean = bb_figures_mean(&s);
         each[i] = bb_verdict_of(fabs(mean - 1) < margin, mean, 0);
         bb_say(&what, "radius %s", wider[i].radius);

@@ -28,18 +28,20 @@ static bb_figures only(const bb_figures *s, bool flat)
 /* What each ingredient does by itself where the cost of EMC-64-var is not below that of MC-64. */
 static void say_why_worse(const bb_findings *all, bb_words *why)
 {
-    const bb_findings *f = &all[VARIED];
+    const bb_findings *f = &all[EMC_VARIED];
     for (size_t s = 0; s < f->scene_count; s++) {
         const char *scene = f->scenes[s];
-        if (!(cost_ratio(all, scene, VAR64, MC64) > 1.005))
+        if (!(bb_emc_cost_ratio(all, scene, EMC_VAR64, EMC_MC64) > 1.005))
             continue;
         bb_say(
             why,
             "%s%s: EMC-64-var %.3f; by themselves, the order of the axes gives %.3f, with variable "
             "counts %.3f, size bits every 4th %.3f, 6 size bits every 7th %.3f",
-            why->length > 0 ? "; " : "", scene, cost_ratio(all, scene, VAR64, MC64),
-            cost_ratio(all, scene, ORDER, MC64), cost_ratio(all, scene, ORDER_COUNT, MC64),
-            cost_ratio(all, scene, SIZES, MC64), cost_ratio(all, scene, FEWER_SIZES, MC64));
+            why->length > 0 ? "; " : "", scene, bb_emc_cost_ratio(all, scene, EMC_VAR64, EMC_MC64),
+            bb_emc_cost_ratio(all, scene, EMC_ORDER, EMC_MC64),
+            bb_emc_cost_ratio(all, scene, EMC_ORDER_COUNT, EMC_MC64),
+            bb_emc_cost_ratio(all, scene, EMC_SIZES, EMC_MC64),
+            bb_emc_cost_ratio(all, scene, EMC_FEWER_SIZES, EMC_MC64));
         bb_say(why, " (flatness %.3f, largest over median primitive %.0f)",
                bb_found_scene(f, scene, BB_F_PROFILE_FLATNESS),
                bb_found_scene(f, scene, BB_F_PROFILE_SIZE_MAX) /
@@ -49,7 +51,8 @@ static void say_why_worse(const bb_findings *all, bb_words *why)
 
 static void claim_cost(const bb_findings *all, bb_reproduction *r)
 {
-    bb_figures sort = costs(all, SORT64, MC64), var = costs(all, VAR64, MC64);
+    bb_figures sort = bb_emc_costs(all, EMC_SORT64, EMC_MC64),
+               var = bb_emc_costs(all, EMC_VAR64, EMC_MC64);
     bb_words ours = {0}, why = {0};
     bb_say_range(&ours, "EMC-64-sort", &sort);
     bb_say_range(&ours, "EMC-64-var", &var);
@@ -66,7 +69,7 @@ static void claim_cost(const bb_findings *all, bb_reproduction *r)
          s++)
         bb_say(&why, "%s%s: var %.2f, sort %.2f, order and counts without sizes %.2f",
                s > 0 ? "; " : "", var.f->scenes[s], var.values[s], sort.values[s],
-               cost_ratio(all, var.f->scenes[s], ORDER_COUNT, MC64));
+               bb_emc_cost_ratio(all, var.f->scenes[s], EMC_ORDER_COUNT, EMC_MC64));
     bb_claim(r,
              bb_verdict_of(bb_figures_mean(&var) < bb_figures_mean(&sort), bb_figures_mean(&var),
                            bb_figures_mean(&sort)),
@@ -79,7 +82,8 @@ static void claim_cost(const bb_findings *all, bb_reproduction *r)
 static void claim_flat(const bb_findings *all, bb_reproduction *r, const char *builder,
                        const char *claim, const char *paper, double others_within)
 {
-    bb_figures s = costs(all, builder, MC64), flat = only(&s, true), others = only(&s, false);
+    bb_figures s = bb_emc_costs(all, builder, EMC_MC64), flat = only(&s, true),
+               others = only(&s, false);
     bb_words ours = {0}, why = {0};
     double gain = 1 - bb_figures_mean(&flat), elsewhere = 1 - bb_figures_mean(&others);
     bb_say(&ours, "%.3f on flat scenes (shortest side below 1/4 of the longest), %.3f on others",
@@ -96,7 +100,8 @@ static const double same = 0.0005;
 
 static void claim_sizes(const bb_findings *all, bb_reproduction *r)
 {
-    bb_figures s = costs(all, SIZES, MC64), order = costs(all, ORDER_COUNT, MC64);
+    bb_figures s = bb_emc_costs(all, EMC_SIZES, EMC_MC64),
+               order = bb_emc_costs(all, EMC_ORDER_COUNT, EMC_MC64);
     bb_words ours = {0}, why = {0};
     uint32_t others = 0, dominant = 0;
     bb_say_range(&ours, "size every 4th bit", &s);
@@ -133,7 +138,7 @@ static void claim_sizes(const bb_findings *all, bb_reproduction *r)
 static void claim_majority(const bb_findings *all, bb_reproduction *r, const char *builder,
                            const char *other, const char *claim, const char *paper)
 {
-    bb_figures s = costs(all, builder, other);
+    bb_figures s = bb_emc_costs(all, builder, other);
     bb_words ours = {0}, why = {0};
     uint32_t lower = 0, higher = 0;
     for (size_t i = 0; i < s.f->scene_count; i++) {
@@ -157,8 +162,9 @@ static void claim_majority(const bb_findings *all, bb_reproduction *r, const cha
 /* Of fewer size bits: is it their number that matters, or how often they come? */
 static void claim_fewer(const bb_findings *all, bb_reproduction *r)
 {
-    bb_figures s = costs(all, VAR64, VAR64_ALL_SIZES), nine = costs(all, VAR64_NINE, VAR64);
-    bb_figures ten = costs(all, VAR64_CELL_TEN, VAR64_CELL_ALL);
+    bb_figures s = bb_emc_costs(all, EMC_VAR64, EMC_VAR64_ALL_SIZES),
+               nine = bb_emc_costs(all, EMC_VAR64_NINE, EMC_VAR64);
+    bb_figures ten = bb_emc_costs(all, EMC_VAR64_CELL_TEN, EMC_VAR64_CELL_ALL);
     bb_words ours = {0}, why = {0};
     bool holds = bb_figures_mean(&s) < 1;
     bb_say_range(&ours, "6 bits every 7th against 16 every 4th", &s);
@@ -180,7 +186,8 @@ static void claim_fewer(const bb_findings *all, bb_reproduction *r)
 
 static void claim_sweep(const bb_findings *all, bb_reproduction *r)
 {
-    bb_figures s = costs(all, VAR64, SWEEP), plain = costs(all, MC64, SWEEP);
+    bb_figures s = bb_emc_costs(all, EMC_VAR64, EMC_SWEEP),
+               plain = bb_emc_costs(all, EMC_MC64, EMC_SWEEP);
     bb_words ours = {0}, why = {0};
     bb_say_range(&ours, "EMC-64-var", &s);
     bb_say_range(&ours, "MC-64", &plain);
@@ -198,8 +205,8 @@ static void claim_sweep(const bb_findings *all, bb_reproduction *r)
 
 static void say_tests(const bb_findings *all, const char *scene, const char *builder, bb_words *why)
 {
-    const bb_findings *f = &all[TRACED];
-    bb_selection cell = {scene, builder, "stack", NULL}, base = {scene, MC64, "stack", NULL};
+    const bb_findings *f = &all[EMC_TRACED];
+    bb_selection cell = {scene, builder, "stack", NULL}, base = {scene, EMC_MC64, "stack", NULL};
     double boxes = bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS) /
                    bb_found_tests(f, base, BB_F_TRACE_NODE_TESTS);
     double prims = bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS) /
@@ -216,22 +223,22 @@ static void say_tests(const bb_findings *all, const char *scene, const char *bui
 
 static void claim_speed(const bb_findings *all, bb_reproduction *r)
 {
-    const bb_findings *f = &all[TRACED];
+    const bb_findings *f = &all[EMC_TRACED];
     bb_figures s = {.f = f};
     bb_ratio_mean mean = {0};
     bb_words ours = {0}, why = {0};
     for (size_t i = 0; i < f->scene_count; i++) {
         const char *scene = f->scenes[i];
-        bb_estimate speed = speed_ratio(all, scene, VAR64, MC64);
+        bb_estimate speed = bb_emc_speed_ratio(all, scene, EMC_VAR64, EMC_MC64);
         s.values[i] = speed.value;
-        bb_ratio_mean_add(&mean, f, BB_TRACE_TIME, (bb_selection){scene, MC64, "stack", NULL},
-                          (bb_selection){scene, VAR64, "stack", NULL});
+        bb_ratio_mean_add(&mean, f, BB_TRACE_TIME, (bb_selection){scene, EMC_MC64, "stack", NULL},
+                          (bb_selection){scene, EMC_VAR64, "stack", NULL});
         if (bb_below(speed, 1) != BB_HELD)
             continue;
         bb_say(&why, "%s%s ", why.length > 0 ? "; " : "", scene);
         bb_say_estimate(&why, speed);
-        bb_say(&why, " at a cost of %.2f: ", cost_ratio(all, scene, VAR64, MC64));
-        say_tests(all, scene, VAR64, &why);
+        bb_say(&why, " at a cost of %.2f: ", bb_emc_cost_ratio(all, scene, EMC_VAR64, EMC_MC64));
+        say_tests(all, scene, EMC_VAR64, &why);
     }
     bb_say_range(&ours, "EMC-64-var", &s);
     bb_say(&ours, "; mean of the scenes round by round ");
@@ -244,14 +251,14 @@ static void claim_speed(const bb_findings *all, bb_reproduction *r)
 /* Each scene whose cost is off by more than 3 % has to be faster or slower as its cost says. */
 static void claim_speed_follows_cost(const bb_findings *all, bb_reproduction *r)
 {
-    const bb_findings *f = &all[TRACED];
+    const bb_findings *f = &all[EMC_TRACED];
     bb_verdict each[BB_FIGURES_MAX];
     bb_words ours = {0}, why = {0};
     size_t count = 0, agree = 0;
     for (size_t i = 0; i < f->scene_count; i++) {
         const char *scene = f->scenes[i];
-        bb_estimate speed = speed_ratio(all, scene, VAR64, MC64);
-        double cost = cost_ratio(all, scene, VAR64, MC64);
+        bb_estimate speed = bb_emc_speed_ratio(all, scene, EMC_VAR64, EMC_MC64);
+        double cost = bb_emc_cost_ratio(all, scene, EMC_VAR64, EMC_MC64);
         if (!(fabs(cost - 1) > 0.03) || isnan(speed.value))
             continue;
         bb_verdict verdict = cost < 1 ? bb_above(speed, 1) : bb_below(speed, 1);
@@ -262,7 +269,7 @@ static void claim_speed_follows_cost(const bb_findings *all, bb_reproduction *r)
         bb_say(&why, "%s%s: cost %.2f, speed ", why.length > 0 ? "; " : "", scene, cost);
         bb_say_estimate(&why, speed);
         bb_say(&why, ", ");
-        say_tests(all, scene, VAR64, &why);
+        say_tests(all, scene, EMC_VAR64, &why);
     }
     bb_say(&ours,
            "speed is surely on the side that the cost says on %zu of %zu scenes whose cost "
@@ -275,7 +282,7 @@ static void claim_speed_follows_cost(const bb_findings *all, bb_reproduction *r)
 /* The phase that adds most to the build time against the plain code. */
 static void say_phase(const bb_findings *f, const char *scene, int pair, bb_words *why)
 {
-    const char *builder = equals[pair].builder, *plain = equals[pair].plain;
+    const char *builder = bb_emc_equals[pair].builder, *plain = bb_emc_equals[pair].plain;
     const cJSON *build = bb_found_build(f, scene, builder), *phase;
     const char *worst = NULL;
     double most_ms = 0;
@@ -296,11 +303,12 @@ static void say_phase(const bb_findings *f, const char *scene, int pair, bb_word
 /* Where a code is farthest off the plain one, and in which phase. */
 static void say_farthest(const bb_findings *all, int pair, bb_words *why)
 {
-    const bb_findings *f = &all[BUILT];
+    const bb_findings *f = &all[EMC_BUILT];
     bb_estimate worst = bb_not_measured;
     const char *where = NULL;
     for (size_t s = 0; s < f->scene_count; s++) {
-        bb_estimate e = build_ratio(all, f->scenes[s], equals[pair].builder, equals[pair].plain);
+        bb_estimate e = bb_emc_build_ratio(all, f->scenes[s], bb_emc_equals[pair].builder,
+                                           bb_emc_equals[pair].plain);
         if (e.value > worst.value || (where == NULL && !isnan(e.value))) {
             worst = e;
             where = f->scenes[s];
@@ -308,7 +316,8 @@ static void say_farthest(const bb_findings *all, int pair, bb_words *why)
     }
     if (where == NULL)
         return;
-    bb_say(why, "%s%s most on %s: ", why->length > 0 ? "; " : "", equals[pair].builder, where);
+    bb_say(why, "%s%s most on %s: ", why->length > 0 ? "; " : "", bb_emc_equals[pair].builder,
+           where);
     bb_say_estimate(why, worst);
     say_phase(f, where, pair, why);
 }
@@ -317,15 +326,16 @@ static void say_farthest(const bb_findings *all, int pair, bb_words *why)
 static void claim_build(const bb_findings *all, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[EQUALS], verdict;
+    bb_verdict each[EMC_EQUALS], verdict;
     size_t count = 0;
-    for (int i = 0; i < EQUALS; i++) {
-        if (strcmp(equals[i].builder, CELL64) == 0)
+    for (int i = 0; i < EMC_EQUALS; i++) {
+        if (strcmp(bb_emc_equals[i].builder, EMC_CELL64) == 0)
             continue;
-        bb_estimate e = bb_found_build_ratios(&all[BUILT], equals[i].builder, equals[i].plain);
-        each[count] = bb_below(e, build_target);
-        bb_say(&ours, "%s%s ",
-               i > 0 ? ", " : "geometric mean of the scenes' paired ratios: ", equals[i].builder);
+        bb_estimate e = bb_found_build_ratios(&all[EMC_BUILT], bb_emc_equals[i].builder,
+                                              bb_emc_equals[i].plain);
+        each[count] = bb_below(e, bb_emc_build_target);
+        bb_say(&ours, "%s%s ", i > 0 ? ", " : "geometric mean of the scenes' paired ratios: ",
+               bb_emc_equals[i].builder);
         bb_say_estimate(&ours, e);
         if (each[count++] != BB_HELD)
             say_farthest(all, i, &why);
@@ -341,14 +351,15 @@ static void claim_build(const bb_findings *all, bb_reproduction *r)
 
 static void claim_short(const bb_findings *all, bb_reproduction *r)
 {
-    const bb_findings *f = &all[BUILT];
+    const bb_findings *f = &all[EMC_BUILT];
     bb_words ours = {0}, why = {0};
-    bb_figures cost = costs(all, VAR32, VAR64), time = {.f = f};
+    bb_figures cost = bb_emc_costs(all, EMC_VAR32, EMC_VAR64), time = {.f = f};
     bb_ratio_mean mean = {0};
     for (size_t s = 0; s < f->scene_count; s++) {
-        time.values[s] = build_ratio(all, f->scenes[s], VAR32, VAR64).value;
-        bb_ratio_mean_add(&mean, f, BB_BUILD_TIME, (bb_selection){f->scenes[s], VAR32, NULL, NULL},
-                          (bb_selection){f->scenes[s], VAR64, NULL, NULL});
+        time.values[s] = bb_emc_build_ratio(all, f->scenes[s], EMC_VAR32, EMC_VAR64).value;
+        bb_ratio_mean_add(&mean, f, BB_BUILD_TIME,
+                          (bb_selection){f->scenes[s], EMC_VAR32, NULL, NULL},
+                          (bb_selection){f->scenes[s], EMC_VAR64, NULL, NULL});
     }
     bb_estimate faster = bb_ratio_mean_estimate(&mean);
     const bb_verdict both[] = {
@@ -373,27 +384,27 @@ static void claim_short(const bb_findings *all, bb_reproduction *r)
 void bb_emc_claims(const bb_findings *all, bb_reproduction *r)
 {
     claim_cost(all, r);
-    claim_flat(all, r, VAR64, "The gain of EMC-64-var is highest on flat scenes (5.2)",
+    claim_flat(all, r, EMC_VAR64, "The gain of EMC-64-var is highest on flat scenes (5.2)",
                "0.48 and 0.53 on the two flat scenes, 0.90 on the others", INFINITY);
     claim_speed(all, r);
     claim_speed_follows_cost(all, r);
     claim_build(all, r);
     claim_short(all, r);
-    claim_flat(all, r, ORDER,
+    claim_flat(all, r, EMC_ORDER,
                "The order of the axes alone gains on flat scenes, and nothing (held below 3 %) "
                "elsewhere (5.3)",
                "0.88 and 0.85 on the two flat scenes", 0.03);
     claim_flat(
-        all, r, ORDER_COUNT,
+        all, r, EMC_ORDER_COUNT,
         "Order and variable counts together gain more on flat scenes, and nothing (held below "
         "3 %) elsewhere (5.3)",
         "0.56 and 0.51 on the two flat scenes", 0.03);
     claim_sizes(all, r);
-    claim_majority(all, r, VAR32, VAR32_ALL_SIZES,
+    claim_majority(all, r, EMC_VAR32, EMC_VAR32_ALL_SIZES,
                    "In 32 bits, fewer size bits are better on most scenes (5.3)",
                    "in the majority");
     claim_fewer(all, r);
-    claim_majority(all, r, VAR64, VAR64_AREA,
+    claim_majority(all, r, EMC_VAR64, EMC_VAR64_AREA,
                    "The diagonal as size is slightly better than the area (4.1)",
                    "slightly better overall");
     claim_sweep(all, r);

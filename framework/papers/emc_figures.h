@@ -6,70 +6,52 @@
 #include "framework/papers/reproduce.h"
 
 /* The paper cuts the scene's box into cells (algorithm 1), not that of the centroids. */
-#define MC64 "emc:code=mc64,box=scene"
-#define MC32 "emc:code=mc32,box=scene"
-#define SORT64 "emc:code=emc64-sort,box=scene"
-#define SORT32 "emc:code=emc32-sort,box=scene"
-#define VAR64 "emc:code=emc64-var,box=scene"
-#define VAR32 "emc:code=emc32-var,box=scene"
-#define CELL64 "emc:code=emc64-cell,box=scene" /* not in the paper */
-#define CELL64_SIDE CELL64 ",measure=side"
-#define CODES MC64 "," SORT64 "," VAR64 "," CELL64 "," MC32 "," SORT32 "," VAR32
-#define ORDER "emc:code=mc64,box=scene,axes=extent"
-#define ORDER_COUNT "emc:code=mc64,box=scene,axes=extent,count=variable"
-#define SIZES "emc:code=mc64,box=scene,bits=64,every=4,size-bits=16"
-#define FEWER_SIZES "emc:code=mc64,box=scene,bits=64,every=7,size-bits=6,size=root"
-#define VAR64_ALL_SIZES "emc:code=emc64-var,box=scene,every=4,size-bits=16,size=linear"
-#define VAR64_CELL_ALL "emc:code=emc64-var,box=scene,every=4,size-bits=16,size=cell"
-#define VAR64_CELL_TEN "emc:code=emc64-var,box=scene,every=4,size-bits=10,size=cell"
-#define VAR64_NINE "emc:code=emc64-var,box=scene,size-bits=9"
-#define VAR32_ALL_SIZES "emc:code=emc32-var,box=scene,every=4,size-bits=8,size=linear"
-#define VAR64_AREA "emc:code=emc64-var,box=scene,measure=area"
-#define SORT64_AREA "emc:code=emc64-sort,box=scene,measure=area"
-#define SWEEP "sah:method=sweep"
+#define EMC_MC64 "emc:code=mc64,box=scene"
+#define EMC_MC32 "emc:code=mc32,box=scene"
+#define EMC_SORT64 "emc:code=emc64-sort,box=scene"
+#define EMC_SORT32 "emc:code=emc32-sort,box=scene"
+#define EMC_VAR64 "emc:code=emc64-var,box=scene"
+#define EMC_VAR32 "emc:code=emc32-var,box=scene"
+#define EMC_CELL64 "emc:code=emc64-cell,box=scene" /* not in the paper */
+#define EMC_CELL64_SIDE EMC_CELL64 ",measure=side"
+#define EMC_CODES                                                                                  \
+    EMC_MC64 "," EMC_SORT64 "," EMC_VAR64 "," EMC_CELL64 "," EMC_MC32 "," EMC_SORT32 "," EMC_VAR32
+#define EMC_ORDER "emc:code=mc64,box=scene,axes=extent"
+#define EMC_ORDER_COUNT "emc:code=mc64,box=scene,axes=extent,count=variable"
+#define EMC_SIZES "emc:code=mc64,box=scene,bits=64,every=4,size-bits=16"
+#define EMC_FEWER_SIZES "emc:code=mc64,box=scene,bits=64,every=7,size-bits=6,size=root"
+#define EMC_VAR64_ALL_SIZES "emc:code=emc64-var,box=scene,every=4,size-bits=16,size=linear"
+#define EMC_VAR64_CELL_ALL "emc:code=emc64-var,box=scene,every=4,size-bits=16,size=cell"
+#define EMC_VAR64_CELL_TEN "emc:code=emc64-var,box=scene,every=4,size-bits=10,size=cell"
+#define EMC_VAR64_NINE "emc:code=emc64-var,box=scene,size-bits=9"
+#define EMC_VAR32_ALL_SIZES "emc:code=emc32-var,box=scene,every=4,size-bits=8,size=linear"
+#define EMC_VAR64_AREA "emc:code=emc64-var,box=scene,measure=area"
+#define EMC_SORT64_AREA "emc:code=emc64-sort,box=scene,measure=area"
+#define EMC_SWEEP "sah:method=sweep"
 
 /* Experiments, in order. */
-enum { TRACED, BUILT, VARIED, SIZED, INSIDE, CENTRED };
+enum { EMC_TRACED, EMC_BUILT, EMC_VARIED, EMC_SIZED, EMC_INSIDE, EMC_CENTRED };
 
 /* Codes and the plain ones of equal length. */
-static const struct {
+typedef struct bb_emc_equal {
     const char *builder, *plain;
-} equals[] = {{SORT64, MC64}, {VAR64, MC64}, {CELL64, MC64}, {SORT32, MC32}, {VAR32, MC32}};
-enum { EQUALS = sizeof equals / sizeof equals[0] };
-/* of the ratio of their build times */
-static const double build_target = 1.05;
+} bb_emc_equal;
+enum { EMC_EQUALS = 5 };
+extern const bb_emc_equal bb_emc_equals[EMC_EQUALS];
+/* What the ratio of their build times is to be at most. */
+extern const double bb_emc_build_target;
 
-/* Cost over that of `base`. */
-static inline double cost_ratio(const bb_findings *all, const char *scene, const char *builder,
-                                const char *base)
-{
-    return bb_found_sah(&all[VARIED], scene, builder) / bb_found_sah(&all[VARIED], scene, base);
-}
-
+/* Figures of `builder` over those of `base`; NAN, or bb_not_measured, where one is missing. */
+double bb_emc_cost_ratio(const bb_findings *all, const char *scene, const char *builder,
+                         const char *base);
 /* The same for each scene. */
-static inline bb_figures costs(const bb_findings *all, const char *builder, const char *base)
-{
-    bb_figures s = {.f = &all[VARIED]};
-    for (size_t i = 0; i < s.f->scene_count; i++)
-        s.values[i] = cost_ratio(all, s.f->scenes[i], builder, base);
-    return s;
-}
-
-/* Rays per second over those of `base`. */
-static inline bb_estimate speed_ratio(const bb_findings *all, const char *scene,
-                                      const char *builder, const char *base)
-{
-    return bb_found_ratio(&all[TRACED], BB_TRACE_TIME, (bb_selection){scene, base, "stack", NULL},
-                          (bb_selection){scene, builder, "stack", NULL});
-}
-
-/* Build time over that of `base`. */
-static inline bb_estimate build_ratio(const bb_findings *all, const char *scene,
-                                      const char *builder, const char *base)
-{
-    return bb_found_ratio(&all[BUILT], BB_BUILD_TIME, (bb_selection){scene, builder, NULL, NULL},
-                          (bb_selection){scene, base, NULL, NULL});
-}
+bb_figures bb_emc_costs(const bb_findings *all, const char *builder, const char *base);
+/* Rays per second. */
+bb_estimate bb_emc_speed_ratio(const bb_findings *all, const char *scene, const char *builder,
+                               const char *base);
+/* Times. */
+bb_estimate bb_emc_build_ratio(const bb_findings *all, const char *scene, const char *builder,
+                               const char *base);
 
 /* The claims on LBVH. */
 void bb_emc_claims(const bb_findings *all, bb_reproduction *r);

@@ -25,7 +25,7 @@ static bb_estimate mean_of(const bb_findings *all, bb_emc_figure figure, int met
 static void say_verdict(const bb_findings *all, bb_emc_figure figure, int method, bb_words *words)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    const bb_findings *f = &all[INSIDE];
+    const bb_findings *f = &all[EMC_INSIDE];
     bool exact = figure.what == EMC_COST || figure.what == EMC_WORK;
     double margin = exact ? same : 0;
     bb_estimate mean = mean_of(all, figure, method);
@@ -55,7 +55,7 @@ static void say_verdict(const bb_findings *all, bb_emc_figure figure, int method
 static void add_figure(const bb_findings *all, bb_reproduction *r, bb_emc_figure figure,
                        const char *title)
 {
-    const bb_findings *f = &all[INSIDE];
+    const bb_findings *f = &all[EMC_INSIDE];
     const char *columns[SCENES_SHOWN + 8] = {"builder"};
     bool is_time = figure.what == EMC_TIME || figure.what == EMC_BUILD;
     size_t shown = f->scene_count < SCENES_SHOWN ? f->scene_count : SCENES_SHOWN, count = 1;
@@ -68,7 +68,7 @@ static void add_figure(const bb_findings *all, bb_reproduction *r, bb_emc_figure
     }
     columns[count++] = "EMC-64-var is";
     bb_table(r, title, columns);
-    for (int i = 0; i < METHOD_COUNT; i++) {
+    for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         const bb_emc_method *m = &bb_emc_methods[i];
         bb_figures s = bb_emc_ratios(all, figure, m->var, m->plain);
         bb_estimate mean = mean_of(all, figure, i);
@@ -99,7 +99,7 @@ static void add_placement(const bb_findings *all, bb_reproduction *r)
              "and with that of the centroids; and what that choice alone does to MC-64: a smaller "
              "gain than that is not surely the code's",
              columns);
-    for (int i = 0; i < METHOD_COUNT; i++) {
+    for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         bb_figures centred = bb_emc_centred(all, i), placement = bb_emc_placement(all, i);
         bb_words name = {0};
         bb_say(&name, "%s", bb_emc_methods[i].name);
@@ -117,7 +117,7 @@ static void add_placement(const bb_findings *all, bb_reproduction *r)
 static void add_ray_figures(const bb_findings *all, bb_reproduction *r, bb_emc_what what,
                             const char *name)
 {
-    for (int k = 0; k < INSIDE_KINDS; k++) {
+    for (int k = 0; k < EMC_INSIDE_KINDS; k++) {
         bb_words title = {0};
         bb_say(&title, "EMC-64-var inside builders: %s per %s ray, as a ratio to MC-64%s", name,
                bb_emc_rays[k], what == EMC_TIME ? "; geometric mean" : "");
@@ -169,11 +169,11 @@ static void claim_cost(const bb_findings *all, bb_reproduction *r, int method)
 static void claim_time(const bb_findings *all, bb_reproduction *r, int method)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    bb_verdict each[INSIDE_KINDS];
+    bb_verdict each[EMC_INSIDE_KINDS];
     bb_words claim = {0}, ours = {0}, why = {0};
     bool there = !bb_emc_missing(m->plain, &why);
     bb_say(&claim, "EMC-64-var makes rays of every kind faster with %s, on average", m->name);
-    for (int k = 0; k < INSIDE_KINDS; k++) {
+    for (int k = 0; k < EMC_INSIDE_KINDS; k++) {
         bb_emc_figure figure = {EMC_TIME, bb_emc_rays[k]}, work = {EMC_WORK, bb_emc_rays[k]};
         bb_estimate mean = mean_of(all, figure, method);
         each[k] = bb_emc_below(figure, mean, 1);
@@ -186,7 +186,7 @@ static void claim_time(const bb_findings *all, bb_reproduction *r, int method)
             bb_say(&why, "%s%s: counted work %.3f", why.length > 0 ? "; " : "", bb_emc_rays[k],
                    mean_of(all, work, method).value);
     }
-    bb_claim(r, bb_all(each, INSIDE_KINDS), claim.text, "not published", &ours, &why);
+    bb_claim(r, bb_all(each, EMC_INSIDE_KINDS), claim.text, "not published", &ours, &why);
 }
 
 /* Does what is saved in cost show in what rays meet? */
@@ -194,9 +194,9 @@ static void claim_work_follows(const bb_findings *all, bb_reproduction *r)
 {
     uint32_t pairs = 0, follow = 0;
     bb_words ours = {0}, why = {0};
-    for (int i = 0; i < METHOD_COUNT; i++) {
+    for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         double costs = mean_of(all, cost, i).value;
-        for (int k = 0; k < INSIDE_KINDS && costs < 1 - same; k++) {
+        for (int k = 0; k < EMC_INSIDE_KINDS && costs < 1 - same; k++) {
             double work = mean_of(all, (bb_emc_figure){EMC_WORK, bb_emc_rays[k]}, i).value;
             if (isnan(work))
                 continue;
@@ -219,15 +219,15 @@ static void claim_work_follows(const bb_findings *all, bb_reproduction *r)
 /* Codes are a small part of a slow builder's time. */
 static void claim_build(const bb_findings *all, bb_reproduction *r)
 {
-    bb_verdict each[METHOD_COUNT];
+    bb_verdict each[EMC_METHOD_COUNT];
     size_t count = 0;
     bb_words ours = {0}, why = {0};
-    for (int i = 0; i < METHOD_COUNT; i++) {
+    for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         const bb_emc_method *m = &bb_emc_methods[i];
-        if (i == LBVH || i == ATRBVH) /* the paper's own claims */
+        if (i == EMC_LBVH || i == EMC_ATRBVH) /* the paper's own claims */
             continue;
-        bb_estimate e = bb_found_build_ratios(&all[INSIDE], m->var, m->plain);
-        each[count] = bb_below(e, build_target);
+        bb_estimate e = bb_found_build_ratios(&all[EMC_INSIDE], m->var, m->plain);
+        each[count] = bb_below(e, bb_emc_build_target);
         bb_say(&ours, "%s%s ",
                count > 0 ? ", " : "geometric mean of the scenes' paired ratios: ", m->name);
         bb_say_estimate(&ours, e);
@@ -242,11 +242,11 @@ static void claim_build(const bb_findings *all, bb_reproduction *r)
 
 void bb_emc_inside_claims(const bb_findings *all, bb_reproduction *r)
 {
-    static const int unpublished[] = {PLOC, HPLOC, TRBVH, REINSERTION};
+    static const int unpublished[] = {EMC_PLOC, EMC_HPLOC, EMC_TRBVH, EMC_REINSERTION};
     for (size_t i = 0; i < sizeof unpublished / sizeof unpublished[0]; i++)
         claim_cost(all, r, unpublished[i]);
-    for (int i = 0; i < METHOD_COUNT; i++)
-        if (i != LBVH)
+    for (int i = 0; i < EMC_METHOD_COUNT; i++)
+        if (i != EMC_LBVH)
             claim_time(all, r, i);
     claim_work_follows(all, r);
     claim_build(all, r);

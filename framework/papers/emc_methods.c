@@ -4,17 +4,17 @@
 #include <math.h>
 
 #define METHOD_OF(id, name, builder, rest)                                                         \
-    [id] = {name, WITH_CODE(builder, "mc64", rest), WITH_CODE(builder, "emc64-var", rest),         \
-            WITH_BOX(builder, "mc64", "centroids", rest),                                          \
-            WITH_BOX(builder, "emc64-var", "centroids", rest)},
+    [id] = {name, EMC_WITH_CODE(builder, "mc64", rest), EMC_WITH_CODE(builder, "emc64-var", rest), \
+            EMC_WITH_BOX(builder, "mc64", "centroids", rest),                                      \
+            EMC_WITH_BOX(builder, "emc64-var", "centroids", rest)},
 
-const bb_emc_method bb_emc_methods[METHOD_COUNT] = {EMC_METHODS(METHOD_OF)};
-const char *const bb_emc_rays[INSIDE_KINDS] = {"primary", "diffuse", "shadow", "random"};
+const bb_emc_method bb_emc_methods[EMC_METHOD_COUNT] = {EMC_METHODS(METHOD_OF)};
+const char *const bb_emc_rays[EMC_INSIDE_KINDS] = {"primary", "diffuse", "shadow", "random"};
 
 /* The experiment, but only the traces that the figure is of. */
 static bb_findings findings_of(const bb_findings *all, bb_emc_figure figure)
 {
-    bb_findings f = all[INSIDE];
+    bb_findings f = all[EMC_INSIDE];
     f.rays = figure.rays;
     return f;
 }
@@ -51,7 +51,7 @@ bb_estimate bb_emc_ratio(const bb_findings *all, bb_emc_figure figure, const cha
 bb_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
                          const char *base)
 {
-    bb_figures s = {.f = &all[INSIDE]};
+    bb_figures s = {.f = &all[EMC_INSIDE]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_emc_ratio(all, figure, s.f->scenes[i], builder, base).value;
     return s;
@@ -73,7 +73,7 @@ bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char
 bb_figures bb_emc_centred(const bb_findings *all, int method)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    bb_figures s = {.f = &all[CENTRED]};
+    bb_figures s = {.f = &all[EMC_CENTRED]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_found_sah(s.f, s.f->scenes[i], m->centred_var) /
                       bb_found_sah(s.f, s.f->scenes[i], m->centred_plain);
@@ -83,19 +83,19 @@ bb_figures bb_emc_centred(const bb_findings *all, int method)
 bb_figures bb_emc_placement(const bb_findings *all, int method)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    bb_figures s = {.f = &all[CENTRED]};
+    bb_figures s = {.f = &all[EMC_CENTRED]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_found_sah(s.f, s.f->scenes[i], m->centred_plain) /
-                      bb_found_sah(&all[INSIDE], s.f->scenes[i], m->plain);
+                      bb_found_sah(&all[EMC_INSIDE], s.f->scenes[i], m->plain);
     return s;
 }
 
 bb_figures bb_emc_over_sweep(const bb_findings *all, const char *builder)
 {
-    bb_figures s = {.f = &all[INSIDE]};
+    bb_figures s = {.f = &all[EMC_INSIDE]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_found_sah(s.f, s.f->scenes[i], builder) /
-                      bb_found_sah(&all[CENTRED], s.f->scenes[i], SWEEP);
+                      bb_found_sah(&all[EMC_CENTRED], s.f->scenes[i], EMC_SWEEP);
     return s;
 }
 

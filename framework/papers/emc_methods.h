@@ -12,50 +12,51 @@
 /* BUILDER:code=CODE,box=BOX OPTIONS. As in emc_figures.h, the scene's box is cut into cells; but
  * where cells begin is a matter of chance, and so are some percent of a tree's cost, so that costs
  * are compared in the box of the centroids, too. */
-#define WITH_BOX(builder, code, box, rest) builder ":code=" code ",box=" box rest
-#define WITH_CODE(builder, code, rest) WITH_BOX(builder, code, "scene", rest)
+#define EMC_WITH_BOX(builder, code, box, rest) builder ":code=" code ",box=" box rest
+#define EMC_WITH_CODE(builder, code, rest) EMC_WITH_BOX(builder, code, "scene", rest)
 /* Two rounds, as Domingues and Pedrini have it, whose settings the paper takes over. */
-#define AFTER_ATRBVH "+atrbvh:rounds=2"
+#define EMC_AFTER_ATRBVH "+atrbvh:rounds=2"
 
 /* Identifier, name, builder, what follows the code's options. The paper does not say which AAC it
  * has: AAC-HQ is compared with it here. */
 #define EMC_METHODS(ROW)                                                                           \
-    ROW(LBVH, "LBVH", "emc", "")                                                                   \
-    ROW(HLBVH, "HLBVH", "hlbvh", "")                                                               \
-    ROW(AAC_HQ, "AAC-HQ", "aac", ",variant=hq")                                                    \
-    ROW(AAC_FAST, "AAC-Fast", "aac", ",variant=fast")                                              \
-    ROW(PLOC, "PLOC", "ploc", "")                                                                  \
-    ROW(HPLOC, "H-PLOC", "hploc", "")                                                              \
-    ROW(TRBVH, "LBVH + TRBVH", "emc", "+trbvh")                                                    \
-    ROW(ATRBVH, "LBVH + ATRBVH", "emc", AFTER_ATRBVH)                                              \
-    ROW(REINSERTION, "LBVH + reinsertion", "emc", "+reinsert:passes=3")
-#define METHOD_ID(id, name, builder, rest) id,
-#define BOTH_CODES(id, name, builder, rest)                                                        \
-    "," WITH_CODE(builder, "mc64", rest) "," WITH_CODE(builder, "emc64-var", rest)
+    ROW(EMC_LBVH, "LBVH", "emc", "")                                                               \
+    ROW(EMC_HLBVH, "HLBVH", "hlbvh", "")                                                           \
+    ROW(EMC_AAC_HQ, "AAC-HQ", "aac", ",variant=hq")                                                \
+    ROW(EMC_AAC_FAST, "AAC-Fast", "aac", ",variant=fast")                                          \
+    ROW(EMC_PLOC, "PLOC", "ploc", "")                                                              \
+    ROW(EMC_HPLOC, "H-PLOC", "hploc", "")                                                          \
+    ROW(EMC_TRBVH, "LBVH + TRBVH", "emc", "+trbvh")                                                \
+    ROW(EMC_ATRBVH, "LBVH + ATRBVH", "emc", EMC_AFTER_ATRBVH)                                      \
+    ROW(EMC_REINSERTION, "LBVH + reinsertion", "emc", "+reinsert:passes=3")
+#define EMC_METHOD_ID(id, name, builder, rest) id,
+#define EMC_BOTH_CODES(id, name, builder, rest)                                                    \
+    "," EMC_WITH_CODE(builder, "mc64", rest) "," EMC_WITH_CODE(builder, "emc64-var", rest)
 
-#define BOTH_CENTRED(id, name, builder, rest)                                                      \
-    "," WITH_BOX(builder, "mc64", "centroids", rest) "," WITH_BOX(builder, "emc64-var",            \
-                                                                  "centroids", rest)
+#define EMC_BOTH_CENTRED(id, name, builder, rest)                                                  \
+    "," EMC_WITH_BOX(builder, "mc64", "centroids", rest) "," EMC_WITH_BOX(builder, "emc64-var",    \
+                                                                          "centroids", rest)
 
-#define ATRBVH_SORT64 WITH_CODE("emc", "emc64-sort", AFTER_ATRBVH)
-#define INSIDE_BUILDERS ATRBVH_SORT64 EMC_METHODS(BOTH_CODES)
+#define EMC_ATRBVH_SORT64 EMC_WITH_CODE("emc", "emc64-sort", EMC_AFTER_ATRBVH)
+#define EMC_INSIDE_BUILDERS EMC_ATRBVH_SORT64 EMC_METHODS(EMC_BOTH_CODES)
 /* PLOC, whose radius is 8, with others. */
-#define PLOC_RADIUS(radius) WITH_BOX("ploc", "mc64", "centroids", ",radius=" radius)
-#define CENTRED_BUILDERS SWEEP "," PLOC_RADIUS("16") "," PLOC_RADIUS("32") EMC_METHODS(BOTH_CENTRED)
+#define EMC_PLOC_RADIUS(radius) EMC_WITH_BOX("ploc", "mc64", "centroids", ",radius=" radius)
+#define EMC_CENTRED_BUILDERS                                                                       \
+    EMC_SWEEP "," EMC_PLOC_RADIUS("16") "," EMC_PLOC_RADIUS("32") EMC_METHODS(EMC_BOTH_CENTRED)
 
-enum { EMC_METHODS(METHOD_ID) METHOD_COUNT };
+enum { EMC_METHODS(EMC_METHOD_ID) EMC_METHOD_COUNT };
 
 typedef struct bb_emc_method {
     const char *name, *plain, *var;
     const char *centred_plain, *centred_var; /* with the box of the centroids */
 } bb_emc_method;
 
-extern const bb_emc_method bb_emc_methods[METHOD_COUNT];
+extern const bb_emc_method bb_emc_methods[EMC_METHOD_COUNT];
 
 /* Rays of the experiment INSIDE. */
-#define INSIDE_RAYS "primary,diffuse,shadow,random"
-enum { INSIDE_KINDS = 4 };
-extern const char *const bb_emc_rays[INSIDE_KINDS];
+#define EMC_INSIDE_RAYS "primary,diffuse,shadow,random"
+enum { EMC_INSIDE_KINDS = 4 };
+extern const char *const bb_emc_rays[EMC_INSIDE_KINDS];
 
 /* Of what: cost (SAH), counted work and time per ray, build time. Of the second and third, of which
  * rays. */

@@ -59,7 +59,7 @@ static bb_estimate mean_of(const bb_findings *all, block b, const char *builder,
 
 static double absolute_of(const bb_findings *all, block b, const char *scene, const char *builder)
 {
-    bb_findings f = all[INSIDE];
+    bb_findings f = all[EMC_INSIDE];
     f.rays = diffuse.rays;
     return b == COSTS    ? bb_found_sah(&f, scene, builder)
            : b == BUILDS ? bb_found_build_ms(&f, scene, builder)
@@ -101,8 +101,8 @@ static void add_block(const bb_findings *all, bb_reproduction *r, block b)
 {
     const char *const columns[] = {"scene",       "primitives", blocks[b][1], "of LBVH's",
                                    "EMC-64-sort", "EMC-64-var", "note",       NULL};
-    const bb_emc_method *method = &bb_emc_methods[ATRBVH], *lbvh = &bb_emc_methods[LBVH];
-    const bb_findings *f = &all[INSIDE];
+    const bb_emc_method *method = &bb_emc_methods[EMC_ATRBVH], *lbvh = &bb_emc_methods[EMC_LBVH];
+    const bb_findings *f = &all[EMC_INSIDE];
     double theirs[PAPER_ROWS];
     bb_words missing = {0};
     bb_table(r, blocks[b][0], columns);
@@ -116,14 +116,14 @@ static void add_block(const bb_findings *all, bb_reproduction *r, block b)
         bb_table_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
         bb_table_number(r, absolute_of(all, b, scene, method->plain), 1);
         bb_table_number(r, ratio_of(all, b, scene, method->plain, lbvh->plain).value, 2);
-        bb_table_number(r, ratio_of(all, b, scene, ATRBVH_SORT64, method->plain).value, 2);
+        bb_table_number(r, ratio_of(all, b, scene, EMC_ATRBVH_SORT64, method->plain).value, 2);
         bb_table_number(r, ratio_of(all, b, scene, method->var, method->plain).value, 2);
         bb_table_text(r, "");
     }
     add_average(r, "average (paper)", bb_mean(theirs, PAPER_ROWS), paper_means[b][0],
                 paper_means[b][1], "of LBVH's: derived");
     add_average(r, "average (here)", mean_of(all, b, method->plain, lbvh->plain).value,
-                mean_of(all, b, ATRBVH_SORT64, method->plain).value,
+                mean_of(all, b, EMC_ATRBVH_SORT64, method->plain).value,
                 mean_of(all, b, method->var, method->plain).value, missing.text);
 }
 
@@ -133,7 +133,8 @@ static const struct {
     int method;
     double ratio, over_sweep; /* of EMC-64-var: to MC-64, and to a full sweep */
     double tolerated;         /* the latter, by a claim here */
-} means[] = {{LBVH, .80, 1.20, 1.30}, {HLBVH, .84, 1.11, 1.21}, {AAC_HQ, .89, 1.03, 1.13}};
+} means[] = {
+    {EMC_LBVH, .80, 1.20, 1.30}, {EMC_HLBVH, .84, 1.11, 1.21}, {EMC_AAC_HQ, .89, 1.03, 1.13}};
 enum { MEANS = sizeof means / sizeof means[0], CLAIMED = 1 /* the first of them with a claim */ };
 
 static void add_means(const bb_findings *all, bb_reproduction *r)
@@ -145,7 +146,7 @@ static void add_means(const bb_findings *all, bb_reproduction *r)
              "Other builders (section 5.4), cost (SAH): EMC-64-var to MC-64, and both to a full "
              "sweep, means of the scenes. The paper has no figures of single scenes",
              columns);
-    for (int i = 0; i < METHOD_COUNT; i++) {
+    for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         const bb_emc_method *method = &bb_emc_methods[i];
         double ratio = NAN, over_sweep = NAN;
         for (int k = 0; k < MEANS; k++)
@@ -205,13 +206,13 @@ static void claim_lower(const bb_findings *all, bb_reproduction *r, int id, cons
 
 static void claim_atrbvh(const bb_findings *all, bb_reproduction *r)
 {
-    const bb_emc_method *method = &bb_emc_methods[ATRBVH], *lbvh = &bb_emc_methods[LBVH];
+    const bb_emc_method *method = &bb_emc_methods[EMC_ATRBVH], *lbvh = &bb_emc_methods[EMC_LBVH];
     bb_words ours = {0}, why = {0}, missing = {0};
     bb_figures s = bb_emc_ratios(all, cost, method->var, method->plain),
                plain = bb_emc_ratios(all, cost, lbvh->var, lbvh->plain);
     double gain = 1 - bb_figures_mean(&s), of_lbvh = 1 - bb_figures_mean(&plain);
     bool there = !bb_emc_missing(method->plain, &missing);
-    claim_lower(all, r, ATRBVH, "5.2", "0.93 on average, 0.74 to 1.02");
+    claim_lower(all, r, EMC_ATRBVH, "5.2", "0.93 on average, 0.74 to 1.02");
 
     bb_say(&ours, "ATRBVH %.3f, LBVH %.3f on average", 1 - gain, 1 - of_lbvh);
     if (!(gain < of_lbvh))
@@ -229,9 +230,10 @@ static void claim_atrbvh(const bb_findings *all, bb_reproduction *r)
              "1.07 times the rays per second on average, 0.96 to 1.31",
              there ? &ours : &(bb_words){0}, &missing);
 
-    bb_estimate sort = bb_found_build_ratios(&all[INSIDE], ATRBVH_SORT64, method->plain),
-                var = bb_found_build_ratios(&all[INSIDE], method->var, method->plain);
-    const bb_verdict both[] = {bb_below(sort, build_target), bb_below(var, build_target)};
+    bb_estimate sort = bb_found_build_ratios(&all[EMC_INSIDE], EMC_ATRBVH_SORT64, method->plain),
+                var = bb_found_build_ratios(&all[EMC_INSIDE], method->var, method->plain);
+    const bb_verdict both[] = {bb_below(sort, bb_emc_build_target),
+                               bb_below(var, bb_emc_build_target)};
     ours = (bb_words){0};
     bb_say(&ours, "geometric mean of the scenes' paired ratios: EMC-64-sort ");
     bb_say_estimate(&ours, sort);
@@ -295,8 +297,8 @@ static void claim_bridged(const bb_findings *all, bb_reproduction *r)
 void bb_emc_other_claims(const bb_findings *all, bb_reproduction *r)
 {
     claim_atrbvh(all, r);
-    claim_lower(all, r, HLBVH, "5.4", "0.84 on average");
-    claim_lower(all, r, AAC_HQ, "5.4; the paper does not say which AAC", "0.89 on average");
+    claim_lower(all, r, EMC_HLBVH, "5.4", "0.84 on average");
+    claim_lower(all, r, EMC_AAC_HQ, "5.4; the paper does not say which AAC", "0.89 on average");
     for (int k = CLAIMED; k < MEANS; k++)
         claim_near_sweep(all, r, k);
     claim_bridged(all, r);

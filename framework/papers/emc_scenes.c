@@ -42,7 +42,7 @@ void bb_emc_scenes(const bb_findings *all, bb_reproduction *r)
 {
     static const char *const columns[] = {
         "scene", "primitives", "flatness", "largest / median", "stands in for", "alike in", NULL};
-    const bb_findings *f = &all[INSIDE];
+    const bb_findings *f = &all[EMC_INSIDE];
     bb_table(r,
              "Scenes of the tables that follow, and the paper's for which they stand. Nothing here "
              "is like san-miguel or powerplant, nor as large; flatness: shortest over longest side",

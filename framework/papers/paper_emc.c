@@ -24,30 +24,30 @@
 
 /* The ingredients, in the table's order: builder, what it is, the paper's figures. */
 #define INGREDIENTS(ROW)                                                                           \
-    ROW(ORDER, "axes by extent", "0.88 pompeii, 0.85 city, 1.00 others")                           \
-    ROW(ORDER_COUNT, "axes by extent, variable count", "0.56 pompeii, 0.51 city")                  \
-    ROW(SIZES, "size every 4th bit", "0.77 to 0.90")                                               \
-    ROW(FEWER_SIZES, "size every 7th bit, 6 bits", "")                                             \
-    ROW(SORT64, "EMC-64-sort", "0.78 to 0.99, mean 0.88")                                          \
-    ROW(VAR64, "EMC-64-var", "0.48 to 1.00, mean 0.80")                                            \
-    ROW(CELL64, "EMC-64-cell (not in the paper)", "")                                              \
-    ROW(CELL64_SIDE, "the same, size by the longest side", "")                                     \
-    ROW(VAR64_ALL_SIZES, "EMC-64-var, size every 4th bit", "")                                     \
+    ROW(EMC_ORDER, "axes by extent", "0.88 pompeii, 0.85 city, 1.00 others")                       \
+    ROW(EMC_ORDER_COUNT, "axes by extent, variable count", "0.56 pompeii, 0.51 city")              \
+    ROW(EMC_SIZES, "size every 4th bit", "0.77 to 0.90")                                           \
+    ROW(EMC_FEWER_SIZES, "size every 7th bit, 6 bits", "")                                         \
+    ROW(EMC_SORT64, "EMC-64-sort", "0.78 to 0.99, mean 0.88")                                      \
+    ROW(EMC_VAR64, "EMC-64-var", "0.48 to 1.00, mean 0.80")                                        \
+    ROW(EMC_CELL64, "EMC-64-cell (not in the paper)", "")                                          \
+    ROW(EMC_CELL64_SIDE, "the same, size by the longest side", "")                                 \
+    ROW(EMC_VAR64_ALL_SIZES, "EMC-64-var, size every 4th bit", "")                                 \
     ROW("emc:code=emc64-var,box=scene,size=cell", "EMC-64-var, size against the cell", "")         \
-    ROW(VAR64_CELL_ALL, "the same, every 4th bit", "")                                             \
-    ROW(VAR64_CELL_TEN, "the same, 10 bits", "")                                                   \
+    ROW(EMC_VAR64_CELL_ALL, "the same, every 4th bit", "")                                         \
+    ROW(EMC_VAR64_CELL_TEN, "the same, 10 bits", "")                                               \
     ROW("emc:code=emc64-var,box=scene,every=3,size-bits=16,size=cell", "the same, every 3rd bit",  \
         "")                                                                                        \
-    ROW(VAR64_NINE, "EMC-64-var, 9 size bits (algorithm 2)", "")                                   \
+    ROW(EMC_VAR64_NINE, "EMC-64-var, 9 size bits (algorithm 2)", "")                               \
     ROW("emc:code=mc64,box=centroids", "MC-64, box of the centroids", "")                          \
     ROW("emc:code=emc64-var,box=centroids", "EMC-64-var, box of the centroids", "")                \
-    ROW(VAR64_AREA, "EMC-64-var, size by area", "slightly worse")                                  \
-    ROW(SORT64_AREA, "EMC-64-sort, size by area", "slightly worse")                                \
-    ROW(MC32, "MC-32", "")                                                                         \
-    ROW(SORT32, "EMC-32-sort", "")                                                                 \
-    ROW(VAR32, "EMC-32-var", "")                                                                   \
-    ROW(VAR32_ALL_SIZES, "EMC-32-var, size every 4th bit", "")                                     \
-    ROW(SWEEP, "full sweep SAH, for comparison", "0.67")
+    ROW(EMC_VAR64_AREA, "EMC-64-var, size by area", "slightly worse")                              \
+    ROW(EMC_SORT64_AREA, "EMC-64-sort, size by area", "slightly worse")                            \
+    ROW(EMC_MC32, "MC-32", "")                                                                     \
+    ROW(EMC_SORT32, "EMC-32-sort", "")                                                             \
+    ROW(EMC_VAR32, "EMC-32-var", "")                                                               \
+    ROW(EMC_VAR32_ALL_SIZES, "EMC-32-var, size every 4th bit", "")                                 \
+    ROW(EMC_SWEEP, "full sweep SAH, for comparison", "0.67")
 #define BUILDER_OF(builder, what, paper) "," builder
 #define ROW_OF(builder, what, paper) {builder, what, paper},
 
@@ -57,74 +57,74 @@ static const struct {
 enum { INGREDIENT_COUNT = sizeof ingredients / sizeof ingredients[0] };
 
 static const bb_experiment experiments[] = {
-    [TRACED] = {.name = "codes, traced",
-                .builders = CODES,
-                .kernels = "stack",
-                .rays = "diffuse",
-                .scenes = SCENES,
-                .quick_scenes = QUICK_SCENES,
-                .takes_scenes = true,
-                .width = 512,
-                .height = 512,
-                .max_rays = 1 << 19,
-                .repeats = BB_INTERVAL_ROUNDS},
-    [BUILT] = {.name = "codes, build times",
-               .builders = CODES,
-               .kernels = "",
-               .rays = "",
-               .scenes = SCENES,
-               .quick_scenes = QUICK_SCENES,
-               .takes_scenes = true,
-               .width = 1,
-               .height = 1,
-               .max_rays = 1,
-               .repeats = 40},
-    [VARIED] = {.name = "influence of each ingredient",
-                .builders = MC64 INGREDIENTS(BUILDER_OF),
-                .kernels = "",
-                .rays = "",
-                .scenes = SCENES,
-                .quick_scenes = QUICK_SCENES,
-                .takes_scenes = true,
-                .width = 1,
-                .height = 1,
-                .max_rays = 1,
-                .repeats = 1}, /* its costs are compared, not its times */
-    [SIZED] = {.name = "number of primitives",
-               .builders = CODES,
-               .kernels = "",
-               .rays = "",
-               .scenes = "random:n=#",
-               .quick_scenes = "random:n=#",
-               .width = 1,
-               .height = 1,
-               .max_rays = 1,
-               .repeats = 9},
-    [INSIDE] = {.name = "codes inside other builders",
-                .builders = INSIDE_BUILDERS,
-                .optional_builders = true,
-                .kernels = "stack",
-                .rays = INSIDE_RAYS,
-                .scenes = INSIDE_SCENES,
-                .quick_scenes = INSIDE_QUICK_SCENES,
-                .takes_scenes = true,
-                .width = 256,
-                .height = 256,
-                .max_rays = 1 << 16,
-                .max_views = 2,
-                .repeats = BB_INTERVAL_ROUNDS},
-    [CENTRED] = {.name = "the same in the box of the centroids, and a full sweep",
-                 .builders = CENTRED_BUILDERS,
-                 .optional_builders = true,
-                 .kernels = "",
-                 .rays = "",
-                 .scenes = INSIDE_SCENES,
-                 .quick_scenes = INSIDE_QUICK_SCENES,
-                 .takes_scenes = true,
-                 .width = 1,
-                 .height = 1,
-                 .max_rays = 1,
-                 .repeats = 1}, /* its costs alone */
+    [EMC_TRACED] = {.name = "codes, traced",
+                    .builders = EMC_CODES,
+                    .kernels = "stack",
+                    .rays = "diffuse",
+                    .scenes = SCENES,
+                    .quick_scenes = QUICK_SCENES,
+                    .takes_scenes = true,
+                    .width = 512,
+                    .height = 512,
+                    .max_rays = 1 << 19,
+                    .repeats = BB_INTERVAL_ROUNDS},
+    [EMC_BUILT] = {.name = "codes, build times",
+                   .builders = EMC_CODES,
+                   .kernels = "",
+                   .rays = "",
+                   .scenes = SCENES,
+                   .quick_scenes = QUICK_SCENES,
+                   .takes_scenes = true,
+                   .width = 1,
+                   .height = 1,
+                   .max_rays = 1,
+                   .repeats = 40},
+    [EMC_VARIED] = {.name = "influence of each ingredient",
+                    .builders = EMC_MC64 INGREDIENTS(BUILDER_OF),
+                    .kernels = "",
+                    .rays = "",
+                    .scenes = SCENES,
+                    .quick_scenes = QUICK_SCENES,
+                    .takes_scenes = true,
+                    .width = 1,
+                    .height = 1,
+                    .max_rays = 1,
+                    .repeats = 1}, /* its costs are compared, not its times */
+    [EMC_SIZED] = {.name = "number of primitives",
+                   .builders = EMC_CODES,
+                   .kernels = "",
+                   .rays = "",
+                   .scenes = "random:n=#",
+                   .quick_scenes = "random:n=#",
+                   .width = 1,
+                   .height = 1,
+                   .max_rays = 1,
+                   .repeats = 9},
+    [EMC_INSIDE] = {.name = "codes inside other builders",
+                    .builders = EMC_INSIDE_BUILDERS,
+                    .optional_builders = true,
+                    .kernels = "stack",
+                    .rays = EMC_INSIDE_RAYS,
+                    .scenes = INSIDE_SCENES,
+                    .quick_scenes = INSIDE_QUICK_SCENES,
+                    .takes_scenes = true,
+                    .width = 256,
+                    .height = 256,
+                    .max_rays = 1 << 16,
+                    .max_views = 2,
+                    .repeats = BB_INTERVAL_ROUNDS},
+    [EMC_CENTRED] = {.name = "the same in the box of the centroids, and a full sweep",
+                     .builders = EMC_CENTRED_BUILDERS,
+                     .optional_builders = true,
+                     .kernels = "",
+                     .rays = "",
+                     .scenes = INSIDE_SCENES,
+                     .quick_scenes = INSIDE_QUICK_SCENES,
+                     .takes_scenes = true,
+                     .width = 1,
+                     .height = 1,
+                     .max_rays = 1,
+                     .repeats = 1}, /* its costs alone */
     {.name = NULL},
 };
 
@@ -154,11 +154,11 @@ static double absolute_of(const bb_findings *all, figure what, const char *scene
 {
     switch (what) {
     case COST:
-        return bb_found_sah(&all[VARIED], scene, MC64);
+        return bb_found_sah(&all[EMC_VARIED], scene, EMC_MC64);
     case SPEED:
-        return bb_found_mrays(&all[TRACED], (bb_selection){scene, MC64, "stack", NULL});
+        return bb_found_mrays(&all[EMC_TRACED], (bb_selection){scene, EMC_MC64, "stack", NULL});
     default:
-        return bb_found_build_ms(&all[BUILT], scene, MC64);
+        return bb_found_build_ms(&all[EMC_BUILT], scene, EMC_MC64);
     }
 }
 
@@ -166,11 +166,11 @@ static double ratio_of(const bb_findings *all, figure what, const char *scene, c
 {
     switch (what) {
     case COST:
-        return cost_ratio(all, scene, builder, MC64);
+        return bb_emc_cost_ratio(all, scene, builder, EMC_MC64);
     case SPEED:
-        return speed_ratio(all, scene, builder, MC64).value;
+        return bb_emc_speed_ratio(all, scene, builder, EMC_MC64).value;
     default:
-        return build_ratio(all, scene, builder, MC64).value;
+        return bb_emc_build_ratio(all, scene, builder, EMC_MC64).value;
     }
 }
 
@@ -178,13 +178,14 @@ static double ratio_of(const bb_findings *all, figure what, const char *scene, c
 
 static const struct {
     const char *name, *builder;
-} compared[] = {{"EMC-64-sort", SORT64}, {"EMC-64-var", VAR64},   {"EMC-64-cell", CELL64},
-                {"MC-32", MC32},         {"EMC-32-sort", SORT32}, {"EMC-32-var", VAR32}};
+} compared[] = {{"EMC-64-sort", EMC_SORT64}, {"EMC-64-var", EMC_VAR64},
+                {"EMC-64-cell", EMC_CELL64}, {"MC-32", EMC_MC32},
+                {"EMC-32-sort", EMC_SORT32}, {"EMC-32-var", EMC_VAR32}};
 enum { COMPARED = sizeof compared / sizeof compared[0], IN_PAPER = 2 };
 
 static void add_averages(const bb_findings *all, bb_reproduction *r, figure what)
 {
-    const bb_findings *f = &all[TRACED];
+    const bb_findings *f = &all[EMC_TRACED];
     bb_row(r);
     bb_table_text(r, "average (paper)");
     for (int i = 0; i < 3; i++)
@@ -206,18 +207,10 @@ static void add_averages(const bb_findings *all, bb_reproduction *r, figure what
 static void add_table2(const bb_findings *all, bb_reproduction *r, figure what, const char *title,
                        const char *unit)
 {
-    const char *columns[] = {"scene",
-                             "primitives",
-                             "flatness",
-                             unit,
-                             compared[0].name,
-                             compared[1].name,
-                             compared[2].name,
-                             compared[3].name,
-                             compared[4].name,
-                             compared[5].name,
-                             NULL};
-    const bb_findings *f = &all[TRACED];
+    const char *columns[4 + COMPARED + 1] = {"scene", "primitives", "flatness", unit};
+    for (int i = 0; i < COMPARED; i++)
+        columns[4 + i] = compared[i].name;
+    const bb_findings *f = &all[EMC_TRACED];
     bb_table(r, title, columns);
     for (int i = 0; i < PAPER_ROWS; i++) {
         char name[64];
@@ -244,7 +237,7 @@ static void add_table2(const bb_findings *all, bb_reproduction *r, figure what, 
 
 static void add_ingredients(const bb_findings *all, bb_reproduction *r)
 {
-    const bb_findings *f = &all[VARIED];
+    const bb_findings *f = &all[EMC_VARIED];
     const char *columns[BB_FIGURES_MAX + 4] = {"ingredient"};
     size_t count = 1, best = 0;
     double best_mean = INFINITY;
@@ -253,21 +246,21 @@ static void add_ingredients(const bb_findings *all, bb_reproduction *r)
     columns[count++] = "average";
     columns[count++] = "paper";
     for (size_t i = 0; i < INGREDIENT_COUNT; i++) {
-        bb_figures s = costs(all, ingredients[i].builder, MC64);
-        if (strcmp(ingredients[i].builder, SWEEP) != 0 && bb_figures_mean(&s) < best_mean) {
+        bb_figures s = bb_emc_costs(all, ingredients[i].builder, EMC_MC64);
+        if (strcmp(ingredients[i].builder, EMC_SWEEP) != 0 && bb_figures_mean(&s) < best_mean) {
             best_mean = bb_figures_mean(&s);
             best = i;
         }
     }
     bb_words title = {0};
-    bb_figures var = costs(all, VAR64, MC64);
+    bb_figures var = bb_emc_costs(all, EMC_VAR64, EMC_MC64);
     bb_say(&title,
            "Influence of each ingredient (section 5.3, and beyond): cost as a ratio to MC-64. Best "
            "code on average: %s, %.3f; EMC-64-var: %.3f",
            ingredients[best].builder, best_mean, bb_figures_mean(&var));
     bb_table(r, title.text, columns);
     for (size_t i = 0; i < INGREDIENT_COUNT; i++) {
-        bb_figures s = costs(all, ingredients[i].builder, MC64);
+        bb_figures s = bb_emc_costs(all, ingredients[i].builder, EMC_MC64);
         bb_row(r);
         bb_table_text(r, ingredients[i].what);
         for (size_t k = 0; k + 3 < count; k++)
@@ -281,13 +274,13 @@ static void add_build_ratio(bb_reproduction *r, const char *scene, int pair, bb_
 {
     bb_row(r);
     bb_table_text(r, scene);
-    bb_table_text(r, equals[pair].builder);
-    bb_table_text(r, equals[pair].plain);
+    bb_table_text(r, bb_emc_equals[pair].builder);
+    bb_table_text(r, bb_emc_equals[pair].plain);
     bb_table_number(r, e.value, 3);
     bb_table_number(r, e.low, 3);
     bb_table_number(r, e.high, 3);
-    bb_table_number(r, build_target, 2);
-    bb_verdict within = bb_below(e, build_target);
+    bb_table_number(r, bb_emc_build_target, 2);
+    bb_verdict within = bb_below(e, bb_emc_build_target);
     bb_table_text(r, within == BB_HELD       ? "yes"
                      : within == BB_NOT_HELD ? "no"
                                              : bb_verdict_words(within));
@@ -297,27 +290,29 @@ static void add_build_ratios(const bb_findings *all, bb_reproduction *r)
 {
     static const char *const columns[] = {"scene", "code",   "against",   "ratio", "95 % from",
                                           "to",    "target", "within it", NULL};
-    const bb_findings *f = &all[BUILT];
+    const bb_findings *f = &all[EMC_BUILT];
     bb_table(r,
              "Build time of each extended code against the plain code of equal length: median of "
              "the ratios of paired builds",
              columns);
-    for (int i = 0; i < EQUALS; i++) {
+    for (int i = 0; i < EMC_EQUALS; i++) {
         for (size_t s = 0; s < f->scene_count; s++)
             add_build_ratio(r, f->scenes[s], i,
-                            build_ratio(all, f->scenes[s], equals[i].builder, equals[i].plain));
+                            bb_emc_build_ratio(all, f->scenes[s], bb_emc_equals[i].builder,
+                                               bb_emc_equals[i].plain));
         add_build_ratio(r, "all scenes (geometric)", i,
-                        bb_found_build_ratios(f, equals[i].builder, equals[i].plain));
+                        bb_found_build_ratios(f, bb_emc_equals[i].builder, bb_emc_equals[i].plain));
     }
 }
 
 static void add_sizes(const bb_findings *all, bb_reproduction *r)
 {
-    static const char *const builders[] = {MC32, SORT32, VAR32, MC64, SORT64, VAR64, CELL64};
+    static const char *const builders[] = {EMC_MC32,   EMC_SORT32, EMC_VAR32, EMC_MC64,
+                                           EMC_SORT64, EMC_VAR64,  EMC_CELL64};
     static const char *const columns[] = {"primitives", "MC-32",       "EMC-32-sort",
                                           "EMC-32-var", "MC-64",       "EMC-64-sort",
                                           "EMC-64-var", "EMC-64-cell", NULL};
-    const bb_findings *f = &all[SIZED];
+    const bb_findings *f = &all[EMC_SIZED];
     bb_table(r, "Build rate over the number of primitives (random triangles), Mprims/s", columns);
     for (size_t s = 0; s < f->scene_count; s++) {
         double prims = bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS);

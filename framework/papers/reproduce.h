@@ -172,8 +172,11 @@ double bb_figures_most(const bb_figures *s);
 
 /* ---- for papers: tables and claims ---- */
 
-/* Begins a table; columns end with NULL. */
+/* Texts are copied. None of these fails: if memory has run out, bb_reproduction_add() says so. */
+
+/* Begins a table; columns end with NULL. Behind the 32nd they are recorded, not printed. */
 void bb_table(bb_reproduction *r, const char *title, const char *const *columns);
+/* Begins a row of the last table, to which the following add a cell each, from the left. */
 void bb_row(bb_reproduction *r);
 void bb_table_text(bb_reproduction *r, const char *text);
 /* Rounded to so many decimals; NAN becomes an empty cell. */
@@ -215,6 +218,9 @@ void bb_say_range(bb_words *words, const char *what, const bb_figures *s);
 /* "1.20 [95 %: 1.10 to 1.30]", with the range, or without brackets, where there is no interval. */
 void bb_say_estimate(bb_words *words, bb_estimate e);
 
+/* Adds a claim: the paper's statement, shortened, with any threshold that `verdict` rests on; the
+ * paper's figures ("" for none), ours, and figures of the same run that say why ("": none). The
+ * record has the verdict as held, not held, or undecided with the reason. */
 void bb_claim(bb_reproduction *r, bb_verdict verdict, const char *claim, const char *paper,
               const bb_words *ours, const bb_words *why);
 

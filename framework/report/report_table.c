@@ -3,6 +3,7 @@
  *
  * A speed is never printed without the wrong-answer rate of the same rays beside it.
  */
+#include "framework/judge/queries.h"
 #include "framework/report/columns.h"
 #include "framework/report/report.h"
 #include "framework/report/report_prediction.h"
@@ -275,6 +276,16 @@ static void print_trace(FILE *out, const cJSON *trace, const group *set)
     fputc('\n', out);
 }
 
+/* In its own words; one that is not known here, as in a file of another version, by its name. */
+static void print_query(FILE *out, const char *name)
+{
+    const bb_query *query = bb_query_find(name);
+    if (name[0] == '\0')
+        return;
+    fputs(", ", out);
+    bb_print_text(out, query != NULL ? query->asks : name, 0);
+}
+
 static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
 {
     const cJSON *trace;
@@ -304,8 +315,9 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
         fputs(", view ", out);
         bb_print_text(out, bb_get_text(first, BB_F_TRACE_VIEW), 0);
     }
-    fprintf(out, ": %s rays, %s hit\n", count,
-            strcmp(bb_get_text(first, BB_F_TRACE_QUERY), "any") == 0 ? "any" : "closest");
+    fprintf(out, ": %s rays", count);
+    print_query(out, bb_get_text(first, BB_F_TRACE_QUERY));
+    fputc('\n', out);
     fprintf(out, "  %-*s  %-*s  %-*s  %7s  %-12s  %-10s  %9s  %11s  %7s\n", set.builder_width,
             bb_fields[BB_F_TRACE_BUILDER].heading, set.kernel_width,
             bb_fields[BB_F_TRACE_KERNEL].heading, set.rates.width, set.rates.heading, "/Embree",

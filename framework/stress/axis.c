@@ -3,6 +3,7 @@
 #include "framework/animate/animate.h"
 #include "framework/base/file.h"
 #include "framework/base/steering.h"
+#include "framework/builder/pipeline.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -152,13 +153,15 @@ static bool is_name(const char *text)
 
 static bb_status read_axis(reader *r, bb_axis *axis)
 {
+    const bb_builder *usual = bb_usual_builder(BB_ALL_KINDS);
     BB_TRY(read_text(r, "name", NULL, axis->name, sizeof axis->name));
     BB_TRY(read_text(r, "title", NULL, axis->title, sizeof axis->title));
     BB_TRY(read_text(r, "parameter", NULL, axis->parameter, sizeof axis->parameter));
     BB_TRY(read_text(r, "why", NULL, axis->why, sizeof axis->why));
     BB_TRY(read_text(r, "known", "", axis->known, sizeof axis->known));
     BB_TRY(read_text(r, "scene", NULL, axis->scene, sizeof axis->scene));
-    BB_TRY(read_text(r, "builder", NULL, axis->builder, sizeof axis->builder));
+    BB_TRY(read_text(r, "builder", usual != NULL ? usual->name : NULL, axis->builder,
+                     sizeof axis->builder));
     BB_TRY(read_text(r, "kernel", NULL, axis->kernel, sizeof axis->kernel));
     BB_TRY(read_rays(r, axis));
     BB_TRY(read_range(r, axis));

@@ -5,6 +5,7 @@
  * Any builder's tree is held to it: what it builds by is its own affair. A tree of one leaf, which
  * claims nothing, is not.
  */
+#include "framework/builder/registry.h"
 #include "framework/summary/summary.h"
 
 #include <cjson/cJSON.h>
@@ -22,15 +23,32 @@ static double sah_of(const cJSON *build)
     return tree ? bb_get_metric(build, bb_metrics[bb_metric_of_layouts()]) : (double)NAN;
 }
 
-/* How near a builder comes to the full sweep: 2 for that itself, 1 for its binned form, 0 for all
- * others, of which the cheapest tree has to do. */
+/* Whether the build has the parameters of the specification; others may be anything. */
+static bool has_params(const cJSON *build, const bb_spec *spec)
+{
+    const cJSON *params = bb_get(build, BB_F_BUILD_PARAMS);
+    for (uint32_t i = 0; i < spec->param_count; i++)
+        if (strcmp(bb_json_text(params, spec->keys[i]), spec->values[i]) != 0)
+            return false;
+    return true;
+}
+
+/* How near a builder comes to the one that costs are held to (bb_builder.cost_reference): 2 for
+ * that variant itself, 1 for others of its builder, 0 for all other builders, of which the cheapest
+ * tree has to do. */
 static int nearness(const cJSON *build)
 {
-    const char *text = bb_get_text(build, BB_F_BUILD_BUILDER);
-    bool sah = strncmp(text, "sah", 3) == 0 && (text[3] == '\0' || text[3] == ':');
-    if (!sah || strchr(text, '+') != NULL)
+    bb_spec stages[BB_STAGES_MAX], reference;
+    uint32_t count;
+    if (bb_spec_stages(bb_get_text(build, BB_F_BUILD_BUILDER), stages, BB_STAGES_MAX, &count) !=
+            BB_OK ||
+        count != 1)
         return 0;
-    return strcmp(bb_json_text(bb_get(build, BB_F_BUILD_PARAMS), "method"), "sweep") == 0 ? 2 : 1;
+    const bb_builder *builder = bb_builder_find(stages[0].name);
+    if (builder == NULL || builder->cost_reference == NULL)
+        return 0;
+    bool parsed = bb_spec_parse(builder->cost_reference, &reference) == BB_OK;
+    return parsed && has_params(build, &reference) ? 2 : 1;
 }
 
 /* What trees of the scene of `like` are held to; NULL if there is none. Runs of a merged document

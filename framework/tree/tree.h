@@ -135,9 +135,6 @@ bb_status bb_tree_preorder(const bb_tree *tree, bb_tree *out);
 /* XXH3 of the preorder form, side arrays included. */
 bb_status bb_tree_hash(const bb_tree *tree, uint64_t *hash);
 
-/* Largest sum of children - 1 along a path: the entries that an ordered traversal's stack needs. */
-bb_status bb_tree_stack_need(const bb_tree *tree, uint32_t *entries);
-
 /* Checks everything that "The common tree" in framework/README.md requires; BB_FAILED describes the
  * first violation, with node and primitive numbers. Never loops forever or reads out of bounds on a
  * corrupt tree. */

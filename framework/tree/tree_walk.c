@@ -276,24 +276,3 @@ bb_status bb_tree_hash(const bb_tree *tree, uint64_t *hash)
     bb_tree_release(&preorder);
     return status;
 }
-
-bb_status bb_tree_stack_need(const bb_tree *tree, uint32_t *entries)
-{
-    bb_walk walk;
-    uint32_t *need = NULL, largest = 0;
-    bb_status status = bb_walk_tree(tree, &walk);
-    if (status == BB_OK)
-        status = bb_host_alloc(NULL, walk.info.node_count * sizeof *need, "stack need", &need);
-    if (status == BB_OK) {
-        for (uint32_t i = 0; i < walk.info.node_count; i++) {
-            uint32_t above = i == 0 ? 0 : need[walk.parent[i]];
-            bool leaf = bb_node_is_leaf(&tree->nodes[walk.order[i]]);
-            need[i] = above + (leaf ? 0 : walk.width[i] - 1);
-            largest = need[i] > largest ? need[i] : largest;
-        }
-        *entries = largest;
-    }
-    bb_host_free(need);
-    bb_walk_release(&walk);
-    return status;
-}

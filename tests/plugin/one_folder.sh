@@ -1,26 +1,63 @@
 #!/usr/bin/env bash
 # The plug-in rule: a new builder is one new folder, and no other file is touched: one_folder.sh SOURCE BUILD FOLDER (of dropped_in.sh)
-# 1. No file of the harness names a builder, but for papers, whose experiments are about theirs. 2. scripts/new-builder adds one folder and nothing else, and what it makes
+# 1. No file of the harness names a builder, but for papers, whose experiments are about theirs; planted lines show that it would be seen. 2. scripts/new-builder adds one folder and nothing else, and what it makes
 # compiles. 3. With BVHBENCH_SLOW_TESTS set: built with it (dropped_in.sh), and with a builder of several device files that takes
 # triangles only, the program lists and checks both; and a test that walks the registry skips what a builder does not take.
 . "$(dirname "$0")/../source_copy.sh"
 
-# "embree" is the oracle and a kernel too, "null" a word of JSON, "sah" a metric: these names alone say nothing.
 comment='^[^:]+:[0-9]+: *(\*|/\*|//|# )'
+# "embree" is the oracle and a kernel too, "null" a word of JSON: only as specifications they say something. "sah" is a metric, whose
+# name stands in two places.
+metric='^framework/(tree/metric_sah|animate/animate_json)\.c:[^"]*"sah"[^"]*$'
+
+# Prints the lines of the harness that name the builder $1: its symbol, its folder, or its name as a word of any text between quotes.
+lines_that_name()
+{
+    local name=$1 pattern
+    pattern="bb_builder_${name//-/_}\\b|builders/$name\\b"
+    case $name in
+    embree | null) pattern="$pattern|\"([^\"]*[^a-z0-9_-])?$name[:+]" ;;
+    *) pattern="$pattern|\"([^\"]*[^a-z0-9_-])?$name([^a-z0-9_-][^\"]*)?\"" ;;
+    esac
+    grep -rnE "$pattern" CMakeLists.txt cmake framework traversal kernels scenes \
+        --include='*.c' --include='*.h' --include='*.cpp' --include='*.hpp' --include='*.cl' --include='*.clh' \
+        --include='*.json' --include='*.js' --include='CMakeLists.txt' --include='*.cmake' --exclude-dir=papers |
+        grep -vE "$comment" | sed 's#/\*.*##' | grep -E "$pattern" | grep -vE "$metric" || true
+}
+
 for folder in builders/*/; do
     name=$(basename "$folder")
     [ -f "builders/$name/$name.c" ] || continue
-    pattern="bb_builder_${name//-/_}\\b|builders/$name\\b|\"$name:"
-    case $name in
-    embree | null | sah) ;;
-    *) pattern="$pattern|\"$name\"" ;;
-    esac
-    grep -rnE "$pattern" CMakeLists.txt cmake framework traversal kernels scenes \
-        --include='*.c' --include='*.h' --include='*.cpp' --include='*.hpp' --include='*.cl' \
-        --include='CMakeLists.txt' --include='*.cmake' --exclude-dir=papers |
-        grep -vE "$comment" >"$work/found" || true
+    lines_that_name "$name" >"$work/found"
     [ ! -s "$work/found" ] || fail "the harness names the builder $name: $(head -1 "$work/found")"
 done
+
+# Whether it would be seen: each line planted by itself, in a file of its kind.
+planted()
+{
+    printf '%s\n' "$3" >"$2"
+    lines_that_name "$1" >"$work/found"
+    rm "$2"
+    [ "$(cut -d: -f1 "$work/found" | sort -u)" = "$4" ] || fail "'$3' names $1: $5"
+}
+sees() { planted "$1" "$2" "$3" "$2" "not seen"; }
+lets() { planted "$1" "$2" "$3" "" "it does not"; }
+code=framework/cli/planted.c axis=framework/stress/axes/planted.json
+sees lbvh $code 'static const char *usual = "vlbvh,lbvh";'
+sees vlbvh $code 'static const char *usual = "vlbvh,lbvh";'
+sees vlbvh $code 'puts(" builders other than vlbvh get the boxes");'
+sees refit $code '"lbvh, lbvh+refit."'
+sees loose-bvh $code 'find("loose-bvh");'
+sees sah $code 'strncmp(text, "sah", 3)'
+sees sah $code 'bb_names_add(&names, "sah:method=sweep");'
+sees embree $code '"lbvh,embree:quality=low"'
+sees lbvh $code '#include "builders/lbvh/x.h"'
+sees gs $code 'extern const bb_builder bb_builder_gs;'
+sees lbvh $axis '{"builder": "lbvh"}'
+lets lbvh $code 'char label[48]; /* such as "lbvh#2" */'
+lets lbvh $code ' * as in "lbvh", lbvh:bits=63'
+lets lbvh $code 'puts("vlbvh, lbvhs, not-lbvh");'
+lets embree $code 'put("embree", version);'
 
 find . -type f -exec sha256sum {} + | sort -k 2 >"$work/before"
 scripts/new-builder my-tree >/dev/null
