@@ -143,8 +143,9 @@ struct bb_builder {
     const char *least, *generous;
 
     /* Compiles and allocates what does not depend on the scene; not timed. Called once per object;
-     * the other hooks get *self, which is NULL before. If it fails after it has set *self, that goes
-     * to destroy() and to no other hook: set it as soon as there is something to free. Required. */
+     * the other hooks get *self, which is NULL before. If it fails after it has set *self, that
+     * goes to destroy() and to no other hook: set it as soon as there is something to free.
+     * Required. */
     bb_status (*create)(const bb_builder_context *context, void **self);
 
     /* Allocates what build() will need for this scene, so that build() does not have to. Called
