@@ -112,6 +112,11 @@ uint32_t bb_codes_key_bytes(const bb_codes *codes)
     return codes->choice.bits > 32 ? 8 : 4;
 }
 
+bool bb_codes_key_changed(const bb_codes *codes, uint32_t compiled)
+{
+    return bb_codes_ready(codes) && bb_codes_key_bytes(codes) != compiled;
+}
+
 const bb_code_pattern *bb_codes_pattern(const bb_codes *codes)
 {
     return &codes->layout;
@@ -168,6 +173,13 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
     uint32_t items = (count + codes->lanes - 1) / codes->lanes;
     return bb_launch(codes->device, codes->keys, items, GROUP_SIZE, BB_MEM(*boxes), BB_VALUE(count),
                      BB_MEM(codes->plan), BB_MEM(codes->tables), BB_MEM(*keys), BB_MEM(*values));
+}
+
+void bb_codes_describe(const bb_codes *codes, char *text, size_t capacity)
+{
+    char letters[BB_CODE_BITS_MAX + 1];
+    bb_code_letters(&codes->layout, letters, sizeof letters);
+    snprintf(text, capacity, "code of %u bits: %s", codes->layout.bits, letters);
 }
 
 void bb_codes_decide(const bb_codes *codes, const bb_scene *scene, bb_decisions *decisions)

@@ -142,7 +142,8 @@ static bb_status find_places(ploc *self, uint32_t count, uint32_t *left)
     } else {
         BB_TRY(bb_launch(device, self->places, items, GROUP_SIZE, BB_MEM(self->actions),
                          BB_VALUE(count), BB_MEM(self->kept)));
-        BB_TRY(bb_scan_u32(self->base.primitives, &self->kept, &self->kept, count, &self->number));
+        BB_TRY(bb_scan_u32(self->base.sorted.primitives, &self->kept, &self->kept, count,
+                           &self->number));
     }
     return bb_buffer_read(&self->number, 0, sizeof *left, left);
 }
@@ -178,7 +179,7 @@ static bb_status cluster(ploc *self, const bb_scene *scene, bb_phases *phases)
     int32_t mask = BB_PLOC_EXACT;
     uint32_t count = scene->prim_count, from = 0, rounds = 0, rest;
     BB_TRY(bb_launch(base->device, self->leaves, items_of(self, count), group_of(self),
-                     BB_MEM(scene->on_device.boxes), BB_MEM(base->values), BB_VALUE(count),
+                     BB_MEM(scene->on_device.boxes), BB_MEM(base->sorted.values), BB_VALUE(count),
                      BB_MEM(base->lists[0].planes), BB_MEM(base->lists[0].tags),
                      BB_VALUE(base->stride)));
     for (uint32_t left; count > self->rest_most; rounds++) {
@@ -201,7 +202,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 {
     (void)input;
     ploc *self = opaque;
-    BB_TRY(bb_ploc_sort(&self->base, scene, phases));
+    BB_TRY(bb_sorted_codes_make(&self->base.sorted, scene, phases));
     BB_TRY(bb_phase(phases, "cluster"));
     BB_TRY(cluster(self, scene, phases));
     return bb_ploc_finish(&self->base, scene, tree, phases);
@@ -210,17 +211,16 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 {
     const ploc *self = opaque;
-    bb_codes_decide(self->base.codes, scene, decisions);
+    bb_codes_decide(self->base.sorted.codes, scene, decisions);
 }
 
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
 {
     (void)scene;
     const ploc *self = opaque;
-    char letters[BB_CODE_BITS_MAX + 1];
-    const bb_code_pattern *layout = bb_codes_pattern(self->base.codes);
-    bb_code_letters(layout, letters, sizeof letters);
-    snprintf(text, capacity, "%u rounds; code of %u bits: %s", self->rounds, layout->bits, letters);
+    char code[BB_CODE_TEXT];
+    bb_codes_describe(self->base.sorted.codes, code, sizeof code);
+    snprintf(text, capacity, "%u rounds; %s", self->rounds, code);
     return BB_OK;
 }
 
