@@ -18,6 +18,7 @@
 #include "builders/common/refit.h"
 #include "builders/common/scene_unit.h"
 #include "builders/common/sorted_codes.h"
+#include "framework/base/arithmetic.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -91,14 +92,9 @@ static void destroy(void *opaque)
     free(self);
 }
 
-static bool on_cpu(const aac *self)
-{
-    return self->device->form == BB_FORM_CPU;
-}
-
 static uint32_t lanes_of(const aac *self)
 {
-    return on_cpu(self) ? 1 : LANES_GPU;
+    return bb_cpu_form(self->device) ? 1 : LANES_GPU;
 }
 
 /* What depends on the size of keys, which is known once nothing of the code is open. */
@@ -150,15 +146,10 @@ static bb_status create(const bb_builder_context *context, void **out)
     return compile(self);
 }
 
-static uint32_t most_of(uint32_t a, uint32_t b)
-{
-    return a > b ? a : b;
-}
-
 /* Slots for the clusters of two children that have `size` primitives together. */
 static uint32_t room_for(const aac *self, uint32_t size)
 {
-    uint32_t slots = most_of(2 * aac_goal(&self->law, size), self->law.delta);
+    uint32_t slots = bb_max_u32(2 * aac_goal(&self->law, size), self->law.delta);
     return (slots + 7) / 8 * 8;
 }
 
@@ -166,18 +157,20 @@ static void choose_sizes(aac *self, uint32_t count)
 {
     uint32_t cores = self->device->compute_units;
     self->prepared = count;
-    self->large = on_cpu(self) ? most_of(count / (TASKS_PER_CORE * cores), LARGE_CPU) : LARGE_GPU;
-    self->goals = aac_goal(&self->law, most_of(count, self->law.delta));
+    self->large = bb_cpu_form(self->device)
+                      ? bb_max_u32(count / (TASKS_PER_CORE * cores), LARGE_CPU)
+                      : LARGE_GPU;
+    self->goals = aac_goal(&self->law, bb_max_u32(count, self->law.delta));
     self->small_room = room_for(self, self->large);
     self->large_room = room_for(self, count);
-    self->small_groups = on_cpu(self) ? TASKS_PER_CORE * cores : GROUPS_GPU;
-    self->large_groups = on_cpu(self) ? cores : GROUPS_LARGE_GPU;
+    self->small_groups = bb_cpu_form(self->device) ? TASKS_PER_CORE * cores : GROUPS_GPU;
+    self->large_groups = bb_cpu_form(self->device) ? cores : GROUPS_LARGE_GPU;
 }
 
 /* The table of f, made where all machines agree on it. */
 static bb_status write_sizes(aac *self)
 {
-    uint32_t *sizes = NULL, most = most_of(self->prepared, self->law.delta);
+    uint32_t *sizes = NULL, most = bb_max_u32(self->prepared, self->law.delta);
     size_t bytes = self->goals * sizeof *sizes;
     BB_TRY(bb_buffer_reserve(self->device, self->account, bytes, "aac: sizes", &self->sizes));
     BB_TRY(bb_host_alloc(self->account, bytes, "aac: sizes", &sizes));

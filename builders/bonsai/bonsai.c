@@ -22,6 +22,7 @@
 #include "builders/common/refit.h"
 #include "builders/common/scene_unit.h"
 #include "builders/common/sorted_codes.h"
+#include "framework/base/arithmetic.h"
 
 #include <float.h>
 #include <math.h>
@@ -139,7 +140,7 @@ static bb_status compile_mini(bonsai *self)
                        self->group, (unsigned long long)local_bytes(room),
                        (unsigned long long)self->device->local_bytes);
     snprintf(defines, sizeof defines, "-DBN_GROUP=%u%s", room,
-             self->device->form == BB_FORM_CPU ? " -DBN_ALONE" : "");
+             bb_cpu_form(self->device) ? " -DBN_ALONE" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_bonsai_mini, defines, &self->mini_program));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_mini", &self->mini));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_areas", &self->areas_kernel));
@@ -172,12 +173,12 @@ static bb_status create(const bb_builder_context *context, void **out)
 
 static uint32_t chunk_of(const bonsai *self)
 {
-    return self->device->form == BB_FORM_CPU ? CHUNK_CPU : CHUNK_GPU;
+    return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
 static uint32_t most_items(uint32_t count, uint32_t groups)
 {
-    return count / ITEMS_SHARE > groups ? count / ITEMS_SHARE : groups;
+    return bb_max_u32(count / ITEMS_SHARE, groups);
 }
 
 static bb_status reserve_groups(bonsai *self, uint32_t groups)
@@ -226,8 +227,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 static bb_status find_groups(bonsai *self, uint32_t count)
 {
     bb_device *device = self->device;
-    const uint32_t chunk = chunk_of(self), chunks = count / chunk + (count % chunk != 0);
-    const size_t local = device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
+    const uint32_t chunk = chunk_of(self), chunks = bb_divide_up(count, chunk);
+    const size_t local = bb_cpu_form(device) ? 1 : GROUP_SIZE;
     BB_TRY(bb_launch(device, self->count_kernel, chunks, local, BB_MEM(self->sorted.keys),
                      BB_VALUE(count), BB_VALUE(self->group), BB_VALUE(chunk), BB_VALUE(chunks),
                      BB_MEM(self->firsts), BB_MEM(self->counts)));
@@ -243,7 +244,7 @@ static bb_status find_groups(bonsai *self, uint32_t count)
 static bb_status grow(bonsai *self, const bb_scene *scene, float unit, bb_tree *tree)
 {
     bb_device *device = self->device;
-    const size_t local = device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
+    const size_t local = bb_cpu_form(device) ? 1 : GROUP_SIZE;
     BB_TRY(bb_launch(device, self->mini, self->groups * local, local, BB_MEM(self->starts),
                      BB_VALUE(self->groups), BB_MEM(self->sorted.values),
                      BB_MEM(scene->on_device.boxes), BB_VALUE(unit), BB_MEM(tree->d_nodes),

@@ -1,6 +1,7 @@
 /* Codes made on the device (codes.cl). */
 #include "builders/common/codes.h"
 
+#include "framework/base/arithmetic.h"
 #include "framework/scene/needs.h"
 
 #include <stdio.h>
@@ -71,7 +72,7 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
     codes->builder = context->spec->name;
     BB_TRY(bb_code_choose(context->spec, context->options, &codes->asked));
     codes->choice = codes->asked;
-    codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
+    codes->lanes = bb_cpu_form(codes->device) ? 8 : 1;
     const bool open =
         codes->asked.bits_by == BB_BY_SCENE || codes->asked.size_bits_by == BB_BY_SCENE;
     return open ? BB_OK : compile(codes);
@@ -170,7 +171,7 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
     BB_TRY(bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan));
     if (codes->choice.tables)
         BB_TRY(write_tables(codes));
-    uint32_t items = (count + codes->lanes - 1) / codes->lanes;
+    uint32_t items = bb_divide_up(count, codes->lanes);
     return bb_launch(codes->device, codes->keys, items, GROUP_SIZE, BB_MEM(*boxes), BB_VALUE(count),
                      BB_MEM(codes->plan), BB_MEM(codes->tables), BB_MEM(*keys), BB_MEM(*values));
 }

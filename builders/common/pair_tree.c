@@ -30,7 +30,7 @@ struct bb_pair_tree {
 
 static bb_status get_kernels(bb_pair_tree *pairs)
 {
-    const bool cpu = pairs->device->form == BB_FORM_CPU;
+    const bool cpu = bb_cpu_form(pairs->device);
     BB_TRY(bb_program_build(pairs->device, bb_source_find("pair_tree.cl"), "", &pairs->program));
     BB_TRY(bb_kernel_get(pairs->program, cpu ? "pair_tree_top" : "pair_tree_start", &pairs->first));
     return bb_kernel_get(pairs->program, cpu ? "pair_tree_walk" : "pair_tree_level",

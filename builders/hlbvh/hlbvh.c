@@ -181,7 +181,7 @@ static bb_status create(const bb_builder_context *context, void **out)
 
 static uint32_t chunk_of(const hlbvh *self)
 {
-    return self->device->form == BB_FORM_CPU ? CHUNK_CPU : CHUNK_GPU;
+    return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
 /* The most clusters that `count` primitives can make. */
@@ -241,7 +241,7 @@ static bb_status find_clusters(hlbvh *self, uint32_t count)
 {
     bb_device *device = self->device;
     uint32_t chunk = chunk_of(self), chunks = count / chunk + 1;
-    size_t group = device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
+    size_t group = bb_cpu_form(device) ? 1 : GROUP_SIZE;
     uint32_t bits = bb_codes_pattern(self->sorted.codes)->bits, totals[HL_LEVELS];
     BB_TRY(bb_buffer_fill(&self->totals, sizeof totals, 0));
     BB_TRY(bb_buffer_fill(&self->levels, chunks * sizeof totals, 0));

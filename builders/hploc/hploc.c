@@ -11,6 +11,7 @@
  * launches instead of fences, so that nothing depends on how work-groups are run.
  */
 #include "builders/common/ploc.h"
+#include "framework/base/arithmetic.h"
 #include "framework/device/levels.h"
 
 #include <stdio.h>
@@ -78,11 +79,6 @@ static void destroy(void *opaque)
     free(self);
 }
 
-static bool on_cpu(const hploc *self)
-{
-    return self->base.device->form == BB_FORM_CPU;
-}
-
 /* Work-items of a group, on GPUs: one for each cluster of a node. */
 static uint32_t group_of(const hploc *self)
 {
@@ -95,7 +91,7 @@ static bb_status get_kernels(hploc *self)
     if (!bb_codes_key_changed(self->base.sorted.codes, self->key_bytes))
         return BB_OK;
     const uint32_t key_bytes = bb_codes_key_bytes(self->base.sorted.codes);
-    const bool cpu = on_cpu(self);
+    const bool cpu = bb_cpu_form(self->base.device);
     release_program(self);
     char defines[128];
     snprintf(defines, sizeof defines, "-DBB_RADIUS=%u -DBB_GOAL=%u -DBB_GROUP=%u%s",
@@ -125,7 +121,7 @@ static bb_status create(const bb_builder_context *context, void **out)
                        spec->name, (uint32_t)window);
     self->window = (uint32_t)window;
     BB_TRY(bb_ploc_create(context, &self->base));
-    if (!on_cpu(self) && group_of(self) > context->device->max_group_size)
+    if (!bb_cpu_form(self->base.device) && group_of(self) > context->device->max_group_size)
         return bb_fail(BB_UNSUPPORTED,
                        "builder %s: window=%u: the device's work-groups have %zu items at most",
                        spec->name, self->window, context->device->max_group_size);
@@ -154,13 +150,12 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     bb_device *device = self->base.device;
     bb_account *account = self->base.account;
     const uint32_t count = scene->prim_count;
-    BB_TRY(bb_ploc_prepare(&self->base, scene, on_cpu(self) ? 1 : 0, tree));
+    BB_TRY(bb_ploc_prepare(&self->base, scene, bb_cpu_form(self->base.device) ? 1 : 0, tree));
     BB_TRY(get_kernels(self));
-    if (!on_cpu(self))
+    if (!bb_cpu_form(self->base.device))
         return reserve_for_gpu(self, count);
     const uint32_t units = device->compute_units * CHUNKS_PER_UNIT;
-    const uint32_t share = count / units + 1;
-    self->chunk = share < CHUNK_MIN ? CHUNK_MIN : share;
+    self->chunk = bb_max_u32(count / units + 1, CHUNK_MIN);
     const size_t chunks = (count - 1) / self->chunk + 1;
     BB_TRY(bb_buffer_reserve(device, account, chunks * PIECES_MAX * PIECE_BYTES, "hploc: subtrees",
                              &self->pieces));
@@ -231,7 +226,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     hploc *self = opaque;
     BB_TRY(bb_sorted_codes_make(&self->base.sorted, scene, phases));
     BB_TRY(bb_phase(phases, "cluster"));
-    BB_TRY(on_cpu(self) ? cluster_on_cpu(self, scene) : cluster_on_gpu(self, scene));
+    BB_TRY(bb_cpu_form(self->base.device) ? cluster_on_cpu(self, scene)
+                                          : cluster_on_gpu(self, scene));
     return bb_ploc_finish(&self->base, scene, tree, phases);
 }
 

@@ -19,6 +19,7 @@
  */
 #include "builders/common/radix_tree.h"
 #include "builders/common/sorted_codes.h"
+#include "framework/base/arithmetic.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -191,12 +192,12 @@ static bb_status create(const bb_builder_context *context, void **out)
 
 static uint32_t chunk_size(const llbvh *self)
 {
-    return self->device->form == BB_FORM_CPU ? CHUNK_CPU : CHUNK_GPU;
+    return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
 static uint32_t chunk_count(const llbvh *self, uint32_t count)
 {
-    return (count + chunk_size(self) - 1) / chunk_size(self);
+    return bb_divide_up(count, chunk_size(self));
 }
 
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
@@ -246,7 +247,7 @@ static bb_status place_primitives(llbvh *self, const bb_scene *scene)
 static bb_status merge_equal(llbvh *self, uint32_t count)
 {
     uint32_t chunk = chunk_size(self), chunks = chunk_count(self, count);
-    size_t group = self->device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
+    size_t group = bb_cpu_form(self->device) ? 1 : GROUP_SIZE;
     BB_TRY(bb_launch(self->device, self->heads, chunks, group, BB_MEM(self->sorted.keys),
                      BB_VALUE(count), BB_VALUE(self->merge), BB_VALUE(chunk),
                      BB_MEM(self->places)));
