@@ -283,16 +283,6 @@ static bb_status make_tree(optimiser *self, const bb_tree *input, bb_tree *tree)
     return bb_buffer_copy(&input->d_refs, &tree->d_refs, info->ref_count * sizeof(uint32_t));
 }
 
-static bb_status copy_tree(const bb_tree *input, bb_tree *tree)
-{
-    const bb_tree_info *info = &input->info;
-    BB_TRY(bb_buffer_copy(&input->d_nodes, &tree->d_nodes, info->node_count * sizeof(bb_node)));
-    BB_TRY(bb_buffer_copy(&input->d_refs, &tree->d_refs, info->ref_count * sizeof(uint32_t)));
-    tree->duplicated = input->duplicated;
-    tree->disjoint = input->disjoint;
-    return bb_buffer_write(&tree->d_info, 0, sizeof *info, info);
-}
-
 static bb_status optimise(optimiser *self, const bb_tree *input, bb_tree *tree, bb_phases *phases)
 {
     const bb_tree_info *info = &input->info;
@@ -328,7 +318,7 @@ bb_status bb_treelets_build(void *opaque, const bb_scene *scene, const bb_tree *
     BB_TRY(reserve(self, info->leaf_count, info->ref_count, tree));
     if (info->leaf_count < self->gamma) {
         BB_TRY(bb_phase(phases, "copy"));
-        BB_TRY(copy_tree(input, tree));
+        BB_TRY(bb_tree_copy(input, tree));
     } else {
         BB_TRY(optimise(self, input, tree, phases));
     }
