@@ -15,16 +15,16 @@
 #include "bb_device.h"
 #include "handover.clh"
 #include "lanes.clh"
+#include "leaf_boxes.clh"
 #include "pair_shared.h"
+#include "tree_info.clh"
 
 /* A child: writes its node; true, with *child, if it is to be opened. */
 bool place_side(uint4 lo, uint4 hi, bb_pair_task at, uint skip, global bb_node *nodes,
                 global uint *refs, bb_pair_task *child)
 {
     bool leaf = (lo.w & BB_LEAF_BIT) != 0;
-    global uint *words = (global uint *)(nodes + at.place);
-    vstore4((uint4)(lo.xyz, BB_LEAF_BIT | at.base), 0, words);
-    vstore4((uint4)(hi.xyz, skip), 1, words);
+    bb_write_node(nodes, at.place, as_float4(lo), as_float4(hi), BB_LEAF_BIT | at.base, skip);
     if (leaf)
         refs[at.base] = (lo.w & BB_INDEX_MASK) | BB_LAST_BIT;
     at.link = lo.w;
@@ -56,14 +56,7 @@ bool start(global const bb_pair_side *root, uint count, global bb_node *nodes, g
 {
     global const uint *words = (global const uint *)root;
     bb_pair_task at = {0, 0, 0, count, 0};
-    bb_tree_info found;
-    found.root = 0;
-    found.node_count = 2u * count - 1u;
-    found.leaf_count = count;
-    found.ref_count = count;
-    found.arity = count > 1u ? 2u : 0u;
-    found.depth = 0;
-    *info = found;
+    bb_write_binary_info(info, count, count, 0);
     return place_side(vload4(0, words), vload4(1, words), at, BB_NONE, nodes, refs, task);
 }
 
