@@ -123,8 +123,11 @@ static bb_status compile_groups(bonsai *self)
 /* Local memory of a mini-tree of up to `room` primitives, as bonsai_mini.cl has it. */
 static uint64_t local_bytes(uint32_t room)
 {
-    const uint64_t elements = 32 + 3 * (4 + 2 * 2) + 16, spans = 2 * 8 + 12;
-    return room * elements + (room / 3 + 1) * spans + 16;
+    const uint64_t per_axis = sizeof(uint32_t) + 2 * sizeof(uint16_t); /* key, both orders */
+    const uint64_t element = sizeof(cl_float8) + 3 * per_axis + sizeof(cl_float4);
+    const uint64_t span = 2 * sizeof(bn_mini_span) + sizeof(bn_split);
+    const uint64_t counts = 2 * sizeof(uint32_t), alignment = 8;
+    return room * element + BN_SPANS(room) * span + counts + alignment;
 }
 
 static bb_status compile_mini(bonsai *self)

@@ -7,14 +7,9 @@
 
 BB_DEVICE_SOURCE(bonsai_top);
 
-_Static_assert(sizeof(bn_item) == 32 && sizeof(bn_task) == 16, "as on the device");
-
 enum {
     GROUP_SIZE = 64,
     TOP_GROUP_SIZE = 256,
-    SPAN_BYTES = 12,  /* bn_span of uint */
-    SPLIT_BYTES = 12, /* bn_split */
-    BOX_BYTES = 32,   /* float8 */
     REST_GROUPS = 64, /* that share what the first launch leaves */
     REST_LEAST = 256, /* items that are not worth a launch's while: see rest_of() */
     AXIS_BITS = 34,   /* of a centroid and its axis */
@@ -80,15 +75,15 @@ bb_status bn_top_reserve(bn_top *top, uint32_t items)
         size_t bytes;
         const char *what;
     } wanted[] = {
-        {&top->boxes, n * BOX_BYTES, "bonsai: boxes of the top tree"},
+        {&top->boxes, n * sizeof(cl_float8), "bonsai: boxes of the top tree"},
         {&top->keys, 3 * n * sizeof(uint32_t), "bonsai: centroids of the top tree"},
         {&top->sort_keys, 3 * n * sizeof(uint64_t), "bonsai: sort keys of the top tree"},
         {&top->orders, 6 * n * sizeof(uint32_t), "bonsai: orders of the top tree"},
-        {&top->right, n * 4 * sizeof(float), "bonsai: costs of the top tree"},
-        {&top->spans, 2 * n * SPAN_BYTES, "bonsai: nodes of the top tree"},
-        {&top->splits, n * SPLIT_BYTES, "bonsai: splits of the top tree"},
+        {&top->right, n * sizeof(cl_float4), "bonsai: costs of the top tree"},
+        {&top->spans, 2 * n * sizeof(bn_top_span), "bonsai: nodes of the top tree"},
+        {&top->splits, n * sizeof(bn_split), "bonsai: splits of the top tree"},
         {&top->weights, n * sizeof(uint32_t), "bonsai: weights of the top tree"},
-        {&top->tasks, (n / 3 + 1) * sizeof(bn_task), "bonsai: tasks of the top tree"},
+        {&top->tasks, BN_SPANS(n) * sizeof(bn_task), "bonsai: tasks of the top tree"},
         {&top->waiting, sizeof(uint32_t), "bonsai: tasks of the top tree"},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++)

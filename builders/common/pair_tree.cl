@@ -92,9 +92,6 @@ kernel void pair_tree_top(global const bb_pair_side *root, global const bb_clust
 
 /* Subtrees that wait: each is at most half of what the one before it was. */
 #define BB_WAITING_MAX 32
-/* Walks that a work-item does by turns: each asks for its next pair, and meanwhile the others go
- * on, so that a miss of the cache holds up no more than one of them. */
-#define BB_WALKS 8
 
 typedef struct pair_walk {
     bb_pair_task task;
@@ -125,14 +122,14 @@ bool walk_on(pair_walk *walk, global const bb_cluster_pair *pairs, uint count,
     return true;
 }
 
-/* One work-item per BB_WALKS tasks. */
+/* One work-item per BB_PAIR_WALKS tasks. */
 kernel void pair_tree_walk(global const bb_cluster_pair *pairs, uint count, global bb_node *nodes,
                            global uint *refs, volatile global bb_tree_info *info,
                            global const bb_pair_task *tasks, global const uint *total)
 {
-    pair_walk walks[BB_WALKS];
-    uint first = get_global_id(0) * BB_WALKS, active = 0, deepest = 0;
-    for (; active < BB_WALKS && first + active < total[0]; active++) {
+    pair_walk walks[BB_PAIR_WALKS];
+    uint first = get_global_id(0) * BB_PAIR_WALKS, active = 0, deepest = 0;
+    for (; active < BB_PAIR_WALKS && first + active < total[0]; active++) {
         walks[active].task = tasks[first + active];
         walks[active].waiting = 0;
     }

@@ -76,9 +76,7 @@ bb_status hl_top_create(bb_device *device, bb_account *account, uint32_t bins, b
         return bb_fail(BB_FAILED, "out of memory");
     top->device = device;
     top->account = account;
-    /* as the device lays hl_bins out: float4 first, the whole a multiple of them */
-    size_t counts = (by_prims ? 2 : 1) * 3 * (size_t)bins * sizeof(uint32_t);
-    top->bin_bytes = 3 * (size_t)bins * 2 * 16 + (counts + 15) / 16 * 16;
+    top->bin_bytes = HL_BINS_BYTES((size_t)bins, by_prims ? 2 : 1);
     bb_status status = compile(top, bins, by_prims);
     if (status != BB_OK) {
         hl_top_destroy(top);

@@ -11,6 +11,7 @@
  * launches instead of fences, so that nothing depends on how work-groups are run.
  */
 #include "builders/common/ploc.h"
+#include "builders/hploc/hploc_shared.h"
 #include "framework/base/arithmetic.h"
 #include "framework/device/levels.h"
 
@@ -27,8 +28,7 @@ enum {
     CHUNK_MIN = 1024,
     CHUNKS_PER_UNIT = 16, /* CPUs: to share among cores, whatever each takes */
     HEIGHT_MAX = 96,      /* of a radix tree: the bits of keys, and of indices */
-    PIECE_BYTES = 16,
-    PIECES_MAX = 2 * HEIGHT_MAX, /* BB_PIECES_MAX of hploc.cl, for the longest keys */
+    PIECES_MAX = HPLOC_PIECES_MAX(64),
 };
 
 static const bb_option options[] = {
@@ -157,11 +157,11 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     const uint32_t units = device->compute_units * CHUNKS_PER_UNIT;
     self->chunk = bb_max_u32(count / units + 1, CHUNK_MIN);
     const size_t chunks = (count - 1) / self->chunk + 1;
-    BB_TRY(bb_buffer_reserve(device, account, chunks * PIECES_MAX * PIECE_BYTES, "hploc: subtrees",
-                             &self->pieces));
+    BB_TRY(bb_buffer_reserve(device, account, chunks * PIECES_MAX * sizeof(hploc_piece),
+                             "hploc: subtrees", &self->pieces));
     BB_TRY(bb_buffer_reserve(device, account, chunks * sizeof(uint32_t), "hploc: subtrees",
                              &self->piece_counts));
-    return bb_buffer_reserve(device, account, PIECES_MAX * PIECE_BYTES, "hploc: subtrees",
+    return bb_buffer_reserve(device, account, PIECES_MAX * sizeof(hploc_piece), "hploc: subtrees",
                              &self->stack);
 }
 
