@@ -20,4 +20,8 @@ typedef struct bb_cell_grid {
 #define BB_CELL_OCTANT 7u   /* its place among the eight of its parent: x highest */
 #define BB_CELL_BOUNDARY 8u /* a primitive of the boundary is listed below it */
 
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(bb_cell_grid) == 48, "bb_cell_grid");
+#endif
+
 #endif

@@ -122,52 +122,33 @@ kernel void plan_level(global const bb_pair *pairs, uint root, global const uint
     }
 }
 
-/* What the wide node that pair `root` becomes takes in: sides of pairs, 2 * pair + side, one per
- * child, left to right. How many. */
-uint planned_sides(global const bb_pair *pairs, global const bb_wide_plan *plans, uint root,
-                  uint sides[BB_WIDTH])
+/* ---- what a wide node takes in: sides of pairs, 2 * pair + side ---- */
+
+typedef struct bb_side_source {
+    global const bb_pair *pairs;
+    global const bb_wide_plan *plans;
+} bb_side_source;
+
+#include "wide_sides.clh"
+
+uint bb_side_link(const bb_side_source *source, uint side)
 {
-    uint2 stack[BB_WIDTH]; /* side of a pair, places */
-    uint top = 0, count = 0;
-    uint split = plans[root].splits >> 4u * (BB_WIDTH - 1u) & 15u;
-    stack[top++] = (uint2)(2u * root + 1u, BB_WIDTH - split);
-    stack[top++] = (uint2)(2u * root, split);
-    while (top > 0u) {
-        uint2 item = stack[--top];
-        uint link = pairs[item.x >> 1].links[item.x & 1u], places = item.y;
-        split = (link & BB_LEAF_BIT) == 0 ? bb_plan_split(plans[link].splits, &places) : 0u;
-        if (split != 0u) {
-            stack[top++] = (uint2)(2u * link + 1u, places - split);
-            stack[top++] = (uint2)(2u * link, split);
-        } else {
-            sides[count++] = item.x;
-        }
-    }
-    return count;
+    return source->pairs[side >> 1].links[side & 1u];
 }
 
-int greedy_size(global const bb_pair *pairs, uint side)
+uint2 bb_node_sides(const bb_side_source *source, uint pair)
 {
-    uint link = pairs[side >> 1].links[side & 1u];
-    return (link & BB_LEAF_BIT) != 0 ? BB_GREEDY_LEAF : bb_greedy_size(pairs[link].area);
+    return (uint2)(2u * pair, 2u * pair + 1u);
 }
 
-/* The same, without a plan. */
-uint greedy_sides(global const bb_pair *pairs, uint root, uint sides[BB_WIDTH])
+uint bb_node_splits(const bb_side_source *source, uint pair)
 {
-    bb_greedy g = bb_greedy_of(root);
-    uint at = 0, opened = root;
-    for (;;) {
-        uint left = 2u * opened, right = left + 1u;
-        bb_greedy_open(&g, at, left, greedy_size(pairs, left), right, greedy_size(pairs, right));
-        at = bb_greedy_next(&g);
-        if (at == BB_WIDTH)
-            break;
-        uint side = bb_greedy_side(&g, at);
-        opened = pairs[side >> 1].links[side & 1u];
-    }
-    BB_VECTOR(vstore, BB_WIDTH)(g.sides, 0, sides);
-    return g.count;
+    return source->plans[pair].splits;
+}
+
+int bb_node_size(const bb_side_source *source, uint pair)
+{
+    return bb_greedy_size(source->pairs[pair].area);
 }
 
 /* Pairs that one work-item has still to open. */
@@ -185,8 +166,9 @@ void open_pair(global const bb_pair *pairs, global const bb_wide_plan *plans, ui
                volatile global uint *next_count, global uint2 *next)
 {
     uint sides[BB_WIDTH];
-    uint children = greedy != 0u ? greedy_sides(pairs, item.x, sides)
-                                 : planned_sides(pairs, plans, item.x, sides);
+    const bb_side_source source = {pairs, plans};
+    uint children = greedy != 0u ? bb_greedy_sides(&source, item.x, sides)
+                                 : bb_planned_sides(&source, item.x, sides);
     uint need = item.y + children - 1u;
     list->need = BB_MAX(need, list->need);
     marks[item.x] = 1u;

@@ -233,57 +233,34 @@ typedef struct opener {
     uint collapsed, one_kind, greedy;
 } opener;
 
-int greedy_size(global const uint2 *words, uint side)
+/* Sides are nodes, with BB_LEAF_BIT if they are leaves. */
+typedef struct bb_side_source {
+    global const bb_node *nodes;
+    global const uint2 *words;
+} bb_side_source;
+
+#include "wide_sides.clh"
+
+uint bb_side_link(const bb_side_source *source, uint side)
 {
-    return (side & BB_LEAF_BIT) != 0 ? BB_GREEDY_LEAF : (int)(words[side].x & ~15u);
+    (void)source;
+    return side;
 }
 
-/* What the wide node of node n takes in, left to right, greedily; how many. */
-uint greedy_sides(global const bb_node *nodes, global const uint2 *words, uint n,
-                  uint sides[BB_WIDTH])
+uint2 bb_node_sides(const bb_side_source *source, uint n)
 {
-    bb_greedy g = bb_greedy_of(n);
-    uint at = 0, opened = n;
-    for (;;) {
-        uint2 word = words[opened];
-        uint left = bb_left_side(word, 0u).x, right = bb_right_side(nodes, word, 0u).x;
-        bb_greedy_open(&g, at, left, greedy_size(words, left), right,
-                       greedy_size(words, right));
-        at = bb_greedy_next(&g);
-        if (at == BB_WIDTH)
-            break;
-        opened = bb_greedy_side(&g, at);
-    }
-    BB_VECTOR(vstore, BB_WIDTH)(g.sides, 0, sides);
-    return g.count;
+    uint2 word = source->words[n];
+    return (uint2)(bb_left_side(word), bb_right_side(source->nodes, word));
 }
 
-/* The same by the plan. */
-uint planned_sides(global const bb_node *nodes, global const uint2 *words, uint n,
-                  uint sides[BB_WIDTH])
+uint bb_node_splits(const bb_side_source *source, uint n)
 {
-    uint2 stack[BB_WIDTH];
-    uint top = 0, count = 0;
-    uint2 word = words[n];
-    uint split = word.x >> 4u * (BB_WIDTH - 1u) & 15u;
-    stack[top++] = bb_right_side(nodes, word, BB_WIDTH - split);
-    stack[top++] = bb_left_side(word, split);
-    while (top > 0u) {
-        uint2 item = stack[--top];
-        uint places = item.y;
-        split = 0;
-        if (places > 1u && (item.x & BB_LEAF_BIT) == 0) {
-            word = words[item.x];
-            split = bb_plan_split(word.x, &places);
-        }
-        if (split != 0u) {
-            stack[top++] = bb_right_side(nodes, word, places - split);
-            stack[top++] = bb_left_side(word, split);
-        } else {
-            sides[count++] = item.x;
-        }
-    }
-    return count;
+    return source->words[n].x;
+}
+
+int bb_node_size(const bb_side_source *source, uint n)
+{
+    return (int)(source->words[n].x & ~15u);
 }
 
 /* Of the leaf that node n became. */
@@ -302,8 +279,9 @@ uint blocks_of_leaf(const opener *o, uint n)
 uint open_node(const opener *o, uint n, uint sides[BB_WIDTH], uint *need)
 {
     uint own[BB_WIDTH], inner = 0;
-    uint children = o->greedy != 0u ? greedy_sides(o->nodes, o->words, n, own)
-                                    : planned_sides(o->nodes, o->words, n, own);
+    const bb_side_source source = {o->nodes, o->words};
+    uint children = o->greedy != 0u ? bb_greedy_sides(&source, n, own)
+                                    : bb_planned_sides(&source, n, own);
     for (uint c = 0; c < children; c++)
         BB_PREFETCH(o->words + (own[c] & BB_INDEX_MASK) + 4u * BB_AHEAD);
     *need += children - 1u;

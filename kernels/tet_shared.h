@@ -54,4 +54,12 @@ typedef struct bb_tet_march_args {
     float cutoff;    /* it ends where less than this is left of the light behind; 0: never */
 } bb_tet_march_args;
 
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(bb_located) == 8, "bb_located");
+BB_STATIC_ASSERT(sizeof(bb_locate_args) == 20, "bb_locate_args");
+BB_STATIC_ASSERT(sizeof(bb_slice_args) == 52, "bb_slice_args");
+BB_STATIC_ASSERT(sizeof(bb_sliced) == 12, "bb_sliced");
+BB_STATIC_ASSERT(sizeof(bb_tet_march_args) == 40, "bb_tet_march_args");
+#endif
+
 #endif

@@ -90,7 +90,7 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
              width, quantised);
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_leaf_prims_create(device, account, &self->leaf_prims));
-    if (device->form == BB_FORM_CPU)
+    if (bb_cpu_form(device))
         BB_TRY(bb_wide_direct_create(device, account, self->pairs.primitives, self->defines,
                                      &self->direct));
     BB_TRY(

@@ -1,6 +1,7 @@
 /* Wide layouts straight from binary trees: the host side of kernels/layout_wide_direct.cl. */
 #include "traversal/wide_direct.h"
 
+#include "framework/base/arithmetic.h"
 #include "kernels/wide_direct_shared.h"
 #include "traversal/pairs.h"
 
@@ -50,14 +51,14 @@ void bb_wide_direct_release(bb_wide_direct *direct)
 bool bb_wide_direct_takes(const bb_device *device, const bb_tree *tree)
 {
     const bb_tree_info *info = &tree->info;
-    return device->form == BB_FORM_CPU && !tree->duplicated && bb_pairs_keep_shape(info) &&
+    return bb_cpu_form(device) && !tree->duplicated && bb_pairs_keep_shape(info) &&
            info->leaf_count == info->ref_count && info->leaf_count > 1 &&
            info->depth <= BB_DIRECT_DEPTH;
 }
 
 static uint32_t words_of(const bb_tree *tree)
 {
-    return (tree->info.node_count + BB_DIRECT_WORD - 1) / BB_DIRECT_WORD;
+    return bb_divide_up(tree->info.node_count, BB_DIRECT_WORD);
 }
 
 static bb_status reserve(bb_wide_direct *d, const bb_layout_source *source)
@@ -153,7 +154,7 @@ bb_status bb_wide_direct_number(bb_wide_direct *d, const bb_layout_source *sourc
 
 static uint32_t chunks_of(const bb_tree *tree)
 {
-    return (tree->info.node_count + BB_DIRECT_CHUNK - 1) / BB_DIRECT_CHUNK;
+    return bb_divide_up(tree->info.node_count, BB_DIRECT_CHUNK);
 }
 
 bb_status bb_wide_direct_blocks(bb_wide_direct *d, const bb_layout_source *source, uint32_t format,

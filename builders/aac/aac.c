@@ -15,9 +15,10 @@
  */
 #include "builders/aac/aac_goal.h"
 #include "builders/aac/aac_shared.h"
-#include "builders/common/codes.h"
 #include "builders/common/refit.h"
 #include "builders/common/scene_unit.h"
+#include "builders/common/sorted_codes.h"
+#include "framework/base/arithmetic.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -50,8 +51,7 @@ typedef struct aac {
     bb_device *device;
     bb_account *account;
     aac_law law;
-    bb_primitives *primitives;
-    bb_codes *codes;
+    bb_sorted_codes sorted;
     bb_refitter *refitter; /* NULL: trees are built again */
     uint32_t key_bytes;    /* of what is compiled; 0: nothing yet */
     cl_program program;
@@ -61,7 +61,7 @@ typedef struct aac {
     uint32_t goals;                      /* sizes in the table of f */
     uint32_t small_room, large_room;     /* slots of a work-group's scratch */
     uint32_t small_groups, large_groups; /* that there is scratch for */
-    bb_buffer keys, values, sizes, counts, nodes, tasks, clusters, heights, live, scratch;
+    bb_buffer sizes, counts, nodes, tasks, clusters, heights, live, scratch;
 } aac;
 
 static void release_kernels(aac *self)
@@ -82,35 +82,28 @@ static void destroy(void *opaque)
     aac *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer *const buffers[] = {&self->keys,  &self->values, &self->sizes,    &self->counts,
-                                  &self->nodes, &self->tasks,  &self->clusters, &self->heights,
-                                  &self->live,  &self->scratch};
+    bb_buffer *const buffers[] = {&self->sizes,    &self->counts,  &self->nodes, &self->tasks,
+                                  &self->clusters, &self->heights, &self->live,  &self->scratch};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
     release_kernels(self);
-    bb_codes_destroy(self->codes);
+    bb_sorted_codes_release(&self->sorted);
     bb_refitter_destroy(self->refitter);
-    bb_primitives_destroy(self->primitives);
     free(self);
-}
-
-static bool on_cpu(const aac *self)
-{
-    return self->device->form == BB_FORM_CPU;
 }
 
 static uint32_t lanes_of(const aac *self)
 {
-    return on_cpu(self) ? 1 : LANES_GPU;
+    return bb_cpu_form(self->device) ? 1 : LANES_GPU;
 }
 
 /* What depends on the size of keys, which is known once nothing of the code is open. */
 static bb_status compile(aac *self)
 {
-    if (!bb_codes_ready(self->codes) || self->key_bytes == bb_codes_key_bytes(self->codes))
+    if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))
         return BB_OK;
     release_kernels(self);
-    uint32_t key_bytes = bb_codes_key_bytes(self->codes);
+    uint32_t key_bytes = bb_codes_key_bytes(self->sorted.codes);
     char defines[64];
     snprintf(defines, sizeof defines, "-DAAC_LANES=%u%s", lanes_of(self),
              key_bytes == 8 ? " -DBB_KEY64" : "");
@@ -148,22 +141,15 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->device = context->device;
     self->account = context->account;
     self->law = law;
-    BB_TRY(bb_codes_create(context, &self->codes));
-    BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
-    if (bb_spec_is(context->spec, options, "update", "refit"))
-        BB_TRY(bb_refitter_create(self->device, self->account, &self->refitter));
+    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
+    BB_TRY(bb_refitter_choose(context, &self->refitter));
     return compile(self);
-}
-
-static uint32_t most_of(uint32_t a, uint32_t b)
-{
-    return a > b ? a : b;
 }
 
 /* Slots for the clusters of two children that have `size` primitives together. */
 static uint32_t room_for(const aac *self, uint32_t size)
 {
-    uint32_t slots = most_of(2 * aac_goal(&self->law, size), self->law.delta);
+    uint32_t slots = bb_max_u32(2 * aac_goal(&self->law, size), self->law.delta);
     return (slots + 7) / 8 * 8;
 }
 
@@ -171,18 +157,20 @@ static void choose_sizes(aac *self, uint32_t count)
 {
     uint32_t cores = self->device->compute_units;
     self->prepared = count;
-    self->large = on_cpu(self) ? most_of(count / (TASKS_PER_CORE * cores), LARGE_CPU) : LARGE_GPU;
-    self->goals = aac_goal(&self->law, most_of(count, self->law.delta));
+    self->large = bb_cpu_form(self->device)
+                      ? bb_max_u32(count / (TASKS_PER_CORE * cores), LARGE_CPU)
+                      : LARGE_GPU;
+    self->goals = aac_goal(&self->law, bb_max_u32(count, self->law.delta));
     self->small_room = room_for(self, self->large);
     self->large_room = room_for(self, count);
-    self->small_groups = on_cpu(self) ? TASKS_PER_CORE * cores : GROUPS_GPU;
-    self->large_groups = on_cpu(self) ? cores : GROUPS_LARGE_GPU;
+    self->small_groups = bb_cpu_form(self->device) ? TASKS_PER_CORE * cores : GROUPS_GPU;
+    self->large_groups = bb_cpu_form(self->device) ? cores : GROUPS_LARGE_GPU;
 }
 
 /* The table of f, made where all machines agree on it. */
 static bb_status write_sizes(aac *self)
 {
-    uint32_t *sizes = NULL, most = most_of(self->prepared, self->law.delta);
+    uint32_t *sizes = NULL, most = bb_max_u32(self->prepared, self->law.delta);
     size_t bytes = self->goals * sizeof *sizes;
     BB_TRY(bb_buffer_reserve(self->device, self->account, bytes, "aac: sizes", &self->sizes));
     BB_TRY(bb_host_alloc(self->account, bytes, "aac: sizes", &sizes));
@@ -203,8 +191,6 @@ static bb_status reserve(aac *self, size_t count)
     size_t ranges = (count / self->large + 1) * LEVELS_MAX;
     size_t small = (size_t)self->small_groups * self->small_room;
     size_t large = (size_t)self->large_groups * self->large_room;
-    BB_TRY(bb_buffer_reserve(device, account, count * self->key_bytes, "aac: codes", &self->keys));
-    BB_TRY(bb_buffer_reserve(device, account, count * word, "aac: indices", &self->values));
     BB_TRY(bb_buffer_reserve(device, account, 2 * word, "aac: counts", &self->counts));
     BB_TRY(bb_buffer_reserve(device, account, ranges * sizeof(aac_range), "aac: large nodes",
                              &self->nodes));
@@ -222,14 +208,12 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     aac *self = opaque;
     size_t count = scene->prim_count;
-    BB_TRY(bb_codes_prepare(self->codes, scene, 1));
+    BB_TRY(bb_sorted_codes_prepare(&self->sorted, scene, 1));
     BB_TRY(compile(self));
     choose_sizes(self, scene->prim_count);
     BB_TRY(reserve(self, count));
     BB_TRY(write_sizes(self));
-    BB_TRY(bb_primitives_reserve(self->primitives, scene->prim_count, self->key_bytes));
-    if (self->refitter != NULL)
-        BB_TRY(bb_refitter_reserve(self->refitter, 2 * count - 1));
+    BB_TRY(bb_refitter_reserve(self->refitter, 2 * count - 1));
     return bb_tree_reserve(tree, self->device, BB_ON_DEVICE, 2 * count - 1, count);
 }
 
@@ -256,7 +240,7 @@ static bb_status split_nodes(aac *self, uint32_t count, large_levels *levels)
         assert(levels->count < LEVELS_MAX);
         counts[1] = 0;
         BB_TRY(bb_buffer_write(&self->counts, 0, sizeof counts, counts));
-        BB_TRY(bb_launch(self->device, self->split, nodes, GROUP_SIZE, BB_MEM(self->keys),
+        BB_TRY(bb_launch(self->device, self->split, nodes, GROUP_SIZE, BB_MEM(self->sorted.keys),
                          BB_VALUE(at), BB_VALUE(nodes), BB_VALUE(self->large), BB_MEM(self->counts),
                          BB_MEM(self->nodes), BB_MEM(self->tasks)));
         BB_TRY(bb_buffer_read(&self->counts, 0, sizeof counts, counts));
@@ -277,8 +261,8 @@ static bb_status combine_small(aac *self, const bb_scene *scene, const large_lev
     uint32_t count = scene->prim_count;
     return bb_launch(
         self->device, self->subtree, items_for(self, levels->tasks, self->small_groups),
-        lanes_of(self), BB_MEM(self->keys), BB_VALUE(count), BB_MEM(self->tasks),
-        BB_VALUE(levels->tasks), BB_MEM(self->values), BB_MEM(scene->on_device.boxes),
+        lanes_of(self), BB_MEM(self->sorted.keys), BB_VALUE(count), BB_MEM(self->tasks),
+        BB_VALUE(levels->tasks), BB_MEM(self->sorted.values), BB_MEM(scene->on_device.boxes),
         BB_MEM(tree->d_refs), BB_MEM(self->clusters), BB_MEM(self->heights), BB_MEM(tree->d_nodes),
         BB_VALUE(unit), BB_MEM(self->sizes), BB_VALUE(self->goals), BB_VALUE(self->law.delta),
         BB_MEM(self->scratch), BB_VALUE(self->small_room), BB_MEM(self->live));
@@ -307,13 +291,10 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     large_levels levels;
     BB_TRY(bb_tree_reserve(tree, self->device, BB_ON_DEVICE, 2 * (size_t)count - 1, count));
     tree->duplicated = tree->disjoint = false;
-    BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
-    BB_TRY(bb_phase(phases, "sort"));
-    BB_TRY(bb_sort_keys(self->primitives, self->key_bytes, &self->keys, &self->values, count,
-                        bb_codes_pattern(self->codes)->bits));
+    BB_TRY(bb_sorted_codes_make(&self->sorted, scene, phases));
     BB_TRY(bb_phase(phases, "split"));
     BB_TRY(split_nodes(self, count, &levels));
-    const float unit = bb_scene_unit(&bb_codes_bounds(self->codes)[0]);
+    const float unit = bb_scene_unit(&bb_codes_bounds(self->sorted.codes)[0]);
     BB_TRY(bb_phase(phases, "combine small"));
     BB_TRY(combine_small(self, scene, &levels, unit, tree));
     BB_TRY(bb_phase(phases, "combine large"));
@@ -339,19 +320,17 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
 {
     const aac *self = opaque;
-    char letters[BB_CODE_BITS_MAX + 1];
-    const bb_code_pattern *layout = bb_codes_pattern(self->codes);
-    bb_code_letters(layout, letters, sizeof letters);
-    snprintf(text, capacity, "delta %u, epsilon %g, f(%u) = %u; code of %u bits: %s",
-             self->law.delta, self->law.epsilon, scene->prim_count,
-             aac_goal(&self->law, scene->prim_count), layout->bits, letters);
+    char code[BB_CODE_TEXT];
+    bb_codes_describe(self->sorted.codes, code, sizeof code);
+    snprintf(text, capacity, "delta %u, epsilon %g, f(%u) = %u; %s", self->law.delta,
+             self->law.epsilon, scene->prim_count, aac_goal(&self->law, scene->prim_count), code);
     return BB_OK;
 }
 
 static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 {
     const aac *self = opaque;
-    bb_codes_decide(self->codes, scene, decisions);
+    bb_codes_decide(self->sorted.codes, scene, decisions);
 }
 
 const bb_builder bb_builder_aac = {

@@ -20,6 +20,7 @@
  */
 #include "bb_device.h"
 #include "radix_keys.clh"
+#include "tree_info.clh"
 #include "aac_combine.clh"
 
 /* Left children that wait: their levels fall. */
@@ -142,8 +143,7 @@ void start_cluster(const aac_list *list, uint i, global const uint *values,
 {
     uint prim = values[i];
     global const float *words = (global const float *)(boxes + prim);
-    write_node((global bb_node *)(list->clusters + i), vload4(0, words), vload4(1, words),
-               BB_LEAF_BIT | i, i);
+    aac_write_cluster(list, i, vload4(0, words), vload4(1, words), BB_LEAF_BIT | i, i);
     list->heights[i] = 0;
     refs[i] = prim | BB_LAST_BIT;
 }
@@ -240,16 +240,9 @@ kernel void aac_finish(uint count, global aac_cluster *clusters, global uint *he
     if (lane_of() != 0)
         return;
     global const float *words = (global const float *)clusters;
-    write_node(nodes, (float4)(vload3(0, words), 0.0f), (float4)(vload3(0, words + 4), 0.0f),
-               clusters[0].first, BB_NONE);
-    bb_tree_info found;
-    found.root = 0;
-    found.node_count = 2u * count - 1u;
-    found.leaf_count = count;
-    found.ref_count = count;
-    found.arity = count > 1u ? 2u : 0u;
-    found.depth = heights[0];
-    *info = found;
+    bb_write_node(nodes, 0, (float4)(vload3(0, words), 0.0f), (float4)(vload3(0, words + 4), 0.0f),
+                  clusters[0].first, BB_NONE);
+    bb_write_binary_info(info, count, count, heights[0]);
 }
 
 /* A left child, or the root, gives its skip to all that end where it does: its right child, that

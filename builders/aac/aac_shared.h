@@ -26,4 +26,9 @@ typedef struct aac_range {
     bb_u32 l, r, split;
 } aac_range;
 
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(aac_cluster) == sizeof(bb_node), "aac_cluster");
+BB_STATIC_ASSERT(sizeof(aac_range) == 12, "aac_range");
+#endif
+
 #endif

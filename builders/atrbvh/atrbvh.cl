@@ -14,14 +14,6 @@
 
 #define DISTANCES (BB_TREELET * (BB_TREELET - 1) / 2)
 
-bb_lanes joined_area(const bb_lanes *a, const bb_lanes *b)
-{
-    bb_lanes x = BB_MAX(a[3], b[3]) - BB_MIN(a[0], b[0]);
-    bb_lanes y = BB_MAX(a[4], b[4]) - BB_MIN(a[1], b[1]);
-    bb_lanes z = BB_MAX(a[5], b[5]) - BB_MIN(a[2], b[2]);
-    return bb_area_of(x, y, z);
-}
-
 /* The places i and j of the smallest distance. */
 bb_lanes nearest_two(const bb_lanes *distances, bb_lanes_int *i, bb_lanes_int *j)
 {
@@ -54,7 +46,7 @@ void merge(bb_lanes_int i, bb_lanes_int j, bb_lanes boxes[BB_TREELET][6], bb_lan
     }
     for (int s = 0; s < BB_TREELET; s++) {
         bb_lanes_int here = j == s;
-        fresh[s] = joined_area(both, boxes[s]);
+        fresh[s] = bb_joined_area(both, boxes[s]);
         for (uint k = 0; k < 6u; k++)
             boxes[s][k] = here ? both[k] : boxes[s][k];
     }
@@ -77,7 +69,7 @@ bb_lanes merge_all(const bb_treelets *t, float unit, bb_lanes_int which[BB_INNER
     uint at = 0;
     for (uint k = 1; k < BB_TREELET; k++)
         for (uint l = 0; l < k; l++, at++)
-            distances[at] = joined_area(boxes[k], boxes[l]);
+            distances[at] = bb_joined_area(boxes[k], boxes[l]);
     for (uint m = 0; m < BB_INNER; m++) {
         bb_lanes least = nearest_two(distances, &which[m][1], &which[m][0]);
         if (m + 1u < BB_INNER) {

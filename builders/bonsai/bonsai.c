@@ -19,9 +19,10 @@
  * One work-group grows a mini-tree, on CPUs of one work-item; the tree is the same.
  */
 #include "builders/bonsai/bonsai_top.h"
-#include "builders/common/codes.h"
 #include "builders/common/refit.h"
 #include "builders/common/scene_unit.h"
+#include "builders/common/sorted_codes.h"
+#include "framework/base/arithmetic.h"
 
 #include <float.h>
 #include <math.h>
@@ -54,14 +55,12 @@ typedef struct bonsai {
     bb_account *account;
     uint32_t group;
     double prune;
-    bb_primitives *primitives;
-    bb_codes *codes;
+    bb_sorted_codes sorted;
     uint32_t key_bytes; /* of what is compiled; 0: nothing yet */
     cl_program groups_program, mini_program;
     cl_kernel count_kernel, starts_kernel, mini, areas_kernel, prune_kernel, list;
     bn_top *top;
-    bb_refitter *refitter; /* NULL: trees are built again */
-    bb_buffer keys, values;
+    bb_refitter *refitter;    /* NULL: trees are built again */
     bb_buffer firsts, counts; /* u32 per chunk of keys */
     bb_buffer starts;         /* u32 per group, and one more */
     bb_buffer total, opened;  /* u32 */
@@ -88,8 +87,8 @@ static void destroy(void *opaque)
     bonsai *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer *const buffers[] = {&self->keys,   &self->values, &self->firsts, &self->counts,
-                                  &self->starts, &self->total,  &self->opened, &self->levels,
+    bb_buffer *const buffers[] = {&self->firsts, &self->counts, &self->starts,
+                                  &self->total,  &self->opened, &self->levels,
                                   &self->areas,  &self->places, &self->items};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
@@ -101,19 +100,18 @@ static void destroy(void *opaque)
     bb_program_release(self->mini_program);
     bb_host_free(self->host_areas);
     bn_top_destroy(self->top);
-    bb_codes_destroy(self->codes);
+    bb_sorted_codes_release(&self->sorted);
     bb_refitter_destroy(self->refitter);
-    bb_primitives_destroy(self->primitives);
     free(self);
 }
 
 /* What depends on the size of keys, which is known once nothing of the code is open. */
 static bb_status compile_groups(bonsai *self)
 {
-    if (!bb_codes_ready(self->codes) || self->key_bytes == bb_codes_key_bytes(self->codes))
+    if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))
         return BB_OK;
     release_groups(self);
-    uint32_t key_bytes = bb_codes_key_bytes(self->codes);
+    uint32_t key_bytes = bb_codes_key_bytes(self->sorted.codes);
     BB_TRY(bb_program_build(self->device, &bb_source_bonsai_groups,
                             key_bytes == 8 ? "-DBB_KEY64" : "", &self->groups_program));
     BB_TRY(bb_kernel_get(self->groups_program, "bn_count", &self->count_kernel));
@@ -125,8 +123,11 @@ static bb_status compile_groups(bonsai *self)
 /* Local memory of a mini-tree of up to `room` primitives, as bonsai_mini.cl has it. */
 static uint64_t local_bytes(uint32_t room)
 {
-    const uint64_t elements = 32 + 3 * (4 + 2 * 2) + 16, spans = 2 * 8 + 12;
-    return room * elements + (room / 3 + 1) * spans + 16;
+    const uint64_t per_axis = sizeof(uint32_t) + 2 * sizeof(uint16_t); /* key, both orders */
+    const uint64_t element = sizeof(cl_float8) + 3 * per_axis + sizeof(cl_float4);
+    const uint64_t span = 2 * sizeof(bn_mini_span) + sizeof(bn_split);
+    const uint64_t counts = 2 * sizeof(uint32_t), alignment = 8;
+    return room * element + BN_SPANS(room) * span + counts + alignment;
 }
 
 static bb_status compile_mini(bonsai *self)
@@ -142,7 +143,7 @@ static bb_status compile_mini(bonsai *self)
                        self->group, (unsigned long long)local_bytes(room),
                        (unsigned long long)self->device->local_bytes);
     snprintf(defines, sizeof defines, "-DBN_GROUP=%u%s", room,
-             self->device->form == BB_FORM_CPU ? " -DBN_ALONE" : "");
+             bb_cpu_form(self->device) ? " -DBN_ALONE" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_bonsai_mini, defines, &self->mini_program));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_mini", &self->mini));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_areas", &self->areas_kernel));
@@ -165,24 +166,22 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->account = context->account;
     self->group = (uint32_t)group;
     self->prune = prune;
-    BB_TRY(bb_codes_create(context, &self->codes));
-    BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
+    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
     BB_TRY(compile_mini(self));
     BB_TRY(bn_top_create(self->device, self->account, bb_spec_is(spec, options, "weight", "prims"),
                          &self->top));
-    if (bb_spec_is(spec, options, "update", "refit"))
-        BB_TRY(bb_refitter_create(self->device, self->account, &self->refitter));
+    BB_TRY(bb_refitter_choose(context, &self->refitter));
     return compile_groups(self);
 }
 
 static uint32_t chunk_of(const bonsai *self)
 {
-    return self->device->form == BB_FORM_CPU ? CHUNK_CPU : CHUNK_GPU;
+    return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
 static uint32_t most_items(uint32_t count, uint32_t groups)
 {
-    return count / ITEMS_SHARE > groups ? count / ITEMS_SHARE : groups;
+    return bb_max_u32(count / ITEMS_SHARE, groups);
 }
 
 static bb_status reserve_groups(bonsai *self, uint32_t groups)
@@ -202,7 +201,7 @@ static bb_status reserve_items(bonsai *self, uint32_t items)
 {
     BB_TRY(bb_buffer_reserve(self->device, self->account, items * sizeof(bn_item), "bonsai: items",
                              &self->items));
-    BB_TRY(bb_primitives_reserve(self->primitives, 3 * items, sizeof(uint64_t)));
+    BB_TRY(bb_primitives_reserve(self->sorted.primitives, 3 * items, sizeof(uint64_t)));
     return bn_top_reserve(self->top, items);
 }
 
@@ -212,12 +211,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     bb_device *device = self->device;
     bb_account *account = self->account;
     const size_t count = scene->prim_count, chunks = count / chunk_of(self) + 1;
-    BB_TRY(bb_codes_prepare(self->codes, scene, 1));
+    BB_TRY(bb_sorted_codes_prepare(&self->sorted, scene, 1));
     BB_TRY(compile_groups(self));
-    BB_TRY(
-        bb_buffer_reserve(device, account, count * self->key_bytes, "bonsai: codes", &self->keys));
-    BB_TRY(bb_buffer_reserve(device, account, count * sizeof(uint32_t), "bonsai: indices",
-                             &self->values));
     BB_TRY(bb_buffer_reserve(device, account, chunks * sizeof(uint32_t), "bonsai: chunks",
                              &self->firsts));
     BB_TRY(bb_buffer_reserve(device, account, chunks * sizeof(uint32_t), "bonsai: chunks",
@@ -227,9 +222,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     BB_TRY(bb_buffer_reserve(device, account, count, "bonsai: levels", &self->levels));
     BB_TRY(bb_buffer_reserve(device, account, sizeof(uint32_t), "bonsai: sums", &self->total));
     BB_TRY(bb_buffer_reserve(device, account, sizeof(uint32_t), "bonsai: sums", &self->opened));
-    BB_TRY(bb_primitives_reserve(self->primitives, scene->prim_count, self->key_bytes));
-    if (self->refitter != NULL)
-        BB_TRY(bb_refitter_reserve(self->refitter, 2 * count - 1));
+    BB_TRY(bb_refitter_reserve(self->refitter, 2 * count - 1));
     BB_TRY(reserve_items(self, most_items(scene->prim_count, 1)));
     return bb_tree_reserve(tree, device, BB_ON_DEVICE, 2 * count - 1, count);
 }
@@ -237,13 +230,14 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 static bb_status find_groups(bonsai *self, uint32_t count)
 {
     bb_device *device = self->device;
-    const uint32_t chunk = chunk_of(self), chunks = count / chunk + (count % chunk != 0);
-    const size_t local = device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
-    BB_TRY(bb_launch(device, self->count_kernel, chunks, local, BB_MEM(self->keys), BB_VALUE(count),
-                     BB_VALUE(self->group), BB_VALUE(chunk), BB_VALUE(chunks), BB_MEM(self->firsts),
-                     BB_MEM(self->counts)));
-    BB_TRY(bb_scan_u32(self->primitives, &self->counts, &self->counts, chunks, &self->total));
-    BB_TRY(bb_launch(device, self->starts_kernel, chunks, local, BB_MEM(self->keys),
+    const uint32_t chunk = chunk_of(self), chunks = bb_divide_up(count, chunk);
+    const size_t local = bb_cpu_form(device) ? 1 : GROUP_SIZE;
+    BB_TRY(bb_launch(device, self->count_kernel, chunks, local, BB_MEM(self->sorted.keys),
+                     BB_VALUE(count), BB_VALUE(self->group), BB_VALUE(chunk), BB_VALUE(chunks),
+                     BB_MEM(self->firsts), BB_MEM(self->counts)));
+    BB_TRY(
+        bb_scan_u32(self->sorted.primitives, &self->counts, &self->counts, chunks, &self->total));
+    BB_TRY(bb_launch(device, self->starts_kernel, chunks, local, BB_MEM(self->sorted.keys),
                      BB_VALUE(count), BB_VALUE(self->group), BB_VALUE(chunk), BB_VALUE(chunks),
                      BB_MEM(self->firsts), BB_MEM(self->counts), BB_MEM(self->starts)));
     BB_TRY(bb_buffer_read(&self->total, 0, sizeof self->groups, &self->groups));
@@ -253,11 +247,11 @@ static bb_status find_groups(bonsai *self, uint32_t count)
 static bb_status grow(bonsai *self, const bb_scene *scene, float unit, bb_tree *tree)
 {
     bb_device *device = self->device;
-    const size_t local = device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
+    const size_t local = bb_cpu_form(device) ? 1 : GROUP_SIZE;
     BB_TRY(bb_launch(device, self->mini, self->groups * local, local, BB_MEM(self->starts),
-                     BB_VALUE(self->groups), BB_MEM(self->values), BB_MEM(scene->on_device.boxes),
-                     BB_VALUE(unit), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
-                     BB_MEM(self->levels)));
+                     BB_VALUE(self->groups), BB_MEM(self->sorted.values),
+                     BB_MEM(scene->on_device.boxes), BB_VALUE(unit), BB_MEM(tree->d_nodes),
+                     BB_MEM(tree->d_refs), BB_MEM(self->levels)));
     return bb_launch(device, self->areas_kernel, self->groups, GROUP_SIZE, BB_MEM(self->starts),
                      BB_VALUE(self->groups), BB_MEM(tree->d_nodes), BB_VALUE(unit),
                      BB_MEM(self->areas));
@@ -285,7 +279,7 @@ static bb_status count_items(bonsai *self, const bb_tree *tree, float unit, uint
         BB_TRY(bb_launch(device, self->prune_kernel, self->groups, GROUP_SIZE, BB_MEM(self->starts),
                          BB_VALUE(self->groups), BB_MEM(tree->d_nodes), BB_VALUE(unit),
                          BB_VALUE(*limit), BB_MEM(self->places), BB_MEM(self->opened)));
-        BB_TRY(bb_scan_u32(self->primitives, &self->places, &self->places, self->groups,
+        BB_TRY(bb_scan_u32(self->sorted.primitives, &self->places, &self->places, self->groups,
                            &self->total));
         BB_TRY(bb_buffer_read(&self->total, 0, sizeof self->item_count, &self->item_count));
         if (self->item_count <= most)
@@ -314,11 +308,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     (void)input;
     bonsai *self = opaque;
     const uint32_t count = scene->prim_count;
-    BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
-    const float unit = bb_scene_unit(&bb_codes_bounds(self->codes)[0]);
-    BB_TRY(bb_phase(phases, "sort"));
-    BB_TRY(bb_sort_keys(self->primitives, self->key_bytes, &self->keys, &self->values, count,
-                        bb_codes_pattern(self->codes)->bits));
+    BB_TRY(bb_sorted_codes_make(&self->sorted, scene, phases));
+    const float unit = bb_scene_unit(&bb_codes_bounds(self->sorted.codes)[0]);
     BB_TRY(bb_phase(phases, "groups"));
     BB_TRY(find_groups(self, count));
     BB_TRY(bb_event(phases, "mini-trees", self->groups));
@@ -328,7 +319,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     BB_TRY(prune(self, count, unit, tree, phases));
     BB_TRY(bb_phase(phases, "top"));
     const bn_leaves leaves = {&self->items, self->item_count, count, &self->levels, unit};
-    BB_TRY(bn_top_make(self->top, self->primitives, &leaves, tree));
+    BB_TRY(bn_top_make(self->top, self->sorted.primitives, &leaves, tree));
     tree->duplicated = false;
     tree->disjoint = false;
     return bb_phase(phases, NULL);
@@ -343,19 +334,17 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
 {
     const bonsai *self = opaque;
-    char letters[BB_CODE_BITS_MAX + 1];
-    const bb_code_pattern *layout = bb_codes_pattern(self->codes);
-    bb_code_letters(layout, letters, sizeof letters);
-    snprintf(text, capacity,
-             "%u mini-trees of %u primitives, a top tree over %u subtrees; code of %u bits: %s",
-             self->groups, scene->prim_count, self->item_count, layout->bits, letters);
+    char code[BB_CODE_TEXT];
+    bb_codes_describe(self->sorted.codes, code, sizeof code);
+    snprintf(text, capacity, "%u mini-trees of %u primitives, a top tree over %u subtrees; %s",
+             self->groups, scene->prim_count, self->item_count, code);
     return BB_OK;
 }
 
 static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 {
     const bonsai *self = opaque;
-    bb_codes_decide(self->codes, scene, decisions);
+    bb_codes_decide(self->sorted.codes, scene, decisions);
 }
 
 const bb_builder bb_builder_bonsai = {

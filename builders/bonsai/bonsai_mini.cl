@@ -19,10 +19,9 @@
  */
 #define BN_SPACE local
 #define BN_ID ushort
+#define BN_SPAN bn_mini_span
 #include "bonsai_grow.clh"
 #include "bonsai_sort.clh"
-
-#define BN_SPANS (BN_GROUP / 3 + 1) /* of a level: each has three elements or more */
 
 uint bn_start_of(const bn_grower *g, uint i)
 {
@@ -53,8 +52,8 @@ kernel void bn_mini(global const uint *starts, uint groups, global const uint *v
     local uint keys[3 * BN_GROUP];
     local ushort orders[2][3 * BN_GROUP];
     local float4 right[BN_GROUP];
-    local bn_span spans[2][BN_SPANS];
-    local bn_split splits[BN_SPANS];
+    local bn_span spans[2][BN_SPANS(BN_GROUP)];
+    local bn_split splits[BN_SPANS(BN_GROUP)];
     local uint counts[2];
     const uint group = get_group_id(0);
     if (group >= groups)

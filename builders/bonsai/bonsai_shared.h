@@ -4,13 +4,36 @@
 
 #ifdef __OPENCL_VERSION__
 #include "bb_shared.h"
+typedef ushort bn_u16;
 #else
 #include "kernels/bb_shared.h"
+typedef uint16_t bn_u16;
 #endif
 
 /* Nodes this deep in a mini-tree, or in the top tree, are halved by number: no input makes a chain.
  */
 #define BN_LEVELS 48u
+
+/* Nodes of a level, of so many elements: each of them has three or more. */
+#define BN_SPANS(elements) ((elements) / 3u + 1u)
+
+/* A node with elements begin .. end - 1 of the orders, at least three: of mini-trees, and of the
+ * top tree. */
+typedef struct bn_mini_span {
+    bn_u16 begin, end;
+    bb_u32 place;
+} bn_mini_span;
+
+typedef struct bn_top_span {
+    bb_u32 begin, end;
+    bb_u32 place;
+} bn_top_span;
+
+/* A split: so many elements on the left along the axis; 0: there is none. */
+typedef struct bn_split {
+    float cost;
+    bb_u32 left, axis;
+} bn_split;
 
 /* A subtree of a mini-tree, a leaf of the top tree: the box and the link of its root, and its first
  * reference. It ends where the next one begins. */
@@ -28,5 +51,13 @@ typedef struct bn_task {
     bb_u32 place; /* of its node */
     bb_u32 level; /* of its node in the top tree */
 } bn_task;
+
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(bn_mini_span) == 8, "bn_mini_span");
+BB_STATIC_ASSERT(sizeof(bn_top_span) == 12, "bn_top_span");
+BB_STATIC_ASSERT(sizeof(bn_split) == 12, "bn_split");
+BB_STATIC_ASSERT(sizeof(bn_item) == 32, "bn_item");
+BB_STATIC_ASSERT(sizeof(bn_task) == 16, "bn_task");
+#endif
 
 #endif

@@ -1,20 +1,17 @@
 /* The host side of bonsai_top.cl. */
 #include "builders/bonsai/bonsai_top.h"
 
+#include "framework/base/arithmetic.h"
+
 #include <stdlib.h>
 
 BB_DEVICE_SOURCE(bonsai_top);
 
-_Static_assert(sizeof(bn_item) == 32 && sizeof(bn_task) == 16, "as on the device");
-
 enum {
     GROUP_SIZE = 64,
     TOP_GROUP_SIZE = 256,
-    SPAN_BYTES = 12,  /* bn_span of uint */
-    SPLIT_BYTES = 12, /* bn_split */
-    BOX_BYTES = 32,   /* float8 */
     REST_GROUPS = 64, /* that share what the first launch leaves */
-    REST_LEAST = 256, /* items that are not worth a launch's while: see most_of() */
+    REST_LEAST = 256, /* items that are not worth a launch's while: see rest_of() */
     AXIS_BITS = 34,   /* of a centroid and its axis */
 };
 
@@ -29,7 +26,7 @@ struct bn_top {
 
 static bb_status get_kernels(bn_top *top)
 {
-    bool alone = top->device->form == BB_FORM_CPU;
+    bool alone = bb_cpu_form(top->device);
     BB_TRY(bb_program_build(top->device, &bb_source_bonsai_top, alone ? "-DBN_ALONE" : "",
                             &top->program));
     BB_TRY(bb_kernel_get(top->program, "bn_items", &top->items_kernel));
@@ -78,15 +75,15 @@ bb_status bn_top_reserve(bn_top *top, uint32_t items)
         size_t bytes;
         const char *what;
     } wanted[] = {
-        {&top->boxes, n * BOX_BYTES, "bonsai: boxes of the top tree"},
+        {&top->boxes, n * sizeof(cl_float8), "bonsai: boxes of the top tree"},
         {&top->keys, 3 * n * sizeof(uint32_t), "bonsai: centroids of the top tree"},
         {&top->sort_keys, 3 * n * sizeof(uint64_t), "bonsai: sort keys of the top tree"},
         {&top->orders, 6 * n * sizeof(uint32_t), "bonsai: orders of the top tree"},
-        {&top->right, n * 4 * sizeof(float), "bonsai: costs of the top tree"},
-        {&top->spans, 2 * n * SPAN_BYTES, "bonsai: nodes of the top tree"},
-        {&top->splits, n * SPLIT_BYTES, "bonsai: splits of the top tree"},
+        {&top->right, n * sizeof(cl_float4), "bonsai: costs of the top tree"},
+        {&top->spans, 2 * n * sizeof(bn_top_span), "bonsai: nodes of the top tree"},
+        {&top->splits, n * sizeof(bn_split), "bonsai: splits of the top tree"},
         {&top->weights, n * sizeof(uint32_t), "bonsai: weights of the top tree"},
-        {&top->tasks, (n / 3 + 1) * sizeof(bn_task), "bonsai: tasks of the top tree"},
+        {&top->tasks, BN_SPANS(n) * sizeof(bn_task), "bonsai: tasks of the top tree"},
         {&top->waiting, sizeof(uint32_t), "bonsai: tasks of the top tree"},
     };
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++)
@@ -106,17 +103,17 @@ static bb_status gather(bn_top *top, const bn_leaves *leaves, bb_tree *tree)
 }
 
 /* The first launch leaves nodes of up to so many items to the second. */
-static uint32_t most_of(uint32_t items)
+static uint32_t rest_of(uint32_t items)
 {
-    return items / REST_GROUPS > REST_LEAST ? items / REST_GROUPS : REST_LEAST;
+    return bb_max_u32(items / REST_GROUPS, REST_LEAST);
 }
 
 bb_status bn_top_make(bn_top *top, bb_primitives *primitives, const bn_leaves *leaves,
                       bb_tree *tree)
 {
     bb_device *device = top->device;
-    const uint32_t most = most_of(leaves->count);
-    const size_t group = device->form == BB_FORM_CPU               ? 1
+    const uint32_t most = rest_of(leaves->count);
+    const size_t group = bb_cpu_form(device)                       ? 1
                          : device->max_group_size < TOP_GROUP_SIZE ? GROUP_SIZE
                                                                    : TOP_GROUP_SIZE;
     BB_TRY(gather(top, leaves, tree));

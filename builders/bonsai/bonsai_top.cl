@@ -14,8 +14,10 @@
  */
 #define BN_SPACE global
 #define BN_ID uint
+#define BN_SPAN bn_top_span
 #define BN_WEIGHTS
 #include "bonsai_grow.clh"
+#include "tree_info.clh"
 
 /* keys, also with their axes above: by axis. order: the items as they are. weights by item. */
 kernel void bn_items(global const bn_item *items, uint count, uint refs, uint prims_weigh,
@@ -25,8 +27,7 @@ kernel void bn_items(global const bn_item *items, uint count, uint refs, uint pr
 {
     uint i = get_global_id(0);
     if (i == 0) {
-        bb_tree_info start = {0, 2u * refs - 1u, refs, refs, refs > 1u ? 2u : 0u, 0};
-        *info = start;
+        bb_write_binary_info(info, refs, refs, 0);
         *waiting = 0;
     }
     if (i >= count)

@@ -29,4 +29,9 @@ typedef struct bb_code_plan {
     bb_u64 size_bit[BB_CODE_SIZES];
 } bb_code_plan;
 
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(bb_code_plan) == 48 + 32 * BB_CODE_STEPS + 48 + 12 * BB_CODE_SIZES,
+                 "bb_code_plan");
+#endif
+
 #endif

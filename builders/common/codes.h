@@ -62,7 +62,7 @@ extern "C" {
         "view", "none", NULL, BB_VIEW_ORDER_HELP                                                   \
     }
 
-enum { BB_CODE_BITS_MAX = 64, BB_CODE_SIZE_AXIS = 3, BB_CODE_END = 4 };
+enum { BB_CODE_BITS_MAX = 64, BB_CODE_SIZE_AXIS = 3, BB_CODE_END = 4, BB_CODE_TEXT = 96 };
 
 struct bb_code_walk;
 
@@ -131,6 +131,10 @@ bool bb_codes_ready(const bb_codes *codes); /* nothing is left to be settled */
 uint32_t bb_codes_bits(const bb_codes *codes);      /* of a key that are in use */
 uint32_t bb_codes_key_bytes(const bb_codes *codes); /* 4 up to 32 bits, else 8 */
 
+/* Whether kernels are to be compiled anew: the size of keys is known, and not the one that they are
+ * for, `compiled` bytes; 0: there are none. */
+bool bb_codes_key_changed(const bb_codes *codes, uint32_t compiled);
+
 /* Phases "bounds" and "codes": keys[i] = code of the scene's i-th box, values[i] = i. Waits once,
  * for the scene's bounds. Buffers have room for scene->prim_count keys and u32. */
 bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
@@ -138,6 +142,10 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
 
 /* Appends what was decided on bits and size bits in the last bb_codes_make(). */
 void bb_codes_decide(const bb_codes *codes, const bb_scene *scene, bb_decisions *decisions);
+
+/* "code of 30 bits: xyzxyz...", of the last bb_codes_make(), for a builder's describe().
+ * BB_CODE_TEXT characters are enough. */
+void bb_codes_describe(const bb_codes *codes, char *text, size_t capacity);
 
 /* Of the last bb_codes_make(). */
 const bb_code_pattern *bb_codes_pattern(const bb_codes *codes);

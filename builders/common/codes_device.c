@@ -1,6 +1,7 @@
 /* Codes made on the device (codes.cl). */
 #include "builders/common/codes.h"
 
+#include "framework/base/arithmetic.h"
 #include "framework/scene/needs.h"
 
 #include <stdio.h>
@@ -71,7 +72,7 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
     codes->builder = context->spec->name;
     BB_TRY(bb_code_choose(context->spec, context->options, &codes->asked));
     codes->choice = codes->asked;
-    codes->lanes = codes->device->form == BB_FORM_CPU ? 8 : 1;
+    codes->lanes = bb_cpu_form(codes->device) ? 8 : 1;
     const bool open =
         codes->asked.bits_by == BB_BY_SCENE || codes->asked.size_bits_by == BB_BY_SCENE;
     return open ? BB_OK : compile(codes);
@@ -110,6 +111,11 @@ uint32_t bb_codes_bits(const bb_codes *codes)
 uint32_t bb_codes_key_bytes(const bb_codes *codes)
 {
     return codes->choice.bits > 32 ? 8 : 4;
+}
+
+bool bb_codes_key_changed(const bb_codes *codes, uint32_t compiled)
+{
+    return bb_codes_ready(codes) && bb_codes_key_bytes(codes) != compiled;
 }
 
 const bb_code_pattern *bb_codes_pattern(const bb_codes *codes)
@@ -165,9 +171,16 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
     BB_TRY(bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan));
     if (codes->choice.tables)
         BB_TRY(write_tables(codes));
-    uint32_t items = (count + codes->lanes - 1) / codes->lanes;
+    uint32_t items = bb_divide_up(count, codes->lanes);
     return bb_launch(codes->device, codes->keys, items, GROUP_SIZE, BB_MEM(*boxes), BB_VALUE(count),
                      BB_MEM(codes->plan), BB_MEM(codes->tables), BB_MEM(*keys), BB_MEM(*values));
+}
+
+void bb_codes_describe(const bb_codes *codes, char *text, size_t capacity)
+{
+    char letters[BB_CODE_BITS_MAX + 1];
+    bb_code_letters(&codes->layout, letters, sizeof letters);
+    snprintf(text, capacity, "code of %u bits: %s", codes->layout.bits, letters);
 }
 
 void bb_codes_decide(const bb_codes *codes, const bb_scene *scene, bb_decisions *decisions)

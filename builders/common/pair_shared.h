@@ -8,6 +8,10 @@
 #include "kernels/bb_shared.h"
 #endif
 
+/* Walks that a work-item does by turns, on CPUs: each asks for its next pair, and meanwhile the
+ * others go on, so that a miss of the cache holds up no more than one of them. */
+#define BB_PAIR_WALKS 8
+
 /* A cluster: its box, what is in it, and its number of primitives. */
 typedef struct bb_pair_side {
     float lo[3];
@@ -28,5 +32,11 @@ typedef struct bb_pair_task {
     bb_u32 base, end; /* its primitives among the tree's references */
     bb_u32 depth;
 } bb_pair_task;
+
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(bb_pair_side) == 32, "bb_pair_side");
+BB_STATIC_ASSERT(sizeof(bb_cluster_pair) == 64, "bb_cluster_pair");
+BB_STATIC_ASSERT(sizeof(bb_pair_task) == 20, "bb_pair_task");
+#endif
 
 #endif

@@ -9,10 +9,7 @@ enum {
     GROUP_SIZE = 64,
     TASKS_MAX = 4096,
     TASKS_WANTED = 1024, /* CPUs: enough to share among cores, whatever each takes */
-    WALKS = 8,           /* BB_WALKS of pair_tree.cl */
 };
-
-_Static_assert(sizeof(bb_cluster_pair) == 64 && sizeof(bb_pair_task) == 20, "as on the device");
 
 struct bb_pair_tree {
     bb_device *device;
@@ -30,7 +27,7 @@ struct bb_pair_tree {
 
 static bb_status get_kernels(bb_pair_tree *pairs)
 {
-    const bool cpu = pairs->device->form == BB_FORM_CPU;
+    const bool cpu = bb_cpu_form(pairs->device);
     BB_TRY(bb_program_build(pairs->device, bb_source_find("pair_tree.cl"), "", &pairs->program));
     BB_TRY(bb_kernel_get(pairs->program, cpu ? "pair_tree_top" : "pair_tree_start", &pairs->first));
     return bb_kernel_get(pairs->program, cpu ? "pair_tree_walk" : "pair_tree_level",
@@ -140,7 +137,7 @@ bb_status bb_pair_tree_finish(bb_pair_tree *pairs, uint32_t count, bb_tree *tree
                      BB_VALUE(count), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
                      BB_MEM(tree->d_info), BB_VALUE(share), BB_VALUE(most), BB_MEM(pairs->tasks),
                      BB_MEM(pairs->total)));
-    return bb_launch(device, pairs->second, TASKS_MAX / WALKS, 1, BB_MEM(pairs->pairs),
+    return bb_launch(device, pairs->second, TASKS_MAX / BB_PAIR_WALKS, 1, BB_MEM(pairs->pairs),
                      BB_VALUE(count), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
                      BB_MEM(tree->d_info), BB_MEM(pairs->tasks), BB_MEM(pairs->total));
 }

@@ -15,16 +15,16 @@
 #include "bb_device.h"
 #include "handover.clh"
 #include "lanes.clh"
+#include "leaf_boxes.clh"
 #include "pair_shared.h"
+#include "tree_info.clh"
 
 /* A child: writes its node; true, with *child, if it is to be opened. */
 bool place_side(uint4 lo, uint4 hi, bb_pair_task at, uint skip, global bb_node *nodes,
                 global uint *refs, bb_pair_task *child)
 {
     bool leaf = (lo.w & BB_LEAF_BIT) != 0;
-    global uint *words = (global uint *)(nodes + at.place);
-    vstore4((uint4)(lo.xyz, BB_LEAF_BIT | at.base), 0, words);
-    vstore4((uint4)(hi.xyz, skip), 1, words);
+    bb_write_node(nodes, at.place, as_float4(lo), as_float4(hi), BB_LEAF_BIT | at.base, skip);
     if (leaf)
         refs[at.base] = (lo.w & BB_INDEX_MASK) | BB_LAST_BIT;
     at.link = lo.w;
@@ -56,14 +56,7 @@ bool start(global const bb_pair_side *root, uint count, global bb_node *nodes, g
 {
     global const uint *words = (global const uint *)root;
     bb_pair_task at = {0, 0, 0, count, 0};
-    bb_tree_info found;
-    found.root = 0;
-    found.node_count = 2u * count - 1u;
-    found.leaf_count = count;
-    found.ref_count = count;
-    found.arity = count > 1u ? 2u : 0u;
-    found.depth = 0;
-    *info = found;
+    bb_write_binary_info(info, count, count, 0);
     return place_side(vload4(0, words), vload4(1, words), at, BB_NONE, nodes, refs, task);
 }
 
@@ -99,9 +92,6 @@ kernel void pair_tree_top(global const bb_pair_side *root, global const bb_clust
 
 /* Subtrees that wait: each is at most half of what the one before it was. */
 #define BB_WAITING_MAX 32
-/* Walks that a work-item does by turns: each asks for its next pair, and meanwhile the others go
- * on, so that a miss of the cache holds up no more than one of them. */
-#define BB_WALKS 8
 
 typedef struct pair_walk {
     bb_pair_task task;
@@ -132,14 +122,14 @@ bool walk_on(pair_walk *walk, global const bb_cluster_pair *pairs, uint count,
     return true;
 }
 
-/* One work-item per BB_WALKS tasks. */
+/* One work-item per BB_PAIR_WALKS tasks. */
 kernel void pair_tree_walk(global const bb_cluster_pair *pairs, uint count, global bb_node *nodes,
                            global uint *refs, volatile global bb_tree_info *info,
                            global const bb_pair_task *tasks, global const uint *total)
 {
-    pair_walk walks[BB_WALKS];
-    uint first = get_global_id(0) * BB_WALKS, active = 0, deepest = 0;
-    for (; active < BB_WALKS && first + active < total[0]; active++) {
+    pair_walk walks[BB_PAIR_WALKS];
+    uint first = get_global_id(0) * BB_PAIR_WALKS, active = 0, deepest = 0;
+    for (; active < BB_PAIR_WALKS && first + active < total[0]; active++) {
         walks[active].task = tasks[first + active];
         walks[active].waiting = 0;
     }

@@ -10,21 +10,17 @@ bb_status bb_ploc_create(const bb_builder_context *context, bb_ploc *ploc)
     ploc->account = context->account;
     BB_TRY(bb_spec_u64(context->spec, context->options, "radius", 1, BB_PLOC_RADIUS_MAX, &radius));
     ploc->radius = (uint32_t)radius;
-    BB_TRY(bb_codes_create(context, &ploc->codes));
-    BB_TRY(bb_primitives_create(ploc->device, ploc->account, &ploc->primitives));
+    BB_TRY(bb_sorted_codes_create(context, &ploc->sorted));
     return bb_pair_tree_create(ploc->device, ploc->account, &ploc->pairs);
 }
 
 void bb_ploc_release(bb_ploc *ploc)
 {
-    bb_buffer_release(&ploc->keys);
-    bb_buffer_release(&ploc->values);
     for (int i = 0; i < 2; i++) {
         bb_buffer_release(&ploc->lists[i].planes);
         bb_buffer_release(&ploc->lists[i].tags);
     }
-    bb_codes_destroy(ploc->codes);
-    bb_primitives_destroy(ploc->primitives);
+    bb_sorted_codes_release(&ploc->sorted);
     bb_pair_tree_destroy(ploc->pairs);
 }
 
@@ -33,13 +29,8 @@ bb_status bb_ploc_prepare(bb_ploc *ploc, const bb_scene *scene, uint32_t lists, 
     bb_device *device = ploc->device;
     bb_account *account = ploc->account;
     const size_t count = scene->prim_count;
-    BB_TRY(bb_codes_prepare(ploc->codes, scene, 1));
-    const uint32_t key_bytes = bb_codes_key_bytes(ploc->codes);
+    BB_TRY(bb_sorted_codes_prepare(&ploc->sorted, scene, 1));
     ploc->stride = (uint32_t)(count + BEYOND);
-    BB_TRY(bb_buffer_reserve(device, account, count * key_bytes, "clusters: codes", &ploc->keys));
-    BB_TRY(bb_buffer_reserve(device, account, count * sizeof(uint32_t), "clusters: indices",
-                             &ploc->values));
-    BB_TRY(bb_primitives_reserve(ploc->primitives, scene->prim_count, key_bytes));
     for (uint32_t i = 0; i < lists; i++) {
         bb_ploc_list *list = &ploc->lists[i];
         BB_TRY(bb_buffer_reserve(device, account, (size_t)ploc->stride * 6 * sizeof(float),
@@ -48,14 +39,6 @@ bb_status bb_ploc_prepare(bb_ploc *ploc, const bb_scene *scene, uint32_t lists, 
                                  &list->tags));
     }
     return bb_pair_tree_reserve(ploc->pairs, scene->prim_count, tree);
-}
-
-bb_status bb_ploc_sort(bb_ploc *ploc, const bb_scene *scene, bb_phases *phases)
-{
-    BB_TRY(bb_codes_make(ploc->codes, ploc->primitives, scene, &ploc->keys, &ploc->values, phases));
-    BB_TRY(bb_phase(phases, "sort"));
-    return bb_sort_keys(ploc->primitives, bb_codes_key_bytes(ploc->codes), &ploc->keys,
-                        &ploc->values, scene->prim_count, bb_codes_pattern(ploc->codes)->bits);
 }
 
 bb_status bb_ploc_finish(bb_ploc *ploc, const bb_scene *scene, bb_tree *tree, bb_phases *phases)

@@ -5,8 +5,8 @@
 #ifndef BB_PLOC_H
 #define BB_PLOC_H
 
-#include "builders/common/codes.h"
 #include "builders/common/pair_tree.h"
+#include "builders/common/sorted_codes.h"
 
 enum { BB_PLOC_RADIUS_MAX = 127 };
 
@@ -20,11 +20,8 @@ typedef struct bb_ploc {
     bb_device *device;
     bb_account *account;
     uint32_t radius;
-    bb_primitives *primitives;
-    bb_codes *codes;
+    bb_sorted_codes sorted;
     bb_pair_tree *pairs;
-    bb_buffer keys;
-    bb_buffer values; /* primitives, in order */
     bb_ploc_list lists[2];
     uint32_t stride;
 } bb_ploc;
@@ -37,9 +34,6 @@ void bb_ploc_release(bb_ploc *ploc); /* one that is only zeroed is allowed */
 /* Settles the code, and reserves everything for `lists` lists of as many clusters as the scene has
  * primitives. */
 bb_status bb_ploc_prepare(bb_ploc *ploc, const bb_scene *scene, uint32_t lists, bb_tree *tree);
-
-/* Phases "bounds", "codes" and "sort": fills keys and values. Waits once. */
-bb_status bb_ploc_sort(bb_ploc *ploc, const bb_scene *scene, bb_phases *phases);
 
 /* Phase "order": the tree, of the pairs. Ends the phases. */
 bb_status bb_ploc_finish(bb_ploc *ploc, const bb_scene *scene, bb_tree *tree, bb_phases *phases);

@@ -1,5 +1,6 @@
 #include "builders/common/radix_tree.h"
 
+#include "framework/base/arithmetic.h"
 #include "framework/device/levels.h"
 
 #include <assert.h>
@@ -43,7 +44,7 @@ static bb_status get_kernels(bb_radix_tree *radix)
     const bb_radix_kind *kind = &radix->kind;
     const char *link = by_levels(radix)                  ? "link_leaves"
                        : kind->linking == BB_LINK_KARRAS ? "link_boxes"
-                       : device->form == BB_FORM_CPU     ? "link_chunks"
+                       : bb_cpu_form(device)             ? "link_chunks"
                                                          : "link_climb";
     char handover[96], defines[192];
     bb_handover_defines(device, handover, sizeof handover);
@@ -169,7 +170,7 @@ bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const 
                          BB_MEM(radix->ends), BB_MEM(radix->heights), BB_MEM(tree->d_nodes),
                          BB_MEM(tree->d_refs), BB_MEM(tree->d_info));
     uint32_t chunk = CHUNK;
-    return bb_launch(device, radix->link, (count + CHUNK - 1) / CHUNK, 1, BB_MEM(*keys),
+    return bb_launch(device, radix->link, bb_divide_up(count, CHUNK), 1, BB_MEM(*keys),
                      BB_MEM(r->starts), BB_MEM(r->total), BB_MEM(*values), BB_MEM(*boxes),
                      BB_VALUE(count), BB_MEM(radix->ends), BB_MEM(radix->heights),
                      BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs), BB_MEM(tree->d_info),

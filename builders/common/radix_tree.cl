@@ -56,6 +56,7 @@
 #include "handover.clh"
 #include "leaf_boxes.clh"
 #include "radix_keys.clh"
+#include "tree_info.clh"
 
 /* Left children that can wait at once: their levels grow strictly towards the bottom. */
 #define BB_STACK_MAX (BB_PREFIX_BITS + 32u)
@@ -93,14 +94,7 @@ void write_root(global bb_node *nodes, global bb_tree_info *info, const bb_work 
                 uint ref_count)
 {
     write_node(nodes, 0, w, count);
-    bb_tree_info found;
-    found.root = 0;
-    found.node_count = 2u * count - 1u;
-    found.leaf_count = count;
-    found.ref_count = ref_count;
-    found.arity = count > 1u ? 2u : 0u;
-    found.depth = w->height;
-    *info = found;
+    bb_write_binary_info(info, count, ref_count, w->height);
 }
 
 void join_box(bb_work *w, float4 lo, float4 hi)
@@ -426,8 +420,6 @@ kernel void link_level(global const uint *totals, uint ref_count, volatile globa
             arrive(place, place_of_split, ends, number, counts, next);
             continue;
         }
-        uint leaves = count_leaves(totals, ref_count);
-        bb_tree_info found = {0u, 2u * leaves - 1u, leaves, ref_count, 2u, w.height};
-        *info = found;
+        bb_write_binary_info(info, count_leaves(totals, ref_count), ref_count, w.height);
     }
 }

@@ -46,8 +46,12 @@ typedef struct bb_refitter bb_refitter;
 bb_status bb_refitter_create(bb_device *device, bb_account *account, bb_refitter **out);
 void bb_refitter_destroy(bb_refitter *refitter); /* NULL is allowed */
 
+/* The same for a builder with BB_UPDATE_OPTION, if its trees are to be refitted; *out is NULL where
+ * they are built again. */
+bb_status bb_refitter_choose(const bb_builder_context *context, bb_refitter **out);
+
 /* Scratch for trees of up to `nodes` nodes: 24 bytes each; where work-groups hand over by levels,
- * 16, and 4 per level once they are needed. */
+ * 16, and 4 per level once they are needed. NULL: none. */
 bb_status bb_refitter_reserve(bb_refitter *refitter, size_t nodes);
 
 /* Finds out what refits of a tree on the device need of its links, whose info is fetched. Not

@@ -65,8 +65,18 @@ void bb_refitter_destroy(bb_refitter *refitter)
     free(refitter);
 }
 
+bb_status bb_refitter_choose(const bb_builder_context *context, bb_refitter **out)
+{
+    *out = NULL;
+    if (!bb_spec_is(context->spec, context->options, "update", "refit"))
+        return BB_OK;
+    return bb_refitter_create(context->device, context->account, out);
+}
+
 bb_status bb_refitter_reserve(bb_refitter *refitter, size_t nodes)
 {
+    if (refitter == NULL)
+        return BB_OK;
     BB_TRY(bb_subtrees_reserve(&refitter->subtrees, nodes));
     if (!by_levels(refitter))
         return BB_OK;

@@ -3,6 +3,7 @@
 
 #include "builders/common/pair_tree.h"
 #include "builders/common/scene_unit.h"
+#include "framework/base/arithmetic.h"
 #include "framework/device/levels.h"
 
 #include <stdio.h>
@@ -44,11 +45,6 @@ typedef struct optimiser {
     uint32_t seen, rebuilt;
 } optimiser;
 
-static bool on_cpu(const optimiser *self)
-{
-    return self->device->form == BB_FORM_CPU;
-}
-
 /* ---- an object ---- */
 
 static bb_status read_options(const bb_builder_context *context, uint32_t treelet_most,
@@ -73,7 +69,7 @@ static bb_status read_options(const bb_builder_context *context, uint32_t treele
 
 static bb_status compile(optimiser *self, const bb_source *source)
 {
-    const bool cpu = on_cpu(self);
+    const bool cpu = bb_cpu_form(self->device);
     char shared[128], own[256];
     snprintf(shared, sizeof shared, "-DBB_CHUNK=%du -DBB_PUSHES=%d -DBB_REST=%du",
              cpu ? CHUNK_CPU : 1, cpu ? PUSHES_CPU : 1, cpu ? REST_CPU : 0);
@@ -151,8 +147,8 @@ static bb_status reserve(optimiser *self, uint32_t leaves, uint32_t references, 
     BB_TRY(reserve_u32(self, leaves, "treelets: pairs to come", &self->missing));
     BB_TRY(reserve_u32(self, leaves, "treelets: leaves below", &self->held));
     /* they have no leaf in common, and 3 each or more */
-    BB_TRY(
-        reserve_u32(self, on_cpu(self) ? leaves / 3 + 1 : 1, "treelets: subtrees", &self->tasks));
+    BB_TRY(reserve_u32(self, bb_cpu_form(self->device) ? leaves / 3 + 1 : 1, "treelets: subtrees",
+                       &self->tasks));
     BB_TRY(reserve_u32(self, 2, "treelets: totals", &self->totals));
     /* a level of pairs without a common leaf; no pair is higher than the tree has leaves */
     return bb_levels_reserve(&self->levels, self->device, self->account, leaves / 2 + 1, leaves,
@@ -173,23 +169,19 @@ typedef struct pass {
 
 static uint32_t group_of(const optimiser *self)
 {
-    return on_cpu(self) ? 1 : GROUP_SIZE;
+    return bb_cpu_form(self->device) ? 1 : GROUP_SIZE;
 }
 
 /* Work-items of a launch over `count` nodes or pairs. */
 static uint32_t chunks_of(const optimiser *self, uint32_t count)
 {
-    return on_cpu(self) ? (count + CHUNK_CPU - 1) / CHUNK_CPU : count;
-}
-
-static uint32_t cores_of(const optimiser *self)
-{
-    return self->device->compute_units;
+    return bb_cpu_form(self->device) ? bb_divide_up(count, CHUNK_CPU) : count;
 }
 
 static uint32_t items_of(const optimiser *self, const bb_levels *levels)
 {
-    return on_cpu(self) ? cores_of(self) * ITEMS_PER_CORE : bb_levels_items(levels);
+    return bb_cpu_form(self->device) ? self->device->compute_units * ITEMS_PER_CORE
+                                     : bb_levels_items(levels);
 }
 
 static bb_status count_level(void *context, const bb_levels *levels, uint32_t n)
@@ -235,8 +227,8 @@ static bb_status make_pairs(optimiser *self, const bb_tree *input)
 /* Leaves of subtrees that one work-item does: enough of them for all cores. */
 static uint32_t subtree_of(const optimiser *self, uint32_t leaves)
 {
-    const uint32_t share = leaves / (cores_of(self) * SUBTREES_PER_CORE);
-    if (!on_cpu(self))
+    const uint32_t share = leaves / (self->device->compute_units * SUBTREES_PER_CORE);
+    if (!bb_cpu_form(self->device))
         return 0;
     return share < SUBTREE_LEAST ? SUBTREE_LEAST : share > SUBTREE_MOST ? SUBTREE_MOST : share;
 }
@@ -254,7 +246,7 @@ static bb_status make_round(optimiser *self, uint32_t leaves, uint32_t least, fl
                      BB_VALUE(least), BB_MEM(self->parents), BB_MEM(self->missing),
                      BB_MEM(self->levels.counts), BB_MEM(self->levels.lists[1]),
                      BB_MEM(self->tasks)));
-    if (on_cpu(self))
+    if (bb_cpu_form(self->device))
         BB_TRY(bb_launch(self->device, self->subtrees, items_of(self, &self->levels),
                          group_of(self), BB_MEM(*pairs), BB_MEM(self->held), BB_MEM(self->tasks),
                          BB_MEM(self->levels.counts), BB_VALUE(least), BB_VALUE(unit),
@@ -289,16 +281,6 @@ static bb_status make_tree(optimiser *self, const bb_tree *input, bb_tree *tree)
                      BB_MEM(tree->d_nodes), BB_VALUE(info->node_count), BB_MEM(tree->d_refs),
                      BB_VALUE(info->ref_count), BB_MEM(tree->d_info)));
     return bb_buffer_copy(&input->d_refs, &tree->d_refs, info->ref_count * sizeof(uint32_t));
-}
-
-static bb_status copy_tree(const bb_tree *input, bb_tree *tree)
-{
-    const bb_tree_info *info = &input->info;
-    BB_TRY(bb_buffer_copy(&input->d_nodes, &tree->d_nodes, info->node_count * sizeof(bb_node)));
-    BB_TRY(bb_buffer_copy(&input->d_refs, &tree->d_refs, info->ref_count * sizeof(uint32_t)));
-    tree->duplicated = input->duplicated;
-    tree->disjoint = input->disjoint;
-    return bb_buffer_write(&tree->d_info, 0, sizeof *info, info);
 }
 
 static bb_status optimise(optimiser *self, const bb_tree *input, bb_tree *tree, bb_phases *phases)
@@ -336,7 +318,7 @@ bb_status bb_treelets_build(void *opaque, const bb_scene *scene, const bb_tree *
     BB_TRY(reserve(self, info->leaf_count, info->ref_count, tree));
     if (info->leaf_count < self->gamma) {
         BB_TRY(bb_phase(phases, "copy"));
-        BB_TRY(copy_tree(input, tree));
+        BB_TRY(bb_tree_copy(input, tree));
     } else {
         BB_TRY(optimise(self, input, tree, phases));
     }

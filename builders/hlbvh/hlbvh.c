@@ -19,9 +19,9 @@
  *
  * top-bits=0 is the LBVH; top-bits=all is binned SAH over runs of equal codes.
  */
-#include "builders/common/codes.h"
 #include "builders/common/radix_tree.h"
 #include "builders/common/refit.h"
+#include "builders/common/sorted_codes.h"
 #include "builders/hlbvh/hlbvh_top.h"
 
 #include <stdio.h>
@@ -59,15 +59,13 @@ typedef struct hlbvh {
     bb_decider top_bits_by;
     uint32_t each;
     bool by_prims;
-    bb_primitives *primitives;
-    bb_codes *codes;
+    bb_sorted_codes sorted;
     uint32_t key_bytes; /* of what is compiled; 0: nothing yet */
     bb_radix_tree *radix;
     hl_top *top;
     bb_refitter *refitter; /* NULL: trees are built again */
     cl_program program;
     cl_kernel levels_kernel, counts_kernel, starts_kernel, gather;
-    bb_buffer keys, values;
     bb_buffer levels;        /* u32[HL_LEVELS] per chunk of keys */
     bb_buffer totals;        /* u32[HL_LEVELS] */
     bb_buffer counts;        /* u32 per chunk */
@@ -96,26 +94,24 @@ static void destroy(void *opaque)
     hlbvh *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer *const buffers[] = {&self->keys,   &self->values, &self->levels,
-                                  &self->totals, &self->counts, &self->starts,
+    bb_buffer *const buffers[] = {&self->levels, &self->totals, &self->counts, &self->starts,
                                   &self->items,  &self->roots,  &self->bounds};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
     release_kernels(self);
     hl_top_destroy(self->top);
-    bb_codes_destroy(self->codes);
+    bb_sorted_codes_release(&self->sorted);
     bb_refitter_destroy(self->refitter);
-    bb_primitives_destroy(self->primitives);
     free(self);
 }
 
 /* What depends on the size of keys, which is known once nothing of the code is open. */
 static bb_status compile(hlbvh *self)
 {
-    if (!bb_codes_ready(self->codes) || self->key_bytes == bb_codes_key_bytes(self->codes))
+    if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))
         return BB_OK;
     release_kernels(self);
-    uint32_t key_bytes = bb_codes_key_bytes(self->codes);
+    uint32_t key_bytes = bb_codes_key_bytes(self->sorted.codes);
     bb_radix_kind kind = {.key_bytes = key_bytes, .linking = BB_LINK_APETREI, .heights = true};
     char defines[64];
     snprintf(defines, sizeof defines, "%s%s", key_bytes == 8 ? "-DBB_KEY64 " : "",
@@ -177,17 +173,15 @@ static bb_status create(const bb_builder_context *context, void **out)
                                                           : BB_BY_DEFAULT;
     self->each = each;
     self->by_prims = bb_spec_is(spec, options, "weight", "prims");
-    BB_TRY(bb_codes_create(context, &self->codes));
-    BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
+    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
     BB_TRY(hl_top_create(self->device, self->account, (uint32_t)bins, self->by_prims, &self->top));
-    if (bb_spec_is(spec, options, "update", "refit"))
-        BB_TRY(bb_refitter_create(self->device, self->account, &self->refitter));
+    BB_TRY(bb_refitter_choose(context, &self->refitter));
     return compile(self);
 }
 
 static uint32_t chunk_of(const hlbvh *self)
 {
-    return self->device->form == BB_FORM_CPU ? CHUNK_CPU : CHUNK_GPU;
+    return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
 /* The most clusters that `count` primitives can make. */
@@ -225,15 +219,9 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     hlbvh *self = opaque;
     size_t count = scene->prim_count;
-    BB_TRY(bb_codes_prepare(self->codes, scene, 1));
+    BB_TRY(bb_sorted_codes_prepare(&self->sorted, scene, 1));
     BB_TRY(compile(self));
-    BB_TRY(bb_buffer_reserve(self->device, self->account, count * self->key_bytes, "hlbvh: codes",
-                             &self->keys));
-    BB_TRY(bb_buffer_reserve(self->device, self->account, count * sizeof(uint32_t),
-                             "hlbvh: indices", &self->values));
-    BB_TRY(bb_primitives_reserve(self->primitives, scene->prim_count, self->key_bytes));
-    if (self->refitter != NULL)
-        BB_TRY(bb_refitter_reserve(self->refitter, 2 * count - 1));
+    BB_TRY(bb_refitter_reserve(self->refitter, 2 * count - 1));
     BB_TRY(reserve_clusters(self, scene->prim_count));
     return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
 }
@@ -241,7 +229,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 /* How many top bits, from how many neighbours first differ in each; and how many clusters. */
 static void choose_bits(hlbvh *self, const uint32_t totals[HL_LEVELS], uint32_t count)
 {
-    uint32_t bits = bb_codes_pattern(self->codes)->bits, most = most_clusters(self, count);
+    uint32_t bits = bb_codes_pattern(self->sorted.codes)->bits, most = most_clusters(self, count);
     self->bits = 0;
     self->clusters = 1;
     while (self->bits < bits && self->bits < self->top_bits &&
@@ -253,19 +241,19 @@ static bb_status find_clusters(hlbvh *self, uint32_t count)
 {
     bb_device *device = self->device;
     uint32_t chunk = chunk_of(self), chunks = count / chunk + 1;
-    size_t group = device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
-    uint32_t bits = bb_codes_pattern(self->codes)->bits, totals[HL_LEVELS];
+    size_t group = bb_cpu_form(device) ? 1 : GROUP_SIZE;
+    uint32_t bits = bb_codes_pattern(self->sorted.codes)->bits, totals[HL_LEVELS];
     BB_TRY(bb_buffer_fill(&self->totals, sizeof totals, 0));
     BB_TRY(bb_buffer_fill(&self->levels, chunks * sizeof totals, 0));
-    BB_TRY(bb_launch(device, self->levels_kernel, chunks, group, BB_MEM(self->keys),
+    BB_TRY(bb_launch(device, self->levels_kernel, chunks, group, BB_MEM(self->sorted.keys),
                      BB_VALUE(count), BB_VALUE(bits), BB_VALUE(chunk), BB_MEM(self->levels),
                      BB_MEM(self->totals)));
     BB_TRY(bb_buffer_read(&self->totals, 0, sizeof totals, totals));
     choose_bits(self, totals, count);
     BB_TRY(bb_launch(device, self->counts_kernel, chunks, GROUP_SIZE, BB_MEM(self->levels),
                      BB_VALUE(chunks), BB_VALUE(self->bits), BB_MEM(self->counts)));
-    BB_TRY(bb_scan_u32(self->primitives, &self->counts, &self->counts, chunks, NULL));
-    return bb_launch(device, self->starts_kernel, chunks, group, BB_MEM(self->keys),
+    BB_TRY(bb_scan_u32(self->sorted.primitives, &self->counts, &self->counts, chunks, NULL));
+    return bb_launch(device, self->starts_kernel, chunks, group, BB_MEM(self->sorted.keys),
                      BB_VALUE(count), BB_VALUE(bits), BB_VALUE(self->bits), BB_VALUE(chunk),
                      BB_MEM(self->counts), BB_VALUE(self->clusters), BB_MEM(self->starts));
 }
@@ -278,11 +266,12 @@ static bb_status make_top(hlbvh *self, uint32_t count, bb_tree *tree, bb_phases 
                             .items = &self->items,
                             .roots = &self->roots};
     uint32_t levels;
-    BB_TRY(bb_launch(self->device, self->gather, clusters.count, GROUP_SIZE, BB_MEM(self->keys),
-                     BB_VALUE(count), BB_MEM(self->starts), BB_VALUE(clusters.count),
-                     BB_MEM(tree->d_nodes), BB_MEM(*bb_radix_tree_heights(self->radix)),
-                     BB_MEM(self->items), BB_MEM(self->roots), BB_MEM(tree->d_info)));
-    BB_TRY(bb_reduce_boxes(self->primitives, &self->items, clusters.count, &self->bounds));
+    BB_TRY(bb_launch(self->device, self->gather, clusters.count, GROUP_SIZE,
+                     BB_MEM(self->sorted.keys), BB_VALUE(count), BB_MEM(self->starts),
+                     BB_VALUE(clusters.count), BB_MEM(tree->d_nodes),
+                     BB_MEM(*bb_radix_tree_heights(self->radix)), BB_MEM(self->items),
+                     BB_MEM(self->roots), BB_MEM(tree->d_info)));
+    BB_TRY(bb_reduce_boxes(self->sorted.primitives, &self->items, clusters.count, &self->bounds));
     BB_TRY(bb_buffer_read(&self->bounds, 0, sizeof clusters.bounds, clusters.bounds));
     BB_TRY(bb_phase(phases, "top"));
     BB_TRY(hl_top_make(self->top, &clusters, tree, &levels));
@@ -295,12 +284,9 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     (void)input;
     hlbvh *self = opaque;
     uint32_t count = scene->prim_count;
-    BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
-    BB_TRY(bb_phase(phases, "sort"));
-    BB_TRY(bb_sort_keys(self->primitives, self->key_bytes, &self->keys, &self->values, count,
-                        bb_codes_pattern(self->codes)->bits));
+    BB_TRY(bb_sorted_codes_make(&self->sorted, scene, phases));
     BB_TRY(bb_phase(phases, "link"));
-    BB_TRY(bb_radix_tree_link(self->radix, &self->keys, NULL, &self->values,
+    BB_TRY(bb_radix_tree_link(self->radix, &self->sorted.keys, NULL, &self->sorted.values,
                               &scene->on_device.boxes, count, tree));
     BB_TRY(bb_phase(phases, "clusters"));
     BB_TRY(find_clusters(self, count));
@@ -319,11 +305,10 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
 {
     const hlbvh *self = opaque;
-    char letters[BB_CODE_BITS_MAX + 1];
-    const bb_code_pattern *layout = bb_codes_pattern(self->codes);
-    bb_code_letters(layout, letters, sizeof letters);
-    snprintf(text, capacity, "%u clusters of %u primitives, by %u bits; code of %u bits: %s%s",
-             self->clusters, scene->prim_count, self->bits, layout->bits, letters,
+    char code[BB_CODE_TEXT];
+    bb_codes_describe(self->sorted.codes, code, sizeof code);
+    snprintf(text, capacity, "%u clusters of %u primitives, by %u bits; %s%s", self->clusters,
+             scene->prim_count, self->bits, code,
              self->clusters == 1 ? "; one cluster: this is the LBVH" : "");
     return BB_OK;
 }
@@ -331,7 +316,7 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
 static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 {
     const hlbvh *self = opaque;
-    bb_codes_decide(self->codes, scene, decisions);
+    bb_codes_decide(self->sorted.codes, scene, decisions);
     bb_decide_number(decisions, "top bits", self->bits, self->top_bits_by,
                      "%u clusters of %u primitives", self->clusters, scene->prim_count);
 }

@@ -6,11 +6,17 @@
 #include "bb_shared.h"
 #else
 #include "kernels/bb_shared.h"
+#include <stddef.h>
 #endif
 
 #define HL_LEVELS 65 /* bits that two keys may first differ in, and one for equal keys */
 
-/* A cluster while the top tree is made: its box, which cluster, and what it weighs in the cost. */
+/* Bytes of hl_bins: two float4 for each bin of each axis, then `words` counts or weights for each;
+ * the whole a multiple of a float4. hlbvh_bins.clh does not compile where it is not so. */
+#define HL_BINS_BYTES(bins, words) (3 * (bins)*2 * 16 + (3 * (bins) * (words)*4 + 15) / 16 * 16)
+
+/* A cluster while the top tree is made: its box, which cluster, and what it weighs in the cost.
+ * Boxes are where those of bb_box are, so that bb_reduce_boxes() takes it. */
 typedef struct hl_item {
     float lo[3];
     bb_u32 cluster;
@@ -47,5 +53,15 @@ typedef struct hl_chunk {
     bb_u32 pad;
     float lo[2][3], hi[2][3]; /* of the centroids that go left and right */
 } hl_chunk;
+
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(hl_item) == sizeof(bb_box), "hl_item");
+BB_STATIC_ASSERT(offsetof(hl_item, lo) == offsetof(bb_box, lo), "hl_item");
+BB_STATIC_ASSERT(offsetof(hl_item, hi) == offsetof(bb_box, hi), "hl_item");
+BB_STATIC_ASSERT(sizeof(hl_root) == 8, "hl_root");
+BB_STATIC_ASSERT(sizeof(hl_task) == 56, "hl_task");
+BB_STATIC_ASSERT(sizeof(hl_split) == 16, "hl_split");
+BB_STATIC_ASSERT(sizeof(hl_chunk) == 72, "hl_chunk");
+#endif
 
 #endif

@@ -2,6 +2,7 @@
 #include "builders/hlbvh/hlbvh_top.h"
 
 #include "builders/common/scene_unit.h"
+#include "framework/base/arithmetic.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,9 +76,7 @@ bb_status hl_top_create(bb_device *device, bb_account *account, uint32_t bins, b
         return bb_fail(BB_FAILED, "out of memory");
     top->device = device;
     top->account = account;
-    /* as the device lays hl_bins out: float4 first, the whole a multiple of them */
-    size_t counts = (by_prims ? 2 : 1) * 3 * (size_t)bins * sizeof(uint32_t);
-    top->bin_bytes = 3 * (size_t)bins * 2 * 16 + (counts + 15) / 16 * 16;
+    top->bin_bytes = HL_BINS_BYTES((size_t)bins, by_prims ? 2 : 1);
     bb_status status = compile(top, bins, by_prims);
     if (status != BB_OK) {
         hl_top_destroy(top);
@@ -87,35 +86,20 @@ bb_status hl_top_create(bb_device *device, bb_account *account, uint32_t bins, b
     return BB_OK;
 }
 
-static uint32_t at_least(uint32_t a, uint32_t b)
-{
-    return a > b ? a : b;
-}
-
-static uint32_t at_most(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
-
-static uint32_t divide_up(uint32_t a, uint32_t b)
-{
-    return a / b + (a % b != 0);
-}
-
 /* Room for so many clusters is room for fewer: no bound falls where their number grows. */
 static void choose_sizes(hl_top *top, uint32_t clusters)
 {
-    if (top->device->form == BB_FORM_CPU) {
+    if (bb_cpu_form(top->device)) {
         uint32_t parts = TASKS_PER_CORE * top->device->compute_units;
-        top->small = at_least(divide_up(clusters, parts), SMALL_CPU);
+        top->small = bb_max_u32(bb_divide_up(clusters, parts), SMALL_CPU);
         top->chunk = CHUNK_CPU;
-        top->tasks_most = at_most(clusters / SMALL_CPU, parts) + 1;
+        top->tasks_most = bb_min_u32(clusters / SMALL_CPU, parts) + 1;
         top->chunks_most = clusters / CHUNK_CPU + top->tasks_most;
     } else {
         top->small = SMALL_GPU;
-        top->chunk = at_least(divide_up(clusters, CHUNKS_GPU), CHUNK_GPU);
+        top->chunk = bb_max_u32(bb_divide_up(clusters, CHUNKS_GPU), CHUNK_GPU);
         top->tasks_most = clusters / SMALL_GPU + 1;
-        top->chunks_most = at_most(clusters / CHUNK_GPU, CHUNKS_GPU) + top->tasks_most;
+        top->chunks_most = bb_min_u32(clusters / CHUNK_GPU, CHUNKS_GPU) + top->tasks_most;
     }
 }
 
@@ -155,7 +139,7 @@ typedef struct job {
 
 static size_t group(const hl_top *top)
 {
-    return top->device->form == BB_FORM_CPU ? 1 : GROUP_GPU;
+    return bb_cpu_form(top->device) ? 1 : GROUP_GPU;
 }
 
 static bb_status make_subtrees(job *j)

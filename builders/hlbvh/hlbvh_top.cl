@@ -18,6 +18,7 @@
  */
 #include "bb_device.h"
 #include "hlbvh_bins.clh"
+#include "leaf_boxes.clh"
 
 #define HL_STACK 33 /* the larger half waits: no more than log2 of the clusters */
 
@@ -34,20 +35,12 @@ uint skip_after(global const uint *starts, uint clusters, uint end)
     return end < clusters ? pair_at(starts, end) + 1u : BB_NONE;
 }
 
-/* As integers: a device may flush links, which look like denormals. */
-void write_node(global bb_node *nodes, uint place, const hl_box *box, uint first, uint skip)
-{
-    global uint *words = (global uint *)(nodes + place);
-    vstore4((uint4)(as_uint4(box->lo).xyz, first), 0, words);
-    vstore4((uint4)(as_uint4(box->hi).xyz, skip), 1, words);
-}
-
 void write_cluster(global bb_node *nodes, uint place, global const hl_item *item,
                    global const hl_root *roots, uint skip)
 {
     hl_box box = hl_load(item);
     uint first = roots[item->cluster].first;
-    write_node(nodes, place, &box, first, skip);
+    bb_write_node(nodes, place, box.lo, box.hi, first, skip);
     while ((first & BB_LEAF_BIT) == 0) {
         nodes[first + 1u].skip = skip;
         first = nodes[first + 1u].first;
@@ -133,7 +126,8 @@ void split_range(global hl_item *items, global hl_item *spare, const hl_range *r
     left->place = first;
     right->place = first + 1u;
     left->depth = right->depth = range->depth + 1u;
-    write_node(nodes, range->place, &box, first, skip_after(starts, clusters, range->end));
+    bb_write_node(nodes, range->place, box.lo, box.hi, first,
+                  skip_after(starts, clusters, range->end));
 }
 
 kernel void hl_subtree(global const hl_task *tasks, uint task_count, global hl_item *items_a,
@@ -255,8 +249,8 @@ kernel void hl_divide(global const hl_task *tasks, uint task_count, global const
     sum_bins(&bins, found + task.first_chunk, task.chunk_count);
     hl_split split = hl_find_split(&bins, &grid, unit, task.begin, task.end - task.begin);
     hl_box box = box_of_bins(&bins, grid.bins);
-    write_node(nodes, task.place, &box, pair_at(starts, split.middle),
-               skip_after(starts, clusters, task.end));
+    bb_write_node(nodes, task.place, box.lo, box.hi, pair_at(starts, split.middle),
+                  skip_after(starts, clusters, task.end));
     splits[number] = split;
     place_chunks(&task, &split, found, chunks);
 }

@@ -11,6 +11,8 @@
  * launches instead of fences, so that nothing depends on how work-groups are run.
  */
 #include "builders/common/ploc.h"
+#include "builders/hploc/hploc_shared.h"
+#include "framework/base/arithmetic.h"
 #include "framework/device/levels.h"
 
 #include <stdio.h>
@@ -26,8 +28,7 @@ enum {
     CHUNK_MIN = 1024,
     CHUNKS_PER_UNIT = 16, /* CPUs: to share among cores, whatever each takes */
     HEIGHT_MAX = 96,      /* of a radix tree: the bits of keys, and of indices */
-    PIECE_BYTES = 16,
-    PIECES_MAX = 2 * HEIGHT_MAX, /* BB_PIECES_MAX of hploc.cl, for the longest keys */
+    PIECES_MAX = HPLOC_PIECES_MAX(64),
 };
 
 static const bb_option options[] = {
@@ -78,11 +79,6 @@ static void destroy(void *opaque)
     free(self);
 }
 
-static bool on_cpu(const hploc *self)
-{
-    return self->base.device->form == BB_FORM_CPU;
-}
-
 /* Work-items of a group, on GPUs: one for each cluster of a node. */
 static uint32_t group_of(const hploc *self)
 {
@@ -92,10 +88,10 @@ static uint32_t group_of(const hploc *self)
 /* Kernels for keys as the code has them, which is known once nothing of it is open. */
 static bb_status get_kernels(hploc *self)
 {
-    const uint32_t key_bytes = bb_codes_key_bytes(self->base.codes);
-    const bool cpu = on_cpu(self);
-    if (!bb_codes_ready(self->base.codes) || self->key_bytes == key_bytes)
+    if (!bb_codes_key_changed(self->base.sorted.codes, self->key_bytes))
         return BB_OK;
+    const uint32_t key_bytes = bb_codes_key_bytes(self->base.sorted.codes);
+    const bool cpu = bb_cpu_form(self->base.device);
     release_program(self);
     char defines[128];
     snprintf(defines, sizeof defines, "-DBB_RADIUS=%u -DBB_GOAL=%u -DBB_GROUP=%u%s",
@@ -125,7 +121,7 @@ static bb_status create(const bb_builder_context *context, void **out)
                        spec->name, (uint32_t)window);
     self->window = (uint32_t)window;
     BB_TRY(bb_ploc_create(context, &self->base));
-    if (!on_cpu(self) && group_of(self) > context->device->max_group_size)
+    if (!bb_cpu_form(self->base.device) && group_of(self) > context->device->max_group_size)
         return bb_fail(BB_UNSUPPORTED,
                        "builder %s: window=%u: the device's work-groups have %zu items at most",
                        spec->name, self->window, context->device->max_group_size);
@@ -154,19 +150,18 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     bb_device *device = self->base.device;
     bb_account *account = self->base.account;
     const uint32_t count = scene->prim_count;
-    BB_TRY(bb_ploc_prepare(&self->base, scene, on_cpu(self) ? 1 : 0, tree));
+    BB_TRY(bb_ploc_prepare(&self->base, scene, bb_cpu_form(self->base.device) ? 1 : 0, tree));
     BB_TRY(get_kernels(self));
-    if (!on_cpu(self))
+    if (!bb_cpu_form(self->base.device))
         return reserve_for_gpu(self, count);
     const uint32_t units = device->compute_units * CHUNKS_PER_UNIT;
-    const uint32_t share = count / units + 1;
-    self->chunk = share < CHUNK_MIN ? CHUNK_MIN : share;
+    self->chunk = bb_max_u32(count / units + 1, CHUNK_MIN);
     const size_t chunks = (count - 1) / self->chunk + 1;
-    BB_TRY(bb_buffer_reserve(device, account, chunks * PIECES_MAX * PIECE_BYTES, "hploc: subtrees",
-                             &self->pieces));
+    BB_TRY(bb_buffer_reserve(device, account, chunks * PIECES_MAX * sizeof(hploc_piece),
+                             "hploc: subtrees", &self->pieces));
     BB_TRY(bb_buffer_reserve(device, account, chunks * sizeof(uint32_t), "hploc: subtrees",
                              &self->piece_counts));
-    return bb_buffer_reserve(device, account, PIECES_MAX * PIECE_BYTES, "hploc: subtrees",
+    return bb_buffer_reserve(device, account, PIECES_MAX * sizeof(hploc_piece), "hploc: subtrees",
                              &self->stack);
 }
 
@@ -178,11 +173,11 @@ static bb_status cluster_on_cpu(hploc *self, const bb_scene *scene)
     const bb_buffer *root = bb_pair_tree_root(base->pairs);
     const uint32_t count = scene->prim_count;
     BB_TRY(bb_launch(base->device, self->first, (count - 1) / self->chunk + 1, 1,
-                     BB_MEM(base->keys), BB_MEM(base->values), BB_MEM(scene->on_device.boxes),
-                     BB_VALUE(count), BB_VALUE(self->chunk), BB_MEM(list->planes),
-                     BB_MEM(list->tags), BB_VALUE(base->stride), BB_MEM(*pairs),
-                     BB_MEM(self->pieces), BB_MEM(self->piece_counts)));
-    return bb_launch(base->device, self->last, 1, 1, BB_MEM(base->keys), BB_VALUE(count),
+                     BB_MEM(base->sorted.keys), BB_MEM(base->sorted.values),
+                     BB_MEM(scene->on_device.boxes), BB_VALUE(count), BB_VALUE(self->chunk),
+                     BB_MEM(list->planes), BB_MEM(list->tags), BB_VALUE(base->stride),
+                     BB_MEM(*pairs), BB_MEM(self->pieces), BB_MEM(self->piece_counts)));
+    return bb_launch(base->device, self->last, 1, 1, BB_MEM(base->sorted.keys), BB_VALUE(count),
                      BB_VALUE(self->chunk), BB_MEM(list->planes), BB_MEM(list->tags),
                      BB_VALUE(base->stride), BB_MEM(*pairs), BB_MEM(self->pieces),
                      BB_MEM(self->piece_counts), BB_MEM(self->stack), BB_MEM(*root));
@@ -201,7 +196,7 @@ static bb_status reduce_level(void *context, const bb_levels *levels, uint32_t n
     const bb_buffer *pairs = bb_pair_tree_pairs(self->base.pairs);
     const bb_buffer *root = bb_pair_tree_root(self->base.pairs);
     return bb_launch(self->base.device, self->last, bb_levels_items(levels), group_of(self),
-                     BB_MEM(self->base.keys), BB_VALUE(job->count), BB_MEM(self->clusters),
+                     BB_MEM(self->base.sorted.keys), BB_VALUE(job->count), BB_MEM(self->clusters),
                      BB_MEM(self->heads), BB_MEM(self->live), BB_MEM(self->splits),
                      BB_MEM(self->missing), BB_MEM(*pairs), BB_MEM(*root), BB_VALUE(n),
                      BB_MEM(levels->counts), BB_MEM(levels->lists[n % 2]),
@@ -215,10 +210,10 @@ static bb_status cluster_on_gpu(hploc *self, const bb_scene *scene)
     const uint32_t count = scene->prim_count;
     level_job job = {self, count};
     BB_TRY(bb_launch(base->device, self->first, count, GROUP_SIZE, BB_MEM(scene->on_device.boxes),
-                     BB_MEM(base->values), BB_VALUE(count), BB_MEM(self->clusters),
+                     BB_MEM(base->sorted.values), BB_VALUE(count), BB_MEM(self->clusters),
                      BB_MEM(self->heads), BB_MEM(*root)));
     BB_TRY(bb_levels_start(&self->levels));
-    BB_TRY(bb_launch(base->device, self->ranges, count, GROUP_SIZE, BB_MEM(base->keys),
+    BB_TRY(bb_launch(base->device, self->ranges, count, GROUP_SIZE, BB_MEM(base->sorted.keys),
                      BB_VALUE(count), BB_MEM(self->splits), BB_MEM(self->missing),
                      BB_MEM(self->levels.counts), BB_MEM(self->levels.lists[1])));
     return bb_levels_run(&self->levels, reduce_level, &job);
@@ -229,26 +224,24 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 {
     (void)input;
     hploc *self = opaque;
-    BB_TRY(bb_ploc_sort(&self->base, scene, phases));
+    BB_TRY(bb_sorted_codes_make(&self->base.sorted, scene, phases));
     BB_TRY(bb_phase(phases, "cluster"));
-    BB_TRY(on_cpu(self) ? cluster_on_cpu(self, scene) : cluster_on_gpu(self, scene));
+    BB_TRY(bb_cpu_form(self->base.device) ? cluster_on_cpu(self, scene)
+                                          : cluster_on_gpu(self, scene));
     return bb_ploc_finish(&self->base, scene, tree, phases);
 }
 
 static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 {
     const hploc *self = opaque;
-    bb_codes_decide(self->base.codes, scene, decisions);
+    bb_codes_decide(self->base.sorted.codes, scene, decisions);
 }
 
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
 {
     (void)scene;
     const hploc *self = opaque;
-    char letters[BB_CODE_BITS_MAX + 1];
-    const bb_code_pattern *layout = bb_codes_pattern(self->base.codes);
-    bb_code_letters(layout, letters, sizeof letters);
-    snprintf(text, capacity, "code of %u bits: %s", layout->bits, letters);
+    bb_codes_describe(self->base.sorted.codes, text, capacity);
     return BB_OK;
 }
 

@@ -22,20 +22,11 @@
 #define BB_WINDOW ((2 * BB_GOAL + 7) / 8 * 8)
 #include "ploc_list.clh"
 #include "radix_keys.clh"
+#include "hploc_shared.h"
 
 #define BB_AHEAD 24u /* primitives whose boxes are asked for before they are needed */
 
-/* Subtrees that wait: their levels grow strictly towards the bottom. */
-#define BB_WAITING_MAX (BB_PREFIX_BITS + 32u)
-/* Maximal radix subtrees of a range of keys: such chains at both of its ends. */
-#define BB_PIECES_MAX (2u * BB_WAITING_MAX)
-
-/* A radix subtree whose clusters are made. */
-typedef struct hploc_piece {
-    uint l, r;  /* its keys */
-    uint count; /* of clusters */
-    uint level; /* of the split to the left */
-} hploc_piece;
+#define BB_PIECES_MAX HPLOC_PIECES_MAX(BB_PREFIX_BITS)
 
 /* The clusters of pieces lie one after the other in `list`, `top` of them. */
 typedef struct hploc_work {
@@ -121,7 +112,7 @@ kernel void hploc_chunks(global const bb_key *keys, global const uint *values,
     piece_counts[get_global_id(0)] = waiting;
 }
 
-/* One work-item. `stack` has room for BB_WAITING_MAX pieces. */
+/* One work-item. `stack` has room for HPLOC_WAITING_MAX() pieces. */
 kernel void hploc_top(global const bb_key *keys, uint count, uint chunk, global float *planes,
                       global uint4 *tags, uint stride, global bb_cluster_pair *pairs,
                       global const hploc_piece *pieces, global const uint *piece_counts,

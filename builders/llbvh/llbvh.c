@@ -17,8 +17,9 @@
  * The tree is not linked by algorithm 1 but, to the same result, as a radix tree over the nodes:
  * radix_tree.cl says why that is it.
  */
-#include "builders/common/codes.h"
 #include "builders/common/radix_tree.h"
+#include "builders/common/sorted_codes.h"
+#include "framework/base/arithmetic.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -61,14 +62,11 @@ typedef struct llbvh {
     const bb_builder_context *context;
     uint32_t key_bytes; /* of what was compiled; 0: nothing yet */
     double loose;
-    bb_primitives *primitives;
-    bb_codes *codes;
+    bb_sorted_codes sorted; /* keys: codes, then preorder indices of nodes */
     bb_radix_tree *radix;
     cl_program program;
     cl_kernel place, heads, leaves;
-    bb_buffer keys;       /* preorder indices */
     bb_buffer nodes;      /* of each primitive, as radix_tree.cl takes them */
-    bb_buffer values;     /* primitives */
     bb_buffer places;     /* leaves before each chunk */
     bb_buffer leaf_nodes; /* of each leaf */
     bb_radix_runs runs;
@@ -92,16 +90,13 @@ static void destroy(void *opaque)
     llbvh *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer_release(&self->keys);
     bb_buffer_release(&self->nodes);
-    bb_buffer_release(&self->values);
     bb_buffer_release(&self->places);
     bb_buffer_release(&self->leaf_nodes);
     bb_buffer_release(&self->runs.starts);
     bb_buffer_release(&self->runs.total);
     release_program(self);
-    bb_codes_destroy(self->codes);
-    bb_primitives_destroy(self->primitives);
+    bb_sorted_codes_release(&self->sorted);
     free(self);
 }
 
@@ -154,7 +149,7 @@ static bb_status build_program(llbvh *self, const bb_builder_context *context)
             side = sides[i][1];
     char defines[96];
     snprintf(defines, sizeof defines, "%s %s%s%s",
-             bb_codes_key_bytes(self->codes) == 8 ? "-DBB_KEY64" : "", side,
+             bb_codes_key_bytes(self->sorted.codes) == 8 ? "-DBB_KEY64" : "", side,
              bb_spec_is(context->spec, options, "fit", "yes") ? " -DBB_FIT" : "",
              bb_spec_is(context->spec, options, "sizes", "yes") ? " -DBB_EVERY_OTHER" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_llbvh, defines, &self->program));
@@ -166,9 +161,9 @@ static bb_status build_program(llbvh *self, const bb_builder_context *context)
 /* What depends on the width of the keys, once that is known. */
 static bb_status compile(llbvh *self)
 {
-    const uint32_t key_bytes = bb_codes_key_bytes(self->codes);
-    if (!bb_codes_ready(self->codes) || self->key_bytes == key_bytes)
+    if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))
         return BB_OK;
+    const uint32_t key_bytes = bb_codes_key_bytes(self->sorted.codes);
     release_program(self);
     BB_TRY(build_program(self, self->context));
     bool search = bb_spec_is(self->context->spec, options, "link", "search");
@@ -191,36 +186,33 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->account = context->account;
     self->context = context;
     BB_TRY(read_options(self, context));
-    BB_TRY(bb_codes_create(context, &self->codes));
-    BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
+    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
     return compile(self);
 }
 
 static uint32_t chunk_size(const llbvh *self)
 {
-    return self->device->form == BB_FORM_CPU ? CHUNK_CPU : CHUNK_GPU;
+    return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
 static uint32_t chunk_count(const llbvh *self, uint32_t count)
 {
-    return (count + chunk_size(self) - 1) / chunk_size(self);
+    return bb_divide_up(count, chunk_size(self));
 }
 
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     llbvh *self = opaque;
     size_t count = scene->prim_count, word = sizeof(uint32_t);
-    BB_TRY(bb_codes_prepare(self->codes, scene, 3));
+    BB_TRY(bb_sorted_codes_prepare(&self->sorted, scene, 3));
     BB_TRY(compile(self));
-    uint32_t key_bytes = bb_codes_key_bytes(self->codes);
+    uint32_t key_bytes = bb_codes_key_bytes(self->sorted.codes);
     const struct {
         size_t bytes;
         const char *what;
         bb_buffer *buffer;
     } needed[] = {
-        {count * key_bytes, "llbvh: keys", &self->keys},
         {count * key_bytes, "llbvh: nodes", &self->nodes},
-        {count * word, "llbvh: indices", &self->values},
         {chunk_count(self, scene->prim_count) * word, "llbvh: places of leaves", &self->places},
         {count * key_bytes, "llbvh: nodes of leaves", &self->leaf_nodes},
         {(count + 1) * word, "llbvh: starts of leaves", &self->runs.starts},
@@ -229,14 +221,13 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++)
         BB_TRY(bb_buffer_reserve(self->device, self->account, needed[i].bytes, needed[i].what,
                                  needed[i].buffer));
-    BB_TRY(bb_primitives_reserve(self->primitives, scene->prim_count, key_bytes));
     return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
 }
 
 /* Key and node of each primitive, from its code. */
 static bb_status place_primitives(llbvh *self, const bb_scene *scene)
 {
-    const bb_code_pattern *layout = bb_codes_pattern(self->codes);
+    const bb_code_pattern *layout = bb_codes_pattern(self->sorted.codes);
     cl_float4 reach = {{0}}, low = {{0}}, scale = {{0}};
     for (int k = 0; k < 3; k++) {
         low.s[k] = layout->plan.low[k];
@@ -248,21 +239,23 @@ static bb_status place_primitives(llbvh *self, const bb_scene *scene)
     uint32_t count = scene->prim_count, deepest = layout->bits / 3;
     return bb_launch(self->device, self->place, count, GROUP_SIZE, BB_MEM(scene->on_device.boxes),
                      BB_VALUE(count), BB_VALUE(reach), BB_VALUE(low), BB_VALUE(scale),
-                     BB_VALUE(loose), BB_VALUE(deepest), BB_VALUE(self->upto), BB_MEM(self->keys),
-                     BB_MEM(self->nodes));
+                     BB_VALUE(loose), BB_VALUE(deepest), BB_VALUE(self->upto),
+                     BB_MEM(self->sorted.keys), BB_MEM(self->nodes));
 }
 
 /* Runs of equal keys become leaves. */
 static bb_status merge_equal(llbvh *self, uint32_t count)
 {
     uint32_t chunk = chunk_size(self), chunks = chunk_count(self, count);
-    size_t group = self->device->form == BB_FORM_CPU ? 1 : GROUP_SIZE;
-    BB_TRY(bb_launch(self->device, self->heads, chunks, group, BB_MEM(self->keys), BB_VALUE(count),
-                     BB_VALUE(self->merge), BB_VALUE(chunk), BB_MEM(self->places)));
-    BB_TRY(bb_scan_u32(self->primitives, &self->places, &self->places, chunks, &self->runs.total));
-    return bb_launch(self->device, self->leaves, chunks, group, BB_MEM(self->keys), BB_VALUE(count),
-                     BB_VALUE(self->merge), BB_VALUE(chunk), BB_MEM(self->places),
-                     BB_MEM(self->values), BB_MEM(self->nodes), BB_MEM(self->leaf_nodes),
+    size_t group = bb_cpu_form(self->device) ? 1 : GROUP_SIZE;
+    BB_TRY(bb_launch(self->device, self->heads, chunks, group, BB_MEM(self->sorted.keys),
+                     BB_VALUE(count), BB_VALUE(self->merge), BB_VALUE(chunk),
+                     BB_MEM(self->places)));
+    BB_TRY(bb_scan_u32(self->sorted.primitives, &self->places, &self->places, chunks,
+                       &self->runs.total));
+    return bb_launch(self->device, self->leaves, chunks, group, BB_MEM(self->sorted.keys),
+                     BB_VALUE(count), BB_VALUE(self->merge), BB_VALUE(chunk), BB_MEM(self->places),
+                     BB_MEM(self->sorted.values), BB_MEM(self->nodes), BB_MEM(self->leaf_nodes),
                      BB_MEM(self->runs.starts));
 }
 
@@ -272,16 +265,16 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     (void)input;
     llbvh *self = opaque;
     uint32_t count = scene->prim_count;
-    BB_TRY(bb_codes_make(self->codes, self->primitives, scene, &self->keys, &self->values, phases));
+    bb_sorted_codes *sorted = &self->sorted;
+    BB_TRY(bb_codes_make(sorted->codes, sorted->primitives, scene, &sorted->keys, &sorted->values,
+                         phases));
     BB_TRY(bb_phase(phases, "levels"));
     BB_TRY(place_primitives(self, scene));
-    BB_TRY(bb_phase(phases, "sort"));
-    BB_TRY(bb_sort_keys(self->primitives, bb_codes_key_bytes(self->codes), &self->keys,
-                        &self->values, count, bb_codes_bits(self->codes) + 1));
+    BB_TRY(bb_sorted_codes_sort(sorted, count, bb_codes_bits(sorted->codes) + 1, phases));
     BB_TRY(bb_phase(phases, "merge"));
     BB_TRY(merge_equal(self, count));
     BB_TRY(bb_phase(phases, "link"));
-    BB_TRY(bb_radix_tree_link(self->radix, &self->leaf_nodes, &self->runs, &self->values,
+    BB_TRY(bb_radix_tree_link(self->radix, &self->leaf_nodes, &self->runs, &sorted->values,
                               &scene->on_device.boxes, count, tree));
     return bb_phase(phases, NULL);
 }
@@ -290,8 +283,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 static void describe_leaves(const llbvh *self, const bb_scene *scene, const void *nodes,
                             const uint32_t *starts, uint32_t leaves, char *text, size_t capacity)
 {
-    bool wide = bb_codes_key_bytes(self->codes) == 8;
-    uint32_t deepest = bb_codes_bits(self->codes) / 3;
+    bool wide = bb_codes_key_bytes(self->sorted.codes) == 8;
+    uint32_t deepest = bb_codes_bits(self->sorted.codes) / 3;
     uint32_t first = deepest, last = 0, most = 0, at_deepest = 0;
     for (uint32_t i = 0; i < leaves; i++) {
         /* the steps from the top bit, a 1, zeros */
@@ -316,7 +309,7 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
     llbvh *self = opaque;
     uint32_t leaves;
     BB_TRY(bb_buffer_read(&self->runs.total, 0, sizeof leaves, &leaves));
-    size_t node_bytes = (size_t)leaves * bb_codes_key_bytes(self->codes);
+    size_t node_bytes = (size_t)leaves * bb_codes_key_bytes(self->sorted.codes);
     size_t start_bytes = ((size_t)leaves + 1) * sizeof(uint32_t);
     void *nodes = malloc(node_bytes), *starts = malloc(start_bytes);
     bb_status status =
@@ -335,7 +328,7 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
 static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 {
     const llbvh *self = opaque;
-    bb_codes_decide(self->codes, scene, decisions);
+    bb_codes_decide(self->sorted.codes, scene, decisions);
 }
 
 const bb_builder bb_builder_llbvh = {

@@ -33,6 +33,7 @@
  *   and lies together is one list. That is the method's.
  */
 #include "builders/loose-bvh/loose_bvh_shared.h"
+#include "framework/base/arithmetic.h"
 #include "framework/builder/builder.h"
 
 #include <stdio.h>
@@ -102,15 +103,10 @@ static void destroy(void *opaque)
     free(self);
 }
 
-static bool on_cpu(const loose_bvh *self)
-{
-    return self->device->form == BB_FORM_CPU;
-}
-
 static bb_status compile(loose_bvh *self, const bb_spec *spec)
 {
     char defines[64];
-    snprintf(defines, sizeof defines, "-DBB_LANES=%d%s", on_cpu(self) ? LANES : 1,
+    snprintf(defines, sizeof defines, "-DBB_LANES=%d%s", bb_cpu_form(self->device) ? LANES : 1,
              bb_spec_is(spec, options, "root", "cube") ? " -DBB_CUBE" : "");
     BB_TRY(bb_program_build(self->device, &bb_source_loose_bvh, defines, &self->program));
     BB_TRY(bb_kernel_get(self->program, "loose_keys", &self->keys_kernel));
@@ -157,12 +153,7 @@ static uint32_t choose_levels(uint64_t count)
 
 static uint32_t chunk_size(const loose_bvh *self)
 {
-    return on_cpu(self) ? CHUNK_CPU : CHUNK_GPU;
-}
-
-static uint32_t divide_up(uint32_t count, uint32_t size)
-{
-    return count / size + (count % size != 0);
+    return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
 /* The most cells that there can be, one of a level above the deepest, too. */
@@ -183,8 +174,8 @@ enum { NEEDS = 15 };
 static void list_needs(loose_bvh *self, uint32_t count, need needs[NEEDS])
 {
     const size_t word = sizeof(uint32_t), prims = count, cells = cells_max(self, count);
-    const size_t chunks = divide_up(count, chunk_size(self));
-    const size_t parts = on_cpu(self) ? divide_up((uint32_t)cells, CHUNK_CELLS) : 0;
+    const size_t chunks = bb_divide_up(count, chunk_size(self));
+    const size_t parts = bb_cpu_form(self->device) ? bb_divide_up((uint32_t)cells, CHUNK_CELLS) : 0;
     const need list[NEEDS] = {
         {2 * sizeof(bb_box), "loose-bvh: bounds", &self->bounds},
         {prims * word, "loose-bvh: keys", &self->keys},
@@ -259,20 +250,20 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 static bb_status make_keys(loose_bvh *self, const bb_buffer *boxes, uint32_t count)
 {
     BB_TRY(bb_reduce_boxes(self->primitives, boxes, count, &self->bounds));
-    return bb_launch(self->device, self->keys_kernel, divide_up(count, on_cpu(self) ? LANES : 1),
-                     GROUP_SIZE, BB_MEM(*boxes), BB_MEM(self->bounds), BB_VALUE(count),
-                     BB_VALUE(self->levels), BB_VALUE(self->deeper), BB_MEM(self->keys),
-                     BB_MEM(self->values));
+    return bb_launch(self->device, self->keys_kernel,
+                     bb_divide_up(count, bb_cpu_form(self->device) ? LANES : 1), GROUP_SIZE,
+                     BB_MEM(*boxes), BB_MEM(self->bounds), BB_VALUE(count), BB_VALUE(self->levels),
+                     BB_VALUE(self->deeper), BB_MEM(self->keys), BB_MEM(self->values));
 }
 
 static size_t group_size(const loose_bvh *self)
 {
-    return on_cpu(self) ? 1 : GROUP_SIZE;
+    return bb_cpu_form(self->device) ? 1 : GROUP_SIZE;
 }
 
 static bb_status find_cells(loose_bvh *self, uint32_t count)
 {
-    const uint32_t chunk = chunk_size(self), chunks = divide_up(count, chunk);
+    const uint32_t chunk = chunk_size(self), chunks = bb_divide_up(count, chunk);
     const uint32_t bits = 3 * self->levels;
     BB_TRY(bb_launch(self->device, self->heads_kernel, chunks, group_size(self), BB_MEM(self->keys),
                      BB_VALUE(count), BB_VALUE(chunk), BB_VALUE(chunks), BB_MEM(self->heads)));
@@ -286,7 +277,7 @@ static bb_status find_cells(loose_bvh *self, uint32_t count)
 
 static bb_status make_leaves(loose_bvh *self, const bb_buffer *boxes, uint32_t count, bb_tree *tree)
 {
-    const uint32_t chunk = chunk_size(self), chunks = divide_up(count, chunk);
+    const uint32_t chunk = chunk_size(self), chunks = bb_divide_up(count, chunk);
     BB_TRY(bb_launch(self->device, self->leaves, chunks, group_size(self), BB_MEM(self->values),
                      BB_MEM(*boxes), BB_VALUE(count), BB_VALUE(chunk), BB_MEM(self->heads),
                      BB_MEM(self->starts), BB_MEM(self->bases), BB_MEM(self->splits),
@@ -302,7 +293,7 @@ static bb_status make_leaves(loose_bvh *self, const bb_buffer *boxes, uint32_t c
 /* Only the device knows how many cells there are. */
 static bb_status link_chunks(loose_bvh *self, uint32_t count, bb_tree *tree)
 {
-    const uint32_t chunk = CHUNK_CELLS, chunks = divide_up(cells_max(self, count), chunk);
+    const uint32_t chunk = CHUNK_CELLS, chunks = bb_divide_up(cells_max(self, count), chunk);
     BB_TRY(bb_launch(self->device, self->chunks, chunks, 1, BB_MEM(self->bases),
                      BB_MEM(self->splits), BB_MEM(self->totals), BB_VALUE(count), BB_VALUE(chunk),
                      BB_MEM(self->firsts), BB_MEM(self->lasts), BB_MEM(tree->d_nodes),
@@ -346,7 +337,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     BB_TRY(bb_phase(phases, "leaves"));
     BB_TRY(make_leaves(self, boxes, count, tree));
     BB_TRY(bb_phase(phases, "link"));
-    BB_TRY(on_cpu(self) ? link_chunks(self, count, tree) : link_levels(self, count, tree));
+    BB_TRY(bb_cpu_form(self->device) ? link_chunks(self, count, tree)
+                                     : link_levels(self, count, tree));
     return bb_phase(phases, NULL);
 }
 

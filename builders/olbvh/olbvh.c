@@ -20,6 +20,7 @@
  */
 #include "builders/olbvh/olbvh.h"
 
+#include "framework/base/arithmetic.h"
 #include "framework/builder/builder.h"
 #include "kernels/cell_grid_shared.h"
 
@@ -134,7 +135,7 @@ static void set_grid(olbvh *self, const bb_box *bounds, uint32_t bits)
 
 static uint32_t chunks_of(uint32_t count)
 {
-    return (count + CHUNK - 1) / CHUNK;
+    return bb_divide_up(count, CHUNK);
 }
 
 /* Equations 11 and 12. */

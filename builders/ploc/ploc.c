@@ -20,6 +20,7 @@
  */
 #include "builders/common/ploc.h"
 #include "builders/common/ploc_shared.h"
+#include "framework/base/arithmetic.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -70,18 +71,13 @@ static void destroy(void *opaque)
     free(self);
 }
 
-static bool on_cpu(const ploc *self)
-{
-    return self->base.device->form == BB_FORM_CPU;
-}
-
 static bb_status get_kernels(ploc *self)
 {
     static const char *const names[2][5] = {
         {"ploc_leaves_each", "ploc_find", "ploc_mark", "ploc_merge_each", "ploc_rest_group"},
         {"ploc_leaves", "ploc_search", "ploc_places", "ploc_merge", "ploc_rest"},
     };
-    const bool cpu = on_cpu(self);
+    const bool cpu = bb_cpu_form(self->base.device);
     cl_kernel *const kernels[] = {&self->leaves, &self->search, &self->places, &self->merge,
                                   &self->rest};
     char defines[128];
@@ -102,7 +98,9 @@ static bb_status create(const bb_builder_context *context, void **out)
     *out = self;
     BB_TRY(bb_ploc_create(context, &self->base));
     const size_t group = context->device->max_group_size;
-    self->rest_most = on_cpu(self) ? TILE : group < REST_GROUP ? (uint32_t)group : REST_GROUP;
+    self->rest_most = bb_cpu_form(self->base.device) ? TILE
+                      : group < REST_GROUP           ? (uint32_t)group
+                                                     : REST_GROUP;
     return get_kernels(self);
 }
 
@@ -111,8 +109,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     ploc *self = opaque;
     bb_device *device = self->base.device;
     bb_account *account = self->base.account;
-    const size_t count = scene->prim_count;
-    const size_t kept = on_cpu(self) ? (count + CHUNK - 1) / CHUNK : count;
+    const uint32_t count = scene->prim_count;
+    const size_t kept = bb_cpu_form(self->base.device) ? bb_divide_up(count, CHUNK) : count;
     BB_TRY(bb_ploc_prepare(&self->base, scene, LISTS, tree));
     BB_TRY(bb_buffer_reserve(device, account, count, "ploc: actions", &self->actions));
     BB_TRY(
@@ -123,12 +121,12 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 /* Work-items, and those of a group, of launches over `count` clusters. */
 static uint32_t items_of(const ploc *self, uint32_t count)
 {
-    return on_cpu(self) ? (count + CHUNK - 1) / CHUNK : count;
+    return bb_cpu_form(self->base.device) ? bb_divide_up(count, CHUNK) : count;
 }
 
 static uint32_t group_of(const ploc *self)
 {
-    return on_cpu(self) ? 1 : GROUP_SIZE;
+    return bb_cpu_form(self->base.device) ? 1 : GROUP_SIZE;
 }
 
 /* Places of those that stay, from actions[] or kept[]; *left gets their number. */
@@ -136,13 +134,14 @@ static bb_status find_places(ploc *self, uint32_t count, uint32_t *left)
 {
     bb_device *device = self->base.device;
     uint32_t items = items_of(self, count);
-    if (on_cpu(self)) {
+    if (bb_cpu_form(self->base.device)) {
         BB_TRY(bb_launch(device, self->places, 1, 1, BB_MEM(self->kept), BB_VALUE(items),
                          BB_MEM(self->number)));
     } else {
         BB_TRY(bb_launch(device, self->places, items, GROUP_SIZE, BB_MEM(self->actions),
                          BB_VALUE(count), BB_MEM(self->kept)));
-        BB_TRY(bb_scan_u32(self->base.primitives, &self->kept, &self->kept, count, &self->number));
+        BB_TRY(bb_scan_u32(self->base.sorted.primitives, &self->kept, &self->kept, count,
+                           &self->number));
     }
     return bb_buffer_read(&self->number, 0, sizeof *left, left);
 }
@@ -154,7 +153,7 @@ static bb_status round_of(ploc *self, uint32_t from, uint32_t count, int32_t mas
     const bb_ploc_list *list = &base->lists[from], *next = &base->lists[1 - from];
     const bb_buffer *pairs = bb_pair_tree_pairs(base->pairs);
     const uint32_t items = items_of(self, count), group = group_of(self);
-    if (on_cpu(self))
+    if (bb_cpu_form(self->base.device))
         BB_TRY(bb_launch(base->device, self->search, items, group, BB_MEM(list->planes),
                          BB_MEM(list->tags), BB_VALUE(base->stride), BB_VALUE(count),
                          BB_VALUE(mask), BB_MEM(self->actions), BB_MEM(self->kept)));
@@ -178,7 +177,7 @@ static bb_status cluster(ploc *self, const bb_scene *scene, bb_phases *phases)
     int32_t mask = BB_PLOC_EXACT;
     uint32_t count = scene->prim_count, from = 0, rounds = 0, rest;
     BB_TRY(bb_launch(base->device, self->leaves, items_of(self, count), group_of(self),
-                     BB_MEM(scene->on_device.boxes), BB_MEM(base->values), BB_VALUE(count),
+                     BB_MEM(scene->on_device.boxes), BB_MEM(base->sorted.values), BB_VALUE(count),
                      BB_MEM(base->lists[0].planes), BB_MEM(base->lists[0].tags),
                      BB_VALUE(base->stride)));
     for (uint32_t left; count > self->rest_most; rounds++) {
@@ -187,7 +186,7 @@ static bb_status cluster(ploc *self, const bb_scene *scene, bb_phases *phases)
         count = left;
         from = 1 - from;
     }
-    const uint32_t items = on_cpu(self) ? 1 : self->rest_most;
+    const uint32_t items = bb_cpu_form(self->base.device) ? 1 : self->rest_most;
     BB_TRY(bb_launch(base->device, self->rest, items, items, BB_MEM(base->lists[from].planes),
                      BB_MEM(base->lists[from].tags), BB_VALUE(base->stride), BB_VALUE(count),
                      BB_VALUE(mask), BB_MEM(*pairs), BB_MEM(*root), BB_MEM(self->number)));
@@ -201,7 +200,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 {
     (void)input;
     ploc *self = opaque;
-    BB_TRY(bb_ploc_sort(&self->base, scene, phases));
+    BB_TRY(bb_sorted_codes_make(&self->base.sorted, scene, phases));
     BB_TRY(bb_phase(phases, "cluster"));
     BB_TRY(cluster(self, scene, phases));
     return bb_ploc_finish(&self->base, scene, tree, phases);
@@ -210,17 +209,16 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 {
     const ploc *self = opaque;
-    bb_codes_decide(self->base.codes, scene, decisions);
+    bb_codes_decide(self->base.sorted.codes, scene, decisions);
 }
 
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
 {
     (void)scene;
     const ploc *self = opaque;
-    char letters[BB_CODE_BITS_MAX + 1];
-    const bb_code_pattern *layout = bb_codes_pattern(self->base.codes);
-    bb_code_letters(layout, letters, sizeof letters);
-    snprintf(text, capacity, "%u rounds; code of %u bits: %s", self->rounds, layout->bits, letters);
+    char code[BB_CODE_TEXT];
+    bb_codes_describe(self->base.sorted.codes, code, sizeof code);
+    snprintf(text, capacity, "%u rounds; %s", self->rounds, code);
     return BB_OK;
 }
 

@@ -7,6 +7,7 @@
 #include "builders/presplit/presplit_priority.h"
 #include "builders/common/scene_unit.h"
 #include "builders/presplit/presplit_shared.h"
+#include "framework/base/arithmetic.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -99,7 +100,7 @@ static bb_status count_splits(ps_priority *self, uint32_t count, const ps_tries 
                               uint64_t totals[PS_TRIES])
 {
     const uint32_t least = count / CHUNKS + 1, chunk = least > CHUNK_LEAST ? least : CHUNK_LEAST;
-    const uint32_t chunks = (count + chunk - 1) / chunk;
+    const uint32_t chunks = bb_divide_up(count, chunk);
     void *mapped;
     BB_TRY(bb_launch(self->device, self->sums_kernel, chunks, 1, BB_MEM(self->priorities),
                      BB_VALUE(count), BB_VALUE(chunk), BB_VALUE(*tries), BB_MEM(self->sums)));

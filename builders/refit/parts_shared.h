@@ -21,4 +21,8 @@ typedef struct bb_part {
     float area;     /* half that of its root */
 } bb_part;
 
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(bb_part) == 28, "bb_part");
+#endif
+
 #endif

@@ -16,4 +16,8 @@ typedef struct bb_turn_totals {
     bb_u32 roots;  /* of subtrees, for the next pass */
 } bb_turn_totals;
 
+#ifndef __OPENCL_VERSION__
+BB_STATIC_ASSERT(sizeof(bb_turn_totals) == 20, "bb_turn_totals");
+#endif
+
 #endif

@@ -1,15 +1,11 @@
 /* The host side of reinsert_families.cl. */
 #include "builders/reinsert/families.h"
 #include "builders/common/scene_unit.h"
+#include "framework/base/arithmetic.h"
 
 BB_DEVICE_SOURCE(reinsert_families);
 
 enum { GROUP_SIZE = 64, TASKS_MAX = 1024 };
-
-static bool on_cpu(const bb_family_tree *tree)
-{
-    return tree->device->form == BB_FORM_CPU;
-}
 
 bb_status bb_family_tree_create(bb_device *device, bb_account *account, bb_family_tree *tree)
 {
@@ -20,7 +16,7 @@ bb_status bb_family_tree_create(bb_device *device, bb_account *account, bb_famil
     BB_TRY(bb_kernel_get(tree->program, "families_gather", &tree->gather));
     BB_TRY(bb_kernel_get(tree->program, "families_cost", &tree->cost));
     BB_TRY(bb_primitives_create(device, account, &tree->primitives));
-    if (on_cpu(tree)) {
+    if (bb_cpu_form(tree->device)) {
         BB_TRY(bb_kernel_get(tree->program, "families_top", &tree->top));
         return bb_kernel_get(tree->program, "families_walk", &tree->walk);
     }
@@ -50,7 +46,7 @@ void bb_family_tree_release(bb_family_tree *tree)
 
 static uint32_t chunks_of(const bb_family_tree *tree)
 {
-    return (tree->count + BB_COST_CHUNK - 1) / BB_COST_CHUNK;
+    return bb_divide_up(tree->count, BB_COST_CHUNK);
 }
 
 static bb_status reserve(bb_family_tree *tree, uint32_t nodes)
@@ -63,7 +59,7 @@ static bb_status reserve(bb_family_tree *tree, uint32_t nodes)
     BB_TRY(bb_buffer_reserve(device, account, nodes * sizeof(uint32_t), "reinsert: numbers",
                              &tree->numbers));
     BB_TRY(bb_buffer_reserve(device, account, sums, "reinsert: costs", &tree->sums));
-    if (on_cpu(tree)) {
+    if (bb_cpu_form(tree->device)) {
         BB_TRY(bb_buffer_reserve(device, account, 8ul * TASKS_MAX, "reinsert: subtrees",
                                  &tree->tasks));
         BB_TRY(bb_buffer_reserve(device, account, 8, "reinsert: number of subtrees",
@@ -128,7 +124,7 @@ bb_status bb_family_tree_write(bb_family_tree *tree, uint32_t ref_count, bb_tree
 {
     const bb_tree_info known = {
         .root = 0, .node_count = 2 * tree->count + 1, .ref_count = ref_count};
-    if (on_cpu(tree))
+    if (bb_cpu_form(tree->device))
         return write_by_walks(tree, ref_count, to);
     BB_TRY(bb_launch(tree->device, tree->write, tree->count + 1, GROUP_SIZE, BB_MEM(tree->families),
                      BB_VALUE(tree->count), BB_MEM(to->d_nodes)));

@@ -158,14 +158,6 @@ static bb_status make_passes(reinsert *self, bb_phases *phases)
     return BB_OK;
 }
 
-/* The tree as it is. */
-static bb_status copy_tree(const bb_tree *input, bb_tree *tree)
-{
-    const bb_tree_info *info = &input->info;
-    BB_TRY(bb_buffer_copy(&input->d_nodes, &tree->d_nodes, info->node_count * sizeof(bb_node)));
-    return bb_buffer_write(&tree->d_info, 0, sizeof *info, info);
-}
-
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
                        bb_phases *phases)
 {
@@ -177,17 +169,17 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
                                        "another number of children than two");
     BB_TRY(bb_phase(phases, "read"));
     BB_TRY(bb_tree_reserve(tree, self->device, BB_ON_DEVICE, info->node_count, info->ref_count));
-    BB_TRY(bb_buffer_copy(&input->d_refs, &tree->d_refs, info->ref_count * sizeof(uint32_t)));
     tree->info = *info;
-    tree->duplicated = input->duplicated;
-    tree->disjoint = false; /* the children of other nodes than before */
     self->passes_made = 0;
     self->searched = self->moved = 0;
     self->before = self->after = 0;
     if (info->leaf_count == 1) {
-        BB_TRY(copy_tree(input, tree));
+        BB_TRY(bb_tree_copy(input, tree));
         return bb_phase(phases, NULL);
     }
+    BB_TRY(bb_buffer_copy(&input->d_refs, &tree->d_refs, info->ref_count * sizeof(uint32_t)));
+    tree->duplicated = input->duplicated;
+    tree->disjoint = false; /* the children of other nodes than before */
     BB_TRY(bb_family_tree_gather(&self->tree, input));
     BB_TRY(bb_reinsert_search_reserve(&self->search, self->tree.count));
     BB_TRY(bb_mover_reserve(&self->mover, self->tree.count));

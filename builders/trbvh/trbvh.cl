@@ -40,14 +40,6 @@ void join_leaves(bb_lanes (*leaves)[6], uint count, bb_lanes (*boxes)[6])
             }
 }
 
-bb_lanes joined_area(const bb_lanes *a, const bb_lanes *b)
-{
-    bb_lanes x = BB_MAX(a[3], b[3]) - BB_MIN(a[0], b[0]);
-    bb_lanes y = BB_MAX(a[4], b[4]) - BB_MIN(a[1], b[1]);
-    bb_lanes z = BB_MAX(a[5], b[5]) - BB_MIN(a[2], b[2]);
-    return bb_area_of(x, y, z);
-}
-
 /* The least cost(p) + cost(q) of s, which has three leaves or more. Four sums at a time, since each
  * minimum waits for the one before it. */
 bb_lanes least_sum(bb_lanes *cost, uint s)
@@ -94,7 +86,7 @@ void fill_table(const bb_treelets *t, float unit, trbvh_table *table)
             table->cost[s] = 0.0f;
             continue;
         }
-        bb_lanes area = joined_area(low[s & ((1u << LOW_LEAVES) - 1u)], high[s >> LOW_LEAVES]);
+        bb_lanes area = bb_joined_area(low[s & ((1u << LOW_LEAVES) - 1u)], high[s >> LOW_LEAVES]);
         if (!has_one(s & (s - 1u))) {
             table->below[s] = least_sum(table->cost, s);
             area += table->below[s];

@@ -17,6 +17,7 @@
  */
 #include "builders/common/compact.h"
 #include "builders/common/radix_tree.h"
+#include "framework/base/arithmetic.h"
 #include "framework/builder/builder.h"
 
 #include <stdio.h>
@@ -107,19 +108,14 @@ static bb_status create(const bb_builder_context *context, void **out)
     return bb_radix_tree_create(self->device, self->account, kind, &self->radix);
 }
 
-static bool on_cpu(const vlbvh *self)
-{
-    return self->device->form == BB_FORM_CPU;
-}
-
 static bb_status compile(vlbvh *self, uint32_t bytes)
 {
     if (self->bytes == bytes)
         return BB_OK;
     release_program(self);
-    const char *vote = self->by_ranges ? "vote_ranges"
-                       : on_cpu(self)  ? "vote_voxels"
-                                       : "vote_voxels_group";
+    const char *vote = self->by_ranges             ? "vote_ranges"
+                       : bb_cpu_form(self->device) ? "vote_voxels"
+                                                   : "vote_voxels_group";
     BB_TRY(bb_program_build(self->device, &bb_source_vlbvh,
                             bytes == 1 ? "-DBB_VOXEL=uchar" : "-DBB_VOXEL=ushort", &self->program));
     BB_TRY(bb_kernel_get(self->program, vote, &self->vote));
@@ -171,8 +167,9 @@ static bb_status vote(vlbvh *self, const bb_scene *scene)
         return bb_launch(self->device, self->vote, count, GROUP_SIZE, BB_MEM(there->ranges),
                          BB_VALUE(volume->grid), BB_VALUE(count), BB_MEM(there->seen),
                          BB_MEM(self->marks));
-    size_t items = on_cpu(self) ? (count + CHUNK - 1) / CHUNK : (size_t)count * GROUP_SIZE;
-    return bb_launch(self->device, self->vote, items, on_cpu(self) ? 1 : GROUP_SIZE,
+    size_t items =
+        bb_cpu_form(self->device) ? bb_divide_up(count, CHUNK) : (size_t)count * GROUP_SIZE;
+    return bb_launch(self->device, self->vote, items, bb_cpu_form(self->device) ? 1 : GROUP_SIZE,
                      BB_MEM(there->bricks), BB_VALUE(volume->grid), BB_VALUE(count),
                      BB_VALUE(chunk), BB_MEM(there->seen), BB_MEM(self->marks));
 }

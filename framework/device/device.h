@@ -62,6 +62,12 @@ typedef struct bb_device {
     char sources[16];          /* "embedded" or "folder": the record says which */
 } bb_device;
 
+/* Whether device code that has two forms takes that for CPUs. */
+static inline bool bb_cpu_form(const bb_device *device)
+{
+    return device->form == BB_FORM_CPU;
+}
+
 /* Whether the device can round quotients and square roots correctly: kernels that take the same
  * steps then get the same bits. */
 bool bb_device_divides_exactly(const bb_device *device);

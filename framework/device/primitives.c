@@ -25,13 +25,13 @@ enum {
 
 chunking bb_primitives_cut(const bb_primitives *self, uint32_t count)
 {
-    uint32_t chunks = divide_up(count, CHUNK_SMALLEST);
+    uint32_t chunks = bb_divide_up(count, CHUNK_SMALLEST);
     uint32_t most = CHUNKS_PER_UNIT * self->device->compute_units;
     if (chunks > most)
         chunks = most;
-    uint32_t size = divide_up(count, chunks);
-    size = divide_up(size, CHUNK_ALIGNMENT) * CHUNK_ALIGNMENT;
-    return (chunking){size, divide_up(count, size)};
+    uint32_t size = bb_divide_up(count, chunks);
+    size = bb_divide_up(size, CHUNK_ALIGNMENT) * CHUNK_ALIGNMENT;
+    return (chunking){size, bb_divide_up(count, size)};
 }
 
 /* Chunks or groups of a reduction, which leave a partial result each. */
@@ -162,7 +162,7 @@ bb_status bb_primitives_reserve_scan(bb_primitives *self, uint32_t count)
             "a scan's sums", &self->scan_level[0]);
     uint32_t tiles = count;
     for (uint32_t level = 0; level < SCAN_LEVELS_MAX; level++) {
-        tiles = divide_up(tiles, self->group * SCAN_ITEMS);
+        tiles = bb_divide_up(tiles, self->group * SCAN_ITEMS);
         if (tiles == 1)
             break;
         BB_TRY(bb_primitives_scratch(self, (uint64_t)tiles * sizeof(uint32_t), "a scan's sums",
@@ -196,7 +196,7 @@ static bb_status scan_by_tiles(bb_primitives *self, const bb_buffer *in, bb_buff
     uint32_t counts[SCAN_LEVELS_MAX + 1] = {count};
     uint32_t level = 0;
     for (;; level++) {
-        uint32_t tiles = divide_up(counts[level], self->group * SCAN_ITEMS);
+        uint32_t tiles = bb_divide_up(counts[level], self->group * SCAN_ITEMS);
         bb_buffer *sums = tiles > 1 ? &self->scan_level[level] : total;
         const bb_buffer *from = level == 0 ? in : &self->scan_level[level - 1];
         const bb_buffer *to = level == 0 ? out : &self->scan_level[level - 1];
@@ -245,7 +245,7 @@ static bb_status reduce_by_chunks(bb_primitives *self, const bb_buffer *boxes, u
 static bb_status reduce_by_groups(bb_primitives *self, const bb_buffer *boxes, uint32_t count,
                                   bb_buffer *out)
 {
-    uint32_t groups = divide_up(count, self->group);
+    uint32_t groups = bb_divide_up(count, self->group);
     if (groups > reduce_groups_max(self))
         groups = reduce_groups_max(self);
     BB_TRY(bb_launch(self->device, self->reduce_boxes, (size_t)groups * self->group, self->group,

@@ -31,7 +31,8 @@ bb_status bb_scan_u32(bb_primitives *primitives, const bb_buffer *in, bb_buffer 
 /* Union of `count` bb_box, and of their centroids (lo + hi) / 2 (computed as 0.5f*lo + 0.5f*hi):
  * out[0] is the box of the boxes, out[1] that of the centroids, two bb_box. count >= 1.
  * min and max are exact and a zero comes out as +0, so the result does not depend on the order.
- * Boxes are finite. Enqueued. */
+ * Boxes are finite. The words between them are not read, so `boxes` may hold any struct of the size
+ * of bb_box that has lo and hi where bb_box does. Enqueued. */
 bb_status bb_reduce_boxes(bb_primitives *primitives, const bb_buffer *boxes, uint32_t count,
                           bb_buffer *out);
 

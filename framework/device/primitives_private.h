@@ -2,6 +2,7 @@
 #ifndef BB_PRIMITIVES_PRIVATE_H
 #define BB_PRIMITIVES_PRIVATE_H
 
+#include "framework/base/arithmetic.h"
 #include "framework/device/primitives.h"
 
 enum {
@@ -50,11 +51,6 @@ typedef struct chunking {
     uint32_t size;  /* elements in a chunk; the last may have fewer, never none */
     uint32_t count; /* chunks */
 } chunking;
-
-static inline uint32_t divide_up(uint32_t a, uint32_t b)
-{
-    return a / b + (a % b != 0);
-}
 
 /* `count` is at least 1. */
 chunking bb_primitives_cut(const bb_primitives *self, uint32_t count);

@@ -46,7 +46,7 @@ typedef struct sort_pass {
 /* An even number of passes, so that the result is in place, with digits as equal as can be. */
 static uint32_t plan_passes(uint32_t bits, uint32_t widest, sort_pass passes[PASSES_MAX])
 {
-    uint32_t count = divide_up(bits, widest);
+    uint32_t count = bb_divide_up(bits, widest);
     count += count % 2;
     for (uint32_t i = 0, shift = 0; i < count; i++) {
         uint32_t digit = bits / count + (i < bits % count);
@@ -62,7 +62,7 @@ static chunking cut_sort(const bb_primitives *self, uint32_t count)
     if (!self->gpu)
         return bb_primitives_cut(self, count);
     uint32_t size = self->group * SORT_ITEMS;
-    return (chunking){size, divide_up(count, size)};
+    return (chunking){size, bb_divide_up(count, size)};
 }
 
 bb_status bb_primitives_reserve(bb_primitives *self, uint32_t count, uint32_t key_bytes)
@@ -144,7 +144,7 @@ static bb_status sort_buckets(bb_primitives *self, const sort_kernels *kernels, 
                               pairs scratch, uint32_t count, uint32_t buckets)
 {
     uint32_t chunks = cut_sort(self, count).count, tile = TILE;
-    return bb_launch(self->device, kernels->buckets, divide_up(count, TILE), 1,
+    return bb_launch(self->device, kernels->buckets, bb_divide_up(count, TILE), 1,
                      BB_MEM(*scratch.keys), BB_MEM(*scratch.values), BB_VALUE(count),
                      BB_VALUE(tile), BB_MEM(self->counts), BB_VALUE(chunks), BB_VALUE(buckets),
                      BB_MEM(*place.keys), BB_MEM(*place.values));

@@ -101,6 +101,16 @@ bb_status bb_tree_reserve(bb_tree *tree, bb_device *device, bb_place place, size
                                : reserve_device(tree, device, tree->account, nodes, refs);
 }
 
+bb_status bb_tree_copy(const bb_tree *from, bb_tree *to)
+{
+    const bb_tree_info *info = &from->info;
+    BB_TRY(bb_buffer_copy(&from->d_nodes, &to->d_nodes, info->node_count * sizeof(bb_node)));
+    BB_TRY(bb_buffer_copy(&from->d_refs, &to->d_refs, info->ref_count * sizeof(uint32_t)));
+    to->duplicated = from->duplicated;
+    to->disjoint = from->disjoint;
+    return bb_buffer_write(&to->d_info, 0, sizeof *info, info);
+}
+
 /* ---- side arrays ---- */
 
 static bool has_name(const bb_tree_array *array, const char *name)

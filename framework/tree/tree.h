@@ -103,6 +103,11 @@ bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms);
 /* Frees the copy on the other side, if there is one. */
 void bb_tree_drop_copy(bb_tree *tree);
 
+/* Makes `to` the tree that `from` is, for optimisers that leave it as it was: nodes, references,
+ * info and flags. Both are on the device, from->info is fetched, and there is room in `to`. Side
+ * arrays are not copied. */
+bb_status bb_tree_copy(const bb_tree *from, bb_tree *to);
+
 /* Bytes of the nodes, references and side arrays in use. */
 uint64_t bb_tree_bytes(const bb_tree *tree);
 
