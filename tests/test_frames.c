@@ -189,7 +189,8 @@ static void a_scene_recovers_from_a_bad_frame(void **state)
     ASSERT_OK(bb_scene_upload(scene, device));
     assert_int_equal(bb_scene_set_frame(scene, 1, &changed), BB_INVALID);
     assert_int_equal(scene->frame, BB_NONE);
-    expect_frame(scene, 0, BB_CHANGED_POSITIONS); /* what is on the device is not known */
+    /* what is on the device is not known */
+    expect_frame(scene, 0, BB_CHANGED_POSITIONS | BB_CHANGED_TOPOLOGY);
     assert_true(scene->hash == hash);
     expect_bytes(&scene->on_device.boxes, scene->boxes, scene->prim_count * sizeof(bb_box));
     expect_frame(scene, 2, BB_CHANGED_POSITIONS);

@@ -200,9 +200,9 @@ enum {
  * (waited for). Profile, views and closed_from_inside remain those of frame 0: cameras do not move,
  * and choices based on the profile are made once. Frame 0 is what was loaded, bit for bit.
  * `changed` gets BB_CHANGED_POSITIONS, BB_CHANGED_TOPOLOGY too if there are more or fewer
- * primitives, or 0 if nothing moved; may be NULL. BB_INVALID if there is
- * no such frame: the scene is unchanged. After any other failure the scene is at no frame until a
- * call succeeds. */
+ * primitives, or 0 if nothing moved; may be NULL. BB_INVALID if there is no such frame: the scene
+ * is unchanged. After any other failure the scene is at no frame until a call succeeds, which then
+ * gives both. */
 bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed);
 
 /* Rewrites the vertices, or the data of primitives that have none, to those of `frame`, 0 ..

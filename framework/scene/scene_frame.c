@@ -98,7 +98,8 @@ bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed)
     if (!known || scene->hash != before) {
         BB_TRY(bb_scene_upload_again(scene));
         *changed = BB_CHANGED_POSITIONS;
-        if (scene->prim_count != prims || scene->vertex_count != vertices)
+        /* after a failure the counts of the last frame that was there are not known */
+        if (!known || scene->prim_count != prims || scene->vertex_count != vertices)
             *changed |= BB_CHANGED_TOPOLOGY;
     }
     scene->frame = frame;
