@@ -13,6 +13,8 @@ static void both_forms_make_one_tree(void **state)
     assert_non_null(strstr(o->err, "cube: 12 primitives, form gpu\n"));
     expect(1, "check --form both --scene cube " ROGUE ":kind=form", "form cpu makes tree ");
     expect(0, "check --form gpu --scene cube " ROGUE ":kind=form", "0 checks failed");
+    refuses("", "check --scene cube --builder lbvh:bits=65", "'65', must be");
+    refuses("", "check --form both --scene cube --builder sah,lbvh+trbvh:rounds=0", "'0', must be");
     refuses("", "check --form neither --scene cube", "--form is 'neither'");
 }
 

@@ -40,6 +40,7 @@ static void bad_options_are_refused(void **state)
     refuses("", "run stray", "stray");
     refuses("", "run --scene cube --builder nobody", "nobody");
     refuses("", "run --scene cube --builder lbvh:bits=65", "'65'");
+    refuses("", "run --scene cube --builder presplit+lbvh:bits=65", "'65'");
     refuses("", "run --scene cube --builder lbvh:bit=30", "'bit'");
     refuses("", "run --scene cube --builder lbvh:", "lbvh:");
     refuses("", "run --scene cube --builder embree-native:quality=best", "quality");

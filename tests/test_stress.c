@@ -311,6 +311,8 @@ static void refuses_what_makes_no_sense(void **state)
     refuses("", "stress --axis /dev/zero --out p", "axis");
     refuses("", "stress --axis crowd.json,crowd.json --out p", "two axes are called crowd");
     refuses("", "stress --builder lbvx --out p", "lbvx");
+    refuses("", "stress --builder lbvh:bits=65 --axis duplicates --out p", "'65', must be");
+    refuses("", "stress --builder lbvh+trbvh:rounds=0 --axis duplicates --out p", "'0', must be");
     refuses("", "stress --kernel stock --out p", "stock");
     refuses("", "stress --intersector exatc --out p", "exatc");
     refuses("", "stress --limit 0 --out p", "--limit");

@@ -74,17 +74,10 @@ static bb_status try_scenes(bb_bench *bench)
 static bb_status try_builders(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
-    const bb_scene nothing = {.name = "nothing"};
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < request->builder_count; i++) {
-        if (bb_is_reference(request->builders[i]))
-            continue;
-        bb_instance instance;
-        bb_status status = bb_instance_create(bench->device, request->builders[i], &nothing,
-                                              request->seed, &instance);
-        bb_instance_destroy(&instance);
-        if (status == BB_INVALID)
-            return status;
+        if (!bb_is_reference(request->builders[i]))
+            BB_TRY(bb_instance_try(bench->device, request->builders[i], request->seed));
     }
     return bb_bench_end(bench, step, "compile builders", BB_OK);
 }

@@ -57,12 +57,13 @@ static bb_status create_map(bb_instance *instance)
     return bb_kernel_get(instance->program, "map_references", &instance->map);
 }
 
-bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
-                             uint64_t seed, bb_instance *instance)
+/* `scene` is NULL for none: whatever the builder takes. */
+static bb_status create(bb_device *device, const char *text, const bb_scene *scene, uint64_t seed,
+                        bb_instance *instance)
 {
     memset(instance, 0, sizeof *instance);
     bb_status status = bb_pipeline_parse(text, &instance->pipeline);
-    if (status == BB_OK)
+    if (status == BB_OK && scene != NULL)
         status = check_kinds(&instance->pipeline, scene);
     if (status != BB_OK) {
         memset(instance, 0, sizeof *instance);
@@ -78,6 +79,20 @@ bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene
     if (status != BB_OK)
         bb_instance_destroy(instance);
     return status;
+}
+
+bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
+                             uint64_t seed, bb_instance *instance)
+{
+    return create(device, text, scene, seed, instance);
+}
+
+bb_status bb_instance_try(bb_device *device, const char *text, uint64_t seed)
+{
+    bb_instance instance;
+    bb_status status = create(device, text, NULL, seed, &instance);
+    bb_instance_destroy(&instance);
+    return status == BB_INVALID ? BB_INVALID : BB_OK;
 }
 
 void bb_instance_destroy(bb_instance *instance)

@@ -60,6 +60,9 @@ typedef struct bb_instance {
  * On failure there is nothing to destroy. */
 bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
                              uint64_t seed, bb_instance *instance);
+/* Whether the stages take their parameters, before any scene is there: BB_INVALID for what create()
+ * finds out of range. Whatever else it fails of is for bb_instance_create() to tell. */
+bb_status bb_instance_try(bb_device *device, const char *text, uint64_t seed);
 void bb_instance_destroy(bb_instance *instance); /* a zeroed instance is allowed */
 
 /* One build. Each stage is timed from a finished queue to a finished queue, and gets what it

@@ -292,6 +292,18 @@ static bb_status open_devices(check *c, const bb_cli *cli)
     return bb_open_device_as(cli, BB_FORM_GPU, &c->devices[1]);
 }
 
+/* Parameters out of range are bad input, and no failure of a builder. */
+static bb_status try_builders(check *c)
+{
+    for (size_t i = 0; i < c->builders.count; i++) {
+        watch(c, "", c->builders.items[i]);
+        bb_status status = bb_instance_try(c->devices[0], c->builders.items[i], c->seed);
+        bb_watchdog_stop();
+        BB_TRY(status);
+    }
+    return BB_OK;
+}
+
 static bb_status check_all(check *c, const bb_names *scenes)
 {
     for (size_t s = 0; s < scenes->count; s++) {
@@ -316,6 +328,7 @@ static bb_status run_check(check *c, const bb_cli *cli, bb_names *scenes)
     BB_TRY(complete(c));
     BB_TRY(bb_choose_scenes(cli, default_scenes, scenes));
     BB_TRY(open_devices(c, cli));
+    BB_TRY(try_builders(c));
     bb_progress_start(&c->progress, bb_cli_value(cli, "quiet") != NULL);
     return check_all(c, scenes);
 }

@@ -94,6 +94,7 @@ bb_status bb_stress_run(const bb_stress_request *request, bb_stress *out)
     if (out->axes == NULL)
         return bb_fail(BB_FAILED, "stress: no memory");
     BB_TRY(bb_stress_identify(request, &out->identity));
+    BB_TRY(bb_stress_check_parameters(request));
     bb_progress progress;
     bb_progress_start(&progress, request->quiet);
     bb_progress_plan(&progress, request->axis_count);

@@ -2,6 +2,8 @@
 #include "framework/stress/stress_private.h"
 
 #include "framework/base/identity.h"
+#include "framework/builder/instance.h"
+#include "framework/record/cell.h"
 #include "framework/scene/scene.h"
 #include "framework/stress/point_private.h"
 
@@ -79,7 +81,7 @@ bb_status bb_stress_check(const bb_stress_request *request)
     return BB_OK;
 }
 
-/* ---- the device ---- */
+/* ---- the device, and what builders need one for ---- */
 
 static int open_device(void *user)
 {
@@ -106,4 +108,29 @@ bb_status bb_stress_identify(const bb_stress_request *request, uint64_t *hash)
     bb_identity_add(identity, &request->identity, sizeof request->identity);
     bb_identity_add_text(identity, report.said);
     return bb_identity_end(identity, "stress", hash);
+}
+
+/* Parameters out of range are bad input, and no weak spot. */
+static int try_builders(void *user)
+{
+    const bb_stress_request *request = user;
+    bb_device *device = NULL;
+    bb_status status = request->open_device(request->user, &device);
+    for (uint32_t i = 0; i < request->method_count && status == BB_OK; i++) {
+        const bb_method *method = &request->methods[i];
+        bb_child_alive();
+        if (method->part == BB_A_BUILDER && !bb_is_reference(method->text))
+            status = bb_instance_try(device, method->text, request->seed);
+    }
+    if (status != BB_OK)
+        fprintf(stderr, "%s\n", bb_message());
+    return status != BB_OK;
+}
+
+/* In a child, and what that dies of is for the atlas to tell. */
+bb_status bb_stress_check_parameters(const bb_stress_request *request)
+{
+    bb_child_report report;
+    BB_TRY(bb_child_run(try_builders, (void *)request, &request->limits, &report));
+    return report.end == BB_CHILD_GAVE_UP ? bb_fail(BB_INVALID, "%s", report.said) : BB_OK;
 }
