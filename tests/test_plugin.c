@@ -183,9 +183,29 @@ static void test_validation(void **state)
     EXPECT_INVALID(compared, "sah:colour=red", "colour");
     EXPECT_INVALID(compared, "sah:bins=", "builder sah:");
     EXPECT_INVALID(cost_reference, "other", "cost_reference holds 'other'");
+    EXPECT_INVALID(cost_reference, "sah,sah:bins=8", "must be one variant");
+    EXPECT_INVALID(cost_reference, "", "must be one variant");
+    EXPECT_INVALID(generous, "sah,sah:bins=8", "must be one variant");
+    EXPECT_INVALID(generous, "sah+rotate", "must be one variant");
+    EXPECT_INVALID(moving, "gs,lbvh+refit", "moving holds 'gs'");
+    EXPECT_INVALID(moving, ",,", "empty item");
+    EXPECT_INVALID(stressed, "sah:colour=red", "colour");
     EXPECT_INVALID(volumes, "sah,other", "volumes holds 'other'");
     EXPECT_INVALID(meshes, "sah:colour=red", "colour");
     EXPECT_INVALID(meshes_long, "other", "meshes_long holds 'other'");
+
+    bb_builder usual = *bb_builder_find("lbvh");
+    usual.inputs |= BB_INPUT_TREE;
+    expect_invalid(usual, "usual, but no builder of all kinds");
+    usual.inputs = BB_INPUT_GEOMETRY;
+    expect_invalid(usual, "usual, but no builder of all kinds");
+    usual.inputs = BB_INPUT_BOXES;
+    usual.kinds = BB_TRIANGLES;
+    expect_invalid(usual, "usual, but no builder of all kinds");
+    usual.kinds = BB_ALL_KINDS;
+    usual.compared = "";
+    expect_invalid(usual, "usual, but no builder of all kinds");
+    EXPECT_INVALID(inputs, BB_INPUT_TREE, "yardstick, but it makes no tree by itself");
 
     static const bb_option no_help[] = {{"a", "1", NULL, NULL}, {.name = NULL}};
     static const bb_option twice[] = {{"a", "1", NULL, "x"}, {"a", "1", NULL, "x"}, {.name = NULL}};
@@ -280,12 +300,39 @@ static void test_failed_create(void **state)
     bb_device_close(device);
 }
 
+/* ---- what only one builder may be ---- */
+
+static void expect_refused(const bb_builder *builder, const char *words)
+{
+    const bb_registration registration = {BB_PLUGIN_MAGIC, BB_ABI_VERSION, sizeof registration,
+                                          builder, NULL};
+    uint32_t before = bb_builder_count();
+    assert_int_equal(bb_builder_add(&registration), BB_INVALID);
+    if (strstr(bb_message(), words) == NULL)
+        fail_msg("expected '%s' in '%s'", words, bb_message());
+    assert_int_equal(bb_builder_count(), before);
+}
+
+static void test_sole(void **state)
+{
+    (void)state;
+    bb_builder second = *bb_builder_find("lbvh");
+    second.name = "second";
+    second.compared = second.moving = second.volumes = second.meshes = NULL;
+    second.least = second.generous = NULL;
+    expect_refused(&second, "builder second: the usual builder is lbvh already");
+    second.usual = false;
+    second.cost_reference = "second:bits=63";
+    expect_refused(&second, "builder second: the cost reference is sah:method=sweep already");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refusals),      cmocka_unit_test(test_truncated),
         cmocka_unit_test(test_median_builds), cmocka_unit_test(test_validation),
         cmocka_unit_test(test_phases),        cmocka_unit_test(test_failed_create),
+        cmocka_unit_test(test_sole),
     };
     return cmocka_run_group_tests_name("plugin", tests, NULL, NULL);
 }

@@ -131,7 +131,7 @@ static bb_status validate_variant(const bb_builder *builder, const char *item, c
                  : bb_fail(BB_INVALID, "%s holds '%s', which is another builder", member, item);
 }
 
-/* What is compared by default must be specifications of this builder. */
+/* What is taken by default must be specifications of this builder. */
 static bb_status validate_variants(const bb_builder *builder, const char *list, const char *member)
 {
     char *items[64] = {NULL};
@@ -145,6 +145,27 @@ static bb_status validate_variants(const bb_builder *builder, const char *list, 
         free(items[i]);
     }
     return status == BB_OK ? BB_OK : bb_fail(status, "builder %s: %s", builder->name, bb_message());
+}
+
+/* The same of a member that is one variant and no list. */
+static bb_status validate_one(const bb_builder *builder, const char *text, const char *member)
+{
+    bb_spec spec;
+    BB_TRY(validate_variants(builder, text, member));
+    bool one = text == NULL ||
+               (bb_spec_parse(text, &spec) == BB_OK && strcmp(spec.name, builder->name) == 0 &&
+                bb_spec_validate(&spec, builder->options, member) == BB_OK);
+    return one ? BB_OK
+               : bb_fail(BB_INVALID, "builder %s: %s holds '%s', must be one variant of it",
+                         builder->name, member, text);
+}
+
+/* Whether it makes trees of whatever it is given. */
+static bool is_for_all(const bb_builder *builder)
+{
+    bool compared = builder->compared == NULL || builder->compared[0] != '\0';
+    return builder->split == NULL && !bb_is_optimiser(builder) && compared &&
+           builder->kinds == BB_ALL_KINDS && (builder->inputs & BB_INPUTS_OF_PRIMITIVES) == 0;
 }
 
 bb_status bb_builder_validate(const bb_builder *builder)
@@ -179,6 +200,10 @@ bb_status bb_builder_validate(const bb_builder *builder)
         {builder->split == NULL || !bb_is_optimiser(builder),
          "split() of a tree: a splitter comes before the first tree"},
         {builder->destroy != NULL, "destroy() is missing"},
+        {!builder->usual || is_for_all(builder),
+         "usual, but no builder of all kinds, from boxes, that is compared by default"},
+        {!builder->yardstick || (builder->split == NULL && !bb_is_optimiser(builder)),
+         "yardstick, but it makes no tree by itself"},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
         if (!rules[i].good)
@@ -186,13 +211,14 @@ bb_status bb_builder_validate(const bb_builder *builder)
     BB_TRY(validate_options(builder->name, builder->options));
     const struct {
         const char *list, *member;
-    } variants[] = {
-        {builder->compared, "compared"},      {builder->least, "least"},
-        {builder->generous, "generous"},      {builder->cost_reference, "cost_reference"},
-        {builder->volumes, "volumes"},        {builder->meshes, "meshes"},
-        {builder->meshes_long, "meshes_long"}};
+    } variants[] = {{builder->compared, "compared"},      {builder->moving, "moving"},
+                    {builder->stressed, "stressed"},      {builder->least, "least"},
+                    {builder->volumes, "volumes"},        {builder->meshes, "meshes"},
+                    {builder->meshes_long, "meshes_long"}};
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++)
         BB_TRY(validate_variants(builder, variants[i].list, variants[i].member));
+    BB_TRY(validate_one(builder, builder->generous, "generous"));
+    BB_TRY(validate_one(builder, builder->cost_reference, "cost_reference"));
     return BB_OK;
 }
 
@@ -209,12 +235,29 @@ static bb_status check_files(const char *builder, const bb_source *files)
     return BB_OK;
 }
 
+/* What only one builder may be. */
+static bb_status check_sole(const bb_builder *builder)
+{
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const bb_builder *other = bb_builder_at(i);
+        if (builder->usual && other->usual)
+            return bb_fail(BB_INVALID, "builder %s: the usual builder is %s already: drop `usual`",
+                           builder->name, other->name);
+        if (builder->cost_reference != NULL && other->cost_reference != NULL)
+            return bb_fail(BB_INVALID,
+                           "builder %s: the cost reference is %s already: drop `cost_reference`",
+                           builder->name, other->cost_reference);
+    }
+    return BB_OK;
+}
+
 bb_status bb_builder_add(const bb_registration *registration)
 {
     const bb_builder *builder = registration->builder;
     BB_TRY(bb_builder_validate(builder));
     if (bb_builder_find(builder->name) != NULL)
         return bb_fail(BB_INVALID, "there is a builder %s already", builder->name);
+    BB_TRY(check_sole(builder));
     BB_TRY(check_files(builder->name, registration->files));
     if (loaded_count == LOADED_MAX)
         return bb_fail(BB_INVALID, "more than %d plug-ins", LOADED_MAX);

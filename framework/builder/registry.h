@@ -16,11 +16,12 @@ const bb_builder *bb_builder_find(const char *name); /* NULL if there is none */
  * there is none. */
 const bb_source *bb_device_file_find(const char *name);
 
-/* Adds a builder for the life of the process. BB_INVALID if its struct is not in order, or if its
- * name, or that of one of its device files, is taken. */
+/* Adds a builder for the life of the process. BB_INVALID if its struct is not in order, if its
+ * name, or that of one of its device files, is taken, or if another is `usual` or has a
+ * `cost_reference` already and this one too. */
 bb_status bb_builder_add(const bb_registration *registration);
 
-/* Checks a builder's struct: names, required hooks, options. */
+/* Checks a builder's struct: names, required hooks, options, variants that it names. */
 bb_status bb_builder_validate(const bb_builder *builder);
 
 /* Loads a shared object and adds its builder. BB_INVALID when it is none, exports no bb_plugin, was
