@@ -13,8 +13,8 @@
  * - Recursion is by subtrees of a given size, then upwards by levels of the radix tree.
  * - Large triangles are not split first; `presplit+aac` does that.
  */
-#include "builders/aac/aac_goal.h"
-#include "builders/aac/aac_shared.h"
+#include "aac_goal.h"
+#include "aac_shared.h"
 #include "builders/common/refit.h"
 #include "builders/common/scene_unit.h"
 #include "builders/common/sorted_codes.h"

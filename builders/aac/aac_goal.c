@@ -1,4 +1,4 @@
-#include "builders/aac/aac_goal.h"
+#include "aac_goal.h"
 
 #include <math.h>
 

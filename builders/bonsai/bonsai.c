@@ -18,7 +18,7 @@
  *
  * One work-group grows a mini-tree, on CPUs of one work-item; the tree is the same.
  */
-#include "builders/bonsai/bonsai_top.h"
+#include "bonsai_top.h"
 #include "builders/common/refit.h"
 #include "builders/common/scene_unit.h"
 #include "builders/common/sorted_codes.h"

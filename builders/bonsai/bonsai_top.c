@@ -1,5 +1,5 @@
 /* The host side of bonsai_top.cl. */
-#include "builders/bonsai/bonsai_top.h"
+#include "bonsai_top.h"
 
 #include "framework/base/arithmetic.h"
 

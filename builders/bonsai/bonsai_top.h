@@ -2,7 +2,7 @@
 #ifndef BB_BONSAI_TOP_H
 #define BB_BONSAI_TOP_H
 
-#include "builders/bonsai/bonsai_shared.h"
+#include "bonsai_shared.h"
 #include "framework/builder/builder.h"
 #include "framework/device/primitives.h"
 

@@ -8,6 +8,11 @@
 #include "builders/common/pair_tree.h"
 #include "builders/common/sorted_codes.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { BB_PLOC_RADIUS_MAX = 127 };
 
 /* Clusters on the device: six planes of `stride` floats, and a uint4 for each cluster. */
@@ -37,5 +42,10 @@ bb_status bb_ploc_prepare(bb_ploc *ploc, const bb_scene *scene, uint32_t lists, 
 
 /* Phase "order": the tree, of the pairs. Ends the phases. */
 bb_status bb_ploc_finish(bb_ploc *ploc, const bb_scene *scene, bb_tree *tree, bb_phases *phases);
+
+#ifdef __cplusplus
+}
+#endif
+#pragma GCC visibility pop
 
 #endif

@@ -13,6 +13,11 @@
 #include "framework/device/device.h"
 #include "framework/tree/tree.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct bb_subtrees {
     bb_device *device;
     bb_account *account;
@@ -50,5 +55,10 @@ bb_status bb_subtrees_plan(bb_subtrees *subtrees, const bb_tree *tree);
 
 /* The cut alone, again, after somebody has brought parents and sizes up to date. */
 bb_status bb_subtrees_cut(bb_subtrees *subtrees, const bb_tree *tree);
+
+#ifdef __cplusplus
+}
+#endif
+#pragma GCC visibility pop
 
 #endif

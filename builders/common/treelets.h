@@ -17,6 +17,11 @@
 
 #include "framework/builder/builder.h"
 
+#pragma GCC visibility push(default) /* what a plug-in may call */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Makes an optimiser, which the other hooks get: reads the options rounds, treelet (3 to
  * `treelet_most`) and gamma, and compiles `source`. BB_INVALID for options out of range. After a
  * failure *out, if it was set, is to be destroyed. */
@@ -38,5 +43,10 @@ bb_status bb_treelets_build(void *opaque, const bb_scene *scene, const bb_tree *
 
 /* Treelets rebuilt of those looked at, their leaves and the rounds made: of the last build. */
 bb_status bb_treelets_describe(void *opaque, const bb_scene *scene, char *text, size_t capacity);
+
+#ifdef __cplusplus
+}
+#endif
+#pragma GCC visibility pop
 
 #endif

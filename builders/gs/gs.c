@@ -26,7 +26,7 @@
  * a rule, but has no bound: boxes that are nested in each other make a chain. search=bb may look at
  * all nodes for each object, and does where all boxes overlap.
  */
-#include "builders/gs/gs.h"
+#include "gs.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -9,7 +9,7 @@
  * After a build, or if many changed, all are numbered anew in preorder, which keeps what is near in
  * the tree near in memory, and written. References stay: leaf i holds object i's.
  */
-#include "builders/gs/gs.h"
+#include "gs.h"
 
 #include <string.h>
 

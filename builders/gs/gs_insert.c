@@ -19,7 +19,7 @@
  * that are as wide as they may be: with any number of children, all in one, at as many tests for
  * each.
  */
-#include "builders/gs/gs.h"
+#include "gs.h"
 
 #include <math.h>
 

@@ -8,8 +8,8 @@
  * Rounds (Amenta, Choi, Rote 2003: Incremental Constructions con BRIO) are random where it counts,
  * and still insert most objects right after a neighbour, whose nodes are in the cache.
  */
-#include "builders/gs/gs.h"
 #include "framework/base/random.h"
+#include "gs.h"
 
 #include <string.h>
 

@@ -11,7 +11,7 @@
  * waits for the next update, and the phase ends. Only nodes whose area or objects changed since
  * they were last looked at can have become one.
  */
-#include "builders/gs/gs.h"
+#include "gs.h"
 
 static double q_of(const bb_gs_node *node)
 {

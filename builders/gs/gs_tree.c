@@ -5,7 +5,7 @@
  * that of an ancestor, stay as they are: a child that went last would change those of all that end
  * with the child before it.
  */
-#include "builders/gs/gs.h"
+#include "gs.h"
 
 #include <assert.h>
 #include <string.h>

@@ -5,7 +5,7 @@
  *       unlink the leaf; shrink the boxes above, up to the first that stays as it is
  *       insert it with its new box, from start down
  */
-#include "builders/gs/gs.h"
+#include "gs.h"
 
 #include <string.h>
 

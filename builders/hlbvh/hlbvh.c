@@ -22,7 +22,7 @@
 #include "builders/common/radix_tree.h"
 #include "builders/common/refit.h"
 #include "builders/common/sorted_codes.h"
-#include "builders/hlbvh/hlbvh_top.h"
+#include "hlbvh_top.h"
 
 #include <stdio.h>
 #include <stdlib.h>

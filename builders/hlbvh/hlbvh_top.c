@@ -1,5 +1,5 @@
 /* The host side of hlbvh_top.cl: lists the tasks of each level and cuts large ones into chunks. */
-#include "builders/hlbvh/hlbvh_top.h"
+#include "hlbvh_top.h"
 
 #include "builders/common/scene_unit.h"
 #include "framework/base/arithmetic.h"

@@ -2,8 +2,8 @@
 #ifndef BB_HLBVH_TOP_H
 #define BB_HLBVH_TOP_H
 
-#include "builders/hlbvh/hlbvh_shared.h"
 #include "framework/builder/builder.h"
+#include "hlbvh_shared.h"
 
 typedef struct hl_top hl_top;
 

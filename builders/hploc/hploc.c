@@ -11,9 +11,9 @@
  * launches instead of fences, so that nothing depends on how work-groups are run.
  */
 #include "builders/common/ploc.h"
-#include "builders/hploc/hploc_shared.h"
 #include "framework/base/arithmetic.h"
 #include "framework/device/levels.h"
+#include "hploc_shared.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -32,9 +32,9 @@
  * - Far outliers make cells large: with N = 10, all that is smaller than a thousandth of the scene
  *   and lies together is one list. That is the method's.
  */
-#include "builders/loose-bvh/loose_bvh_shared.h"
 #include "framework/base/arithmetic.h"
 #include "framework/builder/builder.h"
+#include "loose_bvh_shared.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -18,7 +18,7 @@
  * Nothing is allocated for references before their number is known; more than there is memory for
  * are refused.
  */
-#include "builders/olbvh/olbvh.h"
+#include "olbvh.h"
 
 #include "framework/base/arithmetic.h"
 #include "framework/builder/builder.h"

@@ -12,9 +12,9 @@
  *
  * The papers' texts were not at hand: `priority` was made from published code, and derived again.
  */
-#include "builders/presplit/presplit_esc.h"
-#include "builders/presplit/presplit_priority.h"
 #include "framework/builder/builder.h"
+#include "presplit_esc.h"
+#include "presplit_priority.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -17,8 +17,8 @@
  * Limits: one thread. A tie goes to the reference of the least number, so the result depends on the
  * scene alone.
  */
-#include "builders/presplit/presplit_esc.h"
-#include "builders/presplit/clip.h"
+#include "presplit_esc.h"
+#include "clip.h"
 
 #include <string.h>
 

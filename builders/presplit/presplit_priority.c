@@ -4,10 +4,10 @@
  * that keeps to the budget and the next one (0 and 1, if 1 does not); published code halves an
  * interval six times.
  */
-#include "builders/presplit/presplit_priority.h"
+#include "presplit_priority.h"
 #include "builders/common/scene_unit.h"
-#include "builders/presplit/presplit_shared.h"
 #include "framework/base/arithmetic.h"
+#include "presplit_shared.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* The host side of parts.cl. */
-#include "builders/refit/parts.h"
+#include "parts.h"
 
 BB_DEVICE_SOURCE(parts);
 

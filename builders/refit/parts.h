@@ -15,9 +15,9 @@
 #define BB_PARTS_H
 
 #include "builders/common/compact.h"
-#include "builders/refit/parts_shared.h"
 #include "framework/device/device.h"
 #include "framework/tree/tree.h"
+#include "parts_shared.h"
 
 typedef struct bb_parts {
     bb_device *device;

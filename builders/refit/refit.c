@@ -15,9 +15,9 @@
  * have become F times worse are built again, in place (parts.h).
  */
 #include "builders/common/refit.h"
-#include "builders/refit/parts.h"
-#include "builders/refit/turns.h"
 #include "framework/builder/builder.h"
+#include "parts.h"
+#include "turns.h"
 
 #include <math.h>
 #include <stdlib.h>

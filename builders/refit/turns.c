@@ -1,5 +1,5 @@
 /* The host side of turns.cl. */
-#include "builders/refit/turns.h"
+#include "turns.h"
 
 #include <stdio.h>
 

@@ -3,8 +3,8 @@
 #define BB_TURNS_H
 
 #include "builders/common/subtrees.h"
-#include "builders/refit/turns_shared.h"
 #include "framework/device/levels.h"
+#include "turns_shared.h"
 
 typedef struct bb_turner {
     bb_device *device;

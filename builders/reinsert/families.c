@@ -1,5 +1,5 @@
 /* The host side of reinsert_families.cl. */
-#include "builders/reinsert/families.h"
+#include "families.h"
 #include "builders/common/scene_unit.h"
 #include "framework/base/arithmetic.h"
 

@@ -5,9 +5,9 @@
 #define BB_FAMILIES_H
 
 #include "builders/common/links.h"
-#include "builders/reinsert/reinsert_shared.h"
 #include "framework/device/primitives.h"
 #include "framework/tree/tree.h"
+#include "reinsert_shared.h"
 
 typedef struct bb_family_tree {
     bb_device *device;

@@ -1,5 +1,5 @@
 /* The host side of reinsert_moves.cl. */
-#include "builders/reinsert/moves.h"
+#include "moves.h"
 
 BB_DEVICE_SOURCE(reinsert_moves);
 

@@ -3,7 +3,7 @@
 #ifndef BB_REINSERT_MOVES_H
 #define BB_REINSERT_MOVES_H
 
-#include "builders/reinsert/families.h"
+#include "families.h"
 #include "framework/device/levels.h"
 
 typedef struct bb_mover {

@@ -26,10 +26,10 @@
  * Bounded: passes, parts and rounds are counted, a search looks at `visits` nodes at most, and
  * nothing recurses. Depth is not: boxes around each other cost least as a chain, and become one.
  */
-#include "builders/reinsert/families.h"
-#include "builders/reinsert/moves.h"
-#include "builders/reinsert/search.h"
+#include "families.h"
 #include "framework/builder/builder.h"
+#include "moves.h"
+#include "search.h"
 
 #include <stdio.h>
 #include <stdlib.h>

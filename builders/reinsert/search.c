@@ -1,5 +1,5 @@
 /* The host side of reinsert_search.cl. */
-#include "builders/reinsert/search.h"
+#include "search.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #define BB_REINSERT_SEARCH_H
 
 #include "builders/common/compact.h"
-#include "builders/reinsert/families.h"
+#include "families.h"
 
 typedef struct bb_reinsert_search {
     bb_device *device;

@@ -21,8 +21,8 @@
  * nothing separates the centroids, the references are halved by their order. Nothing recurses.
  */
 #include "builders/common/links.h"
-#include "builders/sbvh/sbvh_split.h"
 #include "framework/builder/builder.h"
+#include "sbvh_split.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -9,7 +9,7 @@
  * floats are denormal. So with 2^-23 M + 2^-149 on either side no point of the primitive is in
  * neither half.
  */
-#include "builders/sbvh/sbvh_split.h"
+#include "sbvh_split.h"
 
 #include <math.h>
 

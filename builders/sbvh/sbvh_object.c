@@ -4,7 +4,7 @@
  *   from the right: boxes and counts of the bins k ... K - 1
  *   from the left:  those of 0 ... k - 1; cost of plane k = A(left) left + A(right) right
  */
-#include "builders/sbvh/sbvh_split.h"
+#include "sbvh_split.h"
 
 #include <math.h>
 #include <string.h>

@@ -10,7 +10,7 @@
  * Slabs that are thinner than floats resolve are none: an axis on which two planes are at one place
  * is left out.
  */
-#include "builders/sbvh/sbvh_split.h"
+#include "sbvh_split.h"
 
 #include <math.h>
 #include <string.h>

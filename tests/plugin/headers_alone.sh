@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The headers that are installed are all that a plug-in needs: headers_alone.sh SOURCE HEADER...
-# Each compiles by itself, in C and in C++, with nothing but the others on its path.
+# Each compiles by itself, in C and in C++, with nothing but the others on its path. Builders include no others (`embree` its
+# library's names), and what lies beside them by its name alone, so that the same folder is a plug-in.
 set -euo pipefail
 source=$1
 shift
@@ -11,8 +12,17 @@ for header in "$@"; do
     cp "$source/$header" "$work/include/$header"
 done
 for header in "$@"; do
-    echo "#include \"$header\"" | tee "$work/alone.c" >"$work/alone.cpp"
+    printf '#include "%s"\nextern int alone;\n' "$header" | tee "$work/alone.c" >"$work/alone.cpp"
     "${CC:-cc}" -std=c11 -Wall -Wextra -Wpedantic -Werror -I"$work/include" -fsyntax-only "$work/alone.c"
     "${CXX:-c++}" -std=c++17 -Wall -Wextra -Wpedantic -Werror -I"$work/include" -fsyntax-only "$work/alone.cpp"
+done
+for folder in "$source"/builders/*/; do
+    name=$(basename "$folder")
+    [ "$name" != common ] || continue
+    grep -hoE '^#include "[^"]*/[^"]*"' "$folder"*.[ch] | cut -d '"' -f 2 | sort -u >"$work/included"
+    printf '%s\n' "$@" | sort >"$work/installed"
+    others=$(comm -23 "$work/included" "$work/installed" | tr '\n' ' ')
+    [ "$name" != embree ] || others=${others//framework\/embree\/embree_api.h /}
+    [ -z "$others" ] || { echo "the builder $name includes what is not installed: $others"; exit 1; }
 done
 [ $# -gt 0 ] && echo "$# headers compile alone"
