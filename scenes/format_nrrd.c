@@ -150,7 +150,7 @@ static bb_status check_shape(const char *path, const Nrrd *nrrd, const NrrdIoSta
     if (bytes > (double)bb_host_limit())
         return bb_fail(BB_REFUSED,
                        "%s: claims %.0f bytes, three quarters of the host's memory are "
-                       "%llu",
+                       "%llu: take a smaller one",
                        path, bytes, (unsigned long long)bb_host_limit());
     return check_length(path, io, nrrdElementSize(nrrd), bytes);
 }

@@ -29,7 +29,7 @@ void Clip::take(uint64_t numbers)
     if (bytes_ > bb_host_limit())
         fail(BB_REFUSED,
              "%s: %s: its keyframes need %llu bytes or more, three quarters of the host's memory "
-             "are %llu",
+             "are %llu: take a smaller scene",
              path_, document_.moving->clip.c_str(), static_cast<unsigned long long>(bytes_),
              static_cast<unsigned long long>(bb_host_limit()));
 }

@@ -66,8 +66,9 @@ void Pose::refuse_too_much() const
     }
     if (most + sum > bb_host_limit())
         fail(BB_REFUSED,
-             "%s: moving it needs %llu bytes, three quarters of the host's memory are %llu", path_,
-             static_cast<unsigned long long>(most + sum),
+             "%s: moving it needs %llu bytes, three quarters of the host's memory are %llu: take "
+             "a smaller scene",
+             path_, static_cast<unsigned long long>(most + sum),
              static_cast<unsigned long long>(bb_host_limit()));
 }
 

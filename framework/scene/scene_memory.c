@@ -47,7 +47,8 @@ bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, const bb_prim
     if (bytes > bb_host_limit())
         return bb_fail(
             BB_REFUSED,
-            "%s: the scene needs %llu bytes, three quarters of the host's memory are %llu",
+            "%s: the scene needs %llu bytes, three quarters of the host's memory are %llu: take a "
+            "smaller scene",
             scene->name, (unsigned long long)bytes, (unsigned long long)bb_host_limit());
     BB_TRY(bb_host_alloc(NULL, (size_t)vertex_count * 3 * sizeof(float), "the scene's vertices",
                          &scene->vertices));

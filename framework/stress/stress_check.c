@@ -103,7 +103,8 @@ bb_status bb_stress_identify(const bb_stress_request *request, uint64_t *hash)
     if (report.end != BB_CHILD_DONE && report.end != BB_CHILD_INTERRUPTED)
         return report.end == BB_CHILD_GAVE_UP && report.said[0] != '\0'
                    ? bb_fail(BB_INVALID, "%s", report.said)
-                   : bb_fail(BB_FAILED, "the device cannot be opened: %s", report.words);
+                   : bb_fail(BB_FAILED, "the device cannot be opened: %s%s", report.words,
+                             report.end == BB_CHILD_FLOODED ? ": give it more (--memory)" : "");
     bb_identity *identity = bb_identity_begin();
     bb_identity_add(identity, &request->identity, sizeof request->identity);
     bb_identity_add_text(identity, report.said);

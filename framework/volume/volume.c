@@ -51,7 +51,7 @@ bb_status bb_voxels_reserve(const char *name, uint32_t side, bb_voxels *voxels)
     if (all > bb_host_limit() || bricks >= UINT32_MAX / 2)
         return bb_fail(BB_REFUSED,
                        "%s: its voxels and bricks need %llu bytes, three quarters of the host's "
-                       "memory are %llu",
+                       "memory are %llu: take a smaller one",
                        name, (unsigned long long)all, (unsigned long long)bb_host_limit());
     return bb_host_alloc(NULL, (size_t)bytes, "voxels", &voxels->values);
 }
