@@ -279,7 +279,8 @@ static void what_cannot_be_done_is_refused(void **state)
     refuses("", "advise --scene cube --kernel stack:stack=7", "stack");
     refuses("", "advise --scene cube --kernel stackless:stack=16", "no stack");
     refuses("", "advise --scene cube --kernel stack:kinds=some", "kinds");
-    refuses("", "advise --quiet --scene cube --builder lbvh:bits=few", "bits");
+    refuses("", "advise --scene cube --builder lbvh:bits=few", "bits");
+    refuses("", "advise --scene cube --builder lbvh,sah,aac:delta=0", "'0', must be");
     refuses("", "advise --scene cube --intersector sloppy", "sloppy");
     refuses("", "advise --scene cube --rays none", "none");
     refuses("", "advise --scene cube --repeats 5", "--repeats");

@@ -7,6 +7,7 @@
 #include "framework/advise/scouts.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
+#include "framework/builder/instance.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -225,9 +226,18 @@ static bb_status save(course *c)
     return bb_savings_measure(&c->advice, &heat, document, c->outcome);
 }
 
+/* What a builder does not take is found out before anything is measured on the others. */
+static bb_status try_builders(const bb_advise_request *r)
+{
+    for (size_t i = 0; i < r->builders.count; i++)
+        BB_TRY(bb_instance_try(r->device, r->builders.items[i], r->seed));
+    return BB_OK;
+}
+
 static bb_status run(course *c)
 {
     bb_advice *advice = &c->advice;
+    BB_TRY(try_builders(c->request));
     BB_TRY(scout(c));
     if (!bb_interrupted())
         BB_TRY(race(c));
