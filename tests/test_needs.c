@@ -221,8 +221,10 @@ static void an_object_decides_for_each_scene(void **state)
 {
     (void)state;
     static const char *const two[] = {"random:n=500", "scales:from=-8,to=8,n=1"};
-    static const char *const builders[] = {"lbvh:bits=auto", "llbvh:bits=auto",
-                                           "emc:bits=auto,size-bits=auto"};
+    static const char *const builders[] = {
+        "lbvh:bits=auto",   "llbvh:bits=auto", "emc:bits=auto,size-bits=auto",
+        "aac:bits=auto",    "ploc:bits=auto",  "hploc:bits=auto",
+        "bonsai:bits=auto", "hlbvh:bits=auto"};
     bb_scene *both[2];
     for (int s = 0; s < 2; s++) {
         ASSERT_OK(bb_scene_load(two[s], &both[s]));

@@ -313,6 +313,45 @@ static void the_account_holds_what_the_device_gave(void **state)
     bb_scene_free(scene);
 }
 
+/* Prepared, a builder over codes of either length has all that its build takes: in a build of its
+ * own, memory would be in its time. */
+static void builders_over_codes_reserve_before_they_build(void **state)
+{
+    (void)state;
+    static const char *const builders[] = {"lbvh",          "lbvh:bits=63",  "emc",
+                                           "aac",           "aac:code=mc64", "hlbvh:code=mc64",
+                                           "ploc",          "hploc",         "ploc:code=mc32",
+                                           "llbvh:bits=63", "llbvh",         "lbvh:update=refit"};
+    bb_scene *scene = load("interior:n=5000");
+    for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++) {
+        bb_account account = {0};
+        bb_spec spec;
+        bb_tree tree;
+        bb_phases phases = {.current = -1};
+        void *self = NULL;
+        ASSERT_OK(bb_spec_parse(builders[i], &spec));
+        const bb_builder *builder = bb_builder_find(spec.name);
+        const bb_builder_context context = {.device = device,
+                                            .account = &account,
+                                            .spec = &spec,
+                                            .options = builder->options,
+                                            .seed = SEED,
+                                            .threads = 1};
+        bb_tree_init(&tree, &account);
+        ASSERT_OK(builder->create(&context, &self));
+        ASSERT_OK(builder->prepare(self, scene, &tree));
+        const uint64_t prepared = account.bytes;
+        ASSERT_OK(builder->build(self, scene, NULL, &tree, &phases));
+        if (account.bytes != prepared)
+            fail_msg("%s: %llu bytes once prepared, %llu once built", builders[i],
+                     (unsigned long long)prepared, (unsigned long long)account.bytes);
+        bb_tree_release(&tree);
+        builder->destroy(self);
+        assert_int_equal(account.bytes, 0);
+    }
+    bb_scene_free(scene);
+}
+
 static void trees_are_handed_over_both_ways(void **state)
 {
     (void)state;
@@ -679,6 +718,7 @@ int main(void)
         cmocka_unit_test(idle_stages_change_nothing),
         cmocka_unit_test(the_device_is_seen_at_work_in_each_stage),
         cmocka_unit_test(the_account_holds_what_the_device_gave),
+        cmocka_unit_test(builders_over_codes_reserve_before_they_build),
         cmocka_unit_test(trees_are_handed_over_both_ways),
         cmocka_unit_test(rotations_never_raise_the_cost),
         cmocka_unit_test(rotations_lower_the_cost),

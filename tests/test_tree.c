@@ -147,6 +147,50 @@ static void test_copies(void **state)
     bb_device_close(device);
 }
 
+/* What an optimiser hands on as it was: leaves of several references, the root anywhere, flags that
+ * the other tree has otherwise. */
+static void test_trees_are_copied_as_they_are(void **state)
+{
+    (void)state;
+    ASSERT_OK(open_test_device(BB_FORM_AUTO, NULL, &device));
+    for (uint32_t run = 0; run < 8; run++) {
+        bb_random random = bb_random_make(SEED + 6, run);
+        bb_scene *scene = make_random_scene(run == 0 ? 1 : 300 + run, &random);
+        bb_tree host, from, to;
+        uint64_t a, b;
+        make_random_tree(scene, 4, 3, &random, &host);
+        ASSERT_OK(bb_tree_hash(&host, &a));
+        const bb_tree_info info = host.info;
+        bb_tree_init(&from, NULL);
+        bb_tree_init(&to, NULL);
+        ASSERT_OK(bb_tree_reserve(&from, device, BB_ON_DEVICE, info.node_count, info.ref_count));
+        ASSERT_OK(bb_tree_reserve(&to, device, BB_ON_DEVICE, info.node_count, info.ref_count));
+        ASSERT_OK(bb_buffer_write(&from.d_nodes, 0, info.node_count * sizeof(bb_node), host.nodes));
+        ASSERT_OK(bb_buffer_write(&from.d_refs, 0, info.ref_count * sizeof(uint32_t), host.refs));
+        ASSERT_OK(bb_buffer_fill(&to.d_nodes, info.node_count * sizeof(bb_node), 0));
+        ASSERT_OK(bb_buffer_fill(&to.d_refs, info.ref_count * sizeof(uint32_t), 0));
+        from.info = info;
+        from.duplicated = (run & 1) != 0;
+        from.disjoint = (run & 2) != 0;
+        to.duplicated = !from.duplicated;
+        to.disjoint = !from.disjoint;
+        ASSERT_OK(bb_tree_copy(&from, &to));
+        ASSERT_OK(bb_tree_download(&to, NULL));
+        assert_memory_equal(&to.info, &info, sizeof info);
+        assert_memory_equal(to.nodes, host.nodes, info.node_count * sizeof(bb_node));
+        assert_memory_equal(to.refs, host.refs, info.ref_count * sizeof(uint32_t));
+        assert_int_equal(to.duplicated, from.duplicated);
+        assert_int_equal(to.disjoint, from.disjoint);
+        ASSERT_OK(bb_tree_hash(&to, &b));
+        assert_int_equal(a, b);
+        bb_tree_release(&host);
+        bb_tree_release(&from);
+        bb_tree_release(&to);
+        free_scene(scene);
+    }
+    bb_device_close(device);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -154,6 +198,7 @@ int main(void)
         cmocka_unit_test(test_deep_chain),
         cmocka_unit_test(test_reserve_refuses),
         cmocka_unit_test(test_copies),
+        cmocka_unit_test(test_trees_are_copied_as_they_are),
     };
     return cmocka_run_group_tests_name("tree", tests, NULL, NULL);
 }
