@@ -1,6 +1,6 @@
 /* Pre-splitting by priority: against a plain reading of the paper for few triangles, in all forms;
  * covers, budgets, degenerate and extreme inputs, kinds that stay whole; options and orders of
- * stages. Early split clipping: test_pipeline.c. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL
+ * stages. Early split clipping: test_presplit_esc.c. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL
  * keeps the inputs small (for oclgrind). */
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"

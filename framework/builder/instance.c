@@ -57,9 +57,8 @@ static bb_status create_map(bb_instance *instance)
     return bb_kernel_get(instance->program, "map_references", &instance->map);
 }
 
-/* `scene` is NULL for none: whatever the builder takes. */
-static bb_status create(bb_device *device, const char *text, const bb_scene *scene, uint64_t seed,
-                        bb_instance *instance)
+bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
+                             uint64_t seed, bb_instance *instance)
 {
     memset(instance, 0, sizeof *instance);
     bb_status status = bb_pipeline_parse(text, &instance->pipeline);
@@ -81,16 +80,10 @@ static bb_status create(bb_device *device, const char *text, const bb_scene *sce
     return status;
 }
 
-bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
-                             uint64_t seed, bb_instance *instance)
-{
-    return create(device, text, scene, seed, instance);
-}
-
 bb_status bb_instance_try(bb_device *device, const char *text, uint64_t seed)
 {
     bb_instance instance;
-    bb_status status = create(device, text, NULL, seed, &instance);
+    bb_status status = bb_instance_create(device, text, NULL, seed, &instance);
     bb_instance_destroy(&instance);
     return status == BB_INVALID ? BB_INVALID : BB_OK;
 }

@@ -56,8 +56,8 @@ typedef struct bb_instance {
     bb_build_step steps[BB_STEPS_MAX];
 } bb_instance;
 
-/* Parses `text`, checks that each stage takes the scene's kinds (BB_UNSUPPORTED), and creates them.
- * On failure there is nothing to destroy. */
+/* Parses `text`, checks that each stage takes the scene's kinds (BB_UNSUPPORTED; a scene of NULL is
+ * none, and not checked), and creates them. On failure there is nothing to destroy. */
 bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene *scene,
                              uint64_t seed, bb_instance *instance);
 /* Whether the stages take their parameters, before any scene is there: BB_INVALID for what create()

@@ -56,6 +56,9 @@ static const struct {
 } ingredients[] = {INGREDIENTS(ROW_OF)};
 enum { INGREDIENT_COUNT = sizeof ingredients / sizeof ingredients[0] };
 
+/* An experiment that traces nothing. */
+#define BUILDS_ALONE .kernels = "", .rays = "", .width = 1, .height = 1, .max_rays = 1
+
 static const bb_experiment experiments[] = {
     [EMC_TRACED] = {.name = "codes, traced",
                     .builders = EMC_CODES,
@@ -70,35 +73,23 @@ static const bb_experiment experiments[] = {
                     .repeats = BB_INTERVAL_ROUNDS},
     [EMC_BUILT] = {.name = "codes, build times",
                    .builders = EMC_CODES,
-                   .kernels = "",
-                   .rays = "",
+                   BUILDS_ALONE,
                    .scenes = SCENES,
                    .quick_scenes = QUICK_SCENES,
                    .takes_scenes = true,
-                   .width = 1,
-                   .height = 1,
-                   .max_rays = 1,
                    .repeats = 40},
     [EMC_VARIED] = {.name = "influence of each ingredient",
                     .builders = EMC_MC64 INGREDIENTS(BUILDER_OF),
-                    .kernels = "",
-                    .rays = "",
+                    BUILDS_ALONE,
                     .scenes = SCENES,
                     .quick_scenes = QUICK_SCENES,
                     .takes_scenes = true,
-                    .width = 1,
-                    .height = 1,
-                    .max_rays = 1,
                     .repeats = 1}, /* its costs are compared, not its times */
     [EMC_SIZED] = {.name = "number of primitives",
                    .builders = EMC_CODES,
-                   .kernels = "",
-                   .rays = "",
+                   BUILDS_ALONE,
                    .scenes = "random:n=#",
                    .quick_scenes = "random:n=#",
-                   .width = 1,
-                   .height = 1,
-                   .max_rays = 1,
                    .repeats = 9},
     [EMC_INSIDE] = {.name = "codes inside other builders",
                     .builders = EMC_INSIDE_BUILDERS,
@@ -116,14 +107,10 @@ static const bb_experiment experiments[] = {
     [EMC_CENTRED] = {.name = "the same in the box of the centroids, and a full sweep",
                      .builders = EMC_CENTRED_BUILDERS,
                      .optional_builders = true,
-                     .kernels = "",
-                     .rays = "",
+                     BUILDS_ALONE,
                      .scenes = INSIDE_SCENES,
                      .quick_scenes = INSIDE_QUICK_SCENES,
                      .takes_scenes = true,
-                     .width = 1,
-                     .height = 1,
-                     .max_rays = 1,
                      .repeats = 1}, /* its costs alone */
     {.name = NULL},
 };
