@@ -69,8 +69,9 @@ kernel void direct_blocks(global const bb_node *nodes, global const uint *refs,
         bb_block_empty(&writer, at, BB_KIND_COUNT);
 }
 
-/* From boxes, as nodes have them, to planes of axes: four by four. */
-void transpose(const float8 box[BB_WIDTH], float planes[6 * BB_WIDTH])
+/* From boxes, as nodes have them, to planes of axes: four by four. Pointers, not arrays: an array
+ * parameter is __private, and where the address space is generic a member of *boxes is not. */
+void transpose(const float8 *box, float *planes)
 {
     for (uint c = 0; c < BB_WIDTH; c += 4u) {
         float8 a = box[c], b = box[c + 1u], d = box[c + 2u], e = box[c + 3u];
