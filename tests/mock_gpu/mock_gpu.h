@@ -32,7 +32,7 @@ typedef struct mock_settings {
 extern mock_settings mock;
 
 /* The function of this name that comes after ours. */
-#define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+#define REAL(name) (__extension__(__typeof__(&name)) dlsym(RTLD_NEXT, #name))
 
 /* Whether it is one of our GPUs (or accelerators), not a CPU passed through. */
 bool mock_is_gpu(cl_device_id device);
