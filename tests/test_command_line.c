@@ -2,6 +2,8 @@
  * nowhere. Nothing here needs a device but what says so. */
 #include "tests/program_fixture.h"
 
+#include "framework/cli/cli.h"
+
 #include <sys/stat.h>
 
 static bool is_there(const char *name)
@@ -155,6 +157,78 @@ static void what_fails_at_once_leaves_no_folder(void **state)
     assert_false(is_there("new"));
     refuses("mkdir kept;", "run --scene cube --device nowhere --out kept", "nowhere");
     assert_true(is_there("kept"));
+    refuses("", "run --scene cube --device nowhere --out kept/a//b/", "nowhere");
+    refuses("", "rays --scene no.obj --rays primary --out kept/a.rays", "no.obj");
+    refuses("", "rays --scene cube --rays primary --view no --out kept/a/b.rays", "no view");
+    assert_true(is_there("kept"));
+    assert_false(is_there("kept/a"));
+}
+
+/* Of every command that has --out: what begins it, all but --out. */
+static const char *const writers[] = {
+    "run --scene cube",
+    "rays --scene cube --rays primary",
+    "judge --scene cube --rays-file a.rays --hits a.hits",
+    "render --scene cube",
+    "merge a b",
+    "report a",
+    "report --history a.db",
+    "compare --run true true --rounds 7",
+    "stress --quick",
+    "volume --scene nbody:n=8",
+    "slice --scene tets:side=2",
+    "overlap tets:side=2 tets:side=2",
+    "animate --scene twist:n=100",
+    "advise --scene cube",
+    "reproduce emc",
+};
+
+/* Before anything is read or measured: the device is not there, nor are the files. */
+static void out_where_a_file_is_in_the_way_is_refused_at_once(void **state)
+{
+    (void)state;
+    write_file("taken", "", 0);
+    for (size_t i = 0; i < sizeof writers / sizeof writers[0]; i++) {
+        char arguments[256];
+        snprintf(arguments, sizeof arguments, "%s --out taken/a/b.png", writers[i]);
+        refuses("OCL_ICD_VENDORS=/nonexistent", arguments, "taken is a file");
+    }
+    refuses("", "rays --scene cube --rays primary --out kept", "not a regular file");
+    for (const bb_command *const *c = bb_commands; *c != NULL; c++) {
+        size_t length = strlen((*c)->name);
+        bool writes = false, known = false;
+        for (const bb_cli_option *o = (*c)->options; o->name != NULL; o++)
+            writes = writes || strcmp(o->name, "out") == 0;
+        for (size_t i = 0; i < sizeof writers / sizeof writers[0]; i++)
+            known = known ||
+                    (strncmp(writers[i], (*c)->name, length) == 0 && writers[i][length] == ' ');
+        if (writes != known)
+            fail_msg("%s has --out: %d, is tried here: %d", (*c)->name, writes, known);
+    }
+}
+
+static void expect_made(const char *arguments, const char *file)
+{
+    const outcome *o = run(arguments);
+    if (o->exit_status != 0 || !is_there(file))
+        fail_msg("%s: exit %d, no %s: %s", arguments, o->exit_status, file, o->err);
+}
+
+/* On a device. */
+static void folders_of_out_are_made(void **state)
+{
+    (void)state;
+    expect_made("run --shard 1/1 --scene single --builder null --rays none --charts no "
+                "--no-pictures --quiet --out m/shards/1 --history m/shards/1/bench.db",
+                "m/shards/1/bench.db");
+    expect_made("merge m/shards/1 --out m/merged/all", "m/merged/all/results.json");
+    expect_made("report m/merged/all --charts no --out m/pages/a.html", "m/pages/a.html");
+    expect_made("report --history m/shards/1/bench.db --out m/page/h.html", "m/page/h.html");
+    expect_made("rays --scene single --rays primary --size 8x8 --out m/rays/a/b.rays",
+                "m/rays/a/b.rays");
+    expect_made("render --scene single --size 8x8 --out m/png/x.png", "m/png/x.png");
+    expect_made("slice --scene tets:side=2 --slices 2 --repeats 1 --out m/slices/1",
+                "m/slices/1/slice.json");
 }
 
 static void rays_beyond_memory_are_refused_first(void **state)
@@ -278,6 +352,8 @@ int main(void)
         cmocka_unit_test(empty_values_name_their_option),
         cmocka_unit_test(one_thing_is_given_once),
         cmocka_unit_test(what_fails_at_once_leaves_no_folder),
+        cmocka_unit_test(out_where_a_file_is_in_the_way_is_refused_at_once),
+        cmocka_unit_test(folders_of_out_are_made),
         cmocka_unit_test(rays_beyond_memory_are_refused_first),
         cmocka_unit_test(missing_folders_and_drivers_are_said),
         cmocka_unit_test(references_are_for_run_alone),

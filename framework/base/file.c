@@ -147,16 +147,6 @@ out:
     return status;
 }
 
-bb_status bb_file_check(const char *path, const char *what)
-{
-    char *folder = bb_file_folder(path);
-    bool writable = folder != NULL && access(folder, W_OK | X_OK) == 0;
-    free(folder);
-    return writable ? BB_OK
-                    : bb_fail(BB_INVALID, "%s %s: its folder cannot be written: choose another",
-                              what, path);
-}
-
 char *bb_file_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');

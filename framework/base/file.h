@@ -29,9 +29,6 @@ bb_status bb_file_read(const char *path, size_t limit, const char *what, char **
  * when the folder cannot be written or `path` is something else than a regular file. */
 bb_status bb_file_write(const char *path, const void *data, size_t size, const char *what);
 
-/* Whether the folder of `path` can be written, to be asked before the work. */
-bb_status bb_file_check(const char *path, const char *what);
-
 /* Like bb_file_write(), of parts that follow each other in the file. */
 typedef struct bb_part {
     const void *data;

@@ -133,18 +133,3 @@ bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view 
     }
     return bb_fail(BB_INVALID, "%s has no view '%s': it has %s", scene->name, name, known);
 }
-
-bb_status bb_make_folder(const char *path)
-{
-    if (mkdir(path, 0777) != 0 && errno != EEXIST)
-        return bb_fail(BB_INVALID, "cannot make the output folder %s: %s", path, strerror(errno));
-    char probe[1100];
-    snprintf(probe, sizeof probe, "%s/.bvhbench-XXXXXX", path);
-    int file = mkstemp(probe);
-    if (file < 0)
-        return bb_fail(BB_INVALID, "cannot write into the output folder %s: %s", path,
-                       strerror(errno));
-    close(file);
-    unlink(probe);
-    return BB_OK;
-}

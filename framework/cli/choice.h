@@ -26,8 +26,4 @@ bb_status bb_load_plugins(const bb_cli *cli);
 /* The scene's view of that name, its first for NULL. */
 bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view);
 
-/* Makes an output folder unless it is there, and makes sure now that it can be written, not after
- * the work. */
-bb_status bb_make_folder(const char *path);
-
 #endif

@@ -3,6 +3,7 @@
 
 #include "framework/base/options.h"
 #include "framework/base/suggest.h"
+#include "framework/cli/out_option.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -198,6 +199,7 @@ static int run_command(const bb_command *command, int argc, char **argv)
     else if (status == BB_OK)
         status = command->run(&cli, &exit_status);
     free_values(&cli);
+    bb_out_tidy();
     return end(status, exit_status);
 }
 

@@ -45,7 +45,7 @@ typedef struct job {
     const bb_cli *cli;
     bb_animate_request request;
     cJSON *document, *results;
-    bool wrong, made; /* made: the folder --out */
+    bool wrong;
     bb_names builders, kernels, rays;
 } job;
 
@@ -199,7 +199,7 @@ static bb_status work(job *j)
     char *const *scenes = bb_cli_values(j->cli, "scene", &count);
     if (count == 0)
         return bb_fail(BB_INVALID, "animate: give a scene that moves, such as --scene twist");
-    BB_TRY(bb_contest_begin(j->cli, scenes, count, &j->made));
+    BB_TRY(bb_contest_begin(j->cli, scenes, count));
     BB_TRY(read_request(j));
     BB_TRY(bb_open_device(j->cli, &j->request.device));
     bb_interrupt_catch();
@@ -216,7 +216,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bb_names_free(&j.builders);
     bb_names_free(&j.kernels);
     bb_names_free(&j.rays);
-    return bb_contest_end(cli, status, j.made, j.wrong, exit_status);
+    return bb_contest_end(status, j.wrong, exit_status);
 }
 
 static void more_help(FILE *out)

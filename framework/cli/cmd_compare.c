@@ -3,6 +3,7 @@
 #include "framework/cli/cli.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/interleave.h"
+#include "framework/cli/out_option.h"
 #include "framework/compare/compare.h"
 #include "framework/compare/family.h"
 #include "framework/history/history.h"
@@ -213,7 +214,7 @@ static bb_status compare_programs(const bb_cli *cli, inputs *in, int *exit_statu
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &seed));
     BB_TRY(check_arguments(wanted.arguments, wanted.argument_count));
     if (wanted.folder != NULL)
-        BB_TRY(bb_make_folder(wanted.folder));
+        BB_TRY(bb_out_folder(wanted.folder));
     wanted.rounds = (uint32_t)rounds;
     wanted.seed = seed;
     BB_TRY(allocate(in, wanted.rounds + 1));

@@ -4,6 +4,7 @@
 #include "framework/base/statistics.h"
 #include "framework/base/threads.h"
 #include "framework/cli/choice.h"
+#include "framework/cli/out_option.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/judge.h"
 #include "framework/record/record.h"
@@ -329,9 +330,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     memset(&j, 0, sizeof j);
     j.start = bb_wall_ms();
     bb_status status = read_options(cli, &j);
-    bool made = j.folder != NULL && access(j.folder, F_OK) != 0;
     if (status == BB_OK && j.folder != NULL)
-        status = bb_make_folder(j.folder);
+        status = bb_out_folder(j.folder);
     if (status == BB_OK)
         status = read_files(cli, &j);
     if (status == BB_OK)
@@ -343,8 +343,6 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     }
     if (status == BB_OK && j.folder != NULL)
         status = write_results(cli, &j);
-    if (status != BB_OK && made)
-        rmdir(j.folder); /* which stays if anything was written */
     release(&j);
     return status;
 }

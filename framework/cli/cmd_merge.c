@@ -4,6 +4,7 @@
 #include "framework/cli/cli.h"
 #include "framework/cli/earlier.h"
 #include "framework/cli/inputs.h"
+#include "framework/cli/out_option.h"
 #include "framework/cli/shard_option.h"
 #include "framework/history/history.h"
 #include "framework/report/report.h"
@@ -183,7 +184,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     part *parts = calloc(count, sizeof *parts);
     bb_status status = parts != NULL ? BB_OK : bb_fail(BB_FAILED, "merge: no memory");
     if (status == BB_OK && folder != NULL)
-        status = bb_make_folder(folder);
+        status = bb_out_folder(folder);
     if (status == BB_OK)
         status = merge(cli, parts, count);
     if (status == BB_OK && say_missing(parts, count))

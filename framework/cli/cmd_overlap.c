@@ -38,7 +38,7 @@ typedef struct job {
     bb_overlap_request request;
     bb_overlap_result *result;
     bb_scene *scenes[2];
-    bool wrong, made; /* made: the folder --out */
+    bool wrong;
     bb_names builders, searches;
 } job;
 
@@ -127,7 +127,7 @@ static bb_status overlap(job *j)
 
 static bb_status work(job *j)
 {
-    BB_TRY(bb_contest_begin(j->cli, j->cli->positional, 2, &j->made));
+    BB_TRY(bb_contest_begin(j->cli, j->cli->positional, 2));
     BB_TRY(read_request(j));
     j->result = calloc(1, sizeof *j->result);
     if (j->result == NULL)
@@ -155,7 +155,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     free(j.result);
     bb_names_free(&j.builders);
     bb_names_free(&j.searches);
-    return bb_contest_end(cli, status, j.made, j.wrong, exit_status);
+    return bb_contest_end(status, j.wrong, exit_status);
 }
 
 extern const bb_command bb_command_overlap;

@@ -2,6 +2,7 @@
 #include "framework/base/file.h"
 #include "framework/base/threads.h"
 #include "framework/cli/choice.h"
+#include "framework/cli/out_option.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/oracle.h"
 #include "framework/scene/prim.h"
@@ -43,7 +44,7 @@ static bb_status read_options(const bb_cli *cli, job *j)
     if (!j->workload->per_view && bb_cli_value(cli, "view") != NULL)
         return bb_fail(BB_INVALID, "rays %s are made from all views at once: drop --view",
                        j->workload->name);
-    BB_TRY(bb_file_check(bb_cli_value(cli, "out"), "rays file"));
+    BB_TRY(bb_out_file(bb_cli_value(cli, "out"), "rays file"));
     uint64_t max_rays;
     j->request = (bb_rays_request){.spec = &j->spec, .width = 512, .height = 512};
     BB_TRY(bb_cli_size(cli, "size", &j->request.width, &j->request.height));

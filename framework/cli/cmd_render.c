@@ -2,6 +2,7 @@
 #include "framework/builder/instance.h"
 #include "framework/builder/pipeline.h"
 #include "framework/cli/choice.h"
+#include "framework/cli/out_option.h"
 #include "framework/device/device_private.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/queries.h"
@@ -280,6 +281,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     BB_TRY(choose_picture(cli, &r));
     BB_TRY(bb_check_scene(scene));
     BB_TRY(bb_image_check(out));
+    BB_TRY(bb_out_file(out, "picture"));
     BB_TRY(bb_load_plugins(cli));
     BB_TRY(choose_builder(cli, builder, sizeof builder));
     BB_TRY(choose_kernel(cli, &r));

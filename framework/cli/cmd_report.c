@@ -3,6 +3,7 @@
 #include "framework/cli/charts_option.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/inputs.h"
+#include "framework/cli/out_option.h"
 #include "framework/history/history.h"
 #include "framework/history/trend.h"
 #include "framework/record/record.h"
@@ -138,6 +139,8 @@ static bb_status report_history(const bb_cli *cli, const char *database)
             return bb_fail(BB_INVALID, "report: --history and --%s do not go together", others[i]);
     BB_TRY(page_of_history(database, beside));
     BB_TRY(check_page(out != NULL ? out : beside, database));
+    if (out != NULL)
+        BB_TRY(bb_out_file(out, "report"));
     BB_TRY(bb_history_open(database, false, &history));
     bb_status status = bb_history_trends(history, &trends, &count);
     if (status == BB_OK)
@@ -164,6 +167,8 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     bool charts;
     BB_TRY(bb_charts_wanted(cli, &charts));
     BB_TRY(bb_inputs_once(cli, 0));
+    if (out != NULL)
+        BB_TRY(bb_out_file(out, "report"));
     bb_status status = read_input(cli->positional[0], &all, &folder);
     for (uint32_t i = 1; status == BB_OK && i < cli->positional_count; i++) {
         status = read_input(cli->positional[i], &more, &other);

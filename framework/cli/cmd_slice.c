@@ -46,7 +46,7 @@ typedef struct job {
     bb_slice_request request;
     bb_slice_result *result;
     cJSON *document, *results;
-    bool wrong, made; /* made: the folder --out */
+    bool wrong;
     bb_names builders, searches;
 } job;
 
@@ -140,7 +140,7 @@ static bb_status work(job *j)
 {
     uint32_t count;
     char *const *scenes = bb_cli_values(j->cli, "scene", &count);
-    BB_TRY(bb_contest_begin(j->cli, scenes, count, &j->made));
+    BB_TRY(bb_contest_begin(j->cli, scenes, count));
     BB_TRY(read_request(j));
     j->result = calloc(1, sizeof *j->result);
     if (j->result == NULL)
@@ -163,7 +163,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     free(j.result);
     bb_names_free(&j.builders);
     bb_names_free(&j.searches);
-    return bb_contest_end(cli, status, j.made, j.wrong, exit_status);
+    return bb_contest_end(status, j.wrong, exit_status);
 }
 
 extern const bb_command bb_command_slice;

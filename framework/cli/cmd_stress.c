@@ -5,6 +5,7 @@
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
+#include "framework/cli/out_option.h"
 #include "framework/report/report.h"
 #include "framework/stress/stress.h"
 #include "traversal/traversal.h"
@@ -250,7 +251,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK)
         status = read_request(cli, l, &request);
     if (status == BB_OK)
-        status = bb_make_folder(request.folder);
+        status = bb_out_folder(request.folder);
     if (status == BB_OK)
         status = stress(cli, &request, exit_status);
     bb_names_free(&l->axes);

@@ -61,8 +61,8 @@ typedef struct job {
     const bb_cli *cli;
     bb_dvr_request request;
     bb_dvr_result *result;
-    cJSON *results;                          /* of the document */
-    bool json, wrong, made;                  /* made: the folder --out */
+    cJSON *results; /* of the document */
+    bool json, wrong;
     uint32_t pictures;                       /* sets of them, so far */
     bb_names builders[2], kernels, searches; /* builders of volumes, of meshes */
 } job;
@@ -261,7 +261,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         return bb_fail(BB_INVALID, "volume needs --scene: see `bvhbench volume --help`");
     BB_TRY(read_numbers(cli, &j.request));
     BB_TRY(check_transfers(cli));
-    bb_status status = bb_contest_begin(cli, names, scenes, &j.made);
+    bb_status status = bb_contest_begin(cli, names, scenes);
     if (status == BB_OK)
         status = read_names(&j);
     j.result = calloc(1, sizeof *j.result);
@@ -279,7 +279,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         bb_names_free(&j.builders[mesh]);
     bb_names_free(&j.kernels);
     bb_names_free(&j.searches);
-    return bb_contest_end(cli, status, j.made, j.wrong, exit_status);
+    return bb_contest_end(status, j.wrong, exit_status);
 }
 
 extern const bb_command bb_command_volume;

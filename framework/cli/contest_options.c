@@ -5,6 +5,7 @@
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/inputs.h"
+#include "framework/cli/out_option.h"
 #include "framework/locate/tet_search.h"
 #include "framework/record/put.h"
 #include "framework/report/report.h"
@@ -132,21 +133,17 @@ bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char 
     return status;
 }
 
-bb_status bb_contest_begin(const bb_cli *cli, char *const *scenes, uint32_t count, bool *made)
+bb_status bb_contest_begin(const bb_cli *cli, char *const *scenes, uint32_t count)
 {
     const char *out = bb_cli_value(cli, "out");
-    *made = out != NULL && access(out, F_OK) != 0;
     BB_TRY(bb_load_plugins(cli));
     for (uint32_t i = 0; i < count; i++)
         BB_TRY(bb_check_scene(scenes[i]));
-    return out != NULL ? bb_make_folder(out) : BB_OK;
+    return out != NULL ? bb_out_folder(out) : BB_OK;
 }
 
-bb_status bb_contest_end(const bb_cli *cli, bb_status status, bool made, bool wrong,
-                         int *exit_status)
+bb_status bb_contest_end(bb_status status, bool wrong, int *exit_status)
 {
-    if (status != BB_OK && made)
-        (void)rmdir(bb_cli_value(cli, "out")); /* which stays if anything was written */
     if (status == BB_OK && wrong)
         *exit_status = BB_EXIT_WRONG;
     if (!bb_interrupted())

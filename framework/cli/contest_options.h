@@ -38,12 +38,11 @@ bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char 
                            bb_page_writer *page);
 
 /* What commands begin with: plug-ins, names of scenes (bb_check_scene()), the folder --out, if
- * there is to be one; *made: it was not there. */
-bb_status bb_contest_begin(const bb_cli *cli, char *const *scenes, uint32_t count, bool *made);
+ * there is to be one. */
+bb_status bb_contest_begin(const bb_cli *cli, char *const *scenes, uint32_t count);
 
 /* What they end with: of the status of the work, whether answers differ, and whether it was
- * interrupted. A folder that was made goes after a failure, if it is empty. */
-bb_status bb_contest_end(const bb_cli *cli, bb_status status, bool made, bool wrong,
-                         int *exit_status);
+ * interrupted. */
+bb_status bb_contest_end(bb_status status, bool wrong, int *exit_status);
 
 #endif

@@ -7,6 +7,7 @@
 #include "framework/cli/charts_option.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/earlier.h"
+#include "framework/cli/out_option.h"
 #include "framework/device/device_private.h"
 #include "framework/history/history.h"
 #include "framework/report/report.h"
@@ -256,10 +257,8 @@ static bb_status try_history(const char *path)
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
 {
     bb_device *device = NULL;
-    struct stat info;
-    bool there = stat(comparison->folder, &info) == 0;
+    BB_TRY(bb_out_folder(comparison->folder)); /* which the history may lie in */
     BB_TRY(try_history(comparison->history));
-    BB_TRY(bb_make_folder(comparison->folder));
     char *command = bb_cli_command_line(comparison->cli);
     bb_interrupt_catch();
     bb_status status = bb_open_device(comparison->cli, &device);
@@ -271,8 +270,6 @@ bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
         status = BB_OK;
     }
     bb_device_close(device);
-    if (!there)
-        (void)rmdir(comparison->folder); /* if nothing was put into it */
     free(command);
     return status;
 }

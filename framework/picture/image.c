@@ -100,7 +100,7 @@ bb_status bb_image_check(const char *path)
         BB_TRY(bb_exr_check());
     else if (!ends_with(path, ".png"))
         return bb_fail(BB_INVALID, "picture %s: the ending must be .png or .exr", path);
-    return bb_file_check(path, "picture");
+    return BB_OK;
 }
 
 bb_status bb_image_write(const char *path, const float *rgb, uint32_t width, uint32_t height)

@@ -12,7 +12,7 @@
  * another ending, BB_UNSUPPORTED with what to install if the build has no EXR module. */
 bb_status bb_image_write(const char *path, const float *rgb, uint32_t width, uint32_t height);
 
-/* Checks, before the work, that a picture can be written to `path`: ending, module, folder. */
+/* Checks, before the work, that a picture can be written to such a `path`: ending, module. */
 bb_status bb_image_check(const char *path);
 
 /* By the ending. */

@@ -42,10 +42,18 @@ bb_status __wrap_bb_plugin_load(const char *path)
     return bb_fail(BB_FAILED, REFUSED);
 }
 
-bb_status __wrap_bb_make_folder(const char *path);
-bb_status __wrap_bb_make_folder(const char *path)
+bb_status __wrap_bb_out_folder(const char *path);
+bb_status __wrap_bb_out_folder(const char *path)
 {
     (void)path;
+    return BB_OK;
+}
+
+bb_status __wrap_bb_out_file(const char *path, const char *what);
+bb_status __wrap_bb_out_file(const char *path, const char *what)
+{
+    (void)path;
+    (void)what;
     return BB_OK;
 }
 

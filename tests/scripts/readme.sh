@@ -13,7 +13,7 @@ fail() {
     exit 1
 }
 
-mkdir -p "$work/build/release" "$work/out"
+mkdir -p "$work/build/release"
 ln -s "$source/examples" "$source/framework" "$source/kernels" "$work/"
 # The last of two equal options would be refused: none of those added here is in README.md. Papers
 # and checks of all scenes take minutes: of a paper only the options are read.
