@@ -43,6 +43,7 @@ expect "bvhbench run --out $tree/out" bench
 expect "bvhbench run --scene cube --out $tree/out" bench run --scene cube
 expect "bvhbench run --quick --out=here" bench --quick --out=here
 expect 'setup bench' bench
+expect 'build release' bench # all that is installed, not the program alone
 volume='bvhbench volume --brief --scene nbody:n=64 --scene tets:side=8 --size 48x48 --step 1 --steps 4,2,1 --kernel stack'
 expect "$volume --repeats 6 --out $tree/out" bench
 expect "$volume --repeats 3 --seed=2 --out here" bench --repeats 3 --seed=2 --out here
