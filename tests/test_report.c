@@ -3,6 +3,7 @@
 #include "framework/base/file.h"
 #include "framework/report/columns.h"
 #include "framework/report/report.h"
+#include "framework/workload/workload.h"
 #include "tests/fixture.h"
 #include "tests/report_sample.h"
 
@@ -10,6 +11,8 @@
 #include <errno.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+extern const char bb_text_report_html[];
 
 static char *table_of(bb_results *results)
 {
@@ -347,6 +350,25 @@ static void page_loads_nothing(void **state)
 }
 
 /* Markup in names and reasons stays text: no script is ended but those of the template. */
+/* They stand under the figures of every run: none speaks of rays that a run may not have. */
+static void captions_hold_for_every_run(void **state)
+{
+    (void)state;
+    size_t captions = 0;
+    for (const char *at = bb_text_report_html; (at = strstr(at, "<figcaption")) != NULL; at++) {
+        const char *end = strstr(at, "</figcaption>");
+        assert_non_null(end);
+        char *caption = strndup(at, (size_t)(end - at));
+        assert_null(strstr(caption, "edge"));
+        for (const bb_workload *const *w = bb_workloads; *w != NULL; w++)
+            if (strstr(caption, (*w)->name) != NULL)
+                fail_msg("%s rays in %s", (*w)->name, caption);
+        free(caption);
+        captions++;
+    }
+    assert_true(captions >= 8);
+}
+
 static void page_escapes_data(void **state)
 {
     (void)state;
@@ -578,6 +600,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(table_keeps_the_terminal_safe),
         cmocka_unit_test(texts_do_not_steer_the_terminal),
         cmocka_unit_test(page_loads_nothing),
+        cmocka_unit_test(captions_hold_for_every_run),
         cmocka_unit_test(page_escapes_data),
         cmocka_unit_test(page_embeds_pictures),
         cmocka_unit_test(page_takes_in_no_other_files),

@@ -55,4 +55,10 @@ while read -r script _; do
     scripts/*) [ -x "$source/$script" ] || fail "there is no $script" ;;
     esac
 done < <(lines '')
+# What the page says of its figures is what README says.
+for words in 'No tracer is taken as the truth'; do
+    for file in README.md framework/report/page/report.html; do
+        grep -qF "$words" "$source/$file" || fail "$file does not say: $words"
+    done
+done
 echo "readme: ok, $ran commands"
