@@ -35,3 +35,29 @@ bool bb_interrupted(void)
 {
     return noted != 0;
 }
+
+/* ---- pipes ---- */
+
+static volatile sig_atomic_t unread;
+
+static void note_pipe(int signal_number)
+{
+    (void)signal_number;
+    unread = 1;
+}
+
+void bb_pipe_catch(void)
+{
+    /* A handler, which programs that are started do not inherit as they would inherit SIG_IGN. */
+    struct sigaction before, action = {.sa_handler = note_pipe, .sa_flags = SA_RESTART};
+    if (sigaction(SIGPIPE, NULL, &before) == 0 && before.sa_handler == SIG_DFL)
+        sigaction(SIGPIPE, &action, NULL);
+}
+
+void bb_pipe_end(void)
+{
+    if (unread == 0)
+        return;
+    signal(SIGPIPE, SIG_DFL);
+    raise(SIGPIPE);
+}

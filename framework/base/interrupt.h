@@ -12,4 +12,9 @@ void bb_interrupt_catch(void);
 /* Whether such a signal came. */
 bool bb_interrupted(void);
 
+/* From now on, writing to a pipe that nobody reads any more fails, and the program goes on. */
+void bb_pipe_catch(void);
+/* Ends the process as such a pipe would have, if there was one. */
+void bb_pipe_end(void);
+
 #endif

@@ -2,6 +2,7 @@
 #include "framework/base/steering.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Length by the first byte; 0 if none begins so (RFC 3629, section 4). */
@@ -28,13 +29,20 @@ static bool decode(const unsigned char *bytes, int length, uint32_t *code)
     return *code >= least[length] && *code <= 0x10FFFF && (*code < 0xD800 || *code > 0xDFFF);
 }
 
-int bb_letter(const char *text, bool *calm)
+/* The bytes of the first letter, and its code; 0 of what is no UTF-8. */
+static int letter(const char *text, uint32_t *code)
 {
     const unsigned char *bytes = (const unsigned char *)text;
     const int length = length_of(bytes[0]);
-    uint32_t code = 0;
+    return length > 0 && decode(bytes, length, code) ? length : 0;
+}
+
+int bb_letter(const char *text, bool *calm)
+{
+    uint32_t code;
+    const int length = letter(text, &code);
     *calm = false;
-    if (length == 0 || !decode(bytes, length, &code))
+    if (length == 0)
         return 1;
     const bool controls = code < 0x20 || (code >= 0x7F && code < 0xA0);
     const bool turns = code == 0x061C || code == 0x200E || code == 0x200F ||
@@ -49,6 +57,32 @@ bool bb_is_calm(const char *text)
     while (*text != '\0' && calm)
         text += bb_letter(text, &calm);
     return calm;
+}
+
+char *bb_utf8_text(const char *text)
+{
+    static const char replacement[] = "\xef\xbf\xbd"; /* U+FFFD */
+    const size_t longer = sizeof replacement - 2;
+    uint32_t code;
+    size_t size = 1, bad = 0;
+    for (const char *at = text; *at != '\0';) {
+        const int length = letter(at, &code);
+        bad += length == 0;
+        size += length > 0 ? (size_t)length : 1;
+        at += length > 0 ? length : 1;
+    }
+    char *valid = malloc(size + bad * longer), *to = valid;
+    if (valid == NULL)
+        return NULL;
+    while (*text != '\0') {
+        const int length = letter(text, &code);
+        const size_t put = length > 0 ? (size_t)length : sizeof replacement - 1;
+        memcpy(to, length > 0 ? text : replacement, put);
+        to += put;
+        text += length > 0 ? length : 1;
+    }
+    *to = '\0';
+    return valid;
 }
 
 void bb_calm_text(char *text)

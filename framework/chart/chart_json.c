@@ -1,4 +1,5 @@
 /* The charts' cells as JSON, for the report's page. */
+#include "framework/base/json.h"
 #include "framework/chart/chart.h"
 
 #include <cjson/cJSON.h>
@@ -85,7 +86,7 @@ char *bb_charts_json(const bb_charts *charts)
     bool ok = sets != NULL;
     for (uint32_t i = 0; ok && i < charts->set_count; i++)
         ok = put_set(sets, &charts->sets[i]);
-    char *json = ok ? cJSON_PrintUnformatted(sets) : NULL;
+    char *json = ok ? bb_json_print(sets, false) : NULL;
     cJSON_Delete(sets);
     return json;
 }

@@ -1,6 +1,7 @@
 /* Parsing of the command line and its help. */
 #include "framework/cli/cli.h"
 
+#include "framework/base/interrupt.h"
 #include "framework/base/options.h"
 #include "framework/base/suggest.h"
 #include "framework/cli/out_option.h"
@@ -8,6 +9,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <getopt.h>
+#include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -164,22 +166,25 @@ static void free_values(bb_cli *cli)
 
 /* ---- the program ---- */
 
-/* What was written may still be on its way, or have been lost on the way. */
-static bb_status flush_output(void)
+/* What was written may still be on its way, or have been lost on the way: that is a failure too. If
+ * nobody reads it any more, nobody reads why it failed either. */
+static bb_status flush_output(bb_status status)
 {
     bool lost = ferror(stdout) != 0;
     errno = 0;
-    if (fflush(stdout) == 0 && !lost)
-        return BB_OK;
+    lost = fflush(stdout) != 0 || lost;
+    const int error = errno;
+    if (lost)
+        bb_pipe_end();
+    if (status != BB_OK || !lost)
+        return status;
     return bb_fail(BB_FAILED, "cannot write to standard output: %s",
-                   errno != 0 ? strerror(errno) : "not all of it was taken");
+                   error != 0 ? strerror(error) : "not all of it was taken");
 }
 
 static int end(bb_status status, int exit_status)
 {
-    if (status == BB_OK)
-        status = flush_output();
-    if (status == BB_OK)
+    if (flush_output(status) == BB_OK)
         return exit_status;
     fprintf(stderr, "bvhbench: %s\n", bb_message());
     return BB_EXIT_CANNOT;
@@ -246,10 +251,19 @@ static void keep_standard_files(void)
             (void)!open("/dev/null", O_RDONLY);
 }
 
+/* Numbers are written and read with a point, whatever locale a plug-in sets: a thread's own is not
+ * changed by setlocale(). */
+static void keep_locale(void)
+{
+    uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
+}
+
 int bb_main(int argc, char **argv)
 {
     const bb_command *command;
     keep_standard_files();
+    keep_locale();
+    bb_pipe_catch();
     if (argc < 2) {
         print_overview(stderr);
         return BB_EXIT_CANNOT;

@@ -1,6 +1,7 @@
 /* bvhbench advise: the least that a scene needs. */
 #include "framework/advise/advise.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/json.h"
 #include "framework/base/shell_word.h"
 #include "framework/cli/charts_option.h"
 #include "framework/cli/choice.h"
@@ -177,7 +178,7 @@ static bb_status advise(void *user, bb_device *device, bb_results *results,
 
 static bb_status print_json(const bb_results *results, FILE *out)
 {
-    char *text = cJSON_Print(bb_results_section(results, "advice"));
+    char *text = bb_json_print(bb_results_section(results, "advice"), true);
     if (text == NULL)
         return bb_fail(BB_FAILED, "advise: no memory");
     bool written = fprintf(out, "%s\n", text) > 0;

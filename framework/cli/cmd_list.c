@@ -1,4 +1,5 @@
 /* bvhbench list: what there is to choose from. */
+#include "framework/base/json.h"
 #include "framework/base/suggest.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
@@ -248,7 +249,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     if (status == BB_OK && !found)
         status = unknown_kind(wanted);
     if (status == BB_OK && bb_cli_value(cli, "json") != NULL) {
-        char *text = cJSON_Print(all);
+        char *text = bb_json_print(all, true);
         printf("%s\n", text);
         free(text);
     } else if (status == BB_OK) {

@@ -2,6 +2,7 @@
 #include "framework/base/file.h"
 #include "framework/base/identity.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/json.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
@@ -203,7 +204,7 @@ static bb_status write_all(const bb_cli *cli, const bb_stress *stress)
     char path[1200];
     char *command = bb_cli_command_line(cli);
     cJSON *json = bb_atlas_json(stress, command);
-    char *text = cJSON_Print(json);
+    char *text = bb_json_print(json, true);
     bb_status status = text == NULL ? bb_fail(BB_FAILED, "stress: no memory for the atlas") : BB_OK;
     snprintf(path, sizeof path, "%s/stress.json", stress->request->folder);
     if (status == BB_OK)

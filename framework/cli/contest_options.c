@@ -2,6 +2,7 @@
 
 #include "framework/base/file.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/json.h"
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/inputs.h"
@@ -123,7 +124,7 @@ bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char 
                            bb_page_writer *page)
 {
     const char *out = bb_cli_value(cli, "out");
-    char *text = cJSON_Print(document);
+    char *text = bb_json_print(document, true);
     if (text == NULL)
         return bb_fail(BB_REFUSED, "no memory for the results");
     if (bb_cli_value(cli, "json") != NULL)

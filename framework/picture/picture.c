@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 static void surface_normal(const bb_scene *scene, const bb_ray *ray, const bb_hit *hit, double n[3])
 {
@@ -88,16 +89,23 @@ bb_status bb_picture_depth(const bb_rays *rays, const bb_hit *hits, float *rgb)
     return BB_OK;
 }
 
-/* Letters, digits and dashes of `text`: a file name. */
-static void file_name(const char *text, char *out, size_t capacity)
+enum { STEM_LETTERS = 64 };
+
+/* A part of a file name for each text: letters, digits and dashes of what is behind its last slash;
+ * where that is not all of it, with a hash of the whole. */
+static void file_stem(const char *text, char stem[STEM_LETTERS + 16])
 {
-    const char *slash = strrchr(text, '/');
-    if (slash != NULL)
-        text = slash + 1;
-    size_t used = 0;
-    for (; *text != '\0' && used + 1 < capacity; text++)
-        out[used++] = isalnum((unsigned char)*text) ? *text : '-';
-    out[used] = '\0';
+    const char *slash = strrchr(text, '/'), *from = slash != NULL ? slash + 1 : text;
+    bool whole = slash == NULL;
+    int used = 0;
+    for (; *from != '\0' && used < STEM_LETTERS; from++) {
+        const bool plain = isalnum((unsigned char)*from) || *from == '-';
+        stem[used++] = plain ? *from : '-';
+        whole = whole && plain;
+    }
+    stem[used] = '\0';
+    if (!whole || *from != '\0')
+        sprintf(stem + used, "-%08x", (unsigned)XXH3_64bits(text, strlen(text)));
 }
 
 bb_status bb_picture_trace(const bb_scene *scene, bb_oracle *oracle, const bb_view *view,
@@ -136,10 +144,10 @@ bb_status bb_picture_of_view(const bb_scene *scene, bb_oracle *oracle, const bb_
                              uint32_t width, uint32_t height, const char *folder,
                              bb_results *results)
 {
-    char scene_name[128], view_name[64], file[256], path[1024];
-    file_name(scene->name, scene_name, sizeof scene_name);
-    file_name(view->name, view_name, sizeof view_name);
-    snprintf(file, sizeof file, "%s-%s.png", scene_name, view_name);
+    char scene_stem[STEM_LETTERS + 16], view_stem[STEM_LETTERS + 16], file[256], path[1024];
+    file_stem(scene->name, scene_stem);
+    file_stem(view->name, view_stem);
+    snprintf(file, sizeof file, "%s_%s.png", scene_stem, view_stem); /* which neither has */
     if (snprintf(path, sizeof path, "%s/%s", folder, file) >= (int)sizeof path)
         return bb_fail(BB_INVALID, "the path of the output folder is too long: %.60s...", folder);
     BB_TRY(bb_picture_write(scene, oracle, view, width, height, path));

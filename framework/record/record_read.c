@@ -4,6 +4,7 @@
  * type here, once, so that what comes after need not.
  */
 #include "framework/base/file.h"
+#include "framework/base/json.h"
 #include "framework/record/record_private.h"
 
 #include <cjson/cJSON.h>
@@ -46,7 +47,7 @@ char *bb_results_print(const bb_results *results, bool formatted)
     cJSON *copy = cJSON_Duplicate(results->root, 1);
     char *text = NULL;
     if (copy != NULL && exact_numbers(copy))
-        text = formatted ? cJSON_Print(copy) : cJSON_PrintUnformatted(copy);
+        text = bb_json_print(copy, formatted);
     cJSON_Delete(copy);
     return text;
 }

@@ -1,6 +1,8 @@
 /* The table of fields, and look-ups in the document. */
 #include "framework/record/schema.h"
 
+#include "framework/base/json.h"
+
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
@@ -240,7 +242,7 @@ char *bb_schema_json(void)
     cJSON *metrics = ok ? cJSON_AddArrayToObject(root, "metrics") : NULL;
     for (uint32_t i = 0; i < bb_metric_count() && ok; i++)
         ok = metrics != NULL && add_metric(metrics, bb_metrics[i]);
-    char *json = ok ? cJSON_PrintUnformatted(root) : NULL;
+    char *json = ok ? bb_json_print(root, false) : NULL;
     cJSON_Delete(root);
     return json;
 }

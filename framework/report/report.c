@@ -4,6 +4,7 @@
  */
 #include "framework/report/report.h"
 #include "framework/base/file.h"
+#include "framework/base/json.h"
 #include "framework/chart/chart.h"
 #include "framework/record/schema.h"
 #include "framework/report/template.h"
@@ -89,7 +90,7 @@ static char *pictures_json(const cJSON *root, const char *folder)
              cJSON_AddStringToObject(picture, name, found ? source.data : missing) != NULL;
         free(source.data);
     }
-    char *json = ok ? cJSON_PrintUnformatted(list) : NULL;
+    char *json = ok ? bb_json_print(list, false) : NULL;
     cJSON_Delete(list);
     return json;
 }

@@ -4,6 +4,7 @@
 #include "framework/report/template.h"
 
 #include "framework/base/file.h"
+#include "framework/base/json.h"
 
 #include <cjson/cJSON.h>
 #include <stdlib.h>
@@ -31,7 +32,7 @@ static char *with_pictures(const cJSON *atlas, const char *folder)
     bool ok = copy != NULL;
     cJSON_ArrayForEach(axis, cJSON_GetObjectItem(copy, "axes")) ok =
         ok && add_picture(axis, folder);
-    char *text = ok ? cJSON_PrintUnformatted(copy) : NULL;
+    char *text = ok ? bb_json_print(copy, false) : NULL;
     cJSON_Delete(copy);
     return text;
 }

@@ -1,5 +1,6 @@
 /* The results as Google Benchmark writes its own, for tools that read those (tools/compare.py): one
  * entry per build or trace and round that counts, named by its key. */
+#include "framework/base/json.h"
 #include "framework/report/report.h"
 
 #include <cjson/cJSON.h>
@@ -120,7 +121,7 @@ bb_status bb_report_benchmark(const bb_results *results, FILE *out)
     {
         ok = ok && add_entry(list, entry, true, family++);
     }
-    char *text = ok ? cJSON_Print(root) : NULL;
+    char *text = ok ? bb_json_print(root, true) : NULL;
     bb_status status = BB_OK;
     if (text == NULL)
         status = bb_fail(BB_FAILED, "report: no memory");

@@ -2,6 +2,7 @@
  * draws it.
  */
 #include "framework/base/file.h"
+#include "framework/base/steering.h"
 #include "framework/chart/chart_script.h"
 #include "framework/report/report.h"
 
@@ -232,9 +233,13 @@ bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pi
                                    : bb_fail(BB_FAILED, "charts: no memory");
     if (out != NULL && (ferror(out) | fclose(out)) != 0 && status == BB_OK)
         status = bb_fail(BB_FAILED, "charts: no memory for the script");
+    char *valid = status == BB_OK ? bb_utf8_text(script) : NULL;
+    if (status == BB_OK && valid == NULL)
+        status = bb_fail(BB_FAILED, "charts: no memory for the script");
     if (status == BB_OK)
-        status = draw_beside(folder, script, size, *pictures > 0);
+        status = draw_beside(folder, valid, strlen(valid), *pictures > 0);
     free(script);
+    free(valid);
     bb_charts_free(&charts);
     return status;
 }

@@ -4,6 +4,7 @@
 #include "framework/report/template.h"
 
 #include "framework/base/file.h"
+#include "framework/base/json.h"
 
 #include <cjson/cJSON.h>
 #include <stdlib.h>
@@ -42,7 +43,7 @@ static char *with_pictures(const cJSON *document, const char *folder)
     bool ok = copy != NULL;
     cJSON_ArrayForEach(result, cJSON_GetObjectItem(copy, "results")) ok =
         ok && add_pictures(result, folder);
-    char *text = ok ? cJSON_PrintUnformatted(copy) : NULL;
+    char *text = ok ? bb_json_print(copy, false) : NULL;
     cJSON_Delete(copy);
     return text;
 }

@@ -2,6 +2,7 @@
 #include "framework/report/report_history.h"
 
 #include "framework/base/file.h"
+#include "framework/base/json.h"
 #include "framework/report/columns.h"
 #include "framework/report/template.h"
 
@@ -161,7 +162,7 @@ static char *history_json(const bb_trend *trends, uint32_t count)
               cJSON_AddNumberToObject(root, "level", BB_COMPARE_LEVEL) != NULL;
     for (uint32_t i = 0; i < count && ok; i++)
         ok = add_machine(machines, &trends[i]);
-    char *json = ok ? cJSON_PrintUnformatted(root) : NULL;
+    char *json = ok ? bb_json_print(root, false) : NULL;
     cJSON_Delete(root);
     return json;
 }

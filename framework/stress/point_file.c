@@ -2,6 +2,7 @@
 #include "framework/stress/point_private.h"
 
 #include "framework/base/file.h"
+#include "framework/base/json.h"
 #include "framework/device/device_private.h"
 
 #include <cjson/cJSON.h>
@@ -88,7 +89,7 @@ static cJSON *point_json(const bb_point_work *work, const bb_device *device)
 bb_status bb_point_write(const bb_point_work *work, const bb_device *device)
 {
     cJSON *root = point_json(work, device);
-    char *text = cJSON_PrintUnformatted(root);
+    char *text = bb_json_print(root, false);
     bb_status status = text == NULL ? bb_fail(BB_FAILED, "point: no memory")
                                     : bb_file_write(work->path, text, strlen(text), "point");
     cJSON_free(text);

@@ -1,4 +1,5 @@
 /* Summaries for the page: of everything, and of each choice of a scene and of rays. */
+#include "framework/base/json.h"
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 
@@ -211,7 +212,7 @@ char *bb_summary_json(const bb_results *results)
     cJSON *choices = put_array(w, made, "choices");
     if (add_choices(w, choices, &numbers) == BB_OK && add_predictions(w, made, results) == BB_OK &&
         !w->lost)
-        text = cJSON_PrintUnformatted(made);
+        text = bb_json_print(made, false);
     cJSON_Delete(made);
     bb_numbers_free(&numbers);
     return text;

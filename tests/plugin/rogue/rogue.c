@@ -4,6 +4,7 @@
 #include "builders/common/refit.h"
 #include "framework/builder/builder.h"
 
+#include <locale.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -13,7 +14,7 @@ typedef struct rogue {
     bb_device *device;
     bool stale, moving, chain, nosy, early, marked, lopsided;
     bool follows, still, forgets; /* has an update() */
-    bool frozen, hangs;
+    bool frozen, hangs, comma;
     bb_box *kept;    /* frozen: what prepare() saw */
     bool sees_views; /* `view` was given */
     uint32_t builds;
@@ -21,13 +22,14 @@ typedef struct rogue {
 
 static const bb_option options[] = {
     {"kind", "right",
-     "right|stale|moving|chain|nosy|early|marked|form|follows|still|forgets|frozen|hangs",
+     "right|stale|moving|chain|nosy|early|marked|form|follows|still|forgets|frozen|hangs|comma",
      "stale: gives its first tree again and again; moving: another one each time; chain: one "
      "primitive "
      "per level; nosy: fails if it sees what it did not declare; early: works outside the clock; "
      "marked: a side array that is another one each time; form: another tree in form gpu; "
      "follows: refits, which is right; still: does nothing in place of that; forgets: a node; "
-     "frozen: builds over the boxes that it was prepared with; hangs: never ends"},
+     "frozen: builds over the boxes that it was prepared with; hangs: never ends; comma: sets the "
+     "environment's locale"},
     {"view", NULL, NULL, "a view to look at"},
     {.name = NULL},
 };
@@ -51,6 +53,7 @@ static bb_status create(const bb_builder_context *context, void **out)
         .forgets = bb_spec_is(context->spec, options, "kind", "forgets"),
         .frozen = bb_spec_is(context->spec, options, "kind", "frozen"),
         .hangs = bb_spec_is(context->spec, options, "kind", "hangs"),
+        .comma = bb_spec_is(context->spec, options, "kind", "comma"),
         .sees_views = bb_spec_value(context->spec, NULL, "view") != NULL,
     };
     *out = self;
@@ -96,6 +99,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
         pause();
     if (self->early)
         usleep(WORK_US);
+    if (self->comma && setlocale(LC_ALL, "") == NULL)
+        return bb_fail(BB_FAILED, "rogue: there is no such locale");
     if (self->frozen) {
         size_t bytes = scene->prim_count * sizeof *self->kept;
         BB_TRY(bb_host_alloc(NULL, bytes, "rogue: boxes", &self->kept));
