@@ -231,6 +231,26 @@ static void folders_of_out_are_made(void **state)
                 "m/slices/1/slice.json");
 }
 
+/* On a device. A line of what is begun, no bar where there is no terminal; with --quiet nothing. */
+static void contests_say_what_they_are_at(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {
+        "volume --scene nbody:n=8 --builder lbvh --kernel stack --size 8x8 --steps none",
+        "slice --scene tets:side=2 --builder lbvh --search skip",
+        "overlap tets:side=2 tets:side=2 --builder lbvh --search skip",
+    };
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        char arguments[256];
+        snprintf(arguments, sizeof arguments, "%s --repeats 3 --quiet", commands[i]);
+        assert_string_equal(expect(0, arguments, "lbvh")->err, "");
+        snprintf(arguments, sizeof arguments, "%s --repeats 3", commands[i]);
+        const outcome *o = expect(0, arguments, "lbvh");
+        assert_non_null(strstr(o->err, " ways, 3 rounds\n"));
+        assert_int_equal(strchr(o->err, '\n')[1], '\0');
+    }
+}
+
 static void rays_beyond_memory_are_refused_first(void **state)
 {
     (void)state;
@@ -354,6 +374,7 @@ int main(void)
         cmocka_unit_test(what_fails_at_once_leaves_no_folder),
         cmocka_unit_test(out_where_a_file_is_in_the_way_is_refused_at_once),
         cmocka_unit_test(folders_of_out_are_made),
+        cmocka_unit_test(contests_say_what_they_are_at),
         cmocka_unit_test(rays_beyond_memory_are_refused_first),
         cmocka_unit_test(missing_folders_and_drivers_are_said),
         cmocka_unit_test(references_are_for_run_alone),

@@ -30,6 +30,7 @@ static const bb_cli_option options[] = {
     {"out", "DIR",
      "folder for overlap.json, overlap.html and pictures of what does not overlap; default: none",
      false},
+    {"quiet", NULL, "do not show progress", false},
     {.name = NULL},
 };
 
@@ -48,6 +49,7 @@ static bb_status read_request(job *j)
     bb_overlap_request *request = &j->request;
     BB_TRY(bb_cli_u64(j->cli, "repeats", 10, 1, BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(j->cli, "seed", 1, 0, UINT64_MAX, &request->seed));
+    request->quiet = bb_cli_value(j->cli, "quiet") != NULL;
     request->repeats = (uint32_t)repeats;
     request->without = bb_cli_value(j->cli, "no-tree") != NULL;
     BB_TRY(bb_choose_tree_builders(j->cli, BB_OF_MESHES, &j->builders));

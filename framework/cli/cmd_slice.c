@@ -38,6 +38,7 @@ static const bb_cli_option options[] = {
     {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
     {"out", "DIR",
      "folder for slice.json, slice.html, and a PNG and an EXR of each slice; default: none", false},
+    {"quiet", NULL, "do not show progress", false},
     {.name = NULL},
 };
 
@@ -76,6 +77,7 @@ static bb_status read_request(job *j)
     BB_TRY(bb_cli_u64(j->cli, "repeats", bb_cli_value(j->cli, "paper") != NULL ? 50 : 10, 1,
                       BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(j->cli, "seed", 1, 0, UINT64_MAX, &request->seed));
+    request->quiet = bb_cli_value(j->cli, "quiet") != NULL;
     request->repeats = (uint32_t)repeats;
     request->without = bb_cli_value(j->cli, "no-tree") != NULL;
     request->exr = bb_exr_check() == BB_OK;

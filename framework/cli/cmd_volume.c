@@ -54,6 +54,7 @@ static const bb_cli_option options[] = {
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
     {"out", "DIR", "folder for volume.json, volume.html and PNG pictures; default: none", false},
+    {"quiet", NULL, "do not show progress", false},
     {.name = NULL},
 };
 
@@ -103,6 +104,7 @@ static bb_status read_numbers(const bb_cli *cli, bb_dvr_request *request)
     BB_TRY(bb_cli_u64(cli, "turns", 0, 1, 180, &turns));
     BB_TRY(bb_cli_u64(cli, "repeats", paper ? 50 : 10, 1, BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
+    request->quiet = bb_cli_value(cli, "quiet") != NULL;
     BB_TRY(bb_cli_double(cli, "step", 0.5, 1e-3, 1e3, &request->step));
     BB_TRY(bb_cli_double(cli, "cutoff", 0, 0, 1, &request->cutoff));
     request->turns = (uint32_t)turns;

@@ -2,6 +2,7 @@
 
 #include "framework/base/interrupt.h"
 #include "framework/base/memory.h"
+#include "framework/base/progress.h"
 #include "framework/base/random.h"
 #include "framework/device/stopwatch.h"
 #include "kernels/bb_shared.h"
@@ -409,7 +410,7 @@ static bb_status time_question(bb_contest *c, uint32_t round, uint32_t question,
     return BB_OK;
 }
 
-static bb_status time_round(bb_contest *c, uint32_t round)
+static bb_status time_round(bb_contest *c, uint32_t round, bb_progress *progress)
 {
     bb_timing sums[BB_CONTEST_WAYS_MAX] = {{0}};
     const uint32_t builders = c->request.builder_count;
@@ -419,8 +420,10 @@ static bb_status time_round(bb_contest *c, uint32_t round)
         BB_TRY(c->task.time(c->task.self));
     for (uint32_t i = 0; i < builders; i++)
         BB_TRY(time_entrant(c, &c->entrants[order[i]]));
-    for (uint32_t q = 0; q < c->task.questions; q++)
+    for (uint32_t q = 0; q < c->task.questions; q++) {
         BB_TRY(time_question(c, round, q, sums));
+        bb_progress_step(progress);
+    }
     for (uint32_t w = 0; w < c->way_count; w++) {
         if (is_refused(&c->runners[w]))
             continue;
@@ -432,10 +435,20 @@ static bb_status time_round(bb_contest *c, uint32_t round)
 
 bb_status bb_contest_run(bb_contest *c)
 {
+    const uint32_t steps = (c->request.repeats + 1) * c->task.questions;
+    bb_progress progress;
     BB_TRY(check_input(c));
     BB_TRY(compare_answers(c));
-    for (uint32_t round = 0; round <= c->request.repeats && !bb_interrupted(); round++)
-        BB_TRY(time_round(c, round));
+    bb_progress_start(&progress, c->request.quiet);
+    bb_progress_stage(&progress, steps, "%s: %u ways, %u rounds", c->request.scenes[0]->name,
+                      c->way_count, c->request.repeats);
+    bb_progress_plan(&progress, steps);
+    bb_progress_weigh(&progress, steps);
+    bb_status status = BB_OK;
+    for (uint32_t r = 0; r <= c->request.repeats && status == BB_OK && !bb_interrupted(); r++)
+        status = time_round(c, r, &progress);
+    bb_progress_end(&progress);
+    BB_TRY(status);
     if (bb_interrupted() && c->ways[c->base].answer.count < 2)
         return bb_fail(BB_FAILED, "%s: interrupted before a round that counts",
                        c->request.scenes[0]->name);

@@ -89,6 +89,7 @@ typedef struct bb_contest_request {
     uint32_t most_items; /* of a question */
     uint32_t repeats;    /* rounds that count, after one that does not */
     uint64_t seed;
+    bool quiet; /* no progress */
 } bb_contest_request;
 
 typedef struct bb_contest bb_contest;

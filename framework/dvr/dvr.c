@@ -169,6 +169,7 @@ static bb_status measure(comparison *c)
         .most_items = c->pictures.pixels,
         .repeats = request->repeats,
         .seed = request->seed,
+        .quiet = request->quiet,
     };
     const bb_contest_task task = {
         .self = c,

@@ -34,6 +34,7 @@ typedef struct bb_dvr_request {
     uint32_t step_count;
     double steps[BB_DVR_STEPS_MAX]; /* for the accuracy, in voxels; descending */
     uint64_t seed;
+    bool quiet;                  /* no progress */
     const char *pictures;        /* the beginning of paths of PNG files; NULL: none */
     struct cJSON *picture_files; /* an array, which gets their names */
 } bb_dvr_request;

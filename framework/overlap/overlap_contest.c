@@ -104,6 +104,7 @@ static bb_status measure(overlapping *o)
         .most_items = tets[0] > tets[1] ? tets[0] : tets[1],
         .repeats = request->repeats,
         .seed = request->seed,
+        .quiet = request->quiet,
     };
     const bb_contest_task task = {
         .self = o,

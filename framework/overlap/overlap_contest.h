@@ -15,6 +15,7 @@ typedef struct bb_overlap_request {
     bool without;     /* also by looking at all pairs, which the others are compared with */
     uint32_t repeats; /* rounds that count, after one that does not */
     uint64_t seed;
+    bool quiet; /* no progress */
 } bb_overlap_request;
 
 typedef struct bb_overlap_mesh {

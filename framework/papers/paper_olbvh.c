@@ -73,7 +73,8 @@ static bb_status render(const bb_reproduce_request *request, bb_scene *scene, bb
                                 .height = side,
                                 .step = 1,
                                 .repeats = rounds(request),
-                                .seed = request->seed};
+                                .seed = request->seed,
+                                .quiet = request->quiet};
     return bb_dvr_run(&dvr, scene, result);
 }
 
@@ -90,7 +91,8 @@ static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, bb_sl
         /* one, as thick as 1/20 of the mesh is high: what most of table 4 amounts to */
         .plan = {.axis = 2, .width = side, .height = side, .count = 1, .thickness = height / 20},
         .repeats = rounds(request),
-        .seed = request->seed};
+        .seed = request->seed,
+        .quiet = request->quiet};
     return bb_slice_run(&slice, scene, result);
 }
 
@@ -103,7 +105,8 @@ static bb_status overlap(const bb_reproduce_request *request, bb_scene *scene, c
                                         .searches = searches,
                                         .search_count = SEARCHES,
                                         .repeats = rounds(request),
-                                        .seed = request->seed};
+                                        .seed = request->seed,
+                                        .quiet = request->quiet};
     bb_scene *scenes[2] = {scene, NULL}, *loaded;
     BB_TRY(bb_scene_load(other, &loaded));
     bb_status status = loaded->tets != NULL ? bb_tets_fit(loaded, scene, 0.6, &scenes[1])

@@ -46,6 +46,7 @@ static bb_status picture(const bb_reproduce_request *request, uint32_t side, con
                    : request->repeats > 0 ? request->repeats
                                           : 7,
         .seed = request->seed,
+        .quiet = request->quiet,
     };
     snprintf(name, sizeof name, "nbody:n=%u%s%s", side, transfer[0] != '\0' ? ",transfer=" : "",
              transfer);

@@ -143,6 +143,7 @@ static bb_status measure(slicing *s)
         .most_items = voxels_of(&s->result->plan),
         .repeats = request->repeats,
         .seed = request->seed,
+        .quiet = request->quiet,
     };
     const bb_contest_task task = {
         .self = s,

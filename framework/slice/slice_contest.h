@@ -15,6 +15,7 @@ typedef struct bb_slice_request {
     bb_slice_plan plan; /* see bb_slice_plan_check() */
     uint32_t repeats;   /* rounds that count, after one that does not */
     uint64_t seed;
+    bool quiet;                  /* no progress */
     const char *pictures;        /* the beginning of paths of PNG and EXR files; NULL: none */
     struct cJSON *picture_files; /* an array, which gets the names of PNG files */
     bool exr;
