@@ -6,14 +6,14 @@
  *   hl_divide: each work-item sums its own bins up; three find the best plane of an axis; the first
  *              goes on as in the other form
  *
- * Each bin takes its items in their order, and each task its chunks, so that the tree is that of the
- * form for CPUs, bit for bit, without atomics.
+ * Each bin takes its items in their order, and each task its chunks, so that the tree is that of
+ * the form for CPUs, bit for bit, without atomics.
  */
 #include "bb_device.h"
 #define HL_SPACE local
 #include "hlbvh_divide.clh"
 
-/* Item i of a group has bins i, i + HL_GROUP, ... of all axes' */
+/* A work-item's own bins: of all axes', every HL_GROUP-th. */
 #define HL_OWN_BINS(b) uint b = (uint)get_local_id(0); b < 3u * HL_BINS; b += HL_GROUP
 
 void clear_own(local hl_bins *bins)
