@@ -12,6 +12,21 @@
 
 #include "bb_shared.h"
 
+/* 1: the form for GPUs, in which nodes and primitives are fetched 16 bytes at a time and chosen
+ * from; on a CPU addresses are chosen, which costs less there. */
+#ifndef BB_GPU_FORM
+#define BB_GPU_FORM 0
+#endif
+
+/* Word i, which the compiler knows, of words that begin at a multiple of 16 bytes, out of a load of
+ * 16. */
+uint bb_word(global const float *words, uint i)
+{
+    uint4 four = ((global const uint4 *)words)[i / 4u];
+    uint2 two = (i & 2u) != 0u ? four.hi : four.lo;
+    return (i & 1u) != 0u ? two.y : two.x;
+}
+
 /* OpenCL's fmin and fmax must handle NaN in both arguments, which costs three instructions on CPUs.
  * These are one, and return the second argument when the first is NaN. */
 #define BB_MIN(a, b) ((a) < (b) ? (a) : (b))

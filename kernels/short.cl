@@ -54,7 +54,7 @@ uint short_children(const bb_search *search, const bb_slab *slab, global const b
             met[at] = met[at - 1u];
             distances[at] = distances[at - 1u];
         }
-        met[at] = node->links[child];
+        met[at] = BB_LINK(node, child);
         distances[at] = distance;
     }
     return many;

@@ -26,8 +26,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
                       global const float *pairs, /* bb_pair[] */
                       global const float *leaf_prims, uint root, const bb_prim_ends *ends)
 {
-    uint stack_links[BB_STACK_SIZE];
-    float stack_entries[BB_STACK_SIZE];
+    bb_waiting stack[BB_STACK_SIZE];
     uint top = 0;
     uint link = root;
     for (;;) {
@@ -35,15 +34,15 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
             global const float *pair = pairs + 16ul * link;
             float2 entry, exit;
             bb_box_distances(slab, pair, search->tmin, search->tmax, &entry, &exit);
-            uint2 links = vload2(6, (global const uint *)pair);
+            uint2 links = ((global const uint4 *)pair)[3].xy;
             bool meets0 = entry.x <= exit.x, meets1 = entry.y <= exit.y;
             search->boxes += 2;
             if (meets0 && meets1) {
                 bool swap = entry.y < entry.x;
                 if (top == BB_STACK_SIZE)
                     return false;
-                stack_links[top] = swap ? links.x : links.y;
-                stack_entries[top] = swap ? entry.x : entry.y;
+                stack[top].link = swap ? links.x : links.y;
+                stack[top].entry = swap ? entry.x : entry.y;
                 top++;
                 link = swap ? links.y : links.x;
             } else if (meets0 || meets1) {
@@ -59,8 +58,8 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
             if (top == 0)
                 return true;
             top--;
-        } while (stack_entries[top] > search->tmax);
-        link = stack_links[top];
+        } while (stack[top].entry > search->tmax);
+        link = stack[top].link;
     }
 }
 

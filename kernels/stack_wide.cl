@@ -26,9 +26,23 @@
 
 #if BB_QUANTISED
 #define BB_NODE global const bb_wide *
-#define BB_PLANES(node, axis, plane)                                                               \
-    BB_DEQUANTISE(node, axis, convert_float8(vload8(0, (node)->planes + (plane))))
 #define BB_PLANE_STEP BB_WIDTH
+#if BB_GPU_FORM
+#define BB_ABREAST 2
+#define BB_PLANES(node, axis, plane, part)                                                         \
+    BB_DEQUANTISE(node, axis, quantised_planes(node, axis, plane, part))
+/* All planes of an axis are 16 bytes, so that all callers share one load. */
+float2 quantised_planes(global const bb_wide *node, uint axis, uint plane, uint part)
+{
+    uint4 planes = ((global const uint4 *)node->planes)[axis];
+    uint2 eight = (plane & BB_PLANE_STEP) != 0u ? planes.hi : planes.lo;
+    uint four = (part & 2u) != 0u ? eight.y : eight.x;
+    return convert_float2(as_uchar2((ushort)(four >> 16u * (part & 1u))));
+}
+#else
+#define BB_PLANES(node, axis, plane, part)                                                         \
+    BB_DEQUANTISE(node, axis, convert_float8(*(global const uchar8 *)((node)->planes + (plane))))
+#endif
 #define BB_NODE_OF(wide) (wide)
 #define BB_PLACES(wide) (wide)->places
 #else
@@ -74,8 +88,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
                       global const bb_wide *nodes, global const float *blocks, /* of primitives */
                       uint root, const bb_prim_ends *ends)
 {
-    uint stack_links[BB_STACK_SIZE];
-    float stack_entries[BB_STACK_SIZE];
+    bb_waiting stack[BB_STACK_SIZE];
     uint top = 0;
     uint link = root;
 #if BB_BY_OCTANT
@@ -85,9 +98,9 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
     for (;;) {
         while ((link & BB_LEAF_BIT) == 0) {
             global const bb_wide *node = nodes + link;
-            bb_boxes entry, exit;
-            bb_box_distances(slab, BB_NODE_OF(node), search->tmin, search->tmax, &entry, &exit);
-            uint met = BB_VECTOR(bb_bits, BB_WIDTH)(entry <= exit) & BB_PLACES(node);
+            bb_boxes entry;
+            uint met = bb_boxes_met(slab, BB_NODE_OF(node), search->tmin, search->tmax, &entry) &
+                       BB_PLACES(node);
 #if BB_COUNTING
             search->boxes += node->count;
 #endif
@@ -108,8 +121,8 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
                 met ^= 1u << place;
                 uint other = node->links[place ^ octant];
                 BB_PREFETCH_CHILD(other);
-                stack_links[top] = other;
-                stack_entries[top] = entries[place ^ octant];
+                stack[top].link = other;
+                stack[top].entry = entries[place ^ octant];
                 top++;
             }
             link = node->links[(31u - clz(met)) ^ octant];
@@ -124,18 +137,17 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
                 BB_PREFETCH_CHILD(other);
                 float distance = entries[child];
                 if (distance < nearest) {
-                    stack_links[top] = link;
-                    stack_entries[top] = nearest;
+                    stack[top].link = link;
+                    stack[top].entry = nearest;
                     link = other;
                     nearest = distance;
                 } else {
                     uint at = top;
-                    for (; at > bottom && stack_entries[at - 1u] < distance; at--) {
-                        stack_links[at] = stack_links[at - 1u];
-                        stack_entries[at] = stack_entries[at - 1u];
+                    for (; at > bottom && stack[at - 1u].entry < distance; at--) {
+                        stack[at] = stack[at - 1u];
                     }
-                    stack_links[at] = other;
-                    stack_entries[at] = distance;
+                    stack[at].link = other;
+                    stack[at].entry = distance;
                 }
                 top++;
             } while (met != 0u);
@@ -148,8 +160,8 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
             if (top == 0u)
                 return true;
             top--;
-        } while (stack_entries[top] > search->tmax);
-        link = stack_links[top];
+        } while (stack[top].entry > search->tmax);
+        link = stack[top].link;
     }
 }
 

@@ -24,7 +24,11 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
     uint link = root;
     while (link != BB_NONE) {
         global const float *node = nodes + 8ul * link;
+#if BB_GPU_FORM
+        uint first = bb_word(node, 3u), skip = bb_word(node, 7u);
+#else
         uint first = as_uint(node[3]), skip = as_uint(node[7]);
+#endif
         search->boxes++;
         if (!bb_meets_node(slab, node, search->tmin, search->tmax)) {
             link = skip;

@@ -1,6 +1,7 @@
 /* Every kernel against brute force with its own primitive test, bit for bit: small scenes of all
  * kinds at all scales, trees of builders and random ones, awkward rays, leaves and groups of all
- * sizes, all queries. Seed: BVHBENCH_TEST_SEED; BVHBENCH_TEST_RUNS=N for more. */
+ * sizes, all queries, the forms for CPUs and for GPUs. Seed: BVHBENCH_TEST_SEED;
+ * BVHBENCH_TEST_RUNS=N for more. */
 #include "framework/base/random.h"
 #include "framework/judge/queries.h"
 #include "tests/device_fixture.h"
@@ -240,15 +241,18 @@ static void test_run(uint32_t run)
     const bb_query *const queries[] = {&bb_query_closest, &bb_query_any, bb_query_find("interval")};
     static uint8_t right[3][RAYS_MAX * sizeof(bb_interval)];
     const uint32_t kinds = brute.scene->kinds;
+    const bb_form form = device->form;
     for (uint32_t q = 0; q < 3; q++)
         if ((kinds & ~queries[q]->kinds) == 0)
             answer(&brute, rays, RAYS_MAX, q == 1 ? queries[0] : queries[q], right[q]);
     for (uint32_t k = 0; k < KERNELS; k++) {
         const uint32_t count = counts[bb_random_below(&random, sizeof counts / sizeof counts[0])];
         choose(&b, kernels[k]);
+        device->form = (run + k) % 2 == 0 ? BB_FORM_CPU : BB_FORM_GPU; /* of what is compiled */
         for (uint32_t q = 0; q < 3; q++)
             if ((kinds & ~queries[q]->kinds) == 0 && (q == 0 || (run + k) % 4 == q))
                 compare(&b, kernels[k], rays, count, queries[q], right[q], what);
+        device->form = form;
     }
     close_bed(&b);
     close_bed(&brute);

@@ -298,6 +298,8 @@ static bb_status write_defines(const bb_device *device, const bb_tracer_request 
                   or_empty(kernel->defines), v->kinds, request->query->define,
                   or_empty(request->defines), request->counting, is_persistent(request),
                   layout->lanes));
+    if (!bb_cpu_form(device))
+        BB_TRY(append(text, capacity, " -DBB_GPU_FORM=1"));
     if (v->stack_size > 0)
         BB_TRY(append(text, capacity, " -DBB_STACK_SIZE=%u", v->stack_size));
     if (v->levels > 0)

@@ -11,6 +11,8 @@
 
 #define HL_LEVELS 65 /* bits that two keys may first differ in, and one for equal keys */
 
+#define HL_GROUP 64 /* work-items that split a chunk or a task together on GPUs */
+
 /* Bytes of hl_bins: two float4 for each bin of each axis, then `words` counts or weights for each;
  * the whole a multiple of a float4. hlbvh_bins.clh does not compile where it is not so. */
 #define HL_BINS_BYTES(bins, words) (3 * (bins)*2 * 16 + (3 * (bins) * (words)*4 + 15) / 16 * 16)

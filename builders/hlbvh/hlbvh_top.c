@@ -9,6 +9,8 @@
 #include <string.h>
 
 BB_DEVICE_SOURCE(hlbvh_top);
+BB_DEVICE_SOURCE(hlbvh_divide);
+BB_DEVICE_SOURCE(hlbvh_divide_gpu);
 
 /* The GPU form has as many work-items as it can, the CPU form as many as keep its cores busy. */
 enum {
@@ -25,7 +27,7 @@ struct hl_top {
     bb_device *device;
     bb_account *account;
     size_t bin_bytes; /* of one chunk's bins */
-    cl_program program;
+    cl_program program, dividing;
     cl_kernel bin, divide, move, children, subtree;
     uint32_t small, chunk;            /* clusters of a small task; of a chunk */
     uint32_t tasks_most, chunks_most; /* of a level */
@@ -49,6 +51,7 @@ void hl_top_destroy(hl_top *top)
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++)
         bb_kernel_release(kernels[i]);
     bb_program_release(top->program);
+    bb_program_release(top->dividing);
     bb_host_free(top->large);
     bb_host_free(top->ready);
     bb_host_free(top->halves);
@@ -61,8 +64,12 @@ static bb_status compile(hl_top *top, uint32_t bins, bool by_prims)
     char defines[64];
     snprintf(defines, sizeof defines, "-DHL_BINS=%u%s", bins, by_prims ? " -DHL_BY_PRIMS" : "");
     BB_TRY(bb_program_build(top->device, &bb_source_hlbvh_top, defines, &top->program));
-    BB_TRY(bb_kernel_get(top->program, "hl_bin", &top->bin));
-    BB_TRY(bb_kernel_get(top->program, "hl_divide", &top->divide));
+    BB_TRY(bb_program_build(top->device,
+                            bb_cpu_form(top->device) ? &bb_source_hlbvh_divide
+                                                     : &bb_source_hlbvh_divide_gpu,
+                            defines, &top->dividing));
+    BB_TRY(bb_kernel_get(top->dividing, "hl_bin", &top->bin));
+    BB_TRY(bb_kernel_get(top->dividing, "hl_divide", &top->divide));
     BB_TRY(bb_kernel_get(top->program, "hl_move", &top->move));
     BB_TRY(bb_kernel_get(top->program, "hl_children", &top->children));
     return bb_kernel_get(top->program, "hl_subtree", &top->subtree);
@@ -192,16 +199,18 @@ static bb_status split_level(job *j)
     bb_device *device = top->device;
     cut_into_chunks(top);
     uint32_t tasks = top->large_count, chunks = top->cut_count;
+    const size_t together = bb_cpu_form(device) ? 1 : HL_GROUP;
     const bb_buffer *from = j->side == 0 ? j->clusters->items : &top->spare;
     const bb_buffer *to = j->side == 0 ? &top->spare : j->clusters->items;
     BB_TRY(bb_buffer_write(&top->tasks, 0, tasks * sizeof(hl_task), top->large));
     BB_TRY(bb_buffer_write(&top->chunks, 0, chunks * sizeof(hl_chunk), top->cut));
-    BB_TRY(bb_launch(device, top->bin, chunks, group(top), BB_MEM(top->tasks), BB_MEM(top->chunks),
-                     BB_VALUE(chunks), BB_MEM(*from), BB_VALUE(j->unit), BB_MEM(top->found)));
-    BB_TRY(bb_launch(device, top->divide, tasks, group(top), BB_MEM(top->tasks), BB_VALUE(tasks),
-                     BB_MEM(top->found), BB_VALUE(j->unit), BB_MEM(*j->clusters->starts),
-                     BB_VALUE(j->clusters->count), BB_MEM(j->tree->d_nodes), BB_MEM(top->splits),
-                     BB_MEM(top->chunks)));
+    BB_TRY(bb_launch(device, top->bin, chunks * together, together, BB_MEM(top->tasks),
+                     BB_MEM(top->chunks), BB_VALUE(chunks), BB_MEM(*from), BB_VALUE(j->unit),
+                     BB_MEM(top->found)));
+    BB_TRY(bb_launch(device, top->divide, tasks * together, together, BB_MEM(top->tasks),
+                     BB_VALUE(tasks), BB_MEM(top->found), BB_VALUE(j->unit),
+                     BB_MEM(*j->clusters->starts), BB_VALUE(j->clusters->count),
+                     BB_MEM(j->tree->d_nodes), BB_MEM(top->splits), BB_MEM(top->chunks)));
     BB_TRY(bb_launch(device, top->move, chunks, group(top), BB_MEM(top->tasks), BB_MEM(top->splits),
                      BB_MEM(top->chunks), BB_VALUE(chunks), BB_MEM(*from), BB_MEM(*to),
                      BB_VALUE(j->unit)));

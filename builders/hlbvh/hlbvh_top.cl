@@ -8,6 +8,7 @@
  *   each chunk: moves its items, in order; boxes of centroids on both sides             (hl_move)
  *   each task: these boxes of its halves, the next level's tasks                    (hl_children)
  * Small ones, and what becomes of large ones, by one work-item down to the clusters  (hl_subtree).
+ * hl_bin and hl_divide are in hlbvh_divide.cl, for CPUs, and hlbvh_divide_gpu.cl.
  * Both split alike, so that the tree does not depend on what is small.
  *
  * Node numbers follow from positions. The cluster order that comes out has a border before each of
@@ -17,23 +18,12 @@
  * split at e. What is inside of a cluster stays where it is, but for skips along its right side.
  */
 #include "bb_device.h"
-#include "hlbvh_bins.clh"
-#include "leaf_boxes.clh"
+#include "hlbvh_bins_alone.clh"
+#include "hlbvh_top.clh"
 
 #define HL_STACK 33 /* the larger half waits: no more than log2 of the clusters */
 
 /* ---- nodes ---- */
-
-/* The left child of the split before position `at`; the right one is the next. */
-uint pair_at(global const uint *starts, uint at)
-{
-    return 2u * starts[at] - 1u;
-}
-
-uint skip_after(global const uint *starts, uint clusters, uint end)
-{
-    return end < clusters ? pair_at(starts, end) + 1u : BB_NONE;
-}
 
 void write_cluster(global bb_node *nodes, uint place, global const hl_item *item,
                    global const hl_root *roots, uint skip)
@@ -45,15 +35,6 @@ void write_cluster(global bb_node *nodes, uint place, global const hl_item *item
         nodes[first + 1u].skip = skip;
         first = nodes[first + 1u].first;
     }
-}
-
-hl_box box_of_bins(const hl_bins *bins, uint count)
-{
-    hl_box box = hl_no_box();
-    for (uint k = 0; k < count; k++)
-        if (bins->count[0][k] > 0)
-            hl_join(&box, bins->lo[0][k], bins->hi[0][k]);
-    return box;
 }
 
 /* ---- small tasks ---- */
@@ -169,91 +150,6 @@ kernel void hl_subtree(global const hl_task *tasks, uint task_count, global hl_i
 }
 
 /* ---- large tasks ---- */
-
-float4 low_of(const hl_task *task)
-{
-    return (float4)(task->lo[0], task->lo[1], task->lo[2], 0.0f);
-}
-
-float4 high_of(const hl_task *task)
-{
-    return (float4)(task->hi[0], task->hi[1], task->hi[2], 0.0f);
-}
-
-hl_grid grid_of(const hl_task *task, float unit)
-{
-    return hl_make_grid(low_of(task), high_of(task), unit, task->end - task->begin);
-}
-
-kernel void hl_bin(global const hl_task *tasks, global const hl_chunk *chunks, uint chunk_count,
-                   global const hl_item *items, float unit, global hl_bins *found)
-{
-    uint number = get_global_id(0);
-    if (number >= chunk_count)
-        return;
-    const hl_chunk chunk = chunks[number];
-    const hl_task task = tasks[chunk.task];
-    hl_grid grid = grid_of(&task, unit);
-    hl_bins bins;
-    hl_clear(&bins, HL_BINS);
-    hl_fill(&bins, &grid, items, chunk.begin, chunk.end);
-    found[number] = bins;
-}
-
-/* Sums up a task's bins. */
-void sum_bins(hl_bins *sum, global const hl_bins *found, uint count)
-{
-    hl_clear(sum, HL_BINS);
-    for (uint chunk = 0; chunk < count; chunk++)
-        for (uint axis = 0; axis < 3u; axis++)
-            for (uint k = 0; k < HL_BINS; k++) {
-                sum->lo[axis][k] = BB_MIN(found[chunk].lo[axis][k], sum->lo[axis][k]);
-                sum->hi[axis][k] = BB_MAX(found[chunk].hi[axis][k], sum->hi[axis][k]);
-                sum->count[axis][k] += found[chunk].count[axis][k];
-#ifdef HL_BY_PRIMS
-                sum->weight[axis][k] += found[chunk].weight[axis][k];
-#endif
-            }
-}
-
-/* Where the items of each chunk of a task go. */
-void place_chunks(const hl_task *task, const hl_split *split, global const hl_bins *found,
-                  global hl_chunk *chunks)
-{
-    uint left_at = task->begin, right_at = split->middle;
-    for (uint c = 0; c < task->chunk_count; c++) {
-        global hl_chunk *chunk = chunks + task->first_chunk + c;
-        uint left = 0, count = chunk->end - chunk->begin;
-        if (split->axis == 3u)
-            left = split->middle > chunk->begin ? BB_MIN(split->middle - chunk->begin, count) : 0;
-        else
-            for (uint k = 0; k < split->bin; k++)
-                left += found[task->first_chunk + c].count[split->axis][k];
-        chunk->left_at = left_at;
-        chunk->right_at = right_at;
-        left_at += left;
-        right_at += count - left;
-    }
-}
-
-kernel void hl_divide(global const hl_task *tasks, uint task_count, global const hl_bins *found,
-                      float unit, global const uint *starts, uint clusters, global bb_node *nodes,
-                      global hl_split *splits, global hl_chunk *chunks)
-{
-    uint number = get_global_id(0);
-    if (number >= task_count)
-        return;
-    const hl_task task = tasks[number];
-    hl_grid grid = grid_of(&task, unit);
-    hl_bins bins;
-    sum_bins(&bins, found + task.first_chunk, task.chunk_count);
-    hl_split split = hl_find_split(&bins, &grid, unit, task.begin, task.end - task.begin);
-    hl_box box = box_of_bins(&bins, grid.bins);
-    bb_write_node(nodes, task.place, box.lo, box.hi, pair_at(starts, split.middle),
-                  skip_after(starts, clusters, task.end));
-    splits[number] = split;
-    place_chunks(&task, &split, found, chunks);
-}
 
 void store_bounds(global float *lo, global float *hi, const hl_box *box)
 {

@@ -19,6 +19,8 @@
 
 static const bb_cli_option options[] = {
     {"json", NULL, "as JSON", false},
+    {"isa", NULL, "of kernels: the registers, memory and loads that GPUs' compilers make of them",
+     false},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {.name = NULL},
 };
@@ -219,6 +221,35 @@ static void print_list(const char *kind, const cJSON *list)
     printf("\n");
 }
 
+/* kernels/isa.tsv in columns. Two passes: how wide each is, then the rows. */
+static void print_isa(void)
+{
+    enum { COLUMNS_MAX = 32 };
+    int widths[COLUMNS_MAX] = {0};
+    for (int pass = 0; pass < 2; pass++) {
+        const char *line = bb_source_find("isa.tsv")->text;
+        for (; *line != '\0'; line += strcspn(line, "\n") + 1) {
+            if (*line == '#') {
+                if (pass == 1)
+                    printf("%.*s\n", (int)strcspn(line, "\n"), line);
+                continue;
+            }
+            for (int column = 0; column < COLUMNS_MAX; column++) {
+                int length = (int)strcspn(line, "\t\n");
+                if (pass == 0 && widths[column] < length)
+                    widths[column] = length;
+                if (pass == 1)
+                    printf("%*.*s%s", column < 3 ? -widths[column] : widths[column], length, line,
+                           line[length] == '\t' ? "  " : "\n");
+                line += length;
+                if (*line != '\t')
+                    break;
+                line++;
+            }
+        }
+    }
+}
+
 static bb_status unknown_kind(const char *kind)
 {
     bb_suggestion meant = {.word = kind};
@@ -237,6 +268,14 @@ static bb_status run(const bb_cli *cli, int *exit_status)
     const char *wanted = cli->positional_count > 0 ? cli->positional[0] : NULL;
     if (cli->positional_count > 1)
         return bb_fail(BB_INVALID, "list takes one kind: drop '%s'", cli->positional[1]);
+    if (bb_cli_value(cli, "isa") != NULL) {
+        if (wanted == NULL || strcmp(wanted, "kernels") != 0)
+            return bb_fail(BB_INVALID, "--isa is of kernels: list kernels --isa");
+        if (bb_cli_value(cli, "json") != NULL)
+            return bb_fail(BB_INVALID, "--isa is a table of text: drop --json");
+        print_isa();
+        return BB_OK;
+    }
     cJSON *all = cJSON_CreateObject();
     bb_status status = BB_OK;
     bool found = false;

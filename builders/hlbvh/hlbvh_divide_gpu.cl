@@ -1,0 +1,100 @@
+/* Where large tasks of the top tree are split (hlbvh_top.cl), the form for GPUs: a work-group for
+ * each chunk and for each task, with the bins in local memory.
+ *
+ *   hl_bin: a tile of items at a time: each work-item says in which bins one item is, then goes
+ *           through the tile for its own bins
+ *   hl_divide: each work-item sums its own bins up; three find the best plane of an axis; the first
+ *              goes on as in the other form
+ *
+ * Each bin takes its items in their order, and each task its chunks, so that the tree is that of
+ * the form for CPUs, bit for bit, without atomics.
+ */
+#include "bb_device.h"
+#define HL_SPACE local
+#include "hlbvh_divide.clh"
+
+/* A work-item's own bins: of all axes', every HL_GROUP-th. */
+#define HL_OWN_BINS(b) uint b = (uint)get_local_id(0); b < 3u * HL_BINS; b += HL_GROUP
+
+void clear_own(local hl_bins *bins)
+{
+    for (HL_OWN_BINS(b))
+        hl_clear_bin(bins, b / HL_BINS, b % HL_BINS);
+}
+
+kernel void hl_bin(global const hl_task *tasks, global const hl_chunk *chunks, uint chunk_count,
+                   global const hl_item *items, float unit, global hl_bins *found)
+{
+    local hl_bins bins;
+    local hl_box boxes[HL_GROUP];
+    local int4 places[HL_GROUP];
+    local uint weights[HL_GROUP];
+    const uint me = (uint)get_local_id(0);
+    const hl_chunk chunk = chunks[get_group_id(0)];
+    const hl_task task = tasks[chunk.task];
+    hl_grid grid = grid_of(&task, unit);
+    clear_own(&bins);
+    for (uint begin = chunk.begin; begin < chunk.end; begin += HL_GROUP) {
+        uint count = BB_MIN(chunk.end - begin, (uint)HL_GROUP);
+        if (me < count) {
+            hl_box box = hl_load(items + begin + me);
+            boxes[me] = box;
+            places[me] = hl_bin_of(&grid, hl_centroid(&box, grid.half_unit));
+            weights[me] = items[begin + me].weight;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (HL_OWN_BINS(b))
+            for (uint i = 0; i < count; i++)
+                if ((uint)hl_lane(places[i], b / HL_BINS) == b % HL_BINS) {
+                    hl_box box = boxes[i];
+                    hl_add(&bins, b / HL_BINS, b % HL_BINS, &box, weights[i]);
+                }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    global hl_bins *out = found + get_group_id(0);
+    for (HL_OWN_BINS(b)) {
+        uint axis = b / HL_BINS, k = b % HL_BINS;
+        out->lo[axis][k] = bins.lo[axis][k];
+        out->hi[axis][k] = bins.hi[axis][k];
+        out->count[axis][k] = bins.count[axis][k];
+#ifdef HL_BY_PRIMS
+        out->weight[axis][k] = bins.weight[axis][k];
+#endif
+    }
+}
+
+kernel void hl_divide(global const hl_task *tasks, uint task_count, global const hl_bins *found,
+                      float unit, global const uint *starts, uint clusters, global bb_node *nodes,
+                      global hl_split *splits, global hl_chunk *chunks)
+{
+    local hl_bins bins;
+    local float right_costs[3][HL_BINS];
+    local hl_best bests[3];
+    const uint me = (uint)get_local_id(0), number = (uint)get_group_id(0);
+    const hl_task task = tasks[number];
+    const uint count = task.end - task.begin;
+    hl_grid grid = grid_of(&task, unit);
+    clear_own(&bins);
+    for (uint c = 0; c < task.chunk_count; c++)
+        for (HL_OWN_BINS(b))
+            hl_add_bin(&bins, found + task.first_chunk + c, b / HL_BINS, b % HL_BINS);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (me < 3u) {
+        hl_best best = hl_no_best();
+        float scale = me == 0 ? grid.scale.x : me == 1u ? grid.scale.y : grid.scale.z;
+        if (scale > 0.0f)
+            hl_try_axis(&bins, me, grid.bins, count, unit, right_costs[me], &best);
+        bests[me] = best;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (me != 0)
+        return;
+    hl_best best = hl_no_best();
+    for (uint axis = 0; axis < 3u; axis++) {
+        hl_best other = bests[axis];
+        hl_take_better(&best, &other, count);
+    }
+    hl_split split = hl_split_at(&best, task.begin, count);
+    splits[number] = split;
+    finish_task(&task, &bins, &grid, &split, found, starts, clusters, nodes, chunks);
+}

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# Has the mock GPU write down every program that bvhbench builds, by building and tracing with all
+# that there is: record.sh BVHBENCH MOCK-LIBRARY FOLDER
+#   FOLDER/FORM/N/         what command N built; FORM: cpu or gpu
+#   FOLDER/trace/SPEC/     what kernel SPEC traces closest hits with, in the form for GPUs
+# SPEC: each kernel of `list kernels`, and the variants that are for GPUs; with a stack of 32 where
+# it has one of the tree's size.
+set -euo pipefail
+program=$1 library=$2 folder=$3
+variants=(stack:persistent=yes stack8q:order=octant stack8q:order=octant,leaf=4)
+rm -rf "$folder"
+mkdir -p "$folder/logs"
+
+# A line each: a place, then a command, whose answers are other tests' matter.
+commands() {
+    local form handover trace kernel
+    for form in cpu gpu; do
+        for handover in fence levels; do
+            echo "$form/$handover check --form $form --handover $handover --builder all" \
+                "--scene cube --scene tets:side=2 --side 6 --quiet"
+        done
+        echo "$form/more check --form $form --builder presplit:method=priority+lbvh" \
+            "--scene soup:n=50 --side 6 --quiet"
+        trace="--form $form --builder lbvh --rays primary,ao --size 8x8 --max-rays 64 --repeats 1"
+        trace+=" --no-pictures --charts no --quiet"
+        echo "$form/mixed run $trace --scene blocks:side=2,mixed=yes --kernel all --metrics all" \
+            "--out $folder/logs/mixed-$form"
+        echo "$form/leaf run $trace --scene cube --kernel stack:leaf=4,stack8:leaf=4" \
+            "--intersector all --out $folder/logs/leaf-$form"
+        echo "$form/volume volume --form $form --scene nbody:n=16 --scene tets:side=2 --size 8x8" \
+            "--steps 1 --repeats 1"
+        echo "$form/slice slice --form $form --scene tets:side=2 --size 8x8 --no-tree --repeats 1"
+        echo "$form/overlap overlap --form $form tets:side=2 tets:side=3 --no-tree --repeats 1"
+        echo "$form/animate animate --form $form --scene twist:n=100,frames=3 --size 8x8" \
+            "--max-rays 64 --repeats 1 --quiet --builder lbvh+refit:rotate=yes" \
+            "--builder lbvh+refit:partial=2"
+    done
+    for kernel in $("$program" list kernels --json | jq -r '.kernels[].name') "${variants[@]}"; do
+        echo "trace/$kernel run --form gpu --scene cube --builder lbvh --kernel $kernel,stack=32" \
+            "--rays primary --size 8x8 --repeats 1 --no-pictures --charts no --quiet" \
+            "--out $folder/logs/$kernel"
+    done
+}
+
+one() {
+    local place=$1
+    local log=$folder/logs/${place//\//-}.log
+    shift
+    mkdir -p "$folder/$place"
+    local recorded=(env MOCK_GPU_DEVICES=cpu MOCK_GPU_RECORD="$folder/$place" LD_PRELOAD="$library")
+    recorded+=("$program")
+    "${recorded[@]}" "$@" >"$log" 2>&1 || {
+        grep -q 'drop stack=' "$log" || return 0
+        "${recorded[@]}" "${@/[:,]stack=32/}" >"$log" 2>&1 || true
+    }
+}
+export -f one
+export program library folder
+commands | sed 's/\(--kernel [a-z0-9]*\),stack/\1:stack/' |
+    xargs -P 2 -I LINE bash -c 'one LINE'
