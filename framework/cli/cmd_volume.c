@@ -195,6 +195,7 @@ static bb_status compare_transfers(job *j, bb_scene *scene)
         if (status == BB_OK)
             status = compare(j, scene);
     }
+    j->request.transfer = NULL;
     return status;
 }
 

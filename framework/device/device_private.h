@@ -38,6 +38,19 @@ extern const bb_source bb_embedded_sources[];
 /* Forgets all compiled programs (those in use live on). */
 void bb_programs_clear(bb_device *device);
 
+/* What compiling took since the device was opened or its programs forgotten. Not in it is what a
+ * driver leaves for a kernel's first launch. */
+typedef struct bb_compiling {
+    uint32_t programs; /* those that did not compile among them */
+    double ms;         /* wall */
+    const char *cache; /* the driver's cache of kernels, for the program that took longest: "cold":
+                          compiled again it takes less than a third of the time; "warm": it does
+                          not, so it came from the cache, or there is none; or "not known" */
+} bb_compiling;
+
+/* Compiles one program once more, to tell. */
+void bb_programs_measure(bb_device *device, bb_compiling *found);
+
 /* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read
  * device->event_ms. While profile_events is set, whatever the device does by itself is added:
  * launches, copies from buffer to buffer, fills. It then owns the event. */

@@ -48,6 +48,13 @@ FIELD(CONTEXT_STALE, CONTEXT, "litmus_stale", "", NUMBER | NONE, C(DOUBLE, litmu
       NULL, NULL)
 FIELD(CONTEXT_KERNELS, CONTEXT, "kernels", "", TEXT | NONE, C(STRING, kernels), AS_TEXT, "Kernels",
       NULL)
+FIELD(CONTEXT_PROGRAMS, CONTEXT, "programs", "", NUMBER | NONE, LATER, AS_WHOLE,
+      "Programs compiled", "programs of device code")
+FIELD(CONTEXT_COMPILE, CONTEXT, "compile_ms", "ms", NUMBER | NONE, LATER, AS_FIGURE,
+      "Compiling", "wall time of the driver's compiler, without what it leaves for first launches")
+FIELD(CONTEXT_CACHE, CONTEXT, "kernel_cache", "", TEXT | NONE, LATER, AS_TEXT, "Kernel cache",
+      "cold: compiled again, the slowest program takes less than a third of the time; warm: it "
+      "does not, so it came from the driver's cache, or there is none")
 FIELD(CONTEXT_EMBREE, CONTEXT, "embree", "", OBJECT | NONE, BY(bb_put_embree), AS_TEXT, "Embree",
       NULL)
 FIELD(CONTEXT_FLAGS, CONTEXT, "build_flags", "", TEXT | NONE, C(STRING, build_flags), AS_TEXT,

@@ -217,6 +217,15 @@ bb_status bb_results_set_others(bb_results *results, double processors)
     return bb_put_number(context, name, processors) ? BB_OK : no_memory();
 }
 
+bb_status bb_results_set_compiling(bb_results *results, const bb_compiling *compiling)
+{
+    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
+    bool ok = bb_put_number(context, bb_fields[BB_F_CONTEXT_PROGRAMS].name, compiling->programs) &&
+              bb_put_number(context, bb_fields[BB_F_CONTEXT_COMPILE].name, compiling->ms) &&
+              bb_put_text(context, bb_fields[BB_F_CONTEXT_CACHE].name, compiling->cache);
+    return ok ? BB_OK : no_memory();
+}
+
 bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of)
 {
     char hash[24];

@@ -7,6 +7,7 @@
 #include "framework/base/decision.h"
 #include "framework/base/statistics.h"
 #include "framework/base/status.h"
+#include "framework/device/device_private.h"
 #include "framework/judge/accuracy.h"
 #include "framework/rays/rays.h"
 #include "framework/record/cell.h"
@@ -153,6 +154,8 @@ bb_status bb_results_set_total(bb_results *results, double build_ms, double trac
                                double total_ms);
 /* Processors that other programs kept busy meanwhile; NAN: not known. A later call replaces it. */
 bb_status bb_results_set_others(bb_results *results, double processors);
+/* What compiling took (framework/device/device_private.h). Once. */
+bb_status bb_results_set_compiling(bb_results *results, const bb_compiling *compiling);
 /* Which part of the cells this is: "2/8"; and of which run: a hash of what was asked for. */
 bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of);
 /* That the run was interrupted: what is there is whole, but not all that was asked for. */

@@ -406,6 +406,20 @@ static void print_times(FILE *out, const cJSON *steps, const cJSON *times)
     print_seconds(out, "total", total);
 }
 
+/* Files of earlier versions do not say. */
+static void print_compiling(FILE *out, const cJSON *context)
+{
+    if (isnan(bb_get_number(context, BB_F_CONTEXT_PROGRAMS)))
+        return;
+    fprintf(out, "\n%.0f programs compiled in %.1f s by driver ",
+            bb_get_number(context, BB_F_CONTEXT_PROGRAMS),
+            1e-3 * bb_get_number(context, BB_F_CONTEXT_COMPILE));
+    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_DRIVER), 0);
+    fputs(", kernel cache ", out);
+    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_CACHE), 0);
+    fputc('\n', out);
+}
+
 static void print_audit(FILE *out, const cJSON *audit)
 {
     if (!cJSON_IsObject(audit))
@@ -466,6 +480,7 @@ bb_status bb_report_table(const bb_results *results, FILE *out)
     print_skipped(out, bb_results_section(results, "skipped"));
     print_times(out, bb_results_section(results, "steps_ms"),
                 bb_results_section(results, "time_ms"));
+    print_compiling(out, context);
     print_audit(out, bb_results_section(results, "audit"));
     print_legend(out, cJSON_GetArraySize(traces) > 0);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
