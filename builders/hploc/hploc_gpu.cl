@@ -126,7 +126,8 @@ void reduce_node(const hploc_tree *t, uint s, bb_clusters own, local int *partne
     barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
 }
 
-kernel void hploc_level(global const bb_key *keys, uint count, global bb_pair_side *clusters,
+kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
+void hploc_level(global const bb_key *keys, uint count, global bb_pair_side *clusters,
                         global uint *heads, global uint *live, global const uint2 *ranges,
                         volatile global uint *missing, global bb_cluster_pair *pairs,
                         global bb_pair_side *root, uint number, volatile global uint *counts,
