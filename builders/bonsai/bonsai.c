@@ -166,7 +166,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->account = context->account;
     self->group = (uint32_t)group;
     self->prune = prune;
-    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
+    BB_TRY(bb_sorted_codes_create(context, false, &self->sorted));
     BB_TRY(compile_mini(self));
     BB_TRY(bn_top_create(self->device, self->account, bb_spec_is(spec, options, "weight", "prims"),
                          &self->top));

@@ -92,8 +92,9 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     }
     double cpu = bb_cpu_ms(), start = bb_wall_ms();
     bb_status status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
-    *timing =
-        (bb_timing){bb_wall_ms() - start, bb_cpu_ms() - cpu, bb_embree_span_ms(c->entrant->embree)};
+    *timing = (bb_timing){.ms = bb_wall_ms() - start,
+                          .cpu_ms = bb_cpu_ms() - cpu,
+                          .event_ms = bb_embree_span_ms(c->entrant->embree)};
     bb_status unmapped[2] = {BB_OK, BB_OK};
     if (mapped) {
         unmapped[0] = bb_buffer_unmap(&bench->rays, rays);
@@ -107,7 +108,7 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
 static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
 {
     bool reference = c->entrant->reference;
-    *timing = (bb_timing){0, 0, 0};
+    *timing = (bb_timing){0};
     if (!reference)
         BB_TRY(bb_resident_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);

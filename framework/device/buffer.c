@@ -80,19 +80,33 @@ void bb_buffer_release(bb_buffer *buffer)
 
 bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const void *source)
 {
-    if (bytes > 0)
-        BB_CL_TRY(clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
-                                       source, 0, NULL, NULL),
-                  "writing %zu bytes to the device", bytes);
+    if (bytes == 0)
+        return BB_OK;
+    buffer->device->waits++;
+    BB_CL_TRY(clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+                                   source, 0, NULL, NULL),
+              "writing %zu bytes to the device", bytes);
+    return BB_OK;
+}
+
+bb_status bb_buffer_send(bb_buffer *buffer, size_t bytes, const void *source)
+{
+    bb_device *device = buffer->device;
+    device->launches++;
+    BB_CL_TRY(
+        clEnqueueWriteBuffer(device->queue, buffer->mem, CL_FALSE, 0, bytes, source, 0, NULL, NULL),
+        "sending %zu bytes to the device", bytes);
     return BB_OK;
 }
 
 bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, void *target)
 {
-    if (bytes > 0)
-        BB_CL_TRY(clEnqueueReadBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
-                                      target, 0, NULL, NULL),
-                  "reading %zu bytes from the device", bytes);
+    if (bytes == 0)
+        return BB_OK;
+    buffer->device->waits++;
+    BB_CL_TRY(clEnqueueReadBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+                                  target, 0, NULL, NULL),
+              "reading %zu bytes from the device", bytes);
     return BB_OK;
 }
 
@@ -102,6 +116,7 @@ bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern)
     cl_event event;
     if (bytes == 0)
         return BB_OK;
+    device->launches++;
     BB_CL_TRY(clEnqueueFillBuffer(device->queue, buffer->mem, &pattern, sizeof pattern, 0, bytes, 0,
                                   NULL, device->profile_events ? &event : NULL),
               "filling %zu bytes on the device", bytes);
@@ -114,6 +129,7 @@ bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes)
     cl_event event;
     if (bytes == 0)
         return BB_OK;
+    device->launches++;
     BB_CL_TRY(clEnqueueCopyBuffer(device->queue, from->mem, to->mem, 0, 0, bytes, 0, NULL,
                                   device->profile_events ? &event : NULL),
               "copying %zu bytes on the device", bytes);
@@ -123,6 +139,7 @@ bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes)
 bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer)
 {
     cl_int error;
+    buffer->device->waits++;
     *pointer = clEnqueueMapBuffer(buffer->device->queue, buffer->mem, CL_TRUE,
                                   write ? CL_MAP_READ | CL_MAP_WRITE : CL_MAP_READ, 0,
                                   buffer->bytes, 0, NULL, NULL, &error);

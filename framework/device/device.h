@@ -30,7 +30,7 @@ typedef enum bb_form {
 typedef enum bb_handover {
     BB_HANDOVER_AUTO,   /* as the device documents, confirmed by a litmus test */
     BB_HANDOVER_FENCE,  /* inside a launch */
-    BB_HANDOVER_LEVELS, /* one launch per level */
+    BB_HANDOVER_LEVELS, /* from one launch to the next */
 } bb_handover;
 
 typedef struct bb_device {
@@ -56,6 +56,8 @@ typedef struct bb_device {
     uint64_t bytes;              /* in use by our own account */
     double event_ms;             /* sum of the event times since bb_device_clear_events() */
     bool profile_events;         /* collect event_ms: a stopwatch runs */
+    uint64_t launches;           /* kernels, fills and copies enqueued since it was opened */
+    uint64_t waits;              /* blocking copies and maps since then */
     struct bb_event_list *events;
     struct bb_program_cache *programs; /* what was compiled; released with the device */
     const char *kernel_folder; /* edit-and-run: .cl and .h are read from here first; may be NULL */
@@ -97,6 +99,8 @@ void bb_buffer_release(bb_buffer *buffer);
 /* Blocking copies. Offsets and sizes in bytes. */
 bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const void *source);
 bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, void *target);
+/* Writes the first `bytes`; enqueued, not waited for: `source` stays as it is until it is done. */
+bb_status bb_buffer_send(bb_buffer *buffer, size_t bytes, const void *source);
 /* Fills with a 32-bit pattern; enqueued, not waited for. `bytes` is a multiple of 4. */
 bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern);
 /* Copies the first `bytes` from one buffer to another on the device; enqueued, not waited for. */

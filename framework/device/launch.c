@@ -62,6 +62,7 @@ bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, siz
                                      device->profile_events ? &event : NULL),
               "launching kernel %s on %zu work-items in groups of %zu",
               name_of(kernel, name, sizeof name), whole, local);
+    device->launches++;
     if (device->profile_events)
         BB_TRY(bb_device_add_event(device, event));
     return BB_OK;
