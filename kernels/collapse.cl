@@ -120,22 +120,27 @@ kernel void collapse_leaves(global const bb_node *nodes, global const uint *refs
         bb_put_on_list(p, 0u, counts, next);
 }
 
+void decide_listed(uint n, global const bb_node *nodes, const bb_cost_model *model,
+                   global const uint *parents, volatile global uint *missing,
+                   volatile global bb_subtree *subtrees, uint number,
+                   volatile global uint *counts, global uint *next)
+{
+    bb_subtree s = join(nodes, subtrees, n, model);
+    put(subtrees + n, &s);
+    uint p = parents[n];
+    if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
+        bb_put_on_list(p, number, counts, next);
+}
+
 kernel void collapse_level(global const bb_node *nodes, float scale, float traversal,
                            float intersection, uint block, uint max_leaf,
                            global const uint *parents, volatile global uint *missing,
-                           volatile global bb_subtree *subtrees, global const uint *level,
-                           uint number, volatile global uint *counts, global uint *next)
+                           volatile global bb_subtree *subtrees, global uint *list, uint number,
+                           volatile global uint *counts, global uint *next)
 {
     const bb_cost_model model = {scale, traversal, intersection, block, max_leaf};
-    uint count = counts[number];
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-        uint n = level[i];
-        bb_subtree s = join(nodes, subtrees, n, &model);
-        put(subtrees + n, &s);
-        uint p = parents[n];
-        if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
-            bb_put_on_list(p, number, counts, next);
-    }
+#define DECIDE(n) decide_listed(n, nodes, &model, parents, missing, subtrees, number, counts, next)
+    BB_FOR_LISTS(DECIDE, 1u)
 }
 
 /* The references below node n, each once if `duplicated`: counted, and written to `out` unless that

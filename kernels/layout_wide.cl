@@ -108,18 +108,22 @@ kernel void plan_leaves(global const bb_pair *pairs, uint count, uint root,
         bb_put_on_list(parents[p], 0u, counts, next);
 }
 
+void plan_listed(uint p, global const bb_pair *pairs, uint root, global const uint *parents,
+                 volatile global uint *missing, volatile global bb_wide_plan *plans, uint number,
+                 volatile global uint *counts, global uint *next)
+{
+    plan_pair(pairs, p, plans);
+    if (p != root && atomic_dec(&missing[parents[p]]) == 1u)
+        bb_put_on_list(parents[p], number, counts, next);
+}
+
 kernel void plan_level(global const bb_pair *pairs, uint root, global const uint *parents,
                        volatile global uint *missing, volatile global bb_wide_plan *plans,
-                       global const uint *level, uint number, volatile global uint *counts,
+                       global uint *list, uint number, volatile global uint *counts,
                        global uint *next)
 {
-    uint count = counts[number];
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-        uint p = level[i];
-        plan_pair(pairs, p, plans);
-        if (p != root && atomic_dec(&missing[parents[p]]) == 1u)
-            bb_put_on_list(parents[p], number, counts, next);
-    }
+#define PLAN(p) plan_listed(p, pairs, root, parents, missing, plans, number, counts, next)
+    BB_FOR_LISTS(PLAN, 1u)
 }
 
 /* ---- what a wide node takes in: sides of pairs, 2 * pair + side ---- */
