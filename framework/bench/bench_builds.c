@@ -118,6 +118,9 @@ static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_t
     add_steps(entrant);
     record->prepare_ms = bb_instance_prepare_ms(instance);
     bb_input_words(inputs, record->inputs, sizeof record->inputs);
+    for (uint32_t i = 0; i < entrant->pipeline.count; i++)
+        if (entrant->pipeline.stages[i].builder->place == BB_ON_DEVICE)
+            strcpy(record->handover, bb_handover_word(bench->device));
     if ((inputs & BB_INPUT_BOXES) != 0)
         record->boxes_ms = bb_samples_median(&bench->boxes_ms);
     record->bytes_peak = instance->account.peak;

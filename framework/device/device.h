@@ -74,6 +74,9 @@ static inline bool bb_cpu_form(const bb_device *device)
  * steps then get the same bits. */
 bool bb_device_divides_exactly(const bb_device *device);
 
+/* "fence" or "levels". */
+const char *bb_handover_word(const bb_device *device);
+
 /* Compiler options for programs that include handover.clh; 96 characters are enough. */
 void bb_handover_defines(const bb_device *device, char *text, size_t capacity);
 

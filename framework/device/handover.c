@@ -142,6 +142,11 @@ bb_status bb_device_set_handover(bb_device *device, bb_handover handover)
     return BB_OK;
 }
 
+const char *bb_handover_word(const bb_device *device)
+{
+    return device->handover == BB_HANDOVER_FENCE ? "fence" : "levels";
+}
+
 void bb_handover_defines(const bb_device *device, char *text, size_t capacity)
 {
     bool fence = device->handover == BB_HANDOVER_FENCE;

@@ -149,6 +149,8 @@ FIELD(BUILD_MS_LEAST, BUILD, "build_ms_least", "ms", NUMBER | NONE, LATER, AS_FI
 FIELD(BUILD_MS_MOST, BUILD, "build_ms_most", "ms", NUMBER | NONE, LATER, AS_FIGURE, NULL, NULL)
 FIELD(BUILD_RATE, BUILD, "mprims_s", "Mprims/s", NUMBER | NONE, BY(bb_put_build_rate), AS_FIGURE,
       "Mprims/s", "million primitives per second")
+FIELD(BUILD_HANDOVER, BUILD, "handover", "", TEXT | NONE, B(CHARS, handover), AS_TEXT, "Hand-over",
+      "how work-groups pass data, of what is built on a device: by a fence, or levels by launches")
 FIELD(BUILD_COLD_MS, BUILD, "cold_ms", "ms", NUMBER | NONE, B(MEASURED, cold_ms), AS_FIGURE,
       "Cold ms", "first build after allocation")
 FIELD(BUILD_STAGES, BUILD, "stages_ms", "ms", FIGURES | NONE, BY(bb_put_steps), AS_PAIRS,

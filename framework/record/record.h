@@ -41,8 +41,9 @@ typedef struct bb_build_record {
     bb_samples restore_ms; /* before each of them; the builder's own, outside the clock */
     bb_samples outside_ms; /* in phases outside the clock */
     double prepare_ms;     /* before the first; NAN: not measured */
-    double boxes_ms; /* of making the primitives' boxes, if they are an input; NAN: not measured */
-    char inputs[64]; /* what the builder declares it reads: "boxes geometry"; "": not known */
+    double boxes_ms;  /* of making the primitives' boxes, if they are an input; NAN: not measured */
+    char inputs[64];  /* what the builder declares it reads: "boxes geometry"; "": not known */
+    char handover[8]; /* bb_handover_word() of what is built on a device; "": on the host */
     double cold_ms;
     bb_samples transfer_ms; /* of what the builder declares it reads down, of the tree up */
     uint32_t phase_count;

@@ -51,8 +51,9 @@ static int metric_width(const bb_metric *metric)
 static void print_heading(FILE *out, const bb_medians *times, const tree_columns *columns,
                           int width)
 {
-    fprintf(out, "\n  %-*s  %8s  %-*s  %9s  %9s", width, bb_fields[BB_F_BUILD_BUILDER].heading,
-            bb_fields[BB_F_BUILD_RATE].heading, times->width, times->heading, "Layout ms",
+    fprintf(out, "\n  %-*s  %8s  %-9s  %-*s  %9s  %9s", width,
+            bb_fields[BB_F_BUILD_BUILDER].heading, bb_fields[BB_F_BUILD_RATE].heading,
+            bb_fields[BB_F_BUILD_HANDOVER].heading, times->width, times->heading, "Layout ms",
             "First ray");
     for (uint32_t i = 0; i < columns->count; i++)
         fprintf(out, "  %*s", metric_width(columns->metrics[i]), columns->metrics[i]->title);
@@ -129,7 +130,8 @@ static void print_build(FILE *out, const cJSON *build, int width, const bb_media
     bb_medians_text(ms, times, build);
     bb_text_figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
     bb_text_figure(first, bb_first_ray_ms(build, layout != NULL ? layout->string : ""));
-    fprintf(out, "  %8s  %-*s  %9s  %9s", rate, times->width, ms, conversion, first);
+    fprintf(out, "  %8s  %-9s  %-*s  %9s  %9s", rate, bb_get_text(build, BB_F_BUILD_HANDOVER),
+            times->width, ms, conversion, first);
     print_tree(out, build, columns);
     const char *about = bb_get_text(build, BB_F_BUILD_ABOUT);
     if (about[0] != '\0') {

@@ -134,7 +134,7 @@ const bytePairs = object => pairs(object, bytes);
 function buildTable() {
   const treeBytes = b => isNumber(b.bytes_native) ? b.bytes_native : (b.tree || {}).bytes_tree;
   addTable($('builds-tables'), 'Builds. Press a heading to sort; the table scrolls sideways.', [
-    field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s']),
+    field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s', 'handover']),
     medianColumn('build', 'build_ms_median', builds, 'build_ms'),
     ...minor(fields('build', ['cold_ms', 'boxes_ms', 'transfer_ms', 'prepare_ms', 'restore_ms', 'outside_ms', 'inputs'])),
     ...metrics.map(m => num(m.title, b => metricOf(b, m), [m.full_title, m.unit].filter(Boolean).join(', '))),
