@@ -19,7 +19,8 @@ static void structs_have_one_size_everywhere(void **state)
                 "  out[4] = sizeof(bb_hit); out[5] = sizeof(bb_count);\n"
                 "  out[6] = sizeof(bb_pair); out[9] = sizeof(bb_subtree);\n"
                 "  out[10] = sizeof(bb_wide4); out[11] = sizeof(bb_wide8);\n"
-                "  out[12] = sizeof(bb_quant8);\n"
+                "  out[12] = sizeof(bb_quant8); out[14] = sizeof(bb_cwbvh);\n"
+                "  global bb_cwbvh *c = 0; out[15] = (uint)(ulong)&c->planes[0];\n"
                 "  global bb_quant8 *q = 0; out[13] = (uint)(ulong)&q->places;\n"
                 "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
                 "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
@@ -30,8 +31,9 @@ static void structs_have_one_size_everywhere(void **state)
                                  sizeof(bb_pair),          offsetof(bb_node, skip),
                                  offsetof(bb_pair, links), sizeof(bb_subtree),
                                  sizeof(bb_wide4),         sizeof(bb_wide8),
-                                 sizeof(bb_quant8),        offsetof(bb_quant8, places)};
-    uint32_t found[14] = {0};
+                                 sizeof(bb_quant8),        offsetof(bb_quant8, places),
+                                 sizeof(bb_cwbvh),         offsetof(bb_cwbvh, planes)};
+    uint32_t found[16] = {0};
     cl_program program = NULL;
     cl_kernel kernel = NULL;
     bb_buffer out = {0};

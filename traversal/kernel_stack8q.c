@@ -5,8 +5,8 @@ static const bb_option options[] = {BB_ORDER_OPTION, {.name = NULL}};
 
 const bb_kernel bb_kernel_stack8q = {
     .name = "stack8q",
-    .summary = "as stack8, on nodes of half the bytes",
-    .paper = "Ylitie, Karras and Laine 2017",
+    .summary = "8-bit 8-wide: as stack8, on nodes of half the bytes",
+    .paper = "Wald, Benthin and Boulos 2008",
     .layout = "quant8",
     .defines = "-DBB_WIDTH=8 -DBB_QUANTISED=1",
     .options = options,

@@ -64,6 +64,14 @@ const bb_kernel *bb_kernel_find(const char *name)
     return NULL;
 }
 
+const bb_kernel *bb_kernel_for_any_leaf(void)
+{
+    const bb_kernel *const *k = bb_kernels;
+    while (bb_layout_find((*k)->layout)->leaf_max > 0)
+        k++;
+    return *k;
+}
+
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
 {
     bb_option all[BB_PARAMS_MAX + 1];
@@ -78,14 +86,18 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     BB_TRY(bb_spec_validate(spec, all, what));
     if (kernel->stackless && bb_spec_value(spec, NULL, "stack") != NULL)
         return bb_fail(BB_INVALID, "%s has no stack of the tree's size: drop stack=", what);
-    if (bb_layout_find(kernel->layout)->width == 2 && bb_spec_value(spec, NULL, "plan") != NULL)
+    const bb_layout *layout = bb_layout_find(kernel->layout);
+    if (layout->width == 2 && bb_spec_value(spec, NULL, "plan") != NULL)
         return bb_fail(BB_INVALID,
                        "%s has no nodes of more than two children to plan: drop plan=", what);
-    if (bb_spec_value(spec, NULL, "node") == NULL)
-        return BB_OK;
     uint64_t leaf;
     double node;
     BB_TRY(bb_spec_u64(spec, all, "leaf", 1, BB_LEAF_MAX, &leaf));
+    if (leaf > bb_layout_leaf_max(layout))
+        return bb_fail(BB_INVALID, "%s: leaf=%u at most, its nodes have no room for more: not %u",
+                       what, bb_layout_leaf_max(layout), (unsigned)leaf);
+    if (bb_spec_value(spec, NULL, "node") == NULL)
+        return BB_OK;
     BB_TRY(bb_spec_double(spec, all, "node", NODE_COST_LEAST, NODE_COST_MOST, &node));
     if (leaf == 1)
         return bb_fail(BB_INVALID, "%s: node= decides which leaves become one: give leaf=N", what);

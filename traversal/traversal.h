@@ -69,8 +69,9 @@ typedef struct bb_layout_data {
 typedef struct bb_layout {
     const char *name;
     const char *summary;
-    uint32_t width; /* most children of a node; 2 if there is no limit. Required */
-    uint32_t block; /* number of primitives that its kernels test at once. Required */
+    uint32_t width;    /* most children of a node; 2 if there is no limit. Required */
+    uint32_t block;    /* number of primitives that its kernels test at once. Required */
+    uint32_t leaf_max; /* most references of a leaf: larger ones are divided; 0: any number */
     /* The side array of the tree that make() reads (bb_tree_reserve_array()): trees without one of
      * this name and format are refused. Optional. */
     struct {
@@ -94,6 +95,8 @@ typedef struct bb_layout {
 
 extern const bb_layout *const bb_layouts[];        /* generated; ends with NULL */
 const bb_layout *bb_layout_find(const char *name); /* NULL if there is none */
+/* The most that `leaf` may be. */
+uint32_t bb_layout_leaf_max(const bb_layout *layout);
 void bb_layout_data_release(bb_layout_data *data); /* a zeroed one is allowed */
 
 /* A layout in use on a device. It must not be moved: the account is in it. */
@@ -118,7 +121,8 @@ void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed
 
 /* Makes the layout of `tree` on the device, with leaves of up to `leaf` references (1: the tree's
  * own leaves) and triangles in `format` (BB_FORMAT_...). Waits for it, and times it. `data` may
- * hold an earlier layout, whose memory is reused. */
+ * hold an earlier layout, whose memory is reused. BB_INVALID for a `leaf` beyond
+ * bb_layout_leaf_max(). */
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, uint32_t format, bb_layout_data *data);
 
@@ -186,6 +190,8 @@ typedef struct bb_kernel {
 
 extern const bb_kernel *const bb_kernels[];        /* generated; ends with NULL */
 const bb_kernel *bb_kernel_find(const char *name); /* NULL if there is none */
+/* The first whose layout takes leaves of any size, and so a tree of one leaf as it is. */
+const bb_kernel *bb_kernel_for_any_leaf(void);
 extern const bb_option bb_kernel_common_options[];
 /* Checks the parameters of a kernel's specification: its own options and the common ones.
  * BB_INVALID names the one that it does not take. */

@@ -19,7 +19,7 @@
 static const bb_cli_option options[] = {
     {"scene", "S", "file, shipped or procedural scene", false},
     {"builder", "B", "default: the usual one, which takes all kinds of primitives", false},
-    {"kernel", "K", "default: the first in `list kernels`", false},
+    {"kernel", "K", "default: the first in `list kernels` without a limit of leaf=", false},
     {"intersector", "I", "default: exact", false},
     {"show", "P", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
      false},
@@ -75,8 +75,8 @@ static bb_status choose_builder(const bb_cli *cli, char *whole, size_t capacity)
 static bb_status choose_kernel(const bb_cli *cli, rendering *r)
 {
     const char *kernel = bb_cli_value(cli, "kernel");
-    BB_TRY(bb_kernel_parse(kernel != NULL ? kernel : bb_kernels[0]->name, &r->kernel_spec,
-                           &r->kernel));
+    BB_TRY(bb_kernel_parse(kernel != NULL ? kernel : bb_kernel_for_any_leaf()->name,
+                           &r->kernel_spec, &r->kernel));
     const char *intersector = bb_cli_value(cli, "intersector");
     return bb_intersector_parse(intersector != NULL ? intersector : bb_intersectors[0].name,
                                 &r->intersector);
