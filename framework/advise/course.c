@@ -322,7 +322,9 @@ static bb_status save(course *c)
     bb_progress_note(&c->progress, "%s: what the choice saves", r->scene);
     heat.name = "savings";
     BB_TRY(add_document(c, &document));
-    return bb_savings_measure(&c->advice, &heat, document, c->outcome);
+    BB_TRY(bb_savings_measure(&c->advice, &heat, document, c->outcome));
+    note_held(c, c->outcome);
+    return BB_OK;
 }
 
 /* What a builder does not take is found out before anything is measured on the others. */

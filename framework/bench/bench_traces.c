@@ -516,7 +516,8 @@ static bb_status record_cell(trace_set *set, cell *c)
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
 {
     trace_set set = {.bench = bench, .rays = rays, .bytes = rays->query->result_bytes};
-    bb_status status = start_set(&set);
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_bench_end(bench, step, "make rays", start_set(&set));
     if (status != BB_OK)
         goto out;
     uint32_t rounds = bench->request->repeats + 1;
@@ -534,13 +535,16 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
     warm_up(&set);
     for (uint32_t round = 0; round < rounds && !bb_interrupted(); round++)
         run_round(&set);
+    step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < set.count && status == BB_OK; i++)
         status = record_cell(&set, &set.cells[i]);
+    status = bb_bench_end(bench, step, "keep records", status);
 out:
+    step = bb_bench_begin(bench);
     bb_answers_release(&set.answers);
     bb_host_free(set.results);
     bb_host_free(set.first);
     free(set.order);
     free(set.cells);
-    return status;
+    return bb_bench_end(bench, step, "keep records", status);
 }
