@@ -1,5 +1,5 @@
 /* Kernels compiled for what a scene needs, and their launches. */
-#include "traversal/traversal.h"
+#include "traversal/stack_room.h"
 
 #include "framework/base/number.h"
 #include "framework/base/suggest.h"
@@ -36,7 +36,7 @@ struct bb_tracer {
     bb_device *device;
     char key[1024]; /* source and defines */
     uint32_t group;
-    uint32_t stack_size;
+    uint32_t stack_size, stacks; /* of a work-item */
     uint64_t launched;
     bool counting;
     bool persistent;
@@ -62,6 +62,14 @@ const bb_kernel *bb_kernel_find(const char *name)
         if (strcmp((*k)->name, name) == 0)
             return *k;
     return NULL;
+}
+
+bool bb_kernel_is_for_cpus(const bb_kernel *kernel)
+{
+    uint32_t devices = 0;
+    for (const bb_variants *v = kernel->variants; v != NULL && v->devices != 0; v++)
+        devices |= v->devices;
+    return devices == BB_FOR_CPU;
 }
 
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
@@ -131,7 +139,7 @@ enum { STACK_MAX = 1024 };
 
 static uint32_t round_stack(uint32_t need)
 {
-    uint32_t size = 16;
+    uint32_t size = BB_STACK_LEAST;
     while (size < need && size < STACK_MAX)
         size *= 2;
     return size;
@@ -149,11 +157,11 @@ static uint32_t round_levels(uint32_t levels)
 typedef struct variant {
     uint32_t stack_size; /* 0: none of the tree's size */
     uint32_t kinds, levels;
-    bool stack_given, kinds_given;
+    bool stack_given, stack_capped, kinds_given;
 } variant;
 
-static bb_status choose_variant(const bb_tracer_request *request, const bb_layout_data *layout,
-                                variant *v)
+static bb_status choose_variant(const bb_device *device, const bb_tracer_request *request,
+                                const bb_layout_data *layout, variant *v)
 {
     const bb_kernel *kernel = request->kernel;
     const bb_spec *spec = request->spec;
@@ -166,20 +174,29 @@ static bb_status choose_variant(const bb_tracer_request *request, const bb_layou
     if (kernel->stackless)
         return BB_OK;
     v->stack_size = round_stack(layout->stack_need);
+    const uint32_t stacks = bb_stacks_of_item(kernel, spec), room = bb_stack_room(device, stacks);
     uint64_t given;
     if (v->stack_given) {
         BB_TRY(bb_spec_u64(spec, bb_kernel_common_options, "stack", 1, STACK_MAX, &given));
         v->stack_size = (uint32_t)given;
+        if (given > room)
+            return bb_fail(BB_REFUSED,
+                           "kernel %s: the device has no room for %u stacks of %u entries in each "
+                           "work-item: at most stack=%u, or take the kernel short",
+                           kernel->name, stacks, (uint32_t)given, room);
     }
+    v->stack_capped = v->stack_size > room;
+    if (v->stack_capped)
+        v->stack_size = room;
     return BB_OK;
 }
 
-bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_data *layout,
-                           bb_decisions *decisions)
+bb_status bb_tracer_decide(const bb_device *device, const bb_tracer_request *request,
+                           const bb_layout_data *layout, bb_decisions *decisions)
 {
     variant v;
     char compiled[64], there[64];
-    BB_TRY(choose_variant(request, layout, &v));
+    BB_TRY(choose_variant(device, request, layout, &v));
     bb_prim_kind_names(v.kinds, compiled, sizeof compiled);
     there[0] = '\0';
     for (uint32_t kind = 0, last = 0; kind < BB_KIND_COUNT; kind++) {
@@ -189,7 +206,11 @@ bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_dat
         last = layout->ends.end[kind];
     }
     decisions->count = 0;
-    if (v.stack_size > 0)
+    if (v.stack_capped)
+        bb_decide_number(decisions, BB_DECIDED_STACK, v.stack_size, BB_BY_DEVICE,
+                         "the tree needs %u, the device's memory has room for %u",
+                         layout->stack_need, v.stack_size);
+    else if (v.stack_size > 0)
         bb_decide_number(decisions, BB_DECIDED_STACK, v.stack_size,
                          v.stack_given ? BB_GIVEN : BB_BY_TREE, "the tree needs %u",
                          layout->stack_need);
@@ -321,7 +342,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
     BB_TRY(check_request(request, layout));
     BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
                        &group));
-    BB_TRY(choose_variant(request, layout, &v));
+    BB_TRY(choose_variant(device, request, layout, &v));
     BB_TRY(write_defines(device, request, layout, &v, (uint32_t)group, defines, sizeof defines));
     BB_TRY(append(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines));
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)
@@ -337,6 +358,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
         .device = device,
         .group = (uint32_t)group,
         .stack_size = v.stack_size,
+        .stacks = bb_stacks_of_item(request->kernel, request->spec),
         .counting = request->counting,
         .persistent = is_persistent(request),
         .batched = request->kernel->batched,
@@ -376,6 +398,21 @@ uint32_t bb_tracer_group_size(const bb_tracer *tracer)
 uint32_t bb_tracer_stack_size(const bb_tracer *tracer)
 {
     return tracer->stack_size;
+}
+
+uint64_t bb_tracer_stack_bytes(const bb_tracer *tracer)
+{
+    return (uint64_t)tracer->stack_size * tracer->stacks * BB_STACK_ENTRY_BYTES;
+}
+
+bool bb_tracer_private_bytes(const bb_tracer *tracer, uint64_t *bytes)
+{
+    cl_ulong private_bytes = 0;
+    if (clGetKernelWorkGroupInfo(tracer->kernel, tracer->device->id, CL_KERNEL_PRIVATE_MEM_SIZE,
+                                 sizeof private_bytes, &private_bytes, NULL) != CL_SUCCESS)
+        return false;
+    *bytes = private_bytes;
+    return private_bytes > 0; /* of PoCL and others that do not know */
 }
 
 uint64_t bb_tracer_launched(const bb_tracer *tracer)

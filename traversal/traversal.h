@@ -6,6 +6,7 @@
 
 #include "framework/base/decision.h"
 #include "framework/base/options.h"
+#include "framework/base/variants.h"
 #include "framework/device/device.h"
 #include "framework/device/stopwatch.h"
 #include "framework/rays/rays.h"
@@ -165,12 +166,10 @@ typedef struct bb_kernel {
     const char *defines; /* -D for every variant; NULL: none */
     uint32_t queries;    /* those it answers: BB_ALONG_RAYS */
     bool ordered;        /* visits children near to far */
-    /* Variants that `run` compares by default, as a list: "stack8:leaf=8"; NULL: none. */
-    const char *compared;
-    /* Variants that `advise` tries besides, as a list; NULL: none, and it is left out unless it is
-     * compared. */
-    const char *tried;
-    /* Its layout keeps the shape of any tree: by default, `run` uses it for trees whose shape no
+    /* Which of its variants are compared and tried where no kernel is named, on which devices.
+     * NULL: none. */
+    const bb_variants *variants;
+    /* Its layout keeps the shape of any tree: by default it is compared on trees whose shape no
      * compared kernel keeps. */
     bool native;
     bool batched;   /* one work-item traces all rays of a group: gets their number as BB_BATCH */
@@ -187,6 +186,8 @@ typedef struct bb_kernel {
 extern const bb_kernel *const bb_kernels[];        /* generated; ends with NULL */
 const bb_kernel *bb_kernel_find(const char *name); /* NULL if there is none */
 extern const bb_option bb_kernel_common_options[];
+/* Whether all variants that are taken by default are for CPUs alone. */
+bool bb_kernel_is_for_cpus(const bb_kernel *kernel);
 /* Checks the parameters of a kernel's specification: its own options and the common ones.
  * BB_INVALID names the one that it does not take. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
@@ -214,18 +215,22 @@ typedef struct bb_tracer_request {
  * to 16, 32, 64 ...), levels of a trail (64, 128, 256 ...). Taken from a cache of the device, so
  * that equal requests compile once; owned by the cache, until bb_tracers_clear(). BB_UNSUPPORTED if
  * the kernel does not answer the query, or not for these primitives, or if its trail is too short
- * for the tree; BB_FAILED if it does not compile, or its definitions are too long. */
+ * for the tree; BB_REFUSED if the device has no room for a stack that is given (stack_room.h);
+ * BB_FAILED if it does not compile, or its definitions are too long. */
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
                         const bb_layout_data *layout, bb_tracer **tracer);
 /* What was decided for such a tracer: stack, levels of the trail, kinds. */
-bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_data *layout,
-                           bb_decisions *decisions);
+bb_status bb_tracer_decide(const bb_device *device, const bb_tracer_request *request,
+                           const bb_layout_data *layout, bb_decisions *decisions);
 /* Releases all tracers of the device: before it is closed, and when nobody uses one any more. */
 void bb_tracers_clear(bb_device *device);
 /* Rays of a work-group. */
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t
-bb_tracer_stack_size(const bb_tracer *tracer);        /* 0: it needs no stack of the tree's size */
+bb_tracer_stack_size(const bb_tracer *tracer); /* 0: it needs no stack of the tree's size */
+/* Private memory of a work-item: its stacks alone, and, if the driver tells, all of it. */
+uint64_t bb_tracer_stack_bytes(const bb_tracer *tracer);
+bool bb_tracer_private_bytes(const bb_tracer *tracer, uint64_t *bytes);
 uint64_t bb_tracer_launched(const bb_tracer *tracer); /* rays, in all its launches */
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout has the format of triangles

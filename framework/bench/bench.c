@@ -164,7 +164,8 @@ static bb_status start_kernels(bb_bench *bench)
     for (uint32_t i = 0; i < request->kernel_count; i++)
         BB_TRY(start_kernel(bench, request->kernels[i], false));
     for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)
-        if ((*k)->native && (*k)->compared == NULL && bench->kernel_count < BB_KERNELS_MAX)
+        if ((*k)->native && bench->kernel_count < BB_KERNELS_MAX &&
+            bb_variants_of((*k)->variants, BB_ROLE_COMPARED, bb_device_kind(bench->device)) == NULL)
             BB_TRY(start_kernel(bench, (*k)->name, true));
     return BB_OK;
 }

@@ -339,6 +339,46 @@ static void forget_times(bb_build_record *record)
     record->bytes_peak = 0;
 }
 
+void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *warming)
+{
+    if (warming->rounds > 0 && !warming->settled && !bb_interrupted())
+        bb_progress_note(bench->progress,
+                         "%s: %s: %u rounds of warming up did not settle: times may be noisy",
+                         bench->scene->name, what, warming->rounds);
+}
+
+/* One build, which is in no sample; 0 ms for one on the host. */
+static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
+{
+    bb_build_timing timing;
+    if (entrant->reference || bb_pipeline_on_device(&entrant->pipeline) == 0)
+        return BB_OK;
+    BB_TRY(bb_resident_tree(bench, entrant));
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_instance_build(&entrant->instance, bench->scene, false, &timing);
+    *ms += status == BB_OK ? timing.timing.ms : 0;
+    return bb_bench_end(bench, step, "warming up", status);
+}
+
+/* As with traces: a device that is no CPU builds until its clocks have settled. */
+static void warm_up(bb_bench *bench)
+{
+    bb_warming warming = {.rounds = 0};
+    bool warm = bench->device->is_cpu;
+    while (!warm && !bb_interrupted()) {
+        double ms = 0;
+        for (uint32_t i = 0; i < bench->entrant_count && !bb_interrupted(); i++) {
+            bb_entrant *entrant = &bench->entrants[i];
+            bb_status status =
+                entrant->record.status == BB_OK ? warm_once(bench, entrant, &ms) : BB_OK;
+            if (status != BB_OK)
+                note_failure(entrant, status);
+        }
+        warm = bb_warmed(&warming, ms);
+    }
+    bb_bench_note_warming(bench, "builds", &warming);
+}
+
 bb_status bb_bench_builds(bb_bench *bench)
 {
     uint32_t order[BB_ENTRANTS_MAX];
@@ -348,6 +388,7 @@ bb_status bb_bench_builds(bb_bench *bench)
     bb_progress_stage(bench->progress, bench->entrant_count * (rounds + phase_builds),
                       "%s: building", bench->scene->name);
     bb_progress_weigh(bench->progress, (double)bench->entrant_count * rounds);
+    warm_up(bench);
     for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++) {
         bool exact = round >= rounds;
         bb_bench_shuffle(bench, order, bench->entrant_count);

@@ -247,6 +247,11 @@ static void warn_of_bystanders(bb_bench *bench)
     if (bench->warned)
         return;
     bench->warned = true;
+    if (!bench->device->is_cpu)
+        bb_progress_note(bench->progress,
+                         "what other programs do on %s cannot be seen: keep them off it; only "
+                         "processors are watched, on which host code and transfers depend",
+                         bench->device->name);
     if (bb_wall_ms() - watch->wall_ms > shortest_ms && share > 0.25 * (double)processors)
         bb_progress_note(bench->progress,
                          "WARNING: the machine is busy: other programs keep %.2g of %ld processors "

@@ -59,7 +59,7 @@ static bb_status copy(const bb_names *names, bb_tried *list)
     return BB_OK;
 }
 
-/* One list: what is given, else what there is to try. */
+/* One list: what is given, else what there is to try, if that is said. */
 static bb_status choose(const bb_cli *cli, const char *option,
                         bb_status (*given)(const bb_cli *cli, bb_names *names),
                         bb_status (*by_default)(bb_tried *list), bb_tried *list)
@@ -68,7 +68,7 @@ static bb_status choose(const bb_cli *cli, const char *option,
     bb_names names = {.count = 0};
     bb_cli_values(cli, option, &count);
     if (count == 0)
-        return by_default(list);
+        return by_default != NULL ? by_default(list) : BB_OK;
     bb_status status = given(cli, &names);
     if (status == BB_OK)
         status = copy(&names, list);
@@ -89,7 +89,12 @@ static bb_status exact_alone(bb_tried *list)
 static bb_status choose_lists(const bb_cli *cli, bb_advise_request *r)
 {
     BB_TRY(choose(cli, "builder", given_builders, bb_tried_builders, &r->builders));
-    BB_TRY(choose(cli, "kernel", bb_choose_kernels, bb_tried_kernels, &r->kernels));
+    BB_TRY(choose(cli, "kernel", bb_choose_kernels, NULL, &r->kernels));
+    if (r->kernels.count == 0) {
+        uint32_t device;
+        BB_TRY(bb_device_find_kind(bb_cli_value(cli, "device"), &device));
+        BB_TRY(bb_tried_kernels(&r->kernels, device));
+    }
     return choose(cli, "intersector", bb_choose_intersectors,
                   r->max_wrong_ppm > 0 ? bb_tried_intersectors : exact_alone, &r->intersectors);
 }

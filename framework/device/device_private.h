@@ -2,6 +2,7 @@
 #ifndef BB_DEVICE_PRIVATE_H
 #define BB_DEVICE_PRIVATE_H
 
+#include "framework/base/variants.h"
 #include "framework/device/device.h"
 
 /* BB_INVALID where there is no `folder`, in which Linux describes its processors
@@ -13,6 +14,15 @@ bb_status bb_device_count(uint32_t *count);
 bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);
 /* If there are none: why, or what to do. */
 void bb_device_say_none(char *text, size_t capacity);
+
+/* What variants suit: BB_FOR_CPU or BB_FOR_GPU, which is any device that is no CPU. */
+static inline uint32_t bb_device_kind(const bb_device *device)
+{
+    return device->is_cpu ? BB_FOR_CPU : BB_FOR_GPU;
+}
+
+/* The same of the device that `selector` names, which stays unopened. */
+bb_status bb_device_find_kind(const char *selector, uint32_t *kind);
 
 /* Opens the device that `selector` names: NULL (the first there is), an index, or part of a device
  * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c).

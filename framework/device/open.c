@@ -176,6 +176,17 @@ static bb_status query_device(bb_device *device)
     return BB_OK;
 }
 
+bb_status bb_device_find_kind(const char *selector, uint32_t *kind)
+{
+    bb_device device = {.is_cpu = false};
+    found_device selected = {0};
+    BB_TRY(select_device(selector, &selected));
+    device.id = selected.id;
+    BB_TRY(query_device(&device));
+    *kind = bb_device_kind(&device);
+    return BB_OK;
+}
+
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
                          bb_device **out)
 {

@@ -32,6 +32,8 @@ FIELD(CONTEXT_OTHERS, CONTEXT, "others_cpu", "", NUMBER | NONE, LATER, AS_FIGURE
       "Other programs", "processors that they kept busy during the run, on average")
 FIELD(CONTEXT_DEVICE, CONTEXT, "device", "", TEXT | NONE, C(STRING, device), AS_TEXT, "Device",
       NULL)
+FIELD(CONTEXT_DEVICE_TYPE, CONTEXT, "device_type", "", TEXT | NONE, C(STRING, device_type), AS_TEXT,
+      NULL, NULL)
 FIELD(CONTEXT_DRIVER, CONTEXT, "driver", "", TEXT | NONE, C(STRING, driver), AS_TEXT, "Driver",
       NULL)
 FIELD(CONTEXT_OPENCL, CONTEXT, "opencl", "", TEXT | NONE, C(STRING, opencl), AS_TEXT, "OpenCL",
@@ -242,6 +244,10 @@ FIELD(TRACE_DECISIONS, TRACE, "decisions", "", OBJECT | NONE, BY(bb_put_trace_de
       NULL, NULL)
 FIELD(TRACE_STATUS, TRACE, "status", "", TEXT, T(STATUS, status), AS_TEXT, "Status", NULL)
 FIELD(TRACE_REASON, TRACE, "reason", "", TEXT | NONE, T(CHARS, reason), AS_TEXT, NULL, NULL)
+FIELD(TRACE_LAUNCHES, TRACE, "launches", "", NUMBER | NONE, T(SIZE, launches), AS_WHOLE, "Launches",
+      "that a round took")
+FIELD(TRACE_WARM, TRACE, "warm_rounds", "", NUMBER | NONE, T(SIZE, warm_rounds), AS_WHOLE, NULL,
+      NULL)
 FIELD(TRACE_MS, TRACE, "ms", "ms", NUMBERS | NONE, T(SAMPLES, ms), AS_FIGURE, NULL, NULL)
 FIELD(TRACE_MS_MEDIAN, TRACE, "ms_median", "ms", NUMBER | NONE, T(MEDIAN, ms), AS_FIGURE, "ms",
       "median wall clock")
@@ -281,6 +287,8 @@ FIELD(TRACE_COUNTS, TRACE, "counts_for_exit", "", BOOLEAN | NONE, T(BOOL, counts
 FIELD(TRACE_WRONG, TRACE, "wrong", "", BOOLEAN | NONE, T(BOOL, wrong), AS_TEXT, NULL, NULL)
 FIELD(TRACE_REFERENCE, TRACE, "reference", "", BOOLEAN | NONE, T(BOOL, reference), AS_TEXT, NULL,
       NULL)
+FIELD(TRACE_ON, TRACE, "traced_on", "", TEXT | NONE, T(CHARS, traced_on), AS_TEXT, "Traced on",
+      "what traced, if not the device of the run: references are Embree on the CPU")
 FIELD(TRACE_RUN, TRACE, "run", "", NUMBER | NONE, LATER, AS_WHOLE, "Run", NULL)
 
 FIELD(ACCURACY_CHECKED, ACCURACY, "checked", "rays", NUMBER, A(U64, checked), AS_WHOLE, NULL, NULL)

@@ -98,6 +98,17 @@ const cJSON *bb_results_section(const bb_results *results, const char *name)
     return cJSON_GetObjectItemCaseSensitive(results->root, name);
 }
 
+const char *bb_results_reference(const bb_results *results)
+{
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
+    {
+        if (bb_get_text(trace, BB_F_TRACE_ON)[0] != '\0')
+            return "Embree on the CPU";
+    }
+    return "Embree";
+}
+
 cJSON *bb_results_scene(const bb_results *results, const char *name)
 {
     cJSON *scene;

@@ -106,6 +106,9 @@ typedef struct bb_trace_record {
                              thus missed */
     /* rays answered otherwise than by the first `exact` cell of the set; `exact` only */
     uint32_t unlike;
+    uint32_t launches;     /* that a round took */
+    uint32_t warm_rounds;  /* before those that are in the samples; 0: none */
+    char traced_on[8];     /* "CPU" of a reference beside another device; "" on the run's own */
     char unlike_whom[256]; /* that cell; "" if this one was not compared */
     bool counts_for_exit;  /* an `exact` cell of ours */
     bool wrong; /* above the limit; marked WRONG if it counts for the exit, else `wrong` */
@@ -127,6 +130,14 @@ void bb_build_record_init(bb_build_record *build);
 void bb_trace_record_init(bb_trace_record *trace);
 
 typedef struct bb_results bb_results;
+
+/* Words of the context's `device_type`. */
+#define BB_DEVICE_CPU "CPU"
+#define BB_DEVICE_OTHER "GPU" /* whatever is no CPU */
+
+/* What ratios to reference rows are to: "Embree"; "Embree on the CPU" where the run's device is
+ * another. */
+const char *bb_results_reference(const bb_results *results);
 
 /* An empty result document with its context (date, revision, host, cpu, load, device, driver ...).
  * Revision, flags and the like are those of the binary, Embree's version that of the library that

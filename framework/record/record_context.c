@@ -100,6 +100,7 @@ static void add_device(bb_context_record *record, const bb_device *device)
     if (device == NULL)
         return;
     record->device = device->name;
+    record->device_type = device->is_cpu ? BB_DEVICE_CPU : BB_DEVICE_OTHER;
     record->driver = device->driver;
     record->opencl = device->version;
     record->compute_units = device->compute_units;

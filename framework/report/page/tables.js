@@ -108,7 +108,7 @@ function traceTable() {
     field('trace', 'intersector'), medianColumn('trace', 'mrays_s', traces, 'mrays_s'),
     field('accuracy', 'wrong_ppm', { text: t => t.status === 'ok' ? wrongText(t) : dash,
       css: t => t.wrong || t.acc.overflowed > 0 ? 'wrong' : t.acc.wrong_ppm > 0 ? 'odd' : '' }),
-    num('/Embree', t => t.ratio, 'ratio to the fastest embree-native row on the same rays'),
+    num(`/${embree}`, t => t.ratio, 'ratio to the fastest embree-native row on the same rays'),
     ...fields('accuracy', ['missed', 'false', 'wrong_t']), ...fields('trace', ['node_tests_per_ray', 'prim_tests_per_ray', 'work_per_ray']),
     num('First ray ms', t => t.reference ? t.record.build_ms_median : (t.record.first_ray_ms || {})[t.layout], 'boxes, build, transfer and layout'),
     ...minor([field('trace', 'count'), num('of', t => t.all, 'rays in the set', whole), field('trace', 'counted'),
