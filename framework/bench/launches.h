@@ -16,8 +16,8 @@ enum {
     BB_WARM_MS = 3000,         /* and once so much time was spent */
 };
 
-/* Rays that the next launch may have, at most `most`, if one of `count` rays took `ms`: aims at half
- * of BB_LAUNCH_MS, and at no more than eight times as many. */
+/* Rays that the next launch may have, at most `most`, if one of `count` rays took `ms`: as many as
+ * take half of BB_LAUNCH_MS, and no more than eight times as many. */
 uint32_t bb_launch_rays(uint32_t count, double ms, uint32_t most);
 
 /* Rounds that are run until the clocks have settled. A zeroed one has seen none. */
