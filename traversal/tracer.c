@@ -125,6 +125,21 @@ bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **ker
                    spec->name, bb_suggested(&meant));
 }
 
+/* Rays that one work-item of a batched kernel traces: the device does not bound them. */
+enum { BATCH_MAX = 4096 };
+
+bb_status bb_kernel_group_of(const bb_kernel *kernel, const bb_spec *spec, const bb_device *device,
+                             uint64_t *group)
+{
+    const uint64_t most = kernel->batched ? BATCH_MAX : device->max_group_size;
+    const bool given = bb_spec_value(spec, NULL, "group") != NULL;
+    BB_TRY(
+        bb_spec_u64(spec, bb_kernel_common_options, "group", 1, given ? most : BATCH_MAX, group));
+    if (*group > most)
+        *group = most;
+    return BB_OK;
+}
+
 /* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private
  * memory of each work-item. */
 enum { STACK_MAX = 1024 };
@@ -307,6 +322,10 @@ static bb_status compile(bb_tracer *tracer, const bb_kernel *kernel, const char 
                        kernel->source);
     BB_TRY(bb_program_build(tracer->device, source, defines, &tracer->program));
     BB_TRY(bb_kernel_get(tracer->program, "trace", &tracer->kernel));
+    size_t group = tracer->group;
+    if (!tracer->batched)
+        BB_TRY(bb_kernel_group(tracer->device, tracer->kernel, group, &group));
+    tracer->group = (uint32_t)group;
     return tracer->persistent ? bb_buffer_reserve(tracer->device, NULL, sizeof(cl_uint),
                                                   "rays taken", &tracer->taken)
                               : BB_OK;
@@ -319,8 +338,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
     uint64_t group;
     char defines[768], key[sizeof((bb_tracer *)NULL)->key] = "";
     BB_TRY(check_request(request, layout));
-    BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
-                       &group));
+    BB_TRY(bb_kernel_group_of(request->kernel, request->spec, device, &group));
     BB_TRY(choose_variant(request, layout, &v));
     BB_TRY(write_defines(device, request, layout, &v, (uint32_t)group, defines, sizeof defines));
     BB_TRY(append(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines));

@@ -190,6 +190,10 @@ extern const bb_option bb_kernel_common_options[];
 /* Checks the parameters of a kernel's specification: its own options and the common ones.
  * BB_INVALID names the one that it does not take. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
+/* Its group, in rays: as given, or what the device allows of the default. BB_INVALID if what is given
+ * is more than the device's groups have; a batched kernel's groups are none of the device's. */
+bb_status bb_kernel_group_of(const bb_kernel *kernel, const bb_spec *spec, const bb_device *device,
+                             uint64_t *group);
 /* Whether both are of one layout. */
 bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b);
 /* What the kernel's parameters ask for: for bb_layout_maker.wish. */
@@ -222,7 +226,8 @@ bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_dat
                            bb_decisions *decisions);
 /* Releases all tracers of the device: before it is closed, and when nobody uses one any more. */
 void bb_tracers_clear(bb_device *device);
-/* Rays of a work-group. */
+/* Rays of a work-group: fewer than asked for if the device runs the compiled kernel in smaller ones
+ * only. */
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t
 bb_tracer_stack_size(const bb_tracer *tracer);        /* 0: it needs no stack of the tree's size */

@@ -142,8 +142,8 @@ static bb_status compile_mini(bonsai *self)
                        "the device has %llu: choose a smaller `group`",
                        self->group, (unsigned long long)local_bytes(room),
                        (unsigned long long)self->device->local_bytes);
-    snprintf(defines, sizeof defines, "-DBN_GROUP=%u%s", room,
-             bb_cpu_form(self->device) ? " -DBN_ALONE" : "");
+    snprintf(defines, sizeof defines, "-DBN_GROUP=%u -DBN_LANES=%u", room,
+             bb_cpu_form(self->device) ? 1 : GROUP_SIZE);
     BB_TRY(bb_program_build(self->device, &bb_source_bonsai_mini, defines, &self->mini_program));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_mini", &self->mini));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_areas", &self->areas_kernel));

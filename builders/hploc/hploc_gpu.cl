@@ -84,7 +84,8 @@ void load(global const bb_pair_side *clusters, global const uint *heads, uint fr
     ploc_write(list, at, c);
 }
 
-kernel void hploc_level(global const bb_key *keys, uint count, global bb_pair_side *clusters,
+kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
+void hploc_level(global const bb_key *keys, uint count, global bb_pair_side *clusters,
                         global uint *heads, global uint *live, global const uint2 *ranges,
                         volatile global uint *missing, global bb_cluster_pair *pairs,
                         global bb_pair_side *root, uint number, volatile global uint *counts,

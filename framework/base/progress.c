@@ -22,6 +22,25 @@ static void clear_line(const bb_progress *progress)
         fprintf(stderr, "\r\033[K");
 }
 
+/* What comes before the first line that anybody's progress prints; "" afterwards. */
+static char head[640];
+
+void bb_progress_head(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(head, sizeof head, format, args);
+    va_end(args);
+    bb_calm_text(head);
+}
+
+static void print_head(void)
+{
+    if (head[0] != '\0')
+        fprintf(stderr, "%s\n", head);
+    head[0] = '\0';
+}
+
 void bb_progress_stage(bb_progress *progress, uint32_t total, const char *format, ...)
 {
     progress->done = 0;
@@ -31,6 +50,7 @@ void bb_progress_stage(bb_progress *progress, uint32_t total, const char *format
     if (progress->quiet || (total == 0 && !progress->terminal))
         return;
     clear_line(progress);
+    print_head();
     va_list args;
     va_start(args, format);
     vfprintf(stderr, format, args);
@@ -45,6 +65,7 @@ void bb_progress_note(bb_progress *progress, const char *format, ...)
     if (progress->quiet)
         return;
     clear_line(progress);
+    print_head();
     char note[4096];
     va_list args;
     va_start(args, format);

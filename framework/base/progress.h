@@ -16,6 +16,9 @@ typedef struct bb_progress {
     double past, weight; /* work of the stages before, and of this one */
 } bb_progress;
 
+/* One line that comes before the first one that any progress prints, if one is printed: what is to
+ * be known of all that follows. */
+void bb_progress_head(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void bb_progress_start(bb_progress *progress, bool quiet);
 /* A new stage of `total` steps; of 0 steps: something short, named on a terminal only. */
 void bb_progress_stage(bb_progress *progress, uint32_t total, const char *format, ...)

@@ -149,8 +149,7 @@ static bb_status start_kernel(bb_bench *bench, const char *text, bool native_onl
     bb_kernel_choice *choice = &bench->kernels[bench->kernel_count];
     uint64_t group;
     BB_TRY(bb_bench_parse_kernel(text, choice));
-    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
-                       bench->device->max_group_size, &group));
+    BB_TRY(bb_kernel_group_of(choice->kernel, &choice->spec, bench->device, &group));
     choice->native_only = native_only;
     bench->kernel_count++;
     for (uint32_t i = 0; i < bench->request->intersector_count; i++)

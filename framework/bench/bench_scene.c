@@ -155,6 +155,8 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
     }
     if (status == BB_OK)
         status = bb_bench_traces(bench, rays);
+    if (status == BB_OK)
+        status = bb_device_check(bench->device); /* or what follows fails row by row */
     bb_rays_free(rays);
     return status;
 }
@@ -267,6 +269,8 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name)
     }
     if (status == BB_OK)
         status = record_builds(bench);
+    if (status == BB_OK)
+        status = bb_device_check(bench->device);
     bench->judged = bench->traced_sets = 0;
     if (status == BB_OK)
         status = trace_workloads(bench);

@@ -32,7 +32,7 @@ static const bb_cli_option options[] = {
     {"quick", NULL, "fewer rays, and one heat less", false},
     {"seed", "N", "random seed; default: 1", false},
     {"json", NULL, "print the advice as JSON", false},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},

@@ -18,7 +18,7 @@ static const bb_cli_option options[] = {
      true},
     {"scene", "S", "`all` and default: small procedural scenes, then the shipped ones", true},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     {"form", "F", BB_FORM_HELP ": auto, cpu, gpu, or both (must give equal trees)", false},
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
@@ -229,8 +229,10 @@ static bb_status check_scene(check *c, uint32_t form, const char *name)
         say_of_scene(c, scene, conformance);
     if (status == BB_OK)
         check_brute_force(c, conformance, name);
-    for (size_t i = 0; i < c->builders.count && status == BB_OK; i++)
+    for (size_t i = 0; i < c->builders.count && status == BB_OK; i++) {
         check_builder(c, form, conformance, scene, i);
+        status = bb_device_check(device);
+    }
     bb_conformance_destroy(conformance);
     bb_scene_free(scene);
     return status;

@@ -26,7 +26,7 @@ static const bb_cli_option options[] = {
     {"view", "V", "view of the scene; default: the first", false},
     {"camera", "V", NULL, false},
     {"size", "WxH", "image size, to which heat and diff add a legend; default: 512x512", false},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first", false},
     BB_FORM_OPTION,

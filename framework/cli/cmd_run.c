@@ -26,7 +26,7 @@ static const bb_cli_option options[] = {
     {"intersector", "I", "intersection tests: see `list intersectors`; `all`; default: exact",
      true},
     {"cell", "KEY", "measure exactly this cell, instead of all of the above", BB_CLI_REPEATED},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},

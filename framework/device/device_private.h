@@ -8,18 +8,22 @@
  * (/sys/devices/system/cpu): PoCL ends the process without it. */
 bb_status bb_device_check_system(const char *folder);
 
-/* Number of OpenCL devices of all platforms, and description of the i-th for `list devices`. */
+/* Number of OpenCL devices of all platforms, and description of the i-th for `list devices`: GPUs
+ * come first, then accelerators, then processors. */
 bb_status bb_device_count(uint32_t *count);
 bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);
 /* If there are none: why, or what to do. */
 void bb_device_say_none(char *text, size_t capacity);
 
-/* Opens the device that `selector` names: NULL (the first there is), an index, or part of a device
+/* Opens the device that `selector` names: NULL (the first of them), an index, or part of a device
  * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c).
  * BB_INVALID when there is none: the message says what to install. Close with bb_device_close(). */
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
                          bb_device **device);
 void bb_device_close(bb_device *device);
+
+/* Moves a word there and back: BB_FAILED, and what to do, if the device does not answer any more. */
+bb_status bb_device_check(bb_device *device);
 
 /* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence
  * that the device has not, or that failed the litmus test. */

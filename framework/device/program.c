@@ -91,9 +91,11 @@ static bb_status fail_with_log(bb_device *device, cl_program program, const char
     clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, size, log, NULL);
     const char *line = strstr(log, "error:");
     if (line == NULL)
-        line = log;
+        line = log + strspn(log, " \t\r\n");
     while (line > log && line[-1] != '\n')
         line--;
+    if (*line == '\0')
+        line = "the driver does not say why (its build log is empty)";
     char kept[640] = "";
     if (count_errors(log) > 1)
         keep_log(name, log, kept, sizeof kept);

@@ -35,7 +35,9 @@ static void print_head(FILE *out, const bb_results *results, const bb_summary *s
     const cJSON *context = bb_results_section(results, "context");
     double ms = bb_json_number(bb_results_section(results, "time_ms"), "total");
     char device[60], revision[48];
-    fputs("bvhbench ", out);
+    snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    bb_print_text(out, device, 0);
+    fputs("\nbvhbench ", out);
     snprintf(revision, sizeof revision, "%s", bb_get_text(context, BB_F_CONTEXT_REVISION));
     bb_print_text(out, revision, 0);
     print_count(out, ": ", s->scenes, "scene");
@@ -47,12 +49,9 @@ static void print_head(FILE *out, const bb_results *results, const bb_summary *s
         print_minutes(out, ms);
     }
     fputc('\n', out);
-    snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
-    bb_print_text(out, device, 0);
     if (isfinite(s->noise))
-        fprintf(out, "; one rate is good to %.0f %% (worst tenth: %.0f %%)", 100 * s->noise,
+        fprintf(out, "one rate is good to %.0f %% (worst tenth: %.0f %%)\n", 100 * s->noise,
                 100 * s->noise_worst);
-    fputc('\n', out);
 }
 
 /* ---- the table ---- */
