@@ -190,8 +190,8 @@ extern const bb_option bb_kernel_common_options[];
 /* Checks the parameters of a kernel's specification: its own options and the common ones.
  * BB_INVALID names the one that it does not take. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
-/* Its group, in rays: as given, or what the device allows of the default. BB_INVALID if what is given
- * is more than the device's groups have; a batched kernel's groups are none of the device's. */
+/* Its group, in rays: as given, or what the device allows of the default. BB_INVALID if what is
+ * given is more than the device's groups have; those of a batched kernel are not the device's. */
 bb_status bb_kernel_group_of(const bb_kernel *kernel, const bb_spec *spec, const bb_device *device,
                              uint64_t *group);
 /* Whether both are of one layout. */

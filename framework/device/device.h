@@ -143,16 +143,16 @@ typedef struct bb_arg {
 #define BB_MEM(buffer) ((bb_arg){sizeof(cl_mem), &(buffer).mem})
 #define BB_VALUE(variable) ((bb_arg){sizeof(variable), &(variable)})
 
-/* The group in which the device runs a compiled kernel: `wanted`, or half of it, a quarter ... until
- * the kernel's own limit allows it. BB_UNSUPPORTED if the kernel is compiled for larger ones. */
+/* The group in which the device runs a compiled kernel: `wanted`, or half of it, or a quarter ...
+ * until the kernel's own limit allows it. BB_UNSUPPORTED if it is compiled for larger ones. */
 bb_status bb_kernel_group(const bb_device *device, cl_kernel kernel, size_t wanted, size_t *group);
 
 /* Sets the arguments and enqueues; does not wait. Groups are smaller than `local` if the device
  * runs this kernel in smaller ones only (it may need many registers): a kernel whose work-items
  * co-operate says how large its groups are (reqd_work_group_size), and BB_UNSUPPORTED is returned
- * where that is too large. `global` is rounded up to a multiple of the groups' size: kernels compare
- * their id with a count. BB_FAILED, with the kernel's name, if there are more or fewer arguments
- * than it takes, one has the wrong size, or the driver refuses the launch. */
+ * where that is too large. `global` is rounded up to a multiple of the groups' size: kernels
+ * compare their id with a count. BB_FAILED, with the kernel's name, if there are more or fewer
+ * arguments than it takes, one has the wrong size, or the driver refuses the launch. */
 bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, size_t local,
                          const bb_arg *args, uint32_t count);
 #define bb_launch(device, kernel, global, local, ...)                                              \

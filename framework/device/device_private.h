@@ -22,7 +22,7 @@ bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_
                          bb_device **device);
 void bb_device_close(bb_device *device);
 
-/* Moves a word there and back: BB_FAILED, and what to do, if the device does not answer any more. */
+/* Moves a word there and back: BB_FAILED, and what to do, if the device answers no more. */
 bb_status bb_device_check(bb_device *device);
 
 /* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence
