@@ -30,14 +30,22 @@ static void print_count(FILE *out, const char *before, uint32_t count, const cha
     fprintf(out, "%s%u %s%s", before, count, name, count == 1 ? "" : "s");
 }
 
+/* Before all else: a GPU may not be the device that somebody thinks it is. */
+static void print_device(FILE *out, const bb_results *results)
+{
+    const cJSON *context = bb_results_section(results, "context");
+    char device[60];
+    snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    bb_print_text(out, device, 0);
+    fputc('\n', out);
+}
+
 static void print_head(FILE *out, const bb_results *results, const bb_summary *s)
 {
     const cJSON *context = bb_results_section(results, "context");
     double ms = bb_json_number(bb_results_section(results, "time_ms"), "total");
-    char device[60], revision[48];
-    snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
-    bb_print_text(out, device, 0);
-    fputs("\nbvhbench ", out);
+    char revision[48];
+    fputs("bvhbench ", out);
     snprintf(revision, sizeof revision, "%s", bb_get_text(context, BB_F_CONTEXT_REVISION));
     bb_print_text(out, revision, 0);
     print_count(out, ": ", s->scenes, "scene");
@@ -183,6 +191,7 @@ bb_status bb_report_verdict(const bb_results *results, FILE *out)
     bb_summary summary;
     char busy[256], implausible[BB_IMPLAUSIBLE];
     BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
+    print_device(out, results);
     bool is_busy = bb_summary_busy(results, busy);
     if (is_busy)
         print_wrapped(out, "WARNING", LABEL, busy);
