@@ -159,8 +159,10 @@ static void expect_refused(cl_kernel two, size_t local, const bb_arg *args, uint
 static void launch_errors_name_the_kernel(void **state)
 {
     (void)state;
-    static const bb_source source = {
-        .name = "two.cl", .text = "kernel void two(global uint *v, uint n) { v[0] = n; }\n"};
+    static const bb_source source = {.name = "two.cl",
+                                     .text =
+                                         "kernel __attribute__((reqd_work_group_size(1, 1, 1)))\n"
+                                         "void two(global uint *v, uint n) { v[0] = n; }\n"};
     cl_program program = NULL;
     cl_kernel two = NULL;
     bb_buffer out = {0};
@@ -176,7 +178,10 @@ static void launch_errors_name_the_kernel(void **state)
     expect_refused(two, 1, args, 3, "takes 2 arguments, 3 were given");
     const bb_arg too_wide[] = {BB_MEM(out), BB_VALUE(wide)};
     expect_refused(two, 1, too_wide, 2, "argument 1 (from 0) of kernel two, of 8 bytes");
-    expect_refused(two, device->max_group_size + 1, args, 2, "launching kernel two on");
+    expect_refused(two, 2, args, 2, "launching kernel two on");
+    assert_int_equal(bb_launch_args(device, two, 1, device->max_group_size + 1, args, 2),
+                     BB_UNSUPPORTED);
+    assert_non_null(strstr(bb_message(), "kernel two needs groups of "));
     assert_int_equal(bb_buffer_read(&out, 0, sizeof got, &got), BB_OK);
     assert_int_equal(got, 7);
     bb_buffer_release(&out);
