@@ -80,8 +80,8 @@ static void fences_are_found_in_lists(void **state)
 typedef enum order { RANDOM, SORTED, EQUAL, CHAIN, ORDERS } order;
 static const char *const order_names[ORDERS] = {"random", "sorted", "equal", "chain"};
 
-/* Chain: each is twice as far away as the one before it, until they are as near as floats can be;
- * the last thousand at one point. */
+/* Chain: a fortieth of them at each distance from a corner, and each distance half of the one
+ * before. */
 static bb_box *make_order(order kind, uint32_t count)
 {
     bb_box *boxes = calloc(count, sizeof *boxes);
@@ -94,7 +94,9 @@ static bb_box *make_order(order kind, uint32_t count)
                         : kind == EQUAL  ? 0.5
                                          : ldexp(1, -(int)(i * UINT64_C(40) / count));
             boxes[i].lo[k] = (float)at;
-            boxes[i].hi[k] = boxes[i].lo[k] + (float)(1e-3 * bb_random_unit(&random));
+            boxes[i].hi[k] = boxes[i].lo[k];
+            if (kind != EQUAL) /* those have one centroid */
+                boxes[i].hi[k] += (float)(1e-3 * at * bb_random_unit(&random));
         }
     return boxes;
 }
