@@ -81,7 +81,7 @@ bb_lanes merge_all(const bb_treelets *t, float unit, bb_lanes_int which[BB_INNER
 }
 
 /* merges[]: places j and i of each, BB_LANES apart. The last merge is the root. */
-void read_merges(const int *merges, bb_treelet_links links)
+void read_merges(const int *merges, uchar (*links)[2])
 {
     uchar at[BB_TREELET];
     for (uint leaf = 0; leaf < BB_TREELET; leaf++)

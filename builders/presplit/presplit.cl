@@ -103,7 +103,7 @@ void ps_corners(global const uint *indices, global const float *vertices, uint i
 
 /* ---- one split ---- */
 
-void ps_include(ps_part *part, const float lo[3], const float hi[3])
+void ps_include(ps_part *part, const float *lo, const float *hi)
 {
     for (int k = 0; k < 3; k++) {
         part->lo[k] = BB_MIN(lo[k], part->lo[k]);
@@ -115,7 +115,7 @@ void ps_include(ps_part *part, const float lo[3], const float hi[3])
  *
  * With u = 2^-24 and a quotient that may be off by 2.5 ulp, the parameter is off by 8u of itself,
  * so a coordinate by 10u times that of the edge, and u times itself; `error` is more. */
-void ps_cross(const float a[3], const float b[3], int axis, float plane, float lo[3], float hi[3])
+void ps_cross(const float *a, const float *b, int axis, float plane, float *lo, float *hi)
 {
     float whole = 0.5f * b[axis] - 0.5f * a[axis];
     float t = (0.5f * plane - 0.5f * a[axis]) / whole;

@@ -109,7 +109,7 @@ uint first_best(const float *cost, const float *below, uint s)
     return p != 0 ? p : rest; /* none only where the device adds lanes and numbers differently */
 }
 
-void read_tree(const float *cost, const float *below, bb_treelet_links links)
+void read_tree(const float *cost, const float *below, uchar (*links)[2])
 {
     uint sets[BB_INNER], made = 1;
     sets[0] = FULL;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Has the mock GPU write down every program that bvhbench builds, by building and tracing with all
 # that there is: record.sh BVHBENCH MOCK-LIBRARY FOLDER
-#   FOLDER/FORM/N/         what command N built; FORM: cpu or gpu
+#   FOLDER/FORM/N/         what command N built; FORM: cpu or gpu; or test: of both
 #   FOLDER/trace/SPEC/     what kernel SPEC traces closest hits with, in the form for GPUs
 # SPEC: each kernel of `list kernels`, and the variants that are for GPUs; with a stack of 32 where
 # it has one of the tree's size.
@@ -11,7 +11,8 @@ variants=(stack:persistent=yes stack8q:order=octant stack8q:order=octant,leaf=4)
 rm -rf "$folder"
 mkdir -p "$folder/logs"
 
-# A line each: a place, then a command, whose answers are other tests' matter.
+# A line each: a place, then a command of bvhbench, or a test program, whose answers are other
+# tests' matter.
 commands() {
     local form handover trace kernel
     for form in cpu gpu; do
@@ -35,6 +36,7 @@ commands() {
             "--max-rays 64 --repeats 1 --quiet --builder lbvh+refit:rotate=yes" \
             "--builder lbvh+refit:partial=2"
     done
+    echo "test/points test_locate" # no command asks for points alone
     for kernel in $("$program" list kernels --json | jq -r '.kernels[].name') "${variants[@]}"; do
         echo "trace/$kernel run --form gpu --scene cube --builder lbvh --kernel $kernel,stack=32" \
             "--rays primary --size 8x8 --repeats 1 --no-pictures --charts no --quiet" \
@@ -48,7 +50,10 @@ one() {
     shift
     mkdir -p "$folder/$place"
     local recorded=(env MOCK_GPU_DEVICES=cpu MOCK_GPU_RECORD="$folder/$place" LD_PRELOAD="$library")
-    recorded+=("$program")
+    case $1 in
+    test_*) recorded+=(BVHBENCH_TEST_SMALL=1 "$(dirname "$library")/$1") && shift ;;
+    *) recorded+=("$program") ;;
+    esac
     "${recorded[@]}" "$@" >"$log" 2>&1 || {
         grep -q 'drop stack=' "$log" || return 0
         "${recorded[@]}" "${@/[:,]stack=32/}" >"$log" 2>&1 || true

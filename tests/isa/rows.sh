@@ -15,4 +15,13 @@ for version in ${versions:?no version of clang has rows}; do
         }
     done
 done
+for refused in 'list --isa' 'list builders --isa' 'list kernels --isa --json'; do
+    code=0
+    # shellcheck disable=SC2086 # words
+    "$1" $refused >/dev/null 2>&1 || code=$?
+    [ $code -eq 2 ] || {
+        echo "rows: bvhbench $refused: exit status $code, not 2"
+        status=1
+    }
+done
 exit $status
