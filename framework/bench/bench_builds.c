@@ -131,6 +131,7 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
     bb_step step = bb_bench_begin(bench);
     bb_account_mark(&instance->account);
     BB_TRY(bb_instance_build(instance, bench->scene, exact, &timing));
+    bb_resident_note(bench);
     for (uint32_t i = 0; i < instance->step_count; i++)
         audit_step(bench, entrant, &instance->steps[i]);
     if (!exact) {
@@ -160,7 +161,8 @@ static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_r
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         const bb_metric *metric = bb_metrics[i];
-        if (metric->on_request != on_request || (on_request && !is_requested(bench, metric)))
+        if (metric->on_request != on_request || (on_request && !is_requested(bench, metric)) ||
+            (bench->request->lean && metric->sampled))
             continue;
         bb_step step = bb_bench_begin(bench);
         BB_TRY(bb_metric_compute(metric, &entrant->instance.tree, bench->scene, METRIC_SAMPLES,
@@ -343,7 +345,7 @@ bb_status bb_bench_builds(bb_bench *bench)
 {
     uint32_t order[BB_ENTRANTS_MAX];
     const bool own = bb_bench_owns_builds(bench);
-    const uint32_t phase_builds = own ? PHASE_BUILDS : 0;
+    const uint32_t phase_builds = own && !bench->request->lean ? PHASE_BUILDS : 0;
     uint32_t rounds = own ? bench->request->repeats + 1 : 1;
     bb_progress_stage(bench->progress, bench->entrant_count * (rounds + phase_builds),
                       "%s: building", bench->scene->name);

@@ -72,7 +72,7 @@ typedef struct bb_bench {
     bb_device *device;
     bb_results *results;
     bb_scene *scene;
-    bb_scene *first;           /* loaded before its turn, or NULL */
+    bb_scene *first;           /* loaded before its turn, or NULL; the request's is not freed */
     uint32_t sets;             /* ray sets of all scenes, planned */
     bb_scene_part *parts;      /* of each scene */
     const bb_scene_part *part; /* of the scene at hand */
@@ -181,6 +181,9 @@ bb_status bb_resident_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
 
 /* Makes a layout that is there once more, in its place; if that fails, it is gone. */
 bb_status bb_resident_layout_again(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
+
+/* Notes what all entrants hold at present, or held since their accounts were marked, as held. */
+void bb_resident_note(bb_bench *bench);
 
 /* Frees what the entrant has in memory; its record stays. */
 void bb_resident_evict(bb_entrant *entrant);

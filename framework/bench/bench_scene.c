@@ -46,7 +46,9 @@ static bb_status load_scene(bb_bench *bench, const char *name)
     BB_TRY(bb_scene_upload(bench->scene, bench->device));
     BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
     step = bb_bench_begin(bench);
-    BB_TRY(bb_oracle_create(bench->scene, bb_host_threads(bench->device), &bench->oracle));
+    bench->oracle = bench->request->oracle;
+    if (bench->oracle == NULL)
+        BB_TRY(bb_oracle_create(bench->scene, bb_host_threads(bench->device), &bench->oracle));
     BB_TRY(bb_bench_end(bench, step, "oracle: build", BB_OK));
     memset(&bench->boxes_ms, 0, sizeof bench->boxes_ms);
     BB_TRY(measure_boxes(bench, &bench->boxes_ms));
@@ -229,9 +231,11 @@ static void end_scene(bb_bench *bench)
     free(bench->entrants);
     bench->entrants = NULL;
     bench->entrant_count = 0;
-    bb_oracle_destroy(bench->oracle);
+    if (bench->oracle != bench->request->oracle)
+        bb_oracle_destroy(bench->oracle);
     bench->oracle = NULL;
-    bb_scene_free(bench->scene);
+    if (bench->scene != bench->request->scene)
+        bb_scene_free(bench->scene);
     bench->scene = NULL;
     (void)bb_bench_end(bench, step, "free scenes", BB_OK);
 }

@@ -179,10 +179,9 @@ static bb_status prepare_cell(trace_set *set, cell *c)
  * one cell the worse one counts. */
 static bb_status judge_cell(trace_set *set, cell *c)
 {
-    bb_step step = bb_bench_begin(set->bench);
     uint64_t hash = XXH3_64bits(set->results, c->count * set->bytes);
     if (c->judged && hash == c->hits_hash)
-        return bb_bench_end(set->bench, step, "judge answers", BB_OK);
+        return BB_OK;
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {
         .results = set->results, .count = c->count, .may_be_unnamed = c->entrant->reference};
@@ -192,7 +191,7 @@ static bb_status judge_cell(trace_set *set, cell *c)
     c->record.has_accuracy = true;
     c->judged = true;
     c->hits_hash = hash;
-    return bb_bench_end(set->bench, step, "judge answers", BB_OK);
+    return BB_OK;
 }
 
 /* `exact` answers do not depend on builder, layout and kernel (kernels/ERROR_BUDGET.md). A cell
@@ -215,6 +214,16 @@ static bb_status compare_cell(trace_set *set, cell *c)
     r->unlike = unlike > r->unlike ? unlike : r->unlike;
     snprintf(r->unlike_whom, sizeof r->unlike_whom, "%s", set->whose);
     return BB_OK;
+}
+
+/* Against the oracle's answers and the other cells'. */
+static bb_status hold_answers(trace_set *set, cell *c)
+{
+    bb_step step = bb_bench_begin(set->bench);
+    bb_status status = judge_cell(set, c);
+    if (status == BB_OK)
+        status = compare_cell(set, c);
+    return bb_bench_end(set->bench, step, "judge answers", status);
 }
 
 /* `count` of the first `of` rays of the set, evenly spaced, to the device. */
@@ -245,7 +254,7 @@ static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32
 static bb_status count_tests(trace_set *set, cell *c)
 {
     bb_bench *bench = set->bench;
-    if (c->entrant->reference || bench->request->uncounted)
+    if (c->entrant->reference || bench->request->lean)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_resident_layout(bench, c->entrant, c->layout));
@@ -396,10 +405,8 @@ static void run_round(trace_set *set)
             bb_samples_add(&c->record.ms, timing.ms);
             bb_samples_add(&c->record.event_ms, timing.event_ms);
             bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
-            status = judge_cell(set, c);
+            status = hold_answers(set, c);
         }
-        if (status == BB_OK)
-            status = compare_cell(set, c);
         if (status != BB_OK)
             note_failure(c, status);
     }
@@ -428,7 +435,8 @@ static bb_status record_cell(trace_set *set, cell *c)
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
 {
     trace_set set = {.bench = bench, .rays = rays, .bytes = rays->query->result_bytes};
-    bb_status status = start_set(&set);
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_bench_end(bench, step, "make rays", start_set(&set));
     if (status != BB_OK)
         goto out;
     uint32_t rounds = bench->request->repeats + 1;
@@ -445,13 +453,16 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
     }
     for (uint32_t round = 0; round < rounds && !bb_interrupted(); round++)
         run_round(&set);
+    step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < set.count && status == BB_OK; i++)
         status = record_cell(&set, &set.cells[i]);
+    status = bb_bench_end(bench, step, "keep records", status);
 out:
+    step = bb_bench_begin(bench);
     bb_answers_release(&set.answers);
     bb_host_free(set.results);
     bb_host_free(set.first);
     free(set.order);
     free(set.cells);
-    return status;
+    return bb_bench_end(bench, step, "keep records", status);
 }
