@@ -1,8 +1,8 @@
 /* Scouts and the choice, on made-up figures. */
 #include "framework/advise/advice.h"
-#include "framework/advise/forecast.h"
 #include "framework/advise/heat.h"
 #include "framework/advise/scouts.h"
+#include "framework/advise/turns.h"
 #include "tests/fixture.h"
 
 #include <math.h>
@@ -179,7 +179,7 @@ static void turns_fit_into_memory(void **state)
     ASSERT_OK(bb_entered_make(who, count, &field));
     assert_int_equal(count, 12);
     bool in[12], done[12] = {false};
-    for (uint32_t now; (now = bb_heat_turn(&field, 11, &sizes, done, in)) > 0; turns++) {
+    for (uint32_t now; (now = bb_turn(&field, 11, &sizes, done, in)) > 0; turns++) {
         uint32_t others = 0;
         assert_true(in[11]);
         for (uint32_t i = 0; i < count; i++) {
@@ -196,8 +196,8 @@ static void turns_fit_into_memory(void **state)
     assert_int_equal(turns, 3);
     sizes.room = 1; /* one at a time, beside the reference */
     memset(done, 0, sizeof done);
-    assert_int_equal(bb_heat_turn(&field, 11, &sizes, done, in), 2);
-    assert_int_equal(bb_heat_turn(&field, 11, NULL, done, in), 12);
+    assert_int_equal(bb_turn(&field, 11, &sizes, done, in), 2);
+    assert_int_equal(bb_turn(&field, 11, NULL, done, in), 12);
     bb_entered_free(&field);
     bb_entered_free(&builders);
     end_party(&p);

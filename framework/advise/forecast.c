@@ -1,7 +1,7 @@
-/* Sizes and times of contenders from those of scouts. */
+/* Times and memory of heats from those of scouts. */
 #include "framework/advise/forecast.h"
 
-#include "framework/advise/heat.h"
+#include "framework/advise/turns.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
@@ -11,17 +11,6 @@
 
 enum { LAYOUTS_MADE = 6 }; /* of each, in a comparison: framework/bench/bench_builds.c */
 
-/* The peak of a build, and the copy of its tree that the harness checks. */
-static double build_bytes(const bb_tried_figures *f)
-{
-    return f->bytes_build + f->bytes_tree;
-}
-
-static double layout_bytes(const bb_tried_figures *f)
-{
-    return f->bytes_layout;
-}
-
 static const char *builder_of(const bb_contender *who)
 {
     return who->builder;
@@ -30,34 +19,6 @@ static const char *builder_of(const bb_contender *who)
 static const char *kernel_of(const bb_contender *who)
 {
     return who->kernel;
-}
-
-/* Of the scouts of this name, else of all, the most. */
-static double size_of(const bb_sizes *sizes, const char *name,
-                      const char *(*name_of)(const bb_contender *who),
-                      double (*bytes)(const bb_tried_figures *f))
-{
-    double own = 0, most = 0;
-    for (int k = 0; k < 2; k++)
-        for (uint32_t i = 0; i < sizes->scouts[k]->count; i++) {
-            const bb_tried_figures *f = &sizes->scouts[k]->figures[i];
-            if (!f->measured)
-                continue;
-            most = fmax(most, bytes(f));
-            if (strcmp(name_of(&sizes->scouts[k]->who[i]), name) == 0)
-                own = fmax(own, bytes(f));
-        }
-    return own > 0 ? own : most;
-}
-
-double bb_size_of_build(const bb_sizes *sizes, const char *builder)
-{
-    return size_of(sizes, builder, builder_of, build_bytes);
-}
-
-double bb_size_of_layout(const bb_sizes *sizes, const char *kernel)
-{
-    return size_of(sizes, kernel, kernel_of, layout_bytes);
 }
 
 /* ---- time ---- */
@@ -109,7 +70,7 @@ static uint32_t turns_of(const bb_advice *advice, double *bytes)
     uint32_t turns = 0;
     *bytes = 0;
     while (in != NULL && done != NULL && field->count > 0 &&
-           bb_heat_turn(field, 0, &advice->sizes, done, in) > 0) {
+           bb_turn(field, 0, &advice->sizes, done, in) > 0) {
         double sum = 0;
         turns++;
         for (uint32_t i = 0; i < field->count; i++) {

@@ -4,11 +4,6 @@
 
 #include "framework/advise/advice.h"
 
-/* Bytes that a builder's tree with its scratch, and the host's copy of it, will take at their peak,
- * and those of a kernel's layout. Of what no scout measured: the most of those that were. */
-double bb_size_of_build(const bb_sizes *sizes, const char *builder);
-double bb_size_of_layout(const bb_sizes *sizes, const char *kernel);
-
 /* How a heat compares with the scouts': rounds, and rays as multiples of theirs. */
 typedef struct bb_forecast_heat {
     double rounds, rays;

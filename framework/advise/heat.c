@@ -1,7 +1,7 @@
 /* From contenders to comparisons and back. */
 #include "framework/advise/heat.h"
 
-#include "framework/advise/forecast.h"
+#include "framework/advise/turns.h"
 #include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 
@@ -34,47 +34,6 @@ void bb_entered_free(bb_entered *field)
 }
 
 /* ---- turns ---- */
-
-/* What one more contender takes: its tree, unless another of its builder is in, and likewise its
- * layout. */
-static double more_bytes(const bb_entered *field, const bb_sizes *sizes, const bool *in, uint32_t i)
-{
-    bool built = false, laid_out = false;
-    for (uint32_t k = 0; k < field->count; k++) {
-        if (!in[k] || strcmp(field->who[k].builder, field->who[i].builder) != 0)
-            continue;
-        built = true;
-        laid_out = laid_out || strcmp(field->who[k].kernel, field->who[i].kernel) == 0;
-    }
-    return (built ? 0 : bb_size_of_build(sizes, field->who[i].builder)) +
-           (laid_out ? 0 : bb_size_of_layout(sizes, field->who[i].kernel));
-}
-
-uint32_t bb_heat_turn(const bb_entered *field, uint32_t reference, const bb_sizes *sizes,
-                      const bool *done, bool *in)
-{
-    uint32_t count = 0;
-    double bytes = 0;
-    memset(in, 0, field->count * sizeof *in);
-    if (reference == BB_NO_RACER)
-        return 0;
-    if (sizes != NULL)
-        bytes = more_bytes(field, sizes, in, reference);
-    in[reference] = true;
-    count += !done[reference];
-    const uint32_t alone = count;
-    for (uint32_t i = 0; i < field->count; i++) {
-        if (field->racers[i].state != BB_RACING || done[i] || in[i])
-            continue;
-        const double more = sizes != NULL ? more_bytes(field, sizes, in, i) : 0;
-        if (sizes != NULL && bytes + more > sizes->room && count > alone)
-            continue;
-        in[i] = true;
-        bytes += more;
-        count++;
-    }
-    return count;
-}
 
 /* The best so far; at first one of the builder that is guessed to be. */
 static uint32_t choose_reference(const bb_heat *heat, const bb_entered *field)
@@ -244,7 +203,7 @@ static bb_status run_turns(turn *t, bb_results *results, bb_bench_outcome *outco
         bb_progress_plan(t->heat->progress, 1);
     }
     while (!bb_interrupted() &&
-           (t->count = bb_heat_turn(field, t->reference, t->heat->sizes, t->done, t->in)) > 0) {
+           (t->count = bb_turn(field, t->reference, t->heat->sizes, t->done, t->in)) > 0) {
         BB_TRY(run_turn(t, results, outcome));
         for (uint32_t i = 0; i < field->count; i++)
             t->done[i] = t->done[i] || t->in[i];
