@@ -32,12 +32,6 @@ typedef struct bb_heat {
 bb_status bb_heat_run(const bb_advise_request *request, const bb_heat *heat, bb_entered *field,
                       bb_results *results, bb_bench_outcome *outcome);
 
-/* in[i] = whether contender i is of the next turn: the reference, and of those in the race that are
- * not `done` as many as fit into sizes->room, in order, but one at least. Returns how many these
- * are; 0: all are done. */
-uint32_t bb_heat_turn(const bb_entered *field, uint32_t reference, const bb_sizes *sizes,
-                      const bool *done, bool *in);
-
 /* Racers and figures for `count` contenders, which are taken over; all in the race. */
 bb_status bb_entered_make(bb_contender *who, uint32_t count, bb_entered *field);
 void bb_entered_free(bb_entered *field);
