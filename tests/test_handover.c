@@ -1,5 +1,5 @@
 /* How work-groups hand over: which devices document a fence, by made-up lists; how many launches
- * and waits a build without one takes, and whether its tree is the one with a fence, bit for bit. */
+ * and waits a build without one takes, and whether its tree is that with a fence, bit for bit. */
 #include "framework/device/handover.h"
 
 #include "framework/base/random.h"

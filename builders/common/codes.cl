@@ -21,7 +21,7 @@ float8 eight(global const float *words, uint word)
 
 #ifdef cl_khr_fp64
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
-/* One work-item: what of the plan depends on the bounds, as bb_code_lay_out() computes it (codes.c).
+/* One work-item: what of the plan depends on the bounds, as bb_code_lay_out() of codes.c has it.
  * Not for codes with sizes. */
 kernel void code_place(global const bb_box *bounds, uint centroids, uint cube,
                        global bb_code_plan *plan)

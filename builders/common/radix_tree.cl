@@ -13,8 +13,9 @@
  *         first to come: stop
  *         second to come: node = parent = [l, r], with the union of both boxes
  *
- * Without an atomic, for CPUs and wherever work-groups have no fence (link_chunks; one work-item per
- * chunk of leaves, in order; then link_pieces, one per run of so many chunks, of so many runs, ...):
+ * Without an atomic, for CPUs and wherever work-groups have no fence (link_chunks; one work-item
+ * per chunk of leaves, in order; then link_pieces, one per run of so many chunks, of so many runs,
+ * ...):
  *   left child: waits on the run's list
  *   right child whose sibling is on the list: joins it
  *   right child whose sibling is in another run: waits as well
