@@ -195,6 +195,28 @@ typedef struct bb_quant8 {
     bb_u32 pad[4];
 } bb_quant8;
 
+/* Compressed node of up to 8 children: plane q of axis a is origin[a] + q * 2^(exponents[a] - 127).
+ * Children that are nodes lie one after the other from `nodes` on, in the order of their places;
+ * primitives, at most 3 of a child, from `prims` on. meta[s], of the child at place s:
+ *
+ *   0                      there is none
+ *   32 | 24 + s            it is a node
+ *   2^k - 1 << 5 | first   a leaf of k primitives, the first of which is prims + first
+ *
+ * Five vectors of 16 bytes. */
+typedef struct bb_cwbvh {
+    float origin[3];
+    bb_u8 exponents[3];
+    bb_u8 inner; /* bit s: the child at place s is a node */
+    bb_u32 nodes;
+    bb_u32 prims;
+    bb_u8 meta[8];
+    bb_u8 planes[48]; /* 16a .. lo, 16a + 8 .. hi, of places 0 to 7 */
+} bb_cwbvh;
+
+/* Most primitives of a leaf in such a node. */
+#define BB_CWBVH_LEAF_MAX 3
+
 /* How a pair is best made part of wide nodes: its cost as up to 1, 2, ... children, times area,
  * and, 4 bits each, how many of these its left side gets; 0: one less is as good. 32 bytes. */
 typedef struct bb_wide_plan {
@@ -227,6 +249,7 @@ BB_STATIC_ASSERT(sizeof(bb_pair) == 64, "bb_pair");
 BB_STATIC_ASSERT(sizeof(bb_wide4) == 128, "bb_wide4");
 BB_STATIC_ASSERT(sizeof(bb_wide8) == 256, "bb_wide8");
 BB_STATIC_ASSERT(sizeof(bb_quant8) == 128, "bb_quant8");
+BB_STATIC_ASSERT(sizeof(bb_cwbvh) == 80, "bb_cwbvh");
 BB_STATIC_ASSERT(sizeof(bb_wide_plan) == 32, "bb_wide_plan");
 BB_STATIC_ASSERT(sizeof(bb_count) == 12, "bb_count");
 #endif

@@ -11,6 +11,8 @@
  *   places = exclusive scans of both marks
  *   write what is marked at its place                                           (collapse_write)
  *
+ * Leaves of more than `most` references become balanced binary trees of parts of that many.
+ *
  * MacDonald and Booth 1990 (the heuristic); Wald, Benthin and Boulos 2008 (leaves in blocks of the
  * vector's length). Nodes and references keep their order in memory. Reads any tree. A primitive
  * that several leaves of a collapsed subtree reference is referenced once. Costs are floats: they
@@ -74,10 +76,19 @@ void put(volatile global bb_subtree *at, const bb_subtree *s)
     at->leaf = s->leaf;
 }
 
-void decide_leaf(global const bb_node *nodes, global const uint *refs, uint n,
+/* Leaves that one of this many references becomes. */
+uint parts_of(uint refs, uint most)
+{
+    return (refs - 1u) / most + 1u;
+}
+
+void decide_leaf(global const bb_node *nodes, global const uint *refs, uint n, uint most,
                  const bb_cost_model *model, volatile global bb_subtree *subtrees)
 {
     bb_subtree s = {0.0f, run_length(refs, nodes[n].first & BB_INDEX_MASK), 1u, 0u, 0u, 1u};
+    s.leaves = parts_of(s.refs, most);
+    s.arity = s.leaves > 1u ? 2u : 0u;
+    s.height = 32u - clz(s.leaves - 1u);
     s.cost = bb_collapse_area(nodes + n, model->scale) * bb_leaf_cost(model, s.refs);
     put(subtrees + n, &s);
 }
@@ -85,14 +96,14 @@ void decide_leaf(global const bb_node *nodes, global const uint *refs, uint n,
 #if BB_HANDOVER
 kernel void collapse_decide(global const bb_node *nodes, global const uint *refs, uint count,
                             float scale, float traversal, float intersection, uint block,
-                            uint max_leaf, global const uint *parents,
+                            uint max_leaf, uint most, global const uint *parents,
                             volatile global uint *missing, volatile global bb_subtree *subtrees)
 {
     uint n = get_global_id(0);
     if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
         return;
     const bb_cost_model model = {scale, traversal, intersection, block, max_leaf};
-    decide_leaf(nodes, refs, n, &model, subtrees);
+    decide_leaf(nodes, refs, n, most, &model, subtrees);
     for (uint p = parents[n]; p != BB_NONE; p = parents[p]) {
         BB_DEVICE_FENCE();
         if (atomic_dec(&missing[p]) != 1u)
@@ -106,7 +117,7 @@ kernel void collapse_decide(global const bb_node *nodes, global const uint *refs
 
 kernel void collapse_leaves(global const bb_node *nodes, global const uint *refs, uint count,
                             float scale, float traversal, float intersection, uint block,
-                            uint max_leaf, global const uint *parents,
+                            uint max_leaf, uint most, global const uint *parents,
                             volatile global uint *missing, volatile global bb_subtree *subtrees,
                             volatile global uint *counts, global uint *next)
 {
@@ -114,34 +125,39 @@ kernel void collapse_leaves(global const bb_node *nodes, global const uint *refs
     if (n >= count || (nodes[n].first & BB_LEAF_BIT) == 0)
         return;
     const bb_cost_model model = {scale, traversal, intersection, block, max_leaf};
-    decide_leaf(nodes, refs, n, &model, subtrees);
+    decide_leaf(nodes, refs, n, most, &model, subtrees);
     uint p = parents[n];
     if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
         bb_put_on_list(p, 0u, counts, next);
 }
 
+void decide_listed(uint n, global const bb_node *nodes, const bb_cost_model *model,
+                   global const uint *parents, volatile global uint *missing,
+                   volatile global bb_subtree *subtrees, uint number,
+                   volatile global uint *counts, global uint *next)
+{
+    bb_subtree s = join(nodes, subtrees, n, model);
+    put(subtrees + n, &s);
+    uint p = parents[n];
+    if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
+        bb_put_on_list(p, number, counts, next);
+}
+
 kernel void collapse_level(global const bb_node *nodes, float scale, float traversal,
                            float intersection, uint block, uint max_leaf,
                            global const uint *parents, volatile global uint *missing,
-                           volatile global bb_subtree *subtrees, global const uint *level,
-                           uint number, volatile global uint *counts, global uint *next)
+                           volatile global bb_subtree *subtrees, global uint *list, uint number,
+                           volatile global uint *counts, global uint *next)
 {
     const bb_cost_model model = {scale, traversal, intersection, block, max_leaf};
-    uint count = counts[number];
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-        uint n = level[i];
-        bb_subtree s = join(nodes, subtrees, n, &model);
-        put(subtrees + n, &s);
-        uint p = parents[n];
-        if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
-            bb_put_on_list(p, number, counts, next);
-    }
+#define DECIDE(n) decide_listed(n, nodes, &model, parents, missing, subtrees, number, counts, next)
+    BB_FOR_LISTS(DECIDE, 1u)
 }
 
 /* The references below node n, each once if `duplicated`: counted, and written to `out` unless that
- * is NULL. */
+ * is NULL, as leaves of `most`. */
 uint gather(global const bb_node *nodes, global const uint *refs, uint n, uint duplicated,
-            global uint *out)
+            uint most, global uint *out)
 {
     uint end = nodes[n].skip, written = 0;
     /* those found so far: needed only where a collapsed node has several leaves */
@@ -162,7 +178,7 @@ uint gather(global const bb_node *nodes, global const uint *refs, uint n, uint d
             if (several && written < BB_LEAF_MAX)
                 own[written] = prim;
             if (out != NULL)
-                out[written] = prim;
+                out[written] = prim | ((written + 1u) % most == 0u ? BB_LAST_BIT : 0u);
             written++;
         }
     }
@@ -172,7 +188,8 @@ uint gather(global const bb_node *nodes, global const uint *refs, uint n, uint d
 }
 
 kernel void collapse_mark(global const bb_node *nodes, global const uint *refs, uint count,
-                          uint max_leaf, uint duplicated, global const uint *parents,
+                          uint max_leaf, uint duplicated, uint most,
+                          global const uint *parents,
                           global const bb_subtree *subtrees, global uint *places,
                           global uint *firsts)
 {
@@ -186,12 +203,40 @@ kernel void collapse_mark(global const bb_node *nodes, global const uint *refs, 
         if (subtrees[p].leaf != 0u)
             return;
     places[n] = 1;
-    if (subtrees[n].leaf != 0u)
-        firsts[n] = gather(nodes, refs, n, duplicated, NULL);
+    if (subtrees[n].leaf == 0u)
+        return;
+    firsts[n] = gather(nodes, refs, n, duplicated, most, NULL);
+    places[n] = 2u * parts_of(firsts[n], most) - 1u;
+}
+
+/* What becomes of leaf `node`, whose first reference is `first`: a balanced binary tree of `parts`
+ * leaves of `most` references, in preorder from `at` on. */
+void write_parts(bb_node node, uint first, uint parts, uint most, uint at, global bb_node *out)
+{
+    const uint skip = node.skip;
+    for (uint i = 0; i < 2u * parts - 1u; i++) {
+        /* down to the i-th, which has the parts from `begin` to `end` */
+        uint begin = 0, end = parts, n = 0;
+        node.skip = skip;
+        while (n < i) {
+            uint middle = (begin + end) / 2u, right = n + 2u * (middle - begin);
+            if (i < right) {
+                node.skip = at + right;
+                end = middle;
+                n++;
+            } else {
+                begin = middle;
+                n = right;
+            }
+        }
+        node.first = end - begin == 1u ? BB_LEAF_BIT | (first + most * begin) : at + i + 1u;
+        out[at + i] = node;
+    }
 }
 
 kernel void collapse_write(global const bb_node *nodes, global const uint *refs, uint count,
-                           uint root, uint duplicated, global const bb_subtree *subtrees,
+                           uint root, uint duplicated, uint most,
+                           global const bb_subtree *subtrees,
                            global const uint *places, global const uint *firsts,
                            global bb_node *out_nodes, global uint *out_refs,
                            global bb_tree_info *info)
@@ -200,13 +245,15 @@ kernel void collapse_write(global const bb_node *nodes, global const uint *refs,
     if (n >= count || places[n] == places[n + 1u])
         return;
     bb_node node = nodes[n];
-    bool leaf = subtrees[n].leaf != 0u;
-    if (leaf)
-        gather(nodes, refs, n, duplicated, out_refs + firsts[n]);
-    node.first = leaf ? BB_LEAF_BIT | firsts[n] : places[node.first];
     /* what follows a kept node has that node's ancestors above it, so it is kept too */
     node.skip = node.skip == BB_NONE ? BB_NONE : places[node.skip];
-    out_nodes[places[n]] = node;
+    if (subtrees[n].leaf != 0u) {
+        uint length = gather(nodes, refs, n, duplicated, most, out_refs + firsts[n]);
+        write_parts(node, firsts[n], parts_of(length, most), most, places[n], out_nodes);
+    } else {
+        node.first = places[node.first];
+        out_nodes[places[n]] = node;
+    }
     if (n == root) {
         info->root = places[n];
         info->node_count = places[count];

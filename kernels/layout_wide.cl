@@ -16,8 +16,9 @@
  * When only boxes and positions have changed: layout_wide_follow.cl, and wide_blocks again.
  *
  * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
- * BVHs": the plan (of all collapses the one with the least area, leaves being given), 8 bits per
- * plane, places by octant. The paper's text was not at hand (wide_plan.clh). Reads any tree.
+ * BVHs": the plan (of all collapses the one with the least area, leaves being given) and places by
+ * octant. The paper's text was not at hand (wide_plan.clh). Their node is layout_cwbvh.cl's; 8 bits
+ * per plane in nodes of 128 bytes are our own. Reads any tree.
  */
 #include "bb_device.h"
 
@@ -27,9 +28,6 @@
 #include "wide_plan.clh"
 
 #define OPEN_LATER 64
-
-/* Words from one pair's opened sides to the next's. */
-#define OPENED_WORDS (sizeof(bb_wide_plan) / sizeof(uint))
 
 /* ---- which pairs become nodes ---- */
 
@@ -108,18 +106,22 @@ kernel void plan_leaves(global const bb_pair *pairs, uint count, uint root,
         bb_put_on_list(parents[p], 0u, counts, next);
 }
 
+void plan_listed(uint p, global const bb_pair *pairs, uint root, global const uint *parents,
+                 volatile global uint *missing, volatile global bb_wide_plan *plans, uint number,
+                 volatile global uint *counts, global uint *next)
+{
+    plan_pair(pairs, p, plans);
+    if (p != root && atomic_dec(&missing[parents[p]]) == 1u)
+        bb_put_on_list(parents[p], number, counts, next);
+}
+
 kernel void plan_level(global const bb_pair *pairs, uint root, global const uint *parents,
                        volatile global uint *missing, volatile global bb_wide_plan *plans,
-                       global const uint *level, uint number, volatile global uint *counts,
+                       global uint *list, uint number, volatile global uint *counts,
                        global uint *next)
 {
-    uint count = counts[number];
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-        uint p = level[i];
-        plan_pair(pairs, p, plans);
-        if (p != root && atomic_dec(&missing[parents[p]]) == 1u)
-            bb_put_on_list(parents[p], number, counts, next);
-    }
+#define PLAN(p) plan_listed(p, pairs, root, parents, missing, plans, number, counts, next)
+    BB_FOR_LISTS(PLAN, 1u)
 }
 
 /* ---- what a wide node takes in: sides of pairs, 2 * pair + side ---- */
@@ -158,6 +160,20 @@ typedef struct open_list {
     uint need; /* the largest stack need met */
 } open_list;
 
+/* The most entries of the stack that are of one node: one for each child but the first, or, of a
+ * compressed node, one for all of them. */
+uint stack_need(global const bb_pair *pairs, const uint sides[BB_WIDTH], uint children)
+{
+#if BB_COMPRESSED
+    uint inner = 0;
+    for (uint c = 0; c < children; c++)
+        inner += (pairs[sides[c] >> 1].links[sides[c] & 1u] & BB_LEAF_BIT) == 0 ? 1u : 0u;
+    return inner > 1u ? 1u : 0u;
+#else
+    return children - 1u;
+#endif
+}
+
 /* Opens a pair. Those of its children that are pairs go on the list, the last first, or, where it
  * is full, to the next level. An opened pair's plan is not needed any more: `opened` is in its
  * place. */
@@ -169,11 +185,11 @@ void open_pair(global const bb_pair *pairs, global const bb_wide_plan *plans, ui
     const bb_side_source source = {pairs, plans};
     uint children = greedy != 0u ? bb_greedy_sides(&source, item.x, sides)
                                  : bb_planned_sides(&source, item.x, sides);
-    uint need = item.y + children - 1u;
+    uint need = item.y + stack_need(pairs, sides, children);
     list->need = BB_MAX(need, list->need);
     marks[item.x] = 1u;
     for (uint c = 0; c < BB_WIDTH; c++)
-        opened[(ulong)item.x * OPENED_WORDS + c] = c < children ? sides[c] : BB_NONE;
+        opened[(ulong)item.x * BB_OPENED_WORDS + c] = c < children ? sides[c] : BB_NONE;
     for (uint c = children; c-- > 0u;) {
         uint link = pairs[sides[c] >> 1].links[sides[c] & 1u];
         if ((link & BB_LEAF_BIT) != 0)
@@ -208,22 +224,7 @@ kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *pl
         atomic_max(&state[0], list.need);
 }
 
-/* Boxes of the children that a node has in its places. */
-void put_boxes(global const bb_pair *pairs, const uint sides[BB_WIDTH], bb_wide_boxes *boxes)
-{
-    bb_wide_clear(boxes);
-    for (uint c = 0; c < BB_WIDTH; c++) {
-        if (sides[c] == BB_NONE)
-            continue;
-        global const float *planes = pairs[sides[c] >> 1].planes + (sides[c] & 1u);
-        for (uint axis = 0; axis < 3; axis++) {
-            boxes->planes[2u * axis * BB_WIDTH + c] = planes[4u * axis];
-            boxes->planes[(2u * axis + 1u) * BB_WIDTH + c] = planes[4u * axis + 2u];
-        }
-        boxes->places |= 1u << c;
-    }
-}
-
+#if !BB_COMPRESSED /* whose nodes are written by layout_cwbvh.cl */
 /* What a leaf's link becomes. `single`: primitives are records in the order of the references. */
 uint leaf_link(global const uint *first, uint ref, uint single)
 {
@@ -242,14 +243,14 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uin
     bb_wide_boxes boxes;
     uint own[BB_WIDTH], children = 0;
     for (uint c = 0; c < BB_WIDTH; c++) {
-        own[c] = opened[(ulong)p * OPENED_WORDS + c];
+        own[c] = opened[(ulong)p * BB_OPENED_WORDS + c];
         children += own[c] != BB_NONE ? 1u : 0u;
     }
-    put_boxes(pairs, own, &boxes);
+    bb_wide_put_pairs(pairs, own, &boxes);
 #if BB_WIDTH == 8
     if (octants != 0u) {
         bb_wide_arrange(&boxes, children, own);
-        put_boxes(pairs, own, &boxes);
+        bb_wide_put_pairs(pairs, own, &boxes);
     }
 #endif
     bb_wide_write(&boxes, node);
@@ -267,6 +268,7 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uin
     for (uint w = 0; w < sizeof(node->pad) / sizeof(uint); w++)
         node->pad[w] = 0;
 }
+#endif
 
 /* ---- primitives ---- */
 

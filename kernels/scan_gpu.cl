@@ -4,9 +4,9 @@
  * (CMU-CS-90-190, 1990); Sengupta, Harris, Zhang, Owens, Scan Primitives for GPU Computing
  * (Graphics Hardware 2007).
  *
- *     scan_tiles:  for each tile (one group): load it; each item sums its SCAN_ITEMS neighbours;
- *                  scan those sums over the group; out[tile] = prefix sums inside the tile;
- *                  sums[tile] = sum of the tile
+ *     scan_tiles:  for each tile (one group; of a short scan one group for all of them, in order):
+ *                  load it; each item sums its SCAN_ITEMS neighbours; scan those sums over the
+ *                  group; out[tile] = prefix sums inside the group's tiles; sums[group] = their sum
  *     the host:    sums = exclusive prefix sum of sums, by the same kernels, until there is one
  *                  tile
  *     scan_add:    out[i] += sums[tile of i]
@@ -21,42 +21,48 @@
 #define SCAN_ITEMS 8
 #define TILE (BB_GROUP * SCAN_ITEMS)
 
-/* Launched on one group per tile; the last tile may be shorter. */
+/* Launched on one group per `tiles` tiles; the last tile may be shorter. */
 __kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
 void scan_tiles(__global const uint *in,
                 __global uint *out,
                 const uint count,
-                __global uint *sums) /* one per tile */
+                const uint tiles,
+                __global uint *sums) /* one per group */
 {
     __local uint tile[TILE];
     __local uint item_sums[BB_GROUP];
     const uint item = get_local_id(0);
-    const uint base = get_group_id(0) * TILE;
-    const uint size = min((uint)TILE, count - base);
+    uint before = 0; /* the sum of the group's tiles before this one */
 
-    for (uint k = item; k < TILE; k += BB_GROUP)
-        tile[k] = k < size ? in[base + k] : 0;
-    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint t = 0; t < tiles; t++) {
+        const uint base = (get_group_id(0) * tiles + t) * TILE;
+        const uint size = min((uint)TILE, count - base);
+        for (uint k = item; k < TILE; k += BB_GROUP)
+            tile[k] = k < size ? in[base + k] : 0;
+        barrier(CLK_LOCAL_MEM_FENCE);
 
-    uint sum = 0;
-    for (uint k = 0; k < SCAN_ITEMS; k++)
-        sum += tile[item * SCAN_ITEMS + k];
-    uint total;
-    uint running = bb_group_scan(sum, item_sums, &total);
-    for (uint k = 0; k < SCAN_ITEMS; k++) {
-        const uint value = tile[item * SCAN_ITEMS + k];
-        tile[item * SCAN_ITEMS + k] = running;
-        running += value;
+        uint sum = 0;
+        for (uint k = 0; k < SCAN_ITEMS; k++)
+            sum += tile[item * SCAN_ITEMS + k];
+        uint total;
+        uint running = before + bb_group_scan(sum, item_sums, &total);
+        before += total;
+        for (uint k = 0; k < SCAN_ITEMS; k++) {
+            const uint value = tile[item * SCAN_ITEMS + k];
+            tile[item * SCAN_ITEMS + k] = running;
+            running += value;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+
+        for (uint k = item; k < size; k += BB_GROUP)
+            out[base + k] = tile[k];
+        barrier(CLK_LOCAL_MEM_FENCE);
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
-
-    for (uint k = item; k < size; k += BB_GROUP)
-        out[base + k] = tile[k];
     if (item == 0)
-        sums[get_group_id(0)] = total;
+        sums[get_group_id(0)] = before;
 }
 
-/* Launched as scan_tiles. */
+/* Launched as scan_tiles, on one group per tile. */
 __kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
 void scan_add(__global uint *out,
               const uint count,

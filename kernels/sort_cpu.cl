@@ -12,8 +12,8 @@
  *     sort_scatter:  for each chunk, in order: place = counts[digit value of key]++; out[place] =
  *                    key, value
  *
- *     by buckets: these three, once, by the highest digit; then
- *     sort_largest:  one item: the size of the largest bucket
+ *     by buckets: these three, once, by the highest digit, with, before the last,
+ *     sort_choose:   one item: are all buckets small enough? else by passes; and then
  *     sort_buckets:  for each tile of places: of the keys of the buckets that begin in it, the bits
  *                    that differ; by these bits, a digit at a time from the lowest up: scatter as
  *                    above, and count the next digit on the way; of many bits only by the highest,
@@ -21,12 +21,17 @@
  *
  *     by passes: these three, for each digit of 8 bits from the lowest up
  *
+ * Both ways are launched, since only the device knows which one is taken: way[0]. A kernel of the
+ * other one, SORT_..., has nothing to do.
+ *
  * Limits: BB_KEY is uint or ulong. 8 bits in passes over all keys because the 2 x 256 lines being
  * written then fit the nearest cache; 12 bits in buckets, which the next cache holds as a whole,
  * and 14 in those with more keys than such digits have values; 12 bits for the highest digit, since
  * keys come in the order of the scene and few lines are being written at a time.
  */
 #include "bb_device.h"
+
+#include "sort_shared.h"
 
 #define BUCKETS_MAX 4096
 #define SMALL 1024u  /* keys of a bucket that are not worth the clearing of wide digits ... */
@@ -43,9 +48,13 @@ __kernel void sort_count(__global const BB_KEY *keys,
                          const uint chunk,      /* keys in a chunk */
                          const uint shift,      /* where the digit begins */
                          const uint mask,       /* its values are 0 to mask */
+                         const uint only,       /* the way that it is of; SORT_ANY: both */
+                         __global const uint *way,
                          __global uint *counts) /* (mask + 1) * chunks */
 {
     uint buckets[BUCKETS_MAX];
+    if (only != SORT_ANY && way[0] != only)
+        return;
     const uint c = get_global_id(0);
     const uint chunks = get_global_size(0);
     const uint begin = c * chunk;
@@ -65,11 +74,15 @@ __kernel void sort_scatter(__global const BB_KEY *keys,
                            const uint chunk,
                            const uint shift,
                            const uint mask,
+                           const uint only,
+                           __global const uint *way,
                            __global const uint *places, /* the scanned counts */
                            __global BB_KEY *keys_out,
                            __global uint *values_out)
 {
     uint next[BUCKETS_MAX];
+    if (way[0] != only)
+        return;
     const uint c = get_global_id(0);
     const uint chunks = get_global_size(0);
     const uint begin = c * chunk;
@@ -85,18 +98,19 @@ __kernel void sort_scatter(__global const BB_KEY *keys,
 }
 
 /* Launched on one work-item. */
-__kernel void sort_largest(__global const uint *places, /* the scanned counts */
-                           const uint count,
-                           const uint chunks,
-                           const uint buckets,
-                           __global uint *largest)
+__kernel void sort_choose(__global const uint *places, /* the scanned counts */
+                          const uint count,
+                          const uint chunks,
+                          const uint buckets,
+                          const uint small_enough, /* keys of a bucket */
+                          __global uint *way)
 {
     uint most = 0;
     for (uint b = 0; b < buckets; b++) {
         const uint end = b + 1 < buckets ? places[(b + 1) * chunks] : count;
         most = max(most, end - places[b * chunks]);
     }
-    largest[0] = most;
+    way[0] = most > small_enough ? SORT_PASSES : SORT_BUCKETS;
 }
 
 /* The first place from `least` on where a bucket begins; `count` if none does. Place 0 is one. */
@@ -282,9 +296,13 @@ __kernel void sort_buckets(__global BB_KEY *keys, /* overwritten, as are the val
                            __global const uint *places, /* the scanned counts */
                            const uint chunks,
                            const uint buckets,
+                           const uint only,
+                           __global const uint *way,
                            __global BB_KEY *keys_out,
                            __global uint *values_out)
 {
+    if (only != SORT_ANY && way[0] != only)
+        return;
     const uint at = get_global_id(0) * tile;
     const uint begin = first_bucket(places, chunks, buckets, count, at);
     const uint end =

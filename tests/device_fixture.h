@@ -1,5 +1,5 @@
 /* What tests on a device share: the device, which BVHBENCH_TEST_DEVICE names (as --device does; the
- * first there is otherwise), and the seed of their inputs. */
+ * preferred one otherwise), and the seed of their inputs. */
 #ifndef BB_TEST_DEVICE_FIXTURE_H
 #define BB_TEST_DEVICE_FIXTURE_H
 

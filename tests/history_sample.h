@@ -41,6 +41,7 @@ static inline bb_results *history_run(const char *revision, const char *host, co
     set_text(context, "host", host);
     set_text(context, "date", date);
     set_text(context, "cpu", "made up");
+    set_text(context, "device_type", "CPU");
     int index = 0;
     cJSON_ArrayForEach(entry, section(results, "builds"))
     {

@@ -268,6 +268,76 @@ static void kernels_are_not_dropped_for_an_intersector(void **state)
     cJSON_Delete(json);
 }
 
+/* With results, so that the clocks are held against each other. */
+static void a_few_primitives_are_advised(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = {"single", "cube", "sphere-mesh:n=4"};
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+        char arguments[512];
+        snprintf(arguments, sizeof arguments,
+                 SMALL "--scene %s --builder lbvh,sah --kernel stack,stack8:leaf=4 --max-rays 1024 "
+                       "--out few%zu --charts no",
+                 scenes[i], i);
+        const outcome *o = expect(0, arguments, "To measure the choice again");
+        assert_null(strstr(o->err, "do not trust"));
+    }
+}
+
+/* By accounts, not by the machine; of everything that is tried, so that it does not depend on who
+ * is dropped. */
+static void memory_is_bounded_by_turns(void **state)
+{
+    (void)state;
+    double held[2];
+    static const char *const rooms[] = {"4M", "1G"};
+    for (int i = 0; i < 2; i++) {
+        char arguments[512];
+        snprintf(arguments, sizeof arguments,
+                 SMALL "--scene random:n=10000 --rays primary --builder lbvh,emc,llbvh,ploc "
+                       "--kernel stack8:leaf=8,stack8:leaf=4,stack --memory %s --exhaustive --json",
+                 rooms[i]);
+        const outcome *o = run(arguments);
+        if (o->exit_status != 0)
+            fail_msg("exit %d: %s", o->exit_status, o->err);
+        cJSON *json = cJSON_Parse(o->out);
+        held[i] = number(part(json, "taken"), "held_bytes");
+        assert_true(number(part(json, "foretold"), "held_bytes") > 0);
+        cJSON_Delete(json);
+    }
+    print_message("%g and %g bytes were held\n", held[0], held[1]);
+    assert_true(held[0] < 0.9 * held[1]); /* the scouts hold all builders' trees of the sample */
+}
+
+/* Interrupted once the race has begun. */
+static void an_interrupt_leaves_the_best_so_far(void **state)
+{
+    (void)state;
+    char command[2048];
+    static char text[1 << 18];
+    snprintf(
+        command, sizeof command,
+        "cd %s && (" BB_TEST_PROGRAM
+        " advise --scene random:n=20000 --builder lbvh,sah --kernel stack8:leaf=8,stack8:leaf=4 "
+        "--rays primary --size 64x64 --repeats 60 --out cut --charts no >stdout "
+        "2>stderr & p=$!; while kill -0 $p && ! grep -q 'heat 1 of' stderr; do sleep 0.1; "
+        "done; kill -TERM $p; wait $p)", /* shells have what is behind & ignore SIGINT */
+        folder);
+    const int status = system(command);
+    assert_int_equal(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 130);
+    read_file("stdout", text, sizeof text);
+    if (strstr(text, "PRELIMINARY") == NULL)
+        fail_msg("no advice:\n%s", text);
+    read_file("stderr", text, sizeof text);
+    const char *foretold = strstr(text, "are left; about");
+    assert_true(foretold != NULL && strstr(foretold, "GB of host memory") != NULL &&
+                strstr(foretold, "heat 1 of") != NULL);
+    cJSON *json = read_results("cut/results.json");
+    assert_true(cJSON_IsString(part(part(json, "advice"), "preliminary")));
+    part(part(part(json, "advice"), "choice"), "builder");
+    cJSON_Delete(json);
+}
+
 static void what_cannot_be_done_is_refused(void **state)
 {
     (void)state;
@@ -285,6 +355,7 @@ static void what_cannot_be_done_is_refused(void **state)
     refuses("", "advise --scene cube --rays none", "none");
     refuses("", "advise --scene cube --repeats 5", "--repeats");
     refuses("", "advise --scene cube --count 0", "--count");
+    refuses("", "advise --scene cube --memory 0", "--memory");
     refuses("", "advise --scene cube --max-wrong-ppm -1", "--max-wrong-ppm");
     refuses("", "advise --scene cube --max-wrong-ppm nan", "--max-wrong-ppm");
     refuses("", "advise --scene cube --out /dev/null/x", "/dev/null/x");
@@ -338,6 +409,9 @@ int main(void)
         cmocka_unit_test(a_limit_that_rays_cannot_show_is_said),
         cmocka_unit_test(who_is_right_stays_beside_one_that_is_wrong),
         cmocka_unit_test(kernels_are_not_dropped_for_an_intersector),
+        cmocka_unit_test(a_few_primitives_are_advised),
+        cmocka_unit_test(memory_is_bounded_by_turns),
+        cmocka_unit_test(an_interrupt_leaves_the_best_so_far),
         cmocka_unit_test(what_cannot_be_done_is_refused),
         cmocka_unit_test(kernels_take_what_is_given),
     };

@@ -2,6 +2,7 @@
 #include "framework/advise/advice.h"
 #include "framework/advise/heat.h"
 #include "framework/advise/scouts.h"
+#include "framework/advise/turns.h"
 #include "tests/fixture.h"
 
 #include <math.h>
@@ -83,7 +84,7 @@ static void kernels_scout_with_the_most_careful(void **state)
     scout_of(&p, "stackless", "exact");
     p.scouts.racers[scout_of(&p, "stack", "careless")].state = BB_TOO_WRONG;
     p.scouts.racers[scout_of(&p, "stack8", "exact")].state = BB_NOT_RUN;
-    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    bb_scouts_judge(&p.scouts, 3, bb_race_drop, BB_SCOUT_SLACK);
     assert_string_equal(left(&p), "stack+exact stack8+careless stack8+exact stackless+careless "
                                   "stackless+exact ");
     end_party(&p);
@@ -98,7 +99,7 @@ static void a_slow_kernel_drops_no_intersector(void **state)
     takes(&p, "stack", "careless", 9);
     takes(&p, "stack8", "exact", 3);
     takes(&p, "stackless", "exact", 4.1);
-    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    bb_scouts_judge(&p.scouts, 3, bb_race_drop, BB_SCOUT_SLACK);
     const bb_racer *slow = &p.scouts.racers[scout_of(&p, "stackless", "exact")];
     assert_int_equal(slow->state, BB_TOO_SLOW);
     assert_int_equal(slow->behind, scout_of(&p, "stack8", "exact"));
@@ -114,7 +115,7 @@ static void a_slow_intersector_drops_no_kernel(void **state)
     takes(&p, "stack", "careless", 10);
     takes(&p, "stack8", "exact", 3);
     takes(&p, "stackless", "exact", 3);
-    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    bb_scouts_judge(&p.scouts, 3, bb_race_drop, BB_SCOUT_SLACK);
     const bb_racer *slow = &p.scouts.racers[scout_of(&p, "stack", "careless")];
     assert_int_equal(slow->state, BB_TOO_SLOW);
     assert_int_equal(slow->behind, scout_of(&p, "stack", "exact"));
@@ -131,8 +132,74 @@ static void the_most_careful_is_never_too_slow(void **state)
     takes(&p, "stack", "careless", 1);
     takes(&p, "stack8", "exact", 10);
     takes(&p, "stackless", "exact", 20);
-    bb_scouts_judge(&p.scouts, 3, BB_SCOUT_SLACK);
+    bb_scouts_judge(&p.scouts, 3, bb_race_drop, BB_SCOUT_SLACK);
     assert_string_equal(left(&p), "stack+careless stack+exact stack8+careless stack8+exact ");
+    end_party(&p);
+}
+
+/* A scout on a sample says nothing of a pair that is wrong, and all of a builder that is slow. */
+static void a_slow_builder_is_left_out(void **state)
+{
+    (void)state;
+    party p = make_party();
+    bb_entered builders;
+    uint32_t count;
+    ASSERT_OK(bb_scouts_enter_builders(&p.builders, "stack8", &p.intersectors, &builders));
+    assert_int_equal(builders.count, 2);
+    assert_string_equal(builders.who[0].intersector, "exact");
+    builders.racers[0].state = BB_TOO_SLOW;
+    builders.racers[1].state = BB_TOO_WRONG;
+    bb_contender *who = bb_contenders_make(&p.builders, &p.kernels, &p.intersectors, &count);
+    assert_int_equal(bb_scouts_keep_builders(&builders, who, count), count / 2);
+    for (uint32_t i = 0; i < count / 2; i++)
+        assert_string_equal(who[i].builder, "sah");
+    free(who);
+    bb_entered_free(&builders);
+    end_party(&p);
+}
+
+/* ---- turns ---- */
+
+/* Trees of 100 bytes, layouts of 10, room for two trees and three layouts. */
+static void turns_fit_into_memory(void **state)
+{
+    (void)state;
+    party p = make_party();
+    bb_entered field, builders;
+    uint32_t count, turns = 0, seen = 0;
+    ASSERT_OK(bb_scouts_enter_builders(&p.builders, "stack8", &p.intersectors, &builders));
+    for (uint32_t i = 0; i < builders.count; i++)
+        builders.figures[i] = (bb_tried_figures){.measured = true, .bytes_build = 100};
+    for (uint32_t i = 0; i < p.scouts.count; i++)
+        p.scouts.figures[i] = (bb_tried_figures){.measured = true, .bytes_layout = 10};
+    bb_sizes sizes = {{&p.scouts, &builders}, 230};
+    assert_true(bb_size_of_build(&sizes, "sah") == 100);
+    assert_true(bb_size_of_layout(&sizes, "nobody") == 10);
+    bb_contender *who = bb_contenders_make(&p.builders, &p.kernels, &p.intersectors, &count);
+    ASSERT_OK(bb_entered_make(who, count, &field));
+    assert_int_equal(count, 12);
+    bool in[12], done[12] = {false};
+    for (uint32_t now; (now = bb_turn(&field, 11, &sizes, done, in)) > 0; turns++) {
+        uint32_t others = 0;
+        assert_true(in[11]);
+        for (uint32_t i = 0; i < count; i++) {
+            others += in[i] && !done[i];
+            done[i] = done[i] || in[i];
+        }
+        assert_int_equal(others, now);
+        seen += now;
+        /* beside the reference's tree and layout one tree and two layouts, each for both
+         * intersectors; and who shares the reference's */
+        assert_true(turns > 0 || now == 6);
+    }
+    assert_int_equal(seen, 12);
+    assert_int_equal(turns, 3);
+    sizes.room = 1; /* one at a time, beside the reference */
+    memset(done, 0, sizeof done);
+    assert_int_equal(bb_turn(&field, 11, &sizes, done, in), 2);
+    assert_int_equal(bb_turn(&field, 11, NULL, done, in), 12);
+    bb_entered_free(&field);
+    bb_entered_free(&builders);
     end_party(&p);
 }
 
@@ -213,6 +280,8 @@ int main(void)
         cmocka_unit_test(a_slow_kernel_drops_no_intersector),
         cmocka_unit_test(a_slow_intersector_drops_no_kernel),
         cmocka_unit_test(the_most_careful_is_never_too_slow),
+        cmocka_unit_test(a_slow_builder_is_left_out),
+        cmocka_unit_test(turns_fit_into_memory),
         cmocka_unit_test(the_least_of_the_fast_is_chosen),
         cmocka_unit_test(the_fastest_is_so_round_by_round),
         cmocka_unit_test(kinds_are_counted),

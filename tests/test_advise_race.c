@@ -142,6 +142,26 @@ static void too_few_rounds_drop_nobody(void **state)
     assert_int_equal(racers[1].state, BB_RACING);
 }
 
+/* A machine that disturbs one round of four, by ten times: rounds of the best one that were
+ * disturbed save the others from a rule that asks each round, not from one that asks the least. */
+static void a_busy_machine_saves_nobody_from_scouts(void **state)
+{
+    (void)state;
+    static const double costs[3] = {1, 2.05, 2.2};
+    bb_racer racers[3], again[3];
+    for (uint32_t i = 0; i < 3; i++) {
+        racers[i] = (bb_racer){.behind = BB_NO_RACER, .ratio = bb_not_measured};
+        for (uint32_t round = 0; round <= 8; round++)
+            bb_samples_add(&racers[i].cost, costs[i] * ((round + i) % 4 == 0 ? 10 : 1));
+    }
+    memcpy(again, racers, sizeof again);
+    assert_int_equal(bb_race_drop(racers, 3, 2.1), 3);
+    assert_int_equal(bb_race_drop_least(again, 3, 2.1), 2);
+    assert_int_equal(again[1].state, BB_RACING);
+    assert_int_equal(again[2].state, BB_TOO_SLOW);
+    assert_int_equal(again[2].behind, 0);
+}
+
 static void ties_stay_in_order(void **state)
 {
     (void)state;
@@ -293,6 +313,7 @@ int main(void)
         cmocka_unit_test(noise_costs_little),
         cmocka_unit_test(who_is_surely_slower_is_dropped),
         cmocka_unit_test(too_few_rounds_drop_nobody),
+        cmocka_unit_test(a_busy_machine_saves_nobody_from_scouts),
         cmocka_unit_test(ties_stay_in_order),
         cmocka_unit_test(what_is_wrong_does_not_win),
         cmocka_unit_test(failures_are_passed_up),

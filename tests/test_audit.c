@@ -18,7 +18,7 @@ enum { RAYS = 1 << 16 };
 static uint32_t complaints(double ms, double event_ms)
 {
     bb_audit audit = {0};
-    bb_audit_timing(&audit, "test", &(bb_timing){ms, ms, event_ms}, false);
+    bb_audit_timing(&audit, "test", &(bb_timing){ms, ms, event_ms, 0, 0}, false);
     assert_int_equal(audit.timings, 1);
     return audit.complaints;
 }
@@ -42,9 +42,9 @@ static void work_that_no_clock_saw_is_found_out(void **state)
 {
     (void)state;
     bb_audit audit = {0};
-    bb_audit_timing(&audit, "trace", &(bb_timing){10, 10, 0}, true);
+    bb_audit_timing(&audit, "trace", &(bb_timing){10, 10, 0, 0, 0}, true);
     assert_int_equal(audit.complaints, 1);
-    bb_audit_timing(&audit, "host", &(bb_timing){10, 10, 0}, false);
+    bb_audit_timing(&audit, "host", &(bb_timing){10, 10, 0, 0, 0}, false);
     assert_int_equal(audit.complaints, 1);
     bb_audit_outer(&audit, "commit", 10, 12);
     assert_int_equal(audit.complaints, 1);
@@ -57,7 +57,7 @@ static void complaints_add_up(void **state)
     (void)state;
     bb_audit sum = {0}, more = {0};
     for (int i = 0; i < BB_COMPLAINTS_MAX + 5; i++)
-        bb_audit_timing(&more, "a clock", &(bb_timing){0, 0, 0}, true);
+        bb_audit_timing(&more, "a clock", &(bb_timing){0, 0, 0, 0, 0}, true);
     assert_int_equal(more.complaints, BB_COMPLAINTS_MAX + 5);
     bb_audit_add(&sum, &more);
     bb_audit_add(&sum, &more);
@@ -258,11 +258,11 @@ static void a_reference_is_timed_with_its_trace(void **state)
     check(bb_embree_trace(embree, rays, RAYS, &bb_query_closest, hits), "trace");
     double end = bb_wall_ms(), span = bb_embree_span_ms(embree);
     assert_true(span > 0.2 * (end - start));
-    bb_audit_timing(&audit, "reference", &(bb_timing){end - start, 0, span}, true);
+    bb_audit_timing(&audit, "reference", &(bb_timing){end - start, 0, span, 0, 0}, true);
     if (audit.complaints > 0)
         fail_msg("%s", audit.texts[0]);
     double later = bb_wall_ms(); /* of nothing */
-    bb_audit_timing(&audit, "reference", &(bb_timing){bb_wall_ms() - later, 0, span}, true);
+    bb_audit_timing(&audit, "reference", &(bb_timing){bb_wall_ms() - later, 0, span, 0, 0}, true);
     assert_int_equal(audit.complaints, 1);
     bb_embree_destroy(embree);
     bb_scene_free(scene);

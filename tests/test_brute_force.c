@@ -28,6 +28,9 @@ static const char *const kernels[] = {
     "stack8i:leaf=8,group=100,plan=greedy",
     "stack8i:leaf=64,rays=64,group=33,persistent=yes",
     "stack8:leaf=8,persistent=yes,group=16",
+    "cwbvh",
+    "cwbvh:leaf=2,plan=greedy,group=5",
+    "cwbvh:leaf=3,persistent=yes,group=16",
 };
 
 enum { KERNELS = sizeof kernels / sizeof kernels[0], RAYS_MAX = 600 };

@@ -8,7 +8,7 @@ static void collapse(bb_collapse *collapse, bb_tree *tree, uint32_t leaf, uint32
 {
     ASSERT_OK(bb_tree_upload(tree, device, NULL));
     ASSERT_OK(bb_collapse_make(collapse, tree, 1.0f, leaf,
-                               bb_collapse_traversal(bb_collapse_node_cost(width), width), block,
+                               bb_collapse_traversal(bb_collapse_node_cost(width), width), block, 0,
                                out));
     ASSERT_OK(bb_tree_download(*out, NULL));
 }
@@ -85,7 +85,7 @@ static void collapse_decides_by_cost(void **state)
     collapse(self, &tree, 2, 2, 4, &out); /* 203 against 1.2 * 203 + 2 * 3 */
     assert_int_equal(out->info.node_count, 1);
     /* the same where a node of 8 costs as much as 40 blocks: 40 / 7 * 203 + 2 * 3 */
-    ASSERT_OK(bb_collapse_make(self, &tree, 1.0f, 2, bb_collapse_traversal(40, 8), 4, &out));
+    ASSERT_OK(bb_collapse_make(self, &tree, 1.0f, 2, bb_collapse_traversal(40, 8), 4, 0, &out));
     assert_int_equal(out->info.node_count, 1);
     bb_tree_release(&tree);
 
@@ -116,7 +116,7 @@ static void collapse_decides_by_cost(void **state)
     ASSERT_OK(bb_tree_upload(&tree, device, NULL));
     for (int more = 0; more < 2; more++) {
         const float traversal = more ? 1.0f : 0.999f;
-        ASSERT_OK(bb_collapse_make(self, &tree, 1.0f, 2, traversal, 1, &out));
+        ASSERT_OK(bb_collapse_make(self, &tree, 1.0f, 2, traversal, 1, 0, &out));
         assert_int_equal(out->info.node_count, more ? 1 : 3);
     }
     bb_tree_release(&tree);

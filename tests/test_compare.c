@@ -240,6 +240,47 @@ static void what_moved_and_what_is_worse(void **state)
     }
 }
 
+/* What a cell is measured on is part of what it is. Processors count as one device. */
+static void cells_of_two_devices_do_not_meet(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *types[2], *names[2];
+        bool meet;
+    } cases[] = {
+        {{"CPU", "CPU"}, {"a processor", "another"}, true},
+        {{"GPU", "GPU"}, {"a card", "a card"}, true},
+        {{"GPU", "GPU"}, {"a card", "another"}, false},
+        {{"CPU", "GPU"}, {"a processor", "a card"}, false},
+        {{"", "CPU"}, {"a processor", "a processor"}, true}, /* of an earlier version */
+        {{"", "CPU"}, {"a card", "a processor"}, false},
+        {{"", ""}, {"a card", "a processor"}, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bb_cell_set sets[2];
+        bb_comparison_result result;
+        for (int k = 0; k < 2; k++) {
+            bb_results *run = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 1);
+            cJSON *context = member(bb_results_json(run), "context");
+            set_text(context, "device_type", cases[i].types[k]);
+            set_text(context, "device", cases[i].names[k]);
+            ASSERT_OK(bb_cell_set_of_results(run, k == 0 ? "OLD" : "NEW", &sets[k]));
+            bb_results_destroy(run);
+        }
+        bb_status status =
+            bb_compare(&(bb_side){&sets[0], 1}, &(bb_side){&sets[1], 1}, NAN, NULL, &result);
+        if (status != (cases[i].meet ? BB_OK : BB_INVALID))
+            fail_msg("case %zu: %s", i, status == BB_OK ? "compared" : bb_message());
+        if (!cases[i].meet)
+            assert_non_null(strstr(bb_message(), "OLD was measured on a"));
+        else
+            assert_true(result.common > 0);
+        bb_compare_free(&result);
+        for (int k = 0; k < 2; k++)
+            bb_cell_set_free(&sets[k]);
+    }
+}
+
 static void edit_much(bb_results *r)
 {
     edit_sah(r);
@@ -606,6 +647,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_moved_and_what_is_worse),
+        cmocka_unit_test(cells_of_two_devices_do_not_meet),
         cmocka_unit_test(worst_comes_first_and_markdown_holds),
         cmocka_unit_test(any_pair_that_counts_decides),
         cmocka_unit_test(texts_of_files_are_no_markup),

@@ -19,7 +19,8 @@ static void structs_have_one_size_everywhere(void **state)
                 "  out[4] = sizeof(bb_hit); out[5] = sizeof(bb_count);\n"
                 "  out[6] = sizeof(bb_pair); out[9] = sizeof(bb_subtree);\n"
                 "  out[10] = sizeof(bb_wide4); out[11] = sizeof(bb_wide8);\n"
-                "  out[12] = sizeof(bb_quant8);\n"
+                "  out[12] = sizeof(bb_quant8); out[14] = sizeof(bb_cwbvh);\n"
+                "  global bb_cwbvh *c = 0; out[15] = (uint)(ulong)&c->planes[0];\n"
                 "  global bb_quant8 *q = 0; out[13] = (uint)(ulong)&q->places;\n"
                 "  global bb_node *n = 0; out[7] = (uint)(ulong)&n->skip;\n"
                 "  global bb_pair *p = 0; out[8] = (uint)(ulong)&p->links[0];\n"
@@ -30,8 +31,9 @@ static void structs_have_one_size_everywhere(void **state)
                                  sizeof(bb_pair),          offsetof(bb_node, skip),
                                  offsetof(bb_pair, links), sizeof(bb_subtree),
                                  sizeof(bb_wide4),         sizeof(bb_wide8),
-                                 sizeof(bb_quant8),        offsetof(bb_quant8, places)};
-    uint32_t found[14] = {0};
+                                 sizeof(bb_quant8),        offsetof(bb_quant8, places),
+                                 sizeof(bb_cwbvh),         offsetof(bb_cwbvh, planes)};
+    uint32_t found[16] = {0};
     cl_program program = NULL;
     cl_kernel kernel = NULL;
     bb_buffer out = {0};
@@ -157,8 +159,10 @@ static void expect_refused(cl_kernel two, size_t local, const bb_arg *args, uint
 static void launch_errors_name_the_kernel(void **state)
 {
     (void)state;
-    static const bb_source source = {
-        .name = "two.cl", .text = "kernel void two(global uint *v, uint n) { v[0] = n; }\n"};
+    static const bb_source source = {.name = "two.cl",
+                                     .text =
+                                         "kernel __attribute__((reqd_work_group_size(1, 1, 1)))\n"
+                                         "void two(global uint *v, uint n) { v[0] = n; }\n"};
     cl_program program = NULL;
     cl_kernel two = NULL;
     bb_buffer out = {0};
@@ -174,7 +178,10 @@ static void launch_errors_name_the_kernel(void **state)
     expect_refused(two, 1, args, 3, "takes 2 arguments, 3 were given");
     const bb_arg too_wide[] = {BB_MEM(out), BB_VALUE(wide)};
     expect_refused(two, 1, too_wide, 2, "argument 1 (from 0) of kernel two, of 8 bytes");
-    expect_refused(two, device->max_group_size + 1, args, 2, "launching kernel two on");
+    expect_refused(two, 2, args, 2, "launching kernel two on");
+    assert_int_equal(bb_launch_args(device, two, 1, device->max_group_size + 1, args, 2),
+                     BB_UNSUPPORTED);
+    assert_non_null(strstr(bb_message(), "kernel two needs groups of "));
     assert_int_equal(bb_buffer_read(&out, 0, sizeof got, &got), BB_OK);
     assert_int_equal(got, 7);
     bb_buffer_release(&out);

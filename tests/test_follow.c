@@ -2,6 +2,7 @@
  * BVHBENCH_TEST_SMALL keeps the scenes small (for oclgrind). */
 #include "framework/builder/instance.h"
 #include "tests/device_forms.h"
+#include "tests/layout_leaf.h"
 #include "traversal/traversal.h"
 
 enum { FRAMES = 4 };
@@ -73,6 +74,7 @@ static void come_back(bb_device *device, const char *scene, const char *builder,
     bb_layout_maker maker;
     bb_layout_data data = {0};
     bool in_place;
+    leaf = leaf_for(bb_layout_find(layout), leaf);
     start(&m, device, scene, builder);
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(layout), device, &maker));
     maker.wish.greedy = greedy;
@@ -95,7 +97,7 @@ static void come_back(bb_device *device, const char *scene, const char *builder,
     stop(&m);
 }
 
-static const char *const layouts[] = {"pair", "skip", "wide4", "wide8", "quant8"};
+static const char *const layouts[] = {"pair", "skip", "wide4", "wide8", "quant8", "cwbvh"};
 enum { LAYOUTS = sizeof layouts / sizeof layouts[0] };
 
 static const char *scene_of(const char *small, const char *usual)
@@ -131,6 +133,7 @@ static void greedy_nodes_come_back(void **state)
     const char *scene = scene_of("twist:n=100,frames=4", "twist:n=1500,frames=4");
     come_back(devices[CPU_FORM], scene, "lbvh+refit", "wide8", 4, true);
     come_back(devices[CPU_FORM], scene, "loose-bvh+refit", "wide4", 1, true);
+    come_back(devices[CPU_FORM], scene, "lbvh+refit", "cwbvh", 3, true);
 }
 
 /* A tree that is one leaf, and one of a single inner node. */

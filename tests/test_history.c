@@ -99,6 +99,7 @@ static void what_is_appended_comes_back(void **state)
     assert_string_equal(found.origin.host, "here");
     assert_string_equal(found.origin.date, "2024-05-06T07:08:09Z");
     assert_string_equal(found.origin.device, wanted.origin.device);
+    assert_string_equal(found.origin.device_type, "CPU");
     assert_string_equal(found.origin.seed, "1234567890123456789");
     bb_history_close(history);
     bb_cell_set_free(&wanted);
@@ -137,7 +138,7 @@ static void earlier_versions_are_brought_forward(void **state)
     bb_floor_free(&floor);
     bb_history_close(history);
     bb_cell_set_free(&set);
-    assert_string_equal(ask(path, "PRAGMA user_version"), "2");
+    assert_string_equal(ask(path, "PRAGMA user_version"), "3");
     history_add(path, "new2", "north", "2024-01-01T00:00:00Z", nothing, 1);
     assert_string_equal(ask(path, "SELECT count(*) FROM runs"), "2");
 
@@ -149,7 +150,7 @@ static void earlier_versions_are_brought_forward(void **state)
     fclose(fopen(path, "w"));
     ASSERT_OK(bb_history_open(path, false, &history));
     bb_history_close(history);
-    assert_string_equal(ask(path, "PRAGMA user_version"), "2");
+    assert_string_equal(ask(path, "PRAGMA user_version"), "3");
     assert_string_equal(ask(path, "PRAGMA application_id"), "1112950850");
 }
 
@@ -158,8 +159,8 @@ static void what_is_no_history_is_refused(void **state)
     (void)state;
     const char *path = history_path("newer");
     history_add(path, "a", "north", "2024-01-01T00:00:00Z", nothing, 1);
-    execute(path, "PRAGMA user_version=3");
-    refuses_to_open(path, "is of version 3, this program knows those up to 2");
+    execute(path, "PRAGMA user_version=4");
+    refuses_to_open(path, "is of version 4, this program knows those up to 3");
     assert_string_equal(ask(path, "SELECT count(*) FROM runs"), "1");
     path = history_path("foreign");
     execute(path, "CREATE TABLE bookmarks(url)");
@@ -306,6 +307,38 @@ static void trends_mark_what_moved(void **state)
     assert_non_null(only_move(&trends[1].steps[2], BB_WORSE));
     assert_int_equal(trends[1].steps[2].only_after, 0);
     bb_trends_free(trends, count);
+    bb_history_close(history);
+}
+
+/* A machine with two devices has two histories: no trend, floor or look-up mixes them. */
+static void devices_are_told_apart(void **state)
+{
+    (void)state;
+    static const history_change slower = {SLOW_TRACE, -1, WORSE_SAH};
+    const char *path = history_path("devices");
+    bb_history *history;
+    bb_trend *trends;
+    bb_history_entry card, other;
+    uint32_t count, others;
+    for (int i = 0; i < 4; i++) /* the card is worse than the processor, and does not change */
+        history_add(path, i < 2 ? "aaaa" : "bbbb", "north", "2024-01-01T00:00:00Z",
+                    i % 2 == 0 ? nothing : slower, 1);
+    execute(path, "UPDATE runs SET device = 'a card', device_type = 'GPU' WHERE id % 2 = 0");
+    ASSERT_OK(bb_history_open(path, false, &history));
+    ASSERT_OK(bb_history_trends(history, &trends, &count));
+    assert_int_equal(count, 2);
+    for (uint32_t t = 0; t < count; t++) {
+        assert_int_equal(trends[t].count, 2);
+        assert_int_equal(trends[t].steps[1].move_count, 0);
+        assert_true(trends[t].steps[1].common > 0);
+    }
+    assert_string_equal(trends[0].entries[0].origin.device_type, "GPU");
+    bb_trends_free(trends, count);
+    ASSERT_OK(bb_history_find(history, "bbbb", NULL, &card, &others));
+    assert_string_equal(card.origin.device, "a card");
+    ASSERT_OK(bb_history_find(history, "aaaa", &card.origin, &other, &others));
+    assert_string_equal(other.origin.device, "a card");
+    assert_int_equal(others, 1);
     bb_history_close(history);
 }
 
@@ -463,6 +496,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(revisions_are_found_by_their_beginnings),
         cmocka_unit_test(trends_mark_what_moved),
+        cmocka_unit_test(devices_are_told_apart),
         cmocka_unit_test(an_entry_is_its_latest_run),
         cmocka_unit_test(unclear_revisions_make_no_floor),
         cmocka_unit_test(two_writers_wait_for_each_other),

@@ -5,6 +5,7 @@
 #include "framework/builder/registry.h"
 #include "framework/judge/queries.h"
 #include "tests/device_fixture.h"
+#include "tests/layout_leaf.h"
 #include "tests/registry.h"
 #include "traversal/collapse.h"
 #include "traversal/pass.h"
@@ -236,9 +237,9 @@ static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
         return; /* slow there, and test_collapse looks at leaf collapse itself */
     check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
     maker.wish.greedy = greedy;
-    check(
-        bb_layout_maker_make(&maker, scene, tree, leaf, bb_intersector_format(intersector), &data),
-        "layout");
+    check(bb_layout_maker_make(&maker, scene, tree, leaf_for(maker.layout, leaf),
+                               bb_intersector_format(intersector), &data),
+          "layout");
     compare(scene, &data, kernel, intersector);
     bb_layout_data_release(&data);
     /* what it still has is its own */

@@ -3,6 +3,7 @@
  * as well. */
 #include "framework/bench/bench_private.h"
 #include "tests/device_fixture.h"
+#include "tests/layout_leaf.h"
 #include "tests/padding_reference.h"
 #include "tests/tree_fixture.h"
 #include "traversal/traversal.h"
@@ -225,7 +226,8 @@ static made make_form(const bb_layout *layout, const bb_scene *scene, bb_tree *t
     bb_layout_maker maker;
     bb_layout_data data = {0};
     check(bb_layout_maker_create(layout, device, &maker), layout->name);
-    check(bb_layout_maker_make(&maker, scene, tree, 4, form, &data), layout->name);
+    check(bb_layout_maker_make(&maker, scene, tree, leaf_for(layout, 4), form, &data),
+          layout->name);
     assert_int_equal(data.format, form);
     assert_int_equal(data.lanes, layout->block); /* some leaves have several */
     const bb_buffer *records = &data.buffers[1];
@@ -295,7 +297,7 @@ static void compare_forms(const bb_layout *layout, const bb_scene *scene, bb_tre
         }
     assert_int_equal(triangles, scene->prims[BB_TRIANGLE].count);
     char name[64];
-    snprintf(name, sizeof name, "%s:leaf=4,triangles=affine", layout->name);
+    snprintf(name, sizeof name, "%s:leaf=%u,triangles=affine", layout->name, leaf_for(layout, 4));
     assert_string_equal(maps.name, name);
     assert_true(maps.bytes - vertices.bytes == count * (words[1] - words[0]) * sizeof(float));
     free(vertices.records);

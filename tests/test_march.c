@@ -10,8 +10,9 @@
 
 enum { SIDE = 16, LOOSE = 200, RAYS = 3 * SIDE * SIDE + LOOSE };
 
-static const char *const kernels[] = {"stack",  "stackless",           "short:entries=2", "trail",
-                                      "stack4", "stack8:order=octant", "stack8q",         "short8"};
+static const char *const kernels[] = {"stack",   "stackless", "short:entries=2",
+                                      "trail",   "stack4",    "stack8:order=octant",
+                                      "stack8q", "short8",    "cwbvh"};
 enum { KERNELS = sizeof kernels / sizeof kernels[0] };
 
 /* For slow tools. */

@@ -222,6 +222,90 @@ static void test_sampling(void **state)
     hand_free(scene);
 }
 
+static void expect(bb_status expected, const bb_scene *scene, bb_oracle *oracle, const char *text,
+                   const bb_view *view);
+
+/* More pictures: the first as ever, later ones with a ray in each pixel, none of them twice. */
+static void test_more_pictures(void **state)
+{
+    (void)state;
+    enum { PIXELS = SIZE * SIZE };
+    bb_scene *scene = make_room(zero);
+    bb_view view = view_of("axis", 0, 0, 10);
+    view.fov_y = 90;
+    bb_rays *one = made(scene, NULL, "primary", &view);
+    bb_rays *more = made(scene, NULL, "primary:least=20000", &view), *other = NULL;
+    assert_int_equal(more->count, 3 * PIXELS); /* 9216 each */
+    assert_int_equal(more->width, 0);          /* of no picture */
+    assert_memory_equal(more->rays, one->rays, PIXELS * sizeof(bb_ray));
+    double centre = 0, square = 0;
+    for (uint32_t i = PIXELS; i < more->count; i++) {
+        const bb_ray *ray = &more->rays[i], *same = &one->rays[i % PIXELS];
+        for (int k = 0; k < 2; k++) { /* pixels are 2 / SIZE wide at distance 1 */
+            double off = (double)(ray->d[k] / -ray->d[2] - same->d[k] / -same->d[2]) * SIZE / 2;
+            assert_true(fabs(off) <= 0.5 + 1e-3);
+            centre += off / (4 * PIXELS);
+            square += off * off / (4 * PIXELS);
+        }
+        assert_true(ray->d[0] != more->rays[i - PIXELS].d[0]);
+    }
+    assert_true(fabs(centre) < 0.01 && fabs(square - 1.0 / 12) < 0.003); /* all over the pixel */
+    assert_int_equal(make(scene, NULL, "primary:least=20000", &view, MOST, seed + 1, &other),
+                     BB_OK);
+    assert_memory_equal(other->rays, more->rays, PIXELS * sizeof(bb_ray));
+    assert_true(memcmp(other->rays + PIXELS, more->rays + PIXELS, PIXELS * sizeof(bb_ray)) != 0);
+    bb_rays_free(other);
+    assert_int_equal(make(scene, NULL, "primary:least=9216", &view, MOST, seed, &other), BB_OK);
+    assert_true(other->hash == one->hash && other->width == SIZE);
+    bb_rays_free(one);
+    bb_rays_free(more);
+    bb_rays_free(other);
+    hand_free(scene);
+}
+
+/* Rays from surfaces: at least as many as asked for, from as many pictures as that takes, and not
+ * one point twice; never more than the limit. */
+static void test_more_samples(void **state)
+{
+    (void)state;
+    bb_scene *scene = make_room(zero);
+    bb_oracle *oracle = NULL;
+    assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
+    static const char *const kinds[] = {"shadow", "ao", "diffuse"};
+    for (int i = 0; i < 3; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "%s:least=50000%s", kinds[i], i > 0 ? ",per_hit=2" : "");
+        bb_rays *rays = made(scene, oracle, text, NULL), *few = NULL;
+        if (rays->count < 50000 || rays->count > MOST)
+            fail_msg("%s: %u rays", text, rays->count);
+        for (uint32_t k = 2; k < rays->count; k += 2)
+            assert_memory_not_equal(rays->rays[k].o, rays->rays[k - 2].o, sizeof rays->rays[k].o);
+        assert_int_equal(make(scene, oracle, text, NULL, 1000, seed, &few), BB_OK);
+        assert_int_equal(few->count, 1000);
+        bb_rays_free(rays);
+        bb_rays_free(few);
+    }
+    expect(BB_INVALID, scene, oracle, "shadow:least=0", NULL);
+    bb_oracle_destroy(oracle);
+    hand_free(scene);
+}
+
+/* What is added to rays that say nothing of it, and to kinds that have it. */
+static void test_at_least(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {{"primary", "primary:least=1000"},
+                                           {"ao:per_hit=4", "ao:per_hit=4,least=1000"},
+                                           {"shadow:least=5", "shadow:least=5"},
+                                           {"random", "random"}};
+    char more[64];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_int_equal(bb_workload_at_least(cases[i][0], 1000, more, sizeof more), BB_OK);
+        assert_string_equal(more, cases[i][1]);
+    }
+    assert_int_equal(bb_workload_at_least("primary", 1000, more, 18), BB_INVALID);
+}
+
 static void test_shadow_and_random(void **state)
 {
     (void)state;
@@ -430,11 +514,19 @@ static void test_hash(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all),         cmocka_unit_test(test_primary),
-        cmocka_unit_test(test_hemispheres), cmocka_unit_test(test_sampling),
-        cmocka_unit_test(test_edges),       cmocka_unit_test(test_shadow_and_random),
-        cmocka_unit_test(test_bad_input),   cmocka_unit_test(test_hash),
-        cmocka_unit_test(test_lines),       cmocka_unit_test(test_lines_need_meshes_for_intervals),
+        cmocka_unit_test(test_all),
+        cmocka_unit_test(test_primary),
+        cmocka_unit_test(test_hemispheres),
+        cmocka_unit_test(test_sampling),
+        cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_shadow_and_random),
+        cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_more_pictures),
+        cmocka_unit_test(test_more_samples),
+        cmocka_unit_test(test_at_least),
+        cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_lines_need_meshes_for_intervals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

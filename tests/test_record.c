@@ -20,29 +20,13 @@ static const char *const context_fields[] = {
     "litmus_stale", NULL};
 static const char *const scene_fields[] = {"name", "kind",    "prims", "bounds",
                                            "hash", "profile", NULL};
-static const char *const build_fields[] = {"id",
-                                           "scene",
-                                           "builder",
-                                           "params",
-                                           "status",
-                                           "reason",
-                                           "build_ms",
-                                           "cold_ms",
-                                           "transfer_ms",
-                                           "prepare_ms",
-                                           "restore_ms",
-                                           "outside_ms",
-                                           "boxes_ms",
-                                           "inputs",
-                                           "tree",
-                                           "phases_ms",
-                                           "layouts_ms",
-                                           "build_ms_median",
-                                           "build_ms_lo",
-                                           "build_ms_hi",
-                                           "build_ms_least",
-                                           "build_ms_most",
-                                           NULL};
+static const char *const build_fields[] = {
+    "id",          "scene",          "builder",         "params",
+    "status",      "reason",         "build_ms",        "cold_ms",
+    "handover",    "transfer_ms",    "prepare_ms",      "restore_ms",
+    "outside_ms",  "boxes_ms",       "inputs",          "tree",
+    "phases_ms",   "layouts_ms",     "build_ms_median", "build_ms_lo",
+    "build_ms_hi", "build_ms_least", "build_ms_most",   NULL};
 static const char *const tree_fields[] = {"nodes", "leaves",     "refs",       "arity", "depth",
                                           "sah",   "bytes_tree", "bytes_peak", "epo",   NULL};
 static const char *const trace_fields[] = {"build",

@@ -5,7 +5,8 @@
 #include "tests/hand_scene.h"
 #include "tests/trace_fixture.h"
 
-enum { ROW = 64, FEW = 16 }; /* FEW: what wide leaves and rough orders may take */
+/* FEW: what orders may take that tell the near half of a node from the far one, and no more. */
+enum { ROW = 64, FEW = ROW / 2 };
 
 /* Triangles across the x axis, at x = 0, 1, 2 ..., each `times` over: i, i + ROW, ...; those from
  * number `turned` on are the other halves of their boxes. */

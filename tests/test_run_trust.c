@@ -107,6 +107,22 @@ static void all_launches_of_a_set_are_timed(void **state)
     cJSON_Delete(json);
 }
 
+/* To compare answers takes as long as to find those that meet nothing, and is told apart. */
+static void the_time_of_comparing_is_booked(void **state)
+{
+    (void)state;
+    run("run --quiet --scene single --builder lbvh --kernel stack,stack8 --rays primary --size "
+        "1024x1024 --repeats 60 --no-pictures --charts no --out booked");
+    cJSON *json = read_results("booked/results.json");
+    const cJSON *audit = cJSON_GetObjectItem(json, "audit");
+    const double rest = cJSON_GetObjectItem(audit, "rest_ms")->valuedouble;
+    const double judged =
+        cJSON_GetObjectItem(cJSON_GetObjectItem(json, "steps_ms"), "judge answers")->valuedouble;
+    print_message("%.0f ms are left of the run, %.0f ms went into answers\n", rest, judged);
+    assert_true(rest < 0.5 * judged);
+    cJSON_Delete(json);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -114,6 +130,7 @@ int main(void)
         cmocka_unit_test(unlike_answers_give_exit_status_1),
         cmocka_unit_test(scratch_is_in_the_peak),
         cmocka_unit_test(all_launches_of_a_set_are_timed),
+        cmocka_unit_test(the_time_of_comparing_is_booked),
     };
     return cmocka_run_group_tests_name("run_trust", tests, make_folder, remove_folder);
 }

@@ -33,9 +33,39 @@ static const char *const prologue[] = {
 static const char program_text[] =
     "#include \"bb_device.h\"\n"
     "#include \"intersect.clh\"\n"
+    "#if BB_COMPRESSED\n"
+    "#include \"cwbvh.clh\"\n"
+    "#include \"wide_boxes.clh\"\n"
+    /* in a compressed node: the box, at any place, beside one that makes the node up to 254 steps
+     * wide, and such that the box begins or ends on a step but for its padding */
+    "bool meets(const bb_slab *slab, const float *box, uint i, float t, global bb_cwbvh *node)\n"
+    "{\n"
+    "    uint hash = i * 0x9E3779B9u, place = hash >> 29, inner;\n"
+    "    uint2 base;\n"
+    "    bb_wide_boxes boxes;\n"
+    "    bb_wide_clear(&boxes);\n"
+    "    boxes.places = 1u << place | 1u << (place ^ 1u);\n"
+    "    float longest = bb_longest_side(box, box + 4);\n"
+    "    float step = as_float((as_uint(longest) & 0x7F800000u) + ((hash & 15u) << 23));\n"
+    "    float from = step * (float)(hash >> 8 & 127u), most = step * 254.0f;\n"
+    "    for (uint k = 0; k < 3; k++) {\n"
+    "        float lo = box[k], hi = box[4 + k], other;\n"
+    "        float pad = BB_PAD_BOX * longest;\n"
+    "        other = (hash & 16u) != 0u ? lo + pad - from : hi - pad + from - most;\n"
+    "        boxes.planes[16u * k + place] = lo;\n"
+    "        boxes.planes[16u * k + 8u + place] = hi;\n"
+    "        boxes.planes[16u * k + (place ^ 1u)] = other;\n"
+    "        boxes.planes[16u * k + 8u + (place ^ 1u)] = other + most;\n"
+    "    }\n"
+    "    bb_wide_write(&boxes, node);\n"
+    "    for (uint c = 0; c < 8; c++)\n"
+    "        node->meta[c] = 1u << 5 | c;\n"
+    "    return (bb_cwbvh_meet(slab, node, 0u, t, t, &inner, &base) >> place & 1u) != 0u;\n"
+    "}\n"
+    "#endif\n"
     "kernel void test(global const float *vertices, global const uint *indices,\n"
     "                 global const bb_ray *rays, uint count, float scale, global uint *records,\n"
-    "                 global float *found)\n"
+    "                 global float *found, global bb_cwbvh *nodes)\n"
     "{\n"
     "    uint i = get_global_id(0);\n"
     "    if (i >= count)\n"
@@ -57,7 +87,11 @@ static const char program_text[] =
     "    bb_slab slab = bb_slab_of(setup.o, setup.d);\n"
     "    float t = bb_triangle(&setup, (global const float *)record);\n"
     "    found[10 * i] = t;\n"
+    "#if BB_COMPRESSED\n"
+    "    found[10 * i + 1] = meets(&slab, node, i, t, nodes + i);\n"
+    "#else\n"
     "    found[10 * i + 1] = bb_meets_node(&slab, found + 10 * i + 2, t, t);\n"
+    "#endif\n"
     "}\n";
 
 typedef struct batch {
@@ -90,19 +124,22 @@ static verdict run(const batch *b, float scale, bool rough, const char *defines)
     float *found = calloc(10 * (size_t)b->count, sizeof *found);
     for (uint32_t i = 0; i < 3 * b->count; i++)
         order[i] = i;
-    bb_buffer vertices, indices, rays, records, d_found;
+    bb_buffer vertices, indices, rays, records, d_found, nodes;
+    const bool compressed = strstr(defines, "BB_COMPRESSED") != NULL;
     upload(&vertices, b->vertices, 9 * (size_t)b->count * sizeof(float));
     upload(&indices, order, 3 * (size_t)b->count * sizeof *order);
     upload(&rays, b->rays, b->count * sizeof *b->rays);
     upload(&records, NULL,
            (size_t)b->count * bb_leaf_prim_words(BB_TRIANGLES, BB_FORMAT_VERTICES) * sizeof(float));
     upload(&d_found, NULL, 10 * (size_t)b->count * sizeof *found);
+    upload(&nodes, NULL, (compressed ? (size_t)b->count : 1) * sizeof(bb_cwbvh));
     cl_program program;
     cl_kernel kernel;
     check(bb_program_build(device, &source, defines, &program), "program");
     check(bb_kernel_get(program, "test", &kernel), "kernel");
     check(bb_launch(device, kernel, b->count, 64, BB_MEM(vertices), BB_MEM(indices), BB_MEM(rays),
-                    BB_VALUE(b->count), BB_VALUE(scale), BB_MEM(records), BB_MEM(d_found)),
+                    BB_VALUE(b->count), BB_VALUE(scale), BB_MEM(records), BB_MEM(d_found),
+                    BB_MEM(nodes)),
           "launch");
     check(bb_buffer_read(&d_found, 0, 10 * (size_t)b->count * sizeof *found, found), "read");
     verdict v = {0, 0, 0};
@@ -124,6 +161,7 @@ static verdict run(const batch *b, float scale, bool rough, const char *defines)
     bb_buffer_release(&rays);
     bb_buffer_release(&records);
     bb_buffer_release(&d_found);
+    bb_buffer_release(&nodes);
     free(order);
     free(found);
     free(text);
@@ -223,15 +261,22 @@ static void fail_with(const batch *b, verdict v, const char *what)
              c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], (unsigned long long)seed);
 }
 
+#define COMPRESSED "-DBB_WIDTH=8 -DBB_COMPRESSED=1"
+
 static void what_the_triangle_test_accepts_is_in_its_box(void **state)
 {
     (void)state;
+    static const char *const boxes[] = {"", COMPRESSED};
     batch b = make_batch(1000000, 1);
-    for (int rough = 0; rough < 2; rough++) {
-        verdict v = run(&b, 1.0f, rough, "");
+    for (int k = 0; k < 4; k++) {
+        const bool rough = k % 2 != 0;
+        char what[96];
+        verdict v = run(&b, 1.0f, rough, boxes[k / 2]);
         assert_true(v.accepted > b.count / 20);
+        snprintf(what, sizeof what, "quotients %s %s", rough ? "off by 2.5 ulp" : "as they are",
+                 boxes[k / 2]);
         if (v.lost > 0)
-            fail_with(&b, v, rough ? "quotients off by 2.5 ulp" : "quotients as they are");
+            fail_with(&b, v, what);
     }
     free_batch(&b);
 }
@@ -246,6 +291,7 @@ static void the_budget_is_needed(void **state)
         "-DBB_PAD_BOX=0.0f",
         "-DBB_PAD_BOX=0x1p-26f",
         "-DBB_PAD_DISTANCE=0.0f -DBB_PAD_BOX=0x1p-26f",
+        COMPRESSED " -DBB_CWBVH_MARGIN=0.0f",
     };
     for (size_t i = 0; i < sizeof less / sizeof less[0]; i++) {
         verdict v = run(&b, 1.0f, true, less[i]);

@@ -2,13 +2,14 @@
  * off, so that a ray's work follows from the boxes that it meets. Rays that meet a box by a hair
  * are left out. Seed: BVHBENCH_TEST_SEED. */
 #include "framework/judge/queries.h"
-#include "tests/wide_fixture.h"
+#include "tests/cwbvh_fixture.h"
 #include "traversal/pass.h"
 
 enum { RAYS = 400, LAYERS_MAX = 24 };
 
 typedef struct work {
     uint32_t boxes, prims;
+    uint32_t entries; /* of the stack, at most; of compressed nodes alone */
     bool unsure;
 } work;
 
@@ -87,6 +88,44 @@ static void walk_wide(const wide *l, uint32_t link, const bb_ray *ray, double sl
     }
 }
 
+/* ---- of compressed nodes ---- */
+
+static bb_box compressed_box(const bb_cwbvh *node, uint32_t place)
+{
+    bb_box box = {.lo = {0}};
+    for (int k = 0; k < 3; k++) {
+        const uint8_t *q = node->planes + 16 * k + place;
+        box.lo[k] = (float)(node->origin[k] + q[0] * step_of(node, k));
+        box.hi[k] = (float)(node->origin[k] + q[8] * step_of(node, k));
+    }
+    return box;
+}
+
+/* `entries`: on the stack. Those nodes that are met are visited in the order of the octant, and as
+ * long as one is left there is an entry for it. */
+static void walk_compressed(const compressed *c, uint32_t n, const bb_ray *ray, double slack,
+                            uint32_t entries, work *w)
+{
+    const bb_cwbvh *node = &c->nodes[n];
+    uint32_t met[8], count = 0, octant = 0;
+    for (int k = 0; k < 3; k++)
+        octant |= (ray->d[k] < 0 ? 1u : 0u) << k;
+    w->entries = entries > w->entries ? entries : w->entries;
+    for (uint32_t i = 0; i < 8; i++) {
+        const uint32_t place = i ^ octant, child = node_at(node, place);
+        const uint32_t prims = leaf_prims(node, place);
+        const bb_box box = compressed_box(node, place);
+        w->boxes += node->meta[place] != 0;
+        if (node->meta[place] == 0 || !meets(ray, &box, slack, w))
+            continue;
+        w->prims += prims;
+        if (child != BB_NONE)
+            met[count++] = child;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        walk_compressed(c, met[i], ray, slack, entries + (i + 1 < count), w);
+}
+
 /* ---- by kernels ---- */
 
 static void ask(const char *kernel, const bb_query *query, const bb_scene *scene, bb_tree *tree,
@@ -144,7 +183,7 @@ static void expect_work(const char *kernel, const char *name, uint32_t leaf, con
     if (name != NULL)
         w = read_wide(name, scene, tree, leaf, &wish, &root);
     for (uint32_t i = 0; i < RAYS; i++) {
-        work expected = {asks_root ? 1 : 0, 0, false};
+        work expected = {.boxes = asks_root ? 1 : 0};
         if (name != NULL)
             walk_wide(&w, root, &rays[i], slack, &expected);
         else
@@ -220,6 +259,53 @@ static void work_is_what_the_layout_asks_for(void **state)
     }
 }
 
+/* What kernels count with compressed nodes, and that a stack of four entries is enough for those
+ * rays that a walk says it is enough for, and for no others. */
+static void compressed_nodes_take_what_a_walk_takes(void **state)
+{
+    (void)state;
+    enum { TRIANGLES = 3000 };
+    const double slack = 1e-3;
+    static bb_ray rays[RAYS];
+    static bb_count counts[RAYS];
+    static bb_interval results[RAYS];
+    bb_tree tree;
+    bb_random random = bb_random_make(seed, 78);
+    bb_scene *scene = make_triangles(TRIANGLES, &random);
+    make_random_tree(scene, 2, 5, &random, &tree);
+    ASSERT_OK(bb_tree_upload(&tree, device, NULL));
+    aim(rays, &random);
+    for (uint32_t leaf = 1; leaf <= 3; leaf += 2) {
+        char kernel[32];
+        uint32_t sure = 0, overflows = 0;
+        compressed c = read_compressed(scene, &tree, leaf, false);
+        snprintf(kernel, sizeof kernel, "cwbvh:leaf=%u,stack=4", leaf);
+        ask(kernel, bb_query_find("interval"), scene, &tree, rays, results, counts);
+        for (uint32_t i = 0; i < RAYS; i++) {
+            work expected = {0};
+            walk_compressed(&c, c.root, &rays[i], slack, 0, &expected);
+            if (expected.unsure)
+                continue;
+            const bool fits = expected.entries <= 4;
+            sure++;
+            overflows += !fits;
+            if (counts[i].overflow != (fits ? 0u : 1u) ||
+                (fits && (counts[i].nodes != expected.boxes || counts[i].prims != expected.prims)))
+                fail_msg("%s, ray %u: %u boxes, %u primitives, %s; by the layout %u, %u and %u "
+                         "entries",
+                         kernel, i, counts[i].nodes, counts[i].prims,
+                         counts[i].overflow != 0 ? "an overflow" : "no overflow", expected.boxes,
+                         expected.prims, expected.entries);
+        }
+        print_message("%s: %u rays, %u overflows, need %u\n", kernel, sure, overflows,
+                      c.stack_need);
+        assert_true(overflows > 10 && sure - overflows > 10);
+        free_compressed(&c);
+    }
+    bb_tree_release(&tree);
+    free_uploaded(scene);
+}
+
 /* Copies of one triangle: what a closest hit asks all of, an any hit has in the first leaf. */
 static void any_hit_ends_the_search(void **state)
 {
@@ -227,7 +313,7 @@ static void any_hit_ends_the_search(void **state)
     enum { COPIES = 100 };
     static const char *const kernels[] = {
         "stack",         "stackless", "trail",   "short8",          "stack4",
-        "stack8:leaf=8", "stack8q",   "stack8i", "stack8i:leaf=64",
+        "stack8:leaf=8", "stack8q",   "stack8i", "stack8i:leaf=64", "cwbvh:leaf=3",
     };
     static bb_ray rays[RAYS];
     static bb_hit hits[RAYS];
@@ -332,6 +418,7 @@ int main(void)
         cmocka_unit_test(any_hit_ends_the_search),
         cmocka_unit_test(a_stack_has_the_entries_that_it_says),
         cmocka_unit_test(work_is_what_the_layout_asks_for),
+        cmocka_unit_test(compressed_nodes_take_what_a_walk_takes),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

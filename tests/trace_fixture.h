@@ -5,6 +5,7 @@
 
 #include "framework/builder/instance.h"
 #include "tests/device_fixture.h"
+#include "tests/layout_leaf.h"
 #include "traversal/pass.h"
 
 #include <math.h>
@@ -20,7 +21,8 @@ typedef struct bed {
     bb_layout_data layout;
 } bed;
 
-/* Makes what this kernel reads; the tree stays. */
+/* Makes what this kernel reads, with leaves of up to `leaf`, or as many as fit there; the tree
+ * stays. */
 static inline void choose_kernel(bed *b, const char *kernel, uint32_t leaf)
 {
     bb_layout_data_release(&b->layout);
@@ -28,8 +30,8 @@ static inline void choose_kernel(bed *b, const char *kernel, uint32_t leaf)
     check(bb_spec_parse(kernel, &b->kernel), kernel);
     const bb_layout *layout = bb_layout_find(bb_kernel_find(b->kernel.name)->layout);
     check(bb_layout_maker_create(layout, device, &b->maker), kernel);
-    check(bb_layout_maker_make(&b->maker, b->scene, &b->instance.tree, leaf, BB_FORMAT_VERTICES,
-                               &b->layout),
+    check(bb_layout_maker_make(&b->maker, b->scene, &b->instance.tree, leaf_for(layout, leaf),
+                               BB_FORMAT_VERTICES, &b->layout),
           kernel);
 }
 

@@ -21,7 +21,8 @@ struct bb_collapse {
     bb_buffer parents, missing; /* u32 per node: its parent; children that have not come yet */
     bb_buffer subtrees;         /* bb_subtree per node */
     bb_buffer places,
-        firsts; /* u32 per node, and the total: its place, and its first reference's */
+        firsts;    /* u32 per node, and the total: its place, and its first reference's */
+    uint32_t most; /* references of a leaf of the result: of the last making */
     bb_tree tree;
 };
 
@@ -139,16 +140,17 @@ static bb_status decide(decision *d)
         return bb_launch(self->device, self->decide, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
                          BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(d->scale),
                          BB_VALUE(d->traversal), BB_VALUE(d->intersection), BB_VALUE(d->block),
-                         BB_VALUE(d->max_leaf), BB_MEM(self->parents), BB_MEM(self->missing),
-                         BB_MEM(self->subtrees));
+                         BB_VALUE(d->max_leaf), BB_VALUE(self->most), BB_MEM(self->parents),
+                         BB_MEM(self->missing), BB_MEM(self->subtrees));
     BB_TRY(bb_levels_reserve(&self->levels, self->device, self->account, count, tree->info.depth,
                              "leaf collapse: levels"));
     BB_TRY(bb_levels_start(&self->levels));
-    BB_TRY(bb_launch(
-        self->device, self->leaves, count, GROUP_SIZE, BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
-        BB_VALUE(count), BB_VALUE(d->scale), BB_VALUE(d->traversal), BB_VALUE(d->intersection),
-        BB_VALUE(d->block), BB_VALUE(d->max_leaf), BB_MEM(self->parents), BB_MEM(self->missing),
-        BB_MEM(self->subtrees), BB_MEM(self->levels.counts), BB_MEM(self->levels.lists[1])));
+    BB_TRY(bb_launch(self->device, self->leaves, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
+                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(d->scale),
+                     BB_VALUE(d->traversal), BB_VALUE(d->intersection), BB_VALUE(d->block),
+                     BB_VALUE(d->max_leaf), BB_VALUE(self->most), BB_MEM(self->parents),
+                     BB_MEM(self->missing), BB_MEM(self->subtrees), BB_MEM(self->levels.counts),
+                     BB_MEM(self->levels.lists[1])));
     return bb_levels_run(&self->levels, decide_level, d);
 }
 
@@ -158,9 +160,9 @@ static bb_status write_tree(bb_collapse *self, const bb_tree *tree, bb_tree **ou
     uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0;
     BB_TRY(bb_launch(self->device, self->write, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(tree->info.root),
-                     BB_VALUE(duplicated), BB_MEM(self->subtrees), BB_MEM(self->places),
-                     BB_MEM(self->firsts), BB_MEM(result->d_nodes), BB_MEM(result->d_refs),
-                     BB_MEM(result->d_info)));
+                     BB_VALUE(duplicated), BB_VALUE(self->most), BB_MEM(self->subtrees),
+                     BB_MEM(self->places), BB_MEM(self->firsts), BB_MEM(result->d_nodes),
+                     BB_MEM(result->d_refs), BB_MEM(result->d_info)));
     result->duplicated = tree->duplicated;
     result->disjoint = tree->disjoint;
     *out = result;
@@ -168,11 +170,12 @@ static bb_status write_tree(bb_collapse *self, const bb_tree *tree, bb_tree **ou
 }
 
 bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, uint32_t max_leaf,
-                           float traversal, uint32_t block, bb_tree **out)
+                           float traversal, uint32_t block, uint32_t most, bb_tree **out)
 {
     assert(max_leaf >= 1 && max_leaf <= BB_LEAF_MAX && traversal > 0.0f && block >= 1);
     uint32_t count = tree->info.node_count, duplicated = tree->duplicated ? 1 : 0, totals[2];
     BB_TRY(reserve(self, count));
+    self->most = most > 0 ? most : UINT32_MAX;
     decision d = {.self = self,
                   .tree = tree,
                   .scale = scale,
@@ -183,8 +186,8 @@ bb_status bb_collapse_make(bb_collapse *self, const bb_tree *tree, float scale, 
     BB_TRY(decide(&d));
     BB_TRY(bb_launch(self->device, self->mark, (size_t)count + 1, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_MEM(tree->d_refs), BB_VALUE(count), BB_VALUE(max_leaf),
-                     BB_VALUE(duplicated), BB_MEM(self->parents), BB_MEM(self->subtrees),
-                     BB_MEM(self->places), BB_MEM(self->firsts)));
+                     BB_VALUE(duplicated), BB_VALUE(self->most), BB_MEM(self->parents),
+                     BB_MEM(self->subtrees), BB_MEM(self->places), BB_MEM(self->firsts)));
     BB_TRY(bb_scan_u32(self->primitives, &self->places, &self->places, count + 1, NULL));
     BB_TRY(bb_scan_u32(self->primitives, &self->firsts, &self->firsts, count + 1, NULL));
     size_t last = count * sizeof(uint32_t);

@@ -23,10 +23,13 @@ void bb_collapse_destroy(bb_collapse *collapse); /* NULL is allowed */
  * references (1 to BB_LEAF_MAX) has become one leaf, wherever that does not raise the SAH. A leaf
  * costs Ci = 1 per started block of `block` references; an inner node `traversal` for each pair of
  * children (bb_collapse_traversal()). Areas are those of boxes times `scale`, the scene's. If
- * several leaves of a subtree reference the same primitive, the new leaf does so once. *out is on
+ * several leaves of a subtree reference the same primitive, the new leaf does so once. Leaves of
+ * more than `most` references (0: any number) become binary trees of leaves of that many, all with
+ * the leaf's box. *out is on
  * the device, belongs to `collapse` and is valid until the next call. Its info has been fetched. */
 bb_status bb_collapse_make(bb_collapse *collapse, const bb_tree *tree, float scale,
-                           uint32_t max_leaf, float traversal, uint32_t block, bb_tree **out);
+                           uint32_t max_leaf, float traversal, uint32_t block, uint32_t most,
+                           bb_tree **out);
 
 /* The same for the tree of the last call, with other boxes and the same links: the subtrees that
  * became leaves then do so again. */

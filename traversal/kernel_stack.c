@@ -1,6 +1,14 @@
 /* The stack kernel: kernels/stack.cl. */
 #include "traversal/traversal.h"
 
+/* The persistent form is Aila and Laine's; on CPUs the driver deals out work as well as it does. */
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "stack"},
+    {BB_FOR_GPU, BB_ROLE_COMPARED, "stack:persistent=yes"},
+    {BB_FOR_ALL, BB_ROLE_TRIED, "stack:leaf=4"},
+    {.devices = 0},
+};
+
 const bb_kernel bb_kernel_stack = {
     .name = "stack",
     .summary = "while-while on pair nodes, one stack per ray, nearer child first",
@@ -9,6 +17,5 @@ const bb_kernel bb_kernel_stack = {
     .source = "stack.cl",
     .queries = BB_ALONG_RAYS,
     .ordered = true,
-    .compared = "stack",
-    .tried = "stack:leaf=4",
+    .variants = variants,
 };

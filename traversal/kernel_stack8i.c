@@ -6,6 +6,14 @@ static const bb_option options[] = {
     {.name = NULL},
 };
 
+/* For CPUs alone: a work-item that traces a whole group has 26 KB or more of private memory, and
+ * leaves a GPU with a group of work for each of its items. */
+static const bb_variants variants[] = {
+    {BB_FOR_CPU, BB_ROLE_COMPARED, "stack8i:leaf=8,group=256"},
+    {BB_FOR_CPU, BB_ROLE_TRIED, "stack8i:leaf=4,group=256"},
+    {.devices = 0},
+};
+
 const bb_kernel bb_kernel_stack8i = {
     .name = "stack8i",
     .summary = "as stack8, with many rays in flight by turns, without branches: for CPUs",
@@ -17,6 +25,5 @@ const bb_kernel bb_kernel_stack8i = {
     .ordered = true,
     .batched = true,
     .options = options,
-    .compared = "stack8i:leaf=8,group=256",
-    .tried = "stack8i:leaf=4,group=256",
+    .variants = variants,
 };

@@ -1,6 +1,13 @@
 /* The stackless kernel: kernels/stackless.cl. */
 #include "traversal/traversal.h"
 
+/* Not compared: closest hits take the stack half the time. But this traces any tree as it was
+ * built. */
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_TRIED, "stackless:leaf=4"},
+    {.devices = 0},
+};
+
 const bb_kernel bb_kernel_stackless = {
     .name = "stackless",
     .summary = "skip pointers: no stack, the tree's own nodes and order",
@@ -9,9 +16,7 @@ const bb_kernel bb_kernel_stackless = {
     .source = "stackless.cl",
     .queries = BB_ALONG_RAYS,
     .ordered = false,
-    /* closest hits take the stack half the time; but this traces any tree as it was built */
-    .compared = NULL,
-    .tried = "stackless:leaf=4",
+    .variants = variants,
     .native = true,
     .stackless = true,
 };

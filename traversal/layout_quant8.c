@@ -3,7 +3,7 @@
 
 static bb_status create(bb_device *device, bb_account *account, void **self)
 {
-    return bb_wide_create(device, account, "quant8", 8, true, self);
+    return bb_wide_create(device, account, "quant8", 8, BB_WIDE_QUANTISED, self);
 }
 
 const bb_layout bb_layout_quant8 = {

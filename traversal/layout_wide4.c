@@ -4,7 +4,7 @@
 
 static bb_status create(bb_device *device, bb_account *account, void **self)
 {
-    return bb_wide_create(device, account, "wide4", 4, false, self);
+    return bb_wide_create(device, account, "wide4", 4, BB_WIDE_FLOATS, self);
 }
 
 const bb_layout bb_layout_wide4 = {

@@ -16,6 +16,11 @@ const bb_layout *bb_layout_find(const char *name)
     return NULL;
 }
 
+uint32_t bb_layout_leaf_max(const bb_layout *layout)
+{
+    return layout->leaf_max > 0 ? layout->leaf_max : BB_LEAF_MAX;
+}
+
 bb_status bb_layout_maker_create(const bb_layout *layout, bb_device *device, bb_layout_maker *maker)
 {
     *maker = (bb_layout_maker){.layout = layout, .device = device};
@@ -84,10 +89,13 @@ static bb_status find_array(const bb_layout *layout, const bb_tree *tree, const 
     return BB_OK;
 }
 
-/* Whether leaves of the tree are to be collapsed before the layout is made. */
+/* Whether leaves of the tree are to be collapsed, or large ones divided, before the layout is
+ * made. */
 static bool collapses_first(const bb_layout_maker *maker, const bb_tree *tree, uint32_t leaf)
 {
     const bb_layout *layout = maker->layout;
+    if (layout->leaf_max > 0 && tree->info.leaf_count != tree->info.ref_count)
+        return true;
     return leaf > 1 && !(layout->collapses != NULL && layout->collapses(maker->self, tree));
 }
 
@@ -112,15 +120,19 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
                                .leaf = collapses_first(maker, tree, leaf) ? 0 : leaf,
                                .same_links = same_links};
     *traced = tree;
+    if (leaf > bb_layout_leaf_max(layout))
+        return bb_fail(BB_INVALID, "layout %s takes leaf=%u at most, not leaf=%u", layout->name,
+                       bb_layout_leaf_max(layout), leaf);
     if (leaf > 1 && layout->array.name != NULL)
         return bb_fail(BB_UNSUPPORTED,
                        "layout %s reads the side array '%s', which leaf collapse leaves behind: "
                        "take leaf=1",
                        layout->name, layout->array.name);
     if (collapses_first(maker, tree, leaf))
-        BB_TRY(same_links ? bb_collapse_again(maker->collapse, tree, traced)
-                          : bb_collapse_make(maker->collapse, tree, scene->scale, leaf,
-                                             source.traversal, layout->block, traced));
+        BB_TRY(same_links
+                   ? bb_collapse_again(maker->collapse, tree, traced)
+                   : bb_collapse_make(maker->collapse, tree, scene->scale, leaf, source.traversal,
+                                      layout->block, layout->leaf_max, traced));
     source.tree = *traced;
     BB_TRY(find_array(layout, *traced, &source.array));
     if (tree->duplicated)

@@ -41,22 +41,21 @@ void bb_leaf_prims_destroy(bb_leaf_prims *leaf_prims)
 }
 
 bb_status bb_leaf_prims_make(bb_leaf_prims *leaf_prims, const bb_layout_source *source,
-                             uint32_t format, bool closed, bb_buffer *out, uint64_t *bytes)
+                             const bb_buffer *refs, uint32_t format, bool closed, bb_buffer *out,
+                             uint64_t *bytes)
 {
     const bb_scene *scene = source->scene;
-    const bb_tree *tree = source->tree;
     const bb_scene_device *geometry = &scene->on_device;
     const bb_prim_ends ends = bb_scene_ends(scene);
     uint32_t words = bb_leaf_prim_words(source->kinds, format);
     uint32_t id_word = bb_leaf_prim_payload(source->kinds, format);
-    uint32_t count = tree->info.ref_count, more = closed ? 1 : 0;
+    uint32_t count = source->tree->info.ref_count, more = closed ? 1 : 0;
     size_t records = (size_t)count + more, size = records * words * sizeof(uint32_t);
     BB_TRY(
         bb_buffer_reserve(leaf_prims->device, leaf_prims->account, size, "leaf primitives", out));
     *bytes += size;
-    return bb_launch(leaf_prims->device, leaf_prims->kernel, records, GROUP_SIZE,
-                     BB_MEM(tree->d_refs), BB_VALUE(count), BB_MEM(geometry->vertices),
-                     BB_MEM(geometry->prims), BB_VALUE(ends), BB_VALUE(scene->scale),
-                     BB_VALUE(format), BB_VALUE(words), BB_VALUE(id_word), BB_VALUE(more),
-                     BB_MEM(*out));
+    return bb_launch(leaf_prims->device, leaf_prims->kernel, records, GROUP_SIZE, BB_MEM(*refs),
+                     BB_VALUE(count), BB_MEM(geometry->vertices), BB_MEM(geometry->prims),
+                     BB_VALUE(ends), BB_VALUE(scene->scale), BB_VALUE(format), BB_VALUE(words),
+                     BB_VALUE(id_word), BB_VALUE(more), BB_MEM(*out));
 }

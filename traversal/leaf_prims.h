@@ -12,11 +12,13 @@ typedef struct bb_leaf_prims bb_leaf_prims;
 bb_status bb_leaf_prims_create(bb_device *device, bb_account *account, bb_leaf_prims **out);
 void bb_leaf_prims_destroy(bb_leaf_prims *leaf_prims); /* NULL is allowed */
 
-/* Record i is for refs[i] of the source's tree, including its last-bit; triangles are in `format`
+/* Record i is for refs[i], which has all references of the source's tree, with their last-bits;
+ * triangles are in `format`
  * (BB_FORMAT_...), lengths are multiplied by the scene's scale. `closed`: after them comes one of
  * the primitive BB_NONE, which nothing hits. Reserves `out` on the account and adds its size to
  * *bytes. Enqueued, not waited for. */
 bb_status bb_leaf_prims_make(bb_leaf_prims *leaf_prims, const bb_layout_source *source,
-                             uint32_t format, bool closed, bb_buffer *out, uint64_t *bytes);
+                             const bb_buffer *refs, uint32_t format, bool closed, bb_buffer *out,
+                             uint64_t *bytes);
 
 #endif

@@ -4,11 +4,10 @@
 
 #include "traversal/traversal.h"
 
-/* Its file, and what follows from the trail. None is compared when no kernel is asked for: where
- * memory for a full stack is no matter, that is faster. */
+/* Its file, and what follows from the trail. */
 #define BB_SHORT_KERNEL                                                                            \
-    .source = "short.cl", .queries = BB_ALONG_RAYS, .ordered = true, .compared = NULL,             \
-    .stackless = true, .trail_max = BB_TRAIL_MAX
+    .source = "short.cl", .queries = BB_ALONG_RAYS, .ordered = true, .stackless = true,            \
+    .trail_max = BB_TRAIL_MAX
 
 /* The option of those with a stack. */
 #define BB_ENTRIES_OPTION(preset)                                                                  \

@@ -1,5 +1,5 @@
 /* Kernels compiled for what a scene needs, and their launches. */
-#include "traversal/traversal.h"
+#include "traversal/stack_room.h"
 
 #include "framework/base/number.h"
 #include "framework/base/suggest.h"
@@ -36,7 +36,7 @@ struct bb_tracer {
     bb_device *device;
     char key[1024]; /* source and defines */
     uint32_t group;
-    uint32_t stack_size;
+    uint32_t stack_size, stacks; /* of a work-item */
     uint64_t launched;
     bool counting;
     bool persistent;
@@ -64,6 +64,22 @@ const bb_kernel *bb_kernel_find(const char *name)
     return NULL;
 }
 
+bool bb_kernel_is_for_cpus(const bb_kernel *kernel)
+{
+    uint32_t devices = 0;
+    for (const bb_variants *v = kernel->variants; v != NULL && v->devices != 0; v++)
+        devices |= v->devices;
+    return devices == BB_FOR_CPU;
+}
+
+const bb_kernel *bb_kernel_for_any_leaf(void)
+{
+    const bb_kernel *const *k = bb_kernels;
+    while (bb_layout_find((*k)->layout)->leaf_max > 0)
+        k++;
+    return *k;
+}
+
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
 {
     bb_option all[BB_PARAMS_MAX + 1];
@@ -78,14 +94,18 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     BB_TRY(bb_spec_validate(spec, all, what));
     if (kernel->stackless && bb_spec_value(spec, NULL, "stack") != NULL)
         return bb_fail(BB_INVALID, "%s has no stack of the tree's size: drop stack=", what);
-    if (bb_layout_find(kernel->layout)->width == 2 && bb_spec_value(spec, NULL, "plan") != NULL)
+    const bb_layout *layout = bb_layout_find(kernel->layout);
+    if (layout->width == 2 && bb_spec_value(spec, NULL, "plan") != NULL)
         return bb_fail(BB_INVALID,
                        "%s has no nodes of more than two children to plan: drop plan=", what);
-    if (bb_spec_value(spec, NULL, "node") == NULL)
-        return BB_OK;
     uint64_t leaf;
     double node;
     BB_TRY(bb_spec_u64(spec, all, "leaf", 1, BB_LEAF_MAX, &leaf));
+    if (leaf > bb_layout_leaf_max(layout))
+        return bb_fail(BB_INVALID, "%s: leaf=%u at most, its nodes have no room for more: not %u",
+                       what, bb_layout_leaf_max(layout), (unsigned)leaf);
+    if (bb_spec_value(spec, NULL, "node") == NULL)
+        return BB_OK;
     BB_TRY(bb_spec_double(spec, all, "node", NODE_COST_LEAST, NODE_COST_MOST, &node));
     if (leaf == 1)
         return bb_fail(BB_INVALID, "%s: node= decides which leaves become one: give leaf=N", what);
@@ -125,13 +145,28 @@ bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **ker
                    spec->name, bb_suggested(&meant));
 }
 
+/* Rays that one work-item of a batched kernel traces: the device does not bound them. */
+enum { BATCH_MAX = 4096 };
+
+bb_status bb_kernel_group_of(const bb_kernel *kernel, const bb_spec *spec, const bb_device *device,
+                             uint64_t *group)
+{
+    const uint64_t most = kernel->batched ? BATCH_MAX : device->max_group_size;
+    const bool given = bb_spec_value(spec, NULL, "group") != NULL;
+    BB_TRY(
+        bb_spec_u64(spec, bb_kernel_common_options, "group", 1, given ? most : BATCH_MAX, group));
+    if (*group > most)
+        *group = most;
+    return BB_OK;
+}
+
 /* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private
  * memory of each work-item. */
 enum { STACK_MAX = 1024 };
 
 static uint32_t round_stack(uint32_t need)
 {
-    uint32_t size = 16;
+    uint32_t size = BB_STACK_LEAST;
     while (size < need && size < STACK_MAX)
         size *= 2;
     return size;
@@ -149,11 +184,11 @@ static uint32_t round_levels(uint32_t levels)
 typedef struct variant {
     uint32_t stack_size; /* 0: none of the tree's size */
     uint32_t kinds, levels;
-    bool stack_given, kinds_given;
+    bool stack_given, stack_capped, kinds_given;
 } variant;
 
-static bb_status choose_variant(const bb_tracer_request *request, const bb_layout_data *layout,
-                                variant *v)
+static bb_status choose_variant(const bb_device *device, const bb_tracer_request *request,
+                                const bb_layout_data *layout, variant *v)
 {
     const bb_kernel *kernel = request->kernel;
     const bb_spec *spec = request->spec;
@@ -166,20 +201,29 @@ static bb_status choose_variant(const bb_tracer_request *request, const bb_layou
     if (kernel->stackless)
         return BB_OK;
     v->stack_size = round_stack(layout->stack_need);
+    const uint32_t stacks = bb_stacks_of_item(kernel, spec), room = bb_stack_room(device, stacks);
     uint64_t given;
     if (v->stack_given) {
         BB_TRY(bb_spec_u64(spec, bb_kernel_common_options, "stack", 1, STACK_MAX, &given));
         v->stack_size = (uint32_t)given;
+        if (given > room)
+            return bb_fail(BB_REFUSED,
+                           "kernel %s: the device has no room for %u stacks of %u entries in each "
+                           "work-item: at most stack=%u, or take the kernel short",
+                           kernel->name, stacks, (uint32_t)given, room);
     }
+    v->stack_capped = v->stack_size > room;
+    if (v->stack_capped)
+        v->stack_size = room;
     return BB_OK;
 }
 
-bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_data *layout,
-                           bb_decisions *decisions)
+bb_status bb_tracer_decide(const bb_device *device, const bb_tracer_request *request,
+                           const bb_layout_data *layout, bb_decisions *decisions)
 {
     variant v;
     char compiled[64], there[64];
-    BB_TRY(choose_variant(request, layout, &v));
+    BB_TRY(choose_variant(device, request, layout, &v));
     bb_prim_kind_names(v.kinds, compiled, sizeof compiled);
     there[0] = '\0';
     for (uint32_t kind = 0, last = 0; kind < BB_KIND_COUNT; kind++) {
@@ -189,7 +233,11 @@ bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_dat
         last = layout->ends.end[kind];
     }
     decisions->count = 0;
-    if (v.stack_size > 0)
+    if (v.stack_capped)
+        bb_decide_number(decisions, BB_DECIDED_STACK, v.stack_size, BB_BY_DEVICE,
+                         "the tree needs %u, the device's memory has room for %u",
+                         layout->stack_need, v.stack_size);
+    else if (v.stack_size > 0)
         bb_decide_number(decisions, BB_DECIDED_STACK, v.stack_size,
                          v.stack_given ? BB_GIVEN : BB_BY_TREE, "the tree needs %u",
                          layout->stack_need);
@@ -309,6 +357,10 @@ static bb_status compile(bb_tracer *tracer, const bb_kernel *kernel, const char 
                        kernel->source);
     BB_TRY(bb_program_build(tracer->device, source, defines, &tracer->program));
     BB_TRY(bb_kernel_get(tracer->program, "trace", &tracer->kernel));
+    size_t group = tracer->group;
+    if (!tracer->batched)
+        BB_TRY(bb_kernel_group(tracer->device, tracer->kernel, group, &group));
+    tracer->group = (uint32_t)group;
     return tracer->persistent ? bb_buffer_reserve(tracer->device, NULL, sizeof(cl_uint),
                                                   "rays taken", &tracer->taken)
                               : BB_OK;
@@ -321,9 +373,8 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
     uint64_t group;
     char defines[768], key[sizeof((bb_tracer *)NULL)->key] = "";
     BB_TRY(check_request(request, layout));
-    BB_TRY(bb_spec_u64(request->spec, bb_kernel_common_options, "group", 1, device->max_group_size,
-                       &group));
-    BB_TRY(choose_variant(request, layout, &v));
+    BB_TRY(bb_kernel_group_of(request->kernel, request->spec, device, &group));
+    BB_TRY(choose_variant(device, request, layout, &v));
     BB_TRY(write_defines(device, request, layout, &v, (uint32_t)group, defines, sizeof defines));
     BB_TRY(append(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines));
     for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)
@@ -339,6 +390,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
         .device = device,
         .group = (uint32_t)group,
         .stack_size = v.stack_size,
+        .stacks = bb_stacks_of_item(request->kernel, request->spec),
         .counting = request->counting,
         .persistent = is_persistent(request),
         .batched = request->kernel->batched,
@@ -378,6 +430,21 @@ uint32_t bb_tracer_group_size(const bb_tracer *tracer)
 uint32_t bb_tracer_stack_size(const bb_tracer *tracer)
 {
     return tracer->stack_size;
+}
+
+uint64_t bb_tracer_stack_bytes(const bb_tracer *tracer)
+{
+    return (uint64_t)tracer->stack_size * tracer->stacks * BB_STACK_ENTRY_BYTES;
+}
+
+bool bb_tracer_private_bytes(const bb_tracer *tracer, uint64_t *bytes)
+{
+    cl_ulong private_bytes = 0;
+    if (clGetKernelWorkGroupInfo(tracer->kernel, tracer->device->id, CL_KERNEL_PRIVATE_MEM_SIZE,
+                                 sizeof private_bytes, &private_bytes, NULL) != CL_SUCCESS)
+        return false;
+    *bytes = private_bytes;
+    return private_bytes > 0; /* of PoCL and others that do not know */
 }
 
 uint64_t bb_tracer_launched(const bb_tracer *tracer)

@@ -6,6 +6,7 @@
 
 #include "framework/base/decision.h"
 #include "framework/base/options.h"
+#include "framework/base/variants.h"
 #include "framework/device/device.h"
 #include "framework/device/stopwatch.h"
 #include "framework/rays/rays.h"
@@ -69,8 +70,9 @@ typedef struct bb_layout_data {
 typedef struct bb_layout {
     const char *name;
     const char *summary;
-    uint32_t width; /* most children of a node; 2 if there is no limit. Required */
-    uint32_t block; /* number of primitives that its kernels test at once. Required */
+    uint32_t width;    /* most children of a node; 2 if there is no limit. Required */
+    uint32_t block;    /* number of primitives that its kernels test at once. Required */
+    uint32_t leaf_max; /* most references of a leaf: larger ones are divided; 0: any number */
     /* The side array of the tree that make() reads (bb_tree_reserve_array()): trees without one of
      * this name and format are refused. Optional. */
     struct {
@@ -94,6 +96,8 @@ typedef struct bb_layout {
 
 extern const bb_layout *const bb_layouts[];        /* generated; ends with NULL */
 const bb_layout *bb_layout_find(const char *name); /* NULL if there is none */
+/* The most that `leaf` may be. */
+uint32_t bb_layout_leaf_max(const bb_layout *layout);
 void bb_layout_data_release(bb_layout_data *data); /* a zeroed one is allowed */
 
 /* A layout in use on a device. It must not be moved: the account is in it. */
@@ -118,7 +122,8 @@ void bb_layout_maker_destroy(bb_layout_maker *maker); /* a zeroed one is allowed
 
 /* Makes the layout of `tree` on the device, with leaves of up to `leaf` references (1: the tree's
  * own leaves) and triangles in `format` (BB_FORMAT_...). Waits for it, and times it. `data` may
- * hold an earlier layout, whose memory is reused. */
+ * hold an earlier layout, whose memory is reused. BB_INVALID for a `leaf` beyond
+ * bb_layout_leaf_max(). */
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, uint32_t format, bb_layout_data *data);
 
@@ -165,12 +170,10 @@ typedef struct bb_kernel {
     const char *defines; /* -D for every variant; NULL: none */
     uint32_t queries;    /* those it answers: BB_ALONG_RAYS */
     bool ordered;        /* visits children near to far */
-    /* Variants that `run` compares by default, as a list: "stack8:leaf=8"; NULL: none. */
-    const char *compared;
-    /* Variants that `advise` tries besides, as a list; NULL: none, and it is left out unless it is
-     * compared. */
-    const char *tried;
-    /* Its layout keeps the shape of any tree: by default, `run` uses it for trees whose shape no
+    /* Which of its variants are compared and tried where no kernel is named, on which devices.
+     * NULL: none. */
+    const bb_variants *variants;
+    /* Its layout keeps the shape of any tree: by default it is compared on trees whose shape no
      * compared kernel keeps. */
     bool native;
     bool batched;   /* one work-item traces all rays of a group: gets their number as BB_BATCH */
@@ -186,10 +189,18 @@ typedef struct bb_kernel {
 
 extern const bb_kernel *const bb_kernels[];        /* generated; ends with NULL */
 const bb_kernel *bb_kernel_find(const char *name); /* NULL if there is none */
+/* The first whose layout takes leaves of any size, and so a tree of one leaf as it is. */
+const bb_kernel *bb_kernel_for_any_leaf(void);
 extern const bb_option bb_kernel_common_options[];
+/* Whether all variants that are taken by default are for CPUs alone. */
+bool bb_kernel_is_for_cpus(const bb_kernel *kernel);
 /* Checks the parameters of a kernel's specification: its own options and the common ones.
  * BB_INVALID names the one that it does not take. */
 bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec);
+/* Its group, in rays: as given, or what the device allows of the default. BB_INVALID if what is
+ * given is more than the device's groups have; those of a batched kernel are not the device's. */
+bb_status bb_kernel_group_of(const bb_kernel *kernel, const bb_spec *spec, const bb_device *device,
+                             uint64_t *group);
 /* Whether both are of one layout. */
 bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b);
 /* What the kernel's parameters ask for: for bb_layout_maker.wish. */
@@ -214,18 +225,23 @@ typedef struct bb_tracer_request {
  * to 16, 32, 64 ...), levels of a trail (64, 128, 256 ...). Taken from a cache of the device, so
  * that equal requests compile once; owned by the cache, until bb_tracers_clear(). BB_UNSUPPORTED if
  * the kernel does not answer the query, or not for these primitives, or if its trail is too short
- * for the tree; BB_FAILED if it does not compile, or its definitions are too long. */
+ * for the tree; BB_REFUSED if the device has no room for a stack that is given (stack_room.h);
+ * BB_FAILED if it does not compile, or its definitions are too long. */
 bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
                         const bb_layout_data *layout, bb_tracer **tracer);
 /* What was decided for such a tracer: stack, levels of the trail, kinds. */
-bb_status bb_tracer_decide(const bb_tracer_request *request, const bb_layout_data *layout,
-                           bb_decisions *decisions);
+bb_status bb_tracer_decide(const bb_device *device, const bb_tracer_request *request,
+                           const bb_layout_data *layout, bb_decisions *decisions);
 /* Releases all tracers of the device: before it is closed, and when nobody uses one any more. */
 void bb_tracers_clear(bb_device *device);
-/* Rays of a work-group. */
+/* Rays of a work-group: fewer than asked for if the device runs the compiled kernel in smaller ones
+ * only. */
 uint32_t bb_tracer_group_size(const bb_tracer *tracer);
 uint32_t
-bb_tracer_stack_size(const bb_tracer *tracer);        /* 0: it needs no stack of the tree's size */
+bb_tracer_stack_size(const bb_tracer *tracer); /* 0: it needs no stack of the tree's size */
+/* Private memory of a work-item: its stacks alone, and, if the driver tells, all of it. */
+uint64_t bb_tracer_stack_bytes(const bb_tracer *tracer);
+bool bb_tracer_private_bytes(const bb_tracer *tracer, uint64_t *bytes);
 uint64_t bb_tracer_launched(const bb_tracer *tracer); /* rays, in all its launches */
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout has the format of triangles

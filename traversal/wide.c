@@ -2,6 +2,7 @@
 #include "traversal/wide.h"
 
 #include "framework/device/levels.h"
+#include "traversal/cwbvh.h"
 #include "traversal/leaf_prims.h"
 #include "traversal/wide_direct.h"
 
@@ -20,6 +21,7 @@ enum {
 typedef struct wide_layout {
     const char *name;
     size_t node_bytes;
+    bool compressed;
     bb_device *device;
     bb_account *account;
     bb_pairs pairs;
@@ -37,6 +39,7 @@ typedef struct wide_layout {
     bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
     bb_wide_follow follow;
     bb_wide_direct direct;     /* for the trees that it takes; zeroed in the form for GPUs */
+    bb_cwbvh_maker cwbvh;      /* of compressed nodes; else zeroed */
     bb_leaf_prims *leaf_prims; /* of leaves of one primitive each */
     char defines[160];         /* of the programs */
     /* of the last making */
@@ -56,6 +59,7 @@ void bb_wide_destroy(void *opaque)
     bb_pairs_destroy(&self->pairs);
     bb_wide_follow_release(&self->follow);
     bb_wide_direct_release(&self->direct);
+    bb_cwbvh_release(&self->cwbvh);
     bb_leaf_prims_destroy(self->leaf_prims);
     bb_kernel_release(self->parents_kernel);
     bb_kernel_release(self->plan);
@@ -71,26 +75,31 @@ void bb_wide_destroy(void *opaque)
 }
 
 bb_status bb_wide_create(bb_device *device, bb_account *account, const char *name, uint32_t width,
-                         bool quantised, void **out)
+                         bb_wide_form form, void **out)
 {
     wide_layout *self = calloc(1, sizeof *self);
     if (self == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     *out = self;
     self->name = name;
-    self->node_bytes = quantised    ? sizeof(bb_quant8)
-                       : width == 4 ? sizeof(bb_wide4)
-                                    : sizeof(bb_wide8);
+    self->compressed = form == BB_WIDE_COMPRESSED;
+    self->node_bytes = self->compressed            ? sizeof(bb_cwbvh)
+                       : form == BB_WIDE_QUANTISED ? sizeof(bb_quant8)
+                       : width == 4                ? sizeof(bb_wide4)
+                                                   : sizeof(bb_wide8);
     self->device = device;
     self->account = account;
     self->follow = (bb_wide_follow){.device = device, .account = account, .width = width};
     char handover[96];
     bb_handover_defines(device, handover, sizeof handover);
-    snprintf(self->defines, sizeof self->defines, "%s -DBB_WIDTH=%u -DBB_QUANTISED=%d", handover,
-             width, quantised);
+    snprintf(self->defines, sizeof self->defines, "%s -DBB_WIDTH=%u -DBB_QUANTISED=%d%s", handover,
+             width, form == BB_WIDE_QUANTISED, self->compressed ? " -DBB_COMPRESSED=1" : "");
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_leaf_prims_create(device, account, &self->leaf_prims));
-    if (bb_cpu_form(device))
+    if (self->compressed)
+        BB_TRY(
+            bb_cwbvh_create(device, account, self->pairs.primitives, self->defines, &self->cwbvh));
+    else if (bb_cpu_form(device))
         BB_TRY(bb_wide_direct_create(device, account, self->pairs.primitives, self->defines,
                                      &self->direct));
     BB_TRY(
@@ -101,6 +110,8 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
     BB_TRY(bb_kernel_get(self->program, "plan_leaves", &self->plan_leaves));
     BB_TRY(bb_kernel_get(self->program, "plan_level", &self->level));
     BB_TRY(bb_kernel_get(self->program, "wide_open", &self->open));
+    if (self->compressed)
+        return BB_OK;
     BB_TRY(bb_kernel_get(self->program, "wide_nodes", &self->nodes));
     BB_TRY(bb_kernel_get(self->program, "wide_count", &self->count));
     BB_TRY(bb_kernel_get(self->program, "wide_blocks", &self->blocks));
@@ -227,8 +238,8 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
     uint32_t fresh = !source->same_links;
     if (has_records(source)) {
         data->lanes = 1;
-        return bb_leaf_prims_make(self->leaf_prims, source, data->format, true, &data->buffers[1],
-                                  &data->bytes);
+        return bb_leaf_prims_make(self->leaf_prims, source, &source->tree->d_refs, data->format,
+                                  true, &data->buffers[1], &data->bytes);
     }
     if (fresh)
         BB_TRY(number_blocks(self, source));
@@ -242,6 +253,12 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
                      BB_MEM(self->first), BB_VALUE(fresh), BB_MEM(data->buffers[1]));
 }
 
+/* What was opened, for compressed nodes, whose children lie together: the root is number 0. */
+static bb_opened opened_of(const wide_layout *self, uint32_t pair_count, uint32_t root)
+{
+    return (bb_opened){&self->pair_nodes, &self->index, &self->plans, pair_count, root};
+}
+
 /* Which pairs become nodes, and their numbers: self->plans, self->index. */
 static bb_status number_nodes(wide_layout *self, const bb_layout_source *source,
                               uint32_t pair_count, uint32_t root)
@@ -253,6 +270,13 @@ static bb_status number_nodes(wide_layout *self, const bb_layout_source *source,
                ? bb_buffer_fill(&self->index, marks, 0)
                : make_plans(self, pair_count, root, bb_pairs_stack_need(&source->tree->info)));
     BB_TRY(open_levels(self, source, pair_count, root));
+    if (self->compressed) {
+        const bb_opened opened = opened_of(self, pair_count, root);
+        BB_TRY(bb_cwbvh_number(&self->cwbvh, source->tree, &opened));
+        self->node_count = self->cwbvh.node_count;
+        self->root = 0;
+        return BB_OK;
+    }
     BB_TRY(bb_scan_u32(self->pairs.primitives, &self->index, &self->index, pair_count + 1, NULL));
     BB_TRY(read_total(&self->index, pair_count, &self->node_count));
     return read_total(&self->index, root, &self->root);
@@ -260,13 +284,17 @@ static bb_status number_nodes(wide_layout *self, const bb_layout_source *source,
 
 /* From pairs to nodes, whose sides are kept for nodes that follow. */
 static bb_status write_nodes(wide_layout *self, const bb_layout_source *source, uint32_t pair_count,
-                             const bb_buffer *nodes)
+                             uint32_t root, const bb_buffer *nodes)
 {
     uint32_t ref_count = source->tree->info.ref_count, octants = source->octants;
     uint32_t single = has_records(source);
     /* not read if single: any will do */
     const bb_buffer *first = single ? &self->index : &self->first;
     BB_TRY(bb_wide_follow_reserve(&self->follow, self->node_count));
+    if (self->compressed) {
+        const bb_opened opened = opened_of(self, pair_count, root);
+        return bb_cwbvh_nodes(&self->cwbvh, source->tree, &opened, nodes, &self->follow.sides);
+    }
     return bb_launch(self->device, self->nodes, pair_count, GROUP_SIZE, BB_MEM(self->pair_nodes),
                      BB_VALUE(pair_count), BB_MEM(self->plans), BB_MEM(self->index), BB_MEM(*first),
                      BB_VALUE(ref_count), BB_VALUE(single), BB_VALUE(octants), BB_MEM(*nodes),
@@ -279,6 +307,10 @@ static bb_status make_root_leaf(wide_layout *self, const bb_layout_source *sourc
 {
     data->stack_need = 0;
     BB_TRY(reserve(self, self->node_bytes, "wide: nodes", &data->buffers[0]));
+    if (self->compressed) { /* whose kernel wants to know how many primitives there are */
+        data->root = BB_LEAF_BIT | source->tree->info.ref_count;
+        return bb_cwbvh_order_leaf(&self->cwbvh, source->tree);
+    }
     data->root = ref;
     if (!has_records(source))
         BB_TRY(bb_buffer_read(&self->first, ref * sizeof ref, sizeof ref, &data->root));
@@ -286,7 +318,8 @@ static bb_status make_root_leaf(wide_layout *self, const bb_layout_source *sourc
     return BB_OK;
 }
 
-/* data->buffers[0], root and stack need. After the blocks. */
+/* data->buffers[0], root and stack need. After the blocks, but of compressed nodes before the
+ * primitives. */
 static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, bb_layout_data *data)
 {
     const bb_tree *tree = source->tree;
@@ -304,7 +337,7 @@ static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, b
     data->bytes += self->node_count * self->node_bytes;
     return source->same_links ? bb_wide_follow_boxes(&self->follow, &self->pairs, self->defines,
                                                      source, self->node_count, &data->buffers[0])
-                              : write_nodes(self, source, pair_count, &data->buffers[0]);
+                              : write_nodes(self, source, pair_count, root, &data->buffers[0]);
 }
 
 bool bb_wide_collapses(const void *opaque, const bb_tree *tree)
@@ -343,8 +376,13 @@ bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_d
     wide_layout *self = opaque;
     data->buffer_count = 2;
     data->keeps_shape = false;
-    if (source->leaf > 0 && bb_wide_direct_takes(self->device, source->tree))
+    if (!self->compressed && source->leaf > 0 && bb_wide_direct_takes(self->device, source->tree))
         return make_direct(self, source, data);
+    if (self->compressed) {
+        BB_TRY(make_nodes(self, source, data));
+        return bb_leaf_prims_make(self->leaf_prims, source, &self->cwbvh.order, data->format, false,
+                                  &data->buffers[1], &data->bytes);
+    }
     BB_TRY(make_blocks(self, source, data));
     return make_nodes(self, source, data);
 }

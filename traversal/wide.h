@@ -5,11 +5,14 @@
 
 #include "traversal/traversal.h"
 
-/* Makes a layout of nodes with up to `width` children (4 or 8; quantised: 8), which the hooks below
- * get. `device`, `account` and `name`, as which memory is booked, outlive it. After a failure *self
- * is to be destroyed too. */
+/* How nodes keep boxes; compressed ones (bb_cwbvh) keep all else their own way too. */
+typedef enum bb_wide_form { BB_WIDE_FLOATS, BB_WIDE_QUANTISED, BB_WIDE_COMPRESSED } bb_wide_form;
+
+/* Makes a layout of nodes with up to `width` children (4 or 8; but as floats: 8), which the hooks
+ * below get. `device`, `account` and `name`, as which memory is booked, outlive it. After a failure
+ * *self is to be destroyed too. */
 bb_status bb_wide_create(bb_device *device, bb_account *account, const char *name, uint32_t width,
-                         bool quantised, void **self);
+                         bb_wide_form form, void **self);
 
 /* The hooks of bb_layout. make() fills two buffers, nodes and records, which the caller releases
  * with `data`; BB_UNSUPPORTED for what the layout does not take, BB_REFUSED where there is no

@@ -141,7 +141,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->device = context->device;
     self->account = context->account;
     self->law = law;
-    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
+    BB_TRY(bb_sorted_codes_create(context, false, &self->sorted));
     BB_TRY(bb_refitter_choose(context, &self->refitter));
     return compile(self);
 }

@@ -176,7 +176,8 @@ uint build_small(const aac_scratch *s, const aac_list *list, const aac_goal *goa
 }
 
 /* live[l]: clusters of the node that begins at l. */
-kernel void aac_subtree(global const bb_key *keys, uint count, global const aac_range *tasks,
+kernel __attribute__((reqd_work_group_size(AAC_LANES, 1, 1)))
+void aac_subtree(global const bb_key *keys, uint count, global const aac_range *tasks,
                         uint task_count, global const uint *values, global const bb_box *boxes,
                         global uint *refs, global aac_cluster *clusters, global uint *heights,
                         global bb_node *nodes, float unit, global const uint *sizes,
@@ -200,7 +201,8 @@ kernel void aac_subtree(global const bb_key *keys, uint count, global const aac_
     }
 }
 
-kernel void aac_join(global const aac_range *large, uint at, uint large_count,
+kernel __attribute__((reqd_work_group_size(AAC_LANES, 1, 1)))
+void aac_join(global const aac_range *large, uint at, uint large_count,
                      global aac_cluster *clusters,
                      global uint *heights, global bb_node *nodes, float unit,
                      global const uint *sizes, uint size_count, uint delta, global float *scratch,
@@ -223,7 +225,8 @@ kernel void aac_join(global const aac_range *large, uint at, uint large_count,
 }
 
 /* One work-group. */
-kernel void aac_finish(uint count, global aac_cluster *clusters, global uint *heights,
+kernel __attribute__((reqd_work_group_size(AAC_LANES, 1, 1)))
+void aac_finish(uint count, global aac_cluster *clusters, global uint *heights,
                        global bb_node *nodes, float unit, global const uint *sizes,
                        uint size_count, uint delta, global float *scratch, uint room,
                        global const uint *live, global bb_tree_info *info)

@@ -142,8 +142,8 @@ static bb_status compile_mini(bonsai *self)
                        "the device has %llu: choose a smaller `group`",
                        self->group, (unsigned long long)local_bytes(room),
                        (unsigned long long)self->device->local_bytes);
-    snprintf(defines, sizeof defines, "-DBN_GROUP=%u%s", room,
-             bb_cpu_form(self->device) ? " -DBN_ALONE" : "");
+    snprintf(defines, sizeof defines, "-DBN_GROUP=%u -DBN_LANES=%u", room,
+             bb_cpu_form(self->device) ? 1 : GROUP_SIZE);
     BB_TRY(bb_program_build(self->device, &bb_source_bonsai_mini, defines, &self->mini_program));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_mini", &self->mini));
     BB_TRY(bb_kernel_get(self->mini_program, "bn_areas", &self->areas_kernel));
@@ -166,7 +166,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->account = context->account;
     self->group = (uint32_t)group;
     self->prune = prune;
-    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
+    BB_TRY(bb_sorted_codes_create(context, false, &self->sorted));
     BB_TRY(compile_mini(self));
     BB_TRY(bn_top_create(self->device, self->account, bb_spec_is(spec, options, "weight", "prims"),
                          &self->top));

@@ -15,7 +15,8 @@
  * the group that begins at reference s is node 2s, until the top tree is there. Skips of what ends
  * where the group ends are the top tree's affair.
  *
- * -DBN_GROUP: most primitives of a group, a power of two, 2 to 4096; -DBN_ALONE: CPUs.
+ * -DBN_GROUP: most primitives of a group, a power of two, 2 to 4096; -DBN_LANES:
+ * work-items that share it, 1 on CPUs.
  */
 #define BN_SPACE local
 #define BN_ID ushort
@@ -44,7 +45,8 @@ void bn_put_leaf(const bn_grower *g, uint id, uint position, uint place, uint sk
     g->levels[ref] = (uchar)level;
 }
 
-kernel void bn_mini(global const uint *starts, uint groups, global const uint *values,
+kernel __attribute__((reqd_work_group_size(BN_LANES, 1, 1)))
+void bn_mini(global const uint *starts, uint groups, global const uint *values,
                     global const bb_box *boxes, float unit, global bb_node *nodes,
                     global uint *refs, global uchar *levels)
 {

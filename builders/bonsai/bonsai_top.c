@@ -3,6 +3,7 @@
 
 #include "framework/base/arithmetic.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 BB_DEVICE_SOURCE(bonsai_top);
@@ -19,6 +20,7 @@ struct bn_top {
     bb_device *device;
     bb_account *account;
     bool by_prims;
+    uint32_t group; /* work-items that share a node of the top tree */
     cl_program program;
     cl_kernel items_kernel, top_kernel, rest_kernel;
     bb_buffer boxes, keys, sort_keys, orders, right, spans, splits, weights, tasks, waiting;
@@ -26,9 +28,9 @@ struct bn_top {
 
 static bb_status get_kernels(bn_top *top)
 {
-    bool alone = bb_cpu_form(top->device);
-    BB_TRY(bb_program_build(top->device, &bb_source_bonsai_top, alone ? "-DBN_ALONE" : "",
-                            &top->program));
+    char defines[32];
+    snprintf(defines, sizeof defines, "-DBN_LANES=%u", top->group);
+    BB_TRY(bb_program_build(top->device, &bb_source_bonsai_top, defines, &top->program));
     BB_TRY(bb_kernel_get(top->program, "bn_items", &top->items_kernel));
     BB_TRY(bb_kernel_get(top->program, "bn_top", &top->top_kernel));
     return bb_kernel_get(top->program, "bn_rest", &top->rest_kernel);
@@ -42,6 +44,9 @@ bb_status bn_top_create(bb_device *device, bb_account *account, bool by_prims, b
     top->device = device;
     top->account = account;
     top->by_prims = by_prims;
+    top->group = bb_cpu_form(device)                       ? 1
+                 : device->max_group_size < TOP_GROUP_SIZE ? GROUP_SIZE
+                                                           : TOP_GROUP_SIZE;
     bb_status status = get_kernels(top);
     if (status != BB_OK) {
         bn_top_destroy(top);
@@ -113,9 +118,7 @@ bb_status bn_top_make(bn_top *top, bb_primitives *primitives, const bn_leaves *l
 {
     bb_device *device = top->device;
     const uint32_t most = rest_of(leaves->count);
-    const size_t group = bb_cpu_form(device)                       ? 1
-                         : device->max_group_size < TOP_GROUP_SIZE ? GROUP_SIZE
-                                                                   : TOP_GROUP_SIZE;
+    const size_t group = top->group;
     BB_TRY(gather(top, leaves, tree));
     BB_TRY(bb_sort_u64(primitives, &top->sort_keys, &top->orders, 3 * leaves->count, AXIS_BITS));
 #define TOP_BUFFERS                                                                                \

@@ -10,7 +10,7 @@
  * children are nodes 2s - 1 and 2s, where s is that item's first reference. A leaf of the top tree
  * is the root of a subtree, whose last nodes learn where they lead on to.
  *
- * -DBN_ALONE: CPUs.
+ * -DBN_LANES: work-items of a group; 1 on CPUs.
  */
 #define BN_SPACE global
 #define BN_ID uint
@@ -109,7 +109,7 @@ bool bn_put_off(const bn_grower *g, bn_span span, uint level)
     }
 
 /* One work-group. */
-kernel void bn_top(BN_TOP_BUFFERS, uint most)
+kernel __attribute__((reqd_work_group_size(BN_LANES, 1, 1))) void bn_top(BN_TOP_BUFFERS, uint most)
 {
     local uint counts[2];
     bn_grower g = BN_TOP_GROWER(0, most);
@@ -123,7 +123,7 @@ kernel void bn_top(BN_TOP_BUFFERS, uint most)
 }
 
 /* As many work-groups as there may be; they share the tasks. */
-kernel void bn_rest(BN_TOP_BUFFERS)
+kernel __attribute__((reqd_work_group_size(BN_LANES, 1, 1))) void bn_rest(BN_TOP_BUFFERS)
 {
     local uint counts[2];
     for (uint t = get_group_id(0); t < *waiting; t += get_num_groups(0)) {

@@ -314,6 +314,11 @@ static void plan_sizes(const bb_code_choice *choice, bb_code_pattern *layout, do
     }
 }
 
+bool bb_code_is_fixed(const bb_code_choice *choice)
+{
+    return choice->next == interleaved && choice->order != BB_AXES_EXTENT && choice->size_bits == 0;
+}
+
 void bb_code_lay_out(const bb_code_choice *choice, const bb_box bounds[2],
                      const double direction[3], bb_code_pattern *layout)
 {

@@ -2,6 +2,7 @@
  * -D.
  *
  *   for each BB_CODE_LANES primitives i, in parallel: key[i] = code(box[i]), value[i] = i
+ *   before, where the host does not ask for the scene's bounds: what depends on them (code_place)
  *
  * Limits: 2^31 - 1 primitives.
  */
@@ -15,6 +16,28 @@ float8 eight(global const float *words, uint word)
     words += word;
     return (float8)(words[0], words[8], words[16], words[24], words[32], words[40], words[48],
                     words[56]);
+}
+#endif
+
+#ifdef cl_khr_fp64
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+/* One work-item: what of the plan depends on the bounds, as bb_code_lay_out() of codes.c has it.
+ * Not for codes with sizes. */
+kernel void code_place(global const bb_box *bounds, uint centroids, uint cube,
+                       global bb_code_plan *plan)
+{
+    global const bb_box *box = bounds + centroids;
+    double whole[3], all = 0;
+    for (uint k = 0; k < 3; k++) {
+        whole[k] = (double)box->hi[k] - (double)box->lo[k];
+        all = BB_MAX(whole[k], all);
+    }
+    for (uint k = 0; k < 3; k++) {
+        double extent = cube != 0u ? all : whole[k], last = (double)plan->last[k];
+        double scale = (last + 1.0) / extent;
+        plan->low[k] = box->lo[k];
+        plan->scale[k] = extent > 0 && last > 0 && scale <= FLT_MAX ? (float)scale : 0.0f;
+    }
 }
 #endif
 

@@ -105,6 +105,9 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
 bb_status bb_code_resolve(bb_code_choice *choice, const bb_scene *scene, uint32_t multiple,
                           const char *builder);
 
+/* Whether it has the same bits in every scene. */
+bool bb_code_is_fixed(const bb_code_choice *choice);
+
 /* Lays the code out for a scene whose primitives' boxes, and their centroids, are inside these two
  * boxes (bb_reduce_boxes). `direction` is the view's; zero for none. Does not fail: an axis without
  * extent gets no bits in a code with variable counts, and a single cell in others. */
@@ -119,8 +122,10 @@ void bb_code_letters(const bb_code_pattern *layout, char *text, size_t capacity)
 
 typedef struct bb_codes bb_codes;
 
-/* Compiles, unless an option is `auto`. All memory is booked on the account. */
-bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out);
+/* Compiles, unless an option is `auto`. All memory is booked on the account. `leave_bounds`: the
+ * builder asks neither for the bounds nor for what of the pattern depends on them: sides, and low
+ * and scale of the plan; they may stay on the device. */
+bb_status bb_codes_create(const bb_builder_context *context, bool leave_bounds, bb_codes **out);
 void bb_codes_destroy(bb_codes *codes); /* NULL is allowed */
 
 /* Settles what is `auto` for this scene, see bb_code_resolve(), and compiles what that changes;
@@ -136,7 +141,9 @@ uint32_t bb_codes_key_bytes(const bb_codes *codes); /* 4 up to 32 bits, else 8 *
 bool bb_codes_key_changed(const bb_codes *codes, uint32_t compiled);
 
 /* Phases "bounds" and "codes": keys[i] = code of the scene's i-th box, values[i] = i. Waits once,
- * for the scene's bounds. Buffers have room for scene->prim_count keys and u32. */
+ * for the scene's bounds, unless they are left on the device, the code has the same bits in every
+ * scene and the device computes with doubles. Buffers have room for scene->prim_count keys and u32.
+ */
 bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
                         bb_buffer *keys, bb_buffer *values, bb_phases *phases);
 
@@ -149,7 +156,8 @@ void bb_codes_describe(const bb_codes *codes, char *text, size_t capacity);
 
 /* Of the last bb_codes_make(). */
 const bb_code_pattern *bb_codes_pattern(const bb_codes *codes);
-const bb_box *bb_codes_bounds(const bb_codes *codes); /* two: of boxes, of their centroids */
+/* Two: of boxes, of their centroids. Not of codes that leave them. */
+const bb_box *bb_codes_bounds(const bb_codes *codes);
 
 #ifdef __cplusplus
 }

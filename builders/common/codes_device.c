@@ -4,6 +4,7 @@
 #include "framework/base/arithmetic.h"
 #include "framework/scene/needs.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,10 +18,12 @@ struct bb_codes {
     bb_code_choice asked; /* as given, what is `auto` open */
     bb_code_choice choice;
     bb_code_pattern layout;
-    bb_box found[2]; /* the last scene's bounds */
-    uint32_t lanes;  /* boxes per work-item */
+    bb_box found[2];   /* the last scene's bounds */
+    uint32_t lanes;    /* boxes per work-item */
+    bool leave_bounds; /* where it can be, see bb_codes_leave_bounds() */
     cl_program program;
     cl_kernel keys;
+    cl_kernel place;  /* NULL if the host asks for the bounds */
     bb_buffer bounds; /* two bb_box */
     bb_buffer plan;
     bb_buffer tables; /* [chunk][lane][value]: the places of a chunk's bits */
@@ -33,9 +36,18 @@ static void release(bb_codes *codes)
     bb_buffer_release(&codes->plan);
     bb_buffer_release(&codes->tables);
     bb_kernel_release(codes->keys);
+    bb_kernel_release(codes->place);
     bb_program_release(codes->program);
-    codes->keys = NULL;
+    codes->keys = codes->place = NULL;
     codes->program = NULL;
+}
+
+static bool has_doubles(const bb_device *device)
+{
+    cl_device_fp_config config = 0;
+    return clGetDeviceInfo(device->id, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof config, &config, NULL) ==
+               CL_SUCCESS &&
+           config != 0;
 }
 
 static bb_status compile(bb_codes *codes)
@@ -50,8 +62,16 @@ static bb_status compile(bb_codes *codes)
              "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_MEASURE=%d -DBB_TABLES=%d",
              bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", codes->lanes, sizes,
              choice->measure, choice->tables);
+    if (codes->leave_bounds && bb_code_is_fixed(choice) && has_doubles(codes->device)) {
+        strcat(defines, " -DBB_CODE_PLACE");
+        BB_TRY(
+            bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
+        BB_TRY(bb_kernel_get(codes->program, "code_place", &codes->place));
+    }
     BB_TRY(bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
     BB_TRY(bb_kernel_get(codes->program, "code_keys", &codes->keys));
+    if (codes->leave_bounds && bb_code_is_fixed(choice) && has_doubles(codes->device))
+        BB_TRY(bb_kernel_get(codes->program, "code_place", &codes->place));
     BB_TRY(bb_buffer_reserve(codes->device, codes->account, 2 * sizeof(bb_box), "codes: bounds",
                              &codes->bounds));
     BB_TRY(bb_buffer_reserve(codes->device, codes->account, sizeof(bb_code_plan), "codes: plan",
@@ -61,7 +81,7 @@ static bb_status compile(bb_codes *codes)
                              "codes: tables", &codes->tables);
 }
 
-bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
+bb_status bb_codes_create(const bb_builder_context *context, bool leave_bounds, bb_codes **out)
 {
     bb_codes *codes = calloc(1, sizeof *codes);
     if (codes == NULL)
@@ -70,6 +90,7 @@ bb_status bb_codes_create(const bb_builder_context *context, bb_codes **out)
     codes->device = context->device;
     codes->account = context->account;
     codes->builder = context->spec->name;
+    codes->leave_bounds = leave_bounds;
     BB_TRY(bb_code_choose(context->spec, context->options, &codes->asked));
     codes->choice = codes->asked;
     codes->lanes = bb_cpu_form(codes->device) ? 8 : 1;
@@ -125,6 +146,7 @@ const bb_code_pattern *bb_codes_pattern(const bb_codes *codes)
 
 const bb_box *bb_codes_bounds(const bb_codes *codes)
 {
+    assert(!codes->leave_bounds);
     return codes->found;
 }
 
@@ -152,6 +174,28 @@ static bb_status write_tables(bb_codes *codes)
     return bb_buffer_write(&codes->tables, 0, sizeof tables, tables);
 }
 
+static bb_status write_plan(bb_codes *codes, const double direction[3])
+{
+    bb_code_lay_out(&codes->choice, codes->found, direction, &codes->layout);
+    return bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan);
+}
+
+/* Before the bounds are known here. */
+static bb_status send_plan(bb_codes *codes, const double direction[3])
+{
+    const bb_box unknown[2] = {{{0}, 0, {0}, 0}, {{0}, 0, {0}, 0}};
+    const cl_uint centroids = codes->choice.by_centroids, cube = codes->choice.cube;
+    bb_code_pattern layout;
+    bb_code_lay_out(&codes->choice, unknown, direction, &layout);
+    if (memcmp(&layout.plan, &codes->layout.plan, sizeof layout.plan) != 0) {
+        BB_TRY(bb_finish(codes->device)); /* it may still be sent for an earlier scene */
+        codes->layout = layout;
+    }
+    BB_TRY(bb_buffer_send(&codes->plan, sizeof(bb_code_plan), &codes->layout.plan));
+    return bb_launch(codes->device, codes->place, 1, 1, BB_MEM(codes->bounds), BB_VALUE(centroids),
+                     BB_VALUE(cube), BB_MEM(codes->plan));
+}
+
 bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_scene *scene,
                         bb_buffer *keys, bb_buffer *values, bb_phases *phases)
 {
@@ -165,10 +209,10 @@ bb_status bb_codes_make(bb_codes *codes, bb_primitives *primitives, const bb_sce
     BB_TRY(bb_view_order(scene, codes->choice.view, what, direction));
     BB_TRY(bb_phase(phases, "bounds"));
     BB_TRY(bb_reduce_boxes(primitives, boxes, count, &codes->bounds));
-    BB_TRY(bb_buffer_read(&codes->bounds, 0, sizeof codes->found, codes->found));
+    if (codes->place == NULL)
+        BB_TRY(bb_buffer_read(&codes->bounds, 0, sizeof codes->found, codes->found));
     BB_TRY(bb_phase(phases, "codes"));
-    bb_code_lay_out(&codes->choice, codes->found, direction, &codes->layout);
-    BB_TRY(bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan));
+    BB_TRY(codes->place == NULL ? write_plan(codes, direction) : send_plan(codes, direction));
     if (codes->choice.tables)
         BB_TRY(write_tables(codes));
     uint32_t items = bb_divide_up(count, codes->lanes);

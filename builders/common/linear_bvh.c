@@ -3,7 +3,9 @@
 #include "builders/common/radix_tree.h"
 #include "builders/common/sorted_codes.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct linear_bvh {
     bb_sorted_codes sorted;
@@ -46,7 +48,7 @@ bb_status bb_linear_create(const bb_builder_context *context, void **out)
         return bb_fail(BB_FAILED, "out of memory");
     *out = self;
     bool karras = bb_spec_is(context->spec, context->options, "link", "karras");
-    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
+    BB_TRY(bb_sorted_codes_create(context, true, &self->sorted));
     BB_TRY(bb_refitter_choose(context, &self->refitter));
     self->linking = karras ? BB_LINK_KARRAS : BB_LINK_APETREI;
     return make_radix(self);
@@ -84,7 +86,15 @@ bb_status bb_linear_describe(void *opaque, const bb_scene *scene, char *text, si
 {
     (void)scene;
     const linear_bvh *self = opaque;
+    uint32_t met, most;
     bb_codes_describe(self->sorted.codes, text, capacity);
+    BB_TRY(bb_radix_tree_longest(self->radix, &met, &most));
+    const size_t used = strlen(text);
+    if (most > 0)
+        snprintf(
+            text + used, capacity - used,
+            "; linked without a fence: at most %u steps of a work-item, of %u that there may be",
+            met, most);
     return BB_OK;
 }
 

@@ -7,8 +7,8 @@
  *
  * CPUs (pair_tree_top, pair_tree_walk): one work-item opens nodes until there are enough subtrees
  * for all cores, then each is walked by one, the larger child first: so the other children that
- * wait are at most one for each halving. GPUs (pair_tree_start, pair_tree_level): a launch per
- * level.
+ * wait are at most one for each halving. GPUs (pair_tree_start, pair_tree_level): by lists
+ * (handover.clh).
  *
  * Limits: count <= 2^30, as in radix_tree.cl.
  */
@@ -158,22 +158,27 @@ kernel void pair_tree_start(global const bb_pair_side *root, uint count, global 
     bb_put_on_list(task.link, 0, counts, list);
 }
 
+void open_listed(uint pair, global const bb_cluster_pair *pairs, uint count, global bb_node *nodes,
+                 global uint *refs, volatile global bb_tree_info *info, global uint4 *spans,
+                 uint number, volatile global uint *counts, global uint *next)
+{
+    uint4 span = spans[pair];
+    bb_pair_task task = {pair, span.x, span.y, span.z, span.w}, open[2];
+    uint inner = open_pair(task, pairs, count, nodes, refs, open);
+    if (inner < 2u)
+        atomic_max(&info->depth, task.depth + 1u);
+    for (uint k = 0; k < inner; k++) {
+        bb_pair_task t = open[k];
+        spans[t.link] = (uint4)(t.place, t.base, t.end, t.depth);
+        bb_put_on_list(t.link, number, counts, next);
+    }
+}
+
 kernel void pair_tree_level(global const bb_cluster_pair *pairs, uint count, global bb_node *nodes,
                             global uint *refs, volatile global bb_tree_info *info,
                             global uint4 *spans, uint number, volatile global uint *counts,
-                            global const uint *list, global uint *next)
+                            global uint *list, global uint *next)
 {
-    uint listed = counts[number];
-    for (uint i = get_global_id(0); i < listed; i += get_global_size(0)) {
-        uint4 span = spans[list[i]];
-        bb_pair_task task = {list[i], span.x, span.y, span.z, span.w}, open[2];
-        uint inner = open_pair(task, pairs, count, nodes, refs, open);
-        if (inner < 2u)
-            atomic_max(&info->depth, task.depth + 1u);
-        for (uint k = 0; k < inner; k++) {
-            bb_pair_task t = open[k];
-            spans[t.link] = (uint4)(t.place, t.base, t.end, t.depth);
-            bb_put_on_list(t.link, number, counts, next);
-        }
-    }
+#define OPEN(pair) open_listed(pair, pairs, count, nodes, refs, info, spans, number, counts, next)
+    BB_FOR_LISTS(OPEN, 1u)
 }

@@ -10,7 +10,7 @@ bb_status bb_ploc_create(const bb_builder_context *context, bb_ploc *ploc)
     ploc->account = context->account;
     BB_TRY(bb_spec_u64(context->spec, context->options, "radius", 1, BB_PLOC_RADIUS_MAX, &radius));
     ploc->radius = (uint32_t)radius;
-    BB_TRY(bb_sorted_codes_create(context, &ploc->sorted));
+    BB_TRY(bb_sorted_codes_create(context, true, &ploc->sorted));
     return bb_pair_tree_create(ploc->device, ploc->account, &ploc->pairs);
 }
 

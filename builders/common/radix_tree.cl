@@ -13,11 +13,16 @@
  *         first to come: stop
  *         second to come: node = parent = [l, r], with the union of both boxes
  *
- * The same, for CPUs (link_chunks; one work-item per chunk of leaves, in order):
- *   left child: waits on a private stack
- *   right child whose sibling is on the stack: joins it, without an atomic
- *   node whose sibling is in another chunk: goes the atomic way
- * Most of the tree is made in the cache of the core that has the chunk.
+ * Without an atomic, for CPUs and wherever work-groups have no fence (link_chunks; one work-item
+ * per chunk of leaves, in order; then link_pieces, one per run of so many chunks, of so many runs,
+ * ...):
+ *   left child: waits on the run's list
+ *   right child whose sibling is on the list: joins it
+ *   right child whose sibling is in another run: waits as well
+ *   a longer run takes what waits on the lists of the runs in it, in order, in place of leaves
+ * Of what waits on a list, right children come first, of growing levels, then left children, of
+ * falling ones: never more than two for each level there is, and one for each leaf. Lists of
+ * neighbours are one behind the other in ends[], where a longer run's list takes their place.
  *
  * Karras 2012 (link_ranges, link_boxes):
  *   for each inner node i:
@@ -36,17 +41,8 @@
  * is an ancestor of j), else 2 d + 1. Hence the minimum over adjacent pairs of a range is met once,
  * and none of the cases for ties of the paper's algorithm 1 (lines 2, 3 and 13) is needed.
  *
- * -DBB_ALL_HEIGHTS: heights of all nodes but the root are wanted, not only of those that meet.
- *
  * -DBB_LEAF_RUNS: leaf i holds the references of values[starts[i]] to values[starts[i + 1] - 1],
  * and leaves are counted on the device, in totals[0].
- *
- * Where a device has no fence for that (handover.clh), in launches by levels (link_ranges,
- * link_leaves, link_level):
- *   for each inner node: link it
- *   for each leaf: write it; the second child to come puts the parent on the list
- *   for each level, upwards: for each node on its list:
- *       join the boxes of both children; the second child to come puts the parent on the next list
  *
  * No work-item waits for another. Limits: count <= 2^30, so that 2s + 2 stays below the leaf bit;
  * -DBB_KEY64 for ulong keys.
@@ -57,9 +53,6 @@
 #include "leaf_boxes.clh"
 #include "radix_keys.clh"
 #include "tree_info.clh"
-
-/* Left children that can wait at once: their levels grow strictly towards the bottom. */
-#define BB_STACK_MAX (BB_PREFIX_BITS + 32u)
 
 typedef struct bb_work {
     float4 lo, hi; /* xyz */
@@ -122,9 +115,9 @@ void start_leaf(bb_work *w, uint i, global const uint *starts, global const uint
     uint first = i, last = i;
 #endif
     uint prim = values[first];
-    global const float *words = (global const float *)(boxes + prim);
-    w->lo = vload4(0, words);
-    w->hi = vload4(1, words);
+    global const float4 *box = (global const float4 *)(boxes + prim);
+    w->lo = box[0];
+    w->hi = box[1];
     w->l = i;
     w->r = i;
     w->first = BB_LEAF_BIT | first;
@@ -132,8 +125,8 @@ void start_leaf(bb_work *w, uint i, global const uint *starts, global const uint
     for (uint at = first; at < last; at++) {
         refs[at] = prim;
         prim = values[at + 1u];
-        words = (global const float *)(boxes + prim);
-        join_box(w, vload4(0, words), vload4(1, words));
+        box = (global const float4 *)(boxes + prim);
+        join_box(w, box[0], box[1]);
     }
     refs[last] = prim | BB_LAST_BIT;
 }
@@ -218,70 +211,165 @@ kernel void link_climb(global const bb_key *keys, global const uint *starts,
     climb(&w, keys, count, ends, heights, nodes, info, ref_count);
 }
 
+#endif
+
+/* ---- without atomics ---- */
+
+#ifndef BB_KEEP_WAITING
+#define BB_KEEP_WAITING 0 /* CPUs: 1, what waits is kept in the cache */
+#endif
+
+/* The most that wait at once: levels of right children grow, those of left children fall. */
+#define BB_WAITING_MAX (2u * (BB_PREFIX_BITS + 32u))
+
+/* The list of a run of leaves. */
+typedef struct bb_waiting {
+    global uint *ends; /* the last leaf of each; the next one begins behind it */
+    uint begin;        /* of the run */
+    uint count, right; /* how many there are; the first of them, right children */
+#if BB_KEEP_WAITING
+    bb_work kept[BB_WAITING_MAX];
+    uchar levels[BB_WAITING_MAX]; /* of the split to the left of each */
+#endif
+} bb_waiting;
+
+/* Joins w and its sibling, the last that waits, a left child that ends where w begins. Returns the
+ * level of the split to the left of both. */
+uint join_waiting(bb_work *w, bb_waiting *waiting, global const bb_key *keys, uint count,
+                  global const uchar *heights, global const bb_node *nodes)
+{
+    uint sibling = 2u * w->l - 1u, at = --waiting->count;
+    w->first = sibling;
+#if BB_KEEP_WAITING
+    const bb_work *left = &waiting->kept[at];
+    join_box(w, left->lo, left->hi);
+    w->height = BB_MAX(left->height, w->height) + 1u;
+    w->l = left->l;
+    return waiting->levels[at];
+#else
+    global const float4 *box = (global const float4 *)(nodes + sibling);
+    uint height = heights[sibling];
+    join_box(w, box[0], box[1]);
+    w->height = BB_MAX(height, w->height) + 1u;
+    w->l = at > 0 ? waiting->ends[at - 1u] + 1u : waiting->begin;
+    return level_of(keys, count, w->l - 1u);
+#endif
+}
+
+/* w joins its siblings while they are on the list, and waits there. left, right: levels of the
+ * splits beside w. */
+void settle(bb_work *w, uint left, uint right, bb_waiting *waiting, global const bb_key *keys,
+            uint count, global uchar *heights, global bb_node *nodes, global bb_tree_info *info,
+            uint ref_count)
+{
+    for (;;) {
+        if (left == right) { /* both outside */
+            write_root(nodes, info, w, count, ref_count);
+            return;
+        }
+        bool is_left = right < left;
+        uint place = place_of(w, is_left);
+        write_node(nodes, place, w, count);
+        heights[place] = (uchar)w->height;
+        if (is_left || waiting->count == waiting->right) {
+#if BB_KEEP_WAITING
+            waiting->kept[waiting->count] = *w;
+            waiting->levels[waiting->count] = (uchar)left;
+#else
+            waiting->ends[waiting->count] = w->r;
+#endif
+            waiting->count++;
+            waiting->right += is_left ? 0u : 1u;
+            return;
+        }
+        left = join_waiting(w, waiting, keys, count, heights, nodes);
+    }
+}
+
+/* Returns how many wait. */
+uint finish_list(bb_waiting *waiting)
+{
+#if BB_KEEP_WAITING
+    for (uint i = 0; i < waiting->count; i++)
+        waiting->ends[i] = waiting->kept[i].r;
+#endif
+    return waiting->count;
+}
+
 kernel void link_chunks(global const bb_key *keys, global const uint *starts,
                         global const uint *totals, global const uint *values,
-                        global const bb_box *boxes, uint ref_count, volatile global uint *ends,
-                        volatile global uchar *heights, global bb_node *nodes, global uint *refs,
-                        global bb_tree_info *info, uint chunk)
+                        global const bb_box *boxes, uint ref_count, global uint *ends,
+                        global uchar *heights, global bb_node *nodes, global uint *refs,
+                        global bb_tree_info *info, uint chunk, global uint *lengths)
 {
     uint count = count_leaves(totals, ref_count);
     uint begin = get_global_id(0) * chunk;
     if (begin >= count)
         return;
     uint end = count - begin < chunk ? count : begin + chunk;
-
-    bb_work stack[BB_STACK_MAX];
-    uchar levels[BB_STACK_MAX]; /* of the split to the left of each entry */
-    uint top = 0;
-    uint level_left = level_of(keys, count, begin - 1u);
+    bb_waiting waiting;
+    waiting.ends = ends + begin;
+    waiting.begin = begin;
+    waiting.count = waiting.right = 0;
+    uint left = level_of(keys, count, begin - 1u);
 #ifdef BB_LEAF_RUNS
     uint ref_end = starts[end];
 #else
     uint ref_end = end;
 #endif
     for (uint i = begin; i < end; i++) {
-        uint level_right = level_of(keys, count, i);
-        uint level = level_left;
         bb_work w;
+        uint right = level_of(keys, count, i);
         start_leaf_ahead(&w, i, starts, values, boxes, refs, ref_end);
-        for (;;) {
-            if (level == level_right) {
-                write_root(nodes, info, &w, count, ref_count);
-                break;
-            }
-            bool is_left = level_right < level;
-            write_node(nodes, place_of(&w, is_left), &w, count);
-#ifdef BB_ALL_HEIGHTS
-            heights[place_of(&w, is_left)] = (uchar)w.height;
-#endif
-            if (is_left) {
-                levels[top] = (uchar)level;
-                stack[top++] = w;
-                break;
-            }
-            if (top > 0) {
-                top--;
-                w.first = 2u * w.l - 1u; /* split l - 1, its left child */
-                join_box(&w, stack[top].lo, stack[top].hi);
-                w.l = stack[top].l;
-                w.height = BB_MAX(stack[top].height, w.height) + 1u;
-                level = levels[top];
-            } else {
-                if (!meet(&w, false, w.l - 1u, ends, heights, nodes))
-                    break;
-                level = level_of(keys, count, w.l - 1u);
-            }
-        }
-        level_left = level_right;
+        settle(&w, left, right, &waiting, keys, count, heights, nodes, info, ref_count);
+        left = right;
     }
-    /* what still waits has its sibling beyond the chunk */
-    while (top > 0) {
-        bb_work w = stack[--top];
-        if (meet(&w, true, w.r, ends, heights, nodes))
-            climb(&w, keys, count, ends, heights, nodes, info, ref_count);
-    }
+    lengths[get_global_id(0)] = finish_list(&waiting);
 }
-#endif
+
+/* The subtree [l, r], which is made already, at `place`. */
+void load_piece(bb_work *w, uint l, uint r, uint place, global const uchar *heights,
+                global const bb_node *nodes)
+{
+    global const uint4 *words = (global const uint4 *)(nodes + place);
+    uint4 lo = words[0];
+    w->lo = as_float4(lo);
+    w->hi = as_float4(words[1]);
+    w->l = l;
+    w->r = r;
+    w->first = lo.w;
+    w->height = heights[place];
+}
+
+/* Of runs of `span` leaves, `some` at a time. lengths[from ..]: of their lists; lengths[to ..]: of
+ * those that are made of them. */
+kernel void link_pieces(global const bb_key *keys, global const uint *totals, uint ref_count,
+                        global uint *ends, global uchar *heights, global bb_node *nodes,
+                        global bb_tree_info *info, uint span, uint some, uint from, uint to,
+                        global uint *lengths)
+{
+    uint count = count_leaves(totals, ref_count), runs = (count + span - 1u) / span;
+    uint run = get_global_id(0) * some;
+    if (run >= runs)
+        return;
+    uint begin = run * span, l = begin, left = level_of(keys, count, l - 1u);
+    bb_waiting waiting;
+    waiting.ends = ends + begin;
+    waiting.begin = begin;
+    waiting.count = waiting.right = 0;
+    for (uint k = 0; k < BB_MIN(some, runs - run); k++) {
+        uint length = lengths[from + run + k];
+        for (uint i = 0; i < length; i++) {
+            bb_work w;
+            uint r = ends[begin + k * span + i], right = level_of(keys, count, r);
+            load_piece(&w, l, r, right < left ? 2u * r + 1u : 2u * l, heights, nodes);
+            settle(&w, left, right, &waiting, keys, count, heights, nodes, info, ref_count);
+            left = right;
+            l = r + 1u;
+        }
+    }
+    lengths[to + get_global_id(0)] = finish_list(&waiting);
+}
 
 /* ---- Karras 2012 ---- */
 
@@ -364,62 +452,3 @@ kernel void link_boxes(global const bb_key *keys, global const uint *starts,
     write_root((global bb_node *)nodes, info, &w, count, ref_count);
 }
 #endif
-
-/* ---- by levels ---- */
-
-/* Node `place` is written; the second child to come puts their parent on the list. */
-void arrive(uint place, global const uint *place_of_split, volatile global uint *ends, uint number,
-            volatile global uint *counts, global uint *next)
-{
-    uint s = (place - 1u) / 2u;
-    if (atomic_xchg(&ends[s], 0u) != BB_NONE)
-        bb_put_on_list(place_of_split[s], number, counts, next);
-}
-
-kernel void link_leaves(global const bb_key *keys, global const uint *starts,
-                        global const uint *totals, global const uint *values,
-                        global const bb_box *boxes, uint ref_count, volatile global uint *ends,
-                        global uchar *heights, global bb_node *nodes, global uint *refs,
-                        global bb_tree_info *info, global const uint *place_of_split,
-                        volatile global uint *counts, global uint *next)
-{
-    uint count = count_leaves(totals, ref_count);
-    uint i = get_global_id(0);
-    if (i >= count)
-        return;
-    bb_work w;
-    start_leaf(&w, i, starts, values, boxes, refs);
-    uint left = level_of(keys, count, i - 1u), right = level_of(keys, count, i);
-    if (left == right) {
-        write_root(nodes, info, &w, count, ref_count);
-        return;
-    }
-    uint place = place_of(&w, right < left);
-    write_node(nodes, place, &w, count);
-    heights[place] = 0;
-    arrive(place, place_of_split, ends, 0u, counts, next);
-}
-
-kernel void link_level(global const uint *totals, uint ref_count, volatile global uint *ends,
-                       global uchar *heights, global bb_node *nodes, global bb_tree_info *info,
-                       global const uint *place_of_split, global const uint *level, uint number,
-                       volatile global uint *counts, global uint *next)
-{
-    uint count = counts[number];
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-        uint place = level[i], left = nodes[place].first;
-        global const float *words = (global const float *)(nodes + left);
-        bb_work w;
-        w.lo = vload4(0, words);
-        w.hi = vload4(1, words);
-        join_box(&w, vload4(2, words), vload4(3, words));
-        w.height = 1u + BB_MAX(heights[left], heights[left + 1u]);
-        heights[place] = (uchar)w.height;
-        write_box(nodes + place, &w);
-        if (place != 0u) {
-            arrive(place, place_of_split, ends, number, counts, next);
-            continue;
-        }
-        bb_write_binary_info(info, count_leaves(totals, ref_count), ref_count, w.height);
-    }
-}

@@ -30,9 +30,8 @@ typedef enum bb_linking {
 typedef struct bb_radix_kind {
     uint32_t key_bytes; /* 4 or 8: keys are u32 or u64 */
     bb_linking linking;
-    bool nodes;   /* keys are nodes of a binary tree */
-    bool runs;    /* leaves are runs of references, see bb_radix_runs */
-    bool heights; /* bb_radix_tree_heights() is asked for */
+    bool nodes; /* keys are nodes of a binary tree */
+    bool runs;  /* leaves are runs of references, see bb_radix_runs */
 } bb_radix_kind;
 
 /* Runs of equal keys as leaves: key i stands for the references starts[i] .. starts[i + 1] - 1. */
@@ -56,8 +55,13 @@ bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const 
                              const bb_buffer *values, const bb_buffer *boxes, uint32_t count,
                              bb_tree *tree);
 
+/* The longest loop of a work-item in the last link, where work-groups have no fence: leaves, or
+ * subtrees, that it took one after the other, and the most that it may take for keys of this size.
+ * 0 if there was a fence, or leaves are runs. Waits. */
+bb_status bb_radix_tree_longest(const bb_radix_tree *radix, uint32_t *met, uint32_t *most);
+
 /* u8 per node: edges to the deepest leaf below it, of the last tree that was linked; the root's is
- * not written, it is the tree's depth. Needs kind.heights. */
+ * not written, it is the tree's depth. */
 const bb_buffer *bb_radix_tree_heights(const bb_radix_tree *radix);
 
 #ifdef __cplusplus

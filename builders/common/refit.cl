@@ -91,15 +91,20 @@ kernel void refit_leaves(volatile global bb_node *nodes, global const uint *refs
         bb_put_on_list(p, 0u, counts, next);
 }
 
+void fit_listed(uint n, volatile global bb_node *nodes, global const uint *parents,
+                volatile global uint *missing, uint number, volatile global uint *counts,
+                global uint *next)
+{
+    uint p = parents[n];
+    missing[n] = fit_inner(nodes, n);
+    if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
+        bb_put_on_list(p, number, counts, next);
+}
+
 kernel void refit_level(volatile global bb_node *nodes, global const uint *parents,
-                        volatile global uint *missing, global const uint *level, uint number,
+                        volatile global uint *missing, global uint *list, uint number,
                         volatile global uint *counts, global uint *next)
 {
-    uint count = counts[number];
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-        uint n = level[i], p = parents[n];
-        missing[n] = fit_inner(nodes, n);
-        if (p != BB_NONE && atomic_dec(&missing[p]) == 1u)
-            bb_put_on_list(p, number, counts, next);
-    }
+#define FIT(n) fit_listed(n, nodes, parents, missing, number, counts, next)
+    BB_FOR_LISTS(FIT, 1u)
 }

@@ -2,12 +2,13 @@
 
 #include <stdio.h>
 
-bb_status bb_sorted_codes_create(const bb_builder_context *context, bb_sorted_codes *sorted)
+bb_status bb_sorted_codes_create(const bb_builder_context *context, bool leave_bounds,
+                                 bb_sorted_codes *sorted)
 {
     sorted->device = context->device;
     sorted->account = context->account;
     sorted->builder = context->spec->name;
-    BB_TRY(bb_codes_create(context, &sorted->codes));
+    BB_TRY(bb_codes_create(context, leave_bounds, &sorted->codes));
     return bb_primitives_create(sorted->device, sorted->account, &sorted->primitives);
 }
 

@@ -29,8 +29,9 @@ typedef struct bb_sorted_codes {
 } bb_sorted_codes;
 
 /* For a builder with BB_CODE_OPTIONS. `sorted` is zeroed; to be released even after a failure.
- * Memory is booked on the context's account. */
-bb_status bb_sorted_codes_create(const bb_builder_context *context, bb_sorted_codes *sorted);
+ * Memory is booked on the context's account. `leave_bounds`: see bb_codes_create(). */
+bb_status bb_sorted_codes_create(const bb_builder_context *context, bool leave_bounds,
+                                 bb_sorted_codes *sorted);
 void bb_sorted_codes_release(bb_sorted_codes *sorted);
 
 /* Settles the code for the scene, see bb_codes_prepare(), and reserves what
@@ -39,8 +40,7 @@ bb_status bb_sorted_codes_prepare(bb_sorted_codes *sorted, const bb_scene *scene
                                   uint32_t multiple);
 
 /* Phases "bounds", "codes" and "sort": fills keys and values, in ascending order of the keys; those
- * of equal keys stay in the order of the primitives. Waits as bb_codes_make() and bb_sort_keys()
- * do. */
+ * of equal keys stay in the order of the primitives. Waits as bb_codes_make() does. */
 bb_status bb_sorted_codes_make(bb_sorted_codes *sorted, const bb_scene *scene, bb_phases *phases);
 
 /* The second half of it, phase "sort", for builders that change the keys in between: by the lowest

@@ -180,8 +180,8 @@ static uint32_t chunks_of(const optimiser *self, uint32_t count)
 
 static uint32_t items_of(const optimiser *self, const bb_levels *levels)
 {
-    return bb_cpu_form(self->device) ? self->device->compute_units * ITEMS_PER_CORE
-                                     : bb_levels_items(levels);
+    return bb_cpu_form(self->device) && !levels->last ? self->device->compute_units * ITEMS_PER_CORE
+                                                      : bb_levels_items(levels);
 }
 
 static bb_status count_level(void *context, const bb_levels *levels, uint32_t n)

@@ -89,12 +89,12 @@ kernel void treelets_count(global bb_cluster_pair *pairs, global const uint *par
                            volatile global uint *missing, global uint *held, uint number,
                            volatile global uint *counts, global uint *list, global uint *next)
 {
-#define COUNT_PAIRS(level, begin, end)                                                             \
+#define BB_LEVEL_WORK(level, begin, end)                                                           \
     for (uint i = begin; i < (end); i++) {                                                         \
         count_pair(pairs, level[i], held);                                                         \
         bb_go_up(level[i], parents, missing, &above);                                              \
     }
-    BB_LEVEL_LOOP(COUNT_PAIRS)
+    BB_LEVEL_LOOP
 }
 
 /* Pairs of at least `lowest` leaves go by levels: parents[] and missing[] are of such pairs only;

@@ -112,7 +112,7 @@ static bb_status compile(hlbvh *self)
         return BB_OK;
     release_kernels(self);
     uint32_t key_bytes = bb_codes_key_bytes(self->sorted.codes);
-    bb_radix_kind kind = {.key_bytes = key_bytes, .linking = BB_LINK_APETREI, .heights = true};
+    bb_radix_kind kind = {.key_bytes = key_bytes, .linking = BB_LINK_APETREI};
     char defines[64];
     snprintf(defines, sizeof defines, "%s%s", key_bytes == 8 ? "-DBB_KEY64 " : "",
              self->by_prims ? "-DHL_BY_PRIMS" : "");
@@ -173,7 +173,7 @@ static bb_status create(const bb_builder_context *context, void **out)
                                                           : BB_BY_DEFAULT;
     self->each = each;
     self->by_prims = bb_spec_is(spec, options, "weight", "prims");
-    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
+    BB_TRY(bb_sorted_codes_create(context, true, &self->sorted));
     BB_TRY(hl_top_create(self->device, self->account, (uint32_t)bins, self->by_prims, &self->top));
     BB_TRY(bb_refitter_choose(context, &self->refitter));
     return compile(self);

@@ -141,6 +141,7 @@ static bb_status reserve_for_gpu(hploc *self, uint32_t count)
                              &self->splits));
     BB_TRY(bb_buffer_reserve(device, account, n * sizeof(uint32_t), "hploc: missing children",
                              &self->missing));
+    self->levels.by_groups = true;
     return bb_levels_reserve(&self->levels, device, account, count, HEIGHT_MAX, "hploc: levels");
 }
 

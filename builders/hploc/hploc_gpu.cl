@@ -9,8 +9,8 @@
  *       let at most T remain
  *       the last child to come puts the parent on the next level's list
  *
- * One launch per level, so that no fence between work-groups is needed. Clusters of node [l, r] are
- * at l, l + 1, ...; live[l] says how many.
+ * Levels are lists (handover.clh), so that no fence between work-groups is needed. Clusters of node
+ * [l, r] are at l, l + 1, ...; live[l] says how many.
  *
  *   BB_RADIUS, BB_GOAL, BB_KEY64   as in hploc.cl
  *   BB_GROUP                       size of a work-group, at least 2 BB_GOAL
@@ -84,41 +84,62 @@ void load(global const bb_pair_side *clusters, global const uint *heads, uint fr
     ploc_write(list, at, c);
 }
 
-kernel void hploc_level(global const bb_key *keys, uint count, global bb_pair_side *clusters,
+/* What nodes are made of. */
+typedef struct hploc_tree {
+    global const bb_key *keys;
+    uint count;
+    global bb_pair_side *clusters;
+    global uint *heads, *live;
+    global const uint2 *ranges;
+    volatile global uint *missing;
+    global bb_cluster_pair *pairs;
+    global bb_pair_side *root;
+} hploc_tree;
+
+/* By all work-items of a group: the node below split s; `own` and what follows is the group's. */
+void reduce_node(const hploc_tree *t, uint s, bb_clusters own, local int *partners,
+                 local uint *sums, uint *rounds, uint number, volatile global uint *counts,
+                 global uint *next)
+{
+    uint i = get_local_id(0), l = t->ranges[s].x, r = t->ranges[s].y;
+    uint left = s - l + 1u, right = r - s;
+    left = left > BB_GOAL ? t->live[l] : left;
+    right = right > BB_GOAL ? t->live[s + 1u] : right;
+    bool whole = r - l + 1u == t->count;
+    if (i < left + right)
+        load(t->clusters, t->heads, i < left ? l + i : s + 1u + i - left, own, i);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    uint stay = ploc_group(own, left + right, whole ? 1u : BB_GOAL, BB_PLOC_EXACT, t->pairs,
+                           partners, sums, rounds);
+    if (i < stay) {
+        bb_cluster c = ploc_read(own, i);
+        ploc_write_side(whole ? t->root : &t->clusters[l + i], c);
+        t->heads[l + i] = c.tag.z;
+    }
+    if (i == 0 && !whole) {
+        t->live[l] = stay;
+        bool is_left = level_of(t->keys, t->count, r) < level_of(t->keys, t->count, l - 1u);
+        uint parent = is_left ? r : l - 1u;
+        if (atomic_dec(&t->missing[parent]) == 1u)
+            bb_put_on_list(parent, number, counts, next);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+}
+
+kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
+void hploc_level(global const bb_key *keys, uint count, global bb_pair_side *clusters,
                         global uint *heads, global uint *live, global const uint2 *ranges,
                         volatile global uint *missing, global bb_cluster_pair *pairs,
                         global bb_pair_side *root, uint number, volatile global uint *counts,
-                        global const uint *splits, global uint *next)
+                        global uint *list, global uint *next)
 {
     local float planes[6 * BB_GROUP];
     local uint4 tags[BB_GROUP];
     local int partners[BB_GROUP];
     local uint sums[BB_GROUP];
-    bb_clusters list = {planes, tags, BB_GROUP};
-    uint i = get_local_id(0), listed = counts[number], rounds = 0;
-    for (uint at = get_group_id(0); at < listed; at += get_num_groups(0)) {
-        uint s = splits[at];
-        uint l = ranges[s].x, r = ranges[s].y;
-        uint left = s - l + 1u, right = r - s;
-        left = left > BB_GOAL ? live[l] : left;
-        right = right > BB_GOAL ? live[s + 1u] : right;
-        bool whole = r - l + 1u == count;
-        if (i < left + right)
-            load(clusters, heads, i < left ? l + i : s + 1u + i - left, list, i);
-        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-        uint stay = ploc_group(list, left + right, whole ? 1u : BB_GOAL, BB_PLOC_EXACT, pairs,
-                               partners, sums, &rounds);
-        if (i < stay) {
-            bb_cluster c = ploc_read(list, i);
-            ploc_write_side(whole ? root : &clusters[l + i], c);
-            heads[l + i] = c.tag.z;
-        }
-        if (i == 0 && !whole) {
-            live[l] = stay;
-            uint parent = level_of(keys, count, r) < level_of(keys, count, l - 1u) ? r : l - 1u;
-            if (atomic_dec(&missing[parent]) == 1u)
-                bb_put_on_list(parent, number, counts, next);
-        }
-        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-    }
+    const hploc_tree tree = {keys, count, clusters, heads, live, ranges, missing, pairs, root};
+    bb_clusters own = {planes, tags, BB_GROUP};
+    uint rounds = 0;
+#define REDUCE(s) reduce_node(&tree, s, own, partners, sums, &rounds, number, counts, next)
+    BB_FOR_LISTS(REDUCE, (uint)get_local_size(0))
 }

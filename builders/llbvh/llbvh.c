@@ -186,7 +186,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->account = context->account;
     self->context = context;
     BB_TRY(read_options(self, context));
-    BB_TRY(bb_sorted_codes_create(context, &self->sorted));
+    BB_TRY(bb_sorted_codes_create(context, false, &self->sorted));
     return compile(self);
 }
 

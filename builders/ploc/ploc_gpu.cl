@@ -61,7 +61,8 @@ kernel void ploc_merge_each(global float *planes, global uint4 *tags, uint strid
 }
 
 /* One work-group of BB_GROUP items; count <= BB_GROUP. rounds[0]: how many there were. */
-kernel void ploc_rest_group(global float *planes, global uint4 *tags, uint stride, uint count,
+kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
+void ploc_rest_group(global float *planes, global uint4 *tags, uint stride, uint count,
                             int mask, global bb_cluster_pair *pairs, global bb_pair_side *root,
                             global uint *rounds)
 {

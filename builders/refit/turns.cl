@@ -145,23 +145,32 @@ kernel void turn_leaves(volatile global bb_node *nodes, global const uint *refs,
         bb_put_on_list(p, 0u, counts, next);
 }
 
+/* Returns how many rotations were made. */
+uint turn_listed(const turn_tree *tree, uint n, uint may_turn, volatile global uint *missing,
+                 uint number, volatile global uint *counts, global uint *next,
+                 global bb_turn_totals *totals, global bb_tree_info *info)
+{
+    uint p = tree->parents[n];
+    missing[n] = 2u;
+    uint turned = turn_pair(tree, n, may_turn) != BB_NONE ? 1u : 0u;
+    if (p == BB_NONE)
+        finish(tree, n, totals, info);
+    else if (atomic_dec(&missing[p]) == 1u)
+        bb_put_on_list(p, number, counts, next);
+    return turned;
+}
+
 kernel void turn_level(volatile global bb_node *nodes, uint may_turn, global uint *parents,
                        volatile global uint *missing, volatile global uint *heights,
                        volatile global float *costs, volatile global float *spreads,
-                       global const uint *level, uint number, volatile global uint *counts,
+                       global uint *list, uint number, volatile global uint *counts,
                        global uint *next, global bb_turn_totals *totals, global bb_tree_info *info)
 {
     const turn_tree tree = {nodes, parents, 0, heights, costs, spreads};
-    uint count = counts[number], turned = 0;
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
-        uint n = level[i], p = parents[n];
-        missing[n] = 2u;
-        turned += turn_pair(&tree, n, may_turn) != BB_NONE ? 1u : 0u;
-        if (p == BB_NONE)
-            finish(&tree, n, totals, info);
-        else if (atomic_dec(&missing[p]) == 1u)
-            bb_put_on_list(p, number, counts, next);
-    }
+    uint turned = 0;
+#define TURN(n)                                                                                    \
+    turned += turn_listed(&tree, n, may_turn, missing, number, counts, next, totals, info)
+    BB_FOR_LISTS(TURN, 1u)
     if (turned != 0u)
         atomic_add(&totals->turned, turned);
 }

@@ -253,10 +253,9 @@ kernel void moves_refit_first(global const bb_move *moves, uint begin, uint end,
 }
 
 kernel void moves_refit_level(global bb_family *families, uint top, volatile global uint *missing,
-                              global const uint *level, uint number, volatile global uint *counts,
+                              global uint *list, uint number, volatile global uint *counts,
                               global uint *next)
 {
-    uint count = counts[number];
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-        list_last(fit_family(families, level[i]), top, missing, number, counts, next);
+#define FIT(f) list_last(fit_family(families, f), top, missing, number, counts, next)
+    BB_FOR_LISTS(FIT, 1u)
 }

@@ -116,8 +116,10 @@ static bb_status compile(vlbvh *self, uint32_t bytes)
     const char *vote = self->by_ranges             ? "vote_ranges"
                        : bb_cpu_form(self->device) ? "vote_voxels"
                                                    : "vote_voxels_group";
-    BB_TRY(bb_program_build(self->device, &bb_source_vlbvh,
-                            bytes == 1 ? "-DBB_VOXEL=uchar" : "-DBB_VOXEL=ushort", &self->program));
+    char defines[64];
+    snprintf(defines, sizeof defines, "-DBB_VOXEL=%s -DBB_GROUP=%d",
+             bytes == 1 ? "uchar" : "ushort", GROUP_SIZE);
+    BB_TRY(bb_program_build(self->device, &bb_source_vlbvh, defines, &self->program));
     BB_TRY(bb_kernel_get(self->program, vote, &self->vote));
     BB_TRY(bb_kernel_get(self->program, "brick_codes", &self->codes));
     BB_TRY(bb_kernel_get(self->program, "brick_boxes", &self->boxes_of));

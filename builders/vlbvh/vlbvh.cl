@@ -8,7 +8,7 @@
  *   boxes: of each, in scene units
  *   heads: where one code ends and the next begins
  *
- *   -DBB_VOXEL=uchar|ushort
+ *   -DBB_VOXEL=uchar|ushort; -DBB_GROUP: work-items of a group that votes on a brick
  */
 #include "bb_device.h"
 #include "morton.clh"
@@ -56,8 +56,9 @@ kernel void vote_voxels(global const BB_VOXEL *bricks, bb_volume_grid grid, uint
 
 /* One work-group per brick, for GPUs: what its items found is joined in local memory, as in the
  * paper. */
-kernel void vote_voxels_group(global const BB_VOXEL *bricks, bb_volume_grid grid, uint count,
-                              uint chunk, global const uint *seen, global uint *marks)
+kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
+void vote_voxels_group(global const BB_VOXEL *bricks, bb_volume_grid grid, uint count,
+                       uint chunk, global const uint *seen, global uint *marks)
 {
     local uint lo, hi;
     const uint voxels = bb_brick_voxels(grid.side), brick = (uint)get_group_id(0);
@@ -68,7 +69,7 @@ kernel void vote_voxels_group(global const BB_VOXEL *bricks, bb_volume_grid grid
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     global const BB_VOXEL *values = bricks + (ulong)brick * voxels;
-    for (uint i = (uint)get_local_id(0); i < voxels; i += (uint)get_local_size(0)) {
+    for (uint i = (uint)get_local_id(0); i < voxels; i += BB_GROUP) {
         uint v = values[i];
         least = min(least, v);
         most = max(most, v);

@@ -210,10 +210,24 @@ static void put_savings(writer *w, cJSON *root, const bb_advice *a)
         put_text(w, entry, "generous", s->kept);
         put_text(w, entry, "builder", s->builder);
         put_text(w, entry, "kernel", s->kernel);
+        put_text(w, entry, "intersector", s->intersector);
+        put_number(w, entry, "wrong", s->measured ? s->wrong : (double)NAN);
+        put_number(w, entry, "checked", s->measured ? s->checked : (double)NAN);
         put_number(w, entry, "bytes", s->measured ? s->bytes : (double)NAN);
         put_estimate(w, entry, "ms", s->ms);
         put_text(w, entry, "reason", s->reason);
     }
+}
+
+static void put_takings(writer *w, cJSON *root, const char *name, const bb_takings *t)
+{
+    cJSON *object = open_object(w, root, name);
+    if (object == NULL)
+        return;
+    put_number(w, object, "seconds", t->seconds);
+    put_number(w, object, "host_bytes", t->host_bytes);
+    put_number(w, object, "device_bytes", t->device_bytes);
+    put_number(w, object, "held_bytes", t->held_bytes);
 }
 
 static void put_search(writer *w, cJSON *root, const bb_advice *a)
@@ -245,13 +259,14 @@ bb_status bb_advice_add(const bb_advice *a, bb_results *results)
 {
     const bb_advise_request *r = a->request;
     const cJSON *needs = bb_get(a->scene, BB_F_SCENE_DECISIONS);
+    const double prims = a->whole.scene->prim_count;
     writer w = {false};
     cJSON *root = open_object(&w, bb_results_json(results), "advice");
     if (root == NULL)
         return bb_fail(BB_FAILED, "advise: no memory");
     put_text(&w, root, "schema", "bvhbench-advice/1");
     put_text(&w, root, "scene", r->scene);
-    put_number(&w, root, "prims", bb_get_number(a->scene, BB_F_SCENE_PRIMS));
+    put_number(&w, root, "prims", prims);
     put_number(&w, root, "image_rays", r->image_rays);
     cJSON *rays = open_array(&w, root, "rays");
     for (uint32_t i = 0; i < r->ray_count && rays != NULL; i++)
@@ -260,12 +275,17 @@ bb_status bb_advice_add(const bb_advice *a, bb_results *results)
     put_number(&w, root, "slack", BB_ADVISE_SLACK);
     put_number(&w, root, "scout_slack", BB_SCOUT_SLACK);
     put_number(&w, root, "heats", a->heats);
+    put_text(&w, root, "preliminary", a->preliminary != NULL ? a->preliminary : "");
+    put_number(&w, root, "sample_prims", round(prims / a->sample.factor));
+    put_takings(&w, root, "foretold", &a->foretold);
+    put_takings(&w, root, "taken", &a->taken);
     if (needs != NULL)
         put(&w, root, "needs", cJSON_Duplicate(needs, true));
     put_choice(&w, root, a);
     put_savings(&w, root, a);
     put_search(&w, root, a);
     put_field(&w, root, "scouts", &a->scouts, BB_NONE_CHOSEN, BB_NONE_CHOSEN);
+    put_field(&w, root, "builders", &a->builders, BB_NONE_CHOSEN, BB_NONE_CHOSEN);
     put_field(&w, root, "contenders", &a->field, a->best, a->choice);
     return w.failed ? bb_fail(BB_FAILED, "advise: no memory") : BB_OK;
 }

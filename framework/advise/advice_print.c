@@ -44,6 +44,13 @@ static const char *megabytes(double bytes, char out[32])
     return out;
 }
 
+/* Of a long time seconds. */
+static const char *time_of(double ms, char out[32])
+{
+    snprintf(out, 32, ms < 1e4 ? "%.1f ms" : "%.1f s", ms < 1e4 ? ms : ms / 1e3);
+    return out;
+}
+
 /* "1.02 [0.99 to 1.05]"; without brackets where there is no interval. */
 static void print_interval(FILE *out, const cJSON *object, const char *name, const char *format)
 {
@@ -99,7 +106,11 @@ static void print_choice(const cJSON *a, FILE *out)
 {
     const cJSON *c = part(a, "choice"), *best = part(a, "fastest");
     char all[32], build[32], layout[32], checked[32];
-    fprintf(out, "\n The least that does it in the time of the fastest, or 5 %% more\n");
+    if (text(a, "preliminary")[0] != '\0')
+        fprintf(out, "\n PRELIMINARY: interrupted; the best so far, by %s\n",
+                text(a, "preliminary"));
+    else
+        fprintf(out, "\n The least that does it in the time of the fastest, or 5 %% more\n");
     fprintf(out, "   builder      %s\n   kernel       %s\n   intersector  %s: ", text(c, "builder"),
             text(c, "kernel"), text(c, "intersector"));
     fprintf(out, "%s wrong of %s judged, %s %.3g per million (95 %%)\n",
@@ -110,16 +121,14 @@ static void print_choice(const cJSON *a, FILE *out)
     fprintf(out, "   memory       %s: %s for tree and scratch, %s for the layout\n",
             megabytes(number(c, "bytes"), all), megabytes(number(c, "bytes_build"), build),
             megabytes(number(c, "bytes_layout"), layout));
-    fprintf(
-        out,
-        "   time         %.1f ms: %.1f build, %.1f layout, %.1f rays (medians)\n   to fastest   ",
-        number(c, "image_ms"), number(c, "build_ms"), number(c, "layout_ms"),
-        number(c, "trace_ms"));
+    char rays[32];
+    fprintf(out, "   time         %s: %s build, %s layout, %s rays (medians)\n   to fastest   ",
+            time_of(number(c, "image_ms"), all), time_of(number(c, "build_ms"), build),
+            time_of(number(c, "layout_ms"), layout), time_of(number(c, "trace_ms"), rays));
     print_interval(out, c, "ratio", "%.3f");
-    fprintf(out,
-            " times its time, paired round by round\n   fastest      %s, %s, %s: %s, %.1f ms\n",
+    fprintf(out, " times its time, paired round by round\n   fastest      %s, %s, %s: %s, %s\n",
             text(best, "builder"), text(best, "kernel"), text(best, "intersector"),
-            megabytes(number(best, "bytes"), all), number(best, "image_ms"));
+            megabytes(number(best, "bytes"), all), time_of(number(best, "image_ms"), rays));
     print_decisions(part(c, "decisions"), out);
 }
 
@@ -150,13 +159,35 @@ static void print_saving(const cJSON *s, FILE *out)
     fputs(" ms\n", out);
 }
 
+static bool is_exactness(const cJSON *saving)
+{
+    return strcmp(text(saving, "what"), "exactness") == 0;
+}
+
 static void print_savings(const cJSON *a, FILE *out)
 {
     const cJSON *s;
     if (cJSON_GetArraySize(part(a, "savings")) == 0)
         return;
     fprintf(out, "\n Left out, and what it would have cost to keep it\n");
-    cJSON_ArrayForEach(s, part(a, "savings")) print_saving(s, out);
+    cJSON_ArrayForEach(s, part(a, "savings")) if (!is_exactness(s)) print_saving(s, out);
+}
+
+/* Beside the most careless intersector. */
+static void print_exactness(const cJSON *a, FILE *out)
+{
+    const cJSON *s;
+    char wrong[32], checked[32];
+    cJSON_ArrayForEach(s, part(a, "savings"))
+    {
+        if (!is_exactness(s) || !isfinite(number(s, "bytes")))
+            continue;
+        fprintf(out, "\n What exactness costs\n   beside %s, ", text(s, "intersector"));
+        fprintf(out, "%s wrong of %s: ", grouped(number(s, "wrong"), wrong),
+                grouped(number(s, "checked"), checked));
+        print_interval(out, s, "ms", "%+.1f");
+        fputs(" ms\n", out);
+    }
 }
 
 /* ---- the others ---- */
@@ -232,8 +263,8 @@ static void print_others(const cJSON *a, FILE *out)
                 out);
     print_state(field, "too slow", "Dropped on the way, slower by more than 5 % in each round",
                 out);
-    print_state(scouts, "too slow", "Dropped by the scouts, slower by more than 31 % in each round",
-                out);
+    print_state(scouts, "too slow", "Kernels and intersectors that the scouts dropped", out);
+    print_state(part(a, "builders"), "too slow", "Builders that the scouts dropped", out);
     const cJSON *const lists[] = {scouts, field};
     for (size_t i = 0; i < 2; i++) {
         uint32_t count =
@@ -282,10 +313,11 @@ static void print_all(const cJSON *a, FILE *out)
     else
         fprintf(out, "\n Nothing that was tried is right often enough\n");
     print_savings(a, out);
+    print_exactness(a, out);
     print_others(a, out);
     print_search(a, out);
     if (text(a, "command")[0] != '\0')
-        fprintf(out, "\n %s\n", text(a, "command"));
+        fprintf(out, "\n To measure the choice again:\n %s\n", text(a, "command"));
 }
 
 /* Names are a file's, and reasons may have them. */

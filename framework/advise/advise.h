@@ -34,6 +34,7 @@ typedef struct bb_advise_request {
     uint32_t max_rays;      /* likewise, of a kind that samples */
     uint32_t max_views;     /* of the scene; 0: all */
     uint32_t repeats;       /* rounds of the last heat; 6 or more, or nothing can be dropped */
+    double memory;          /* bytes for trees, scratch and layouts at a time */
     bool quick;             /* one heat less */
     bool exhaustive;
     bool quiet;

@@ -59,12 +59,14 @@ bb_status bb_tried_builders(bb_tried *list)
     return BB_OK;
 }
 
-bb_status bb_tried_kernels(bb_tried *list)
+bb_status bb_tried_kernels(bb_tried *list, uint32_t device)
 {
-    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
-        BB_TRY(add_list(list, (*k)->compared));
-        BB_TRY(add_list(list, (*k)->tried));
-    }
+    static const bb_role roles[] = {BB_ROLE_COMPARED, BB_ROLE_TRIED};
+    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
+        for (size_t r = 0; r < sizeof roles / sizeof roles[0]; r++)
+            for (const bb_variants *v = (*k)->variants;
+                 (v = bb_variants_of(v, roles[r], device)) != NULL; v++)
+                BB_TRY(add_list(list, v->specs));
     return BB_OK;
 }
 

@@ -26,10 +26,10 @@ void bb_tried_free(bb_tried *list);
 bb_status bb_tried_add(bb_tried *list, const char *text);
 
 /* What is tried where nothing is asked for: what `run` compares by default and, of builders, the
- * variants that take no more than a scene needs; of kernels, those worth a trial for their memory.
- * Intersectors: all presets, but `exact` alone if `exact_only`. */
+ * variants that take no more than a scene needs; of kernels, those worth a trial for their memory
+ * on such a device (BB_FOR_...). Intersectors: all presets, but `exact` alone if `exact_only`. */
 bb_status bb_tried_builders(bb_tried *list);
-bb_status bb_tried_kernels(bb_tried *list);
+bb_status bb_tried_kernels(bb_tried *list, uint32_t device);
 bb_status bb_tried_intersectors(bb_tried *list);
 
 /* All combinations; for free(). NULL without memory. */

@@ -2,14 +2,19 @@
 #include "framework/advise/advise.h"
 
 #include "framework/advise/advice.h"
+#include "framework/advise/forecast.h"
+#include "framework/advise/ground.h"
 #include "framework/advise/heat.h"
 #include "framework/advise/savings.h"
 #include "framework/advise/scouts.h"
+#include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/memory.h"
 #include "framework/base/progress.h"
 #include "framework/builder/instance.h"
 
 #include <cjson/cJSON.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +29,7 @@ enum {
 typedef struct course {
     const bb_advise_request *request;
     bb_advice advice;
+    const char *guess; /* the builder that is thought the fastest; NULL: nobody knows */
     bb_progress progress;
     bb_results *documents[DOCUMENTS_MAX]; /* of all comparisons but the last one */
     uint32_t document_count;
@@ -52,16 +58,36 @@ static void note_scene(course *c, const bb_results *document)
         c->advice.scene = cJSON_GetArrayItem(bb_results_section(document, "scenes"), 0);
 }
 
-/* What is found out of the clocks of an earlier comparison counts for the last one too. */
-static bb_status compare(course *c, const bb_heat *heat, bb_entered *field)
+static void note_held(course *c, const bb_bench_outcome *outcome)
 {
-    bb_results *document;
-    bb_bench_outcome outcome = {0};
-    BB_TRY(add_document(c, &document));
-    BB_TRY(bb_heat_run(c->request, heat, field, document, &outcome));
-    bb_audit_add(&c->outcome->audit, &outcome.audit);
-    note_scene(c, document);
-    return BB_OK;
+    c->advice.taken.held_bytes = fmax(c->advice.taken.held_bytes, (double)outcome->bytes_held);
+}
+
+/* What was measured before an interrupt is written, so it becomes the caller's document. */
+static bb_status keep_interrupted(course *c, const bb_results *document,
+                                  const bb_bench_outcome *outcome)
+{
+    if (!bb_interrupted() || bb_results_section(document, "builds")->child == NULL)
+        return BB_OK;
+    c->outcome->times = outcome->times;
+    return bb_results_merge(c->results, document);
+}
+
+/* What is found out of the clocks of an earlier comparison counts for the last one too. *outcome:
+ * may be NULL. */
+static bb_status compare(course *c, const bb_heat *heat, bb_entered *field,
+                         bb_bench_outcome *outcome, bb_results **document)
+{
+    bb_bench_outcome own = {0};
+    BB_TRY(add_document(c, document));
+    BB_TRY(bb_heat_run(c->request, heat, field, *document, &own));
+    bb_audit_add(&c->outcome->audit, &own.audit);
+    if (heat->ground == &c->advice.whole)
+        note_scene(c, *document);
+    note_held(c, &own);
+    if (outcome != NULL)
+        *outcome = own;
+    return keep_interrupted(c, *document, &own);
 }
 
 /* Into the caller's document. */
@@ -72,6 +98,7 @@ static bb_status compare_last(course *c, const bb_heat *heat, bb_entered *field)
     outcome.wrong = outcome.unbuilt = outcome.unjudged = 0; /* an advice is not wrong by them */
     bb_bench_outcome_add(c->outcome, &outcome);
     note_scene(c, c->results);
+    note_held(c, &outcome);
     return BB_OK;
 }
 
@@ -83,15 +110,20 @@ static uint32_t racing(const bb_entered *field)
     return count;
 }
 
-/* ---- scout ---- */
+/* ---- scouts ---- */
 
-static bb_heat few_rays(const bb_advise_request *request, uint32_t shift)
+static bb_heat few_rays(course *c, uint32_t shift)
 {
+    const bb_advise_request *request = c->request;
     uint32_t side = shift / 2;
     bb_heat heat = {.width = request->width >> side,
                     .height = request->height >> side,
                     .max_rays = request->max_rays >> shift,
-                    .repeats = ROUNDS};
+                    .repeats = ROUNDS,
+                    .ground = &c->advice.whole,
+                    .sizes = &c->advice.sizes,
+                    .guess = c->guess,
+                    .progress = &c->progress};
     const uint32_t least = request->max_rays < LEAST_RAYS ? request->max_rays : LEAST_RAYS;
     heat.width = heat.width > 0 ? heat.width : 1;
     heat.height = heat.height > 0 ? heat.height : 1;
@@ -99,23 +131,122 @@ static bb_heat few_rays(const bb_advise_request *request, uint32_t shift)
     return heat;
 }
 
+static bb_heat all_rays(course *c)
+{
+    bb_heat heat = few_rays(c, 0);
+    heat.repeats = c->request->repeats;
+    heat.last = true;
+    return heat;
+}
+
+static bb_heat of_scouts(course *c, const char *name)
+{
+    bb_heat heat = few_rays(c, 4);
+    heat.ground = &c->advice.sample;
+    heat.sizes = NULL;
+    heat.name = name;
+    return heat;
+}
+
+static double slack_of_scouts(const bb_advice *advice)
+{
+    return advice->sample.factor > 1 ? BB_SAMPLE_SLACK : BB_SCOUT_SLACK;
+}
+
+static bb_scouts_drop *drop_of_scouts(const bb_advice *advice)
+{
+    return advice->sample.factor > 1 ? bb_race_drop_least : bb_race_drop;
+}
+
 static bool is_worth_scouting(const bb_advise_request *r)
 {
     return r->builders.count > 1 && r->kernels.count + r->intersectors.count > 2;
 }
 
-static bb_status scout(course *c)
+static bb_status scout_kernels(course *c)
 {
-    const bb_heat heat = few_rays(c->request, 4);
-    if (!is_worth_scouting(c->request))
+    const bb_heat heat = of_scouts(c, "kernels");
+    const bb_advise_request *r = c->request;
+    bb_results *document;
+    if (!is_worth_scouting(r) || bb_interrupted())
         return BB_OK;
     bb_entered *scouts = &c->advice.scouts;
-    BB_TRY(bb_scouts_enter(&c->request->builders, &c->request->kernels, &c->request->intersectors,
-                           scouts));
-    bb_progress_note(&c->progress, "%s: %u kernels and intersectors tried on %s", c->request->scene,
+    BB_TRY(bb_scouts_enter(&r->builders, &r->kernels, &r->intersectors, scouts));
+    bb_progress_note(&c->progress, "%s: %u kernels and intersectors tried on %s", r->scene,
                      scouts->count, scouts->who[0].builder);
-    BB_TRY(compare(c, &heat, scouts));
-    bb_scouts_judge(scouts, (uint32_t)c->request->kernels.count, BB_SCOUT_SLACK);
+    BB_TRY(compare(c, &heat, scouts, NULL, &document));
+    bb_scouts_judge(scouts, (uint32_t)r->kernels.count, drop_of_scouts(&c->advice),
+                    slack_of_scouts(&c->advice));
+    return BB_OK;
+}
+
+/* The fastest of the kernels that scouted. */
+static const char *scouts_kernel(const course *c)
+{
+    const bb_entered *scouts = &c->advice.scouts;
+    const bb_tried *kernels = &c->request->kernels;
+    uint32_t best =
+        scouts->count > 0 ? bb_race_fastest(scouts->racers, (uint32_t)kernels->count) : BB_NO_RACER;
+    return best != BB_NO_RACER ? scouts->who[best].kernel : kernels->items[0];
+}
+
+static bb_status scout_builders(course *c, bb_bench_outcome *outcome, bb_results **document)
+{
+    const bb_heat heat = of_scouts(c, "builders");
+    const bb_advise_request *r = c->request;
+    bb_entered *builders = &c->advice.builders;
+    if (bb_interrupted())
+        return BB_OK;
+    BB_TRY(bb_scouts_enter_builders(&r->builders, scouts_kernel(c), &r->intersectors, builders));
+    bb_progress_note(&c->progress, "%s: %u builders tried with %s", r->scene, builders->count,
+                     builders->who[0].kernel);
+    BB_TRY(compare(c, &heat, builders, outcome, document));
+    const uint32_t best = bb_race_fastest(builders->racers, builders->count);
+    c->guess = best != BB_NO_RACER ? builders->who[best].builder : NULL;
+    drop_of_scouts (&c->advice)(builders->racers, builders->count, slack_of_scouts(&c->advice));
+    return BB_OK;
+}
+
+/* ---- forecast ---- */
+
+static void foretell(course *c, const bb_bench_outcome *scouted, const bb_results *document)
+{
+    bb_advice *advice = &c->advice;
+    const double first = ROUNDS + 1, last = c->request->repeats + 1;
+    const bb_forecast_heat quick[] = {{first, 1}, {last, 16}, {last, 16}},
+                           full[] = {{first, 1}, {first, 4}, {last, 16}, {last, 16}};
+    char text[400];
+    if (bb_interrupted())
+        return;
+    advice->foretold =
+        c->request->quick
+            ? bb_forecast(advice, quick, 3, &scouted->times, document, (double)bb_host_peak())
+            : bb_forecast(advice, full, 4, &scouted->times, document, (double)bb_host_peak());
+    bb_takings_say(&advice->foretold, text, sizeof text);
+    bb_progress_note(&c->progress, "%s: %u of %zu configurations are left; about %s",
+                     c->request->scene, advice->field.count,
+                     c->request->builders.count * c->request->kernels.count *
+                         c->request->intersectors.count,
+                     text);
+}
+
+/* Everything that is tried, less what the scouts say. */
+static bb_status enter_field(course *c)
+{
+    const bb_advise_request *r = c->request;
+    bb_bench_outcome scouted = {0};
+    bb_results *document = NULL;
+    uint32_t count;
+    BB_TRY(scout_kernels(c));
+    BB_TRY(scout_builders(c, &scouted, &document));
+    bb_contender *who = bb_contenders_make(&r->builders, &r->kernels, &r->intersectors, &count);
+    if (who != NULL) {
+        count = bb_scouts_keep(&c->advice.scouts, who, count);
+        count = bb_scouts_keep_builders(&c->advice.builders, who, count);
+    }
+    BB_TRY(bb_entered_make(who, count, &c->advice.field));
+    foretell(c, &scouted, document);
+    bb_ground_free(&c->advice.sample, &c->advice.whole);
     return BB_OK;
 }
 
@@ -126,61 +257,27 @@ static bb_status measure(void *user, uint32_t index, bb_racer *racers, uint32_t 
     course *c = user;
     const bb_advise_request *r = c->request;
     const bool last = index + 1 == c->advice.heats;
-    bb_heat heat = few_rays(r, index == 0 ? 4 : 2);
+    bb_heat heat = last ? all_rays(c) : few_rays(c, index == 0 ? 4 : 2);
+    bb_results *document;
+    char name[64];
     (void)racers;
     (void)count;
-    if (last)
-        heat = (bb_heat){r->width, r->height, r->max_rays, r->repeats, true};
     if (bb_interrupted())
         return BB_OK;
+    snprintf(name, sizeof name, "heat %u of %u", index + 1, c->advice.heats);
+    heat.name = name;
     bb_progress_note(&c->progress, "%s: heat %u of %u: %u configurations, up to %u rays of a kind",
                      r->scene, index + 1, c->advice.heats, racing(&c->advice.field),
                      heat.width * heat.height > heat.max_rays ? heat.width * heat.height
                                                               : heat.max_rays);
     return last && !r->exhaustive ? compare_last(c, &heat, &c->advice.field)
-                                  : compare(c, &heat, &c->advice.field);
+                                  : compare(c, &heat, &c->advice.field, NULL, &document);
 }
 
 static bb_status race(course *c)
 {
-    const bb_advise_request *r = c->request;
-    uint32_t count;
     bb_entered *field = &c->advice.field;
-    bb_contender *who = bb_contenders_make(&r->builders, &r->kernels, &r->intersectors, &count);
-    if (who != NULL)
-        count = bb_scouts_keep(&c->advice.scouts, who, count);
-    BB_TRY(bb_entered_make(who, count, field));
-    c->advice.heats = r->quick ? HEATS_MAX - 1 : HEATS_MAX;
-    return bb_race_run(field->racers, count, c->advice.heats, BB_ADVISE_SLACK, measure, c);
-}
-
-/* ---- choice ---- */
-
-void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, uint32_t *within)
-{
-    *best = bb_race_fastest(field->racers, field->count);
-    *least = *best == BB_NO_RACER ? BB_NONE_CHOSEN : *best;
-    *best = *least;
-    *within = 0;
-    for (uint32_t i = 0; i < field->count && *best != BB_NONE_CHOSEN; i++) {
-        if (field->racers[i].state != BB_RACING)
-            continue;
-        double ratio = bb_race_ratio(&field->racers[i], &field->racers[*best]).value;
-        if (!(ratio <= BB_ADVISE_SLACK) && i != *best)
-            continue;
-        ++*within;
-        if (bb_extent_compare(&field->figures[i].extent, &field->figures[*least].extent) < 0)
-            *least = i;
-    }
-}
-
-static void choose(bb_advice *advice)
-{
-    const bb_entered *field = &advice->field;
-    bb_choose_least(field, &advice->best, &advice->choice, &advice->within);
-    if (advice->choice != BB_NONE_CHOSEN)
-        advice->choice_ratio =
-            bb_race_ratio(&field->racers[advice->choice], &field->racers[advice->best]);
+    return bb_race_run(field->racers, field->count, c->advice.heats, BB_ADVISE_SLACK, measure, c);
 }
 
 /* ---- search ---- */
@@ -195,8 +292,9 @@ static bb_status search(course *c)
 {
     const bb_advise_request *r = c->request;
     bb_advice *advice = &c->advice;
-    const bb_heat heat = {r->width, r->height, r->max_rays, r->repeats, true};
+    bb_heat heat = all_rays(c);
     uint32_t count, within;
+    heat.name = "exhaustive search";
     bb_contender *who = bb_contenders_make(&r->builders, &r->kernels, &r->intersectors, &count);
     BB_TRY(bb_entered_make(who, count, &advice->all));
     bb_progress_note(&c->progress, "%s: exhaustive search: all %u configurations", r->scene, count);
@@ -218,12 +316,15 @@ static bb_status save(course *c)
 {
     bb_results *document;
     const bb_advise_request *r = c->request;
-    const bb_heat heat = {r->width, r->height, r->max_rays, r->repeats, true};
+    bb_heat heat = all_rays(c);
     if (c->advice.choice == BB_NONE_CHOSEN || bb_interrupted())
         return BB_OK;
     bb_progress_note(&c->progress, "%s: what the choice saves", r->scene);
+    heat.name = "savings";
     BB_TRY(add_document(c, &document));
-    return bb_savings_measure(&c->advice, &heat, document, c->outcome);
+    BB_TRY(bb_savings_measure(&c->advice, &heat, document, c->outcome));
+    note_held(c, c->outcome);
+    return BB_OK;
 }
 
 /* What a builder does not take is found out before anything is measured on the others. */
@@ -234,20 +335,39 @@ static bb_status try_builders(const bb_advise_request *r)
     return BB_OK;
 }
 
+static bb_status race_and_choose(course *c)
+{
+    BB_TRY(race(c));
+    if (bb_interrupted())
+        return BB_OK;
+    bb_choose(&c->advice);
+    BB_TRY(save(c));
+    return c->request->exhaustive && !bb_interrupted() ? search(c) : BB_OK;
+}
+
+/* An interrupt after the choice leaves the choice. */
 static bb_status run(course *c)
 {
     bb_advice *advice = &c->advice;
-    BB_TRY(try_builders(c->request));
-    BB_TRY(scout(c));
-    if (!bb_interrupted())
-        BB_TRY(race(c));
-    if (bb_interrupted())
-        return BB_OK;
-    choose(advice);
-    BB_TRY(save(c));
-    if (c->request->exhaustive && !bb_interrupted())
-        BB_TRY(search(c));
-    return bb_interrupted() ? BB_OK : bb_advice_add(advice, c->results);
+    const double start = bb_wall_ms();
+    bb_status status = try_builders(c->request);
+    if (status == BB_OK)
+        status = bb_ground_load(c->request->device, c->request->scene, &advice->whole);
+    if (status == BB_OK)
+        status = bb_ground_sample(c->request->device, &advice->whole, &advice->sample);
+    if (status == BB_OK)
+        status = enter_field(c);
+    if (status == BB_OK && !bb_interrupted())
+        status = race_and_choose(c);
+    if (bb_interrupted()) /* a signal makes compilers fail */
+        status = BB_OK;
+    BB_TRY(status);
+    if (bb_interrupted() && advice->choice == BB_NONE_CHOSEN)
+        bb_choose_preliminary(advice);
+    advice->taken.seconds = (bb_wall_ms() - start) / 1e3;
+    advice->taken.host_bytes = (double)bb_host_peak();
+    const bool nothing = bb_interrupted() && advice->choice == BB_NONE_CHOSEN;
+    return nothing ? BB_OK : bb_advice_add(advice, c->results);
 }
 
 bb_status bb_advise(const bb_advise_request *request, bb_results *results,
@@ -259,6 +379,9 @@ bb_status bb_advise(const bb_advise_request *request, bb_results *results,
     *outcome = (bb_bench_outcome){0};
     *c = (course){.request = request, .results = results, .outcome = outcome};
     c->advice = (bb_advice){.request = request,
+                            .heats = request->quick ? HEATS_MAX - 1 : HEATS_MAX,
+                            .foretold = {NAN, NAN, NAN, NAN},
+                            .sizes = {{&c->advice.scouts, &c->advice.builders}, request->memory},
                             .best = BB_NONE_CHOSEN,
                             .choice = BB_NONE_CHOSEN,
                             .all_best = BB_NONE_CHOSEN,
@@ -270,7 +393,10 @@ bb_status bb_advise(const bb_advise_request *request, bb_results *results,
     bb_status status = run(c);
     *found = c->advice.choice != BB_NONE_CHOSEN;
     bb_progress_end(&c->progress);
+    bb_ground_free(&c->advice.sample, &c->advice.whole);
+    bb_ground_free(&c->advice.whole, NULL);
     bb_entered_free(&c->advice.scouts);
+    bb_entered_free(&c->advice.builders);
     bb_entered_free(&c->advice.field);
     bb_entered_free(&c->advice.all);
     for (uint32_t i = 0; i < c->document_count; i++)

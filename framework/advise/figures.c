@@ -38,7 +38,8 @@ static const cJSON *find_build(const bb_image *image, const bb_contender *c)
     const cJSON *build;
     cJSON_ArrayForEach(build, bb_results_section(image->results, "builds"))
     {
-        if (is_text(build, BB_F_BUILD_SCENE, image->scene) &&
+        if (bb_get_number(build, BB_F_BUILD_ID) >= image->first_build &&
+            is_text(build, BB_F_BUILD_SCENE, image->scene) &&
             is_text(build, BB_F_BUILD_BUILDER, c->builder))
             return build;
     }
@@ -80,6 +81,7 @@ static bool add_trace(const cJSON *trace, double rays, bb_tried_figures *f)
     for (uint32_t i = 0; i < ms.count; i++)
         f->cost.values[i] += factor * ms.values[i];
     f->trace_ms += factor * bb_samples_median(&ms);
+    f->rays += bb_get_number(trace, BB_F_TRACE_COUNT);
     double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
     double ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
     double unlike = bb_get_number(trace, BB_F_TRACE_UNLIKE);
@@ -155,12 +157,13 @@ static uint32_t width_of(const char *kernel)
     return layout != NULL ? layout->width : 0;
 }
 
-static void read_extent(const bb_contender *c, bb_tried_figures *f)
+static void read_extent(const bb_image *image, const bb_contender *c, bb_tried_figures *f)
 {
     const cJSON *kinds = decision(f->trace, BB_DECIDED_KINDS);
-    f->bytes_build = bb_get_number(f->build, BB_F_TREE_BYTES_PEAK);
-    f->bytes_layout =
-        bb_get_named(f->build, BB_F_BUILD_LAYOUTS_BYTES, bb_get_text(f->trace, BB_F_TRACE_LAYOUT));
+    f->bytes_tree = image->factor * bb_get_number(f->build, BB_F_TREE_BYTES);
+    f->bytes_build = image->factor * bb_get_number(f->build, BB_F_TREE_BYTES_PEAK);
+    f->bytes_layout = image->factor * bb_get_named(f->build, BB_F_BUILD_LAYOUTS_BYTES,
+                                                   bb_get_text(f->trace, BB_F_TRACE_LAYOUT));
     f->extent = (bb_extent){
         .bytes = f->bytes_build + f->bytes_layout,
         .code_bits = (uint32_t)bb_decided_number(f->build, BB_DECIDED_CODE_BITS),
@@ -168,7 +171,7 @@ static void read_extent(const bb_contender *c, bb_tried_figures *f)
         .kinds = cJSON_IsString(kinds) ? bb_kinds_in(kinds->valuestring) : 0,
         .width = width_of(c->kernel),
         .doubt = bb_intersector_doubt(c->intersector),
-        .ms = bb_samples_median(&f->cost),
+        .ms = f->build_ms + f->layout_ms + f->trace_ms,
     };
 }
 
@@ -185,15 +188,17 @@ void bb_tried_read(const bb_image *image, const bb_contender *c, bb_tried_figure
     }
     double before = or_zero(bb_get_number(f->build, BB_F_BUILD_BOXES_MS)) +
                     or_zero(bb_get_number(f->build, BB_F_BUILD_TRANSFER_MS));
-    f->build_ms = before + bb_samples_median(&f->cost);
+    for (uint32_t i = 0; i < f->cost.count; i++)
+        f->cost.values[i] = image->factor * (f->cost.values[i] + before);
+    f->build_ms = bb_samples_median(&f->cost);
     if (!read_traces(image, f->build, c, f))
         return;
-    f->layout_ms =
-        bb_get_named(f->build, BB_F_BUILD_LAYOUTS_MS, bb_get_text(f->trace, BB_F_TRACE_LAYOUT));
+    f->layout_ms = image->factor * bb_get_named(f->build, BB_F_BUILD_LAYOUTS_MS,
+                                                bb_get_text(f->trace, BB_F_TRACE_LAYOUT));
     for (uint32_t i = 0; i < f->cost.count; i++)
-        f->cost.values[i] += before + f->layout_ms;
+        f->cost.values[i] += f->layout_ms;
     f->measured = isfinite(f->layout_ms);
     if (!f->measured)
         snprintf(f->reason, sizeof f->reason, "its layout was not measured");
-    read_extent(c, f);
+    read_extent(image, c, f);
 }

@@ -11,18 +11,24 @@
  * each view. */
 typedef struct bb_image {
     const bb_results *results;
-    const char *scene; /* its name in the results */
+    const char *scene;    /* its name in the results */
+    uint32_t first_build; /* of earlier builds nothing is read */
     double rays;
+    double factor; /* by which times and bytes of builds and layouts grow: of a sample, the inverse
+                    * of its share of the primitives */
 } bb_image;
 
 typedef struct bb_tried_figures {
     bool measured;
     char reason[256]; /* why not */
     bb_samples cost;  /* ms of build, layout and rays, by rounds; sample 0 is the warm-up */
-    double build_ms, layout_ms, trace_ms; /* medians; boxes and transfers are in the build's */
-    double wrong, checked;                /* rays */
-    double unlike; /* rays that nobody judged, answered otherwise than by another `exact` */
+    /* Medians, of all sets the sum; boxes and transfers are in the build's. */
+    double build_ms, layout_ms, trace_ms;
+    double wrong, checked; /* rays */
+    double unlike;         /* rays that nobody judged, answered otherwise than by another `exact` */
     double bytes_build, bytes_layout; /* peak of tree and scratch; of the layout */
+    double bytes_tree;
+    double rays; /* of one round, all sets together */
     bb_extent extent;
     const cJSON *build, *trace; /* the first of its traces; in the results */
 } bb_tried_figures;

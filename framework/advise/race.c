@@ -72,6 +72,32 @@ uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack)
     return left;
 }
 
+static double least_of(const bb_racer *racer)
+{
+    return bb_samples_estimate(&racer->cost).least;
+}
+
+uint32_t bb_race_drop_least(bb_racer *racers, uint32_t count, double slack)
+{
+    uint32_t best = BB_NO_RACER, left = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (racers[i].state == BB_RACING && isfinite(least_of(&racers[i])) &&
+            (best == BB_NO_RACER || least_of(&racers[i]) < least_of(&racers[best])))
+            best = i;
+    for (uint32_t i = 0; i < count; i++) {
+        if (racers[i].state != BB_RACING)
+            continue;
+        if (best != BB_NO_RACER && least_of(&racers[i]) > slack * least_of(&racers[best])) {
+            racers[i].state = BB_TOO_SLOW;
+            racers[i].behind = best;
+            racers[i].ratio = bb_race_ratio(&racers[i], &racers[best]);
+            continue;
+        }
+        left++;
+    }
+    return left;
+}
+
 bb_status bb_race_run(bb_racer *racers, uint32_t count, uint32_t heats, double slack,
                       bb_heat_fn *measure, void *user)
 {

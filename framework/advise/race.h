@@ -55,6 +55,11 @@ uint32_t bb_race_fastest(const bb_racer *racers, uint32_t count);
 /* Drops who is too slow by more than `slack` (1.05: 5 %); returns how many are left. */
 uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack);
 
+/* The same by the least cost of each, for a slack with room in it: what disturbs a time lengthens
+ * it, so on a busy machine a round of the best that was disturbed does not save one that is slower
+ * by far. One at the very slack may be dropped as well as not. */
+uint32_t bb_race_drop_least(bb_racer *racers, uint32_t count, double slack);
+
 /* Heats 0 .. heats - 1, each followed by drops, the last one by none: until then, or until one is
  * left after the least number of heats, or `measure` fails. Sets all racers up. */
 bb_status bb_race_run(bb_racer *racers, uint32_t count, uint32_t heats, double slack,

@@ -29,6 +29,7 @@ static bb_saving *add(bb_advice *advice, const char *what)
     *s = (bb_saving){.what = what, .ms = bb_not_measured};
     snprintf(s->builder, sizeof s->builder, "%s", choice->builder);
     snprintf(s->kernel, sizeof s->kernel, "%s", choice->kernel);
+    snprintf(s->intersector, sizeof s->intersector, "%s", choice->intersector);
     return s;
 }
 
@@ -73,6 +74,18 @@ static void add_all(bb_advice *advice)
     }
 }
 
+/* The other way around: what a choice that is exact costs beside the most careless intersector. */
+static void add_exactness(bb_advice *advice)
+{
+    const char *own = advice->field.who[advice->choice].intersector, *careless = NULL;
+    for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++)
+        careless = i->name;
+    if (strcmp(own, "exact") != 0 || careless == NULL)
+        return;
+    bb_saving *s = add(advice, BB_EXACTNESS);
+    snprintf(s->intersector, sizeof s->intersector, "%s", careless);
+}
+
 /* More milliseconds than the choice takes, round by round. */
 static bb_estimate more_ms(const bb_racer *a, const bb_racer *choice)
 {
@@ -105,8 +118,12 @@ static void read(bb_advice *advice, const bb_entered *field)
                      choice->measured ? f->reason : choice->reason);
             continue;
         }
-        s->bytes = f->extent.bytes - choice->extent.bytes;
-        s->ms = more_ms(&field->racers[i + 1], &field->racers[0]);
+        const bool other_way = strcmp(s->what, BB_EXACTNESS) == 0;
+        s->wrong = f->wrong;
+        s->checked = f->checked;
+        s->bytes = (f->extent.bytes - choice->extent.bytes) * (other_way ? -1 : 1);
+        s->ms = other_way ? more_ms(&field->racers[0], &field->racers[i + 1])
+                          : more_ms(&field->racers[i + 1], &field->racers[0]);
         say_setting(s->what, choice, s->was, sizeof s->was);
         say_setting(s->what, f, s->kept, sizeof s->kept);
     }
@@ -121,16 +138,18 @@ bb_status bb_savings_measure(bb_advice *advice, const bb_heat *heat, bb_results 
     add_kernel(advice, "stack", "stack", generous_stack);
     add_kernel(advice, "kinds", "kinds", "all");
     add_all(advice);
+    add_exactness(advice);
     bb_contender *who = calloc(advice->saving_count + 1, sizeof *who);
     const bb_contender *choice = &advice->field.who[advice->choice];
     if (who != NULL)
         who[0] = *choice;
     for (uint32_t i = 0; who != NULL && i < advice->saving_count; i++)
         who[i + 1] = (bb_contender){advice->savings[i].builder, advice->savings[i].kernel,
-                                    choice->intersector};
+                                    advice->savings[i].intersector};
     BB_TRY(bb_entered_make(who, advice->saving_count + 1, &field));
     bb_status status = bb_heat_run(advice->request, heat, &field, results, &more);
     bb_audit_add(&outcome->audit, &more.audit);
+    outcome->bytes_held = more.bytes_held;
     if (status == BB_OK)
         read(advice, &field);
     bb_entered_free(&field);

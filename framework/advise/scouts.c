@@ -22,17 +22,27 @@ bb_status bb_scouts_enter(const bb_tried *builders, const bb_tried *kernels,
     return bb_entered_make(who, count, scouts);
 }
 
-void bb_scouts_judge(bb_entered *scouts, uint32_t kernel_count, double slack)
+bb_status bb_scouts_enter_builders(const bb_tried *builders, const char *kernel,
+                                   const bb_tried *intersectors, bb_entered *scouts)
+{
+    const char *careful = intersectors->items[bb_tried_careful(intersectors)];
+    bb_contender *who = calloc(builders->count, sizeof *who);
+    for (size_t b = 0; who != NULL && b < builders->count; b++)
+        who[b] = (bb_contender){builders->items[b], kernel, careful};
+    return bb_entered_make(who, (uint32_t)builders->count, scouts);
+}
+
+void bb_scouts_judge(bb_entered *scouts, uint32_t kernel_count, bb_scouts_drop *drop, double slack)
 {
     const uint32_t both = kernel_count - 1; /* the scout that the two groups share */
     bb_racer *intersectors = scouts->racers + both;
     const bb_racer before = *intersectors;
-    bb_race_drop(intersectors, scouts->count - both, slack);
+    drop(intersectors, scouts->count - both, slack);
     for (uint32_t i = both + 1; i < scouts->count; i++)
         if (scouts->racers[i].state == BB_TOO_SLOW)
             scouts->racers[i].behind += both;
     *intersectors = before;
-    bb_race_drop(scouts->racers, kernel_count, slack);
+    drop(scouts->racers, kernel_count, slack);
 }
 
 /* What a scout says of a contender. Those that have the first one's intersector are there for their
@@ -60,6 +70,20 @@ uint32_t bb_scouts_keep(const bb_entered *scouts, bb_contender *who, uint32_t co
         bool out = false;
         for (uint32_t s = 0; s < scouts->count && !out; s++)
             out = speaks_against(scouts, s, &who[i]);
+        if (!out)
+            who[kept++] = who[i];
+    }
+    return kept;
+}
+
+uint32_t bb_scouts_keep_builders(const bb_entered *scouts, bb_contender *who, uint32_t count)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        bool out = false;
+        for (uint32_t s = 0; s < scouts->count && !out; s++)
+            out = scouts->racers[s].state == BB_TOO_SLOW &&
+                  strcmp(scouts->who[s].builder, who[i].builder) == 0;
         if (!out)
             who[kept++] = who[i];
     }

@@ -1,6 +1,7 @@
 /* A method in a frame: its update, the layouts that follow, the rays traced through them. */
 #include "framework/animate/animate_private.h"
 
+#include "framework/device/device_private.h"
 #include "framework/device/stopwatch.h"
 #include "traversal/pass.h"
 
@@ -317,5 +318,5 @@ bb_status bb_animate_step(bb_animate *a, bb_animate_runner *runner, uint32_t ind
     char where[32];
     snprintf(where, sizeof where, "frame %u: ", a->result->states[index].frame);
     refuse(method, status, where);
-    return BB_OK;
+    return bb_device_check(a->device);
 }

@@ -7,7 +7,7 @@
 
 const char *bb_decider_word(bb_decider by)
 {
-    static const char *const words[] = {"default", "scene", "tree", "given"};
+    static const char *const words[] = {"default", "scene", "tree", "given", "device"};
     return words[by];
 }
 

@@ -11,9 +11,15 @@
 extern "C" {
 #endif
 
-/* What decided: the default, which asks nobody; the scene's profile; the tree as it was built; or a
- * parameter given by hand, which wins over all of these. */
-typedef enum bb_decider { BB_BY_DEFAULT, BB_BY_SCENE, BB_BY_TREE, BB_GIVEN } bb_decider;
+/* What decided: the default, which asks nobody; the scene's profile; the tree as it was built; a
+ * parameter given by hand, which wins over all of these; or the device, for which it was less. */
+typedef enum bb_decider {
+    BB_BY_DEFAULT,
+    BB_BY_SCENE,
+    BB_BY_TREE,
+    BB_GIVEN,
+    BB_BY_DEVICE,
+} bb_decider;
 
 /* Names of decisions that have the same meaning whoever makes them. */
 #define BB_DECIDED_CODE_BITS "code bits"
@@ -37,7 +43,7 @@ typedef struct bb_decisions {
     bb_decision items[BB_DECISIONS_MAX];
 } bb_decisions;
 
-/* As records have it: "default", "scene", "tree", "given". */
+/* As records have it: "default", "scene", "tree", "given", "device". */
 const char *bb_decider_word(bb_decider by);
 
 /* Appends a number, or a word, with its figure as printf() does. A list that is full stays as it

@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 typedef struct header {
@@ -93,4 +94,11 @@ void bb_host_free(void *pointer)
     bb_account_subtract(head->account, head->bytes);
     __atomic_sub_fetch(&host_bytes, head->bytes, __ATOMIC_RELAXED);
     free(head);
+}
+
+uint64_t bb_host_peak(void)
+{
+    struct rusage usage;
+    const uint64_t unit = 1024; /* of Linux */
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * unit : 0;
 }

@@ -43,4 +43,7 @@ uint64_t bb_host_limit(void);
 #endif
 #pragma GCC visibility pop
 
+/* The most bytes that the process has had in memory so far; 0 if that is not known. */
+uint64_t bb_host_peak(void);
+
 #endif

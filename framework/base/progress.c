@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-enum { BAR_WIDTH = 24 };
+enum { BAR_WIDTH = 24, LINE_EVERY_MS = 5000 };
 
 void bb_progress_start(bb_progress *progress, bool quiet)
 {
@@ -22,6 +22,25 @@ static void clear_line(const bb_progress *progress)
         fprintf(stderr, "\r\033[K");
 }
 
+/* What comes before the first line that anybody's progress prints; "" afterwards. */
+static char head[640];
+
+void bb_progress_head(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(head, sizeof head, format, args);
+    va_end(args);
+    bb_calm_text(head);
+}
+
+static void print_head(void)
+{
+    if (head[0] != '\0')
+        fprintf(stderr, "%s\n", head);
+    head[0] = '\0';
+}
+
 void bb_progress_stage(bb_progress *progress, uint32_t total, const char *format, ...)
 {
     progress->done = 0;
@@ -31,6 +50,7 @@ void bb_progress_stage(bb_progress *progress, uint32_t total, const char *format
     if (progress->quiet || (total == 0 && !progress->terminal))
         return;
     clear_line(progress);
+    print_head();
     va_list args;
     va_start(args, format);
     vfprintf(stderr, format, args);
@@ -45,6 +65,7 @@ void bb_progress_note(bb_progress *progress, const char *format, ...)
     if (progress->quiet)
         return;
     clear_line(progress);
+    print_head();
     char note[4096];
     va_list args;
     va_start(args, format);
@@ -57,6 +78,12 @@ void bb_progress_note(bb_progress *progress, const char *format, ...)
 void bb_progress_plan(bb_progress *progress, double work)
 {
     progress->plan = work;
+}
+
+void bb_progress_tell(bb_progress *progress, void (*tell)(void *whom, double share), void *whom)
+{
+    progress->tell = tell;
+    progress->whom = whom;
 }
 
 void bb_progress_weigh(bb_progress *progress, double work)
@@ -90,17 +117,36 @@ static void draw_time_left(const bb_progress *progress, double share, double now
         fprintf(stderr, ", about %.0f s left", left);
 }
 
+void bb_progress_at(bb_progress *progress, double share, const char *what)
+{
+    const double now = bb_wall_ms(), every = progress->terminal ? 100 : LINE_EVERY_MS;
+    if (progress->quiet || now - progress->shown < every)
+        return;
+    progress->shown = now;
+    if (progress->terminal)
+        draw_bar(progress, share);
+    fprintf(stderr, "  %s", what);
+    draw_time_left(progress, share, now);
+    if (!progress->terminal)
+        fputc('\n', stderr);
+    fflush(stderr);
+}
+
 void bb_progress_step(bb_progress *progress)
 {
     progress->done++;
     double now = bb_wall_ms();
-    if (progress->quiet || !progress->terminal || progress->total == 0 ||
-        now - progress->shown < 100)
+    const bool draws = !progress->quiet && progress->terminal;
+    if (progress->total == 0 || now - progress->shown < 100 || (!draws && progress->tell == NULL))
         return;
     progress->shown = now;
     double share = fmin(1, (double)progress->done / progress->total);
     if (progress->plan > 0)
         share = fmin(1, (progress->past + progress->weight * share) / progress->plan);
+    if (progress->tell != NULL)
+        progress->tell(progress->whom, share);
+    if (!draws)
+        return;
     draw_bar(progress, share);
     draw_time_left(progress, share, now);
     fflush(stderr);

@@ -51,9 +51,10 @@ static bb_status try_scenes(bb_bench *bench)
 {
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < bench->request->scene_count; i++) {
-        bb_scene *scene = NULL;
+        bb_scene *scene = bench->request->scene;
         bb_progress_stage(bench->progress, 0, "%s: trying", bench->request->scenes[i]);
-        BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
+        if (scene == NULL)
+            BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
         bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
         if (status == BB_OK) { /* or its message would be lost */
             bench->parts[i] = bb_bench_part_of(bench, scene, bench->request->scenes[i]);
@@ -149,8 +150,7 @@ static bb_status start_kernel(bb_bench *bench, const char *text, bool native_onl
     bb_kernel_choice *choice = &bench->kernels[bench->kernel_count];
     uint64_t group;
     BB_TRY(bb_bench_parse_kernel(text, choice));
-    BB_TRY(bb_spec_u64(&choice->spec, bb_kernel_common_options, "group", 1,
-                       bench->device->max_group_size, &group));
+    BB_TRY(bb_kernel_group_of(choice->kernel, &choice->spec, bench->device, &group));
     choice->native_only = native_only;
     bench->kernel_count++;
     for (uint32_t i = 0; i < bench->request->intersector_count; i++)
@@ -164,7 +164,8 @@ static bb_status start_kernels(bb_bench *bench)
     for (uint32_t i = 0; i < request->kernel_count; i++)
         BB_TRY(start_kernel(bench, request->kernels[i], false));
     for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)
-        if ((*k)->native && (*k)->compared == NULL && bench->kernel_count < BB_KERNELS_MAX)
+        if ((*k)->native && bench->kernel_count < BB_KERNELS_MAX &&
+            bb_variants_of((*k)->variants, BB_ROLE_COMPARED, bb_device_kind(bench->device)) == NULL)
             BB_TRY(start_kernel(bench, (*k)->name, true));
     return BB_OK;
 }
@@ -191,10 +192,18 @@ void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more)
     sum->wrong += more->wrong;
     sum->unjudged += more->unjudged;
     sum->unbuilt += more->unbuilt;
+    sum->bytes_held = more->bytes_held > sum->bytes_held ? more->bytes_held : sum->bytes_held;
     sum->times.build_ms += more->times.build_ms;
     sum->times.trace_ms += more->times.trace_ms;
     sum->times.total_ms += more->times.total_ms;
     bb_audit_add(&sum->audit, &more->audit);
+}
+
+static void free_first(bb_bench *bench)
+{
+    if (bench->first != bench->request->scene)
+        bb_scene_free(bench->first);
+    bench->first = NULL;
 }
 
 /* Unless another shard has all of it. */
@@ -204,10 +213,8 @@ static bb_status run_scene(bb_bench *bench, uint32_t index)
     bench->set = bench->part->first;
     if (bench->part->own > 0)
         return bb_bench_scene(bench, bench->request->scenes[index]);
-    if (index == 0) {
-        bb_scene_free(bench->first);
-        bench->first = NULL;
-    }
+    if (index == 0)
+        free_first(bench);
     return BB_OK;
 }
 
@@ -218,6 +225,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     BB_TRY(bb_bench_check(request));
     bb_progress progress;
     bb_progress_start(&progress, request->quiet);
+    bb_progress_tell(&progress, request->tell, request->whom);
     bb_bench *bench = calloc(1, sizeof *bench);
     if (bench == NULL)
         return bb_fail(BB_FAILED, "out of memory");
@@ -258,7 +266,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
         outcome->unbuilt += !bench->built[i];
     free(bench->built);
     free(bench->parts);
-    bb_scene_free(bench->first);
+    free_first(bench);
     bb_progress_end(&progress);
     bb_buffer_release(&bench->rays);
     bb_buffer_release(&bench->answers);

@@ -5,6 +5,7 @@
 
 #include "framework/bench/audit.h"
 #include "framework/device/device.h"
+#include "framework/judge/oracle.h"
 #include "framework/record/record.h"
 
 #include <stdbool.h>
@@ -50,7 +51,16 @@ typedef struct bb_bench_request {
     bool (*takes)(const void *user, const char *builder, const char *kernel,
                   const char *intersector);
     const void *user;
-    bool uncounted;             /* tests per ray are not counted */
+    /* The one scene of `scenes` and its oracle, where they are there already; the caller's. NULL:
+     * both are made here. */
+    bb_scene *scene;
+    bb_oracle *oracle;
+    /* Only what a time to image is made of: no tests per ray, no builds for the times of phases, no
+     * sampled metrics. */
+    bool lean;
+    /* Told now and then which share of the work is done; NULL: nobody. */
+    void (*tell)(void *whom, double share);
+    void *whom;
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;
@@ -72,6 +82,8 @@ typedef struct bb_bench_outcome {
     uint32_t wrong;
     uint32_t unbuilt;  /* builders of which there is no tree of any scene */
     uint32_t unjudged; /* scenes of which not a single answer was judged */
+    /* of trees, scratch and layouts, by their accounts: the most that was held at a time */
+    uint64_t bytes_held;
     bb_bench_times times;
     bb_audit audit;
 } bb_bench_outcome;

@@ -118,6 +118,9 @@ static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_t
     add_steps(entrant);
     record->prepare_ms = bb_instance_prepare_ms(instance);
     bb_input_words(inputs, record->inputs, sizeof record->inputs);
+    for (uint32_t i = 0; i < entrant->pipeline.count; i++)
+        if (entrant->pipeline.stages[i].builder->place == BB_ON_DEVICE)
+            strcpy(record->handover, bb_handover_word(bench->device));
     if ((inputs & BB_INPUT_BOXES) != 0)
         record->boxes_ms = bb_samples_median(&bench->boxes_ms);
     record->bytes_peak = instance->account.peak;
@@ -131,6 +134,7 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
     bb_step step = bb_bench_begin(bench);
     bb_account_mark(&instance->account);
     BB_TRY(bb_instance_build(instance, bench->scene, exact, &timing));
+    bb_resident_note(bench);
     for (uint32_t i = 0; i < instance->step_count; i++)
         audit_step(bench, entrant, &instance->steps[i]);
     if (!exact) {
@@ -160,7 +164,8 @@ static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_r
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         const bb_metric *metric = bb_metrics[i];
-        if (metric->on_request != on_request || (on_request && !is_requested(bench, metric)))
+        if (metric->on_request != on_request || (on_request && !is_requested(bench, metric)) ||
+            (bench->request->lean && metric->sampled))
             continue;
         bb_step step = bb_bench_begin(bench);
         BB_TRY(bb_metric_compute(metric, &entrant->instance.tree, bench->scene, METRIC_SAMPLES,
@@ -339,15 +344,56 @@ static void forget_times(bb_build_record *record)
     record->bytes_peak = 0;
 }
 
+void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *warming)
+{
+    if (warming->rounds > 0 && !warming->settled && !bb_interrupted())
+        bb_progress_note(bench->progress,
+                         "%s: %s: %u rounds of warming up did not settle: times may be noisy",
+                         bench->scene->name, what, warming->rounds);
+}
+
+/* One build, which is in no sample; 0 ms for one on the host. */
+static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
+{
+    bb_build_timing timing;
+    if (entrant->reference || bb_pipeline_on_device(&entrant->pipeline) == 0)
+        return BB_OK;
+    BB_TRY(bb_resident_tree(bench, entrant));
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_instance_build(&entrant->instance, bench->scene, false, &timing);
+    *ms += status == BB_OK ? timing.timing.ms : 0;
+    return bb_bench_end(bench, step, "warming up", status);
+}
+
+/* As with traces: a device that is no CPU builds until its clocks have settled. */
+static void warm_up(bb_bench *bench)
+{
+    bb_warming warming = {.rounds = 0};
+    bool warm = bench->device->is_cpu;
+    while (!warm && !bb_interrupted()) {
+        double ms = 0;
+        for (uint32_t i = 0; i < bench->entrant_count && !bb_interrupted(); i++) {
+            bb_entrant *entrant = &bench->entrants[i];
+            bb_status status =
+                entrant->record.status == BB_OK ? warm_once(bench, entrant, &ms) : BB_OK;
+            if (status != BB_OK)
+                note_failure(entrant, status);
+        }
+        warm = bb_warmed(&warming, ms);
+    }
+    bb_bench_note_warming(bench, "builds", &warming);
+}
+
 bb_status bb_bench_builds(bb_bench *bench)
 {
     uint32_t order[BB_ENTRANTS_MAX];
     const bool own = bb_bench_owns_builds(bench);
-    const uint32_t phase_builds = own ? PHASE_BUILDS : 0;
+    const uint32_t phase_builds = own && !bench->request->lean ? PHASE_BUILDS : 0;
     uint32_t rounds = own ? bench->request->repeats + 1 : 1;
     bb_progress_stage(bench->progress, bench->entrant_count * (rounds + phase_builds),
                       "%s: building", bench->scene->name);
     bb_progress_weigh(bench->progress, (double)bench->entrant_count * rounds);
+    warm_up(bench);
     for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++) {
         bool exact = round >= rounds;
         bb_bench_shuffle(bench, order, bench->entrant_count);

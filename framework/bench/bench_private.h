@@ -7,6 +7,7 @@
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
 #include "framework/bench/bench.h"
+#include "framework/bench/launches.h"
 #include "framework/builder/instance.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/judge.h"
@@ -32,6 +33,7 @@ typedef struct bb_kernel_choice {
     uint32_t leaf;
     uint32_t layouts
         [BB_FORMAT_COUNT]; /* what it reads, in bb_bench.layouts, with triangles in each format */
+    bool noted, capped;    /* what the user is to know of it has been said */
     bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
 } bb_kernel_choice;
 
@@ -72,7 +74,7 @@ typedef struct bb_bench {
     bb_device *device;
     bb_results *results;
     bb_scene *scene;
-    bb_scene *first;           /* loaded before its turn, or NULL */
+    bb_scene *first;           /* loaded before its turn, or NULL; the request's is not freed */
     uint32_t sets;             /* ray sets of all scenes, planned */
     bb_scene_part *parts;      /* of each scene */
     const bb_scene_part *part; /* of the scene at hand */
@@ -126,6 +128,9 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name);
 
 /* Builds of all entrants, interleaved; fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
+
+/* Says so if the clocks did not settle before `what` was measured. */
+void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *warming);
 
 /* ---- what was asked for (bench_request.c) ---- */
 
@@ -181,6 +186,9 @@ bb_status bb_resident_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
 
 /* Makes a layout that is there once more, in its place; if that fails, it is gone. */
 bb_status bb_resident_layout_again(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
+
+/* Notes what all entrants hold at present, or held since their accounts were marked, as held. */
+void bb_resident_note(bb_bench *bench);
 
 /* Frees what the entrant has in memory; its record stays. */
 void bb_resident_evict(bb_entrant *entrant);

@@ -46,7 +46,9 @@ static bb_status load_scene(bb_bench *bench, const char *name)
     BB_TRY(bb_scene_upload(bench->scene, bench->device));
     BB_TRY(bb_bench_end(bench, step, "upload scenes", BB_OK));
     step = bb_bench_begin(bench);
-    BB_TRY(bb_oracle_create(bench->scene, bb_host_threads(bench->device), &bench->oracle));
+    bench->oracle = bench->request->oracle;
+    if (bench->oracle == NULL)
+        BB_TRY(bb_oracle_create(bench->scene, bb_host_threads(bench->device), &bench->oracle));
     BB_TRY(bb_bench_end(bench, step, "oracle: build", BB_OK));
     memset(&bench->boxes_ms, 0, sizeof bench->boxes_ms);
     BB_TRY(measure_boxes(bench, &bench->boxes_ms));
@@ -155,6 +157,8 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
     }
     if (status == BB_OK)
         status = bb_bench_traces(bench, rays);
+    if (status == BB_OK)
+        status = bb_device_check(bench->device); /* or what follows fails row by row */
     bb_rays_free(rays);
     return status;
 }
@@ -229,9 +233,11 @@ static void end_scene(bb_bench *bench)
     free(bench->entrants);
     bench->entrants = NULL;
     bench->entrant_count = 0;
-    bb_oracle_destroy(bench->oracle);
+    if (bench->oracle != bench->request->oracle)
+        bb_oracle_destroy(bench->oracle);
     bench->oracle = NULL;
-    bb_scene_free(bench->scene);
+    if (bench->scene != bench->request->scene)
+        bb_scene_free(bench->scene);
     bench->scene = NULL;
     (void)bb_bench_end(bench, step, "free scenes", BB_OK);
 }
@@ -247,6 +253,11 @@ static void warn_of_bystanders(bb_bench *bench)
     if (bench->warned)
         return;
     bench->warned = true;
+    if (!bench->device->is_cpu)
+        bb_progress_note(bench->progress,
+                         "what other programs do on %s cannot be seen: keep them off it; only "
+                         "processors are watched, on which host code and transfers depend",
+                         bench->device->name);
     if (bb_wall_ms() - watch->wall_ms > shortest_ms && share > 0.25 * (double)processors)
         bb_progress_note(bench->progress,
                          "WARNING: the machine is busy: other programs keep %.2g of %ld processors "
@@ -267,6 +278,8 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name)
     }
     if (status == BB_OK)
         status = record_builds(bench);
+    if (status == BB_OK)
+        status = bb_device_check(bench->device);
     bench->judged = bench->traced_sets = 0;
     if (status == BB_OK)
         status = trace_workloads(bench);

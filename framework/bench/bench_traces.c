@@ -21,6 +21,7 @@ typedef struct cell {
     const bb_intersector *intersector;
     bb_tracer *tracer;
     uint32_t count; /* rays that it traces: the first of the set */
+    uint32_t batch; /* and of a launch, at most */
     bb_trace_record record;
     uint64_t hits_hash;
     bool judged;
@@ -34,6 +35,8 @@ typedef struct trace_set {
     char *results;   /* of the last trace, on the host */
     char *first;     /* of the first full answer by an `exact` cell, which all others must equal */
     char whose[256]; /* that cell; "": none yet */
+    uint32_t loaded_from, loaded; /* the rays of the set that are on the device */
+    bool warming;                 /* rounds do not count yet */
     uint32_t *order;
     cell *cells;
     uint32_t count;
@@ -51,11 +54,13 @@ static bb_pass pass_of(const trace_set *set, const cell *c)
                      .results = &set->bench->answers};
 }
 
-/* Rays [from, from + count) to the device, unless they are all there. */
+/* Rays [from, from + count) to where launches find them, unless they are there. */
 static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
 {
-    if (set->rays->count <= set->bench->batch)
+    if (from == set->loaded_from && count <= set->loaded)
         return BB_OK;
+    set->loaded_from = from;
+    set->loaded = count;
     return bb_buffer_write(&set->bench->rays, 0, count * sizeof(bb_ray), set->rays->rays + from);
 }
 
@@ -92,8 +97,9 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     }
     double cpu = bb_cpu_ms(), start = bb_wall_ms();
     bb_status status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
-    *timing =
-        (bb_timing){bb_wall_ms() - start, bb_cpu_ms() - cpu, bb_embree_span_ms(c->entrant->embree)};
+    *timing = (bb_timing){.ms = bb_wall_ms() - start,
+                          .cpu_ms = bb_cpu_ms() - cpu,
+                          .event_ms = bb_embree_span_ms(c->entrant->embree)};
     bb_status unmapped[2] = {BB_OK, BB_OK};
     if (mapped) {
         unmapped[0] = bb_buffer_unmap(&bench->rays, rays);
@@ -102,25 +108,37 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     return status != BB_OK ? status : unmapped[0] != BB_OK ? unmapped[0] : unmapped[1];
 }
 
+/* Launches stay below a display's watchdog. While the device warms up they grow and shrink; then
+ * they shrink only if they must, so that rounds that count are split alike. */
+static void fit_batch(const trace_set *set, cell *c, uint32_t count, double ms)
+{
+    if (c->entrant->reference || set->bench->device->is_cpu)
+        return;
+    if ((set->warming && count == c->batch) || ms > BB_LAUNCH_MS)
+        c->batch = bb_launch_rays(count, ms, set->bench->batch);
+}
+
 /* Traces the cell's rays once, in batches; set->results gets the answer. The reference's event time
  * is what its threads saw. */
 static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
 {
     bool reference = c->entrant->reference;
-    *timing = (bb_timing){0, 0, 0};
+    *timing = (bb_timing){0};
     if (!reference)
         BB_TRY(bb_resident_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);
-    uint32_t batch = set->bench->batch;
     const bb_pass pass = pass_of(set, c);
     uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
-    for (uint32_t from = 0; from < c->count; from += batch) {
-        uint32_t count = c->count - from < batch ? c->count - from : batch;
+    c->record.launches = 0;
+    for (uint32_t from = 0, count; from < c->count; from += count) {
+        count = c->count - from < c->batch ? c->count - from : c->batch;
         BB_TRY(load_batch(set, from, count));
         BB_TRY(bb_pass_poison(&pass, count));
         bb_timing part;
         BB_TRY(reference ? trace_reference(set, c, from, count, &part)
                          : trace_batch(set, &pass, count, &part, &timed));
+        fit_batch(set, c, count, part.ms);
+        c->record.launches++;
         timing->ms += part.ms;
         timing->cpu_ms += part.cpu_ms;
         timing->event_ms += part.event_ms;
@@ -152,6 +170,39 @@ static bb_tracer_request tracer_request(const trace_set *set, const cell *c)
     };
 }
 
+/* What a kernel that is for CPUs asks of another device, once for each. */
+static void note_private(bb_bench *bench, bb_kernel_choice *choice, const bb_tracer *tracer)
+{
+    char by_driver[48] = "the driver does not tell how much in all";
+    uint64_t bytes;
+    if (bench->device->is_cpu || choice->noted || !bb_kernel_is_for_cpus(choice->kernel))
+        return;
+    choice->noted = true;
+    if (bb_tracer_private_bytes(tracer, &bytes))
+        snprintf(by_driver, sizeof by_driver, "%llu in all, says the driver",
+                 (unsigned long long)bytes);
+    bb_progress_note(bench->progress,
+                     "%s is for CPUs: the stacks of a work-item are %llu bytes of private memory "
+                     "(%s)",
+                     choice->spec.text, (unsigned long long)bb_tracer_stack_bytes(tracer),
+                     by_driver);
+}
+
+/* A stack that is shorter than the tree needs, since the device has no room: once for a kernel. */
+static void note_stack(bb_bench *bench, bb_kernel_choice *choice, const bb_decisions *decisions)
+{
+    for (uint32_t i = 0; i < decisions->count && !choice->capped; i++) {
+        const bb_decision *d = &decisions->items[i];
+        choice->capped = d->by == BB_BY_DEVICE;
+        if (choice->capped)
+            bb_progress_note(
+                bench->progress,
+                "%s has a stack of %s entries: %s; rays that need more are missed, and "
+                "counted: the kernel short takes any tree",
+                choice->spec.text, d->value, d->figure);
+    }
+}
+
 static bb_status prepare_cell(trace_set *set, cell *c)
 {
     bb_bench *bench = set->bench;
@@ -164,7 +215,9 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     BB_TRY(bb_tracer_get(bench->device, &request, layout, &c->tracer));
     c->record.group_size = bb_tracer_group_size(c->tracer);
     c->record.stack_size = bb_tracer_stack_size(c->tracer);
-    BB_TRY(bb_tracer_decide(&request, layout, &c->record.decisions));
+    BB_TRY(bb_tracer_decide(bench->device, &request, layout, &c->record.decisions));
+    note_stack(bench, &bench->kernels[c->kernel], &c->record.decisions);
+    note_private(bench, &bench->kernels[c->kernel], c->tracer);
     snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
     c->record.native = layout->keeps_shape;
     /* compile for the group size before the clock runs */
@@ -179,10 +232,9 @@ static bb_status prepare_cell(trace_set *set, cell *c)
  * one cell the worse one counts. */
 static bb_status judge_cell(trace_set *set, cell *c)
 {
-    bb_step step = bb_bench_begin(set->bench);
     uint64_t hash = XXH3_64bits(set->results, c->count * set->bytes);
     if (c->judged && hash == c->hits_hash)
-        return bb_bench_end(set->bench, step, "judge answers", BB_OK);
+        return BB_OK;
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {
         .results = set->results, .count = c->count, .may_be_unnamed = c->entrant->reference};
@@ -192,7 +244,7 @@ static bb_status judge_cell(trace_set *set, cell *c)
     c->record.has_accuracy = true;
     c->judged = true;
     c->hits_hash = hash;
-    return bb_bench_end(set->bench, step, "judge answers", BB_OK);
+    return BB_OK;
 }
 
 /* `exact` answers do not depend on builder, layout and kernel (kernels/ERROR_BUDGET.md). A cell
@@ -215,6 +267,16 @@ static bb_status compare_cell(trace_set *set, cell *c)
     r->unlike = unlike > r->unlike ? unlike : r->unlike;
     snprintf(r->unlike_whom, sizeof r->unlike_whom, "%s", set->whose);
     return BB_OK;
+}
+
+/* Against the oracle's answers and the other cells'. */
+static bb_status hold_answers(trace_set *set, cell *c)
+{
+    bb_step step = bb_bench_begin(set->bench);
+    bb_status status = judge_cell(set, c);
+    if (status == BB_OK)
+        status = compare_cell(set, c);
+    return bb_bench_end(set->bench, step, "judge answers", status);
 }
 
 /* `count` of the first `of` rays of the set, evenly spaced, to the device. */
@@ -245,7 +307,7 @@ static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32
 static bb_status count_tests(trace_set *set, cell *c)
 {
     bb_bench *bench = set->bench;
-    if (c->entrant->reference || bench->request->uncounted)
+    if (c->entrant->reference || bench->request->lean)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_resident_layout(bench, c->entrant, c->layout));
@@ -320,6 +382,8 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
         snprintf(r->kernel, sizeof r->kernel, BB_EMBREE_KERNEL);
         snprintf(r->intersector, sizeof r->intersector, "embree-%s",
                  bb_spec_value(&entrant->spec, bb_embree_options, "mode"));
+        snprintf(r->traced_on, sizeof r->traced_on, "%s",
+                 bench->device->is_cpu ? "" : BB_DEVICE_CPU);
     } else {
         snprintf(r->kernel, sizeof r->kernel, "%s", bench->kernels[kernel].spec.text);
         snprintf(r->intersector, sizeof r->intersector, "%s", bench->request->intersectors[i]);
@@ -342,6 +406,9 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
         c->count = c->count > 0 ? c->count : 1;
     }
     r->count = c->count;
+    c->batch = bench->batch;
+    if (!entrant->reference && !bench->device->is_cpu && c->batch > BB_LAUNCH_FIRST)
+        c->batch = BB_LAUNCH_FIRST;
 }
 
 static bb_status start_set(trace_set *set)
@@ -373,7 +440,7 @@ static bb_status start_set(trace_set *set)
         return bb_fail(BB_FAILED, "out of memory");
     BB_TRY(bb_host_alloc(NULL, set->rays->count * set->bytes, "answers", &set->results));
     uint32_t first = set->rays->count < bench->batch ? set->rays->count : bench->batch;
-    BB_TRY(bb_buffer_write(&bench->rays, 0, first * sizeof(bb_ray), set->rays->rays));
+    BB_TRY(load_batch(set, 0, first));
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_answers_trace(bench->oracle, set->rays, &set->answers));
     BB_TRY(bb_bench_end(bench, step, "oracle: trace", BB_OK));
@@ -396,13 +463,34 @@ static void run_round(trace_set *set)
             bb_samples_add(&c->record.ms, timing.ms);
             bb_samples_add(&c->record.event_ms, timing.event_ms);
             bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
-            status = judge_cell(set, c);
+            status = hold_answers(set, c);
         }
-        if (status == BB_OK)
-            status = compare_cell(set, c);
         if (status != BB_OK)
             note_failure(c, status);
     }
+}
+
+/* Rounds of a device that is no CPU until its clocks have settled; in no sample. */
+static void warm_up(trace_set *set)
+{
+    bb_warming warming = {.rounds = 0};
+    set->warming = !set->bench->device->is_cpu;
+    while (set->warming && !bb_interrupted()) {
+        double ms = 0;
+        for (uint32_t i = 0; i < set->count && !bb_interrupted(); i++) {
+            cell *c = &set->cells[i];
+            bb_timing timing;
+            if (c->entrant->reference || c->record.status != BB_OK)
+                continue;
+            bb_status status = trace_once(set, c, &timing);
+            ms += status == BB_OK ? timing.ms : 0;
+            if (status != BB_OK)
+                note_failure(c, status);
+            c->record.warm_rounds = warming.rounds + 1;
+        }
+        set->warming = !bb_warmed(&warming, ms);
+    }
+    bb_bench_note_warming(set->bench, set->rays->name, &warming);
 }
 
 static bb_status record_cell(trace_set *set, cell *c)
@@ -428,7 +516,8 @@ static bb_status record_cell(trace_set *set, cell *c)
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
 {
     trace_set set = {.bench = bench, .rays = rays, .bytes = rays->query->result_bytes};
-    bb_status status = start_set(&set);
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_bench_end(bench, step, "make rays", start_set(&set));
     if (status != BB_OK)
         goto out;
     uint32_t rounds = bench->request->repeats + 1;
@@ -443,15 +532,19 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
         if (prepared != BB_OK)
             note_failure(&set.cells[i], prepared);
     }
+    warm_up(&set);
     for (uint32_t round = 0; round < rounds && !bb_interrupted(); round++)
         run_round(&set);
+    step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < set.count && status == BB_OK; i++)
         status = record_cell(&set, &set.cells[i]);
+    status = bb_bench_end(bench, step, "keep records", status);
 out:
+    step = bb_bench_begin(bench);
     bb_answers_release(&set.answers);
     bb_host_free(set.results);
     bb_host_free(set.first);
     free(set.order);
     free(set.cells);
-    return status;
+    return bb_bench_end(bench, step, "keep records", status);
 }

@@ -25,7 +25,7 @@ static uint64_t of_texts(uint64_t hash, char *const *texts, uint32_t count)
 uint64_t bb_bench_request_hash(const bb_bench_request *r, uint64_t hash)
 {
     const double numbers[] = {r->native,    r->width,   r->height,        r->max_rays,
-                              r->max_views, r->repeats, r->max_wrong_ppm, r->uncounted};
+                              r->max_views, r->repeats, r->max_wrong_ppm, r->lean};
     hash = of_texts(hash, r->scenes, r->scene_count);
     hash = of_texts(hash, r->builders, r->builder_count);
     hash = of_texts(hash, r->kernels, r->kernel_count);

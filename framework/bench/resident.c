@@ -15,6 +15,19 @@ void bb_resident_evict(bb_entrant *entrant)
     entrant->built = false;
 }
 
+void bb_resident_note(bb_bench *bench)
+{
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        const bb_entrant *entrant = &bench->entrants[i];
+        bytes += entrant->instance.account.peak;
+        for (uint32_t k = 0; k < bench->layout_count; k++)
+            bytes += entrant->has_layout[k] ? entrant->layouts[k].bytes : 0;
+    }
+    if (bytes > bench->outcome->bytes_held)
+        bench->outcome->bytes_held = bytes;
+}
+
 /* Frees what all entrants but `keep` have in memory; false if that was nothing. */
 static bool evict_others(bb_bench *bench, const bb_entrant *keep)
 {
@@ -136,6 +149,7 @@ bb_status bb_resident_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
         return status;
     }
     entrant->has_layout[layout] = true;
+    bb_resident_note(bench);
     entrant->keeps_shape[layout] = entrant->layouts[layout].keeps_shape;
     return BB_OK;
 }

@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 11 };
+enum { BB_ABI_VERSION = 12 };
 
 /* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
  * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the

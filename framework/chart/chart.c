@@ -349,10 +349,12 @@ double bb_chart_run(const bb_chart_cell *cell)
 void bb_chart_builder_name(const bb_chart_cell *cell, bool runs, char *name, size_t capacity)
 {
     const char *builder = bb_get_text(cell->trace, BB_F_TRACE_BUILDER);
+    const char *on = bb_get_text(cell->trace, BB_F_TRACE_ON);
+    char run[32] = "";
     if (runs)
-        snprintf(name, capacity, "%s (run %g)", builder, bb_chart_run(cell) + 1);
-    else
-        snprintf(name, capacity, "%s", builder);
+        snprintf(run, sizeof run, " (run %g)", bb_chart_run(cell) + 1);
+    snprintf(name, capacity, "%s%s%s%s%s", builder, on[0] != '\0' ? " (" : "", on,
+             on[0] != '\0' ? ")" : "", run);
 }
 
 void bb_charts_free(bb_charts *charts)

@@ -53,7 +53,8 @@ char *bb_charts_json(const bb_charts *charts);
 
 /* The number of the run in a merged document; 0 is the first. */
 double bb_chart_run(const bb_chart_cell *cell);
-/* The builder as given; with `runs` also its run, counted from 1 as on the page. */
+/* The builder as given, what traced if that is not the run's device, and with `runs` its run,
+ * counted from 1 as on the page. */
 void bb_chart_builder_name(const bb_chart_cell *cell, bool runs, char *name, size_t capacity);
 
 /* ---- Pareto front ---- */

@@ -1,5 +1,6 @@
 #include "framework/cli/choice.h"
 
+#include "framework/base/progress.h"
 #include "framework/builder/registry.h"
 #include "framework/device/device_private.h"
 
@@ -84,6 +85,8 @@ bb_status bb_open_device_as(const bb_cli *cli, bb_form form, bb_device **device)
                 "bvhbench: the fence of %s is unreliable: %u words of %u messages between "
                 "work-groups came late; bottom-up passes use one launch per level instead\n",
                 (*device)->name, (*device)->litmus_stale, (*device)->litmus_pairs);
+    bb_progress_head("device: %s (%s, driver %s)", (*device)->name, (*device)->version,
+                     (*device)->driver);
     bb_status status = bb_device_set_handover(*device, handover);
     if (status == BB_OK)
         return BB_OK;

@@ -15,7 +15,15 @@
         "form", "F", BB_FORM_HELP ": auto, cpu or gpu; default: auto", BB_CLI_ONCE                 \
     }
 
-/* By --device, --form and --kernels-from. */
+#define BB_DEVICE_OPTION                                                                           \
+    {                                                                                              \
+        "device", "D",                                                                             \
+            "index of an OpenCL device, or part of its name; default: the first of "               \
+            "`list devices`",                                                                      \
+            BB_CLI_ONCE                                                                            \
+    }
+
+/* By --device, --form and --kernels-from. Progress then begins with the device's name. */
 bb_status bb_open_device(const bb_cli *cli, bb_device **device);
 /* The same in a form of the caller's. */
 bb_status bb_open_device_as(const bb_cli *cli, bb_form form, bb_device **device);

@@ -52,7 +52,8 @@ static void print_overview(FILE *out)
     fputs("\n`bvhbench COMMAND --help` shows a command's options. Options are written in full;\n"
           "whole numbers also as 1e6, 20k, 1.5M or 1_000_000.\n"
           "exit status: 0 done, nothing wrong; 1 done, but a check or comparison failed;\n"
-          "2 it could not be done (one line on standard error says why); 130 interrupted\n"
+          "2 it could not be done (one line on standard error says why); 130 interrupted;\n"
+          "141 nobody read the output to its end, and all else was done\n"
           "environment: BVHBENCH_PLUGINS=A.so:B.so loads builders for every command;\n"
           "BVHBENCH_SCENES=DIR is the folder of the shipped scenes\n",
           out);

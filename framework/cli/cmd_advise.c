@@ -29,10 +29,13 @@ static const bb_cli_option options[] = {
     {"max-rays", "N", "most rays of a kind that samples, likewise; default: 65536", false},
     {"repeats", "N", "measured rounds of the last heat, 6 or more; default: 10, or 6 with --quick",
      false},
+    {"memory", "BYTES",
+     "for trees and layouts at a time: what takes more is measured in turns; default: 1500M",
+     false},
     {"quick", NULL, "fewer rays, and one heat less", false},
     {"seed", "N", "random seed; default: 1", false},
     {"json", NULL, "print the advice as JSON", false},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
@@ -59,7 +62,7 @@ static bb_status copy(const bb_names *names, bb_tried *list)
     return BB_OK;
 }
 
-/* One list: what is given, else what there is to try. */
+/* One list: what is given, else what there is to try, if that is said. */
 static bb_status choose(const bb_cli *cli, const char *option,
                         bb_status (*given)(const bb_cli *cli, bb_names *names),
                         bb_status (*by_default)(bb_tried *list), bb_tried *list)
@@ -68,7 +71,7 @@ static bb_status choose(const bb_cli *cli, const char *option,
     bb_names names = {.count = 0};
     bb_cli_values(cli, option, &count);
     if (count == 0)
-        return by_default(list);
+        return by_default != NULL ? by_default(list) : BB_OK;
     bb_status status = given(cli, &names);
     if (status == BB_OK)
         status = copy(&names, list);
@@ -89,7 +92,12 @@ static bb_status exact_alone(bb_tried *list)
 static bb_status choose_lists(const bb_cli *cli, bb_advise_request *r)
 {
     BB_TRY(choose(cli, "builder", given_builders, bb_tried_builders, &r->builders));
-    BB_TRY(choose(cli, "kernel", bb_choose_kernels, bb_tried_kernels, &r->kernels));
+    BB_TRY(choose(cli, "kernel", bb_choose_kernels, NULL, &r->kernels));
+    if (r->kernels.count == 0) {
+        uint32_t device;
+        BB_TRY(bb_device_find_kind(bb_cli_value(cli, "device"), &device));
+        BB_TRY(bb_tried_kernels(&r->kernels, device));
+    }
     return choose(cli, "intersector", bb_choose_intersectors,
                   r->max_wrong_ppm > 0 ? bb_tried_intersectors : exact_alone, &r->intersectors);
 }
@@ -107,7 +115,7 @@ static bb_status choose_rays(const bb_cli *cli, bb_names *names, bb_advise_reque
 
 static bb_status read_numbers(const bb_cli *cli, bb_advise_request *r)
 {
-    uint64_t rays, count, repeats;
+    uint64_t rays, count, repeats, memory;
     const bool quick = bb_cli_value(cli, "quick") != NULL;
     r->width = r->height = quick ? 128 : 256;
     BB_TRY(bb_cli_size(cli, "size", &r->width, &r->height));
@@ -117,6 +125,8 @@ static bb_status read_numbers(const bb_cli *cli, bb_advise_request *r)
                       BB_SAMPLES_MAX - 1, &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &r->seed));
     BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &r->max_wrong_ppm));
+    BB_TRY(bb_cli_u64(cli, "memory", 1500000000, 1, UINT64_C(1) << 50, &memory));
+    r->memory = (double)memory;
     r->max_rays = (uint32_t)rays;
     r->image_rays = (double)count;
     r->repeats = (uint32_t)repeats;
@@ -176,8 +186,24 @@ static bb_status advise(void *user, bb_device *device, bb_results *results,
     return bb_advise(&a->request, results, outcome, &a->found);
 }
 
+/* After an interrupt before anything was measured. */
+static bool is_advised(const bb_results *results)
+{
+    const bool advised = bb_results_section(results, "advice") != NULL;
+    if (!advised && bb_interrupted())
+        fprintf(stderr, "bvhbench: interrupted: there is no advice\n");
+    return advised || !bb_interrupted();
+}
+
+static bb_status print_text(const bb_results *results, FILE *out)
+{
+    return is_advised(results) ? bb_advice_print(results, out) : BB_OK;
+}
+
 static bb_status print_json(const bb_results *results, FILE *out)
 {
+    if (!is_advised(results))
+        return BB_OK;
     char *text = bb_json_print(bb_results_section(results, "advice"), true);
     if (text == NULL)
         return bb_fail(BB_FAILED, "advise: no memory");
@@ -200,13 +226,12 @@ static bb_status answer(const bb_cli *cli, advising *a,
             bb_results_create(&(bb_context){device, a->request.seed, a->request.command}, &results);
     if (status == BB_OK)
         status = advise(a, device, results, &outcome);
-    if (bb_interrupted()) {
-        fprintf(stderr, "bvhbench: interrupted: there is no advice\n");
+    if (bb_interrupted()) { /* a signal makes compilers fail */
         *exit_status = BB_EXIT_INTERRUPTED;
         status = BB_OK;
-    } else if (status == BB_OK) {
-        status = print(results, stdout);
     }
+    if (status == BB_OK && results != NULL)
+        status = print(results, stdout);
     bb_results_destroy(results);
     bb_device_close(device);
     return status;
@@ -236,7 +261,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         .quiet = a.request.quiet || json,
         .compare = advise,
         .request = &a,
-        .print = json ? print_json : bb_advice_print,
+        .print = json ? print_json : print_text,
     };
     if (status == BB_OK)
         status = folder != NULL ? bb_output_compare(&comparison, exit_status)

@@ -18,7 +18,7 @@ static const bb_cli_option options[] = {
      true},
     {"scene", "S", "`all` and default: small procedural scenes, then the shipped ones", true},
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     {"form", "F", BB_FORM_HELP ": auto, cpu, gpu, or both (must give equal trees)", false},
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
@@ -26,8 +26,8 @@ static const bb_cli_option options[] = {
     {"seed", "N", "random seed of the rays; default: 1", false},
     {"side", "N", "N x N rays of each kind, from 6 (for slow tools); default: 64", false},
     {"limit", "SECONDS",
-     "most that a builder may take on a scene, checks included; then it hangs, and `check` ends; "
-     "0: any time; default: 900",
+     "most that a builder may take on a scene, checks included, compiling not; then it hangs, and "
+     "`check` ends; 0: any time; default: 900",
      false},
     {"quiet", NULL, "do not show progress", false},
     {.name = NULL},
@@ -229,8 +229,10 @@ static bb_status check_scene(check *c, uint32_t form, const char *name)
         say_of_scene(c, scene, conformance);
     if (status == BB_OK)
         check_brute_force(c, conformance, name);
-    for (size_t i = 0; i < c->builders.count && status == BB_OK; i++)
+    for (size_t i = 0; i < c->builders.count && status == BB_OK; i++) {
         check_builder(c, form, conformance, scene, i);
+        status = bb_device_check(device);
+    }
     bb_conformance_destroy(conformance);
     bb_scene_free(scene);
     return status;
@@ -304,6 +306,17 @@ static bb_status try_builders(check *c)
     return BB_OK;
 }
 
+/* What a user waits for before anything runs. */
+static void say_compiling(const check *c)
+{
+    for (uint32_t form = 0; form < c->device_count; form++) {
+        bb_compiling compiling;
+        bb_programs_measure(c->devices[form], &compiling);
+        printf("%s: %u programs compiled in %.1f s, kernel cache %s\n", c->devices[form]->name,
+               compiling.programs, 1e-3 * compiling.ms, compiling.cache);
+    }
+}
+
 static bb_status check_all(check *c, const bb_names *scenes)
 {
     for (size_t s = 0; s < scenes->count; s++) {
@@ -341,6 +354,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         return bb_fail(BB_FAILED, "out of memory");
     bb_status status = run_check(c, cli, &scenes);
     if (status == BB_OK) {
+        say_compiling(c);
         printf("builders: %zu, scenes: %zu; %u trees checked, %u checks failed\n",
                c->builders.count, scenes.count, c->checked, c->failed);
         if (c->checked == 0)

@@ -166,6 +166,8 @@ static bb_status list_devices(cJSON *list)
         char number[16], text[512];
         snprintf(number, sizeof number, "%u", i);
         BB_TRY(bb_device_describe(i, text, sizeof text));
+        if (i == 0)
+            strncat(text, " (the default)", sizeof text - strlen(text) - 1);
         add(list, number, text, NULL, NULL);
     }
     return BB_OK;

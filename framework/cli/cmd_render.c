@@ -19,14 +19,14 @@
 static const bb_cli_option options[] = {
     {"scene", "S", "file, shipped or procedural scene", false},
     {"builder", "B", "default: the usual one, which takes all kinds of primitives", false},
-    {"kernel", "K", "default: the first in `list kernels`", false},
+    {"kernel", "K", "default: the first in `list kernels` without a limit of leaf=", false},
     {"intersector", "I", "default: exact", false},
     {"show", "P", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
      false},
     {"view", "V", "view of the scene; default: the first", false},
     {"camera", "V", NULL, false},
     {"size", "WxH", "image size, to which heat and diff add a legend; default: 512x512", false},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
     {"kernels-from", "DIR", "take device code from here first", false},
     BB_FORM_OPTION,
@@ -75,8 +75,8 @@ static bb_status choose_builder(const bb_cli *cli, char *whole, size_t capacity)
 static bb_status choose_kernel(const bb_cli *cli, rendering *r)
 {
     const char *kernel = bb_cli_value(cli, "kernel");
-    BB_TRY(bb_kernel_parse(kernel != NULL ? kernel : bb_kernels[0]->name, &r->kernel_spec,
-                           &r->kernel));
+    BB_TRY(bb_kernel_parse(kernel != NULL ? kernel : bb_kernel_for_any_leaf()->name,
+                           &r->kernel_spec, &r->kernel));
     const char *intersector = bb_cli_value(cli, "intersector");
     return bb_intersector_parse(intersector != NULL ? intersector : bb_intersectors[0].name,
                                 &r->intersector);

@@ -16,7 +16,7 @@ static const bb_cli_option options[] = {
     {"max-prims", "N", "most primitives, where their number varies; default: 1000000", false},
     {"quick", NULL, "small scenes, few rays, two rounds: a trial that decides no claim on times",
      false},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},

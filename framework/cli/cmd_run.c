@@ -7,8 +7,10 @@
 #include "framework/cli/cli.h"
 #include "framework/cli/output.h"
 #include "framework/cli/shard_option.h"
+#include "framework/device/device_private.h"
 #include "framework/report/report.h"
 #include "framework/scene/scene.h"
+#include "framework/workload/workload.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,14 +28,16 @@ static const bb_cli_option options[] = {
     {"intersector", "I", "intersection tests: see `list intersectors`; `all`; default: exact",
      true},
     {"cell", "KEY", "measure exactly this cell, instead of all of the above", BB_CLI_REPEATED},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
     {"size", "WxH",
      "image size for primary rays; default: 512x512, or 256x256 if nothing is chosen", false},
     {"max-rays", "N",
-     "most rays of a workload that samples, per scene; default: 1048576, or 65536 likewise", false},
+     "most rays of a workload that samples, per scene; default: 1048576, or 65536 likewise; see "
+     "below",
+     false},
     {"repeats", "N",
      "measured rounds, after a discarded one; default: 6, the fewest for a 95 % interval", false},
     {"seed", "N", "random seed; default: 1", false},
@@ -81,14 +85,53 @@ static bool is_default(const bb_cli *cli)
     return true;
 }
 
-static bb_status fill_request(const bb_cli *cli, bb_bench_request *request)
+/* Rays of a set on a GPU, at least: the largest keep 270,000 work-items in flight, and the last of
+ * a launch leave most of it idle. */
+enum { GPU_RAYS = 1 << 20 };
+
+/* Whether sets are to fill a GPU: the device is one, and nobody said how large they are to be. */
+static bool fills_gpu(const bb_cli *cli, uint32_t device)
+{
+    return device == BB_FOR_GPU && bb_cli_value(cli, "size") == NULL &&
+           bb_cli_value(cli, "max-rays") == NULL;
+}
+
+static bb_status add_rays(bb_names *workloads)
+{
+    for (size_t i = 0; i < workloads->count; i++) {
+        char more[512];
+        BB_TRY(bb_workload_at_least(workloads->items[i], GPU_RAYS, more, sizeof more));
+        char *text = strdup(more);
+        if (text == NULL)
+            return bb_fail(BB_FAILED, "out of memory");
+        free(workloads->items[i]);
+        workloads->items[i] = text;
+    }
+    return BB_OK;
+}
+
+/* As many as a GPU needs, or else a word on it. */
+static bb_status suit_device(const bb_cli *cli, uint32_t device, bb_names *workloads)
+{
+    if (fills_gpu(cli, device))
+        return add_rays(workloads);
+    if (device == BB_FOR_GPU && workloads->count > 0)
+        fprintf(stderr,
+                "bvhbench: --size or --max-rays is given: sets may have fewer than the %d rays "
+                "that a GPU takes to be busy\n",
+                GPU_RAYS);
+    return BB_OK;
+}
+
+static bb_status fill_request(const bb_cli *cli, uint32_t device, bb_bench_request *request)
 {
     uint64_t max_rays, repeats;
     const bool quick = bb_cli_value(cli, "quick") != NULL, few = quick || is_default(cli);
+    const bool many = !few || fills_gpu(cli, device);
     request->width = request->height = few ? 256 : 512;
     request->max_views = quick ? 1 : 0;
     BB_TRY(bb_cli_size(cli, "size", &request->width, &request->height));
-    BB_TRY(bb_cli_u64(cli, "max-rays", few ? 1 << 16 : 1 << 20, 1, 1u << 30, &max_rays));
+    BB_TRY(bb_cli_u64(cli, "max-rays", many ? 1 << 20 : 1 << 16, 1, 1u << 30, &max_rays));
     BB_TRY(bb_cli_u64(cli, "repeats", quick ? 2 : BB_INTERVAL_ROUNDS, 1, BB_SAMPLES_MAX - 1,
                       &repeats));
     BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
@@ -123,14 +166,16 @@ typedef struct lists {
 
 static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
 {
-    uint32_t kernels_given;
+    uint32_t kernels_given, device;
     bb_cli_values(cli, "kernel", &kernels_given);
     BB_TRY(bb_choose_scenes(cli, bb_add_shipped_scenes, &l->scenes));
     BB_TRY(choose_builders(cli, &l->builders));
     BB_TRY(choose_traces(cli, &l->kernels, &l->workloads));
     BB_TRY(bb_choose_intersectors(cli, &l->intersectors));
     BB_TRY(bb_choose_metrics(cli, &l->metrics));
-    BB_TRY(fill_request(cli, request));
+    BB_TRY(bb_device_find_kind(bb_cli_value(cli, "device"), &device));
+    BB_TRY(suit_device(cli, device, &l->workloads));
+    BB_TRY(fill_request(cli, device, request));
     request->scenes = l->scenes.items;
     request->scene_count = (uint32_t)l->scenes.count;
     request->builders = l->builders.items;
@@ -153,7 +198,7 @@ static char *const telling_scenes[] = {"sphere-mesh:n=64", "boards:length=1e3"};
 static char *const telling_rays[] = {"edges:jitter=64"};
 static char *const telling_intersectors[] = {"exact", "watertight", "pluecker", "fast"};
 
-static bb_bench_request telling_request(const bb_bench_request *of)
+static bb_bench_request telling_request(const bb_bench_request *of, uint32_t device)
 {
     bb_bench_request request = *of;
     request.scenes = telling_scenes;
@@ -165,7 +210,8 @@ static bb_bench_request telling_request(const bb_bench_request *of)
     request.workload_count = sizeof telling_rays / sizeof telling_rays[0];
     request.intersectors = telling_intersectors;
     request.intersector_count = sizeof telling_intersectors / sizeof telling_intersectors[0];
-    request.max_rays = of->max_rays < 1 << 18 ? of->max_rays : 1 << 18;
+    const uint32_t most = device == BB_FOR_GPU ? GPU_RAYS : 1 << 18;
+    request.max_rays = of->max_rays < most ? of->max_rays : most;
     request.picture_folder = NULL;
     return request;
 }
@@ -186,7 +232,7 @@ static bb_status compare(void *user, bb_device *device, bb_results *results,
         BB_TRY(bb_bench_run(&c->request, results, outcome));
         if (!c->telling || bb_interrupted())
             return BB_OK;
-        const bb_bench_request telling = telling_request(&c->request);
+        const bb_bench_request telling = telling_request(&c->request, bb_device_kind(device));
         BB_TRY(bb_bench_run(&telling, results, &more));
         bb_bench_outcome_add(outcome, &more);
         return BB_OK;
@@ -278,6 +324,8 @@ const bb_command bb_command_run = {
         "together; N shards have each cell once, and `bvhbench merge` makes one run of them:\n"
         "  parallel -j 1 bvhbench run --shard {}/4 --out out/{} ::: 1 2 3 4; bvhbench merge "
         "out/[1-4]\n"
+        "On a GPU a set has at least 1,048,576 rays (least=N of those that are made of pictures),\n"
+        "unless --size or --max-rays says otherwise.\n"
         "2 to 5 --repeats give a range instead of an interval, 1 gives neither.\n"
         "A comma starts a new item of a list unless what follows it is key=value.\n"
         "Exit status 1: a cell with the intersector `exact` has more wrong answers than\n"

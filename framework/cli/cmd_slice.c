@@ -30,7 +30,7 @@ static const bb_cli_option options[] = {
     {"repeats", "N", "measured rounds; default: 10", false},
     {"seed", "N", "random seed; default: 1", false},
     {"json", NULL, "print JSON", false},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},

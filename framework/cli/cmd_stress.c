@@ -27,7 +27,7 @@ static const bb_cli_option options[] = {
      "minutes: small scenes, few rays and values; judges no times, misses what is rare", false},
     {"limit", "SECONDS", "what takes longer, for one value of an axis, hangs; default: 120", false},
     {"memory", "MIB", "what takes more floods the memory; default: 8192", false},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},

@@ -47,7 +47,7 @@ static const bb_cli_option options[] = {
     {"brief", NULL,
      "less: by default no builders that take long on meshes; no trees, phases and legends", false},
     {"json", NULL, "print JSON", false},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first", false},
+    BB_DEVICE_OPTION,
     BB_FORM_OPTION,
     {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
      false},
@@ -195,6 +195,7 @@ static bb_status compare_transfers(job *j, bb_scene *scene)
         if (status == BB_OK)
             status = compare(j, scene);
     }
+    j->request.transfer = NULL;
     return status;
 }
 

@@ -3,6 +3,7 @@
 #include "framework/base/suggest.h"
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
+#include "framework/device/device_private.h"
 #include "framework/record/cell.h"
 #include "framework/scene/scene.h"
 #include "framework/tree/metric.h"
@@ -215,19 +216,24 @@ static bb_status add_all_kernels(bb_names *names)
     return BB_OK;
 }
 
-static bb_status add_compared_kernels(bb_names *names)
+static bb_status add_compared_kernels(bb_names *names, uint32_t device)
 {
-    for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-        if ((*kernel)->compared != NULL)
-            BB_TRY(bb_names_add(names, (*kernel)->compared));
+    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
+        for (const bb_variants *v = (*k)->variants;
+             (v = bb_variants_of(v, BB_ROLE_COMPARED, device)) != NULL; v++)
+            BB_TRY(bb_names_add(names, v->specs));
     return BB_OK;
 }
 
 bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
 {
-    static const list kernels = {"kernel", add_all_kernels, add_compared_kernels,
-                                 offsetof(spelt, cell.kernel)};
-    return choose(cli, &kernels, names);
+    static const list kernels = {"kernel", add_all_kernels, NULL, offsetof(spelt, cell.kernel)};
+    uint32_t count, device;
+    bb_cli_values(cli, "kernel", &count);
+    if (count > 0)
+        return choose(cli, &kernels, names);
+    BB_TRY(bb_device_find_kind(bb_cli_value(cli, "device"), &device));
+    return add_compared_kernels(names, device);
 }
 
 static bb_status add_all_rays(bb_names *names)

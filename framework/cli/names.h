@@ -30,8 +30,9 @@ bb_status bb_add_shipped_scenes(bb_names *names);
  * `every`, the name of those that stay out of it. */
 bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names);
 
-bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names); /* default: for the comparison */
-bb_status bb_choose_rays(const bb_cli *cli, bb_names *names);    /* default: five kinds */
+/* Default: those to compare on the device. */
+bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names);
+bb_status bb_choose_rays(const bb_cli *cli, bb_names *names);         /* default: five kinds */
 bb_status bb_choose_intersectors(const bb_cli *cli, bb_names *names); /* default: exact */
 bb_status bb_choose_metrics(const bb_cli *cli, bb_names *names);      /* default: none */
 

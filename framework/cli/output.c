@@ -227,6 +227,9 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
         status = c->compare(c->request, device, results, &outcome);
     bool measured = bb_results_section(results, "builds")->child != NULL;
     (void)bb_results_set_others(results, bb_bystanders_share(&watch));
+    bb_compiling compiling;
+    bb_programs_measure(device, &compiling);
+    (void)bb_results_set_compiling(results, &compiling);
     if (bb_interrupted()) { /* whatever failed on the way: a signal makes compilers fail */
         *exit_status = BB_EXIT_INTERRUPTED;
         status = bb_results_set_interrupted(results);

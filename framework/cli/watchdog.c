@@ -1,5 +1,7 @@
 #include "framework/cli/watchdog.h"
 
+#include "framework/base/clock.h"
+#include "framework/base/uncounted.h"
 #include "framework/cli/cli.h"
 
 #include <signal.h>
@@ -9,11 +11,23 @@
 
 static char words[2048];
 static size_t length;
+static double end_ms; /* of the time that counts */
+
+/* What has passed since some time long ago, without what does not count. */
+static double counted_ms(void)
+{
+    return bb_wall_ms() - bb_uncounted_ms();
+}
 
 /* On any thread, whatever the others are at: only what is safe in a signal handler. */
 static void give_up(int signal_number)
 {
     (void)signal_number;
+    double left = end_ms - counted_ms();
+    if (left > 0) {
+        alarm(1 + (unsigned)(left / 1e3));
+        return;
+    }
     for (size_t at = 0; at < length;) {
         ssize_t written = write(STDOUT_FILENO, words + at, length - at);
         if (written <= 0)
@@ -29,8 +43,10 @@ void bb_watchdog_start(uint32_t seconds, const char *last_words)
     bb_watchdog_stop();
     snprintf(words, sizeof words, "%s", last_words);
     length = strlen(words);
+    end_ms = counted_ms() + 1e3 * seconds;
     memset(&action, 0, sizeof action);
     action.sa_handler = give_up;
+    action.sa_flags = SA_RESTART;
     sigaction(SIGALRM, &action, NULL);
     alarm(seconds);
 }

@@ -135,6 +135,8 @@ static void read_origin(const bb_results *results, const char *what, bb_origin *
     copy(origin->host, sizeof origin->host, bb_get_text(context, BB_F_CONTEXT_HOST));
     copy(origin->cpu, sizeof origin->cpu, bb_get_text(context, BB_F_CONTEXT_CPU));
     copy(origin->device, sizeof origin->device, bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    copy(origin->device_type, sizeof origin->device_type,
+         bb_get_text(context, BB_F_CONTEXT_DEVICE_TYPE));
     copy(origin->driver, sizeof origin->driver, bb_get_text(context, BB_F_CONTEXT_DRIVER));
     copy(origin->embree, sizeof origin->embree,
          bb_json_text(bb_get(context, BB_F_CONTEXT_EMBREE), "version"));
@@ -215,6 +217,13 @@ void bb_cell_set_free(bb_cell_set *set)
         free_measured(&set->cells[i]);
     free(set->cells);
     memset(set, 0, sizeof *set);
+}
+
+bool bb_same_device(const bb_origin *a, const bb_origin *b)
+{
+    bool processors =
+        strcmp(a->device_type, BB_DEVICE_CPU) == 0 && strcmp(b->device_type, BB_DEVICE_CPU) == 0;
+    return processors || strcmp(a->device, b->device) == 0;
 }
 
 bool bb_same_machine(const bb_origin *a, const bb_origin *b, bool *host)

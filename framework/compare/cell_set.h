@@ -32,7 +32,8 @@ typedef struct bb_origin {
     char what[256]; /* for messages: the file or revision */
     char date[32], revision[80], host[256], cpu[256], device[256], driver[128], embree[48],
         seed[24];
-    char shard[24]; /* "2/8"; "" for a whole run */
+    char device_type[16]; /* BB_DEVICE_CPU ...; "" in files of earlier versions */
+    char shard[24];       /* "2/8"; "" for a whole run */
     bool interrupted;
 } bb_origin;
 
@@ -59,6 +60,11 @@ void bb_cell_set_sort(bb_cell_set *set);
 /* In a sorted set; NULL if there is none. */
 const bb_measured *bb_cell_set_find(const bb_cell_set *set, const char *key);
 void bb_cell_set_free(bb_cell_set *set);
+
+/* Whether cells of both may meet: the device is part of what a cell is. Processors count as one,
+ * since trees, tests and answers are the same on all of them; another device is known by its name,
+ * as is one of which an earlier version did not record what it is. */
+bool bb_same_device(const bb_origin *a, const bb_origin *b);
 
 /* Whether times of both can be compared: the same processor, device and driver; *host: and host. */
 bool bb_same_machine(const bb_origin *a, const bb_origin *b, bool *host);

@@ -95,8 +95,8 @@ typedef struct bb_comparison_result {
 /* Compares. Both sides have one set, or equally many of at least 2 pairs. `threshold` replaces the
  * floor (a share; NAN: not given); else `floor` is that of runs by themselves if one is known
  * (NULL: none), and pairs measure their own. The result points into the sides and the floor.
- * BB_INVALID if they have no cell in common, or the runs of a side are not of one program and
- * machine. Release with bb_compare_free(), also after a failure. */
+ * BB_INVALID if they are of two devices, have no cell in common, or the runs of a side are not of
+ * one program and machine. Release with bb_compare_free(), also after a failure. */
 bb_status bb_compare(const bb_side *before, const bb_side *after, double threshold,
                      const bb_floor *floor, bb_comparison_result *result);
 void bb_compare_free(bb_comparison_result *result);

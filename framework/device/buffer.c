@@ -80,20 +80,58 @@ void bb_buffer_release(bb_buffer *buffer)
 
 bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const void *source)
 {
-    if (bytes > 0)
-        BB_CL_TRY(clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
-                                       source, 0, NULL, NULL),
-                  "writing %zu bytes to the device", bytes);
+    if (bytes == 0)
+        return BB_OK;
+    buffer->device->waits++;
+    BB_CL_TRY(clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+                                   source, 0, NULL, NULL),
+              "writing %zu bytes to the device", bytes);
+    return BB_OK;
+}
+
+bb_status bb_buffer_send(bb_buffer *buffer, size_t bytes, const void *source)
+{
+    bb_device *device = buffer->device;
+    device->launches++;
+    BB_CL_TRY(
+        clEnqueueWriteBuffer(device->queue, buffer->mem, CL_FALSE, 0, bytes, source, 0, NULL, NULL),
+        "sending %zu bytes to the device", bytes);
     return BB_OK;
 }
 
 bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, void *target)
 {
-    if (bytes > 0)
-        BB_CL_TRY(clEnqueueReadBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
-                                      target, 0, NULL, NULL),
-                  "reading %zu bytes from the device", bytes);
+    if (bytes == 0)
+        return BB_OK;
+    buffer->device->waits++;
+    BB_CL_TRY(clEnqueueReadBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
+                                  target, 0, NULL, NULL),
+              "reading %zu bytes from the device", bytes);
     return BB_OK;
+}
+
+bb_status bb_device_check(bb_device *device)
+{
+    const uint32_t sent = 0x600dd00d;
+    uint32_t got = 0;
+    cl_int error;
+    cl_mem word = clCreateBuffer(device->context, CL_MEM_READ_WRITE, sizeof sent, NULL, &error);
+    if (error == CL_SUCCESS)
+        error = clEnqueueWriteBuffer(device->queue, word, CL_TRUE, 0, sizeof sent, &sent, 0, NULL,
+                                     NULL);
+    if (error == CL_SUCCESS)
+        error =
+            clEnqueueReadBuffer(device->queue, word, CL_TRUE, 0, sizeof got, &got, 0, NULL, NULL);
+    if (word != NULL)
+        clReleaseMemObject(word);
+    if (error == CL_SUCCESS && got == sent)
+        return BB_OK;
+    return bb_fail(BB_FAILED,
+                   "%s does not answer any more (%s): see its driver's log, then run again",
+                   device->name,
+                   error != CL_SUCCESS ? bb_cl_error(error)
+                                       : "a word came back as "
+                                         "another one");
 }
 
 bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern)
@@ -102,6 +140,7 @@ bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern)
     cl_event event;
     if (bytes == 0)
         return BB_OK;
+    device->launches++;
     BB_CL_TRY(clEnqueueFillBuffer(device->queue, buffer->mem, &pattern, sizeof pattern, 0, bytes, 0,
                                   NULL, device->profile_events ? &event : NULL),
               "filling %zu bytes on the device", bytes);
@@ -114,15 +153,48 @@ bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes)
     cl_event event;
     if (bytes == 0)
         return BB_OK;
+    device->launches++;
     BB_CL_TRY(clEnqueueCopyBuffer(device->queue, from->mem, to->mem, 0, 0, bytes, 0, NULL,
                                   device->profile_events ? &event : NULL),
               "copying %zu bytes on the device", bytes);
     return device->profile_events ? bb_device_add_event(device, event) : BB_OK;
 }
 
+/* On devices with memory of their own: pinned memory that a driver maps is scarce, and slow to read
+ * on some. The copy begins behind this. */
+typedef struct map_copy {
+    _Alignas(64) bool write;
+} map_copy;
+
+static bb_status copy_to_host(const bb_buffer *buffer, bool write, void **pointer)
+{
+    map_copy *copy = NULL;
+    BB_TRY(bb_host_alloc(buffer->account, sizeof *copy + buffer->bytes, "a copy of the device's",
+                         &copy));
+    copy->write = write;
+    bb_status status = bb_buffer_read(buffer, 0, buffer->bytes, copy + 1);
+    if (status == BB_OK)
+        *pointer = copy + 1;
+    else
+        bb_host_free(copy);
+    return status;
+}
+
+static bb_status copy_back(const bb_buffer *buffer, void *pointer)
+{
+    map_copy *copy = (map_copy *)pointer - 1;
+    bb_buffer target = *buffer;
+    bb_status status = copy->write ? bb_buffer_write(&target, 0, buffer->bytes, pointer) : BB_OK;
+    bb_host_free(copy);
+    return status;
+}
+
 bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer)
 {
     cl_int error;
+    if (!buffer->device->is_cpu)
+        return copy_to_host(buffer, write, pointer);
+    buffer->device->waits++;
     *pointer = clEnqueueMapBuffer(buffer->device->queue, buffer->mem, CL_TRUE,
                                   write ? CL_MAP_READ | CL_MAP_WRITE : CL_MAP_READ, 0,
                                   buffer->bytes, 0, NULL, NULL, &error);
@@ -132,6 +204,8 @@ bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer)
 
 bb_status bb_buffer_unmap(const bb_buffer *buffer, void *pointer)
 {
+    if (!buffer->device->is_cpu)
+        return copy_back(buffer, pointer);
     BB_CL_TRY(clEnqueueUnmapMemObject(buffer->device->queue, buffer->mem, pointer, 0, NULL, NULL),
               "unmapping %zu bytes of the device", buffer->bytes);
     return bb_finish(buffer->device);

@@ -40,6 +40,20 @@ const char *bb_cl_error(cl_int error)
     }
 }
 
+/* What to do about errors that are neither ours nor in what was asked for. */
+static const char *advice(cl_int error)
+{
+    switch (error) {
+    case CL_DEVICE_NOT_AVAILABLE:
+        return " (the device is lost: see its driver's log, then run again)";
+    case CL_OUT_OF_RESOURCES:
+        return " (the kernel needs more registers or memory than the device has, or the driver "
+               "has ended it: see its log)";
+    default:
+        return "";
+    }
+}
+
 bb_status bb_cl_fail(cl_int error, const char *format, ...)
 {
     char what[256];
@@ -47,5 +61,5 @@ bb_status bb_cl_fail(cl_int error, const char *format, ...)
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
-    return bb_fail(BB_FAILED, "%s: %s", what, bb_cl_error(error));
+    return bb_fail(BB_FAILED, "%s: %s%s", what, bb_cl_error(error), advice(error));
 }

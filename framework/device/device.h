@@ -30,7 +30,7 @@ typedef enum bb_form {
 typedef enum bb_handover {
     BB_HANDOVER_AUTO,   /* as the device documents, confirmed by a litmus test */
     BB_HANDOVER_FENCE,  /* inside a launch */
-    BB_HANDOVER_LEVELS, /* one launch per level */
+    BB_HANDOVER_LEVELS, /* from one launch to the next */
 } bb_handover;
 
 typedef struct bb_device {
@@ -56,6 +56,8 @@ typedef struct bb_device {
     uint64_t bytes;              /* in use by our own account */
     double event_ms;             /* sum of the event times since bb_device_clear_events() */
     bool profile_events;         /* collect event_ms: a stopwatch runs */
+    uint64_t launches;           /* kernels, fills and copies enqueued since it was opened */
+    uint64_t waits;              /* blocking copies and maps since then */
     struct bb_event_list *events;
     struct bb_program_cache *programs; /* what was compiled; released with the device */
     const char *kernel_folder; /* edit-and-run: .cl and .h are read from here first; may be NULL */
@@ -71,6 +73,9 @@ static inline bool bb_cpu_form(const bb_device *device)
 /* Whether the device can round quotients and square roots correctly: kernels that take the same
  * steps then get the same bits. */
 bool bb_device_divides_exactly(const bb_device *device);
+
+/* "fence" or "levels". */
+const char *bb_handover_word(const bb_device *device);
 
 /* Compiler options for programs that include handover.clh; 96 characters are enough. */
 void bb_handover_defines(const bb_device *device, char *text, size_t capacity);
@@ -97,11 +102,14 @@ void bb_buffer_release(bb_buffer *buffer);
 /* Blocking copies. Offsets and sizes in bytes. */
 bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const void *source);
 bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, void *target);
+/* Writes the first `bytes`; enqueued, not waited for: `source` stays as it is until it is done. */
+bb_status bb_buffer_send(bb_buffer *buffer, size_t bytes, const void *source);
 /* Fills with a 32-bit pattern; enqueued, not waited for. `bytes` is a multiple of 4. */
 bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern);
 /* Copies the first `bytes` from one buffer to another on the device; enqueued, not waited for. */
 bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes);
-/* Maps for host access (no copy on devices that share memory); blocking. */
+/* For host access: mapped on devices that share memory, elsewhere a copy, which goes back if it was
+ * for writing; blocking. */
 bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer);
 bb_status bb_buffer_unmap(const bb_buffer *buffer, void *pointer);
 
@@ -142,9 +150,16 @@ typedef struct bb_arg {
 #define BB_MEM(buffer) ((bb_arg){sizeof(cl_mem), &(buffer).mem})
 #define BB_VALUE(variable) ((bb_arg){sizeof(variable), &(variable)})
 
-/* Sets the arguments and enqueues; does not wait. `global` is rounded up to a multiple of `local`:
- * kernels compare their id with a count. BB_FAILED, with the kernel's name, if there are more or
- * fewer arguments than it takes, one has the wrong size, or the driver refuses the launch. */
+/* The group in which the device runs a compiled kernel: `wanted`, or half of it, or a quarter ...
+ * until the kernel's own limit allows it. BB_UNSUPPORTED if it is compiled for larger ones. */
+bb_status bb_kernel_group(const bb_device *device, cl_kernel kernel, size_t wanted, size_t *group);
+
+/* Sets the arguments and enqueues; does not wait. Groups are smaller than `local` if the device
+ * runs this kernel in smaller ones only (it may need many registers): a kernel whose work-items
+ * co-operate says how large its groups are (reqd_work_group_size), and BB_UNSUPPORTED is returned
+ * where that is too large. `global` is rounded up to a multiple of the groups' size: kernels
+ * compare their id with a count. BB_FAILED, with the kernel's name, if there are more or fewer
+ * arguments than it takes, one has the wrong size, or the driver refuses the launch. */
 bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, size_t local,
                          const bb_arg *args, uint32_t count);
 #define bb_launch(device, kernel, global, local, ...)                                              \

@@ -2,24 +2,38 @@
 #ifndef BB_DEVICE_PRIVATE_H
 #define BB_DEVICE_PRIVATE_H
 
+#include "framework/base/variants.h"
 #include "framework/device/device.h"
 
 /* BB_INVALID where there is no `folder`, in which Linux describes its processors
  * (/sys/devices/system/cpu): PoCL ends the process without it. */
 bb_status bb_device_check_system(const char *folder);
 
-/* Number of OpenCL devices of all platforms, and description of the i-th for `list devices`. */
+/* Number of OpenCL devices of all platforms, and description of the i-th for `list devices`: GPUs
+ * come first, then accelerators, then processors. */
 bb_status bb_device_count(uint32_t *count);
 bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);
 /* If there are none: why, or what to do. */
 void bb_device_say_none(char *text, size_t capacity);
 
-/* Opens the device that `selector` names: NULL (the first there is), an index, or part of a device
+/* What variants suit: BB_FOR_CPU or BB_FOR_GPU, which is any device that is no CPU. */
+static inline uint32_t bb_device_kind(const bb_device *device)
+{
+    return device->is_cpu ? BB_FOR_CPU : BB_FOR_GPU;
+}
+
+/* The same of the device that `selector` names, which stays unopened. */
+bb_status bb_device_find_kind(const char *selector, uint32_t *kind);
+
+/* Opens the device that `selector` names: NULL (the first of them), an index, or part of a device
  * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c).
  * BB_INVALID when there is none: the message says what to install. Close with bb_device_close(). */
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
                          bb_device **device);
 void bb_device_close(bb_device *device);
+
+/* Moves a word there and back: BB_FAILED, and what to do, if the device answers no more. */
+bb_status bb_device_check(bb_device *device);
 
 /* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence
  * that the device has not, or that failed the litmus test. */
@@ -37,6 +51,19 @@ extern const bb_source bb_embedded_sources[];
 
 /* Forgets all compiled programs (those in use live on). */
 void bb_programs_clear(bb_device *device);
+
+/* What compiling took since the device was opened or its programs forgotten. Not in it is what a
+ * driver leaves for a kernel's first launch. */
+typedef struct bb_compiling {
+    uint32_t programs; /* those that did not compile among them */
+    double ms;         /* wall */
+    const char *cache; /* the driver's cache of kernels, for the program that took longest: "cold":
+                          compiled again it takes less than a third of the time; "warm": it does
+                          not, so it came from the cache, or there is none; or "not known" */
+} bb_compiling;
+
+/* Compiles one program once more, to tell. */
+void bb_programs_measure(bb_device *device, bb_compiling *found);
 
 /* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read
  * device->event_ms. While profile_events is set, whatever the device does by itself is added:

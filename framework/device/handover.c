@@ -6,43 +6,72 @@
 #include "framework/device/device_private.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-enum { SLOTS = 1 << 16, ROUNDS = 4, GROUP_SIZE = 64, NAMES_MAX = 64 };
+enum { SLOTS = 1 << 16, ROUNDS = 4, GROUP_SIZE = 64, NAMES_MAX = 4096 };
 
-static bool has_name(const cl_name_version *names, size_t count, const char *name)
+_Static_assert(sizeof(bb_named_version) == sizeof(cl_name_version), "as OpenCL has it");
+
+static bool has_name(const bb_names *list, const char *name)
 {
-    for (size_t i = 0; i < count; i++)
-        if (strcmp(names[i].name, name) == 0)
+    for (size_t i = 0; i < list->count; i++)
+        if (strncmp(list->names[i].name, name, sizeof list->names[i].name) == 0)
             return true;
     return false;
 }
 
-/* The OpenCL C version to compile for: "" if none has such a fence. */
-static void find_fence(const bb_device *device, char *fence, size_t capacity)
+static bool has_version(const bb_names *list, cl_uint major)
 {
-    cl_name_version versions[NAMES_MAX], features[NAMES_MAX];
-    size_t bytes = 0, version_count, feature_count;
-    fence[0] = '\0';
-    if (clGetDeviceInfo(device->id, CL_DEVICE_OPENCL_C_ALL_VERSIONS, sizeof versions, versions,
-                        &bytes) != CL_SUCCESS) {
-        /* before OpenCL 3.0 there was one version, and no list of features */
-        char version[128] = "";
-        clGetDeviceInfo(device->id, CL_DEVICE_OPENCL_C_VERSION, sizeof version, version, NULL);
-        if (strncmp(version, "OpenCL C 2.", 11) == 0)
-            snprintf(fence, capacity, "-cl-std=CL2.0");
-        return;
-    }
-    version_count = bytes / sizeof versions[0];
-    if (clGetDeviceInfo(device->id, CL_DEVICE_OPENCL_C_FEATURES, sizeof features, features,
-                        &bytes) != CL_SUCCESS)
-        return;
-    feature_count = bytes / sizeof features[0];
-    for (size_t i = 0; i < version_count; i++)
-        if (CL_VERSION_MAJOR(versions[i].version) >= 3 &&
-            has_name(features, feature_count, "__opencl_c_atomic_order_acq_rel") &&
-            has_name(features, feature_count, "__opencl_c_atomic_scope_device"))
-            snprintf(fence, capacity, "-cl-std=CL3.0");
+    for (size_t i = 0; i < list->count; i++)
+        if (CL_VERSION_MAJOR(list->names[i].version) == major)
+            return true;
+    return false;
+}
+
+const char *bb_fence_option(const bb_names *versions, const bb_names *features, const char *version)
+{
+    if (has_version(versions, 3) && has_name(features, "__opencl_c_atomic_order_acq_rel") &&
+        has_name(features, "__opencl_c_atomic_scope_device"))
+        return "-cl-std=CL3.0";
+    /* before OpenCL 3.0 there was one version, and no list */
+    if (has_version(versions, 2) || strncmp(version, "OpenCL C 2.", 11) == 0)
+        return "-cl-std=CL2.0";
+    return "";
+}
+
+/* Empty if the device has no such list, or one that can't be. */
+static bb_status read_names(const bb_device *device, cl_device_info what, bb_names *list)
+{
+    const size_t one = sizeof(bb_named_version);
+    size_t bytes = 0;
+    *list = (bb_names){0};
+    if (clGetDeviceInfo(device->id, what, 0, NULL, &bytes) != CL_SUCCESS || bytes == 0 ||
+        bytes % one != 0 || bytes > NAMES_MAX * one)
+        return BB_OK;
+    list->names = calloc(1, bytes);
+    if (list->names == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    if (clGetDeviceInfo(device->id, what, bytes, list->names, NULL) == CL_SUCCESS)
+        list->count = bytes / one;
+    return BB_OK;
+}
+
+static bb_status find_fence(bb_device *device)
+{
+    bb_names versions, features = {0};
+    char version[128] = "";
+    bb_status status = read_names(device, CL_DEVICE_OPENCL_C_ALL_VERSIONS, &versions);
+    if (status == BB_OK)
+        status = read_names(device, CL_DEVICE_OPENCL_C_FEATURES, &features);
+    if (clGetDeviceInfo(device->id, CL_DEVICE_OPENCL_C_VERSION, sizeof version, version, NULL) !=
+        CL_SUCCESS)
+        version[0] = '\0';
+    snprintf(device->fence, sizeof device->fence, "%s",
+             status == BB_OK ? bb_fence_option(&versions, &features, version) : "");
+    free(versions.names);
+    free(features.names);
+    return status;
 }
 
 static bb_status run_litmus(bb_device *device)
@@ -86,7 +115,7 @@ static bb_status run_litmus(bb_device *device)
 
 bb_status bb_choose_handover(bb_device *device)
 {
-    find_fence(device, device->fence, sizeof device->fence);
+    BB_TRY(find_fence(device));
     device->handover = device->fence[0] != '\0' ? BB_HANDOVER_FENCE : BB_HANDOVER_LEVELS;
     if (device->handover == BB_HANDOVER_LEVELS)
         return BB_OK;
@@ -111,6 +140,11 @@ bb_status bb_device_set_handover(bb_device *device, bb_handover handover)
     if (handover != BB_HANDOVER_AUTO)
         device->handover = handover;
     return BB_OK;
+}
+
+const char *bb_handover_word(const bb_device *device)
+{
+    return device->handover == BB_HANDOVER_FENCE ? "fence" : "levels";
 }
 
 void bb_handover_defines(const bb_device *device, char *text, size_t capacity)

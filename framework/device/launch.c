@@ -49,6 +49,29 @@ static bb_status set_args(cl_kernel kernel, const bb_arg *args, uint32_t count)
     return BB_OK;
 }
 
+bb_status bb_kernel_group(const bb_device *device, cl_kernel kernel, size_t wanted, size_t *group)
+{
+    char name[128];
+    size_t most = 0, compiled[3] = {0};
+    BB_CL_TRY(clGetKernelWorkGroupInfo(kernel, device->id, CL_KERNEL_WORK_GROUP_SIZE, sizeof most,
+                                       &most, NULL),
+              "asking kernel %s for the size of its groups", name_of(kernel, name, sizeof name));
+    *group = wanted;
+    if (wanted <= most)
+        return BB_OK;
+    BB_CL_TRY(clGetKernelWorkGroupInfo(kernel, device->id, CL_KERNEL_COMPILE_WORK_GROUP_SIZE,
+                                       sizeof compiled, compiled, NULL),
+              "asking kernel %s for the size of its groups", name_of(kernel, name, sizeof name));
+    if (compiled[0] != 0 || most == 0)
+        return bb_fail(BB_UNSUPPORTED,
+                       "kernel %s needs groups of %zu work-items, and %s runs it in groups of up "
+                       "to %zu",
+                       name_of(kernel, name, sizeof name), wanted, device->name, most);
+    while (*group > most)
+        *group /= 2;
+    return BB_OK;
+}
+
 bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, size_t local,
                          const bb_arg *args, uint32_t count)
 {
@@ -56,12 +79,14 @@ bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, siz
         return BB_OK;
     char name[128];
     BB_TRY(set_args(kernel, args, count));
+    BB_TRY(bb_kernel_group(device, kernel, local, &local));
     size_t whole = (global + local - 1) / local * local;
     cl_event event;
     BB_CL_TRY(clEnqueueNDRangeKernel(device->queue, kernel, 1, NULL, &whole, &local, 0, NULL,
                                      device->profile_events ? &event : NULL),
               "launching kernel %s on %zu work-items in groups of %zu",
               name_of(kernel, name, sizeof name), whole, local);
+    device->launches++;
     if (device->profile_events)
         BB_TRY(bb_device_add_event(device, event));
     return BB_OK;

@@ -2,7 +2,9 @@
 
 enum {
     ITEMS_MAX = 1 << 16,
-    AT_ONCE = 16, /* levels enqueued before asking whether there is another one */
+    ALONE = 256,        /* nodes of a level that one work-group does by itself */
+    ALONE_BY_GROUP = 4, /* if all of the group share a node */
+    LAUNCHES_MIN = 17,  /* of more: those that handover.clh counts on, and the last */
 };
 
 bb_status bb_levels_reserve(bb_levels *levels, bb_device *device, bb_account *account,
@@ -28,20 +30,39 @@ bb_status bb_levels_start(bb_levels *levels)
     return bb_buffer_fill(&levels->counts, ((size_t)levels->most + 2) * sizeof(uint32_t), 0);
 }
 
+static uint32_t most_nodes(const bb_levels *levels)
+{
+    return (uint32_t)(levels->lists[0].bytes / sizeof(uint32_t));
+}
+
 uint32_t bb_levels_items(const bb_levels *levels)
 {
-    size_t nodes = levels->lists[0].bytes / sizeof(uint32_t);
-    return nodes < ITEMS_MAX ? (uint32_t)nodes : ITEMS_MAX;
+    uint32_t nodes = most_nodes(levels);
+    return levels->last ? 1 : nodes < ITEMS_MAX ? nodes : ITEMS_MAX;
+}
+
+/* Levels of a tree shrink by a half or so; twice as many launches are enough for most. */
+uint32_t bb_levels_launches(const bb_levels *levels)
+{
+    uint32_t launches = 1, nodes = most_nodes(levels);
+    if (nodes > (levels->by_groups ? ALONE_BY_GROUP : ALONE)) {
+        for (; nodes > 1; nodes /= 2)
+            launches += 2;
+        launches = launches < LAUNCHES_MIN ? LAUNCHES_MIN : launches;
+    }
+    return launches < levels->most ? launches : levels->most;
 }
 
 bb_status bb_levels_run(bb_levels *levels,
                         bb_status (*launch)(void *context, const bb_levels *levels, uint32_t n),
                         void *context)
 {
-    for (uint32_t n = 1, left = 1; n <= levels->most && left > 0; n++) {
-        BB_TRY(launch(context, levels, n));
-        if (n % AT_ONCE == 0)
-            BB_TRY(bb_buffer_read(&levels->counts, (n + 1) * sizeof left, sizeof left, &left));
+    const uint32_t launches = bb_levels_launches(levels);
+    bb_status status = BB_OK;
+    for (uint32_t n = 1; n <= launches && status == BB_OK; n++) {
+        levels->last = n == launches;
+        status = launch(context, levels, n);
     }
-    return BB_OK;
+    levels->last = false;
+    return status;
 }

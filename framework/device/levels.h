@@ -1,5 +1,7 @@
-/* Bottom-up passes over a tree with one launch per level, for devices without a fence between
- * work-groups (kernels/handover.clh): two lists of nodes, and the number of nodes in each level.
+/* Passes over a tree level by level, for devices without a fence between work-groups
+ * (kernels/handover.clh): two lists of nodes, and the number of nodes in each level. The host asks
+ * for nothing meanwhile: launches are enqueued for more levels than trees mostly have with many
+ * nodes, and a last one, of a single work-group, for all that may be left.
  */
 #ifndef BB_LEVELS_H
 #define BB_LEVELS_H
@@ -15,6 +17,8 @@ typedef struct bb_levels {
     bb_buffer lists[2]; /* u32: level n is in lists[n % 2] */
     bb_buffer counts;   /* u32 per level; level 0 has none: the leaves put level 1 on its list */
     uint32_t most;
+    bool by_groups; /* all work-items of a group share a node; set before they are run */
+    bool last;      /* of the launches, while they are made */
 } bb_levels;
 
 /* Room for `nodes` inner nodes on at most `most` levels above the leaves. A zeroed object is
@@ -26,13 +30,15 @@ void bb_levels_release(bb_levels *levels);
 /* Before the launch over the leaves, which puts nodes on lists[1] and counts them in counts[1]. */
 bb_status bb_levels_start(bb_levels *levels);
 
-/* Work-items of a launch over one level, which share its nodes: only the device knows how many
- * nodes there are. */
+/* Work-items of a launch, which share a level's nodes: only the device knows how many there are.
+ * 1, for one work-group, if it is the last launch. */
 uint32_t bb_levels_items(const bb_levels *levels);
 
-/* Calls launch(context, levels, n) for n = 1, 2, ... until a level is empty: it enqueues a kernel
- * over lists[n % 2], counts[n] of them, that puts nodes on lists[(n + 1) % 2]. Asks the device now
- * and then. */
+/* Launches that bb_levels_run() makes. */
+uint32_t bb_levels_launches(const bb_levels *levels);
+
+/* Calls launch(context, levels, n) for n = 1, 2, ...: it enqueues a kernel with BB_FOR_LISTS() over
+ * lists[n % 2], counts[n] of them, that puts nodes on lists[(n + 1) % 2]. */
 bb_status bb_levels_run(bb_levels *levels,
                         bb_status (*launch)(void *context, const bb_levels *levels, uint32_t n),
                         void *context);

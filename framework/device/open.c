@@ -17,7 +17,18 @@ enum { DEVICES_MAX = 64 };
 typedef struct found_device {
     cl_platform_id platform;
     cl_device_id id;
+    uint32_t rank; /* among the kinds of devices below */
 } found_device;
+
+/* In the order in which they are preferred: who has a GPU wants it measured, not the driver for the
+ * processor beside it. */
+static const struct {
+    cl_device_type type;
+    const char *name;
+} kinds[] = {{CL_DEVICE_TYPE_GPU, "GPU"},
+             {CL_DEVICE_TYPE_ACCELERATOR, "accelerator"},
+             {CL_DEVICE_TYPE_CPU, "CPU"},
+             {CL_DEVICE_TYPE_ALL, "of another kind"}};
 
 bb_status bb_device_check_system(const char *folder)
 {
@@ -41,6 +52,26 @@ static cl_uint find_platforms(cl_platform_id platforms[PLATFORMS_MAX])
     return count < PLATFORMS_MAX ? count : PLATFORMS_MAX;
 }
 
+static uint32_t rank_of(cl_device_id id)
+{
+    cl_device_type type = 0;
+    clGetDeviceInfo(id, CL_DEVICE_TYPE, sizeof type, &type, NULL);
+    uint32_t rank = 0;
+    while (rank + 1 < sizeof kinds / sizeof kinds[0] && (type & kinds[rank].type) == 0)
+        rank++;
+    return rank;
+}
+
+/* Behind those of its rank. */
+static void insert(found_device *found, uint32_t count, found_device device)
+{
+    uint32_t at = count;
+    for (; at > 0 && found[at - 1].rank > device.rank; at--)
+        found[at] = found[at - 1];
+    found[at] = device;
+}
+
+/* The preferred first; of one kind, in the order of the drivers. */
 static bb_status find_devices(found_device *found, uint32_t *count)
 {
     cl_platform_id platforms[PLATFORMS_MAX];
@@ -54,7 +85,7 @@ static bb_status find_devices(found_device *found, uint32_t *count)
             CL_SUCCESS)
             continue;
         for (cl_uint i = 0; i < ids_count && *count < DEVICES_MAX; i++)
-            found[(*count)++] = (found_device){platforms[p], ids[i]};
+            insert(found, (*count)++, (found_device){platforms[p], ids[i], rank_of(ids[i])});
     }
     return BB_OK;
 }
@@ -67,7 +98,8 @@ static void describe(const found_device *found, char *text, size_t capacity)
     clGetDeviceInfo(found->id, CL_DEVICE_NAME, sizeof name, name, NULL);
     clGetDeviceInfo(found->id, CL_DEVICE_VERSION, sizeof version, version, NULL);
     clGetDeviceInfo(found->id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
-    snprintf(text, capacity, "%s / %s / %s / %u compute units", platform, name, version, units);
+    snprintf(text, capacity, "%s / %s / %s / %u compute units / %s", platform, name, version, units,
+             kinds[found->rank].name);
 }
 
 bb_status bb_device_count(uint32_t *count)
@@ -140,6 +172,26 @@ static bb_status select_device(const char *selector, found_device *selected)
                    selector, count);
 }
 
+/* A device without memory or groups does not exist; a driver that says so, does. */
+static bb_status check_limits(const bb_device *device, cl_ulong global, cl_ulong largest,
+                              cl_ulong local)
+{
+    const struct {
+        const char *name;
+        cl_ulong limit;
+    } limits[] = {{"CL_DEVICE_GLOBAL_MEM_SIZE", global},
+                  {"CL_DEVICE_MAX_MEM_ALLOC_SIZE", largest},
+                  {"CL_DEVICE_LOCAL_MEM_SIZE", local},
+                  {"CL_DEVICE_MAX_WORK_GROUP_SIZE", device->max_group_size}};
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)
+        if (limits[i].limit == 0)
+            return bb_fail(BB_FAILED,
+                           "the driver of %s gives 0 as %s: take another driver, or another "
+                           "--device",
+                           device->name, limits[i].name);
+    return BB_OK;
+}
+
 /* All of it, or the device is of no use: without its type, say, a processor would be given code
  * that is made for others. */
 static bb_status query_device(bb_device *device)
@@ -167,12 +219,24 @@ static bb_status query_device(bb_device *device)
         BB_CL_TRY(
             clGetDeviceInfo(device->id, queries[i].what, queries[i].size, queries[i].out, NULL),
             "asking the device what it is");
+    BB_TRY(check_limits(device, global, largest, local));
     device->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     device->compute_units =
         units > 0 ? units : 1; /* some drivers do not know: work is divided by it */
     device->global_bytes = global;
     device->largest_allocation = largest;
     device->local_bytes = local;
+    return BB_OK;
+}
+
+bb_status bb_device_find_kind(const char *selector, uint32_t *kind)
+{
+    bb_device device = {.is_cpu = false};
+    found_device selected = {0};
+    BB_TRY(select_device(selector, &selected));
+    device.id = selected.id;
+    BB_TRY(query_device(&device));
+    *kind = bb_device_kind(&device);
     return BB_OK;
 }
 

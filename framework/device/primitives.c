@@ -17,6 +17,7 @@ enum {
     CHUNK_ALIGNMENT = 64,    /* elements: chunks don't share cache lines */
     SCAN_SERIAL_MAX = 32768, /* elements that one work-item scans faster than two more launches */
     SCAN_ITEMS = 8,          /* of scan_gpu.cl */
+    SCAN_ALONE_MAX = 65536,  /* elements that one group scans faster than two more launches */
     GROUP_MAX = 256,
     REDUCE_GROUPS_PER_UNIT = 8,
 };
@@ -146,7 +147,7 @@ void bb_primitives_destroy(bb_primitives *self)
         bb_buffer_release(&self->scan_level[level]);
     bb_buffer_release(&self->partials);
     bb_buffer_release(&self->counts);
-    bb_buffer_release(&self->largest);
+    bb_buffer_release(&self->way);
     bb_buffer_release(&self->keys);
     bb_buffer_release(&self->values);
     bb_host_free(self);
@@ -196,12 +197,17 @@ static bb_status scan_by_tiles(bb_primitives *self, const bb_buffer *in, bb_buff
     uint32_t counts[SCAN_LEVELS_MAX + 1] = {count};
     uint32_t level = 0;
     for (;; level++) {
-        uint32_t tiles = bb_divide_up(counts[level], self->group * SCAN_ITEMS);
+        uint32_t tiles = bb_divide_up(counts[level], self->group * SCAN_ITEMS), each = 1;
+        if (counts[level] <= SCAN_ALONE_MAX) {
+            each = tiles;
+            tiles = 1;
+        }
         bb_buffer *sums = tiles > 1 ? &self->scan_level[level] : total;
         const bb_buffer *from = level == 0 ? in : &self->scan_level[level - 1];
         const bb_buffer *to = level == 0 ? out : &self->scan_level[level - 1];
         BB_TRY(bb_launch(device, self->scan_tiles, (size_t)tiles * self->group, self->group,
-                         BB_MEM(*from), BB_MEM(*to), BB_VALUE(counts[level]), BB_MEM(*sums)));
+                         BB_MEM(*from), BB_MEM(*to), BB_VALUE(counts[level]), BB_VALUE(each),
+                         BB_MEM(*sums)));
         if (tiles == 1)
             break;
         counts[level + 1] = tiles;

@@ -15,7 +15,7 @@ typedef struct sort_kernels {
     cl_program program;
     cl_kernel count;
     cl_kernel scatter;
-    cl_kernel largest; /* CPU form */
+    cl_kernel choose;  /* CPU form */
     cl_kernel buckets; /* CPU form */
 } sort_kernels;
 
@@ -41,7 +41,7 @@ struct bb_primitives {
     bb_buffer scan_level[SCAN_LEVELS_MAX]; /* sums of chunks (level 0), of tiles */
     bb_buffer partials;                    /* two bb_box per chunk or group */
     bb_buffer counts;                      /* per digit value and chunk or tile */
-    bb_buffer largest;                     /* CPU form: u32, the largest bucket */
+    bb_buffer way;                         /* CPU form: u32, how the last sort was done */
     bb_buffer keys;                        /* the other half of the ping-pong */
     bb_buffer values;
 };

@@ -1,4 +1,6 @@
 /* Programs: compiling with the embedded headers, and what was compiled before. */
+#include "framework/base/clock.h"
+#include "framework/base/uncounted.h"
 #include "framework/device/cl_error.h"
 #include "framework/device/device_private.h"
 
@@ -91,9 +93,11 @@ static bb_status fail_with_log(bb_device *device, cl_program program, const char
     clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, size, log, NULL);
     const char *line = strstr(log, "error:");
     if (line == NULL)
-        line = log;
+        line = log + strspn(log, " \t\r\n");
     while (line > log && line[-1] != '\n')
         line--;
+    if (*line == '\0')
+        line = "the driver does not say why (its build log is empty)";
     char kept[640] = "";
     if (count_errors(log) > 1)
         keep_log(name, log, kept, sizeof kept);
@@ -198,14 +202,25 @@ static bb_status append_file(bb_device *device, const bb_source *source, const b
     return status;
 }
 
+static cl_int build(bb_device *device, cl_program program, const char *options, double *ms)
+{
+    double begun = bb_wall_ms();
+    bb_uncounted_begin();
+    cl_int error = clBuildProgram(program, 1, &device->id, options, NULL, NULL);
+    bb_uncounted_end();
+    *ms = bb_wall_ms() - begun;
+    return error;
+}
+
 /* All in one text, not clCompileProgram and clLinkProgram with a program for each header: of that,
  * PoCL 3.1 finds only the kernels in its cache, and compiles and links the rest each time. */
 static bb_status compile(bb_device *device, const bb_source *source, const char *options,
-                         cl_program *program)
+                         cl_program *program, double *ms)
 {
     text whole = {0};
     cl_int error;
     *program = NULL;
+    *ms = 0;
     bb_status status = append_file(device, source, source, 0, &whole);
     if (status == BB_OK) {
         *program = clCreateProgramWithSource(device->context, 1, (const char **)&whole.chars, NULL,
@@ -217,7 +232,7 @@ static bb_status compile(bb_device *device, const bb_source *source, const char 
     free(whole.chars);
     if (status != BB_OK)
         return status;
-    error = clBuildProgram(*program, 1, &device->id, options, NULL, NULL);
+    error = build(device, *program, options, ms);
     if (error != CL_SUCCESS) {
         status = fail_with_log(device, *program, source->name, error);
         bb_program_release(*program);
@@ -233,13 +248,14 @@ struct bb_program_cache {
     const char *text; /* these two tell sources of one name apart */
     const bb_source *folder;
     cl_program program;
-    char *failure;  /* the message, if there is no program */
-    char key[2304]; /* name and options */
+    double ms;     /* that compiling took */
+    char *failure; /* the message, if there is no program */
+    char options[2048];
 };
 
 /* What there is of `program` is the entry's. */
-static bb_status remember(bb_device *device, const bb_source *source, const char *key,
-                          cl_program program, const char *failure)
+static bb_status remember(bb_device *device, const bb_source *source, const char *options,
+                          cl_program program, double ms, const char *failure)
 {
     struct bb_program_cache *entry = calloc(1, sizeof *entry);
     char *message = failure != NULL ? strdup(failure) : NULL;
@@ -252,8 +268,9 @@ static bb_status remember(bb_device *device, const bb_source *source, const char
     entry->text = source->text;
     entry->folder = source->folder;
     entry->program = program;
+    entry->ms = ms;
     entry->failure = message;
-    strcpy(entry->key, key);
+    strcpy(entry->options, options);
     entry->next = device->programs;
     device->programs = entry;
     return BB_OK;
@@ -283,21 +300,61 @@ void bb_programs_clear(bb_device *device)
 bb_status bb_program_build(bb_device *device, const bb_source *source, const char *defines,
                            cl_program *program)
 {
-    char options[2048], key[2304];
+    char options[sizeof device->programs->options];
+    double ms;
     const char *standard = strstr(defines, "-cl-std=") == NULL ? "-cl-std=CL1.2 " : "";
     /* Without warnings (-w): nobody is shown the log of what compiles, but clang within PoCL counts
      * its warnings on stderr, such as those on vectors wider than the processor's registers. */
     if (snprintf(options, sizeof options, "-w %s%s", standard, defines) >= (int)sizeof options)
         return bb_fail(BB_INVALID, "%s: the build options are too long", source->name);
-    snprintf(key, sizeof key, "%.200s %s", source->name, options);
     for (const struct bb_program_cache *entry = device->programs; entry != NULL;
          entry = entry->next)
         if (entry->text == source->text && entry->folder == source->folder &&
-            strcmp(entry->key, key) == 0)
+            strcmp(entry->options, options) == 0)
             return take(entry, source, program);
-    bb_status status = compile(device, source, options, program);
-    BB_TRY(remember(device, source, key, *program, status == BB_OK ? NULL : bb_message()));
+    bb_status status = compile(device, source, options, program, &ms);
+    BB_TRY(remember(device, source, options, *program, ms, status == BB_OK ? NULL : bb_message()));
     return take(device->programs, source, program);
+}
+
+/* The wall time of compiling the entry's text once more, as a program of its own; 0 if that cannot
+ * be found out. */
+static double compile_again(bb_device *device, const struct bb_program_cache *entry)
+{
+    size_t size = 0;
+    double ms = 0;
+    if (clGetProgramInfo(entry->program, CL_PROGRAM_SOURCE, 0, NULL, &size) != CL_SUCCESS)
+        return 0;
+    char *source = calloc(1, size + 1);
+    if (source == NULL)
+        return 0;
+    cl_program program = NULL;
+    if (clGetProgramInfo(entry->program, CL_PROGRAM_SOURCE, size, source, NULL) == CL_SUCCESS)
+        program = clCreateProgramWithSource(device->context, 1, (const char **)&source, NULL, NULL);
+    free(source);
+    if (program != NULL && build(device, program, entry->options, &ms) != CL_SUCCESS)
+        ms = 0;
+    bb_program_release(program);
+    return ms;
+}
+
+/* Times of one program differ by less than this when both come from a cache. */
+static const double cold_ratio = 3;
+
+void bb_programs_measure(bb_device *device, bb_compiling *found)
+{
+    const struct bb_program_cache *slowest = NULL;
+    *found = (bb_compiling){.cache = "not known"};
+    for (const struct bb_program_cache *entry = device->programs; entry != NULL;
+         entry = entry->next) {
+        found->programs++;
+        found->ms += entry->ms;
+        if (entry->program != NULL && (slowest == NULL || entry->ms > slowest->ms))
+            slowest = entry;
+    }
+    double again = slowest != NULL ? compile_again(device, slowest) : 0;
+    if (again > 0)
+        found->cache = slowest->ms > cold_ratio * again ? "cold" : "warm";
 }
 
 bb_status bb_kernel_get(cl_program program, const char *name, cl_kernel *kernel)

@@ -6,9 +6,12 @@
  * cache of one compute unit. What a pass over all keys costs is waiting for memory; a bucket's
  * passes have none, and leave out the digits in which its keys do not differ. Where a bucket is so
  * large that the units would wait for the one that sorts it (a small dense thing in a large scene),
- * the sort is LSD over all keys. The result of a stable sort does not depend on the way.
+ * the sort is LSD over all keys. The result of a stable sort does not depend on the way. The device
+ * decides, and both are enqueued: launches that have nothing to do cost less than to ask.
  */
 #include "framework/device/primitives_private.h"
+
+#include "kernels/sort_shared.h"
 
 enum {
     DIGIT_BITS_CPU = 8, /* of passes over all keys */
@@ -25,7 +28,7 @@ bb_status bb_primitives_create_sort(bb_primitives *self, const char *key, sort_k
     BB_TRY(bb_kernel_get(sort->program, "sort_scatter", &sort->scatter));
     if (self->gpu)
         return BB_OK;
-    BB_TRY(bb_kernel_get(sort->program, "sort_largest", &sort->largest));
+    BB_TRY(bb_kernel_get(sort->program, "sort_choose", &sort->choose));
     return bb_kernel_get(sort->program, "sort_buckets", &sort->buckets);
 }
 
@@ -33,7 +36,7 @@ void bb_primitives_destroy_sort(sort_kernels *sort)
 {
     bb_kernel_release(sort->count);
     bb_kernel_release(sort->scatter);
-    bb_kernel_release(sort->largest);
+    bb_kernel_release(sort->choose);
     bb_kernel_release(sort->buckets);
     bb_program_release(sort->program);
 }
@@ -41,6 +44,7 @@ void bb_primitives_destroy_sort(sort_kernels *sort)
 typedef struct sort_pass {
     uint32_t shift;
     uint32_t mask;
+    uint32_t only; /* CPU form: SORT_... */
 } sort_pass;
 
 /* An even number of passes, so that the result is in place, with digits as equal as can be. */
@@ -50,7 +54,7 @@ static uint32_t plan_passes(uint32_t bits, uint32_t widest, sort_pass passes[PAS
     count += count % 2;
     for (uint32_t i = 0, shift = 0; i < count; i++) {
         uint32_t digit = bits / count + (i < bits % count);
-        passes[i] = (sort_pass){shift, (1u << digit) - 1};
+        passes[i] = (sort_pass){shift, (1u << digit) - 1, SORT_PASSES};
         shift += digit;
     }
     return count;
@@ -80,8 +84,7 @@ bb_status bb_primitives_reserve(bb_primitives *self, uint32_t count, uint32_t ke
     BB_TRY(
         bb_primitives_scratch(self, counts * sizeof(uint32_t), "a sort's counts", &self->counts));
     if (!self->gpu)
-        BB_TRY(bb_primitives_scratch(self, sizeof(uint32_t), "a sort's largest bucket",
-                                     &self->largest));
+        BB_TRY(bb_primitives_scratch(self, sizeof(uint32_t), "a sort's way", &self->way));
     return bb_primitives_reserve_scan(self, (uint32_t)counts);
 }
 
@@ -105,7 +108,7 @@ static bb_status count_digit(bb_primitives *self, const sort_kernels *kernels, s
     else
         BB_TRY(bb_launch(device, kernels->count, global, local, BB_MEM(*keys), BB_VALUE(count),
                          BB_VALUE(chunks.size), BB_VALUE(pass.shift), BB_VALUE(pass.mask),
-                         BB_MEM(self->counts)));
+                         BB_VALUE(pass.only), BB_MEM(self->way), BB_MEM(self->counts)));
     return bb_scan_u32(self, &self->counts, &self->counts, chunks.count * (pass.mask + 1), NULL);
 }
 
@@ -122,8 +125,8 @@ static bb_status scatter(bb_primitives *self, const sort_kernels *kernels, sort_
                          BB_MEM(*to.keys), BB_MEM(*to.values));
     return bb_launch(device, kernels->scatter, chunks.count, 1, BB_MEM(*from.keys),
                      BB_MEM(*from.values), BB_VALUE(count), BB_VALUE(chunks.size),
-                     BB_VALUE(pass.shift), BB_VALUE(pass.mask), BB_MEM(self->counts),
-                     BB_MEM(*to.keys), BB_MEM(*to.values));
+                     BB_VALUE(pass.shift), BB_VALUE(pass.mask), BB_VALUE(pass.only),
+                     BB_MEM(self->way), BB_MEM(self->counts), BB_MEM(*to.keys), BB_MEM(*to.values));
 }
 
 static bb_status sort_by_passes(bb_primitives *self, const sort_kernels *kernels, pairs place,
@@ -141,23 +144,13 @@ static bb_status sort_by_passes(bb_primitives *self, const sort_kernels *kernels
 
 /* From `scratch`, which is in order of its `buckets` buckets, to `place`. */
 static bb_status sort_buckets(bb_primitives *self, const sort_kernels *kernels, pairs place,
-                              pairs scratch, uint32_t count, uint32_t buckets)
+                              pairs scratch, uint32_t count, uint32_t buckets, uint32_t only)
 {
     uint32_t chunks = cut_sort(self, count).count, tile = TILE;
     return bb_launch(self->device, kernels->buckets, bb_divide_up(count, TILE), 1,
                      BB_MEM(*scratch.keys), BB_MEM(*scratch.values), BB_VALUE(count),
                      BB_VALUE(tile), BB_MEM(self->counts), BB_VALUE(chunks), BB_VALUE(buckets),
-                     BB_MEM(*place.keys), BB_MEM(*place.values));
-}
-
-/* The largest bucket of those in self->counts. Waits. */
-static bb_status find_largest(bb_primitives *self, const sort_kernels *kernels, uint32_t count,
-                              uint32_t buckets, uint32_t *largest)
-{
-    uint32_t chunks = cut_sort(self, count).count;
-    BB_TRY(bb_launch(self->device, kernels->largest, 1, 1, BB_MEM(self->counts), BB_VALUE(count),
-                     BB_VALUE(chunks), BB_VALUE(buckets), BB_MEM(self->largest)));
-    return bb_buffer_read(&self->largest, 0, sizeof *largest, largest);
+                     BB_VALUE(only), BB_MEM(self->way), BB_MEM(*place.keys), BB_MEM(*place.values));
 }
 
 static bb_status sort_by_buckets(bb_primitives *self, const sort_kernels *kernels, pairs place,
@@ -166,17 +159,22 @@ static bb_status sort_by_buckets(bb_primitives *self, const sort_kernels *kernel
     if (count <= TILE) {
         BB_TRY(bb_buffer_copy(place.keys, &self->keys, (size_t)count * key_bytes));
         BB_TRY(bb_buffer_copy(place.values, &self->values, count * sizeof(uint32_t)));
-        return sort_buckets(self, kernels, place, scratch, count, 0);
+        return sort_buckets(self, kernels, place, scratch, count, 0, SORT_ANY);
     }
     uint32_t top_bits = bits < TOP_BITS ? bits : TOP_BITS;
-    sort_pass top = {bits - top_bits, (1u << top_bits) - 1};
-    uint32_t largest, share = count / (2 * self->device->compute_units);
+    sort_pass top = {bits - top_bits, (1u << top_bits) - 1, SORT_ANY};
+    uint32_t chunks = cut_sort(self, count).count, buckets = top.mask + 1;
+    uint32_t share = count / (2 * self->device->compute_units);
+    uint32_t small_enough = share > BUCKET_SMALL ? share : BUCKET_SMALL;
     BB_TRY(count_digit(self, kernels, top, count, place.keys));
-    BB_TRY(find_largest(self, kernels, count, top.mask + 1, &largest));
-    if (largest > (share > BUCKET_SMALL ? share : BUCKET_SMALL))
-        return sort_by_passes(self, kernels, place, scratch, count, bits);
+    BB_TRY(bb_launch(self->device, kernels->choose, 1, 1, BB_MEM(self->counts), BB_VALUE(count),
+                     BB_VALUE(chunks), BB_VALUE(buckets), BB_VALUE(small_enough),
+                     BB_MEM(self->way)));
+    top.only = SORT_BUCKETS;
     BB_TRY(scatter(self, kernels, top, count, place, scratch));
-    return sort_buckets(self, kernels, place, scratch, count, top.mask + 1);
+    BB_TRY(sort_buckets(self, kernels, place, scratch, count, buckets, SORT_BUCKETS));
+    return count > small_enough ? sort_by_passes(self, kernels, place, scratch, count, bits)
+                                : BB_OK;
 }
 
 static bb_status sort(bb_primitives *self, bb_buffer *keys, bb_buffer *values, uint32_t count,

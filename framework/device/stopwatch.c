@@ -8,7 +8,7 @@ bb_status bb_stopwatch_start(bb_device *device, bb_stopwatch *watch)
     BB_TRY(bb_finish(device));
     bb_device_clear_events(device);
     device->profile_events = true;
-    *watch = (bb_stopwatch){device, 0, bb_cpu_ms()};
+    *watch = (bb_stopwatch){device, 0, bb_cpu_ms(), device->launches, device->waits};
     watch->wall = bb_wall_ms();
     return BB_OK;
 }
@@ -23,5 +23,7 @@ bb_status bb_stopwatch_stop(bb_stopwatch *watch, bb_timing *timing)
     if (status == BB_OK)
         status = bb_device_collect_events(device);
     timing->event_ms = device->event_ms;
+    timing->launches = device->launches - watch->launches;
+    timing->waits = device->waits - watch->waits;
     return status;
 }

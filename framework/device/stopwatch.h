@@ -13,12 +13,14 @@
 typedef struct bb_stopwatch {
     bb_device *device;
     double wall, cpu;
+    uint64_t launches, waits; /* the device's, at the start */
 } bb_stopwatch;
 
 typedef struct bb_timing {
-    double ms;       /* wall */
-    double cpu_ms;   /* of the process, all threads */
-    double event_ms; /* kernels, copies and fills, by the device's clock */
+    double ms;                /* wall */
+    double cpu_ms;            /* of the process, all threads */
+    double event_ms;          /* kernels, copies and fills, by the device's clock */
+    uint64_t launches, waits; /* of them; see bb_device */
 } bb_timing;
 
 /* From a finished queue; BB_FAILED if the device fails. No other watch may run on the device. */

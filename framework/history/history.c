@@ -196,14 +196,15 @@ static bb_status append_run(bb_history *history, const bb_results *results, cons
     BB_TRY(bb_history_prepare(history,
                               "INSERT INTO runs(date, revision, version, host, cpu, device, driver,"
                               " opencl, embree, build_flags, kernels, seed, command, interrupted,"
-                              " shard) VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
+                              " shard, device_type) VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
                               &statement));
-    bb_history_bind(statement, "tttttttttttttit", o->date, o->revision,
+    bb_history_bind(statement, "tttttttttttttitt", o->date, o->revision,
                     bb_get_text(context, BB_F_CONTEXT_VERSION), o->host, o->cpu, o->device,
                     o->driver, bb_get_text(context, BB_F_CONTEXT_OPENCL), o->embree,
                     bb_get_text(context, BB_F_CONTEXT_FLAGS),
                     bb_get_text(context, BB_F_CONTEXT_KERNELS), o->seed,
-                    bb_get_text(context, BB_F_CONTEXT_COMMAND), (int64_t)o->interrupted, o->shard);
+                    bb_get_text(context, BB_F_CONTEXT_COMMAND), (int64_t)o->interrupted, o->shard,
+                    o->device_type);
     bb_status status = bb_history_do(history, statement, "append to it");
     sqlite3_finalize(statement);
     *run = sqlite3_last_insert_rowid(history->db);

@@ -9,7 +9,8 @@
 #include <string.h>
 
 #define MACHINE "host = ?1 AND cpu = ?2 AND device = ?3 AND driver = ?4"
-#define COLUMNS "date, revision, host, cpu, device, driver, embree, seed, shard, interrupted"
+#define COLUMNS                                                                                    \
+    "date, revision, host, cpu, device, driver, embree, seed, shard, interrupted, device_type"
 
 static void copy(char *to, size_t capacity, sqlite3_stmt *row, int column)
 {
@@ -30,6 +31,7 @@ static void read_origin(sqlite3_stmt *row, bb_origin *o)
     copy(o->seed, sizeof o->seed, row, 7);
     copy(o->shard, sizeof o->shard, row, 8);
     o->interrupted = sqlite3_column_int(row, 9) != 0;
+    copy(o->device_type, sizeof o->device_type, row, 10);
 }
 
 static bb_status end(bb_history *history, sqlite3_stmt *statement, bb_status status, int code)
@@ -67,8 +69,8 @@ bb_status bb_history_list(bb_history *history, bb_history_entry **entries, uint3
         }
         bb_history_entry *entry = &(*entries)[(*count)++];
         read_origin(statement, &entry->origin);
-        entry->last = sqlite3_column_int64(statement, 10);
-        entry->runs = (uint32_t)sqlite3_column_int(statement, 11);
+        entry->last = sqlite3_column_int64(statement, 11);
+        entry->runs = (uint32_t)sqlite3_column_int(statement, 12);
     }
     return end(history, statement, status, code);
 }

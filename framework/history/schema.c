@@ -22,4 +22,6 @@ const char *const bb_history_steps[BB_HISTORY_VERSION] = {
     "CREATE TABLE floors(id INTEGER PRIMARY KEY, date TEXT NOT NULL, revision TEXT NOT NULL,"
     " host TEXT NOT NULL, cpu TEXT NOT NULL, device TEXT NOT NULL, driver TEXT NOT NULL,"
     " share REAL NOT NULL, cells INTEGER NOT NULL);",
+    /* 3 */
+    "ALTER TABLE runs ADD COLUMN device_type TEXT NOT NULL DEFAULT '';",
 };

@@ -41,14 +41,14 @@ static bb_status exr_load(exr_module *module)
 
 bb_status bb_exr_check(void)
 {
-    exr_module module;
+    exr_module module = {0};
     return exr_load(&module);
 }
 
 bb_status bb_exr_write(const char *path, const float *values, const char *channels, uint32_t width,
                        uint32_t height)
 {
-    exr_module module;
+    exr_module module = {0};
     BB_TRY(exr_load(&module));
     char message[400] = "";
     unsigned char *data = NULL;
@@ -63,7 +63,7 @@ bb_status bb_exr_write(const char *path, const float *values, const char *channe
 bb_status bb_exr_read(const char *path, const char *data, size_t size, const char *channels,
                       float **values, uint32_t *width, uint32_t *height)
 {
-    exr_module module;
+    exr_module module = {0};
     BB_TRY(exr_load(&module));
     char message[400] = "";
     float *pixels = NULL;
@@ -81,7 +81,7 @@ bb_status bb_exr_read(const char *path, const char *data, size_t size, const cha
 bb_status bb_exr_differences(const float *a, const float *b, uint32_t channel_count, uint32_t width,
                              uint32_t height, float *difference, bb_exr_difference *found)
 {
-    exr_module module;
+    exr_module module = {0};
     BB_TRY(exr_load(&module));
     char message[400] = "";
     if (module.compare(a, b, channel_count, width, height, difference, found, message,

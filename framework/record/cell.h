@@ -1,6 +1,7 @@
 /* Keys of cells. A cell is one measurement: a scene, rays from a view, a builder, a kernel and an
  * intersector, each with all parameters. Its key is a text that says all of this and repeats it
- * (`bvhbench run --cell KEY`); the device is not in it. Two cells are the same if their keys are.
+ * (`bvhbench run --cell KEY`). The device is not in it, so that one key can be measured on several:
+ * two cells are the same if their keys are, and their runs' devices (framework/compare/cell_set.h).
  *
  *   key   = part *( "/" part )
  *   part  = name "=" value

@@ -32,6 +32,8 @@ FIELD(CONTEXT_OTHERS, CONTEXT, "others_cpu", "", NUMBER | NONE, LATER, AS_FIGURE
       "Other programs", "processors that they kept busy during the run, on average")
 FIELD(CONTEXT_DEVICE, CONTEXT, "device", "", TEXT | NONE, C(STRING, device), AS_TEXT, "Device",
       NULL)
+FIELD(CONTEXT_DEVICE_TYPE, CONTEXT, "device_type", "", TEXT | NONE, C(STRING, device_type), AS_TEXT,
+      NULL, NULL)
 FIELD(CONTEXT_DRIVER, CONTEXT, "driver", "", TEXT | NONE, C(STRING, driver), AS_TEXT, "Driver",
       NULL)
 FIELD(CONTEXT_OPENCL, CONTEXT, "opencl", "", TEXT | NONE, C(STRING, opencl), AS_TEXT, "OpenCL",
@@ -48,6 +50,13 @@ FIELD(CONTEXT_STALE, CONTEXT, "litmus_stale", "", NUMBER | NONE, C(DOUBLE, litmu
       NULL, NULL)
 FIELD(CONTEXT_KERNELS, CONTEXT, "kernels", "", TEXT | NONE, C(STRING, kernels), AS_TEXT, "Kernels",
       NULL)
+FIELD(CONTEXT_PROGRAMS, CONTEXT, "programs", "", NUMBER | NONE, LATER, AS_WHOLE,
+      "Programs compiled", "programs of device code")
+FIELD(CONTEXT_COMPILE, CONTEXT, "compile_ms", "ms", NUMBER | NONE, LATER, AS_FIGURE,
+      "Compiling", "wall time of the driver's compiler, without what it leaves for first launches")
+FIELD(CONTEXT_CACHE, CONTEXT, "kernel_cache", "", TEXT | NONE, LATER, AS_TEXT, "Kernel cache",
+      "cold: compiled again, the slowest program takes less than a third of the time; warm: it "
+      "does not, so it came from the driver's cache, or there is none")
 FIELD(CONTEXT_EMBREE, CONTEXT, "embree", "", OBJECT | NONE, BY(bb_put_embree), AS_TEXT, "Embree",
       NULL)
 FIELD(CONTEXT_FLAGS, CONTEXT, "build_flags", "", TEXT | NONE, C(STRING, build_flags), AS_TEXT,
@@ -140,6 +149,8 @@ FIELD(BUILD_MS_LEAST, BUILD, "build_ms_least", "ms", NUMBER | NONE, LATER, AS_FI
 FIELD(BUILD_MS_MOST, BUILD, "build_ms_most", "ms", NUMBER | NONE, LATER, AS_FIGURE, NULL, NULL)
 FIELD(BUILD_RATE, BUILD, "mprims_s", "Mprims/s", NUMBER | NONE, BY(bb_put_build_rate), AS_FIGURE,
       "Mprims/s", "million primitives per second")
+FIELD(BUILD_HANDOVER, BUILD, "handover", "", TEXT | NONE, B(CHARS, handover), AS_TEXT, "Hand-over",
+      "how work-groups pass data, of what is built on a device: by a fence, or levels by launches")
 FIELD(BUILD_COLD_MS, BUILD, "cold_ms", "ms", NUMBER | NONE, B(MEASURED, cold_ms), AS_FIGURE,
       "Cold ms", "first build after allocation")
 FIELD(BUILD_STAGES, BUILD, "stages_ms", "ms", FIGURES | NONE, BY(bb_put_steps), AS_PAIRS,
@@ -242,6 +253,10 @@ FIELD(TRACE_DECISIONS, TRACE, "decisions", "", OBJECT | NONE, BY(bb_put_trace_de
       NULL, NULL)
 FIELD(TRACE_STATUS, TRACE, "status", "", TEXT, T(STATUS, status), AS_TEXT, "Status", NULL)
 FIELD(TRACE_REASON, TRACE, "reason", "", TEXT | NONE, T(CHARS, reason), AS_TEXT, NULL, NULL)
+FIELD(TRACE_LAUNCHES, TRACE, "launches", "", NUMBER | NONE, T(SIZE, launches), AS_WHOLE, "Launches",
+      "that a round took")
+FIELD(TRACE_WARM, TRACE, "warm_rounds", "", NUMBER | NONE, T(SIZE, warm_rounds), AS_WHOLE, NULL,
+      NULL)
 FIELD(TRACE_MS, TRACE, "ms", "ms", NUMBERS | NONE, T(SAMPLES, ms), AS_FIGURE, NULL, NULL)
 FIELD(TRACE_MS_MEDIAN, TRACE, "ms_median", "ms", NUMBER | NONE, T(MEDIAN, ms), AS_FIGURE, "ms",
       "median wall clock")
@@ -281,6 +296,8 @@ FIELD(TRACE_COUNTS, TRACE, "counts_for_exit", "", BOOLEAN | NONE, T(BOOL, counts
 FIELD(TRACE_WRONG, TRACE, "wrong", "", BOOLEAN | NONE, T(BOOL, wrong), AS_TEXT, NULL, NULL)
 FIELD(TRACE_REFERENCE, TRACE, "reference", "", BOOLEAN | NONE, T(BOOL, reference), AS_TEXT, NULL,
       NULL)
+FIELD(TRACE_ON, TRACE, "traced_on", "", TEXT | NONE, T(CHARS, traced_on), AS_TEXT, "Traced on",
+      "what traced, if not the device of the run: references are Embree on the CPU")
 FIELD(TRACE_RUN, TRACE, "run", "", NUMBER | NONE, LATER, AS_WHOLE, "Run", NULL)
 
 FIELD(ACCURACY_CHECKED, ACCURACY, "checked", "rays", NUMBER, A(U64, checked), AS_WHOLE, NULL, NULL)

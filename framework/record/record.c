@@ -98,6 +98,17 @@ const cJSON *bb_results_section(const bb_results *results, const char *name)
     return cJSON_GetObjectItemCaseSensitive(results->root, name);
 }
 
+const char *bb_results_reference(const bb_results *results)
+{
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
+    {
+        if (bb_get_text(trace, BB_F_TRACE_ON)[0] != '\0')
+            return "Embree on the CPU";
+    }
+    return "Embree";
+}
+
 cJSON *bb_results_scene(const bb_results *results, const char *name)
 {
     cJSON *scene;
@@ -215,6 +226,15 @@ bb_status bb_results_set_others(bb_results *results, double processors)
     const char *name = bb_fields[BB_F_CONTEXT_OTHERS].name;
     cJSON_DeleteItemFromObjectCaseSensitive(context, name);
     return bb_put_number(context, name, processors) ? BB_OK : no_memory();
+}
+
+bb_status bb_results_set_compiling(bb_results *results, const bb_compiling *compiling)
+{
+    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
+    bool ok = bb_put_number(context, bb_fields[BB_F_CONTEXT_PROGRAMS].name, compiling->programs) &&
+              bb_put_number(context, bb_fields[BB_F_CONTEXT_COMPILE].name, compiling->ms) &&
+              bb_put_text(context, bb_fields[BB_F_CONTEXT_CACHE].name, compiling->cache);
+    return ok ? BB_OK : no_memory();
 }
 
 bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of)

@@ -7,6 +7,7 @@
 #include "framework/base/decision.h"
 #include "framework/base/statistics.h"
 #include "framework/base/status.h"
+#include "framework/device/device_private.h"
 #include "framework/judge/accuracy.h"
 #include "framework/rays/rays.h"
 #include "framework/record/cell.h"
@@ -40,8 +41,9 @@ typedef struct bb_build_record {
     bb_samples restore_ms; /* before each of them; the builder's own, outside the clock */
     bb_samples outside_ms; /* in phases outside the clock */
     double prepare_ms;     /* before the first; NAN: not measured */
-    double boxes_ms; /* of making the primitives' boxes, if they are an input; NAN: not measured */
-    char inputs[64]; /* what the builder declares it reads: "boxes geometry"; "": not known */
+    double boxes_ms;  /* of making the primitives' boxes, if they are an input; NAN: not measured */
+    char inputs[64];  /* what the builder declares it reads: "boxes geometry"; "": not known */
+    char handover[8]; /* bb_handover_word() of what is built on a device; "": on the host */
     double cold_ms;
     bb_samples transfer_ms; /* of what the builder declares it reads down, of the tree up */
     uint32_t phase_count;
@@ -106,6 +108,9 @@ typedef struct bb_trace_record {
                              thus missed */
     /* rays answered otherwise than by the first `exact` cell of the set; `exact` only */
     uint32_t unlike;
+    uint32_t launches;     /* that a round took */
+    uint32_t warm_rounds;  /* before those that are in the samples; 0: none */
+    char traced_on[8];     /* "CPU" of a reference beside another device; "" on the run's own */
     char unlike_whom[256]; /* that cell; "" if this one was not compared */
     bool counts_for_exit;  /* an `exact` cell of ours */
     bool wrong; /* above the limit; marked WRONG if it counts for the exit, else `wrong` */
@@ -127,6 +132,14 @@ void bb_build_record_init(bb_build_record *build);
 void bb_trace_record_init(bb_trace_record *trace);
 
 typedef struct bb_results bb_results;
+
+/* Words of the context's `device_type`. */
+#define BB_DEVICE_CPU "CPU"
+#define BB_DEVICE_OTHER "GPU" /* whatever is no CPU */
+
+/* What ratios to reference rows are to: "Embree"; "Embree on the CPU" where the run's device is
+ * another. */
+const char *bb_results_reference(const bb_results *results);
 
 /* An empty result document with its context (date, revision, host, cpu, load, device, driver ...).
  * Revision, flags and the like are those of the binary, Embree's version that of the library that
@@ -153,6 +166,8 @@ bb_status bb_results_set_total(bb_results *results, double build_ms, double trac
                                double total_ms);
 /* Processors that other programs kept busy meanwhile; NAN: not known. A later call replaces it. */
 bb_status bb_results_set_others(bb_results *results, double processors);
+/* What compiling took (framework/device/device_private.h). Once. */
+bb_status bb_results_set_compiling(bb_results *results, const bb_compiling *compiling);
 /* Which part of the cells this is: "2/8"; and of which run: a hash of what was asked for. */
 bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of);
 /* That the run was interrupted: what is there is whole, but not all that was asked for. */

@@ -100,12 +100,13 @@ static void add_device(bb_context_record *record, const bb_device *device)
     if (device == NULL)
         return;
     record->device = device->name;
+    record->device_type = device->is_cpu ? BB_DEVICE_CPU : BB_DEVICE_OTHER;
     record->driver = device->driver;
     record->opencl = device->version;
     record->compute_units = device->compute_units;
     record->float_config = device->float_config;
     record->kernels = device->sources;
-    record->handover = device->handover == BB_HANDOVER_FENCE ? "fence" : "levels";
+    record->handover = bb_handover_word(device);
     if (device->litmus_pairs > 0) {
         record->litmus_messages = device->litmus_pairs;
         record->litmus_stale = device->litmus_stale;

@@ -13,7 +13,8 @@ struct bb_results {
 
 /* The context of a run, as put into the document. Texts may be NULL. */
 typedef struct bb_context_record {
-    const char *date, *revision, *version, *host, *cpu, *device, *driver, *opencl, *handover;
+    const char *date, *revision, *version, *host, *cpu, *device, *device_type, *driver, *opencl,
+        *handover;
     const char *kernels, *build_flags, *command;
     uint32_t cpu_threads, compute_units;  /* 0: not known */
     double litmus_messages, litmus_stale; /* NAN: the device has no fence */

@@ -8,8 +8,9 @@
 #include <string.h>
 
 /* Of a trace's build. */
-static const bb_field_id of_build[] = {BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_RATE, BB_F_TREE_NODES,
-                                       BB_F_TREE_DEPTH,      BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK};
+static const bb_field_id of_build[] = {BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_RATE, BB_F_BUILD_HANDOVER,
+                                       BB_F_TREE_NODES,      BB_F_TREE_DEPTH, BB_F_TREE_BYTES,
+                                       BB_F_TREE_BYTES_PEAK};
 enum { OF_BUILD = sizeof of_build / sizeof of_build[0] };
 
 static bool is_column(const bb_field *field)

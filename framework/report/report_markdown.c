@@ -74,7 +74,7 @@ bb_status bb_report_markdown(const bb_results *results, FILE *out)
     fprintf(out,
             "| builder | trace / %s | build Mprims/s | + layout | 0.1 M rays | 1 M | 10 M | 100 M "
             "| 1 G | 10 G | SAH / best | EPO / best | work / best | peak MiB | wrong rays |\n",
-            summary.referenced ? "Embree" : "best");
+            summary.reference != NULL ? summary.reference : "best");
     fputs("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n", out);
     for (uint32_t i = 0; i < summary.row_count; i++)
         print_row(out, &summary.rows[i]);

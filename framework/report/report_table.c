@@ -51,8 +51,9 @@ static int metric_width(const bb_metric *metric)
 static void print_heading(FILE *out, const bb_medians *times, const tree_columns *columns,
                           int width)
 {
-    fprintf(out, "\n  %-*s  %8s  %-*s  %9s  %9s", width, bb_fields[BB_F_BUILD_BUILDER].heading,
-            bb_fields[BB_F_BUILD_RATE].heading, times->width, times->heading, "Layout ms",
+    fprintf(out, "\n  %-*s  %8s  %-9s  %-*s  %9s  %9s", width,
+            bb_fields[BB_F_BUILD_BUILDER].heading, bb_fields[BB_F_BUILD_RATE].heading,
+            bb_fields[BB_F_BUILD_HANDOVER].heading, times->width, times->heading, "Layout ms",
             "First ray");
     for (uint32_t i = 0; i < columns->count; i++)
         fprintf(out, "  %*s", metric_width(columns->metrics[i]), columns->metrics[i]->title);
@@ -129,7 +130,8 @@ static void print_build(FILE *out, const cJSON *build, int width, const bb_media
     bb_medians_text(ms, times, build);
     bb_text_figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
     bb_text_figure(first, bb_first_ray_ms(build, layout != NULL ? layout->string : ""));
-    fprintf(out, "  %8s  %-*s  %9s  %9s", rate, times->width, ms, conversion, first);
+    fprintf(out, "  %8s  %-9s  %-*s  %9s  %9s", rate, bb_get_text(build, BB_F_BUILD_HANDOVER),
+            times->width, ms, conversion, first);
     print_tree(out, build, columns);
     const char *about = bb_get_text(build, BB_F_BUILD_ABOUT);
     if (about[0] != '\0') {
@@ -242,9 +244,10 @@ static void kernel_name(const cJSON *trace, char *name, size_t capacity)
 
 /* What the rows of one ray set share. */
 typedef struct group {
-    double reference; /* Mrays/s; NAN if there is none */
-    double count;     /* rays of the set: brute force traces only the first of them */
-    int builder_width, kernel_width;
+    double reference;   /* Mrays/s; NAN if there is none */
+    double count;       /* rays of the set: brute force traces only the first of them */
+    const char *embree; /* what the ratios are to */
+    int builder_width, kernel_width, ratio_width;
     bb_medians rates;
 } group;
 
@@ -267,8 +270,8 @@ static void print_trace(FILE *out, const cJSON *trace, const group *set)
     bb_text_field(nodes, trace, BB_F_TRACE_NODE_TESTS);
     bb_text_field(prims, trace, BB_F_TRACE_PRIM_TESTS);
     bb_text_field(work, trace, BB_F_TRACE_WORK);
-    fprintf(out, "  %-*s  %7s  %-12s  %-10s  %9s  %11s  %7s", set->rates.width, rate, ratio, wrong,
-            classes, nodes, prims, work);
+    fprintf(out, "  %-*s  %*s  %-12s  %-10s  %9s  %11s  %7s", set->rates.width, rate,
+            set->ratio_width, ratio, wrong, classes, nodes, prims, work);
     if (bb_get_number(trace, BB_F_TRACE_COUNT) < set->count) {
         bb_text_whole(rate, bb_get_number(trace, BB_F_TRACE_COUNT));
         fprintf(out, "  of the first %s rays", rate);
@@ -286,12 +289,14 @@ static void print_query(FILE *out, const char *name)
     bb_print_text(out, query != NULL ? query->asks : name, 0);
 }
 
-static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
+static void print_group(FILE *out, const cJSON *traces, const cJSON *first, const char *embree)
 {
     const cJSON *trace;
     group set = {.reference = reference_rate(traces, first),
+                 .embree = embree,
                  .builder_width = 7,
                  .kernel_width = 6,
+                 .ratio_width = 1 + (int)strlen(embree),
                  .rates = {.median = BB_F_TRACE_RATE, .low = BB_F_TRACE_RATE_LO}};
     char count[BB_ENTRY], kernel[640];
     cJSON_ArrayForEach(trace, traces)
@@ -318,9 +323,9 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
     fprintf(out, ": %s rays", count);
     print_query(out, bb_get_text(first, BB_F_TRACE_QUERY));
     fputc('\n', out);
-    fprintf(out, "  %-*s  %-*s  %-*s  %7s  %-12s  %-10s  %9s  %11s  %7s\n", set.builder_width,
+    fprintf(out, "  %-*s  %-*s  %-*s  /%s  %-12s  %-10s  %9s  %11s  %7s\n", set.builder_width,
             bb_fields[BB_F_TRACE_BUILDER].heading, set.kernel_width,
-            bb_fields[BB_F_TRACE_KERNEL].heading, set.rates.width, set.rates.heading, "/Embree",
+            bb_fields[BB_F_TRACE_KERNEL].heading, set.rates.width, set.rates.heading, set.embree,
             bb_fields[BB_F_ACCURACY_WRONG_PPM].heading, "mis/fal/t",
             bb_fields[BB_F_TRACE_NODE_TESTS].heading, bb_fields[BB_F_TRACE_PRIM_TESTS].heading,
             bb_fields[BB_F_TRACE_WORK].heading);
@@ -331,7 +336,7 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first)
     }
 }
 
-static void print_traces(FILE *out, const cJSON *traces, const char *scene)
+static void print_traces(FILE *out, const cJSON *traces, const char *scene, const char *embree)
 {
     const cJSON *trace;
     cJSON_ArrayForEach(trace, traces)
@@ -342,7 +347,7 @@ static void print_traces(FILE *out, const cJSON *traces, const char *scene)
         while (earlier != trace && !same_rays(earlier, trace))
             earlier = earlier->next;
         if (earlier == trace)
-            print_group(out, traces, trace);
+            print_group(out, traces, trace, embree);
     }
 }
 
@@ -406,6 +411,20 @@ static void print_times(FILE *out, const cJSON *steps, const cJSON *times)
     print_seconds(out, "total", total);
 }
 
+/* Files of earlier versions do not say. */
+static void print_compiling(FILE *out, const cJSON *context)
+{
+    if (isnan(bb_get_number(context, BB_F_CONTEXT_PROGRAMS)))
+        return;
+    fprintf(out, "\n%.0f programs compiled in %.1f s by driver ",
+            bb_get_number(context, BB_F_CONTEXT_PROGRAMS),
+            1e-3 * bb_get_number(context, BB_F_CONTEXT_COMPILE));
+    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_DRIVER), 0);
+    fputs(", kernel cache ", out);
+    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_CACHE), 0);
+    fputc('\n', out);
+}
+
 static void print_audit(FILE *out, const cJSON *audit)
 {
     if (!cJSON_IsObject(audit))
@@ -418,24 +437,24 @@ static void print_audit(FILE *out, const cJSON *audit)
         bb_json_number(audit, "complaints"));
 }
 
-/* What the tables' headings mean. */
-static void print_legend(FILE *out, bool traced)
+/* What the tables' headings mean. `embree`: what traces are held against; NULL: there are none. */
+static void print_legend(FILE *out, const char *embree)
 {
     fprintf(out,
             "\n[95 %%]: interval of the median by order statistics. [range]: the lowest and the "
             "highest of too\nfew rounds for an interval, which takes %d; of one round there is "
             "neither.\n",
             BB_INTERVAL_ROUNDS);
-    if (traced)
-        fputs("First ray: boxes, build, transfer and layout, in ms.\n*: native, the layout keeps "
-              "the shape of the builder's own tree.\n"
-              "/Embree: to the fastest embree-native row on the same rays.\n"
-              "Wrong ppm: wrong rays per million; unlike: answers unlike those of other cells with "
-              "`exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nBox tests, Prim. "
-              "tests: "
-              "per ray, from a separate counting run; Work: 1.2 for each pair of boxes, 1 for each "
-              "primitive.\n",
-              out);
+    if (embree != NULL)
+        fprintf(out,
+                "First ray: boxes, build, transfer and layout, in ms.\n*: native, the layout keeps "
+                "the shape of the builder's own tree.\n"
+                "/%s: to the fastest embree-native row on the same rays.\n"
+                "Wrong ppm: wrong rays per million; unlike: answers unlike those of other cells "
+                "with `exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nBox tests, "
+                "Prim. tests: per ray, from a separate counting run; Work: 1.2 for each pair of "
+                "boxes, 1 for each primitive.\n",
+                embree);
 }
 
 bb_status bb_report_table(const bb_results *results, FILE *out)
@@ -460,13 +479,14 @@ bb_status bb_report_table(const bb_results *results, FILE *out)
         bb_print_text(out, bb_get_text(scene, BB_F_SCENE_KIND), 0);
         fputc('\n', out);
         print_builds(out, builds, name);
-        print_traces(out, traces, name);
+        print_traces(out, traces, name, bb_results_reference(results));
     }
     BB_TRY(bb_report_predictions(results, out));
     print_skipped(out, bb_results_section(results, "skipped"));
     print_times(out, bb_results_section(results, "steps_ms"),
                 bb_results_section(results, "time_ms"));
+    print_compiling(out, context);
     print_audit(out, bb_results_section(results, "audit"));
-    print_legend(out, cJSON_GetArraySize(traces) > 0);
+    print_legend(out, cJSON_GetArraySize(traces) > 0 ? bb_results_reference(results) : NULL);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

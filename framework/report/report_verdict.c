@@ -30,11 +30,21 @@ static void print_count(FILE *out, const char *before, uint32_t count, const cha
     fprintf(out, "%s%u %s%s", before, count, name, count == 1 ? "" : "s");
 }
 
+/* Before all else: a GPU may not be the device that somebody thinks it is. */
+static void print_device(FILE *out, const bb_results *results)
+{
+    const cJSON *context = bb_results_section(results, "context");
+    char device[60];
+    snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    bb_print_text(out, device, 0);
+    fputc('\n', out);
+}
+
 static void print_head(FILE *out, const bb_results *results, const bb_summary *s)
 {
     const cJSON *context = bb_results_section(results, "context");
     double ms = bb_json_number(bb_results_section(results, "time_ms"), "total");
-    char device[60], revision[48];
+    char revision[48];
     fputs("bvhbench ", out);
     snprintf(revision, sizeof revision, "%s", bb_get_text(context, BB_F_CONTEXT_REVISION));
     bb_print_text(out, revision, 0);
@@ -47,12 +57,9 @@ static void print_head(FILE *out, const bb_results *results, const bb_summary *s
         print_minutes(out, ms);
     }
     fputc('\n', out);
-    snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
-    bb_print_text(out, device, 0);
     if (isfinite(s->noise))
-        fprintf(out, "; one rate is good to %.0f %% (worst tenth: %.0f %%)", 100 * s->noise,
+        fprintf(out, "one rate is good to %.0f %% (worst tenth: %.0f %%)\n", 100 * s->noise,
                 100 * s->noise_worst);
-    fputc('\n', out);
 }
 
 /* ---- the table ---- */
@@ -110,10 +117,16 @@ static void print_row(FILE *out, const bb_summary *s, uint32_t i)
 
 static void print_rows(FILE *out, const bb_summary *s)
 {
-    fprintf(out, "\n %-26s%7s  %6s %7s    %-21s%5s %5s %6s%7s\n", "", "trace", "build", "+layout",
-            "time to image /best", "SAH", "work", "peak", "wrong");
-    fprintf(out, " %-26s%7s  %6s %7s ", "builder", s->referenced ? "/Embree" : "/best", "M/s",
-            "M/s");
+    /* "on the CPU" is in the heading, not below the table */
+    const bool elsewhere = s->reference != NULL && strcmp(s->reference, "Embree") != 0;
+    fprintf(out, "\n %-26s%7s  %6s %7s    %-21s%5s %5s %6s%7s\n", "",
+            elsewhere ? "/Embree" : "trace", "build", "+layout", "time to image /best", "SAH",
+            "work", "peak", "wrong");
+    fprintf(out, " %-26s%7s  %6s %7s ", "builder",
+            s->reference == NULL ? "/best"
+            : elsewhere          ? "on CPU"
+                                 : "/Embree",
+            "M/s", "M/s");
     static const char *const counts[] = {"0.1 M", "1 M", "10 M", "100 M", "1 G", "10 G"};
     for (uint32_t k = 0; k < SHOWN; k++)
         fprintf(out, "%5s ", counts[shown_counts[k]]);
@@ -122,7 +135,8 @@ static void print_rows(FILE *out, const bb_summary *s)
         if (i < s->builder_count && s->rows[i].partial && (i == 0 || !s->rows[i - 1].partial))
             fputs(" without a rank, for what they lack of the scenes or rays:\n", out);
         if (i == s->builder_count)
-            fputs(" for reference, Embree with its own trees:\n", out);
+            fprintf(out, " for reference, %s with its own trees:\n",
+                    s->reference != NULL ? s->reference : "Embree");
         print_row(out, s, i);
     }
 }
@@ -152,17 +166,19 @@ static void print_wrapped(FILE *out, const char *label, int width, const char *t
 
 static void print_legend(FILE *out, const bb_summary *s)
 {
-    char text[512], ties[128] = "\\|/ not to be told from their first by this run";
+    char text[512], base[64], ties[128] = "\\|/ not to be told from their first by this run";
     if (s->rounds < BB_INTERVAL_ROUNDS)
         snprintf(ties, sizeof ties, "ties take %d rounds to know", BB_INTERVAL_ROUNDS);
+    if (s->reference != NULL)
+        snprintf(base, sizeof base, "/%s: by its fastest row on each ray set", s->reference);
+    else
+        snprintf(base, sizeof base, "/best: by the best builder");
     snprintf(
         text, sizeof text,
         "geometric means over ray sets; M/s: million primitives; * best builder, ~ not told from "
         "it; %s (95 %% each); %s; +layout: build and layout; image: these and so many rays; work: "
         "counted, per ray",
-        ties,
-        s->referenced ? "/Embree: by its fastest row on each ray set"
-                      : "/best: by the best builder");
+        ties, base);
     print_wrapped(out, "", 0, text);
     text[0] = '\0';
     for (uint32_t i = 0, said = 0; i < s->row_count && said < 4; i++) {
@@ -184,6 +200,7 @@ bb_status bb_report_verdict(const bb_results *results, FILE *out)
     bb_summary summary;
     char busy[256], implausible[BB_IMPLAUSIBLE];
     BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
+    print_device(out, results);
     bool is_busy = bb_summary_busy(results, busy);
     if (is_busy)
         print_wrapped(out, "WARNING", LABEL, busy);

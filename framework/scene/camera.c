@@ -65,7 +65,7 @@ bb_status bb_camera_make(const bb_view *view, uint32_t width, uint32_t height, b
     return BB_OK;
 }
 
-void bb_camera_ray(const bb_camera *camera, uint32_t x, uint32_t y, bb_ray *ray)
+void bb_camera_ray(const bb_camera *camera, double x, double y, bb_ray *ray)
 {
     double at[3];
     for (int k = 0; k < 3; k++)

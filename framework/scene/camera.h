@@ -21,8 +21,8 @@ typedef struct bb_camera {
  * impossible angle of view. */
 bb_status bb_camera_make(const bb_view *view, uint32_t width, uint32_t height, bb_camera *camera);
 
-/* The ray through the centre of pixel (x, y), y from the top; of length 1 before rounding. tmin =
- * 0, tmax = inf. */
-void bb_camera_ray(const bb_camera *camera, uint32_t x, uint32_t y, bb_ray *ray);
+/* The ray through (x, y), in pixels, whole numbers at their centres, y from the top; of length 1
+ * before rounding. tmin = 0, tmax = inf. */
+void bb_camera_ray(const bb_camera *camera, double x, double y, bb_ray *ray);
 
 #endif

@@ -176,6 +176,11 @@ bb_status bb_scene_load(const char *text, bb_scene **scene);
 bb_status bb_scene_load_any(const char *text, bb_scene **scene);
 void bb_scene_free(bb_scene *scene); /* NULL is allowed; releases the device side too */
 
+/* Another scene with about `count` of this one's primitives, evenly spaced in their numbers and in
+ * equal shares of each kind (at least one of each), and with its name, views and profile. It stays
+ * still. Of a volume there is none. Owned by the caller: bb_scene_free(). */
+bb_status bb_scene_sample(const bb_scene *scene, uint32_t count, bb_scene **sample);
+
 /* Sets counts and kinds of an empty scene and allocates its vertices and primitives, not cleared;
  * for loaders and generators. BB_REFUSED, with the bytes that the scene needs, if it has more than
  * 2^31 - 1 primitives or 2^32 - 1 vertices, or does not fit into the host's memory. */

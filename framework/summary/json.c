@@ -115,7 +115,7 @@ static cJSON *summary_json(writer *w, const bb_summary *s, const bb_summary_choi
     put_figure(w, made, "noise_worst", s->noise_worst);
     put_figure(w, made, "checked", s->checked);
     put_figure(w, made, "wrong", s->wrong);
-    put_bool(w, made, "referenced", s->referenced);
+    put_text(w, made, "reference", s->reference != NULL ? s->reference : "");
     cJSON *rows = put_array(w, made, "rows");
     for (uint32_t i = 0; i < s->row_count; i++)
         put(w, rows, NULL, row_json(w, &s->rows[i]));

@@ -359,15 +359,16 @@ static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, 
                            bb_summary *s)
 {
     best of;
+    const char *reference = bb_results_reference(v->n->results);
     choose_sets(v, choice, enters, s);
     find_whole(v, enters);
     for (uint32_t i = 0; i < v->n->set_count; i++)
         for (uint32_t e = 0; e < v->n->entrant_count; e++)
-            s->referenced = s->referenced || (v->sets[i] && v->n->entrants[e].reference &&
-                                              bb_fastest(v, e, i, 0) != NULL);
+            if (v->sets[i] && v->n->entrants[e].reference && bb_fastest(v, e, i, 0) != NULL)
+                s->reference = reference;
     for (uint32_t e = 0; e < v->n->entrant_count; e++)
         v->favourites[e] = find_favourite(v, e);
-    find_best(v, s->referenced, &of);
+    find_best(v, s->reference != NULL, &of);
     for (uint32_t e = 0; e < v->n->entrant_count; e++) {
         if (!enters[e])
             continue;

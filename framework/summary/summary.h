@@ -88,7 +88,9 @@ typedef struct bb_summary {
     uint32_t sets_aside;   /* ray sets that too few builders traced to compare them */
     uint32_t
         rounds; /* that count, the fewest of a cell; below BB_INTERVAL_ROUNDS no ties are known */
-    bool referenced; /* ratios of traces are to the fastest reference */
+    /* ratios of traces are to the fastest row of this (bb_results_reference()); NULL: to that of
+     * the best builder */
+    const char *reference;
     double noise,
         noise_worst; /* half width of a rate's interval by the rate: median, worst tenth; NAN */
     double checked, wrong; /* answers of all rows that are no reference */

@@ -85,10 +85,10 @@ static void say_traces(bb_summary *s)
     const double best = s->rows[0].trace.value, worst = s->rows[tied.count - 1].trace.value;
     bb_sentence *sentence = begin(s, "Fastest trace");
     say_names(sentence, &tied);
-    if (s->referenced && tied.count > 1)
-        say(sentence, ": %.2f to %.2f of Embree, not told apart", worst, best);
-    else if (s->referenced)
-        say(sentence, ": %.2f of Embree", best);
+    if (s->reference != NULL && tied.count > 1)
+        say(sentence, ": %.2f to %.2f of %s, not told apart", worst, best, s->reference);
+    else if (s->reference != NULL)
+        say(sentence, ": %.2f of %s", best, s->reference);
     else if (tied.count > 1)
         say(sentence, ": not told apart");
     const bb_summary_row *next = &s->rows[tied.count];

@@ -35,6 +35,12 @@ typedef struct bb_rays_job {
             "origins are moved off the surface by this, in scene diagonals (but by 2^-20 of "      \
             "their largest coordinate at least)"                                                   \
     }
+#define BB_LEAST_OPTION                                                                            \
+    {                                                                                              \
+        "least", NULL, NULL,                                                                       \
+            "at least so many rays: more pictures are taken, each ray at a random place of its "   \
+            "pixel; default: one picture"                                                          \
+    }
 #define BB_COUNT_OPTION                                                                            \
     {                                                                                              \
         "count", NULL, NULL, "number of rays; default: the run's limit"                            \

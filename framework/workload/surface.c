@@ -1,6 +1,7 @@
 /* Rays that start on surfaces.
  *
- *   for each view: trace its primary rays with the oracle, keep the hits
+ *   for each view: trace its primary rays with the oracle, keep the hits; if more rays are asked
+ *                  for than they give, those of another picture, and so on
  *   share the hits that fit among the views, equally
  *   for each view: take its share by selection sampling (Knuth, The Art of Computer Programming
  *                  3.4.2, algorithm S), which keeps the order of the pixels
@@ -16,16 +17,20 @@
 
 #include "framework/base/memory.h"
 #include "framework/judge/arbiter.h"
-#include "framework/scene/camera.h"
 #include "framework/scene/prim.h"
+#include "framework/workload/pixels.h"
 
 #include <math.h>
+#include <string.h>
 
-enum { BATCH = 1 << 18 }; /* primary rays traced at once */
+enum {
+    BATCH = 1 << 18,    /* primary rays traced at once */
+    PICTURES_MAX = 256, /* of a view: one that sees next to nothing gives fewer rays than asked */
+};
 
 /* A primary hit. */
 typedef struct first_hit {
-    uint32_t pixel;
+    uint64_t index; /* of its ray in the view's pictures */
     bb_hit hit;
 } first_hit;
 
@@ -33,6 +38,7 @@ typedef struct sampled_view {
     bb_camera camera;
     first_hit *hits;
     uint32_t count; /* of the hits */
+    uint32_t room;  /* for so many */
     uint32_t share; /* how many of them are taken */
 } sampled_view;
 
@@ -40,6 +46,7 @@ typedef struct sampler {
     bb_rays_job *job;
     double offset; /* in scene units */
     uint32_t per_hit;
+    bool counts; /* a number of rays was asked for: hits without a point are not even collected */
     uint32_t view_count;
     sampled_view views[BB_VIEWS_MAX];
     bb_ray *rays; /* one batch */
@@ -83,36 +90,66 @@ static bool find_point(const sampler *sampler, const bb_ray *ray, const bb_hit *
 
 /* ---- primary hits ---- */
 
-static void pixel_ray(const sampler *sampler, const sampled_view *view, uint32_t pixel, bb_ray *ray)
+/* Appends the hits of rays [begin, end) of its pictures. */
+static bb_status collect_batch(sampler *sampler, sampled_view *view, uint64_t begin, uint64_t end)
 {
-    uint32_t width = sampler->job->request->width;
-    bb_camera_ray(&view->camera, pixel % width, pixel / width, ray);
-}
-
-/* Appends the hits of pixels [begin, end). */
-static bb_status collect_batch(sampler *sampler, sampled_view *view, uint32_t begin, uint32_t end)
-{
-    for (uint32_t i = begin; i < end; i++)
-        pixel_ray(sampler, view, i, &sampler->rays[i - begin]);
-    BB_TRY(bb_oracle_trace(sampler->job->oracle, sampler->rays, end - begin, &bb_query_closest,
+    const uint32_t count = (uint32_t)(end - begin);
+    for (uint32_t i = 0; i < count; i++)
+        bb_picture_ray(sampler->job->request, &view->camera, begin + i, &sampler->rays[i]);
+    BB_TRY(bb_oracle_trace(sampler->job->oracle, sampler->rays, count, &bb_query_closest,
                            sampler->hits));
-    for (uint32_t i = begin; i < end; i++) {
-        const bb_hit *hit = &sampler->hits[i - begin];
-        if (hit->prim != BB_NONE)
-            view->hits[view->count++] = (first_hit){i, *hit};
+    for (uint32_t i = 0; i < count; i++) {
+        const bb_hit *hit = &sampler->hits[i];
+        bb_surface_point point;
+        if (hit->prim != BB_NONE &&
+            (!sampler->counts || find_point(sampler, &sampler->rays[i], hit, &point)))
+            view->hits[view->count++] = (first_hit){begin + i, *hit};
     }
     return BB_OK;
 }
 
-static bb_status collect_view(sampler *sampler, const bb_view *from, sampled_view *view)
+/* Room for the hits of one more picture. */
+static bb_status make_room(sampled_view *view, uint32_t pixels)
+{
+    if (view->room - view->count >= pixels)
+        return BB_OK;
+    first_hit *more = NULL;
+    const uint32_t room =
+        2 * view->room > view->count + pixels ? 2 * view->room : view->count + pixels;
+    BB_TRY(bb_host_alloc(NULL, room * sizeof *more, "primary hits", &more));
+    if (view->count > 0)
+        memcpy(more, view->hits, view->count * sizeof *more);
+    bb_host_free(view->hits);
+    view->hits = more;
+    view->room = room;
+    return BB_OK;
+}
+
+static bb_status collect_picture(sampler *sampler, sampled_view *view, uint32_t picture)
 {
     const bb_rays_request *request = sampler->job->request;
-    BB_TRY(bb_camera_make(from, request->width, request->height, &view->camera));
-    uint32_t pixels = request->width * request->height;
-    BB_TRY(bb_host_alloc(NULL, pixels * sizeof *view->hits, "primary hits", &view->hits));
-    for (uint32_t begin = 0; begin < pixels; begin += BATCH)
-        BB_TRY(
-            collect_batch(sampler, view, begin, pixels - begin < BATCH ? pixels : begin + BATCH));
+    const uint32_t pixels = request->width * request->height;
+    const uint64_t first = (uint64_t)picture * pixels, end = first + pixels;
+    BB_TRY(make_room(view, pixels));
+    for (uint64_t begin = first; begin < end; begin += BATCH)
+        BB_TRY(collect_batch(sampler, view, begin, end - begin < BATCH ? end : begin + BATCH));
+    return BB_OK;
+}
+
+/* The hits of so many pictures that they give `wanted` samples, or of PICTURES_MAX. */
+static bb_status collect_views(sampler *sampler, uint64_t wanted, uint64_t *hits)
+{
+    *hits = 0;
+    for (uint32_t picture = 0; picture < PICTURES_MAX; picture++) {
+        for (uint32_t v = 0; v < sampler->view_count; v++) {
+            sampled_view *view = &sampler->views[v];
+            const uint32_t before = view->count;
+            BB_TRY(collect_picture(sampler, view, picture));
+            *hits += view->count - before;
+        }
+        if (*hits == 0 || *hits >= wanted)
+            break;
+    }
     return BB_OK;
 }
 
@@ -151,15 +188,19 @@ static bb_status begin_sampling(bb_rays_job *job, uint32_t per_hit, sampler *sam
 
     const bb_view *views = request->view != NULL ? request->view : job->scene->views;
     sampler->view_count = request->view != NULL ? 1 : job->scene->view_count;
-    uint64_t hits = 0;
-    for (uint32_t v = 0; v < sampler->view_count; v++) {
-        BB_TRY(collect_view(sampler, &views[v], &sampler->views[v]));
-        hits += sampler->views[v].count;
-    }
+    uint64_t hits, least;
+    const uint64_t most = request->max_rays / per_hit;
+    BB_TRY(bb_job_least(job, &least));
+    least = least < request->max_rays ? least : request->max_rays;
+    for (uint32_t v = 0; v < sampler->view_count; v++)
+        BB_TRY(
+            bb_camera_make(&views[v], request->width, request->height, &sampler->views[v].camera));
+    sampler->counts = least > 0;
+    BB_TRY(collect_views(sampler, (least + per_hit - 1) / per_hit, &hits));
     if (hits == 0)
         return bb_fail(BB_UNSUPPORTED, "rays %s: no primary ray of scene '%s' hits anything",
                        job->rays->name, job->scene->name);
-    uint64_t most = request->max_rays / per_hit, taken = hits < most ? hits : most;
+    const uint64_t taken = hits < most ? hits : most;
     deal(sampler, (uint32_t)taken);
     return bb_rays_reserve(job->rays, (uint32_t)taken * per_hit);
 }
@@ -187,7 +228,7 @@ static bb_status for_each_sample(sampler *sampler, bb_surface_maker *make, void 
             wanted--;
             bb_ray ray;
             bb_surface_point point;
-            pixel_ray(sampler, view, view->hits[i].pixel, &ray);
+            bb_picture_ray(job->request, &view->camera, view->hits[i].index, &ray);
             if (!find_point(sampler, &ray, &view->hits[i].hit, &point))
                 continue;
             bb_random random = bb_random_make(job->request->seed, sample + 1);

@@ -34,6 +34,24 @@ bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload *
                    bb_suggested(&meant));
 }
 
+bb_status bb_workload_at_least(const char *text, uint32_t least, char *more, size_t capacity)
+{
+    bb_spec spec;
+    const bb_workload *workload;
+    BB_TRY(bb_workload_parse(text, &spec, &workload));
+    const bb_option *option = workload->options;
+    while (option != NULL && option->name != NULL && strcmp(option->name, "least") != 0)
+        option++;
+    bool added = option != NULL && option->name != NULL &&
+                 bb_spec_value(&spec, workload->options, "least") == NULL;
+    int length = added ? snprintf(more, capacity, "%s%cleast=%u", text,
+                                  strchr(text, ':') != NULL ? ',' : ':', least)
+                       : snprintf(more, capacity, "%s", text);
+    return (size_t)length < capacity
+               ? BB_OK
+               : bb_fail(BB_INVALID, "rays '%.80s...': longer than %zu characters", text, capacity);
+}
+
 bb_status bb_workload_check(const char *text, uint32_t max_rays)
 {
     bb_spec spec;

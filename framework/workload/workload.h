@@ -26,6 +26,11 @@ bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload *
  * most and as far as is known without a scene, are more than the host has room for. */
 bb_status bb_workload_check(const char *text, uint32_t max_rays);
 
+/* Into `more` the same rays, but at least so many: `text` with least=, unless it says that itself,
+ * or its kind has no pictures and thus as many as the run's limit anyway. BB_INVALID without room
+ * for it. */
+bb_status bb_workload_at_least(const char *text, uint32_t least, char *more, size_t capacity);
+
 /* Whether each of these rays must hit something: they are aimed at a closed mesh from inside. */
 bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, const bb_spec *spec);
 

@@ -8,6 +8,7 @@ static const bb_option options_table[] = {
     {"length", "0.1", NULL, "length of the rays, in scene diagonals"},
     BB_OFFSET_OPTION,
     BB_TMIN_OPTION,
+    BB_LEAST_OPTION,
     BB_END_OPTION,
 };
 

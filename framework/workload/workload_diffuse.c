@@ -9,6 +9,7 @@ static const bb_option options_table[] = {
     {"per_hit", "32", NULL, "rays per hit"},
     BB_OFFSET_OPTION,
     BB_TMIN_OPTION,
+    BB_LEAST_OPTION,
     BB_END_OPTION,
 };
 

@@ -10,6 +10,7 @@ static const bb_option options_table[] = {
     {"drop", "0.01", NULL, "distance of the light below the box's top, relative to its height"},
     BB_OFFSET_OPTION,
     BB_TMIN_OPTION,
+    BB_LEAST_OPTION,
     BB_END_OPTION,
 };
 

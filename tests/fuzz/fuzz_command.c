@@ -1,6 +1,7 @@
 /* The whole command line, a word per line: everything that is decided before a device is opened, a
- * scene is loaded or a file is written. Those three are taken from the program when this is linked
+ * scene is loaded or a file is written. These are taken from the program when this is linked
  * (--wrap), and refuse. */
+#include "framework/base/variants.h"
 #include "framework/cli/cli.h"
 #include "framework/device/device.h"
 #include "framework/scene/scene.h"
@@ -25,6 +26,14 @@ bb_status __wrap_bb_device_count(uint32_t *count)
 {
     *count = 0;
     return bb_fail(BB_FAILED, REFUSED);
+}
+
+bb_status __wrap_bb_device_find_kind(const char *name, uint32_t *kind);
+bb_status __wrap_bb_device_find_kind(const char *name, uint32_t *kind)
+{
+    (void)name;
+    *kind = BB_FOR_CPU;
+    return BB_OK;
 }
 
 bb_status __wrap_bb_scene_load(const char *text, bb_scene **scene);

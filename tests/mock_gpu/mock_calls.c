@@ -140,7 +140,12 @@ CL_API_ENTRY cl_int CL_API_CALL clBuildProgram(cl_program program, cl_uint count
         return refuse(gone);
     if (is_silent(program))
         return refuse(CL_BUILD_PROGRAM_FAILURE);
-    return REAL(clBuildProgram)(program, count, devices, options, notify, data);
+    char *known = strdup(options != NULL ? options : ""), *version = strstr(known, "-cl-std=CL2.0");
+    if (version != NULL)
+        version[strlen("-cl-std=CL")] = '3'; /* which PoCL compiles, unlike 2.0 */
+    cl_int error = REAL(clBuildProgram)(program, count, devices, known, notify, data);
+    free(known);
+    return error;
 }
 
 CL_API_ENTRY cl_int CL_API_CALL clGetProgramBuildInfo(cl_program program, cl_device_id device,

@@ -126,6 +126,39 @@ says '152 packages'
 called install,update,install,install,
 [ -z "$(find "$work" -name 'bvhbench-setup.*' -newer "$work/bin")" ] || fail "$case: left its log"
 
+# A release without oclgrind: apt finds nothing of a list that names it.
+lacks_oclgrind() {
+    stub apt-cache "echo cache >>$work/calls; [ \"\$2\" != oclgrind ] ${1-}"
+    stub apt-get "echo \"\$1\" >>$work/calls
+case \" \$* \" in *\" oclgrind \"*) exit 100 ;; esac; $knows"
+}
+
+case="root, a release without oclgrind"
+machine
+stub id 'echo 0'
+lacks_oclgrind
+setup 2 test
+says 'has no oclgrind'
+says '152 packages'
+called cache,cache,install,install,
+says 'installing build-essential'
+! grep -q 'installing.*oclgrind' "$work/errors" || fail "$case: asks for it"
+
+case="a release without oclgrind, all else is there"
+machine 'a*|b*|c*|g*|j*|l*|n*|o*-*|p*'
+stub id 'echo 0'
+lacks_oclgrind
+setup 1 test
+called cache,cache,
+
+case="root, a release without oclgrind, lists that are old"
+machine
+stub id 'echo 0'
+ln -s "$(command -v grep)" "$work/bin/grep"
+lacks_oclgrind "&& grep -q update $work/calls"
+setup 3 test
+called cache,install,update,cache,cache,install,install,
+
 case="no such set"
 status=0
 "$source/scripts/setup" all >/dev/null 2>"$work/errors" || status=$?

@@ -1,6 +1,6 @@
 /* The charts of the chosen set of cells. */
 const partly = c => c.count < c.rays ? ` (traced: the first ${whole(c.count)} of ${whole(c.rays)})` : '';
-const madeOf = c => c.reference ? 'Embree with its own tree' :
+const madeOf = c => c.reference ? `${embree} with its own tree` :
   [c.t.kernel, c.t.layout && `on ${c.t.layout}`, c.t.intersector && `with ${c.t.intersector}`,
    c.t.native === true && '(native tree)'].filter(Boolean).join(' ');
 
@@ -14,7 +14,7 @@ function cellLines(c) {
   const t = c.t, b = t.record;
   const lines = [`${t.scene}, ${raysName(t)}, ${c.views > 1 ? `${c.views} views together` : t.view ? `view ${t.view}` : 'whole scene'}`,
     madeOf(c), measured(c.mrays_s, 'Mrays/s', spreadOf(c, 'mrays_s')) +
-      (c.ratio ? `; ${figure(c.ratio)} of Embree` : ''),
+      (c.ratio ? `; ${figure(c.ratio)} of ${embree}` : ''),
     `wrong per million: ${rateText(c)}${partly(c)}`];
   if (c.wrong_rays > 0)
     lines.push(`95 %: ${figure(c.ppm_lo)} to ${figure(c.ppm_hi)}; missed ${whole(c.missed)}, false ${whole(c.false)}, ` +
@@ -119,10 +119,10 @@ function drawAccuracy(set, cells) {
   $('accuracy-note').textContent =
     spreadNote(points) + notes(set, drawn.concat(references), points);
   const show = markTable('accuracy-table', 'chart-accuracy', points, [
-    { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel },
+    { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.reference ? embree : p.cell.t.kernel },
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     Object.assign(num('Mrays/s', p => p.y), { first: true, down: true }), wrongColumn,
-    num('/Embree', p => p.cell.ratio, 'ratio to the fastest embree-native row on the same rays'), frontColumn,
+    num(`/${embree}`, p => p.cell.ratio, 'ratio to the fastest embree-native row on the same rays'), frontColumn,
     { name: 'Builder', text: p => p.cell.label }]);
   draw('chart-accuracy', 'Trace speed against wrong rays per million', marks,
        { x: wrongAxis(range), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
@@ -144,7 +144,7 @@ function drawBuilders(set, cells) {
     num('First ray ms', p => p.cell.fixed_ms, 'boxes, build, transfer and layout'),
     Object.assign(num('Other ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median), { title: 'boxes, transfer, layout' }),
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
-    { name: 'Kernel', text: p => p.cell.reference ? 'Embree' : p.cell.t.kernel }]);
+    { name: 'Kernel', text: p => p.cell.reference ? embree : p.cell.t.kernel }]);
   draw('chart-builders', 'Time for build, layout and rays against wrong rays per million', marks,
        { x: wrongAxis(range), y: axis('ms (log scale)', true, ms) }, p => p.cell ? cellLines(p.cell) : '', show);
 }

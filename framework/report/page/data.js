@@ -82,8 +82,11 @@ const traces = data.traces.map(t => {
   });
 });
 
+/* Whose rows are the reference: where the run's device is no CPU, another device's. */
+const embree = traces.some(t => t.traced_on) ? 'Embree on the CPU' : 'Embree';
+
 const isOk = t => t.status === 'ok' && isNumber(t.mrays_s);
-const label = t => merged ? `${t.builder} (run ${runOf(t) + 1})` : t.builder;
+const label = t => t.builder + (t.traced_on ? ` (${t.traced_on})` : '') + (merged ? ` (run ${runOf(t) + 1})` : '');
 
 /* 732.4 wrong OVERFLOW: capital letters above the limit; unlike: other cells with `exact` answer otherwise. */
 function wrongText(t) {

@@ -108,7 +108,7 @@ function traceTable() {
     field('trace', 'intersector'), medianColumn('trace', 'mrays_s', traces, 'mrays_s'),
     field('accuracy', 'wrong_ppm', { text: t => t.status === 'ok' ? wrongText(t) : dash,
       css: t => t.wrong || t.acc.overflowed > 0 ? 'wrong' : t.acc.wrong_ppm > 0 ? 'odd' : '' }),
-    num('/Embree', t => t.ratio, 'ratio to the fastest embree-native row on the same rays'),
+    num(`/${embree}`, t => t.ratio, 'ratio to the fastest embree-native row on the same rays'),
     ...fields('accuracy', ['missed', 'false', 'wrong_t']), ...fields('trace', ['node_tests_per_ray', 'prim_tests_per_ray', 'work_per_ray']),
     num('First ray ms', t => t.reference ? t.record.build_ms_median : (t.record.first_ray_ms || {})[t.layout], 'boxes, build, transfer and layout'),
     ...minor([field('trace', 'count'), num('of', t => t.all, 'rays in the set', whole), field('trace', 'counted'),
@@ -134,7 +134,7 @@ const bytePairs = object => pairs(object, bytes);
 function buildTable() {
   const treeBytes = b => isNumber(b.bytes_native) ? b.bytes_native : (b.tree || {}).bytes_tree;
   addTable($('builds-tables'), 'Builds. Press a heading to sort; the table scrolls sideways.', [
-    field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s']),
+    field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s', 'handover']),
     medianColumn('build', 'build_ms_median', builds, 'build_ms'),
     ...minor(fields('build', ['cold_ms', 'boxes_ms', 'transfer_ms', 'prepare_ms', 'restore_ms', 'outside_ms', 'inputs'])),
     ...metrics.map(m => num(m.title, b => metricOf(b, m), [m.full_title, m.unit].filter(Boolean).join(', '))),

@@ -50,7 +50,7 @@ function barRow(summary, row, i) {
   const least = k => Math.min(...rows.map(r => r.image[k].value).filter(isNumber));
   const time = (s, k) => isNumber(s.value) ? least(k) / s.value : 0;
   return el('tr', { class: row.reference ? 'reference' : null }, name,
-    barCell(summary.referenced ? 'trace, of Embree' : 'trace, of the best', row.trace, row.trace.value / largest(rows, r => r.trace.value),
+    barCell(`trace, of ${summary.reference || 'the best'}`, row.trace, row.trace.value / largest(rows, r => r.trace.value),
             row, tieClass(rows, i)),
     barCell('build, Mprims/s', row.build, logShare(row.build.value, builds), row),
     barCell('build and layout, Mprims/s', row.ready, logShare(row.ready.value, readies), row),
@@ -62,7 +62,7 @@ function drawBars(summary) {
   const heading = (text, title) => el('th', { scope: 'col', title }, text);
   $('verdict-bars').replaceChildren(el('table', { class: 'verdict-table' },
     el('thead', {}, el('tr', {}, heading('Builder'),
-      heading(`Trace speed, of ${summary.referenced ? 'Embree' : 'the best'}`, 'geometric mean over the ray sets; a bracket: this run cannot tell them apart'),
+      heading(`Trace speed, of ${summary.reference || 'the best'}`, 'geometric mean over the ray sets; a bracket: this run cannot tell them apart'),
       heading('Build, Mprims/s (log)', 'geometric mean over the scenes'),
       heading('+ layout', 'build and layout of the kernel that is fastest most often: what the first ray waits for'),
       heading('Time for 1 M rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
@@ -153,7 +153,7 @@ function drawSummaryTable(summary) {
   $('verdict-table').replaceChildren();
   addTable($('verdict-table'), 'All figures; press a heading to sort.', [
     { name: 'Builder', text: nameOf, wide: true }, { name: 'Kernel', text: r => r.kernel || dash },
-    standing(`Trace /${summary.referenced ? 'Embree' : 'best'}`, r => r.trace), num('Mrays/s', r => r.mrays_s),
+    standing(`Trace /${summary.reference || 'best'}`, r => r.trace), num('Mrays/s', r => r.mrays_s),
     standing('Build Mprims/s', r => r.build), standing('+ layout', r => r.ready, 'build and layout of its kernel'),
     ...summaries.counts.map((n, k) => standing(`${brief(n)} rays`, r => r.image[k], 'time to image, by the best')),
     standing(`${schema.metrics.find(m => m.of_layouts).title} /best`, r => r.quality),

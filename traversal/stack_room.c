@@ -1,0 +1,30 @@
+/* A stack is private memory. A GPU keeps that of all work-items in flight at once, in its global
+ * memory, and drivers that have no room for it end the launch or the process. OpenCL does not tell
+ * how many are in flight: up to 2048 on a compute unit of the GPUs there are (NVIDIA since Kepler
+ * 1024 to 2048, AMD's GCN 2560, RDNA 1024 to 2048). A quarter of the memory leaves the rest to
+ * scenes and trees.
+ */
+#include "traversal/stack_room.h"
+
+enum { ITEMS_PER_UNIT = 2048, SHARE = 4 };
+
+uint32_t bb_stacks_of_item(const bb_kernel *kernel, const bb_spec *spec)
+{
+    uint64_t rays = 1;
+    if (kernel->batched &&
+        bb_spec_u64(spec, kernel->options, "rays", 1, UINT32_MAX, &rays) != BB_OK)
+        rays = 1; /* not among its options */
+    return (uint32_t)rays;
+}
+
+uint32_t bb_stack_room(const bb_device *device, uint32_t stacks)
+{
+    if (device->is_cpu)
+        return UINT32_MAX;
+    const uint64_t items = (uint64_t)device->compute_units * ITEMS_PER_UNIT;
+    const uint64_t most = device->global_bytes / SHARE / items / BB_STACK_ENTRY_BYTES / stacks;
+    uint32_t entries = BB_STACK_LEAST;
+    while (2 * (uint64_t)entries <= most && entries < 1u << 30)
+        entries *= 2;
+    return entries;
+}
