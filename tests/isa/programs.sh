@@ -24,11 +24,6 @@ options_of() {
     }' "$1"
 }
 
-# Whether a program is of no OpenCL C before 2.0: those that hand over by a fence.
-needs_fence() {
-    ! head -n 1 "$1" | grep -q -e '-cl-std=CL1\.2'
-}
-
 # Each recorded program under the folders given, once.
 programs_in() {
     find "$@" -name '*.cl' | awk -F/ '!seen[$NF]++' | sort

@@ -26,7 +26,7 @@ commands() {
         trace+=" --no-pictures --charts no --quiet"
         echo "$form/mixed run $trace --scene blocks:side=2,mixed=yes --kernel all --metrics all" \
             "--out $folder/logs/mixed-$form"
-        echo "$form/leaf run $trace --scene cube --kernel stack:leaf=4,stack8:leaf=4" \
+        echo "$form/leaf run $trace --scene cube --kernel stack:leaf=4" \
             "--intersector all --out $folder/logs/leaf-$form"
         echo "$form/volume volume --form $form --scene nbody:n=16 --scene tets:side=2 --size 8x8" \
             "--steps 1 --repeats 1"
