@@ -231,7 +231,8 @@ static void folders_of_out_are_made(void **state)
                 "m/slices/1/slice.json");
 }
 
-/* On a device. A line of what is begun, no bar where there is no terminal; with --quiet nothing. */
+/* On a device. Its name, a line of what is begun, no bar where there is no terminal; with --quiet
+ * nothing. */
 static void contests_say_what_they_are_at(void **state)
 {
     (void)state;
@@ -246,8 +247,10 @@ static void contests_say_what_they_are_at(void **state)
         assert_string_equal(expect(0, arguments, "lbvh")->err, "");
         snprintf(arguments, sizeof arguments, "%s --repeats 3", commands[i]);
         const outcome *o = expect(0, arguments, "lbvh");
-        assert_non_null(strstr(o->err, " ways, 3 rounds\n"));
-        assert_int_equal(strchr(o->err, '\n')[1], '\0');
+        const char *line = strchr(o->err, '\n') + 1;
+        assert_int_equal(strncmp(o->err, "device: ", 8), 0);
+        assert_non_null(strstr(line, " ways, 3 rounds\n"));
+        assert_int_equal(strchr(line, '\n')[1], '\0');
     }
 }
 

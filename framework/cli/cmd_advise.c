@@ -93,11 +93,8 @@ static bb_status choose_lists(const bb_cli *cli, bb_advise_request *r)
 {
     BB_TRY(choose(cli, "builder", given_builders, bb_tried_builders, &r->builders));
     BB_TRY(choose(cli, "kernel", bb_choose_kernels, NULL, &r->kernels));
-    if (r->kernels.count == 0) {
-        uint32_t device;
-        BB_TRY(bb_device_find_kind(bb_cli_value(cli, "device"), &device));
-        BB_TRY(bb_tried_kernels(&r->kernels, device));
-    }
+    if (r->kernels.count == 0)
+        BB_TRY(bb_tried_kernels(&r->kernels, bb_device_find_kind(bb_cli_value(cli, "device"))));
     return choose(cli, "intersector", bb_choose_intersectors,
                   r->max_wrong_ppm > 0 ? bb_tried_intersectors : exact_alone, &r->intersectors);
 }

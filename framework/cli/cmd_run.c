@@ -115,7 +115,7 @@ static bb_status suit_device(const bb_cli *cli, uint32_t device, bb_names *workl
 {
     if (fills_gpu(cli, device))
         return add_rays(workloads);
-    if (device == BB_FOR_GPU && workloads->count > 0)
+    if (device == BB_FOR_GPU && workloads->count > 0 && bb_cli_value(cli, "quiet") == NULL)
         fprintf(stderr,
                 "bvhbench: --size or --max-rays is given: sets may have fewer than the %d rays "
                 "that a GPU takes to be busy\n",
@@ -166,14 +166,14 @@ typedef struct lists {
 
 static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
 {
-    uint32_t kernels_given, device;
+    const uint32_t device = bb_device_find_kind(bb_cli_value(cli, "device"));
+    uint32_t kernels_given;
     bb_cli_values(cli, "kernel", &kernels_given);
     BB_TRY(bb_choose_scenes(cli, bb_add_shipped_scenes, &l->scenes));
     BB_TRY(choose_builders(cli, &l->builders));
     BB_TRY(choose_traces(cli, &l->kernels, &l->workloads));
     BB_TRY(bb_choose_intersectors(cli, &l->intersectors));
     BB_TRY(bb_choose_metrics(cli, &l->metrics));
-    BB_TRY(bb_device_find_kind(bb_cli_value(cli, "device"), &device));
     BB_TRY(suit_device(cli, device, &l->workloads));
     BB_TRY(fill_request(cli, device, request));
     request->scenes = l->scenes.items;

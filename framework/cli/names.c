@@ -228,12 +228,11 @@ static bb_status add_compared_kernels(bb_names *names, uint32_t device)
 bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
 {
     static const list kernels = {"kernel", add_all_kernels, NULL, offsetof(spelt, cell.kernel)};
-    uint32_t count, device;
+    uint32_t count;
     bb_cli_values(cli, "kernel", &count);
     if (count > 0)
         return choose(cli, &kernels, names);
-    BB_TRY(bb_device_find_kind(bb_cli_value(cli, "device"), &device));
-    return add_compared_kernels(names, device);
+    return add_compared_kernels(names, bb_device_find_kind(bb_cli_value(cli, "device")));
 }
 
 static bb_status add_all_rays(bb_names *names)

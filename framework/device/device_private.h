@@ -22,8 +22,9 @@ static inline uint32_t bb_device_kind(const bb_device *device)
     return device->is_cpu ? BB_FOR_CPU : BB_FOR_GPU;
 }
 
-/* The same of the device that `selector` names, which stays unopened. */
-bb_status bb_device_find_kind(const char *selector, uint32_t *kind);
+/* The same of the device that `selector` names, which stays unopened. BB_FOR_CPU if there is none:
+ * opening it will say so. */
+uint32_t bb_device_find_kind(const char *selector);
 
 /* Opens the device that `selector` names: NULL (the first of them), an index, or part of a device
  * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c).

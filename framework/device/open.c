@@ -229,15 +229,14 @@ static bb_status query_device(bb_device *device)
     return BB_OK;
 }
 
-bb_status bb_device_find_kind(const char *selector, uint32_t *kind)
+uint32_t bb_device_find_kind(const char *selector)
 {
-    bb_device device = {.is_cpu = false};
+    bb_device device = {.is_cpu = true};
     found_device selected = {0};
-    BB_TRY(select_device(selector, &selected));
+    if (select_device(selector, &selected) != BB_OK)
+        return BB_FOR_CPU;
     device.id = selected.id;
-    BB_TRY(query_device(&device));
-    *kind = bb_device_kind(&device);
-    return BB_OK;
+    return query_device(&device) == BB_OK ? bb_device_kind(&device) : BB_FOR_CPU;
 }
 
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,

@@ -28,12 +28,11 @@ bb_status __wrap_bb_device_count(uint32_t *count)
     return bb_fail(BB_FAILED, REFUSED);
 }
 
-bb_status __wrap_bb_device_find_kind(const char *name, uint32_t *kind);
-bb_status __wrap_bb_device_find_kind(const char *name, uint32_t *kind)
+uint32_t __wrap_bb_device_find_kind(const char *name);
+uint32_t __wrap_bb_device_find_kind(const char *name)
 {
     (void)name;
-    *kind = BB_FOR_CPU;
-    return BB_OK;
+    return BB_FOR_CPU;
 }
 
 bb_status __wrap_bb_scene_load(const char *text, bb_scene **scene);
