@@ -38,12 +38,12 @@ void bb_host_free(void *pointer); /* NULL is allowed; leaves the account */
  * quarters of its memory. UINT64_MAX if that is not known. */
 uint64_t bb_host_limit(void);
 
+/* The most bytes that the process has had in memory so far; 0 if that is not known. */
+uint64_t bb_host_peak(void);
+
 #ifdef __cplusplus
 }
 #endif
 #pragma GCC visibility pop
-
-/* The most bytes that the process has had in memory so far; 0 if that is not known. */
-uint64_t bb_host_peak(void);
 
 #endif
