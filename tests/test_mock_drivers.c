@@ -82,7 +82,7 @@ static void lost_devices(void **state)
         assert_true(cJSON_GetArraySize(cJSON_GetObjectItem(results, "traces")) >= 2);
         cJSON_Delete(results);
         assert_int_equal(run_with("", "report out")->exit_status, 0);
-        snprintf(mock, sizeof mock, MOCK("MOCK_GPU_FAIL=link_leaves:1:%s"), manners[i]);
+        snprintf(mock, sizeof mock, MOCK("MOCK_GPU_FAIL=link_chunks:1:%s"), manners[i]);
         o = run_with(mock, "check --builder lbvh --builder hlbvh --scene cube --quiet");
         assert_int_equal(o->exit_status, 2);
         assert_non_null(strstr(o->err, words));
