@@ -98,7 +98,7 @@ static void kernels_of_small_groups(void **state)
     }
     cJSON_Delete(results);
     assert_true(traced >= 2);
-    works(MOCK("MOCK_GPU_KERNEL_GROUP=link_ranges:1"), "check --builder lbvh --scene cube",
+    works(MOCK("MOCK_GPU_KERNEL_GROUP=code_keys:1"), "check --builder lbvh --scene cube",
           " 0 checks failed");
     const outcome *o = run_with(MOCK("MOCK_GPU_KERNEL_GROUP=hploc_level:16"),
                                 "check --builder hploc --scene cube");
