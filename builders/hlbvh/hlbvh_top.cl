@@ -99,7 +99,7 @@ void split_range(global hl_item *items, global hl_item *spare, const hl_range *r
         hl_grid grid = hl_make_grid(range->lo, range->hi, unit, count);
         hl_clear(&bins, grid.bins);
         hl_fill(&bins, &grid, items, range->begin, range->end);
-        box_of_bins(&bins, grid.bins, &box);
+        box = box_of_bins(&bins, grid.bins);
         hl_split split = hl_find_split(&bins, &grid, unit, range->begin, count);
         divide_range(items, spare, range, &grid, &split, left, right);
     }
