@@ -20,7 +20,7 @@ struct bb_codes {
     bb_code_pattern layout;
     bb_box found[2];   /* the last scene's bounds */
     uint32_t lanes;    /* boxes per work-item */
-    bool leave_bounds; /* where it can be, see bb_codes_leave_bounds() */
+    bool leave_bounds; /* on the device, where it can be */
     cl_program program;
     cl_kernel keys;
     cl_kernel place;  /* NULL if the host asks for the bounds */
@@ -62,12 +62,6 @@ static bb_status compile(bb_codes *codes)
              "%s -DBB_CODE_LANES=%u -DBB_SIZES=%u -DBB_MEASURE=%d -DBB_TABLES=%d",
              bb_codes_key_bytes(codes) == 8 ? "-DBB_KEY64" : "", codes->lanes, sizes,
              choice->measure, choice->tables);
-    if (codes->leave_bounds && bb_code_is_fixed(choice) && has_doubles(codes->device)) {
-        strcat(defines, " -DBB_CODE_PLACE");
-        BB_TRY(
-            bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
-        BB_TRY(bb_kernel_get(codes->program, "code_place", &codes->place));
-    }
     BB_TRY(bb_program_build(codes->device, bb_source_find("codes.cl"), defines, &codes->program));
     BB_TRY(bb_kernel_get(codes->program, "code_keys", &codes->keys));
     if (codes->leave_bounds && bb_code_is_fixed(choice) && has_doubles(codes->device))
