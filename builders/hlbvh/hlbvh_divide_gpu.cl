@@ -22,7 +22,8 @@ void clear_own(local hl_bins *bins)
         hl_clear_bin(bins, b / HL_BINS, b % HL_BINS);
 }
 
-kernel void hl_bin(global const hl_task *tasks, global const hl_chunk *chunks, uint chunk_count,
+kernel __attribute__((reqd_work_group_size(HL_GROUP, 1, 1)))
+void hl_bin(global const hl_task *tasks, global const hl_chunk *chunks, uint chunk_count,
                    global const hl_item *items, float unit, global hl_bins *found)
 {
     local hl_bins bins;
@@ -63,7 +64,8 @@ kernel void hl_bin(global const hl_task *tasks, global const hl_chunk *chunks, u
     }
 }
 
-kernel void hl_divide(global const hl_task *tasks, uint task_count, global const hl_bins *found,
+kernel __attribute__((reqd_work_group_size(HL_GROUP, 1, 1)))
+void hl_divide(global const hl_task *tasks, uint task_count, global const hl_bins *found,
                       float unit, global const uint *starts, uint clusters, global bb_node *nodes,
                       global hl_split *splits, global hl_chunk *chunks)
 {
