@@ -107,6 +107,15 @@ static void kernels_of_small_groups(void **state)
                                    "runs it in groups of up to 16"));
 }
 
+/* Work-items that co-operate, in a kernel that does not say for how many it is compiled, would make
+ * another tree in smaller groups. The scene is large enough for every pass of every builder. */
+static void any_group_makes_the_same_trees(void **state)
+{
+    (void)state;
+    works(MOCK("MOCK_GPU_KERNEL_GROUP=*:8"),
+          "check --builder all --scene random:n=12000 --scene nbody:n=16", " 0 checks failed");
+}
+
 /* Those that trace many rays in a work-item, though the device's groups are small; a group that is
  * given and does not fit is refused. */
 static void groups_are_bounded_by_the_device(void **state)
@@ -158,6 +167,7 @@ int main(void)
         cmocka_unit_test(volumes_and_meshes),
         cmocka_unit_test(fences_in_each_style),
         cmocka_unit_test(kernels_of_small_groups),
+        cmocka_unit_test(any_group_makes_the_same_trees),
         cmocka_unit_test(groups_are_bounded_by_the_device),
         cmocka_unit_test(a_gpu_is_preferred),
     };

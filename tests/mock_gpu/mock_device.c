@@ -289,12 +289,18 @@ bool mock_matches(const char *pattern, const char *name)
     return pattern != NULL && (strcmp(pattern, "*") == 0 || strcmp(pattern, name) == 0);
 }
 
+/* "*" leaves out kernels that are compiled for one size of groups. */
 size_t mock_kernel_group(cl_kernel kernel)
 {
     char name[128];
+    size_t compiled[3] = {0};
     mock_kernel_name(kernel, name, sizeof name);
-    return mock_matches(mock.kernel, name) && mock.kernel_group < mock.group ? mock.kernel_group
-                                                                             : mock.group;
+    if (mock.kernel != NULL && strcmp(mock.kernel, "*") == 0)
+        REAL(clGetKernelWorkGroupInfo)
+        (kernel, NULL, CL_KERNEL_COMPILE_WORK_GROUP_SIZE, sizeof compiled, compiled, NULL);
+    return mock_matches(mock.kernel, name) && compiled[0] == 0 && mock.kernel_group < mock.group
+               ? mock.kernel_group
+               : mock.group;
 }
 
 CL_API_ENTRY cl_int CL_API_CALL clGetKernelWorkGroupInfo(cl_kernel kernel, cl_device_id device,
