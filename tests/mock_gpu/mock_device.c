@@ -297,7 +297,7 @@ size_t mock_kernel_group(cl_kernel kernel)
     mock_kernel_name(kernel, name, sizeof name);
     if (mock.kernel != NULL && strcmp(mock.kernel, "*") == 0)
         REAL(clGetKernelWorkGroupInfo)
-        (kernel, NULL, CL_KERNEL_COMPILE_WORK_GROUP_SIZE, sizeof compiled, compiled, NULL);
+    (kernel, NULL, CL_KERNEL_COMPILE_WORK_GROUP_SIZE, sizeof compiled, compiled, NULL);
     return mock_matches(mock.kernel, name) && compiled[0] == 0 && mock.kernel_group < mock.group
                ? mock.kernel_group
                : mock.group;
