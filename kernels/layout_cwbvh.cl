@@ -66,11 +66,7 @@ kernel void cwbvh_place(global const bb_pair *pairs, uint count, uint root, glob
     if (p >= count || marks[p] == 0u)
         return;
     bb_wide_boxes boxes;
-    uint own[BB_WIDTH], children = 0;
-    for (uint c = 0; c < BB_WIDTH; c++) {
-        own[c] = opened[(ulong)p * BB_OPENED_WORDS + c];
-        children += own[c] != BB_NONE ? 1u : 0u;
-    }
+    uint own[BB_WIDTH], children = bb_wide_take_opened(opened, p, own);
     bb_wide_put_pairs(pairs, own, &boxes);
     bb_wide_arrange(&boxes, children, own);
     uint node = 1u + nodes[p], prim = prims[p];

@@ -241,11 +241,7 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uin
         return;
     global bb_wide *node = nodes + index[p];
     bb_wide_boxes boxes;
-    uint own[BB_WIDTH], children = 0;
-    for (uint c = 0; c < BB_WIDTH; c++) {
-        own[c] = opened[(ulong)p * BB_OPENED_WORDS + c];
-        children += own[c] != BB_NONE ? 1u : 0u;
-    }
+    uint own[BB_WIDTH], children = bb_wide_take_opened(opened, p, own);
     bb_wide_put_pairs(pairs, own, &boxes);
 #if BB_WIDTH == 8
     if (octants != 0u) {

@@ -21,6 +21,8 @@ typedef struct bb_shard {
     uint32_t next;         /* number of the next set; goes on from one comparison to the next */
 } bb_shard;
 
+enum { BB_LAYOUT_REPEATS = 5 }; /* of transfers and of layouts, after the first */
+
 typedef struct bb_bench_request {
     bb_device *device;
     char *const *scenes;

@@ -14,7 +14,6 @@ enum {
     /* builds with exact phase boundaries, made apart from those that count where the work is on the
      * device */
     PHASE_BUILDS = 3,
-    REPEATS = 5, /* of transfers and layouts */
     METRIC_SAMPLES = 1000000,
 };
 
@@ -67,7 +66,7 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
     if (bb_pipeline_on_device(&entrant->pipeline) == entrant->pipeline.count)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
-    for (uint32_t i = 0; i <= REPEATS; i++) {
+    for (uint32_t i = 0; i <= BB_LAYOUT_REPEATS; i++) {
         double ms;
         BB_TRY(bb_instance_transfer(&entrant->instance, bench->scene, &ms));
         bb_samples_add(&entrant->record.transfer_ms, ms);
@@ -289,7 +288,7 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
     record->layouts[k].sah =
         isnan(data->sah) && data->keeps_shape ? sah_of_tree(entrant) : data->sah;
     bb_samples_add(&record->layouts[k].ms, data->timing.ms);
-    for (uint32_t i = 0; i < REPEATS; i++) {
+    for (uint32_t i = 0; i < BB_LAYOUT_REPEATS; i++) {
         char what[256];
         BB_TRY(bb_resident_layout_again(bench, entrant, layout));
         bb_samples_add(&record->layouts[k].ms, data->timing.ms);
