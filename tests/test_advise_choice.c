@@ -158,6 +158,43 @@ static void a_slow_builder_is_left_out(void **state)
     end_party(&p);
 }
 
+/* By its builder's build, and by its kernel's and its intersector's share of layout and rays. */
+static void an_unlikely_pair_is_left_out(void **state)
+{
+    (void)state;
+    party p = make_party();
+    bb_entered builders;
+    uint32_t count;
+    ASSERT_OK(bb_scouts_enter_builders(&p.builders, "stack8", &p.intersectors, &builders));
+    builders.figures[0] =
+        (bb_tried_figures){.measured = true, .build_ms = 1, .layout_ms = 4, .trace_ms = 5};
+    builders.figures[1] =
+        (bb_tried_figures){.measured = true, .build_ms = 11, .layout_ms = 4, .trace_ms = 4};
+    for (uint32_t i = 0; i < p.scouts.count; i++)
+        p.scouts.figures[i] =
+            (bb_tried_figures){.measured = true, .build_ms = 50, .layout_ms = 10, .trace_ms = 10};
+    bb_tried_figures *slow = &p.scouts.figures[scout_of(&p, "stackless", "exact")];
+    slow->layout_ms = 15; /* 6 and 9 ms of the first, 6 and 7.2 of the second */
+    slow->trace_ms = 18;
+    p.scouts.figures[scout_of(&p, "stack", "careless")].trace_ms = 5;
+    /* foretold of lbvh: 10 (careless 7.5), with stackless 16 (11.5); of sah 19 (17), 24.2 (20.6) */
+    bb_contender *who = bb_contenders_make(&p.builders, &p.kernels, &p.intersectors, &count);
+    assert_int_equal(count, 12);
+    assert_int_equal(bb_scouts_keep_likely(&p.scouts, &builders, who, count, 2.4), 8);
+    for (uint32_t i = 6; i < 8; i++) {
+        assert_string_equal(who[i].builder, "sah");
+        assert_string_equal(who[i].intersector, "careless");
+    }
+    assert_int_equal(bb_scouts_keep_likely(&p.scouts, &builders, who, 8, 1.6), 5);
+    builders.figures[1].measured = false; /* of sah nothing is foretold */
+    free(who);
+    who = bb_contenders_make(&p.builders, &p.kernels, &p.intersectors, &count);
+    assert_int_equal(bb_scouts_keep_likely(&p.scouts, &builders, who, count, 1.6), 11);
+    free(who);
+    bb_entered_free(&builders);
+    end_party(&p);
+}
+
 /* ---- turns ---- */
 
 /* Trees of 100 bytes, layouts of 10, room for two trees and three layouts. */
@@ -281,6 +318,7 @@ int main(void)
         cmocka_unit_test(a_slow_intersector_drops_no_kernel),
         cmocka_unit_test(the_most_careful_is_never_too_slow),
         cmocka_unit_test(a_slow_builder_is_left_out),
+        cmocka_unit_test(an_unlikely_pair_is_left_out),
         cmocka_unit_test(turns_fit_into_memory),
         cmocka_unit_test(the_least_of_the_fast_is_chosen),
         cmocka_unit_test(the_fastest_is_so_round_by_round),

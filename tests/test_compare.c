@@ -259,14 +259,19 @@ static void cells_of_two_devices_do_not_meet(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         bb_cell_set sets[2];
         bb_comparison_result result;
+        bb_results *runs[2];
         for (int k = 0; k < 2; k++) {
             bb_results *run = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 1);
             cJSON *context = member(bb_results_json(run), "context");
+            runs[k] = run;
             set_text(context, "device_type", cases[i].types[k]);
             set_text(context, "device", cases[i].names[k]);
             ASSERT_OK(bb_cell_set_of_results(run, k == 0 ? "OLD" : "NEW", &sets[k]));
-            bb_results_destroy(run);
         }
+        /* nor do they stand in one report */
+        assert_int_equal(bb_results_merge(runs[0], runs[1]), cases[i].meet ? BB_OK : BB_INVALID);
+        for (int k = 0; k < 2; k++)
+            bb_results_destroy(runs[k]);
         bb_status status =
             bb_compare(&(bb_side){&sets[0], 1}, &(bb_side){&sets[1], 1}, NAN, NULL, &result);
         if (status != (cases[i].meet ? BB_OK : BB_INVALID))

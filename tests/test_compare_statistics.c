@@ -228,7 +228,7 @@ static found compare_made_up(const noise *n, uint32_t pairs, double slow, uint32
     assert_int_equal(result.common, CELLS);
     assert_int_equal(result.timed, CELLS);
     for (uint32_t i = 0; i < result.move_count; i++) {
-        const bb_move *m = &result.moves[i];
+        const bb_change *m = &result.moves[i];
         f.slower += m->timed && m->verdict == BB_WORSE;
         f.right += m->timed && m->verdict == BB_WORSE &&
                    strtoul(strstr(m->after->key, "kernel=k") + 8, NULL, 10) < slow_cells;

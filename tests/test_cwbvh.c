@@ -3,6 +3,8 @@
  * test_watertight.c (boxes), test_work.c. */
 #include "tests/cwbvh_fixture.h"
 
+#include <float.h>
+
 /* What the kernel may be off by, in steps: kernels/ERROR_BUDGET.md. */
 static const double KERNEL_MARGIN = 0x1p-14;
 
@@ -14,7 +16,7 @@ typedef struct walk {
     uint32_t prims; /* in the order of the records */
     uint32_t most_prims;
     uint32_t stack_need;
-    bool divided; /* leaves may have been, whose parts have larger boxes than their primitives */
+    bool loose; /* boxes may be larger than those of what is in them */
 } walk;
 
 static const bb_box nothing = {.lo = {INFINITY, INFINITY, INFINITY},
@@ -103,17 +105,18 @@ static bb_box see_node(walk *w, uint32_t n, uint32_t above)
     }
     assert_true(children >= 2);
     w->prims += first - node->prims;
-    if (!w->divided)
+    if (!w->loose)
         check_steps(node, n, &padded_all);
     return box;
 }
 
 static void take_apart(const bb_scene *scene, bb_tree *tree, uint32_t leaf, bool greedy,
-                       uint32_t most_prims)
+                       uint32_t most_prims, bool loose)
 {
     compressed c = read_compressed(scene, tree, leaf, greedy);
     walk w = {.c = &c, .scene = scene, .seen = calloc(scene->prim_count, sizeof *w.seen)};
-    w.divided = tree->info.leaf_count < tree->info.ref_count;
+    /* of leaves that are divided the parts have the box of the whole */
+    w.loose = loose || tree->info.leaf_count < tree->info.ref_count;
     if ((c.root & BB_LEAF_BIT) != 0) {
         assert_int_equal(c.root & BB_INDEX_MASK, scene->prim_count);
         see_prims(&w, 0, scene->prim_count);
@@ -165,7 +168,32 @@ static void nodes_hold_the_tree(void **state)
                          &random, &tree);
         ASSERT_OK(bb_tree_upload(&tree, device, NULL));
         for (uint32_t leaf = 1; leaf <= 3; leaf++)
-            take_apart(scene, &tree, leaf, run / 2 % 2 == 0, run % 2 == 0 ? leaf : 3);
+            take_apart(scene, &tree, leaf, run / 2 % 2 == 0, run % 2 == 0 ? leaf : 3, false);
+        bb_tree_release(&tree);
+        free_uploaded(scene);
+    }
+}
+
+/* Whatever a builder's boxes are, and however many of them, up to the largest floats: such a plane
+ * is far beside what is there. */
+static void boxes_may_be_of_any_size(void **state)
+{
+    (void)state;
+    for (uint32_t run = 0; run < (small() ? 4u : 24u); run++) {
+        bb_random random = bb_random_make(SEED + 10, run);
+        bb_scene *scene = make_extreme_scene(run, &random);
+        bb_tree tree;
+        make_random_tree(scene, 2 + run % 3, 1, &random, &tree);
+        for (uint32_t n = 0; n < tree.info.node_count; n++)
+            for (int k = 0; k < 3; k++) {
+                const float size = ldexpf(FLT_MAX, -(int)(run / 2 * bb_random_below(&random, 20)));
+                if (bb_random_below(&random, 4) < 3)
+                    tree.nodes[n].lo[k] = fminf(tree.nodes[n].lo[k], -size);
+                if (bb_random_below(&random, 4) < 3)
+                    tree.nodes[n].hi[k] = fmaxf(tree.nodes[n].hi[k], size);
+            }
+        ASSERT_OK(bb_tree_upload(&tree, device, NULL));
+        take_apart(scene, &tree, 1 + run % 3, run % 2 == 0, 3, true);
         bb_tree_release(&tree);
         free_uploaded(scene);
     }
@@ -192,7 +220,7 @@ static void a_large_leaf_is_divided(void **state)
         bb_tree tree;
         make_tree(&tree, &root, 1, refs, count, 0, 0);
         ASSERT_OK(bb_tree_upload(&tree, device, NULL));
-        take_apart(scene, &tree, 1, false, 3);
+        take_apart(scene, &tree, 1, false, 3, false);
         free(refs);
         bb_tree_release(&tree);
         free_uploaded(scene);
@@ -274,6 +302,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nodes_hold_the_tree),
+        cmocka_unit_test(boxes_may_be_of_any_size),
         cmocka_unit_test(a_large_leaf_is_divided),
         cmocka_unit_test(children_stand_in_their_octants),
     };

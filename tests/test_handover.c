@@ -46,7 +46,7 @@ static void fences_are_found_in_lists(void **state)
         NULL, 0                                                                                    \
     }
     const struct {
-        bb_names versions, features;
+        bb_driver_names versions, features;
         const char *version, *option;
     } cases[] = {
         {EMPTY, EMPTY, "OpenCL C 1.2 ", ""},

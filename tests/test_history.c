@@ -256,9 +256,9 @@ static void revisions_are_found_by_their_beginnings(void **state)
     bb_history_close(history);
 }
 
-static const bb_move *only_move(const bb_comparison_result *step, bb_verdict verdict)
+static const bb_change *only_move(const bb_comparison_result *step, bb_change_verdict verdict)
 {
-    const bb_move *found = NULL;
+    const bb_change *found = NULL;
     for (uint32_t i = 0; i < step->move_count; i++) {
         if (step->moves[i].verdict != verdict)
             continue;
@@ -288,14 +288,14 @@ static void trends_mark_what_moved(void **state)
     assert_non_null(strstr(north->floor.from, "between runs of one revision"));
     assert_true(isnan(trends[0].floor.share));
     assert_int_equal(north->steps[0].move_count + north->steps[1].move_count, 0);
-    const bb_move *slow = only_move(&north->steps[2], BB_WORSE);
+    const bb_change *slow = only_move(&north->steps[2], BB_WORSE);
     assert_non_null(slow);
     assert_string_equal(slow->what, "trace ms");
     ASSERT_NEAR(slow->effect.ratio, 1.3, 0.03);
-    const bb_move *sah = only_move(&north->steps[3], BB_WORSE);
+    const bb_change *sah = only_move(&north->steps[3], BB_WORSE);
     assert_non_null(sah);
     assert_string_equal(sah->what, "sah");
-    const bb_move *fast = only_move(&north->steps[4], BB_BETTER);
+    const bb_change *fast = only_move(&north->steps[4], BB_BETTER);
     assert_non_null(fast);
     ASSERT_NEAR(fast->effect.ratio, 0.7, 0.03);
     assert_int_equal(north->steps[4].worse, 0);

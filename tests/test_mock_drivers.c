@@ -2,6 +2,7 @@
  * kept. */
 #include "tests/mock_fixture.h"
 
+#define STRESS "stress --quick --axis sorted --builder lbvh --quiet --out stressed"
 #define RUN                                                                                        \
     "run --scene sphere-mesh:n=12 --builder lbvh --builder hlbvh --kernel stack --rays primary "   \
     "--size 16x16 --repeats 1 --no-pictures --charts no --quiet --out out"
@@ -63,6 +64,15 @@ static void one_launch_too_many(void **state)
             "CL_OUT_OF_RESOURCES (the kernel needs");
 }
 
+static bool is_marked(const char *path)
+{
+    cJSON *results = read_results(path);
+    const cJSON *context = cJSON_GetObjectItem(results, "context");
+    const bool marked = cJSON_IsTrue(cJSON_GetObjectItem(context, "interrupted"));
+    cJSON_Delete(results);
+    return marked;
+}
+
 /* A device that is lost ends the command; the rows that there are can be read, and reported. */
 static void lost_devices(void **state)
 {
@@ -71,7 +81,7 @@ static void lost_devices(void **state)
     static const char *const codes[] = {"(CL_OUT_OF_RESOURCES)", "(CL_DEVICE_NOT_AVAILABLE)"};
     char mock[1024], words[160];
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(run_program("", "rm", "-rf out")->exit_status, 0);
+        assert_int_equal(run_program("", "rm", "-rf out stressed")->exit_status, 0);
         snprintf(mock, sizeof mock, MOCK("MOCK_GPU_FAIL=trace:5:%s"), manners[i]);
         snprintf(words, sizeof words, "Mock GPU does not answer any more %s: see ", codes[i]);
         refuses(mock, RUN, words);
@@ -82,7 +92,11 @@ static void lost_devices(void **state)
         assert_true(cJSON_GetArraySize(cJSON_GetObjectItem(results, "traces")) >= 2);
         cJSON_Delete(results);
         assert_int_equal(run_with("", "report out")->exit_status, 0);
+        assert_true(is_marked("out/results.json")); /* as what an interrupt left */
         snprintf(mock, sizeof mock, MOCK("MOCK_GPU_FAIL=link_chunks:1:%s"), manners[i]);
+        /* it says nothing of the methods, and nothing of it is taken over */
+        refuses(mock, STRESS, words);
+        assert_int_equal(run_with(MOCK(""), STRESS)->exit_status, 0);
         o = run_with(mock, "check --builder lbvh --builder hlbvh --scene cube --quiet");
         assert_int_equal(o->exit_status, 2);
         assert_non_null(strstr(o->err, words));

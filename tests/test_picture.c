@@ -73,7 +73,7 @@ static void heat_has_a_bar_that_is_not_cut(void **state)
             for (uint32_t i = 0; i < rays->count; i++)
                 counts[i] = (bb_count){.nodes = most, .prims = most / 2};
             bb_canvas canvas = {0};
-            bb_heat heat;
+            bb_heat_map heat;
             assert_int_equal(bb_picture_heat(rays, counts, &canvas, &heat), BB_OK);
             assert_true(canvas.width > rays->width && canvas.height > rays->height);
             assert_true(heat.boxes == most && heat.prims == most / 2);
@@ -98,7 +98,7 @@ static void heat_is_the_colour_map_of_the_tests(void **state)
                                .prims = bb_random_below(&random, 10)};
     counts[1234].nodes = 100000; /* an outlier */
     bb_canvas canvas = {0};
-    bb_heat heat;
+    bb_heat_map heat;
     assert_int_equal(bb_picture_heat(rays, counts, &canvas, &heat), BB_OK);
     assert_true(heat.most >= 100000 && heat.most < 100010);
     assert_true(heat.top > 80 && heat.top < 100);

@@ -85,8 +85,9 @@ static void the_usual_builder_is_declared(void **state)
     const bb_builder *usual = NULL;
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *builder = bb_builder_at(i);
-        assert_false(builder->usual && usual != NULL);
-        usual = builder->usual ? builder : usual;
+        const bool is_usual = bb_builder_variants(builder, BB_ROLE_USUAL) != NULL;
+        assert_false(is_usual && usual != NULL);
+        usual = is_usual ? builder : usual;
     }
     assert_non_null(usual);
     assert_true(usual->deterministic);

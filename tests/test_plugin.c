@@ -148,6 +148,14 @@ static void expect_invalid(bb_builder builder, const char *part)
         fail_msg("expected '%s' in '%s'", part, bb_message());
 }
 
+static void expect_invalid_row(const char *role, const char *specs, const char *part)
+{
+    const bb_variants rows[] = {{BB_FOR_ALL, role, specs}, {0, NULL, NULL}};
+    bb_builder changed = *bb_builder_find("sah");
+    changed.variants = rows;
+    expect_invalid(changed, part);
+}
+
 #define EXPECT_INVALID(member, value, part)                                                        \
     do {                                                                                           \
         bb_builder changed_ = *bb_builder_find("sah");                                             \
@@ -179,20 +187,20 @@ static void test_validation(void **state)
     EXPECT_INVALID(build, NULL, "build()");
     EXPECT_INVALID(destroy, NULL, "destroy()");
 
-    EXPECT_INVALID(compared, "sah,other", "another builder");
-    EXPECT_INVALID(compared, "sah:colour=red", "colour");
-    EXPECT_INVALID(compared, "sah:bins=", "builder sah:");
-    EXPECT_INVALID(cost_reference, "other", "cost_reference holds 'other'");
-    EXPECT_INVALID(cost_reference, "sah,sah:bins=8", "must be one variant");
-    EXPECT_INVALID(cost_reference, "", "must be one variant");
-    EXPECT_INVALID(generous, "sah,sah:bins=8", "must be one variant");
-    EXPECT_INVALID(generous, "sah+rotate", "must be one variant");
-    EXPECT_INVALID(moving, "gs,lbvh+refit", "moving holds 'gs'");
-    EXPECT_INVALID(moving, ",,", "empty item");
-    EXPECT_INVALID(stressed, "sah:colour=red", "colour");
-    EXPECT_INVALID(volumes, "sah,other", "volumes holds 'other'");
-    EXPECT_INVALID(meshes, "sah:colour=red", "colour");
-    EXPECT_INVALID(meshes_long, "other", "meshes_long holds 'other'");
+    expect_invalid_row(BB_ROLE_COMPARED, "sah,other", "another builder");
+    expect_invalid_row(BB_ROLE_COMPARED, "sah:colour=red", "colour");
+    expect_invalid_row(BB_ROLE_COMPARED, "sah:bins=", "builder sah:");
+    expect_invalid_row(BB_ROLE_COST_REFERENCE, "other", "cost_reference holds 'other'");
+    expect_invalid_row(BB_ROLE_COST_REFERENCE, "sah,sah:bins=8", "must be one variant");
+    expect_invalid_row(BB_ROLE_COST_REFERENCE, "", "empty item");
+    expect_invalid_row(BB_ROLE_GENEROUS, "sah,sah:bins=8", "must be one variant");
+    expect_invalid_row(BB_ROLE_GENEROUS, "sah+rotate", "must be one variant");
+    expect_invalid_row(BB_ROLE_MOVING, "gs,lbvh+refit", "moving holds 'gs'");
+    expect_invalid_row(BB_ROLE_MOVING, ",,", "empty item");
+    expect_invalid_row(BB_ROLE_STRESSED, "sah:colour=red", "colour");
+    expect_invalid_row(BB_ROLE_VOLUMES, "sah,other", "volumes holds 'other'");
+    expect_invalid_row(BB_ROLE_MESHES, "sah:colour=red", "colour");
+    expect_invalid_row(BB_ROLE_MESHES_LONG, "other", "meshes_long holds 'other'");
 
     bb_builder usual = *bb_builder_find("lbvh");
     usual.inputs |= BB_INPUT_TREE;
@@ -203,8 +211,21 @@ static void test_validation(void **state)
     usual.kinds = BB_TRIANGLES;
     expect_invalid(usual, "usual, but no builder of all kinds");
     usual.kinds = BB_ALL_KINDS;
-    usual.compared = "";
+    static const bb_variants usual_alone[] = {{BB_FOR_ALL, BB_ROLE_USUAL, "lbvh"}, {0, NULL, NULL}};
+    usual.variants = usual_alone;
     expect_invalid(usual, "usual, but no builder of all kinds");
+    expect_invalid_row(NULL, "sah", "has no role");
+    expect_invalid_row(BB_ROLE_COMPARED, NULL, "has no variants");
+    expect_invalid_row("compare", "sah", "unknown role 'compare'");
+    static const bb_variants again[] = {{BB_FOR_ALL, BB_ROLE_COMPARED, "lbvh"},
+                                        {BB_FOR_ALL, BB_ROLE_COMPARED, "lbvh:bits=63"},
+                                        {0, NULL, NULL}};
+    static const bb_variants gpus[] = {{BB_FOR_GPU, BB_ROLE_COMPARED, "lbvh"}, {0, NULL, NULL}};
+    usual.variants = again;
+    expect_invalid(usual, "the role compared twice");
+    usual.variants = gpus;
+    expect_invalid(usual, "not for all devices");
+    expect_invalid_row(BB_ROLE_COMPARED, "", "empty item");
     EXPECT_INVALID(inputs, BB_INPUT_TREE, "yardstick, but it makes no tree by itself");
 
     static const bb_option no_help[] = {{"a", "1", NULL, NULL}, {.name = NULL}};
@@ -318,12 +339,15 @@ static void test_sole(void **state)
     (void)state;
     bb_builder second = *bb_builder_find("lbvh");
     second.name = "second";
-    second.compared = second.moving = second.volumes = second.meshes = NULL;
-    second.least = second.generous = NULL;
-    expect_refused(&second, "builder second: the usual builder is lbvh already");
-    second.usual = false;
-    second.cost_reference = "second:bits=63";
-    expect_refused(&second, "builder second: the cost reference is sah:method=sweep already");
+    static const bb_variants usual[] = {{BB_FOR_ALL, BB_ROLE_USUAL, "second"},
+                                        {BB_FOR_ALL, BB_ROLE_COMPARED, "second"},
+                                        {0, NULL, NULL}};
+    static const bb_variants reference[] = {{BB_FOR_ALL, BB_ROLE_COST_REFERENCE, "second:bits=63"},
+                                            {0, NULL, NULL}};
+    second.variants = usual;
+    expect_refused(&second, "builder second: `usual` is lbvh already");
+    second.variants = reference;
+    expect_refused(&second, "builder second: `cost_reference` is sah:method=sweep already");
 }
 
 int main(void)

@@ -62,7 +62,7 @@ static void means_leave_out_what_is_missing(void **state)
     assert_true(bb_mean(values, 3) == 2);
     assert_true(isnan(bb_mean(values + 1, 1)));
     bb_findings f = {.scenes = scenes, .scene_count = 2};
-    bb_figures s = {.f = &f, .values = {NAN, 0.5}};
+    bb_paper_figures s = {.f = &f, .values = {NAN, 0.5}};
     assert_true(bb_figures_mean(&s) == 0.5 && bb_figures_least(&s) == 0.5);
     bb_words words = {0};
     bb_say_range(&words, "cost", &s);

@@ -189,23 +189,23 @@ typedef struct made_up {
     uint32_t calls, spells;
 } made_up;
 
-static bb_figures answer(made_up *m, uint32_t method, double x)
+static bb_point_figures answer(made_up *m, uint32_t method, double x)
 {
-    bb_figures f = {.outcome = BB_MEASURED,
-                    .prims = 10,
-                    .build_ms = 1,
-                    .trace_ms = 30,
-                    .rays = 1000,
-                    .tests = 30,
-                    .bytes = 100,
-                    .metric = 5,
-                    .checked = 1000};
+    bb_point_figures f = {.outcome = BB_MEASURED,
+                          .prims = 10,
+                          .build_ms = 1,
+                          .trace_ms = 30,
+                          .rays = 1000,
+                          .tests = 30,
+                          .bytes = 100,
+                          .metric = 5,
+                          .checked = 1000};
     if (method == 0 || method == 3)
         f.wrong = method == 3 || x >= 3e3 ? 7 : 0;
     if (method == 1 && x >= 50)
         f.trace_ms = f.tests = 90;
     if (method == 2 && x >= 7e5)
-        f = (bb_figures){.outcome = BB_OUT_CRASHED};
+        f = (bb_point_figures){.outcome = BB_OUT_CRASHED};
     if (method == 4 && x == 1e4 && m->spells++ == 0)
         f.build_ms = 10;
     if (method == 5)
@@ -278,7 +278,7 @@ static bb_status measure_gaps(void *user, bb_wish *wishes, uint32_t count, bool 
     for (uint32_t i = 0; i < count; i++) {
         const double x = wishes[i].x;
         for (uint32_t k = 0; k < 2; k++)
-            wishes[i].figures[k] = (bb_figures){
+            wishes[i].figures[k] = (bb_point_figures){
                 .outcome = BB_MEASURED,
                 .wrong = k == 0 ? (x > 5 && x < 50) || x > 5e4 : 0,
                 .overflowed = x >= 20, /* both: the same values are measured for both */
@@ -342,7 +342,7 @@ static bb_status measure_rebuilt(void *user, bb_wish *wishes, uint32_t count, bo
     for (uint32_t i = 0; i < count; i++) {
         const bool late = wishes[i].x >= 100;
         for (uint32_t k = 0; k < 3; k++) {
-            bb_figures *f = &wishes[i].figures[k];
+            bb_point_figures *f = &wishes[i].figures[k];
             *f = bb_no_figures(BB_MEASURED);
             f->prims = 10;
             f->build_ms = late ? 1 : 0;

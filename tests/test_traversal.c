@@ -50,9 +50,8 @@ static void every_builder_with_every_kernel_is_right(void **state)
         uint32_t ran = 0;
         for (uint32_t b = 0; b < bb_builder_count(); b++) {
             const bb_builder *builder = bb_builder_at(b);
-            const char *all = builder->compared != NULL && builder->compared[0] != '\0'
-                                  ? builder->compared
-                                  : whole_builder(builder);
+            const char *compared = bb_builder_variants(builder, BB_ROLE_COMPARED);
+            const char *all = compared != NULL ? compared : whole_builder(builder);
             char *variants[16];
             bb_conformed found;
             size_t count = 0;

@@ -32,12 +32,12 @@ static void verdicts_need_a_whole_interval(void **state)
 static void verdicts_of_several_scenes(void **state)
 {
     (void)state;
-    const bb_verdict yes = BB_HELD, no = BB_NOT_HELD, open = BB_OPEN, few = BB_TOO_FEW_ROUNDS,
-                     none = BB_NOT_TESTED;
+    const bb_claim_verdict yes = BB_HELD, no = BB_NOT_HELD, open = BB_OPEN, few = BB_TOO_FEW_ROUNDS,
+                           none = BB_NOT_TESTED;
     const struct {
-        bb_verdict each[4];
+        bb_claim_verdict each[4];
         size_t count;
-        bb_verdict all, most;
+        bb_claim_verdict all, most;
     } cases[] = {
         {{yes}, 0, none, none},          {{yes, yes}, 2, yes, yes},
         {{yes, open}, 2, open, open},    {{yes, yes, open}, 3, open, yes},

@@ -61,7 +61,8 @@ static void names_that_are_no_utf8_make_json(void **state)
     static const char *const made[] = {"\xfe/results.json", "\xfe/report.html", "\xfe/slice.json",
                                        "\xfe/slice.html",   "\xfe/volume.json", "\xfe/volume.html"};
     write_file(name, triangle, sizeof triangle - 1);
-    expect(0, "run --scene 'a\xff\xc3.obj' " QUICK "--out '\xfe'", "lbvh");
+    write_file("a\xfe\xc3.obj", twice, sizeof twice - 1);
+    expect(0, "run --scene 'a\xff\xc3.obj' --scene 'a\xfe\xc3.obj' " QUICK "--out '\xfe'", "lbvh");
     expect(0, "slice --scene tets:side=2 --repeats 1 --out '\xfe'", "tetrahedra");
     static char raw[8 * 8 * 8];
     memset(raw + 100, 200, 100);
@@ -74,10 +75,9 @@ static void names_that_are_no_utf8_make_json(void **state)
         expect_utf8(made[i]);
     cJSON *json = read_results(made[0]);
     const cJSON *scene = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "scenes"), 0);
-    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(scene, "name")),
-                        "a\xef\xbf\xbd\xef\xbf\xbd.obj");
+    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(scene, "name")), "a%FF%C3.obj");
     cJSON_Delete(json);
-    expect(0, "report '\xfe' --charts no", "lbvh");
+    expect(0, "report '\xfe' --charts no", "2 scenes,"); /* of like names, not of one */
 }
 
 /* ---- locales ---- */
@@ -91,7 +91,8 @@ static void a_locale_of_a_plugin_changes_no_number(void **state)
                                 "run --scene cube --plugin " BB_TEST_PLUGIN_DIR
                                 "/rogue.so --builder rogue:kind=comma,lbvh --kernel stack "
                                 "--rays primary --size 8x8 --repeats 2 --charts no --out commas");
-    if (o->exit_status != 0)
+    /* the clocks of a machine that stood still are another matter */
+    if (o->exit_status != 0 && strstr(o->err, "do not add up") == NULL)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     static char text[1 << 22];
     read_file("commas/results.json", text, sizeof text);

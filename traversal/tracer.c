@@ -18,7 +18,7 @@ const bb_option bb_kernel_common_options[] = {
     {"group", "64", NULL, "work-group size, in rays"},
     /* no defaults: keys of cells that were measured before there were these stay as they are */
     {"stack", NULL, "auto|4|8|16|32|64|128|256|512|1024",
-     "entries of the stack; auto, or not given: what the tree needs, rounded up"},
+     "entries of the stack; auto, or not given: what the tree needs, rounded up, 16 at least"},
     {"kinds", NULL, "scene|all", "kinds of primitives compiled in; default: the scene's"},
     {"plan", NULL, "optimal|greedy",
      "nodes of more than two children: of least area in all, or by opening the largest child; "

@@ -333,6 +333,11 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
     bb_codes_decide(self->sorted.codes, scene, decisions);
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "aac"},
+    {0},
+};
+
 const bb_builder bb_builder_aac = {
     .abi_version = BB_ABI_VERSION,
     .name = "aac",
@@ -343,7 +348,7 @@ const bb_builder bb_builder_aac = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "aac",
+    .variants = variants,
     .decide = decide,
     .create = create,
     .prepare = prepare,

@@ -347,6 +347,11 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
     bb_codes_decide(self->sorted.codes, scene, decisions);
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "bonsai"},
+    {0},
+};
+
 const bb_builder bb_builder_bonsai = {
     .abi_version = BB_ABI_VERSION,
     .name = "bonsai",
@@ -357,7 +362,7 @@ const bb_builder bb_builder_bonsai = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "bonsai",
+    .variants = variants,
     .decide = decide,
     .create = create,
     .prepare = prepare,

@@ -114,6 +114,8 @@ void bb_codes_destroy(bb_codes *codes)
 {
     if (codes == NULL)
         return;
+    if (codes->place != NULL)
+        clFinish(codes->device->queue); /* the plan may still be sent; failures have a message */
     release(codes);
     free(codes);
 }

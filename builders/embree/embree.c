@@ -444,6 +444,11 @@ static bb_status build(void *pointer, const bb_scene *scene, const bb_tree *inpu
     return bb_phase(phases, NULL);
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "embree:quality=low,embree:quality=medium"},
+    {0},
+};
+
 const bb_builder bb_builder_embree = {
     .abi_version = BB_ABI_VERSION,
     .name = "embree",
@@ -454,7 +459,7 @@ const bb_builder bb_builder_embree = {
     .place = BB_ON_HOST,
     .deterministic = true,
     .options = options,
-    .compared = "embree:quality=low,embree:quality=medium",
+    .variants = variants,
     .create = create,
     .prepare = prepare,
     .build = build,

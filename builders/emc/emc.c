@@ -13,14 +13,20 @@ static const bb_option options[] = {
     {.name = NULL},
 };
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "emc,emc:code=emc64-cell"},
+    {BB_FOR_ALL, BB_ROLE_LEAST,
+     "emc:bits=auto,size-bits=auto,emc:code=emc64-cell,bits=auto,size-bits=auto"},
+    {BB_FOR_ALL, BB_ROLE_GENEROUS, "emc:bits=64,size-bits=24"},
+    {0},
+};
+
 const bb_builder bb_builder_emc = {
     .abi_version = BB_ABI_VERSION,
     .name = "emc",
     .summary = "binary radix tree over extended Morton codes",
     .paper = "Vinkler, Bittner, Havran 2017",
     .options = options,
-    .compared = "emc,emc:code=emc64-cell",
-    .least = "emc:bits=auto,size-bits=auto,emc:code=emc64-cell,bits=auto,size-bits=auto",
-    .generous = "emc:bits=64,size-bits=24",
+    .variants = variants,
     BB_LINEAR_BUILDER,
 };

@@ -180,6 +180,12 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
     return BB_OK;
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_MOVING, "gs,gs:search=bb,start=root"},
+    {BB_FOR_ALL, BB_ROLE_STRESSED, "gs:order=file,gs:order=file,max_children=0"},
+    {0},
+};
+
 const bb_builder bb_builder_gs = {
     .abi_version = BB_ABI_VERSION,
     .name = "gs",
@@ -191,9 +197,7 @@ const bb_builder bb_builder_gs = {
     .place = BB_ON_HOST,
     .deterministic = true,
     .options = options,
-    .compared = "",
-    .moving = "gs,gs:search=bb,start=root",
-    .stressed = "gs:order=file,gs:order=file,max_children=0",
+    .variants = variants,
     .create = create,
     .prepare = prepare,
     .build = build,

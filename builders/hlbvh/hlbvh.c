@@ -321,6 +321,11 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
                      "%u clusters of %u primitives", self->clusters, scene->prim_count);
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "hlbvh"},
+    {0},
+};
+
 const bb_builder bb_builder_hlbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "hlbvh",
@@ -331,7 +336,7 @@ const bb_builder bb_builder_hlbvh = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "hlbvh",
+    .variants = variants,
     .decide = decide,
     .create = create,
     .prepare = prepare,

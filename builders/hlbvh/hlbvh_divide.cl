@@ -40,7 +40,8 @@ kernel void hl_divide(global const hl_task *tasks, uint task_count, global const
     hl_grid grid = grid_of(&task, unit);
     hl_bins bins;
     sum_bins(&bins, found + task.first_chunk, task.chunk_count);
-    hl_split split = hl_find_split(&bins, &grid, unit, task.begin, task.end - task.begin);
+    hl_split split;
+    hl_find_split(&split, &bins, &grid, unit, task.begin, task.end - task.begin);
     splits[number] = split;
     finish_task(&task, &bins, &grid, &split, found, starts, clusters, nodes, chunks);
 }

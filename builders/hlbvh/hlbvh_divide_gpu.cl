@@ -38,7 +38,8 @@ void hl_bin(global const hl_task *tasks, global const hl_chunk *chunks, uint chu
     for (uint begin = chunk.begin; begin < chunk.end; begin += HL_GROUP) {
         uint count = BB_MIN(chunk.end - begin, (uint)HL_GROUP);
         if (me < count) {
-            hl_box box = hl_load(items + begin + me);
+            hl_box box;
+            hl_load(&box, items + begin + me);
             boxes[me] = box;
             places[me] = hl_bin_of(&grid, hl_centroid(&box, grid.half_unit));
             weights[me] = items[begin + me].weight;
@@ -82,7 +83,7 @@ void hl_divide(global const hl_task *tasks, uint task_count, global const hl_bin
             hl_add_bin(&bins, found + task.first_chunk + c, b / HL_BINS, b % HL_BINS);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (me < 3u) {
-        hl_best best = hl_no_best();
+        hl_best best = HL_NO_BEST;
         float scale = me == 0 ? grid.scale.x : me == 1u ? grid.scale.y : grid.scale.z;
         if (scale > 0.0f)
             hl_try_axis(&bins, me, grid.bins, count, unit, right_costs[me], &best);
@@ -91,12 +92,13 @@ void hl_divide(global const hl_task *tasks, uint task_count, global const hl_bin
     barrier(CLK_LOCAL_MEM_FENCE);
     if (me != 0)
         return;
-    hl_best best = hl_no_best();
+    hl_best best = HL_NO_BEST;
     for (uint axis = 0; axis < 3u; axis++) {
         hl_best other = bests[axis];
         hl_take_better(&best, &other, count);
     }
-    hl_split split = hl_split_at(&best, task.begin, count);
+    hl_split split;
+    hl_split_at(&split, &best, task.begin, count);
     splits[number] = split;
     finish_task(&task, &bins, &grid, &split, found, starts, clusters, nodes, chunks);
 }

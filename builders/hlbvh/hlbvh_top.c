@@ -14,8 +14,8 @@ BB_DEVICE_SOURCE(hlbvh_divide_gpu);
 
 /* The GPU form has as many work-items as it can, the CPU form as many as keep its cores busy. */
 enum {
-    SMALL_GPU = 64, /* clusters that one work-item makes a subtree of */
-    CHUNK_GPU = 64,
+    SMALL_GPU = 64,    /* clusters that one work-item makes a subtree of */
+    CHUNK_GPU = 128,   /* two groups of clusters: few scenes have larger chunks */
     CHUNKS_GPU = 2048, /* the most of a list that is cut evenly */
     SMALL_CPU = 256,   /* at least, and then by the number of cores */
     CHUNK_CPU = 2048,

@@ -28,7 +28,8 @@
 void write_cluster(global bb_node *nodes, uint place, global const hl_item *item,
                    global const hl_root *roots, uint skip)
 {
-    hl_box box = hl_load(item);
+    hl_box box;
+    hl_load(&box, item);
     uint first = roots[item->cluster].first;
     bb_write_node(nodes, place, box.lo, box.hi, first, skip);
     while ((first & BB_LEAF_BIT) == 0) {
@@ -53,7 +54,8 @@ void divide_range(global hl_item *items, global hl_item *spare, const hl_range *
     for (uint i = range->begin; i < range->end; i++) {
         uint4 lo = vload4(0, (global const uint *)(items + i));
         uint4 hi = vload4(1, (global const uint *)(items + i));
-        hl_box box = hl_load(items + i);
+        hl_box box;
+        hl_load(&box, items + i);
         float4 centroid = hl_centroid(&box, grid->half_unit);
         if (hl_goes_left(split, hl_bin_of(grid, centroid), i)) {
             hl_join(&low_side, centroid, centroid);
@@ -88,8 +90,9 @@ void split_range(global hl_item *items, global hl_item *spare, const hl_range *r
     uint count = range->end - range->begin;
     hl_box box;
     if (count == 2u) {
-        box = hl_load(items + range->begin);
-        hl_box other = hl_load(items + range->begin + 1u);
+        hl_load(&box, items + range->begin);
+        hl_box other;
+        hl_load(&other, items + range->begin + 1u);
         hl_join(&box, other.lo, other.hi);
         left->begin = range->begin;
         left->end = right->begin = range->begin + 1u;
@@ -100,7 +103,8 @@ void split_range(global hl_item *items, global hl_item *spare, const hl_range *r
         hl_clear(&bins, grid.bins);
         hl_fill(&bins, &grid, items, range->begin, range->end);
         box = box_of_bins(&bins, grid.bins);
-        hl_split split = hl_find_split(&bins, &grid, unit, range->begin, count);
+        hl_split split;
+        hl_find_split(&split, &bins, &grid, unit, range->begin, count);
         divide_range(items, spare, range, &grid, &split, left, right);
     }
     uint first = pair_at(starts, right->begin);
@@ -171,7 +175,8 @@ kernel void hl_move(global const hl_task *tasks, global const hl_split *splits,
     hl_box sides[2] = {hl_no_box(), hl_no_box()};
     uint next[2] = {chunk.left_at, chunk.right_at};
     for (uint i = chunk.begin; i < chunk.end; i++) {
-        hl_box box = hl_load(from + i);
+        hl_box box;
+        hl_load(&box, from + i);
         float4 centroid = hl_centroid(&box, grid.half_unit);
         uint side = hl_goes_left(&split, hl_bin_of(&grid, centroid), i) ? 0u : 1u;
         hl_join(&sides[side], centroid, centroid);

@@ -12,19 +12,24 @@ static const bb_option options[] = {
     {.name = NULL},
 };
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "lbvh,lbvh:bits=63"},
+    {BB_FOR_ALL, BB_ROLE_MOVING, "lbvh"},
+    {BB_FOR_ALL, BB_ROLE_YARDSTICK, "lbvh"},
+    {BB_FOR_ALL, BB_ROLE_USUAL, "lbvh"},
+    {BB_FOR_ALL, BB_ROLE_VOLUMES, "lbvh"},
+    {BB_FOR_ALL, BB_ROLE_MESHES, "lbvh"},
+    {BB_FOR_ALL, BB_ROLE_LEAST, "lbvh:bits=auto"},
+    {BB_FOR_ALL, BB_ROLE_GENEROUS, "lbvh:bits=63"},
+    {0},
+};
+
 const bb_builder bb_builder_lbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "lbvh",
     .summary = "binary radix tree over Morton codes",
     .paper = "Karras 2012; Apetrei 2014; Lauterbach et al. 2009",
     .options = options,
-    .compared = "lbvh,lbvh:bits=63",
-    .moving = "lbvh",
-    .yardstick = true,
-    .usual = true,
-    .volumes = "lbvh",
-    .meshes = "lbvh",
-    .least = "lbvh:bits=auto",
-    .generous = "lbvh:bits=63",
+    .variants = variants,
     BB_LINEAR_BUILDER,
 };

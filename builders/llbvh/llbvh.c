@@ -331,6 +331,13 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
     bb_codes_decide(self->sorted.codes, scene, decisions);
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "llbvh"},
+    {BB_FOR_ALL, BB_ROLE_LEAST, "llbvh:bits=auto"},
+    {BB_FOR_ALL, BB_ROLE_GENEROUS, "llbvh:bits=63"},
+    {0},
+};
+
 const bb_builder bb_builder_llbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "llbvh",
@@ -341,9 +348,7 @@ const bb_builder bb_builder_llbvh = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "llbvh",
-    .least = "llbvh:bits=auto",
-    .generous = "llbvh:bits=63",
+    .variants = variants,
     .create = create,
     .prepare = prepare,
     .build = build,

@@ -403,6 +403,12 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
                      (unsigned long long)dense_bytes(self->levels));
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "lobvh"},
+    {BB_FOR_ALL, BB_ROLE_GENEROUS, "lobvh:levels=9"},
+    {0},
+};
+
 const bb_builder bb_builder_lobvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "lobvh",
@@ -413,8 +419,7 @@ const bb_builder bb_builder_lobvh = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "lobvh",
-    .generous = "lobvh:levels=9",
+    .variants = variants,
     .create = create,
     .prepare = prepare,
     .build = build,

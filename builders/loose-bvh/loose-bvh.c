@@ -390,6 +390,12 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
                      scene->prim_count, choose_levels(scene->prim_count));
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_MOVING, "loose-bvh"},
+    {BB_FOR_ALL, BB_ROLE_STRESSED, "loose-bvh:root=box"},
+    {0},
+};
+
 const bb_builder bb_builder_loose_bvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "loose-bvh",
@@ -401,9 +407,7 @@ const bb_builder bb_builder_loose_bvh = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "",
-    .moving = "loose-bvh",
-    .stressed = "loose-bvh:root=box",
+    .variants = variants,
     .create = create,
     .prepare = prepare,
     .build = build,

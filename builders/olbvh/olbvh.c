@@ -382,6 +382,12 @@ void olbvh_arrays_of(const void *opaque, olbvh_arrays *arrays)
                              &self->bf,           &self->no};
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_MESHES, "olbvh,olbvh:alpha=1"},
+    {BB_FOR_ALL, BB_ROLE_MESHES_LONG, "olbvh:alpha=2"},
+    {0},
+};
+
 const bb_builder bb_builder_olbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "olbvh",
@@ -392,9 +398,7 @@ const bb_builder bb_builder_olbvh = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "",
-    .meshes = "olbvh,olbvh:alpha=1",
-    .meshes_long = "olbvh:alpha=2",
+    .variants = variants,
     .create = create,
     .prepare = prepare,
     .build = build,

@@ -235,6 +235,14 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
     return bb_phase(phases, NULL);
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_STRESSED,
+     "lbvh+refit:rotate=yes,lbvh+refit:partial=1.3,lbvh+refit:trigger=sah:1.3"},
+    {BB_FOR_ALL, BB_ROLE_MOVING,
+     "lbvh+refit,lbvh+refit:rotate=yes,lbvh+refit:trigger=sah:1.3,sah+refit"},
+    {0},
+};
+
 const bb_builder bb_builder_refit = {
     .abi_version = BB_ABI_VERSION,
     .name = "refit",
@@ -247,9 +255,7 @@ const bb_builder bb_builder_refit = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "",
-    .stressed = "lbvh+refit:rotate=yes,lbvh+refit:partial=1.3,lbvh+refit:trigger=sah:1.3",
-    .moving = "lbvh+refit,lbvh+refit:rotate=yes,lbvh+refit:trigger=sah:1.3,sah+refit",
+    .variants = variants,
     .create = create,
     .build = build,
     .update = update,

@@ -229,6 +229,13 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
     return bb_phase(phases, NULL);
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "sah,sah:method=sweep"},
+    {BB_FOR_ALL, BB_ROLE_YARDSTICK, "sah"},
+    {BB_FOR_ALL, BB_ROLE_COST_REFERENCE, "sah:method=sweep"},
+    {0},
+};
+
 const bb_builder bb_builder_sah = {
     .abi_version = BB_ABI_VERSION,
     .name = "sah",
@@ -239,9 +246,7 @@ const bb_builder bb_builder_sah = {
     .place = BB_ON_HOST,
     .deterministic = true,
     .options = options,
-    .compared = "sah,sah:method=sweep",
-    .yardstick = true,
-    .cost_reference = "sah:method=sweep",
+    .variants = variants,
     .create = create,
     .prepare = prepare,
     .build = build,

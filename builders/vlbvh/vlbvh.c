@@ -262,6 +262,11 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
     return BB_OK;
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_VOLUMES, "vlbvh"},
+    {0},
+};
+
 const bb_builder bb_builder_vlbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "vlbvh",
@@ -272,8 +277,7 @@ const bb_builder bb_builder_vlbvh = {
     .place = BB_ON_DEVICE,
     .deterministic = true,
     .options = options,
-    .compared = "",
-    .volumes = "vlbvh",
+    .variants = variants,
     .create = create,
     .prepare = prepare,
     .build = build,

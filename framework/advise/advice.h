@@ -10,10 +10,10 @@ enum { BB_SAVINGS_MAX = 5, BB_NONE_CHOSEN = UINT32_MAX };
 
 /* What is within 5 % of the fastest does the same. */
 #define BB_ADVISE_SLACK 1.05
-/* On another tree a kernel may do so much better, or worse, beside another one; and of more
- * primitives than a sample has, it and a builder. */
+/* On another tree a kernel may do so much better, or worse, beside another one. */
 #define BB_SCOUT_SLACK (1.25 * BB_ADVISE_SLACK)
-#define BB_SAMPLE_SLACK (1.6 * BB_SCOUT_SLACK)
+/* A contender may do so much better, or worse, than what others took, or a sample, foretells. */
+#define BB_FORETOLD_SLACK (1.6 * BB_SCOUT_SLACK)
 
 /* A scene that is measured on, or a sample of its primitives. */
 typedef struct bb_ground {
@@ -64,6 +64,8 @@ typedef struct bb_advice {
     bb_ground whole, sample; /* the same where there are few primitives */
     bb_entered scouts;       /* kernels and intersectors, on one builder's trees of the sample */
     bb_entered builders;     /* builders, by one kernel, on the sample */
+    double scout_slack;      /* by which they drop */
+    uint32_t unlikely;       /* how many bb_scouts_keep_likely() left out */
     bb_sizes sizes;
     bb_takings foretold, taken;
     const char *preliminary; /* what was measured last when it was interrupted; NULL: it was not */

@@ -273,7 +273,8 @@ bb_status bb_advice_add(const bb_advice *a, bb_results *results)
         put_text(&w, rays, NULL, r->rays[i]);
     put_number(&w, root, "max_wrong_ppm", r->max_wrong_ppm);
     put_number(&w, root, "slack", BB_ADVISE_SLACK);
-    put_number(&w, root, "scout_slack", BB_SCOUT_SLACK);
+    put_number(&w, root, "scout_slack", a->scout_slack);
+    put_number(&w, root, "unlikely", a->unlikely);
     put_number(&w, root, "heats", a->heats);
     put_text(&w, root, "preliminary", a->preliminary != NULL ? a->preliminary : "");
     put_number(&w, root, "sample_prims", round(prims / a->sample.factor));

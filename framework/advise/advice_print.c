@@ -265,6 +265,9 @@ static void print_others(const cJSON *a, FILE *out)
                 out);
     print_state(scouts, "too slow", "Kernels and intersectors that the scouts dropped", out);
     print_state(part(a, "builders"), "too slow", "Builders that the scouts dropped", out);
+    if (number(a, "unlikely") > 0)
+        fprintf(out, "\n By the scouts' figures too slow by far, and left out: %.0f more\n",
+                number(a, "unlikely"));
     const cJSON *const lists[] = {scouts, field};
     for (size_t i = 0; i < 2; i++) {
         uint32_t count =

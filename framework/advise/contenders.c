@@ -35,7 +35,7 @@ static bb_status add_list(bb_tried *list, const char *texts)
 {
     char *items[BB_TRIED_MAX] = {NULL};
     size_t count = 0;
-    if (texts == NULL || texts[0] == '\0')
+    if (texts == NULL)
         return BB_OK;
     bb_status status = bb_spec_list(texts, items, BB_TRIED_MAX, &count);
     for (size_t i = 0; i < count; i++) {
@@ -51,17 +51,17 @@ bb_status bb_tried_builders(bb_tried *list)
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *builder = bb_builder_at(i);
         const bool stage = bb_is_splitter(builder) || bb_is_optimiser(builder);
-        if (builder->compared == NULL && !stage)
+        if (builder->variants == NULL && !stage)
             BB_TRY(bb_tried_add(list, builder->name));
-        BB_TRY(add_list(list, builder->compared));
-        BB_TRY(add_list(list, builder->least));
+        BB_TRY(add_list(list, bb_builder_variants(builder, BB_ROLE_COMPARED)));
+        BB_TRY(add_list(list, bb_builder_variants(builder, BB_ROLE_LEAST)));
     }
     return BB_OK;
 }
 
 bb_status bb_tried_kernels(bb_tried *list, uint32_t device)
 {
-    static const bb_role roles[] = {BB_ROLE_COMPARED, BB_ROLE_TRIED};
+    static const char *const roles[] = {BB_ROLE_COMPARED, BB_ROLE_TRIED};
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
         for (size_t r = 0; r < sizeof roles / sizeof roles[0]; r++)
             for (const bb_variants *v = (*k)->variants;
@@ -128,5 +128,5 @@ const char *bb_generous_builder(const char *builder)
     bb_pipeline pipeline;
     if (bb_pipeline_parse(builder, &pipeline) != BB_OK || pipeline.count != 1)
         return NULL;
-    return pipeline.stages[0].builder->generous;
+    return bb_builder_variants(pipeline.stages[0].builder, BB_ROLE_GENEROUS);
 }

@@ -63,14 +63,24 @@ static void note_held(course *c, const bb_bench_outcome *outcome)
     c->advice.taken.held_bytes = fmax(c->advice.taken.held_bytes, (double)outcome->bytes_held);
 }
 
-/* What was measured before an interrupt is written, so it becomes the caller's document. */
-static bb_status keep_interrupted(course *c, const bb_results *document,
-                                  const bb_bench_outcome *outcome)
+/* What was measured before an interrupt or a failure is written: it becomes the caller's. */
+static bb_status keep_document(course *c, const bb_results *document,
+                               const bb_bench_outcome *outcome)
 {
-    if (!bb_interrupted() || bb_results_section(document, "builds")->child == NULL)
+    if (bb_results_section(document, "builds")->child == NULL)
         return BB_OK;
     c->outcome->times = outcome->times;
     return bb_results_merge(c->results, document);
+}
+
+/* Returns the failure with its message. */
+static bb_status keep_failed(course *c, const bb_results *document, const bb_bench_outcome *outcome,
+                             bb_status failure)
+{
+    char reason[1024];
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    (void)keep_document(c, document, outcome);
+    return bb_fail(failure, "%s", reason);
 }
 
 /* What is found out of the clocks of an earlier comparison counts for the last one too. *outcome:
@@ -80,14 +90,16 @@ static bb_status compare(course *c, const bb_heat *heat, bb_entered *field,
 {
     bb_bench_outcome own = {0};
     BB_TRY(add_document(c, document));
-    BB_TRY(bb_heat_run(c->request, heat, field, *document, &own));
+    const bb_status measured = bb_heat_run(c->request, heat, field, *document, &own);
+    if (measured != BB_OK)
+        return keep_failed(c, *document, &own, measured);
     bb_audit_add(&c->outcome->audit, &own.audit);
     if (heat->ground == &c->advice.whole)
         note_scene(c, *document);
     note_held(c, &own);
     if (outcome != NULL)
         *outcome = own;
-    return keep_interrupted(c, *document, &own);
+    return bb_interrupted() ? keep_document(c, *document, &own) : BB_OK;
 }
 
 /* Into the caller's document. */
@@ -148,11 +160,6 @@ static bb_heat of_scouts(course *c, const char *name)
     return heat;
 }
 
-static double slack_of_scouts(const bb_advice *advice)
-{
-    return advice->sample.factor > 1 ? BB_SAMPLE_SLACK : BB_SCOUT_SLACK;
-}
-
 static bb_scouts_drop *drop_of_scouts(const bb_advice *advice)
 {
     return advice->sample.factor > 1 ? bb_race_drop_least : bb_race_drop;
@@ -176,7 +183,7 @@ static bb_status scout_kernels(course *c)
                      scouts->count, scouts->who[0].builder);
     BB_TRY(compare(c, &heat, scouts, NULL, &document));
     bb_scouts_judge(scouts, (uint32_t)r->kernels.count, drop_of_scouts(&c->advice),
-                    slack_of_scouts(&c->advice));
+                    c->advice.scout_slack);
     return BB_OK;
 }
 
@@ -203,7 +210,7 @@ static bb_status scout_builders(course *c, bb_bench_outcome *outcome, bb_results
     BB_TRY(compare(c, &heat, builders, outcome, document));
     const uint32_t best = bb_race_fastest(builders->racers, builders->count);
     c->guess = best != BB_NO_RACER ? builders->who[best].builder : NULL;
-    drop_of_scouts (&c->advice)(builders->racers, builders->count, slack_of_scouts(&c->advice));
+    drop_of_scouts (&c->advice)(builders->racers, builders->count, c->advice.scout_slack);
     return BB_OK;
 }
 
@@ -243,6 +250,10 @@ static bb_status enter_field(course *c)
     if (who != NULL) {
         count = bb_scouts_keep(&c->advice.scouts, who, count);
         count = bb_scouts_keep_builders(&c->advice.builders, who, count);
+        const uint32_t before = count;
+        count = bb_scouts_keep_likely(&c->advice.scouts, &c->advice.builders, who, count,
+                                      BB_FORETOLD_SLACK);
+        c->advice.unlikely = before - count;
     }
     BB_TRY(bb_entered_make(who, count, &c->advice.field));
     foretell(c, &scouted, document);
@@ -355,6 +366,7 @@ static bb_status run(course *c)
         status = bb_ground_load(c->request->device, c->request->scene, &advice->whole);
     if (status == BB_OK)
         status = bb_ground_sample(c->request->device, &advice->whole, &advice->sample);
+    advice->scout_slack = advice->sample.factor > 1 ? BB_FORETOLD_SLACK : BB_SCOUT_SLACK;
     if (status == BB_OK)
         status = enter_field(c);
     if (status == BB_OK && !bb_interrupted())

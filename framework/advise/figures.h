@@ -1,7 +1,7 @@
 /* What a result document says of a contender on a scene: what it costs to make an image, by rounds,
  * how often it is wrong, and how much it takes. */
-#ifndef BB_FIGURES_H
-#define BB_FIGURES_H
+#ifndef BB_ADVISE_FIGURES_H
+#define BB_ADVISE_FIGURES_H
 
 #include "framework/advise/contenders.h"
 #include "framework/advise/leastness.h"

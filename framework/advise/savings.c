@@ -1,6 +1,7 @@
 /* One setting of the choice at a time, then all of them, as generous as any scene might need. */
 #include "framework/advise/savings.h"
 
+#include "framework/base/interrupt.h"
 #include "traversal/traversal.h"
 
 #include <cjson/cJSON.h>
@@ -105,14 +106,20 @@ static void say_setting(const char *what, const bb_tried_figures *f, char *text,
         snprintf(text, capacity, "%u", f->extent.kinds);
 }
 
-/* Entry 0 of the field is the choice, the others are the savings in order. */
+/* Entry 0 of the field is the choice, the others are the savings in order. What an interrupt left
+ * unmeasured is left out. */
 static void read(bb_advice *advice, const bb_entered *field)
 {
     const bb_tried_figures *choice = &field->figures[0];
+    uint32_t kept = 0;
     for (uint32_t i = 0; i < advice->saving_count; i++) {
         bb_saving *s = &advice->savings[i];
         const bb_tried_figures *f = &field->figures[i + 1];
         s->measured = choice->measured && f->measured;
+        if (!s->measured && bb_interrupted())
+            continue;
+        advice->savings[kept] = *s;
+        s = &advice->savings[kept++];
         if (!s->measured) {
             snprintf(s->reason, sizeof s->reason, "%s",
                      choice->measured ? f->reason : choice->reason);
@@ -127,6 +134,7 @@ static void read(bb_advice *advice, const bb_entered *field)
         say_setting(s->what, choice, s->was, sizeof s->was);
         say_setting(s->what, f, s->kept, sizeof s->kept);
     }
+    advice->saving_count = kept;
 }
 
 bb_status bb_savings_measure(bb_advice *advice, const bb_heat *heat, bb_results *results,

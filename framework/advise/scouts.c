@@ -3,6 +3,7 @@
 
 #include "framework/advise/heat.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -87,5 +88,59 @@ uint32_t bb_scouts_keep_builders(const bb_entered *scouts, bb_contender *who, ui
         if (!out)
             who[kept++] = who[i];
     }
+    return kept;
+}
+
+/* NULL: there is no such scout, or it could not run. */
+static const bb_tried_figures *figures_of(const bb_entered *scouts, const char *kernel,
+                                          const char *intersector)
+{
+    for (uint32_t s = 0; s < scouts->count; s++)
+        if (scouts->figures[s].measured && strcmp(scouts->who[s].kernel, kernel) == 0 &&
+            strcmp(scouts->who[s].intersector, intersector) == 0)
+            return &scouts->figures[s];
+    return NULL;
+}
+
+/* By its builder's scout, number `b`. NAN: nothing is foretold. */
+static double foretold_ms(const bb_entered *scouts, const bb_entered *builders, uint32_t b,
+                          const bb_contender *who)
+{
+    const char *careful = scouts->who[0].intersector;
+    const char *common = scouts->who[scouts->count - 1].kernel; /* of those with intersectors */
+    const bb_tried_figures *builder = &builders->figures[b];
+    const bb_tried_figures *kernel = figures_of(scouts, who->kernel, careful);
+    const bb_tried_figures *its = figures_of(scouts, builders->who[b].kernel, careful);
+    const bb_tried_figures *intersector = figures_of(scouts, common, who->intersector);
+    const bb_tried_figures *beside = figures_of(scouts, common, careful);
+    if (!builder->measured || kernel == NULL || its == NULL || intersector == NULL ||
+        beside == NULL)
+        return NAN;
+    return builder->build_ms + builder->layout_ms * kernel->layout_ms / its->layout_ms +
+           builder->trace_ms * kernel->trace_ms / its->trace_ms * intersector->trace_ms /
+               beside->trace_ms;
+}
+
+static double foretold_of(const bb_entered *scouts, const bb_entered *builders,
+                          const bb_contender *who)
+{
+    for (uint32_t b = 0; b < builders->count; b++)
+        if (strcmp(builders->who[b].builder, who->builder) == 0)
+            return foretold_ms(scouts, builders, b, who);
+    return NAN;
+}
+
+uint32_t bb_scouts_keep_likely(const bb_entered *scouts, const bb_entered *builders,
+                               bb_contender *who, uint32_t count, double slack)
+{
+    double least = INFINITY;
+    uint32_t kept = 0;
+    if (scouts->count == 0)
+        return count;
+    for (uint32_t i = 0; i < count; i++)
+        least = fmin(least, foretold_of(scouts, builders, &who[i]));
+    for (uint32_t i = 0; i < count; i++)
+        if (!(foretold_of(scouts, builders, &who[i]) > slack * least))
+            who[kept++] = who[i];
     return kept;
 }

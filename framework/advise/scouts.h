@@ -33,4 +33,11 @@ uint32_t bb_scouts_keep(const bb_entered *scouts, bb_contender *who, uint32_t co
 /* Leaves out those whose builder was too slow. */
 uint32_t bb_scouts_keep_builders(const bb_entered *scouts, bb_contender *who, uint32_t count);
 
+/* Leaves out each contender whose foretold time is more than `slack` times the least foretold one;
+ * returns how many are left. The foretold time is the build of the builder's scout, its layout
+ * scaled by kernels, and its rays scaled by kernels and intersectors, as those scouts compare. A
+ * contender without a scout for one of its parts stays. */
+uint32_t bb_scouts_keep_likely(const bb_entered *scouts, const bb_entered *builders,
+                               bb_contender *who, uint32_t count, double slack);
+
 #endif

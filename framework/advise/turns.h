@@ -1,6 +1,6 @@
 /* Turns: contenders that fit into memory together. */
-#ifndef BB_TURNS_H
-#define BB_TURNS_H
+#ifndef BB_ADVISE_TURNS_H
+#define BB_ADVISE_TURNS_H
 
 #include "framework/advise/advice.h"
 

@@ -109,16 +109,16 @@ static bb_status make_yardsticks(bb_animate *a)
 {
     bb_animate_result *result = a->result;
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
-        const bb_builder *builder = bb_builder_at(i);
+        const char *builder = bb_builder_variants(bb_builder_at(i), BB_ROLE_YARDSTICK);
         uint32_t at = result->yardstick_count;
-        if (!builder->yardstick || at == BB_ANIMATE_YARDSTICKS_MAX)
+        if (builder == NULL || at == BB_ANIMATE_YARDSTICKS_MAX)
             continue;
-        bb_status status = bb_instance_create(a->device, builder->name, a->scene, a->request->seed,
-                                              &a->yardsticks[at]);
+        bb_status status =
+            bb_instance_create(a->device, builder, a->scene, a->request->seed, &a->yardsticks[at]);
         if (status == BB_UNSUPPORTED)
             continue;
         BB_TRY(status);
-        snprintf(result->yardsticks[at], sizeof result->yardsticks[at], "%s", builder->name);
+        snprintf(result->yardsticks[at], sizeof result->yardsticks[at], "%s", builder);
         result->yardstick_count++;
     }
     return BB_OK;

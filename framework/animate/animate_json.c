@@ -2,6 +2,7 @@
 #include "framework/animate/animate.h"
 
 #include "framework/record/put.h"
+#include "framework/tree/metric.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -148,7 +149,7 @@ static bool put_method(cJSON *list, const bb_animate_result *result,
           put_frames(entry, "update_ms", result, method, update_of, 0, 0) &&
           put_frames(entry, "update_cpu_ms", result, method, cpu_of, 0, 0) &&
           put_frames(entry, "transfer_ms", result, method, transfer_of, 0, 0) &&
-          put_frames(entry, "sah", result, method, sah_of, 0, 0) &&
+          put_frames(entry, bb_metric_sah.name, result, method, sah_of, 0, 0) &&
           put_frames(entry, "nodes", result, method, nodes_of, 0, 0) &&
           put_frames(entry, "depth", result, method, depth_of, 0, 0) &&
           put_frames(entry, "tree_bytes", result, method, bytes_of, 0, 0) &&

@@ -101,10 +101,10 @@ static int write_all(int file, const char *data, size_t size)
 
 bb_status bb_file_write(const char *path, const void *data, size_t size, const char *what)
 {
-    return bb_file_write_parts(path, &(bb_part){data, size}, 1, what);
+    return bb_file_write_parts(path, &(bb_file_part){data, size}, 1, what);
 }
 
-bb_status bb_file_write_parts(const char *path, const bb_part *parts, size_t count,
+bb_status bb_file_write_parts(const char *path, const bb_file_part *parts, size_t count,
                               const char *what)
 {
     /* Renaming onto a device or a pipe would replace it. */

@@ -30,11 +30,11 @@ bb_status bb_file_read(const char *path, size_t limit, const char *what, char **
 bb_status bb_file_write(const char *path, const void *data, size_t size, const char *what);
 
 /* Like bb_file_write(), of parts that follow each other in the file. */
-typedef struct bb_part {
+typedef struct bb_file_part {
     const void *data;
     size_t size;
-} bb_part;
-bb_status bb_file_write_parts(const char *path, const bb_part *parts, size_t count,
+} bb_file_part;
+bb_status bb_file_write_parts(const char *path, const bb_file_part *parts, size_t count,
                               const char *what);
 
 /* Folder of `path` as a new string from malloc: "." if it has none. NULL if there is no memory. */

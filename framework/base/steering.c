@@ -2,6 +2,7 @@
 #include "framework/base/steering.h"
 
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,8 +62,7 @@ bool bb_is_calm(const char *text)
 
 char *bb_utf8_text(const char *text)
 {
-    static const char replacement[] = "\xef\xbf\xbd"; /* U+FFFD */
-    const size_t longer = sizeof replacement - 2;
+    enum { CODE = 3 }; /* letters of "%FC" */
     uint32_t code;
     size_t size = 1, bad = 0;
     for (const char *at = text; *at != '\0';) {
@@ -71,14 +71,16 @@ char *bb_utf8_text(const char *text)
         size += length > 0 ? (size_t)length : 1;
         at += length > 0 ? length : 1;
     }
-    char *valid = malloc(size + bad * longer), *to = valid;
+    char *valid = malloc(size + bad * (CODE - 1)), *to = valid;
     if (valid == NULL)
         return NULL;
     while (*text != '\0') {
         const int length = letter(text, &code);
-        const size_t put = length > 0 ? (size_t)length : sizeof replacement - 1;
-        memcpy(to, length > 0 ? text : replacement, put);
-        to += put;
+        if (length > 0)
+            memcpy(to, text, (size_t)length);
+        else
+            sprintf(to, "%%%02X", (unsigned char)*text); /* the 0 is written over, or the end */
+        to += length > 0 ? length : CODE;
         text += length > 0 ? length : 1;
     }
     *to = '\0';

@@ -13,7 +13,8 @@ int bb_letter(const char *text, bool *calm);
 /* Whether all letters are calm. */
 bool bb_is_calm(const char *text);
 
-/* A copy from malloc, with U+FFFD in the place of each byte that is no UTF-8. NULL: no memory. */
+/* A copy from malloc, with %XX, its code, in the place of each byte that is no UTF-8, so that
+ * unlike texts stay so. NULL: no memory. */
 char *bb_utf8_text(const char *text);
 
 /* Puts a '?' in the place of each letter that is not. */

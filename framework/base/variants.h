@@ -1,31 +1,60 @@
 /* What is taken of a plug-in where nothing is named: a constant table of {devices, role, variants},
- * which every plug-in declares of itself. */
+ * which every plug-in declares of itself. A role is a word, and a new one changes no struct. */
 #ifndef BB_VARIANTS_H
 #define BB_VARIANTS_H
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* Kinds of devices. */
 enum { BB_FOR_CPU = 1u << 0, BB_FOR_GPU = 1u << 1, BB_FOR_ALL = BB_FOR_CPU | BB_FOR_GPU };
 
-typedef enum bb_role {
-    BB_ROLE_COMPARED, /* measured against others */
-    BB_ROLE_TRIED,    /* worth a trial besides, where the least that is enough is looked for */
-} bb_role;
+/* Roles of builders and kernels. */
+#define BB_ROLE_COMPARED "compared" /* The variants are measured against others. */
+
+/* Role of kernels: `advise` tries the variants besides those that are compared. */
+#define BB_ROLE_TRIED "tried"
+
+/* Roles of builders. */
+#define BB_ROLE_LEAST "least"             /* The variants take no more than the scene needs. */
+#define BB_ROLE_GENEROUS "generous"       /* One variant is enough for any scene. */
+#define BB_ROLE_MOVING "moving"           /* The methods are worth it on scenes that move. */
+#define BB_ROLE_STRESSED "stressed"       /* The variants show a weak spot. */
+#define BB_ROLE_VOLUMES "volumes"         /* The variants are compared on volumes. */
+#define BB_ROLE_MESHES "meshes"           /* The variants are compared on tetrahedra. */
+#define BB_ROLE_MESHES_LONG "meshes_long" /* The same, but they take long. */
+/* The cost of trees on scenes that move is held to the trees of one variant, which is no stage. */
+#define BB_ROLE_YARDSTICK "yardstick"
+/* One builder stands where a builder is needed and none is named: beside a splitter or an optimiser
+ * that stands alone, for a picture. It takes all kinds and is compared (pipeline.h). */
+#define BB_ROLE_USUAL "usual"
+/* The SAH of all other trees is held to that of one variant of one builder: several times as much
+ * is taken for a bug, or for a scene that defeats the method. */
+#define BB_ROLE_COST_REFERENCE "cost_reference"
+
+/* All roles that a builder may have. */
+#define BB_BUILDER_ROLES                                                                           \
+    BB_ROLE_COMPARED, BB_ROLE_LEAST, BB_ROLE_GENEROUS, BB_ROLE_MOVING, BB_ROLE_STRESSED,           \
+        BB_ROLE_VOLUMES, BB_ROLE_MESHES, BB_ROLE_MESHES_LONG, BB_ROLE_YARDSTICK, BB_ROLE_USUAL,    \
+        BB_ROLE_COST_REFERENCE
 
 typedef struct bb_variants {
     uint32_t devices; /* on which they are taken; 0 ends the table */
-    bb_role role;
+    const char *role;
     const char *specs; /* as a list: "stack,stack:leaf=4" */
 } bb_variants;
 
+/* The table of a plug-in that is taken only where it is named. */
+#define BB_NO_VARIANTS ((const bb_variants[]){{0, NULL, NULL}})
+
 /* The first row, from `row` on, of this role on such a device; NULL after the last, and of a table
  * that is NULL. */
-static inline const bb_variants *bb_variants_of(const bb_variants *row, bb_role role,
+static inline const bb_variants *bb_variants_of(const bb_variants *row, const char *role,
                                                 uint32_t device)
 {
-    while (row != NULL && row->devices != 0 && (row->role != role || (row->devices & device) == 0))
+    while (row != NULL && row->devices != 0 &&
+           ((row->devices & device) == 0 || row->role == NULL || strcmp(row->role, role) != 0))
         row++;
     return row != NULL && row->devices != 0 ? row : NULL;
 }

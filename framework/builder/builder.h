@@ -16,6 +16,7 @@
 
 #include "framework/base/decision.h"
 #include "framework/base/options.h"
+#include "framework/base/variants.h"
 #include "framework/device/device.h"
 #include "framework/device/primitives.h"
 #include "framework/scene/scene.h"
@@ -28,7 +29,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 12 };
+enum { BB_ABI_VERSION = 13 };
 
 /* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
  * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the
@@ -114,33 +115,9 @@ struct bb_builder {
      * that the summary explains and `check` reports. */
     bool deterministic;
     const bb_option *options; /* ends with name NULL. Optional. */
-    /* Variants that `run` compares by default, as a comma-separated list of specifications.
-     * Optional. NULL: the plain name, with a builder added if it is only a stage (pipeline.h);
-     * "": none. */
-    const char *compared;
-    /* Methods that `animate` compares by default, as a list; for builders whose update() is worth
-     * it, and for those that are to be built again in each frame. NULL: none. */
-    const char *moving;
-    /* What a tree made for one frame costs by this builder is what `animate` compares the trees of
-     * methods with. Optional: of few. */
-    bool yardstick;
-    /* Variants that `stress` tries by default besides those of `compared`, as a list: what shows a
-     * weak spot that the others have not. Optional. */
-    const char *stressed;
-    /* The builder that is taken where one is needed and none is named: beside a splitter or an
-     * optimiser that stands alone, for a picture, for an axis of `stress`. Optional: of one, which
-     * takes all kinds and is compared by default (bb_usual_builder() in pipeline.h). */
-    bool usual;
-    /* The variant whose SAH trees of other builders are held to: several times that is taken for a
-     * bug, or for a scene that defeats the method. Optional: of one. */
-    const char *cost_reference;
-    /* Variants, as lists, that are compared by default by `volume` on volumes; by `volume`, `slice`
-     * and `overlap` on meshes of tetrahedra; and on these those that take long, which
-     * `volume --brief` leaves out. Optional. */
-    const char *volumes, *meshes, *meshes_long;
-    /* For `advise`: variants, as a list, that take no more than the scene needs, and one that is
-     * enough for any scene, which tells what they save. Optional. */
-    const char *least, *generous;
+    /* What is taken of it where no builder is named (base/variants.h), on all devices. Optional.
+     * NULL: the plain name is compared, unless it is only a stage (pipeline.h). */
+    const bb_variants *variants;
 
     /* Compiles and allocates what does not depend on the scene; not timed. Called once per object;
      * the other hooks get *self, which is NULL before. If it fails after it has set *self, that

@@ -105,18 +105,23 @@ bb_status bb_pipeline_parse(const char *text, bb_pipeline *pipeline)
     return BB_OK;
 }
 
+static bool is_usual(const bb_builder *builder)
+{
+    return bb_builder_variants(builder, BB_ROLE_USUAL) != NULL;
+}
+
 const bb_builder *bb_usual_builder(uint32_t kinds)
 {
     const bb_builder *best = NULL;
     int most = 0;
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *builder = bb_builder_at(i);
-        bool compared = builder->compared == NULL || builder->compared[0] != '\0';
         int taken = __builtin_popcount(kinds & builder->kinds);
-        if (!compared || bb_is_splitter(builder) || bb_is_optimiser(builder) ||
-            (builder->inputs & BB_INPUTS_OF_PRIMITIVES) != 0 || taken == 0)
+        if (!bb_builder_is_compared(builder) || bb_is_splitter(builder) ||
+            bb_is_optimiser(builder) || (builder->inputs & BB_INPUTS_OF_PRIMITIVES) != 0 ||
+            taken == 0)
             continue;
-        if (taken > most || (taken == most && builder->usual && !best->usual)) {
+        if (taken > most || (taken == most && is_usual(builder) && !is_usual(best))) {
             best = builder;
             most = taken;
         }

@@ -136,8 +136,6 @@ static bb_status validate_variants(const bb_builder *builder, const char *list, 
 {
     char *items[64] = {NULL};
     size_t count = 0;
-    if (list == NULL || list[0] == '\0')
-        return BB_OK;
     bb_status status = bb_spec_list(list, items, 64, &count);
     for (size_t i = 0; i < count; i++) {
         if (status == BB_OK)
@@ -147,24 +145,67 @@ static bb_status validate_variants(const bb_builder *builder, const char *list, 
     return status == BB_OK ? BB_OK : bb_fail(status, "builder %s: %s", builder->name, bb_message());
 }
 
-/* The same of a member that is one variant and no list. */
-static bb_status validate_one(const bb_builder *builder, const char *text, const char *member)
+/* Roles of one variant and no list. */
+static const char *const of_one_variant[] = {BB_ROLE_GENEROUS, BB_ROLE_YARDSTICK, BB_ROLE_USUAL,
+                                             BB_ROLE_COST_REFERENCE};
+
+static bool has_word(const char *const *words, size_t count, const char *word)
+{
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(words[i], word) == 0)
+            return true;
+    return false;
+}
+
+/* A misspelt role, and a second row of one, would be taken by nobody. */
+static bb_status validate_role(const bb_builder *builder, const bb_variants *row)
+{
+    static const char *const roles[] = {BB_BUILDER_ROLES};
+    if (!has_word(roles, sizeof roles / sizeof *roles, row->role))
+        return bb_fail(BB_INVALID, "builder %s: its variants have the unknown role '%.40s'",
+                       builder->name, row->role);
+    if (bb_variants_of(builder->variants, row->role, BB_FOR_ALL) != row)
+        return bb_fail(BB_INVALID, "builder %s: its variants have the role %s twice", builder->name,
+                       row->role);
+    if (row->devices != BB_FOR_ALL)
+        return bb_fail(BB_INVALID, "builder %s: its variants of role %s are not for all devices",
+                       builder->name, row->role);
+    return BB_OK;
+}
+
+static bb_status validate_row(const bb_builder *builder, const bb_variants *row)
 {
     bb_spec spec;
-    BB_TRY(validate_variants(builder, text, member));
-    bool one = text == NULL ||
-               (bb_spec_parse(text, &spec) == BB_OK && strcmp(spec.name, builder->name) == 0 &&
-                bb_spec_validate(&spec, builder->options, member) == BB_OK);
-    return one ? BB_OK
+    if (row->role == NULL || row->specs == NULL)
+        return bb_fail(BB_INVALID, "builder %s: a row of its variants has no %s", builder->name,
+                       row->role == NULL ? "role" : "variants");
+    BB_TRY(validate_role(builder, row));
+    BB_TRY(validate_variants(builder, row->specs, row->role));
+    const size_t count = sizeof of_one_variant / sizeof *of_one_variant;
+    return !has_word(of_one_variant, count, row->role) ||
+                   (bb_spec_parse(row->specs, &spec) == BB_OK &&
+                    strcmp(spec.name, builder->name) == 0 &&
+                    bb_spec_validate(&spec, builder->options, row->role) == BB_OK)
+               ? BB_OK
                : bb_fail(BB_INVALID, "builder %s: %s holds '%s', must be one variant of it",
-                         builder->name, member, text);
+                         builder->name, row->role, row->specs);
+}
+
+const char *bb_builder_variants(const bb_builder *builder, const char *role)
+{
+    const bb_variants *row = bb_variants_of(builder->variants, role, BB_FOR_ALL);
+    return row != NULL ? row->specs : NULL;
+}
+
+bool bb_builder_is_compared(const bb_builder *builder)
+{
+    return builder->variants == NULL || bb_builder_variants(builder, BB_ROLE_COMPARED) != NULL;
 }
 
 /* Whether it makes trees of whatever it is given. */
 static bool is_for_all(const bb_builder *builder)
 {
-    bool compared = builder->compared == NULL || builder->compared[0] != '\0';
-    return builder->split == NULL && !bb_is_optimiser(builder) && compared &&
+    return builder->split == NULL && !bb_is_optimiser(builder) && bb_builder_is_compared(builder) &&
            builder->kinds == BB_ALL_KINDS && (builder->inputs & BB_INPUTS_OF_PRIMITIVES) == 0;
 }
 
@@ -200,25 +241,18 @@ bb_status bb_builder_validate(const bb_builder *builder)
         {builder->split == NULL || !bb_is_optimiser(builder),
          "split() of a tree: a splitter comes before the first tree"},
         {builder->destroy != NULL, "destroy() is missing"},
-        {!builder->usual || is_for_all(builder),
+        {bb_builder_variants(builder, BB_ROLE_USUAL) == NULL || is_for_all(builder),
          "usual, but no builder of all kinds, from boxes, that is compared by default"},
-        {!builder->yardstick || (builder->split == NULL && !bb_is_optimiser(builder)),
+        {bb_builder_variants(builder, BB_ROLE_YARDSTICK) == NULL ||
+             (builder->split == NULL && !bb_is_optimiser(builder)),
          "yardstick, but it makes no tree by itself"},
     };
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
         if (!rules[i].good)
             return bb_fail(BB_INVALID, "builder %s: %s", builder->name, rules[i].problem);
     BB_TRY(validate_options(builder->name, builder->options));
-    const struct {
-        const char *list, *member;
-    } variants[] = {{builder->compared, "compared"},      {builder->moving, "moving"},
-                    {builder->stressed, "stressed"},      {builder->least, "least"},
-                    {builder->volumes, "volumes"},        {builder->meshes, "meshes"},
-                    {builder->meshes_long, "meshes_long"}};
-    for (size_t i = 0; i < sizeof variants / sizeof *variants; i++)
-        BB_TRY(validate_variants(builder, variants[i].list, variants[i].member));
-    BB_TRY(validate_one(builder, builder->generous, "generous"));
-    BB_TRY(validate_one(builder, builder->cost_reference, "cost_reference"));
+    for (const bb_variants *row = builder->variants; row != NULL && row->devices != 0; row++)
+        BB_TRY(validate_row(builder, row));
     return BB_OK;
 }
 
@@ -236,17 +270,18 @@ static bb_status check_files(const char *builder, const bb_source *files)
 }
 
 /* What only one builder may be. */
+static const char *const of_one_builder[] = {BB_ROLE_USUAL, BB_ROLE_COST_REFERENCE};
+
 static bb_status check_sole(const bb_builder *builder)
 {
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *other = bb_builder_at(i);
-        if (builder->usual && other->usual)
-            return bb_fail(BB_INVALID, "builder %s: the usual builder is %s already: drop `usual`",
-                           builder->name, other->name);
-        if (builder->cost_reference != NULL && other->cost_reference != NULL)
-            return bb_fail(BB_INVALID,
-                           "builder %s: the cost reference is %s already: drop `cost_reference`",
-                           builder->name, other->cost_reference);
+        for (size_t r = 0; r < sizeof of_one_builder / sizeof *of_one_builder; r++)
+            if (bb_builder_variants(builder, of_one_builder[r]) != NULL &&
+                bb_builder_variants(other, of_one_builder[r]) != NULL)
+                return bb_fail(BB_INVALID, "builder %s: `%s` is %s already: drop that role",
+                               builder->name, of_one_builder[r],
+                               bb_builder_variants(other, of_one_builder[r]));
     }
     return BB_OK;
 }

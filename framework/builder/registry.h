@@ -12,13 +12,18 @@ uint32_t bb_builder_count(void);
 const bb_builder *bb_builder_at(uint32_t index);
 const bb_builder *bb_builder_find(const char *name); /* NULL if there is none */
 
+/* Its variants of a role (base/variants.h), as a list; NULL: it has none. */
+const char *bb_builder_variants(const bb_builder *builder, const char *role);
+/* Whether it is taken where builders are compared and none is named. */
+bool bb_builder_is_compared(const bb_builder *builder);
+
 /* The device source or header of this name, of kernels/, builders/common or any builder; NULL if
  * there is none. */
 const bb_source *bb_device_file_find(const char *name);
 
 /* Adds a builder for the life of the process. BB_INVALID if its struct is not in order, if its
- * name, or that of one of its device files, is taken, or if another is `usual` or has a
- * `cost_reference` already and this one too. */
+ * name, or that of one of its device files, is taken, or if it has a role that one builder
+ * has already, and no other may. */
 bb_status bb_builder_add(const bb_registration *registration);
 
 /* Checks a builder's struct: names, required hooks, options, variants that it names. */

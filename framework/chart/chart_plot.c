@@ -103,12 +103,12 @@ void bb_plot_brief(double value, char text[32])
 
 /* ---- axes ---- */
 
-bb_axis bb_axis_make(bool log)
+bb_chart_axis bb_axis_make(bool log)
 {
-    return (bb_axis){INFINITY, -INFINITY, log};
+    return (bb_chart_axis){INFINITY, -INFINITY, log};
 }
 
-void bb_axis_add(bb_axis *a, double value)
+void bb_axis_add(bb_chart_axis *a, double value)
 {
     if (!isfinite(value) || (a->log && !(value > 0)))
         return;
@@ -116,7 +116,7 @@ void bb_axis_add(bb_axis *a, double value)
     a->high = fmax(a->high, value);
 }
 
-void bb_axis_round(bb_axis *a)
+void bb_axis_round(bb_chart_axis *a)
 {
     if (a->log) {
         a->low = pow(10, floor(log10(a->low) - 1e-9));
@@ -129,13 +129,13 @@ void bb_axis_round(bb_axis *a)
 }
 
 /* Where along the axis, 0 to 1. */
-static double along(const bb_axis *a, double value)
+static double along(const bb_chart_axis *a, double value)
 {
     return a->log ? log10(value / a->low) / log10(a->high / a->low)
                   : (value - a->low) / (a->high - a->low);
 }
 
-void bb_plot_begin(bb_plot *p, const bb_frame *f)
+void bb_plot_begin(bb_plot *p, const bb_chart_frame *f)
 {
     FILE *out = p->out;
     /* the plot itself stays as high whatever the legend takes */
@@ -166,7 +166,7 @@ void bb_plot_begin(bb_plot *p, const bb_frame *f)
             f->y.log ? "set logscale y\nset format y '%.0s%c'\n" : "");
 }
 
-void bb_plot_end(bb_plot *p, const bb_frame *f)
+void bb_plot_end(bb_plot *p, const bb_chart_frame *f)
 {
     fprintf(p->out,
             "\nset terminal pngcairo noenhanced size 1440,1.5*height fontscale 1.5 linewidth 1.5 "
@@ -183,7 +183,8 @@ static double or_else(double value, double fallback)
     return isfinite(value) ? value : fallback;
 }
 
-void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_axis *x, const bb_axis *y)
+void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_chart_axis *x,
+                        const bb_chart_axis *y)
 {
     for (uint32_t i = 0; i < count; i++) {
         marks[i].labelled = true;
@@ -194,7 +195,7 @@ void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_axis *x, const 
     }
 }
 
-void bb_plot_speed(bb_mark *mark, bb_axis *y)
+void bb_plot_speed(bb_mark *mark, bb_chart_axis *y)
 {
     const bb_chart_cell *cell = mark->cell;
     bool sure = isfinite(cell->mrays_s_lo) && isfinite(cell->mrays_s_hi);

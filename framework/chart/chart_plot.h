@@ -74,29 +74,29 @@ void bb_plot_brief(double value, char text[32]);
 
 /* ---- axes ---- */
 
-typedef struct bb_axis {
+typedef struct bb_chart_axis {
     double low, high; /* low > high: nothing was added */
     bool log;
-} bb_axis;
+} bb_chart_axis;
 
-bb_axis bb_axis_make(bool log);
+bb_chart_axis bb_axis_make(bool log);
 /* What cannot stand on the axis is left out. */
-void bb_axis_add(bb_axis *axis, double value);
+void bb_axis_add(bb_chart_axis *axis, double value);
 /* Whole decades; or some room on both sides, but none below 0. */
-void bb_axis_round(bb_axis *axis);
+void bb_axis_round(bb_chart_axis *axis);
 
 /* What stands around a chart; all text is our own. */
-typedef struct bb_frame {
+typedef struct bb_chart_frame {
     const char *kind; /* in the file's name */
     const char *title, *subtitle, *x_title, *y_title;
-    bb_axis x, y;      /* rounded */
-    uint32_t entries;  /* of the legend, about */
-    uint32_t left_out; /* cells that are not drawn, which the picture says */
-} bb_frame;
+    bb_chart_axis x, y; /* rounded */
+    uint32_t entries;   /* of the legend, about */
+    uint32_t left_out;  /* cells that are not drawn, which the picture says */
+} bb_chart_frame;
 
 /* Titles, axes, style; the SVG comes first, the PNG with bb_plot_end(). */
-void bb_plot_begin(bb_plot *p, const bb_frame *frame);
-void bb_plot_end(bb_plot *p, const bb_frame *frame);
+void bb_plot_begin(bb_plot *p, const bb_chart_frame *frame);
+void bb_plot_end(bb_plot *p, const bb_chart_frame *frame);
 
 /* ---- marks ---- */
 
@@ -104,9 +104,10 @@ void bb_plot_end(bb_plot *p, const bb_frame *frame);
  * references. */
 int bb_plot_shape(const bb_plot *p, const bb_chart_cell *cell);
 /* The cell's speed as the mark's y, and either its interval or its range; both onto the axis. */
-void bb_plot_speed(bb_mark *mark, bb_axis *y);
+void bb_plot_speed(bb_mark *mark, bb_chart_axis *y);
 /* Gives keys to as many marks as have room for theirs, the first ones first. */
-void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_axis *x, const bb_axis *y);
+void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_chart_axis *x,
+                        const bb_chart_axis *y);
 /* Data block $marks, and the plot of it; legend entries may follow. */
 void bb_plot_marks(FILE *out, const bb_mark *marks, uint32_t count, bool front);
 /* The series of `list` that have one of p's first `marks` marks; references have a cross. Where

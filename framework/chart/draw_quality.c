@@ -14,7 +14,7 @@ static void builder_and_kernel_key(const bb_plot *p, const bb_chart_cell *cell,
     snprintf(key, BB_PLOT_KEY, "%.8s%.7s", builder, kernel);
 }
 
-static void draw_metric(bb_plot *p, bb_frame *f, uint32_t metric)
+static void draw_metric(bb_plot *p, bb_chart_frame *f, uint32_t metric)
 {
     uint32_t count = 0;
     f->x = f->y = bb_axis_make(false);
@@ -58,12 +58,13 @@ static void draw_metrics(bb_plot *p)
         snprintf(title, sizeof title, "speed against %s", metric->title);
         snprintf(axis, sizeof axis, "%s%s%s", metric->full_title,
                  metric->unit[0] != '\0' ? ", " : "", metric->unit);
-        bb_frame f = {.kind = metric->name,
-                      .title = title,
-                      .subtitle = metric->of_layouts
-                                      ? "of the layout as traced; hollow: no wrong answer found"
-                                      : "of the tree; hollow: no wrong answer found",
-                      .x_title = axis};
+        bb_chart_frame f = {.kind = metric->name,
+                            .title = title,
+                            .subtitle =
+                                metric->of_layouts
+                                    ? "of the layout as traced; hollow: no wrong answer found"
+                                    : "of the tree; hollow: no wrong answer found",
+                            .x_title = axis};
         draw_metric(p, &f, i);
     }
 }

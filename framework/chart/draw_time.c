@@ -32,8 +32,8 @@ static double envelope_ms(const bb_plot *p, uint32_t lines, double n)
 }
 
 /* Data block $tN: the time of a builder over n; its key at both ends into `keys`. */
-static void print_curve(bb_plot *p, const bb_chart_cell *builder, uint32_t block, const bb_axis *n,
-                        bb_mark keys[2])
+static void print_curve(bb_plot *p, const bb_chart_cell *builder, uint32_t block,
+                        const bb_chart_axis *n, bb_mark keys[2])
 {
     uint32_t lines = lines_of(p, builder);
     fprintf(p->out, "$t%u << EOD\n", block);
@@ -71,10 +71,11 @@ static uint32_t print_crossings(bb_plot *p, uint32_t lines, uint32_t winners)
 
 /* From the first ray, which waits for what comes before it, to 10^9 rays, and well beyond the last
  * crossing. */
-static void time_axes(const bb_plot *p, uint32_t lines, uint32_t winners, bb_axis *n, bb_axis *ms)
+static void time_axes(const bb_plot *p, uint32_t lines, uint32_t winners, bb_chart_axis *n,
+                      bb_chart_axis *ms)
 {
     double most = fmin(fmax(1e9, p->winners[winners - 1].from * 30), 1e13);
-    *n = (bb_axis){1, pow(10, ceil(log10(most) - 1e-9)), true};
+    *n = (bb_chart_axis){1, pow(10, ceil(log10(most) - 1e-9)), true};
     *ms = bb_axis_make(true);
     bb_axis_add(ms, envelope_ms(p, lines, n->low));
     for (uint32_t i = 0; i < p->set->cell_count; i++) {
@@ -116,13 +117,14 @@ static void plot_curve(const bb_plot *p, const bb_chart_cell *builder, uint32_t 
 
 static void draw_time(bb_plot *p)
 {
-    bb_frame f = {.kind = "time",
-                  .title = "time to n rays",
-                  .subtitle = "boxes + build + transfer + layout + n / rate, with the best kernel "
-                              "of each builder at each n",
-                  .x_title = "n, rays traced (log scale)",
-                  .y_title = "ms (log scale)",
-                  .left_out = p->set->incomplete};
+    bb_chart_frame f = {.kind = "time",
+                        .title = "time to n rays",
+                        .subtitle =
+                            "boxes + build + transfer + layout + n / rate, with the best kernel "
+                            "of each builder at each n",
+                        .x_title = "n, rays traced (log scale)",
+                        .y_title = "ms (log scale)",
+                        .left_out = p->set->incomplete};
     uint32_t builders = f.entries = p->builders.count + p->references.count;
     uint32_t lines = lines_of(p, NULL);
     uint32_t winners = bb_time_winners(p->lines, lines, p->winners);

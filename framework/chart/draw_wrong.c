@@ -66,7 +66,7 @@ static uint32_t pick(bb_plot *p, bb_same_fn *same, double (*gain)(const bb_chart
 /* Data block $front: stairs through the picked cells that none beats. `worst` is the end of the
  * axis of y at which the stairs begin. */
 static bool print_front(bb_plot *p, uint32_t count, double (*gain)(const bb_chart_cell *),
-                        const bb_axis *x, double worst)
+                        const bb_chart_axis *x, double worst)
 {
     FILE *out = p->out;
     uint32_t ours = 0;
@@ -108,7 +108,7 @@ static const char wrong_title[] =
     "most 3/n)";
 
 /* The marks of one builder or kernel have its colour; their axis of x. */
-static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_axis *x)
+static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_chart_axis *x)
 {
     *x = bb_axis_make(true);
     for (uint32_t i = 0; i < count; i++) {
@@ -129,7 +129,7 @@ static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_axis 
 
 /* The frame, the front by `gain` from the end `worst` of the axis of y, marks, and the legend, to
  * which entries may be added. */
-static void draw_marks(bb_plot *p, bb_frame *f, uint32_t count, bb_series *series,
+static void draw_marks(bb_plot *p, bb_chart_frame *f, uint32_t count, bb_series *series,
                        double (*gain)(const bb_chart_cell *), double worst)
 {
     finish_marks(p, count, series, &f->x);
@@ -144,13 +144,14 @@ static void draw_marks(bb_plot *p, bb_frame *f, uint32_t count, bb_series *serie
 
 static void draw_accuracy(bb_plot *p)
 {
-    bb_frame f = {.kind = "accuracy",
-                  .title = "speed against wrong answers",
-                  .subtitle = "each kernel and intersector on the tree that it traces fastest",
-                  .x_title = wrong_title,
-                  .y_title = "Mrays/s",
-                  .y = bb_axis_make(false),
-                  .entries = p->kernels.count + p->intersectors.count + p->references.count + 3};
+    bb_chart_frame f = {
+        .kind = "accuracy",
+        .title = "speed against wrong answers",
+        .subtitle = "each kernel and intersector on the tree that it traces fastest",
+        .x_title = wrong_title,
+        .y_title = "Mrays/s",
+        .y = bb_axis_make(false),
+        .entries = p->kernels.count + p->intersectors.count + p->references.count + 3};
     uint32_t count = pick(p, same_kernel_and_intersector, speed, &f.left_out);
     if (count == 0)
         return;
@@ -167,13 +168,14 @@ static void draw_accuracy(bb_plot *p)
 
 static void draw_builders(bb_plot *p)
 {
-    bb_frame f = {.kind = "builders",
-                  .title = "time against wrong answers",
-                  .subtitle = "build, layout and all rays once, with the kernel fastest in this",
-                  .x_title = wrong_title,
-                  .y_title = "ms (log scale)",
-                  .y = bb_axis_make(true),
-                  .entries = p->builders.count + p->intersectors.count + p->references.count + 1};
+    bb_chart_frame f = {
+        .kind = "builders",
+        .title = "time against wrong answers",
+        .subtitle = "build, layout and all rays once, with the kernel fastest in this",
+        .x_title = wrong_title,
+        .y_title = "ms (log scale)",
+        .y = bb_axis_make(true),
+        .entries = p->builders.count + p->intersectors.count + p->references.count + 1};
     uint32_t count = pick(p, same_builder_and_intersector, haste, &f.left_out);
     if (count == 0)
         return;

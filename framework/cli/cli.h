@@ -63,7 +63,7 @@ bb_status bb_cli_double(const bb_cli *cli, const char *name, double fallback, do
 /* "WxH"; both at least 1 and at most 65536, BB_PIXELS_MAX together. */
 bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint32_t *height);
 
-/* The command line with blanks between its words, from malloc; NULL if there is no memory. */
+/* The command line as a shell takes it, from malloc; NULL if there is no memory. */
 char *bb_cli_command_line(const bb_cli *cli);
 
 /* One per cmd_NAME.c. */

@@ -2,6 +2,7 @@
 #include "framework/cli/cli.h"
 
 #include "framework/base/number.h"
+#include "framework/base/shell_word.h"
 #include "framework/scene/camera.h"
 
 #include <stdlib.h>
@@ -85,13 +86,19 @@ bb_status bb_cli_size(const bb_cli *cli, const char *name, uint32_t *width, uint
 
 char *bb_cli_command_line(const bb_cli *cli)
 {
-    size_t length = 1;
-    for (int i = 0; i < cli->argc; i++)
-        length += strlen(cli->argv[i]) + 1;
-    char *text = calloc(1, length);
-    for (int i = 0; text != NULL && i < cli->argc; i++) {
-        strcat(text, i > 0 ? " " : "");
-        strcat(text, i > 0 ? cli->argv[i] : "bvhbench");
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL)
+        return NULL;
+    fputs("bvhbench", out);
+    for (int i = 1; i < cli->argc; i++) {
+        fputc(' ', out);
+        bb_put_shell_word(out, cli->argv[i]);
+    }
+    if (fclose(out) != 0) {
+        free(text);
+        return NULL;
     }
     return text;
 }

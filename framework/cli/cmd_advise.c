@@ -194,7 +194,11 @@ static bool is_advised(const bb_results *results)
 
 static bb_status print_text(const bb_results *results, FILE *out)
 {
-    return is_advised(results) ? bb_advice_print(results, out) : BB_OK;
+    const cJSON *context = bb_results_section(results, "context");
+    if (!is_advised(results))
+        return BB_OK;
+    fprintf(out, "%s\n", bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    return bb_advice_print(results, out);
 }
 
 static bb_status print_json(const bb_results *results, FILE *out)

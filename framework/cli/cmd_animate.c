@@ -51,15 +51,6 @@ typedef struct job {
 
 /* ---- what was asked for ---- */
 
-/* Methods that builders name. */
-static bb_status add_moving(bb_names *names)
-{
-    for (uint32_t i = 0; i < bb_builder_count(); i++)
-        if (bb_builder_at(i)->moving != NULL)
-            BB_TRY(bb_names_add(names, bb_builder_at(i)->moving));
-    return BB_OK;
-}
-
 static bb_status read_frames(job *j)
 {
     const char *text = bb_cli_value(j->cli, "frames");
@@ -90,7 +81,8 @@ static bb_status read_names(job *j)
     bb_animate_request *request = &j->request;
     uint32_t count;
     bb_cli_values(j->cli, "builder", &count);
-    BB_TRY(count > 0 ? bb_choose_builders(j->cli, true, &j->builders) : add_moving(&j->builders));
+    BB_TRY(count > 0 ? bb_choose_builders(j->cli, true, &j->builders)
+                     : bb_names_add_role(&j->builders, BB_ROLE_MOVING));
     bb_cli_values(j->cli, "kernel", &count);
     BB_TRY(count > 0 ? bb_choose_kernels(j->cli, &j->kernels)
                      : bb_names_add(&j->kernels, "stack,stack8"));
@@ -147,7 +139,7 @@ static bb_status write_strip(const job *j, const bb_animate_result *result, cJSO
 static bb_status add_result(job *j, const bb_animate_result *result)
 {
     cJSON *files = cJSON_CreateArray();
-    if (bb_cli_value(j->cli, "json") == NULL)
+    if (bb_contest_prints(j->cli, j->request.device, j->results))
         bb_animate_print(result);
     bb_status status = write_strip(j, result, files);
     if (status == BB_OK)
@@ -222,7 +214,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
 static void more_help(FILE *out)
 {
     bb_names methods = {0};
-    if (add_moving(&methods) == BB_OK)
+    if (bb_names_add_role(&methods, BB_ROLE_MOVING) == BB_OK)
         for (size_t i = 0; i < methods.count; i++)
             fprintf(out, "%s%s", i == 0 ? "\nmethods by default: " : ", ", methods.items[i]);
     fprintf(out, "\n");

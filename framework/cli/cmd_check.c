@@ -342,6 +342,7 @@ static bb_status run_check(check *c, const bb_cli *cli, bb_names *scenes)
     BB_TRY(bb_choose_scenes(cli, default_scenes, scenes));
     BB_TRY(open_devices(c, cli));
     BB_TRY(try_builders(c));
+    printf("%s\n", c->devices[0]->name); /* before all else */
     bb_progress_start(&c->progress, bb_cli_value(cli, "quiet") != NULL);
     return check_all(c, scenes);
 }

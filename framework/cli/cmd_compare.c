@@ -120,8 +120,11 @@ static bb_status read_side(const inputs *in, const side *s, bb_cell_set *set)
         return read_file(s->argument, set);
     if (s->others > 0) {
         bb_print_text(stderr, s->entry.origin.revision, 0);
-        fprintf(stderr, " was measured on %u other machines too: here it is that of ", s->others);
+        fprintf(stderr, " was measured on %u other machines or devices too: here it is that of ",
+                s->others);
         bb_print_text(stderr, s->entry.origin.host, 0);
+        fputs(", ", stderr);
+        bb_print_text(stderr, s->entry.origin.device, 0);
         fputc('\n', stderr);
     }
     return bb_history_set(in->history, &s->entry, set);

@@ -122,7 +122,7 @@ static bb_status overlap(job *j)
     BB_TRY(bb_overlap_run(&j->request, j->scenes, j->result));
     for (uint32_t w = 0; w < j->result->way_count; w++)
         j->wrong = j->wrong || j->result->ways[w].differ > 0;
-    if (bb_cli_value(j->cli, "json") == NULL)
+    if (bb_contest_prints(j->cli, j->request.device, NULL))
         bb_overlap_print(j->result);
     return write(j);
 }

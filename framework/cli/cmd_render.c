@@ -160,7 +160,7 @@ static bb_status trace(rendering *r)
 
 static bb_status shade_heat(rendering *r)
 {
-    bb_heat heat;
+    bb_heat_map heat;
     BB_TRY(bb_picture_heat(r->rays, r->counts, &r->canvas, &heat));
     printf(
         "tests per ray: %.1f boxes and %.1f primitives on average, %.0f at most; colours from 0 to "

@@ -49,7 +49,7 @@ static const bb_cli_option options[] = {
     {"history", "DB", "append the run to this database (SQLite; made if there is none)", false},
     {"shard", "I/N", "measure part I of N of the cells; see below", false},
     {"table", NULL, "print the full tables instead of the summary", false},
-    {"quick", NULL, "a first look: one view, few rays, two rounds", false},
+    {"quick", NULL, "a first look: one view, two rounds, and few rays except on a GPU", false},
     {"no-pictures", NULL, "make no pictures", false},
     BB_CHARTS_OPTION,
     {"quiet", NULL, "do not show progress", false},

@@ -110,7 +110,7 @@ static bb_status slice(job *j, bb_scene *scene, uint32_t number)
     }
     for (uint32_t w = 0; w < j->result->way_count; w++)
         j->wrong = j->wrong || j->result->ways[w].differ > 0;
-    if (bb_cli_value(j->cli, "json") == NULL)
+    if (bb_contest_prints(j->cli, j->request.device, j->results))
         bb_slice_print(j->result);
     return bb_contest_add(j->results, bb_slice_json(j->result), j->request.picture_files);
 }

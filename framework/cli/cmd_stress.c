@@ -65,12 +65,11 @@ static bool takes_part(const bb_cli *cli, const char *option)
 static bb_status choose_builders(const bb_cli *cli, bb_names *names)
 {
     BB_TRY(bb_choose_builders(cli, true, names));
-    for (uint32_t i = 0; i < bb_builder_count() && !given(cli, "builder"); i++)
-        if (bb_builder_at(i)->stressed != NULL)
-            BB_TRY(bb_names_add(names, bb_builder_at(i)->stressed));
-    return given(cli, "builder") ? BB_OK
-                                 : bb_names_add(names, "embree-native:quality=medium,mode=robust,"
-                                                       "embree-native:quality=medium,mode=fast");
+    if (given(cli, "builder"))
+        return BB_OK;
+    BB_TRY(bb_names_add_role(names, BB_ROLE_STRESSED));
+    return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
+                               "embree-native:quality=medium,mode=fast");
 }
 
 static bb_status choose_kernels(const bb_cli *cli, bb_names *names)

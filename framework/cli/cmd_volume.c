@@ -63,7 +63,7 @@ typedef struct job {
     bb_dvr_request request;
     bb_dvr_result *result;
     cJSON *results; /* of the document */
-    bool json, wrong;
+    bool wrong;
     uint32_t pictures;                       /* sets of them, so far */
     bb_names builders[2], kernels, searches; /* builders of volumes, of meshes */
 } job;
@@ -171,7 +171,7 @@ static bb_status compare(job *j, bb_scene *scene)
     }
     for (uint32_t w = 0; w < j->result->way_count; w++)
         j->wrong = j->wrong || j->result->ways[w].differ > 0;
-    if (!j->json)
+    if (bb_contest_prints(j->cli, j->request.device, j->results))
         (bb_cli_value(j->cli, "brief") != NULL ? bb_dvr_print_briefly : bb_dvr_print)(j->result);
     return bb_contest_add(j->results, bb_dvr_json(j->result), j->request.picture_files);
 }
@@ -258,7 +258,7 @@ static bb_status compare_all(job *j)
 static bb_status run(const bb_cli *cli, int *exit_status)
 {
     uint32_t scenes;
-    job j = {.cli = cli, .json = bb_cli_value(cli, "json") != NULL};
+    job j = {.cli = cli};
     char *const *names = bb_cli_values(cli, "scene", &scenes);
     if (scenes == 0)
         return bb_fail(BB_INVALID, "volume needs --scene: see `bvhbench volume --help`");

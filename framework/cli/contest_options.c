@@ -35,7 +35,7 @@ bb_status bb_choose_searches(const bb_cli *cli, bb_names *searches)
 
 static const char *declared(const bb_builder *builder, bb_contest_kind kind)
 {
-    return kind == BB_OF_VOLUMES ? builder->volumes : builder->meshes;
+    return bb_builder_variants(builder, kind == BB_OF_VOLUMES ? BB_ROLE_VOLUMES : BB_ROLE_MESHES);
 }
 
 /* The usual builder is first: of meshes, others are compared with it. Those that take long are
@@ -48,10 +48,7 @@ static bb_status add_declared(bb_names *names, bb_contest_kind kind)
     for (uint32_t i = 0; i < bb_builder_count(); i++)
         if (bb_builder_at(i) != usual && declared(bb_builder_at(i), kind) != NULL)
             BB_TRY(bb_names_add(names, declared(bb_builder_at(i), kind)));
-    for (uint32_t i = 0; i < bb_builder_count() && kind == BB_OF_MESHES; i++)
-        if (bb_builder_at(i)->meshes_long != NULL)
-            BB_TRY(bb_names_add(names, bb_builder_at(i)->meshes_long));
-    return BB_OK;
+    return kind == BB_OF_MESHES ? bb_names_add_role(names, BB_ROLE_MESHES_LONG) : BB_OK;
 }
 
 bb_status bb_choose_tree_builders(const bb_cli *cli, bb_contest_kind kind, bb_names *builders)
@@ -96,6 +93,15 @@ bool bb_contest_document(const char *schema, const bb_device *device, cJSON **do
     cJSON_Delete(*document);
     *document = NULL;
     return false;
+}
+
+bool bb_contest_prints(const bb_cli *cli, const bb_device *device, const cJSON *results)
+{
+    if (bb_cli_value(cli, "json") != NULL)
+        return false;
+    if (cJSON_GetArraySize(results) == 0)
+        printf("%s\n", device->name);
+    return true;
 }
 
 bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files)

@@ -26,6 +26,10 @@ void bb_print_mesh_builders(FILE *out);
 bool bb_contest_document(const char *schema, const bb_device *device, cJSON **document,
                          cJSON **results);
 
+/* Whether a result is to be printed as text, before it is added to the list (NULL: it is the only
+ * one). Before the first one it prints the device's name. */
+bool bb_contest_prints(const bb_cli *cli, const bb_device *device, const cJSON *results);
+
 /* Adds a result (NULL: no memory) to the list, with the names of its pictures; takes both over. */
 bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files);
 

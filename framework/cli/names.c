@@ -22,6 +22,16 @@ bb_status bb_names_add(bb_names *names, const char *list)
     return bb_spec_list(list, names->items, BB_NAMES_MAX, &names->count);
 }
 
+bb_status bb_names_add_role(bb_names *names, const char *role)
+{
+    for (uint32_t i = 0; i < bb_builder_count(); i++) {
+        const char *variants = bb_builder_variants(bb_builder_at(i), role);
+        if (variants != NULL)
+            BB_TRY(bb_names_add(names, variants));
+    }
+    return BB_OK;
+}
+
 void bb_names_free(bb_names *names)
 {
     for (size_t i = 0; i < names->count; i++)
@@ -180,11 +190,9 @@ static bb_status add_variants(bb_names *names, bool every)
 {
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *builder = bb_builder_at(i);
-        bool left_out = builder->compared != NULL && builder->compared[0] == '\0';
-        if (left_out && !every)
-            continue;
-        BB_TRY(left_out || builder->compared == NULL ? add_builder(names, builder)
-                                                     : bb_names_add(names, builder->compared));
+        const char *compared = bb_builder_variants(builder, BB_ROLE_COMPARED);
+        if (bb_builder_is_compared(builder) || every)
+            BB_TRY(compared != NULL ? bb_names_add(names, compared) : add_builder(names, builder));
     }
     return BB_OK;
 }

@@ -15,6 +15,8 @@ typedef struct bb_names {
 
 /* Appends the items of a list that may be given by commas. */
 bb_status bb_names_add(bb_names *names, const char *list);
+/* Appends the variants that builders have in a role (base/variants.h). */
+bb_status bb_names_add_role(bb_names *names, const char *role);
 void bb_names_free(bb_names *names);
 
 /* What was given for an option, in order, which may not be one thing in two spellings. `all` stands

@@ -207,7 +207,8 @@ static bb_status keep(bb_results *results, const char *folder, bb_status status)
     snprintf(json, sizeof json, "%s/results.json", folder);
     char kept[1200];
     const cJSON *builds = cJSON_GetObjectItem(bb_results_json(results), "builds");
-    if (cJSON_GetArraySize(builds) == 0 || bb_keep_earlier(folder, kept, sizeof kept) != BB_OK ||
+    if (cJSON_GetArraySize(builds) == 0 || bb_results_set_interrupted(results) != BB_OK ||
+        bb_keep_earlier(folder, kept, sizeof kept) != BB_OK ||
         bb_results_write(results, json) != BB_OK)
         return bb_fail(status, "%s", reason);
     return bb_fail(status, "%s (earlier measurements are in %s)", reason, json);

@@ -221,9 +221,7 @@ void bb_cell_set_free(bb_cell_set *set)
 
 bool bb_same_device(const bb_origin *a, const bb_origin *b)
 {
-    bool processors =
-        strcmp(a->device_type, BB_DEVICE_CPU) == 0 && strcmp(b->device_type, BB_DEVICE_CPU) == 0;
-    return processors || strcmp(a->device, b->device) == 0;
+    return bb_device_is_like(a->device, a->device_type, b->device, b->device_type);
 }
 
 bool bb_same_machine(const bb_origin *a, const bb_origin *b, bool *host)

@@ -13,11 +13,11 @@ static bool is_ok(const bb_measured *cell)
     return strcmp(cell->status, "ok") == 0;
 }
 
-static bb_status add_move(bb_comparison_result *result, const bb_move *move)
+static bb_status add_move(bb_comparison_result *result, const bb_change *move)
 {
     if (result->move_count == result->move_capacity) {
         uint32_t capacity = 2 * result->move_capacity + 64;
-        bb_move *grown = realloc(result->moves, capacity * sizeof *grown);
+        bb_change *grown = realloc(result->moves, capacity * sizeof *grown);
         if (grown == NULL)
             return bb_fail(BB_FAILED, "comparison: no memory");
         result->moves = grown;
@@ -28,15 +28,15 @@ static bb_status add_move(bb_comparison_result *result, const bb_move *move)
     return BB_OK;
 }
 
-static bb_move start_move(const bb_measured *before, const bb_measured *after, const char *what)
+static bb_change start_move(const bb_measured *before, const bb_measured *after, const char *what)
 {
-    bb_move move = {.before = before,
-                    .after = after,
-                    .from = NAN,
-                    .to = NAN,
-                    .effect = {NAN, NAN, NAN},
-                    .p = NAN,
-                    .counts = !before->reference && !after->reference};
+    bb_change move = {.before = before,
+                      .after = after,
+                      .from = NAN,
+                      .to = NAN,
+                      .effect = {NAN, NAN, NAN},
+                      .p = NAN,
+                      .counts = !before->reference && !after->reference};
     snprintf(move.what, sizeof move.what, "%s", what);
     return move;
 }
@@ -69,7 +69,7 @@ static bb_status compare_one_sided(bb_comparison_result *result, const bb_measur
     result->one_sided++;
     if (isnan(was) || strchr(name, ' ') != NULL)
         return BB_OK;
-    bb_move move = start_move(before, after, name);
+    bb_change move = start_move(before, after, name);
     move.from = was;
     move.verdict = bb_figure_is_judgement(name) ? BB_WORSE : BB_CHANGED;
     return add_move(result, &move);
@@ -89,7 +89,7 @@ static bb_status compare_figure(bb_comparison_result *result, const bb_measured 
     if (!(b.low > a.high) && !(b.high < a.low))
         return BB_OK;
     bool more = b.low > a.high;
-    bb_move move = start_move(before, after, name);
+    bb_change move = start_move(before, after, name);
     move.from = more ? a.high : a.low; /* the least that it moved */
     move.to = more ? b.low : b.high;
     move.effect.ratio = move.from != 0 ? move.to / move.from : (double)NAN;
@@ -120,7 +120,7 @@ static bb_status compare_status(bb_comparison_result *result, const bb_measured 
     result->faulty += !*both_ok;
     if (strcmp(before->status, after->status) == 0)
         return BB_OK;
-    bb_move move = start_move(before, after, "status");
+    bb_change move = start_move(before, after, "status");
     move.verdict = is_ok(before) ? BB_WORSE : is_ok(after) ? BB_BETTER : BB_CHANGED;
     return add_move(result, &move);
 }
@@ -187,7 +187,7 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
     double floor = fmax(result->floor.share, t->own); /* a NAN gives way */
     if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) || p > BB_COMPARE_LEVEL)
         return BB_OK;
-    bb_move move = start_move(t->before, t->after, t->before->trace ? "trace ms" : "build ms");
+    bb_change move = start_move(t->before, t->after, t->before->trace ? "trace ms" : "build ms");
     move.timed = true;
     move.from = t->from;
     move.to = t->to;
@@ -316,7 +316,7 @@ static bb_status compare_cells(bb_comparison_result *result)
     return status;
 }
 
-static double size_of(const bb_move *move)
+static double size_of(const bb_change *move)
 {
     return isfinite(move->effect.ratio) && move->effect.ratio > 0 ? fabs(log(move->effect.ratio))
                                                                   : INFINITY;
@@ -325,7 +325,7 @@ static double size_of(const bb_move *move)
 /* What is worse and counts first, then what is worse of references, better, changed. */
 static int worst_first(const void *left, const void *right)
 {
-    const bb_move *a = left, *b = right;
+    const bb_change *a = left, *b = right;
     int ranks[] = {2 * (int)a->verdict + !a->counts, 2 * (int)b->verdict + !b->counts};
     double sizes[] = {size_of(a), size_of(b)};
     if (ranks[0] != ranks[1])

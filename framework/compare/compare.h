@@ -53,23 +53,23 @@ typedef struct bb_floor {
     uint32_t own_count, own_capacity;
 } bb_floor;
 
-typedef enum bb_verdict {
+typedef enum bb_change_verdict {
     BB_WORSE,
     BB_BETTER,
     BB_CHANGED, /* an exact figure for which more is neither */
-} bb_verdict;
+} bb_change_verdict;
 
 /* Something that moved. */
-typedef struct bb_move {
+typedef struct bb_change {
     const bb_measured *before, *after;
     char what[BB_FIGURE_NAME]; /* "build ms", "trace ms", "status", or an exact figure's name */
     bool timed;
     double from, to;  /* medians in ms (of pairs: of the least), or the figure; NAN of a status */
     bb_effect effect; /* of an exact figure: its ratio, NAN if it was 0 */
     double p;         /* of a time: adjusted for all cells */
-    bb_verdict verdict;
+    bb_change_verdict verdict;
     bool counts; /* for the exit: not of a reference */
-} bb_move;
+} bb_change;
 
 typedef struct bb_comparison_result {
     bb_side before, after;
@@ -85,7 +85,7 @@ typedef struct bb_comparison_result {
     uint32_t only_before, only_after;
     uint32_t lacking;   /* of pairs: cells in both that are not in all pairs that count */
     uint32_t one_sided; /* figures that only one side has */
-    bb_move *moves;     /* worst first: what is worse, better, changed; each by size */
+    bb_change *moves;   /* worst first: what is worse, better, changed; each by size */
     uint32_t move_count, move_capacity;
     uint32_t worse; /* that count */
     double *ratios; /* of the times that were compared, rising */

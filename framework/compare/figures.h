@@ -1,6 +1,6 @@
 /* What a difference of an exact figure means. */
-#ifndef BB_FIGURES_H
-#define BB_FIGURES_H
+#ifndef BB_COMPARE_FIGURES_H
+#define BB_COMPARE_FIGURES_H
 
 #include <stdbool.h>
 

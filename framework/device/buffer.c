@@ -7,6 +7,7 @@
 
 bb_status bb_finish(bb_device *device)
 {
+    device->waits++;
     BB_CL_TRY(clFinish(device->queue), "waiting for %s", device->name);
     return BB_OK;
 }

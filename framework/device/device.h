@@ -57,7 +57,7 @@ typedef struct bb_device {
     double event_ms;             /* sum of the event times since bb_device_clear_events() */
     bool profile_events;         /* collect event_ms: a stopwatch runs */
     uint64_t launches;           /* kernels, fills and copies enqueued since it was opened */
-    uint64_t waits;              /* blocking copies and maps since then */
+    uint64_t waits;              /* blocking copies and maps since then, and bb_finish() */
     struct bb_event_list *events;
     struct bb_program_cache *programs; /* what was compiled; released with the device */
     const char *kernel_folder; /* edit-and-run: .cl and .h are read from here first; may be NULL */

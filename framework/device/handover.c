@@ -13,7 +13,7 @@ enum { SLOTS = 1 << 16, ROUNDS = 4, GROUP_SIZE = 64, NAMES_MAX = 4096 };
 
 _Static_assert(sizeof(bb_named_version) == sizeof(cl_name_version), "as OpenCL has it");
 
-static bool has_name(const bb_names *list, const char *name)
+static bool has_name(const bb_driver_names *list, const char *name)
 {
     for (size_t i = 0; i < list->count; i++)
         if (strncmp(list->names[i].name, name, sizeof list->names[i].name) == 0)
@@ -21,7 +21,7 @@ static bool has_name(const bb_names *list, const char *name)
     return false;
 }
 
-static bool has_version(const bb_names *list, cl_uint major)
+static bool has_version(const bb_driver_names *list, cl_uint major)
 {
     for (size_t i = 0; i < list->count; i++)
         if (CL_VERSION_MAJOR(list->names[i].version) == major)
@@ -29,7 +29,8 @@ static bool has_version(const bb_names *list, cl_uint major)
     return false;
 }
 
-const char *bb_fence_option(const bb_names *versions, const bb_names *features, const char *version)
+const char *bb_fence_option(const bb_driver_names *versions, const bb_driver_names *features,
+                            const char *version)
 {
     if (has_version(versions, 3) && has_name(features, "__opencl_c_atomic_order_acq_rel") &&
         has_name(features, "__opencl_c_atomic_scope_device"))
@@ -41,11 +42,11 @@ const char *bb_fence_option(const bb_names *versions, const bb_names *features, 
 }
 
 /* Empty if the device has no such list, or one that can't be. */
-static bb_status read_names(const bb_device *device, cl_device_info what, bb_names *list)
+static bb_status read_names(const bb_device *device, cl_device_info what, bb_driver_names *list)
 {
     const size_t one = sizeof(bb_named_version);
     size_t bytes = 0;
-    *list = (bb_names){0};
+    *list = (bb_driver_names){0};
     if (clGetDeviceInfo(device->id, what, 0, NULL, &bytes) != CL_SUCCESS || bytes == 0 ||
         bytes % one != 0 || bytes > NAMES_MAX * one)
         return BB_OK;
@@ -59,7 +60,7 @@ static bb_status read_names(const bb_device *device, cl_device_info what, bb_nam
 
 static bb_status find_fence(bb_device *device)
 {
-    bb_names versions, features = {0};
+    bb_driver_names versions, features = {0};
     char version[128] = "";
     bb_status status = read_names(device, CL_DEVICE_OPENCL_C_ALL_VERSIONS, &versions);
     if (status == BB_OK)
@@ -147,8 +148,19 @@ const char *bb_handover_word(const bb_device *device)
     return device->handover == BB_HANDOVER_FENCE ? "fence" : "levels";
 }
 
+/* On what is a CPU and nothing else, lists go without barriers in either form. oclgrind is a device
+ * of all types: there the form for GPUs has them, and they are checked. */
+static bool lists_are_serial(const bb_device *device)
+{
+    cl_device_type type = 0;
+    return bb_cpu_form(device) ||
+           (clGetDeviceInfo(device->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS &&
+            (type & (CL_DEVICE_TYPE_CPU | CL_DEVICE_TYPE_GPU)) == CL_DEVICE_TYPE_CPU);
+}
+
 void bb_handover_defines(const bb_device *device, char *text, size_t capacity)
 {
     bool fence = device->handover == BB_HANDOVER_FENCE;
-    snprintf(text, capacity, "-DBB_HANDOVER=%d %s", fence, fence ? device->fence : "");
+    const char *serial = lists_are_serial(device) ? "-DBB_LISTS_SERIAL=1" : "";
+    snprintf(text, capacity, "-DBB_HANDOVER=%d %s", fence, fence ? device->fence : serial);
 }

@@ -11,14 +11,14 @@ typedef struct bb_named_version {
 } bb_named_version;
 
 /* A list of OpenCL 3.0: versions of OpenCL C, or features. */
-typedef struct bb_names {
+typedef struct bb_driver_names {
     bb_named_version *names;
     size_t count;
-} bb_names;
+} bb_driver_names;
 
 /* The option that compiles a fence between work-groups, of a device with these lists, each of which
  * may be empty, and this CL_DEVICE_OPENCL_C_VERSION; "" if it documents none. */
-const char *bb_fence_option(const bb_names *versions, const bb_names *features,
+const char *bb_fence_option(const bb_driver_names *versions, const bb_driver_names *features,
                             const char *version);
 
 /* Sets device->handover, fence and the litmus counts. The queue must be there. */

@@ -85,14 +85,14 @@ bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const 
                        rays->name);
     fill_header(scene, rays, generator, &header);
     enum { PARTS = 3 + BB_KIND_COUNT };
-    bb_part parts[PARTS] = {
+    bb_file_part parts[PARTS] = {
         {&header, sizeof header},
         {rays->rays, rays->count * sizeof(bb_ray)},
         {scene->vertices, (size_t)scene->vertex_count * 3 * sizeof(float)},
     };
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         parts[3 + kind] =
-            (bb_part){scene->prims[kind].data, scene->prims[kind].count * bb_prim_bytes(kind)};
+            (bb_file_part){scene->prims[kind].data, scene->prims[kind].count * bb_prim_bytes(kind)};
     XXH3_state_t *sum = XXH3_createState();
     if (sum == NULL)
         return bb_fail(BB_REFUSED, "%s %s: no memory for a checksum", rays_file, path);

@@ -61,7 +61,7 @@ static void claim_few(const bb_dynamic *d, bb_reproduction *r)
 static void claim_many(const bb_dynamic *d, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_DYNAMIC_SCENES];
+    bb_claim_verdict each[BB_DYNAMIC_SCENES];
     size_t count = 0;
     for (int s = BB_DYNAMIC_MUSEUM; s <= BB_DYNAMIC_FALL; s++) {
         const bb_estimate e = update_ratio(d, s, BB_DYNAMIC_UPDATED_SHUFFLED, BB_DYNAMIC_REBUILT);
@@ -78,7 +78,7 @@ static void claim_many(const bb_dynamic *d, bb_reproduction *r)
 static void claim_loose_update(const bb_dynamic *d, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_DYNAMIC_SCENES];
+    bb_claim_verdict each[BB_DYNAMIC_SCENES];
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++) {
         const bb_estimate e = update_ratio(d, s, BB_DYNAMIC_LOOSE, BB_DYNAMIC_REBUILT);
         say(&ours, s, "", e);
@@ -149,7 +149,7 @@ static void say_costs(const bb_dynamic *d, int scene, bb_words *why)
 static void claim_untouched(const bb_dynamic *d, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_DYNAMIC_SCENES];
+    bb_claim_verdict each[BB_DYNAMIC_SCENES];
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++) {
         const bb_estimate e = trace_ratio(d, s, BB_DYNAMIC_UPDATED_SHUFFLED, BB_DYNAMIC_REBUILT);
         say(&ours, s, "", e);
@@ -167,7 +167,7 @@ static void claim_faster(const bb_dynamic *d, bb_dynamic_method updated, bb_dyna
                          const char *claim, const char *paper, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_DYNAMIC_SCENES];
+    bb_claim_verdict each[BB_DYNAMIC_SCENES];
     size_t count = 0;
     for (int s = BB_DYNAMIC_MUSEUM; s <= BB_DYNAMIC_FALL; s++) {
         const bb_estimate e = trace_ratio(d, s, updated, rebuilt);
@@ -201,7 +201,7 @@ static void claim_loose_fall(const bb_dynamic *d, bb_reproduction *r)
 {
     const int scene = BB_DYNAMIC_FALL;
     bb_words ours = {0}, why = {0};
-    const bb_verdict each[] = {
+    const bb_claim_verdict each[] = {
         bb_above(trace_ratio(d, scene, BB_DYNAMIC_LOOSE, BB_DYNAMIC_REBUILT), 1),
         bb_above(trace_ratio(d, scene, BB_DYNAMIC_LOOSE, BB_DYNAMIC_UPDATED_SHUFFLED), 1),
     };
@@ -221,7 +221,7 @@ static void claim_loose_fall(const bb_dynamic *d, bb_reproduction *r)
 static void claim_refit(const bb_dynamic *d, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_DYNAMIC_SCENES];
+    bb_claim_verdict each[BB_DYNAMIC_SCENES];
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++) {
         const bb_estimate e = trace_ratio(d, s, BB_DYNAMIC_REFIT, BB_DYNAMIC_LBVH);
         say(&ours, s, "", e);
@@ -239,7 +239,7 @@ static void claim_refit(const bb_dynamic *d, bb_reproduction *r)
 static void claim_total(const bb_dynamic *d, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_DYNAMIC_SCENES];
+    bb_claim_verdict each[BB_DYNAMIC_SCENES];
     const uint32_t parts = BB_ANIMATE_UPDATE | BB_ANIMATE_TRACE;
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++) {
         const bb_dynamic_scene scene = (bb_dynamic_scene)s;

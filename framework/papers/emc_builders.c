@@ -58,7 +58,7 @@ enum { AGGLOMERATIVE = sizeof agglomerative / sizeof agglomerative[0] };
 
 static void claim_flattered(const bb_findings *all, bb_reproduction *r)
 {
-    bb_verdict each[AGGLOMERATIVE];
+    bb_claim_verdict each[AGGLOMERATIVE];
     bb_words ours = {0}, why = {0};
     for (int i = 0; i < AGGLOMERATIVE; i++) {
         const char *name = bb_emc_methods[agglomerative[i]].name;
@@ -81,7 +81,7 @@ static void claim_flattered(const bb_findings *all, bb_reproduction *r)
 
 static void claim_hlbvh(const bb_findings *all, bb_reproduction *r)
 {
-    bb_verdict each[AGGLOMERATIVE];
+    bb_claim_verdict each[AGGLOMERATIVE];
     bb_words ours = {0}, why = {0};
     double least = over_lbvh(all, work, EMC_HLBVH);
     if (!isnan(least))
@@ -108,10 +108,10 @@ static void claim_radius(const bb_findings *all, bb_reproduction *r)
         const char *radius, *builder;
     } wider[] = {{"16", EMC_PLOC_RADIUS("16")}, {"32", EMC_PLOC_RADIUS("32")}};
     enum { WIDER = sizeof wider / sizeof wider[0] };
-    bb_verdict each[WIDER];
+    bb_claim_verdict each[WIDER];
     bb_words ours = {0}, why = {0};
     for (int i = 0; i < WIDER; i++) {
-        bb_figures s = {.f = &all[EMC_CENTRED]};
+        bb_paper_figures s = {.f = &all[EMC_CENTRED]};
         bb_words what = {0};
         for (size_t k = 0; k < s.f->scene_count; k++)
             s.values[k] = bb_found_sah(s.f, s.f->scenes[k], wider[i].builder) /

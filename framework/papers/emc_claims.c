@@ -14,9 +14,9 @@ static bool is_flat(const bb_findings *f, const char *scene)
 }
 
 /* The flat scenes' figures, or the others'. */
-static bb_figures only(const bb_figures *s, bool flat)
+static bb_paper_figures only(const bb_paper_figures *s, bool flat)
 {
-    bb_figures part = *s;
+    bb_paper_figures part = *s;
     for (size_t i = 0; i < s->f->scene_count; i++)
         if (is_flat(s->f, s->f->scenes[i]) != flat)
             part.values[i] = NAN;
@@ -51,8 +51,8 @@ static void say_why_worse(const bb_findings *all, bb_words *why)
 
 static void claim_cost(const bb_findings *all, bb_reproduction *r)
 {
-    bb_figures sort = bb_emc_costs(all, EMC_SORT64, EMC_MC64),
-               var = bb_emc_costs(all, EMC_VAR64, EMC_MC64);
+    bb_paper_figures sort = bb_emc_costs(all, EMC_SORT64, EMC_MC64),
+                     var = bb_emc_costs(all, EMC_VAR64, EMC_MC64);
     bb_words ours = {0}, why = {0};
     bb_say_range(&ours, "EMC-64-sort", &sort);
     bb_say_range(&ours, "EMC-64-var", &var);
@@ -82,8 +82,8 @@ static void claim_cost(const bb_findings *all, bb_reproduction *r)
 static void claim_flat(const bb_findings *all, bb_reproduction *r, const char *builder,
                        const char *claim, const char *paper, double others_within)
 {
-    bb_figures s = bb_emc_costs(all, builder, EMC_MC64), flat = only(&s, true),
-               others = only(&s, false);
+    bb_paper_figures s = bb_emc_costs(all, builder, EMC_MC64), flat = only(&s, true),
+                     others = only(&s, false);
     bb_words ours = {0}, why = {0};
     double gain = 1 - bb_figures_mean(&flat), elsewhere = 1 - bb_figures_mean(&others);
     bb_say(&ours, "%.3f on flat scenes (shortest side below 1/4 of the longest), %.3f on others",
@@ -100,8 +100,8 @@ static const double same = 0.0005;
 
 static void claim_sizes(const bb_findings *all, bb_reproduction *r)
 {
-    bb_figures s = bb_emc_costs(all, EMC_SIZES, EMC_MC64),
-               order = bb_emc_costs(all, EMC_ORDER_COUNT, EMC_MC64);
+    bb_paper_figures s = bb_emc_costs(all, EMC_SIZES, EMC_MC64),
+                     order = bb_emc_costs(all, EMC_ORDER_COUNT, EMC_MC64);
     bb_words ours = {0}, why = {0};
     uint32_t others = 0, dominant = 0;
     bb_say_range(&ours, "size every 4th bit", &s);
@@ -138,7 +138,7 @@ static void claim_sizes(const bb_findings *all, bb_reproduction *r)
 static void claim_majority(const bb_findings *all, bb_reproduction *r, const char *builder,
                            const char *other, const char *claim, const char *paper)
 {
-    bb_figures s = bb_emc_costs(all, builder, other);
+    bb_paper_figures s = bb_emc_costs(all, builder, other);
     bb_words ours = {0}, why = {0};
     uint32_t lower = 0, higher = 0;
     for (size_t i = 0; i < s.f->scene_count; i++) {
@@ -162,9 +162,9 @@ static void claim_majority(const bb_findings *all, bb_reproduction *r, const cha
 /* Of fewer size bits: is it their number that matters, or how often they come? */
 static void claim_fewer(const bb_findings *all, bb_reproduction *r)
 {
-    bb_figures s = bb_emc_costs(all, EMC_VAR64, EMC_VAR64_ALL_SIZES),
-               nine = bb_emc_costs(all, EMC_VAR64_NINE, EMC_VAR64);
-    bb_figures ten = bb_emc_costs(all, EMC_VAR64_CELL_TEN, EMC_VAR64_CELL_ALL);
+    bb_paper_figures s = bb_emc_costs(all, EMC_VAR64, EMC_VAR64_ALL_SIZES),
+                     nine = bb_emc_costs(all, EMC_VAR64_NINE, EMC_VAR64);
+    bb_paper_figures ten = bb_emc_costs(all, EMC_VAR64_CELL_TEN, EMC_VAR64_CELL_ALL);
     bb_words ours = {0}, why = {0};
     bool holds = bb_figures_mean(&s) < 1;
     bb_say_range(&ours, "6 bits every 7th against 16 every 4th", &s);
@@ -186,8 +186,8 @@ static void claim_fewer(const bb_findings *all, bb_reproduction *r)
 
 static void claim_sweep(const bb_findings *all, bb_reproduction *r)
 {
-    bb_figures s = bb_emc_costs(all, EMC_VAR64, EMC_SWEEP),
-               plain = bb_emc_costs(all, EMC_MC64, EMC_SWEEP);
+    bb_paper_figures s = bb_emc_costs(all, EMC_VAR64, EMC_SWEEP),
+                     plain = bb_emc_costs(all, EMC_MC64, EMC_SWEEP);
     bb_words ours = {0}, why = {0};
     bb_say_range(&ours, "EMC-64-var", &s);
     bb_say_range(&ours, "MC-64", &plain);
@@ -224,7 +224,7 @@ static void say_tests(const bb_findings *all, const char *scene, const char *bui
 static void claim_speed(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[EMC_TRACED];
-    bb_figures s = {.f = f};
+    bb_paper_figures s = {.f = f};
     bb_ratio_mean mean = {0};
     bb_words ours = {0}, why = {0};
     for (size_t i = 0; i < f->scene_count; i++) {
@@ -252,7 +252,7 @@ static void claim_speed(const bb_findings *all, bb_reproduction *r)
 static void claim_speed_follows_cost(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[EMC_TRACED];
-    bb_verdict each[BB_FIGURES_MAX];
+    bb_claim_verdict each[BB_FIGURES_MAX];
     bb_words ours = {0}, why = {0};
     size_t count = 0, agree = 0;
     for (size_t i = 0; i < f->scene_count; i++) {
@@ -261,7 +261,7 @@ static void claim_speed_follows_cost(const bb_findings *all, bb_reproduction *r)
         double cost = bb_emc_cost_ratio(all, scene, EMC_VAR64, EMC_MC64);
         if (!(fabs(cost - 1) > 0.03) || isnan(speed.value))
             continue;
-        bb_verdict verdict = cost < 1 ? bb_above(speed, 1) : bb_below(speed, 1);
+        bb_claim_verdict verdict = cost < 1 ? bb_above(speed, 1) : bb_below(speed, 1);
         agree += verdict == BB_HELD;
         each[count++] = verdict;
         if (verdict == BB_HELD)
@@ -326,7 +326,7 @@ static void say_farthest(const bb_findings *all, int pair, bb_words *why)
 static void claim_build(const bb_findings *all, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[EMC_EQUALS], verdict;
+    bb_claim_verdict each[EMC_EQUALS], verdict;
     size_t count = 0;
     for (int i = 0; i < EMC_EQUALS; i++) {
         if (strcmp(bb_emc_equals[i].builder, EMC_CELL64) == 0)
@@ -353,7 +353,7 @@ static void claim_short(const bb_findings *all, bb_reproduction *r)
 {
     const bb_findings *f = &all[EMC_BUILT];
     bb_words ours = {0}, why = {0};
-    bb_figures cost = bb_emc_costs(all, EMC_VAR32, EMC_VAR64), time = {.f = f};
+    bb_paper_figures cost = bb_emc_costs(all, EMC_VAR32, EMC_VAR64), time = {.f = f};
     bb_ratio_mean mean = {0};
     for (size_t s = 0; s < f->scene_count; s++) {
         time.values[s] = bb_emc_build_ratio(all, f->scenes[s], EMC_VAR32, EMC_VAR64).value;
@@ -362,10 +362,10 @@ static void claim_short(const bb_findings *all, bb_reproduction *r)
                           (bb_selection){f->scenes[s], EMC_VAR64, NULL, NULL});
     }
     bb_estimate faster = bb_ratio_mean_estimate(&mean);
-    const bb_verdict both[] = {
+    const bb_claim_verdict both[] = {
         bb_verdict_of(bb_figures_mean(&cost) <= 1.05, bb_figures_mean(&cost), 0),
         bb_below(faster, 1)};
-    bb_verdict verdict = bb_all(both, 2);
+    bb_claim_verdict verdict = bb_all(both, 2);
     bb_say_range(&ours, "cost against EMC-64-var", &cost);
     bb_say_range(&ours, "build time", &time);
     bb_say(&ours, ", round by round ");

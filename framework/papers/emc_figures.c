@@ -15,9 +15,9 @@ double bb_emc_cost_ratio(const bb_findings *all, const char *scene, const char *
            bb_found_sah(&all[EMC_VARIED], scene, base);
 }
 
-bb_figures bb_emc_costs(const bb_findings *all, const char *builder, const char *base)
+bb_paper_figures bb_emc_costs(const bb_findings *all, const char *builder, const char *base)
 {
-    bb_figures s = {.f = &all[EMC_VARIED]};
+    bb_paper_figures s = {.f = &all[EMC_VARIED]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_emc_cost_ratio(all, s.f->scenes[i], builder, base);
     return s;

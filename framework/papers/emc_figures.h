@@ -45,7 +45,7 @@ extern const double bb_emc_build_target;
 double bb_emc_cost_ratio(const bb_findings *all, const char *scene, const char *builder,
                          const char *base);
 /* The same for each scene. */
-bb_figures bb_emc_costs(const bb_findings *all, const char *builder, const char *base);
+bb_paper_figures bb_emc_costs(const bb_findings *all, const char *builder, const char *base);
 /* Rays per second. */
 bb_estimate bb_emc_speed_ratio(const bb_findings *all, const char *scene, const char *builder,
                                const char *base);

@@ -70,7 +70,7 @@ static void add_figure(const bb_findings *all, bb_reproduction *r, bb_emc_figure
     bb_table(r, title, columns);
     for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         const bb_emc_method *m = &bb_emc_methods[i];
-        bb_figures s = bb_emc_ratios(all, figure, m->var, m->plain);
+        bb_paper_figures s = bb_emc_ratios(all, figure, m->var, m->plain);
         bb_estimate mean = mean_of(all, figure, i);
         bb_words verdict = {0};
         if (!bb_emc_missing(m->plain, &verdict))
@@ -100,7 +100,7 @@ static void add_placement(const bb_findings *all, bb_reproduction *r)
              "gain than that is not surely the code's",
              columns);
     for (int i = 0; i < EMC_METHOD_COUNT; i++) {
-        bb_figures centred = bb_emc_centred(all, i), placement = bb_emc_placement(all, i);
+        bb_paper_figures centred = bb_emc_centred(all, i), placement = bb_emc_placement(all, i);
         bb_words name = {0};
         bb_say(&name, "%s", bb_emc_methods[i].name);
         bb_emc_missing(bb_emc_methods[i].plain, &name);
@@ -147,7 +147,8 @@ void bb_emc_inside(const bb_findings *all, bb_reproduction *r)
 static void claim_cost(const bb_findings *all, bb_reproduction *r, int method)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    bb_figures s = bb_emc_ratios(all, cost, m->var, m->plain), other = bb_emc_centred(all, method);
+    bb_paper_figures s = bb_emc_ratios(all, cost, m->var, m->plain),
+                     other = bb_emc_centred(all, method);
     double mean = bb_figures_mean(&s), centred = bb_figures_mean(&other);
     bool holds = mean < 1 - same && centred < 1 - same;
     bb_words claim = {0}, ours = {0}, why = {0};
@@ -169,7 +170,7 @@ static void claim_cost(const bb_findings *all, bb_reproduction *r, int method)
 static void claim_time(const bb_findings *all, bb_reproduction *r, int method)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    bb_verdict each[EMC_INSIDE_KINDS];
+    bb_claim_verdict each[EMC_INSIDE_KINDS];
     bb_words claim = {0}, ours = {0}, why = {0};
     bool there = !bb_emc_missing(m->plain, &why);
     bb_say(&claim, "EMC-64-var makes rays of every kind faster with %s, on average", m->name);
@@ -219,7 +220,7 @@ static void claim_work_follows(const bb_findings *all, bb_reproduction *r)
 /* Codes are a small part of a slow builder's time. */
 static void claim_build(const bb_findings *all, bb_reproduction *r)
 {
-    bb_verdict each[EMC_METHOD_COUNT];
+    bb_claim_verdict each[EMC_METHOD_COUNT];
     size_t count = 0;
     bb_words ours = {0}, why = {0};
     for (int i = 0; i < EMC_METHOD_COUNT; i++) {

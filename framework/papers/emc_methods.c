@@ -48,10 +48,10 @@ bb_estimate bb_emc_ratio(const bb_findings *all, bb_emc_figure figure, const cha
     return e;
 }
 
-bb_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
-                         const char *base)
+bb_paper_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
+                               const char *base)
 {
-    bb_figures s = {.f = &all[EMC_INSIDE]};
+    bb_paper_figures s = {.f = &all[EMC_INSIDE]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_emc_ratio(all, figure, s.f->scenes[i], builder, base).value;
     return s;
@@ -61,7 +61,7 @@ bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char
                         const char *base)
 {
     if (!is_time(figure)) {
-        bb_figures s = bb_emc_ratios(all, figure, builder, base);
+        bb_paper_figures s = bb_emc_ratios(all, figure, builder, base);
         bb_estimate e = bb_not_measured;
         e.value = bb_figures_mean(&s);
         return e;
@@ -70,36 +70,36 @@ bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char
     return bb_found_mean_ratio(&f, times_of(figure), "stack", builder, base);
 }
 
-bb_figures bb_emc_centred(const bb_findings *all, int method)
+bb_paper_figures bb_emc_centred(const bb_findings *all, int method)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    bb_figures s = {.f = &all[EMC_CENTRED]};
+    bb_paper_figures s = {.f = &all[EMC_CENTRED]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_found_sah(s.f, s.f->scenes[i], m->centred_var) /
                       bb_found_sah(s.f, s.f->scenes[i], m->centred_plain);
     return s;
 }
 
-bb_figures bb_emc_placement(const bb_findings *all, int method)
+bb_paper_figures bb_emc_placement(const bb_findings *all, int method)
 {
     const bb_emc_method *m = &bb_emc_methods[method];
-    bb_figures s = {.f = &all[EMC_CENTRED]};
+    bb_paper_figures s = {.f = &all[EMC_CENTRED]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_found_sah(s.f, s.f->scenes[i], m->centred_plain) /
                       bb_found_sah(&all[EMC_INSIDE], s.f->scenes[i], m->plain);
     return s;
 }
 
-bb_figures bb_emc_over_sweep(const bb_findings *all, const char *builder)
+bb_paper_figures bb_emc_over_sweep(const bb_findings *all, const char *builder)
 {
-    bb_figures s = {.f = &all[EMC_INSIDE]};
+    bb_paper_figures s = {.f = &all[EMC_INSIDE]};
     for (size_t i = 0; i < s.f->scene_count; i++)
         s.values[i] = bb_found_sah(s.f, s.f->scenes[i], builder) /
                       bb_found_sah(&all[EMC_CENTRED], s.f->scenes[i], EMC_SWEEP);
     return s;
 }
 
-bb_verdict bb_emc_below(bb_emc_figure figure, bb_estimate e, double bound)
+bb_claim_verdict bb_emc_below(bb_emc_figure figure, bb_estimate e, double bound)
 {
     return is_time(figure) ? bb_below(e, bound) : bb_verdict_of(e.value < bound, e.value, 0);
 }

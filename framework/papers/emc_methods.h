@@ -75,17 +75,17 @@ bb_estimate bb_emc_ratio(const bb_findings *all, bb_emc_figure figure, const cha
 bb_estimate bb_emc_mean(const bb_findings *all, bb_emc_figure figure, const char *builder,
                         const char *base);
 /* One per scene. */
-bb_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
-                         const char *base);
+bb_paper_figures bb_emc_ratios(const bb_findings *all, bb_emc_figure figure, const char *builder,
+                               const char *base);
 /* The ratio of a method's costs in the box of the centroids, and how much that box alone changes
  * the cost with MC-64. One per scene. */
-bb_figures bb_emc_centred(const bb_findings *all, int method);
-bb_figures bb_emc_placement(const bb_findings *all, int method);
+bb_paper_figures bb_emc_centred(const bb_findings *all, int method);
+bb_paper_figures bb_emc_placement(const bb_findings *all, int method);
 /* Cost over that of a full sweep. */
-bb_figures bb_emc_over_sweep(const bb_findings *all, const char *builder);
+bb_paper_figures bb_emc_over_sweep(const bb_findings *all, const char *builder);
 
 /* Is the figure, or its interval, below `bound`? */
-bb_verdict bb_emc_below(bb_emc_figure figure, bb_estimate e, double bound);
+bb_claim_verdict bb_emc_below(bb_emc_figure figure, bb_estimate e, double bound);
 
 /* Says "no such builder: atrbvh" if one of its stages is not registered; after "; " if there is
  * something before it. */

@@ -154,8 +154,8 @@ static void add_means(const bb_findings *all, bb_reproduction *r)
                 ratio = means[k].ratio;
                 over_sweep = means[k].over_sweep;
             }
-        bb_figures plain = bb_emc_over_sweep(all, method->plain),
-                   var = bb_emc_over_sweep(all, method->var);
+        bb_paper_figures plain = bb_emc_over_sweep(all, method->plain),
+                         var = bb_emc_over_sweep(all, method->var);
         bb_words name = {0};
         bb_say(&name, "%s", method->name);
         bb_emc_missing(method->plain, &name);
@@ -179,7 +179,7 @@ void bb_emc_others(const bb_findings *all, bb_reproduction *r)
 
 /* ---- claims ---- */
 
-static void say_scenes(const bb_figures *s, bb_words *why)
+static void say_scenes(const bb_paper_figures *s, bb_words *why)
 {
     for (size_t i = 0; i < s->f->scene_count; i++)
         if (!isnan(s->values[i]))
@@ -192,7 +192,7 @@ static void claim_lower(const bb_findings *all, bb_reproduction *r, int id, cons
                         const char *paper)
 {
     const bb_emc_method *method = &bb_emc_methods[id];
-    bb_figures s = bb_emc_ratios(all, cost, method->var, method->plain);
+    bb_paper_figures s = bb_emc_ratios(all, cost, method->var, method->plain);
     bb_words claim = {0}, ours = {0}, why = {0};
     double mean = bb_figures_mean(&s);
     bb_say(&claim, "EMC-64-var lowers the cost of %s on average (%s)", method->name, section);
@@ -208,8 +208,8 @@ static void claim_atrbvh(const bb_findings *all, bb_reproduction *r)
 {
     const bb_emc_method *method = &bb_emc_methods[EMC_ATRBVH], *lbvh = &bb_emc_methods[EMC_LBVH];
     bb_words ours = {0}, why = {0}, missing = {0};
-    bb_figures s = bb_emc_ratios(all, cost, method->var, method->plain),
-               plain = bb_emc_ratios(all, cost, lbvh->var, lbvh->plain);
+    bb_paper_figures s = bb_emc_ratios(all, cost, method->var, method->plain),
+                     plain = bb_emc_ratios(all, cost, lbvh->var, lbvh->plain);
     double gain = 1 - bb_figures_mean(&s), of_lbvh = 1 - bb_figures_mean(&plain);
     bool there = !bb_emc_missing(method->plain, &missing);
     claim_lower(all, r, EMC_ATRBVH, "5.2", "0.93 on average, 0.74 to 1.02");
@@ -232,8 +232,8 @@ static void claim_atrbvh(const bb_findings *all, bb_reproduction *r)
 
     bb_estimate sort = bb_found_build_ratios(&all[EMC_INSIDE], EMC_ATRBVH_SORT64, method->plain),
                 var = bb_found_build_ratios(&all[EMC_INSIDE], method->var, method->plain);
-    const bb_verdict both[] = {bb_below(sort, bb_emc_build_target),
-                               bb_below(var, bb_emc_build_target)};
+    const bb_claim_verdict both[] = {bb_below(sort, bb_emc_build_target),
+                                     bb_below(var, bb_emc_build_target)};
     ours = (bb_words){0};
     bb_say(&ours, "geometric mean of the scenes' paired ratios: EMC-64-sort ");
     bb_say_estimate(&ours, sort);
@@ -248,8 +248,8 @@ static void claim_atrbvh(const bb_findings *all, bb_reproduction *r)
 static void claim_near_sweep(const bb_findings *all, bb_reproduction *r, int row)
 {
     const bb_emc_method *method = &bb_emc_methods[means[row].method];
-    bb_figures var = bb_emc_over_sweep(all, method->var),
-               plain = bb_emc_over_sweep(all, method->plain);
+    bb_paper_figures var = bb_emc_over_sweep(all, method->var),
+                     plain = bb_emc_over_sweep(all, method->plain);
     double over_sweep = bb_figures_mean(&var);
     bb_words claim = {0}, paper = {0}, ours = {0}, why = {0};
     bb_say(&claim,
@@ -273,8 +273,8 @@ static void claim_bridged(const bb_findings *all, bb_reproduction *r)
     uint32_t bridged = 0, above = 0;
     for (int k = 0; k < MEANS; k++) {
         const bb_emc_method *method = &bb_emc_methods[means[k].method];
-        bb_figures plain = bb_emc_over_sweep(all, method->plain),
-                   var = bb_emc_over_sweep(all, method->var);
+        bb_paper_figures plain = bb_emc_over_sweep(all, method->plain),
+                         var = bb_emc_over_sweep(all, method->var);
         for (size_t s = 0; s < plain.f->scene_count; s++) {
             above += plain.values[s] > 1 && !isnan(var.values[s]);
             if (!(plain.values[s] > 1 && var.values[s] <= 1))

@@ -35,8 +35,7 @@ double bb_found_tree(const bb_findings *f, const char *scene, const char *builde
 
 double bb_found_sah(const bb_findings *f, const char *scene, const char *builder)
 {
-    const bb_metric *sah = bb_metrics[bb_metric_find("sah")];
-    return bb_get_metric(bb_found_build(f, scene, builder), sah);
+    return bb_get_metric(bb_found_build(f, scene, builder), &bb_metric_sah);
 }
 
 double bb_found_build_ms(const bb_findings *f, const char *scene, const char *builder)
@@ -238,12 +237,12 @@ double bb_mean(const double *values, size_t count)
     return known > 0 ? total / (double)known : (double)NAN;
 }
 
-double bb_figures_mean(const bb_figures *s)
+double bb_figures_mean(const bb_paper_figures *s)
 {
     return bb_mean(s->values, s->f->scene_count);
 }
 
-double bb_figures_least(const bb_figures *s)
+double bb_figures_least(const bb_paper_figures *s)
 {
     double low = NAN;
     for (size_t i = 0; i < s->f->scene_count; i++)
@@ -251,7 +250,7 @@ double bb_figures_least(const bb_figures *s)
     return low;
 }
 
-double bb_figures_most(const bb_figures *s)
+double bb_figures_most(const bb_paper_figures *s)
 {
     double high = NAN;
     for (size_t i = 0; i < s->f->scene_count; i++)
@@ -260,7 +259,7 @@ double bb_figures_most(const bb_figures *s)
 }
 
 /* The first scene with this figure. */
-static const char *scene_with(const bb_figures *s, double value)
+static const char *scene_with(const bb_paper_figures *s, double value)
 {
     for (size_t i = 0; i < s->f->scene_count; i++)
         if (s->values[i] == value)
@@ -268,7 +267,7 @@ static const char *scene_with(const bb_figures *s, double value)
     return "none";
 }
 
-void bb_say_range(bb_words *words, const char *what, const bb_figures *s)
+void bb_say_range(bb_words *words, const char *what, const bb_paper_figures *s)
 {
     double low = bb_figures_least(s), high = bb_figures_most(s);
     bb_say(words, "%s%s ", words->length > 0 ? "; " : "", what);

@@ -36,7 +36,7 @@ static double tests_ratio(const bb_findings *f, const char *scene, pair p, bb_fi
 
 /* The ratios of all scenes. */
 typedef struct ratios {
-    bb_figures medians;
+    bb_paper_figures medians;
     bb_estimate each[BB_FIGURES_MAX];
     bb_estimate mean; /* taken in each round */
 } ratios;
@@ -55,21 +55,21 @@ static ratios ratios_of(const bb_findings *f, pair p, bb_times what)
 }
 
 /* On all scenes, or on most of them: is the ratio above, or below, the bound? */
-typedef bb_verdict side_fn(bb_estimate e, double bound);
-typedef bb_verdict share_fn(const bb_verdict *each, size_t count);
+typedef bb_claim_verdict side_fn(bb_estimate e, double bound);
+typedef bb_claim_verdict share_fn(const bb_claim_verdict *each, size_t count);
 
-static bb_verdict of_scenes(share_fn *share, const ratios *all, side_fn *side, double bound)
+static bb_claim_verdict of_scenes(share_fn *share, const ratios *all, side_fn *side, double bound)
 {
-    bb_verdict each[BB_FIGURES_MAX];
+    bb_claim_verdict each[BB_FIGURES_MAX];
     size_t count = all->medians.f->scene_count;
     for (size_t s = 0; s < count; s++)
         each[s] = side(all->each[s], bound);
     return share(each, count);
 }
 
-static bb_verdict both(bb_verdict a, bb_verdict b)
+static bb_claim_verdict both(bb_claim_verdict a, bb_claim_verdict b)
 {
-    return bb_all((const bb_verdict[]){a, b}, 2);
+    return bb_all((const bb_claim_verdict[]){a, b}, 2);
 }
 
 /* "build 0.83 on average, 0.56 (city) to 1.02 (hairball), round by round 0.83 [95 %: ...]"
@@ -102,7 +102,7 @@ static void say_frame(const bb_findings *f, const char *scene, pair p, bb_words 
 static void claim_shortest(const bb_findings *f, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_FIGURES_MAX];
+    bb_claim_verdict each[BB_FIGURES_MAX];
     for (size_t s = 0; s < f->scene_count; s++) {
         const char *scene = f->scenes[s], *best = best_lobvh(f, scene);
         pair to_lbvh = {best, STACKLESS, LBVH30, STACK},
@@ -127,9 +127,9 @@ static void claim_seventh_level(const bb_findings *f, bb_reproduction *r)
     const pair p = {LOBVH7, STACKLESS, LOBVH6, STACKLESS};
     ratios build = ratios_of(f, p, BB_BUILD_TIME), trace = ratios_of(f, p, BB_TRACE_TIME);
     bb_words ours = {0}, why = {0};
-    bb_verdict similar =
+    bb_claim_verdict similar =
         both(of_scenes(bb_all, &trace, bb_above, 0.85), of_scenes(bb_all, &trace, bb_below, 1.15));
-    bb_verdict verdict = both(of_scenes(bb_all, &build, bb_above, 1.1), similar);
+    bb_claim_verdict verdict = both(of_scenes(bb_all, &build, bb_above, 1.1), similar);
     say_ratios(&ours, "build", &build);
     say_ratios(&ours, "trace", &trace);
     for (size_t s = 0; s < f->scene_count && verdict != BB_HELD; s++)
@@ -181,7 +181,7 @@ static void claim_llbvh_frame(const bb_findings *f, bb_reproduction *r)
 {
     ratios frame = ratios_of(f, llbvh_to_lbvh, BB_FRAME_TIME);
     bb_words ours = {0}, why = {0};
-    bb_verdict verdict = of_scenes(bb_all, &frame, bb_above, 1);
+    bb_claim_verdict verdict = of_scenes(bb_all, &frame, bb_above, 1);
     say_ratios(&ours, "build + trace", &frame);
     for (size_t s = 0; s < f->scene_count && verdict != BB_HELD; s++)
         say_frame(f, f->scenes[s], llbvh_to_lbvh, &why);
@@ -215,7 +215,7 @@ static void claim_memory(const bb_findings *f, bb_reproduction *r, const char *b
 {
     bb_words ours = {0}, why = {0};
     uint32_t smaller = 0, known = 0;
-    bb_figures s = {.f = f};
+    bb_paper_figures s = {.f = f};
     for (size_t i = 0; i < f->scene_count; i++) {
         const char *scene = f->scenes[i];
         s.values[i] = bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) /
@@ -248,7 +248,7 @@ static void claim_llbvh_build(const bb_findings *f, bb_reproduction *r)
              "On triangles LLBVH's build is often slower than LBVH's (4.2)", "often", &ours, &why);
     ours = (bb_words){0};
     say_ratios(&ours, "trace time to LBVH's", &trace);
-    bb_verdict verdict = bb_above(trace.mean, 0.95);
+    bb_claim_verdict verdict = bb_above(trace.mean, 0.95);
     for (size_t s = 0; s < f->scene_count && verdict != BB_HELD; s++)
         if (trace.medians.values[s] < 1)
             say_frame(f, f->scenes[s], llbvh_to_lbvh, &why);
@@ -264,7 +264,7 @@ static void claim_lobvh_frame(const bb_findings *f, bb_reproduction *r, bool hai
                               const char *claim, const char *paper)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[BB_FIGURES_MAX];
+    bb_claim_verdict each[BB_FIGURES_MAX];
     size_t count = 0;
     for (size_t s = 0; s < f->scene_count; s++) {
         const char *scene = f->scenes[s];
@@ -287,7 +287,8 @@ static void claim_eighth_level(const bb_findings *f, bb_reproduction *r)
     const pair p = {LOBVH8, STACKLESS, LOBVH7, STACKLESS};
     ratios build = ratios_of(f, p, BB_BUILD_TIME), trace = ratios_of(f, p, BB_TRACE_TIME);
     bb_words ours = {0}, why = {0};
-    bb_verdict verdict = both(of_scenes(bb_most, &trace, bb_below, 1), bb_above(build.mean, 1.5));
+    bb_claim_verdict verdict =
+        both(of_scenes(bb_most, &trace, bb_below, 1), bb_above(build.mean, 1.5));
     say_ratios(&ours, "trace", &trace);
     say_ratios(&ours, "build", &build);
     for (size_t s = 0; s < f->scene_count && verdict != BB_HELD; s++)
@@ -326,7 +327,7 @@ static void claim_smallest(const bb_findings *f, bb_reproduction *r)
     static const char *const others[] = {LARGEST, MEAN, VOLUME};
     static const char *const words[] = {"largest side", "mean side", "root of the volume"};
     bb_words ours = {0}, why = {0};
-    bb_verdict each[3];
+    bb_claim_verdict each[3];
     bb_say(&ours, "mean trace time with another size, to that with the smallest side: ");
     for (int i = 0; i < 3; i++) {
         pair p = {others[i], STACK, SMALLEST, STACK};
@@ -351,7 +352,7 @@ static void claim_size_bits(const bb_findings *f, bb_reproduction *r)
     ratios frame = ratios_of(f, p, BB_FRAME_TIME);
     bb_words ours = {0}, why = {0};
     say_ratios(&ours, "build + trace, with them to without", &frame);
-    bb_verdict verdict = bb_above(frame.mean, 0.99);
+    bb_claim_verdict verdict = bb_above(frame.mean, 0.99);
     for (size_t s = 0; s < f->scene_count && verdict != BB_HELD; s++)
         if (frame.medians.values[s] < 1)
             say_frame(f, f->scenes[s], p, &why);

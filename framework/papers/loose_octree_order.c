@@ -46,7 +46,7 @@ static void claim_order(const bb_findings *f, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
     factors all = factors_of(f, LOBVH_VIEWLESS, STACKLESS);
-    bb_verdict verdict = bb_above(all.mean, 5);
+    bb_claim_verdict verdict = bb_above(all.mean, 5);
     say_factors(&ours, "LOBVH", &all);
     for (int i = 0; i < 2; i++) {
         factors other = factors_of(f, ordered[i], STACKLESS);
@@ -92,7 +92,7 @@ static double stack_tests_change(const bb_findings *f, const char *builder)
 static void claim_order_with_stack(const bb_findings *f, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[2];
+    bb_claim_verdict each[2];
     uint32_t apart = 0, count = 0;
     for (int i = 0; i < 2; i++) {
         factors all = factors_of(f, ordered[i], STACK);
@@ -103,7 +103,7 @@ static void claim_order_with_stack(const bb_findings *f, bb_reproduction *r)
         bb_say(&why, "%s%s: box tests per ray change by %.1f %% at most", i > 0 ? "; " : "",
                ordered[i], 100 * stack_tests_change(f, ordered[i]));
     }
-    bb_verdict verdict = bb_all(each, 2);
+    bb_claim_verdict verdict = bb_all(each, 2);
     bb_say(&ours, "; of %u scenes and views, %u are surely outside of 0.95 to 1.05", count, apart);
     if (verdict == BB_NOT_HELD)
         bb_say(&why,

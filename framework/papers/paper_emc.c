@@ -233,21 +233,21 @@ static void add_ingredients(const bb_findings *all, bb_reproduction *r)
     columns[count++] = "average";
     columns[count++] = "paper";
     for (size_t i = 0; i < INGREDIENT_COUNT; i++) {
-        bb_figures s = bb_emc_costs(all, ingredients[i].builder, EMC_MC64);
+        bb_paper_figures s = bb_emc_costs(all, ingredients[i].builder, EMC_MC64);
         if (strcmp(ingredients[i].builder, EMC_SWEEP) != 0 && bb_figures_mean(&s) < best_mean) {
             best_mean = bb_figures_mean(&s);
             best = i;
         }
     }
     bb_words title = {0};
-    bb_figures var = bb_emc_costs(all, EMC_VAR64, EMC_MC64);
+    bb_paper_figures var = bb_emc_costs(all, EMC_VAR64, EMC_MC64);
     bb_say(&title,
            "Influence of each ingredient (section 5.3, and beyond): cost as a ratio to MC-64. Best "
            "code on average: %s, %.3f; EMC-64-var: %.3f",
            ingredients[best].builder, best_mean, bb_figures_mean(&var));
     bb_table(r, title.text, columns);
     for (size_t i = 0; i < INGREDIENT_COUNT; i++) {
-        bb_figures s = bb_emc_costs(all, ingredients[i].builder, EMC_MC64);
+        bb_paper_figures s = bb_emc_costs(all, ingredients[i].builder, EMC_MC64);
         bb_row(r);
         bb_table_text(r, ingredients[i].what);
         for (size_t k = 0; k + 3 < count; k++)
@@ -267,7 +267,7 @@ static void add_build_ratio(bb_reproduction *r, const char *scene, int pair, bb_
     bb_table_number(r, e.low, 3);
     bb_table_number(r, e.high, 3);
     bb_table_number(r, bb_emc_build_target, 2);
-    bb_verdict within = bb_below(e, bb_emc_build_target);
+    bb_claim_verdict within = bb_below(e, bb_emc_build_target);
     bb_table_text(r, within == BB_HELD       ? "yes"
                      : within == BB_NOT_HELD ? "no"
                                              : bb_verdict_words(within));

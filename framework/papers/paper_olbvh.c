@@ -328,7 +328,7 @@ static void add_task(const measured *m, int task, const char *const *paper, bb_r
 static void claim_memory(const measured *m, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict less[MESHES_MAX], falls[MESHES_MAX];
+    bb_claim_verdict less[MESHES_MAX], falls[MESHES_MAX];
     for (uint32_t i = 0; i < m->count; i++) {
         const double ratio[ALPHAS] = {bytes_ratio(&m->meshes[i], 0), bytes_ratio(&m->meshes[i], 1),
                                       bytes_ratio(&m->meshes[i], 2)};
@@ -352,7 +352,7 @@ static void claim_memory(const measured *m, bb_reproduction *r)
 static void claim_builds(const measured *m, bb_reproduction *r)
 {
     bb_words slower = {0}, faster = {0}, why = {0};
-    bb_verdict above[MESHES_MAX], below[2 * MESHES_MAX];
+    bb_claim_verdict above[MESHES_MAX], below[2 * MESHES_MAX];
     for (uint32_t i = 0; i < m->count; i++) {
         above[i] = bb_above(build_ratio(&m->meshes[i], 0), 1);
         bb_say(&slower, "%s%s: ", i > 0 ? "; " : "", m->meshes[i].name);
@@ -377,7 +377,7 @@ static void claim_task(const measured *m, int task, int alpha, double bound, con
                        const char *paper, const char *reason, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[MESHES_MAX];
+    bb_claim_verdict each[MESHES_MAX];
     for (uint32_t i = 0; i < m->count; i++) {
         const bb_estimate e = speedup(&m->meshes[i], task, alpha);
         each[i] = bb_above(e, bound);

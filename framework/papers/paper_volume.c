@@ -200,7 +200,7 @@ static bb_estimate estimate_of(const bb_samples *samples, const bb_samples *over
 static void claim_voting(const measured *m, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[SIZES_MAX];
+    bb_claim_verdict each[SIZES_MAX];
     bb_samples before = {.count = 0};
     for (uint32_t i = 0; i < m->count; i++) {
         const bb_samples shares = vote_shares(way_of(&m->results[i]));
@@ -223,7 +223,7 @@ static void claim_voting(const measured *m, bb_reproduction *r)
 static void claim_linear(const measured *m, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict verdict = BB_NOT_TESTED;
+    bb_claim_verdict verdict = BB_NOT_TESTED;
     if (m->count >= 3) {
         const bb_estimate e =
             estimate_of(&way_of(largest(m))->build, &way_of(&m->results[m->count - 2])->build, 8);
@@ -257,7 +257,7 @@ static void claim_frame(const measured *m, bb_reproduction *r)
 static void claim_gain(const measured *m, bb_reproduction *r)
 {
     bb_words ours = {0}, why = {0};
-    bb_verdict each[SIZES_MAX];
+    bb_claim_verdict each[SIZES_MAX];
     bb_samples before = {.count = 0};
     for (uint32_t i = 0; i < m->count; i++) {
         const bb_samples ratios = picture_ratios(&m->results[i]);

@@ -160,15 +160,15 @@ double bb_mean(const double *values, size_t count);
 
 /* One figure per scene of an experiment. */
 enum { BB_FIGURES_MAX = 128 };
-typedef struct bb_figures {
+typedef struct bb_paper_figures {
     const bb_findings *f;
     double values[BB_FIGURES_MAX];
-} bb_figures;
+} bb_paper_figures;
 
 /* Over those that are no NAN; NAN if none is. */
-double bb_figures_mean(const bb_figures *s);
-double bb_figures_least(const bb_figures *s);
-double bb_figures_most(const bb_figures *s);
+double bb_figures_mean(const bb_paper_figures *s);
+double bb_figures_least(const bb_paper_figures *s);
+double bb_figures_most(const bb_paper_figures *s);
 
 /* ---- for papers: tables and claims ---- */
 
@@ -183,26 +183,26 @@ void bb_table_text(bb_reproduction *r, const char *text);
 void bb_table_number(bb_reproduction *r, double value, int decimals);
 
 /* In rising order of what decides over several that are to hold together. */
-typedef enum bb_verdict {
+typedef enum bb_claim_verdict {
     BB_HELD,
     BB_OPEN,           /* an interval reaches to both sides */
     BB_TOO_FEW_ROUNDS, /* for an interval */
     BB_NOT_TESTED,     /* a figure is missing */
     BB_NOT_HELD,
-} bb_verdict;
+} bb_claim_verdict;
 
 /* For figures without noise: costs, bytes, tests per ray. BB_NOT_TESTED where one is NAN. */
-bb_verdict bb_verdict_of(bool holds, double figure, double other);
+bb_claim_verdict bb_verdict_of(bool holds, double figure, double other);
 /* For times: is the whole interval above, below, between? */
-bb_verdict bb_above(bb_estimate e, double bound);
-bb_verdict bb_below(bb_estimate e, double bound);
-bb_verdict bb_within(bb_estimate e, double least, double most);
+bb_claim_verdict bb_above(bb_estimate e, double bound);
+bb_claim_verdict bb_below(bb_estimate e, double bound);
+bb_claim_verdict bb_within(bb_estimate e, double least, double most);
 /* All together; BB_NOT_TESTED for none. */
-bb_verdict bb_all(const bb_verdict *each, size_t count);
+bb_claim_verdict bb_all(const bb_claim_verdict *each, size_t count);
 /* More than half of those that were tested. */
-bb_verdict bb_most(const bb_verdict *each, size_t count);
+bb_claim_verdict bb_most(const bb_claim_verdict *each, size_t count);
 /* As the record says it: "held", "undecided: too few rounds" ... */
-const char *bb_verdict_words(bb_verdict verdict);
+const char *bb_verdict_words(bb_claim_verdict verdict);
 
 /* A text that grows; what does not fit is left out. A zeroed one is empty. */
 typedef struct bb_words {
@@ -213,7 +213,7 @@ __attribute__((format(printf, 2, 3))) void bb_say(bb_words *words, const char *f
 
 /* "WHAT 0.83 on average, 0.56 (city) to 1.02 (scorpion)", after "; " if there is something before
  * it. */
-void bb_say_range(bb_words *words, const char *what, const bb_figures *s);
+void bb_say_range(bb_words *words, const char *what, const bb_paper_figures *s);
 
 /* "1.20 [95 %: 1.10 to 1.30]", with the range, or without brackets, where there is no interval. */
 void bb_say_estimate(bb_words *words, bb_estimate e);
@@ -221,7 +221,7 @@ void bb_say_estimate(bb_words *words, bb_estimate e);
 /* Adds a claim: the paper's statement, shortened, with any threshold that `verdict` rests on; the
  * paper's figures ("" for none), ours, and figures of the same run that say why ("": none). The
  * record has the verdict as held, not held, or undecided with the reason. */
-void bb_claim(bb_reproduction *r, bb_verdict verdict, const char *claim, const char *paper,
+void bb_claim(bb_reproduction *r, bb_claim_verdict verdict, const char *claim, const char *paper,
               const bb_words *ours, const bb_words *why);
 
 #endif

@@ -80,7 +80,7 @@ void bb_say_estimate(bb_words *words, bb_estimate e)
         bb_say(words, "%.3f", e.value);
 }
 
-void bb_claim(bb_reproduction *r, bb_verdict verdict, const char *claim, const char *paper,
+void bb_claim(bb_reproduction *r, bb_claim_verdict verdict, const char *claim, const char *paper,
               const bb_words *ours, const bb_words *why)
 {
     cJSON *entry = cJSON_CreateObject();

@@ -5,13 +5,13 @@
 
 #include <math.h>
 
-bb_verdict bb_verdict_of(bool holds, double figure, double other)
+bb_claim_verdict bb_verdict_of(bool holds, double figure, double other)
 {
     return isnan(figure) || isnan(other) ? BB_NOT_TESTED : holds ? BB_HELD : BB_NOT_HELD;
 }
 
 /* `held` and `failed`: what the ends of the interval say, if there is one. */
-static bb_verdict by_interval(bb_estimate e, bool held, bool failed)
+static bb_claim_verdict by_interval(bb_estimate e, bool held, bool failed)
 {
     return isnan(e.value)                  ? BB_NOT_TESTED
            : isnan(e.low) || isnan(e.high) ? BB_TOO_FEW_ROUNDS
@@ -20,30 +20,30 @@ static bb_verdict by_interval(bb_estimate e, bool held, bool failed)
                                            : BB_OPEN;
 }
 
-bb_verdict bb_above(bb_estimate e, double bound)
+bb_claim_verdict bb_above(bb_estimate e, double bound)
 {
     return by_interval(e, e.low > bound, e.high <= bound);
 }
 
-bb_verdict bb_below(bb_estimate e, double bound)
+bb_claim_verdict bb_below(bb_estimate e, double bound)
 {
     return by_interval(e, e.high < bound, e.low >= bound);
 }
 
-bb_verdict bb_within(bb_estimate e, double least, double most)
+bb_claim_verdict bb_within(bb_estimate e, double least, double most)
 {
     return by_interval(e, e.low > least && e.high < most, e.high <= least || e.low >= most);
 }
 
-bb_verdict bb_all(const bb_verdict *each, size_t count)
+bb_claim_verdict bb_all(const bb_claim_verdict *each, size_t count)
 {
-    bb_verdict worst = count > 0 ? BB_HELD : BB_NOT_TESTED;
+    bb_claim_verdict worst = count > 0 ? BB_HELD : BB_NOT_TESTED;
     for (size_t i = 0; i < count; i++)
         worst = each[i] > worst ? each[i] : worst;
     return worst;
 }
 
-bb_verdict bb_most(const bb_verdict *each, size_t count)
+bb_claim_verdict bb_most(const bb_claim_verdict *each, size_t count)
 {
     size_t counts[BB_NOT_HELD + 1] = {0};
     for (size_t i = 0; i < count; i++)
@@ -56,7 +56,7 @@ bb_verdict bb_most(const bb_verdict *each, size_t count)
                                               : BB_OPEN;
 }
 
-const char *bb_verdict_words(bb_verdict verdict)
+const char *bb_verdict_words(bb_claim_verdict verdict)
 {
     static const char *const words[] = {
         [BB_HELD] = "held",

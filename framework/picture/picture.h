@@ -24,17 +24,17 @@ void bb_values_depth(const bb_rays *rays, const bb_hit *hits, float miss, float 
 void bb_values_tests(const bb_rays *rays, const bb_count *counts, float *y);
 
 /* What a picture of tests per ray shows. */
-typedef struct bb_heat {
+typedef struct bb_heat_map {
     double boxes, prims; /* tests per ray, means */
     double most;         /* boxes and primitives together, of one ray */
     double top; /* upper end of the colours; more than 99.9 % of the rays are not above it */
-} bb_heat;
+} bb_heat_map;
 
 /* Box and primitive tests of each ray on bb_colour_map(), from 0 to heat->top; a labelled colour
  * bar on the right, the means below. The rays' picture is the upper left of the canvas, which must
  * be zeroed; bb_canvas_free() frees it. */
 bb_status bb_picture_heat(const bb_rays *rays, const bb_count *counts, bb_canvas *canvas,
-                          bb_heat *heat);
+                          bb_heat_map *heat);
 
 /* Classes (bb_class) over the scene in faint grey: missed dark red, false amber, wrong t violet,
  * ties light blue; what is wrong is drawn with its neighbours so that a single ray can be seen. A

@@ -19,12 +19,12 @@ static int compare_tests(const void *a, const void *b)
 }
 
 /* The few rays that take far more tests than the rest shall not make the rest look all the same. */
-static bb_status find_scale(const bb_count *counts, uint32_t count, bb_heat *heat)
+static bb_status find_scale(const bb_count *counts, uint32_t count, bb_heat_map *heat)
 {
     uint64_t *tests = malloc(count * sizeof *tests);
     if (tests == NULL)
         return bb_fail(BB_FAILED, "out of memory");
-    *heat = (bb_heat){0};
+    *heat = (bb_heat_map){0};
     for (uint32_t i = 0; i < count; i++) {
         tests[i] = (uint64_t)counts[i].nodes + counts[i].prims;
         heat->boxes += counts[i].nodes;
@@ -58,7 +58,7 @@ typedef struct bar {
     char top[24]; /* the upper end's label: a + says that colours end there, not the tests */
 } bar;
 
-static bar place_bar(const bb_rays *rays, const bb_heat *heat)
+static bar place_bar(const bb_rays *rays, const bb_heat_map *heat)
 {
     uint32_t scale = bb_text_scale(rays->width, rays->height);
     uint32_t margin = bb_text_height(scale);
@@ -78,7 +78,7 @@ static void draw_label(bb_canvas *canvas, const bar *b, double share, const char
                    text);
 }
 
-static void draw_bar(bb_canvas *canvas, const bar *b, const bb_heat *heat)
+static void draw_bar(bb_canvas *canvas, const bar *b, const bb_heat_map *heat)
 {
     for (uint32_t row = 0; row < b->height; row++) {
         float rgb[3];
@@ -107,7 +107,7 @@ static void draw_rays(bb_canvas *canvas, const bb_rays *rays, const bb_count *co
 }
 
 bb_status bb_picture_heat(const bb_rays *rays, const bb_count *counts, bb_canvas *canvas,
-                          bb_heat *heat)
+                          bb_heat_map *heat)
 {
     BB_TRY(find_scale(counts, rays->count, heat));
     bar b = place_bar(rays, heat);

@@ -98,6 +98,14 @@ const cJSON *bb_results_section(const bb_results *results, const char *name)
     return cJSON_GetObjectItemCaseSensitive(results->root, name);
 }
 
+bool bb_device_is_like(const char *device, const char *type, const char *other,
+                       const char *other_type)
+{
+    const bool processors =
+        strcmp(type, BB_DEVICE_CPU) == 0 && strcmp(other_type, BB_DEVICE_CPU) == 0;
+    return processors || strcmp(device, other) == 0;
+}
+
 const char *bb_results_reference(const bb_results *results)
 {
     const cJSON *trace;

@@ -137,6 +137,11 @@ typedef struct bb_results bb_results;
 #define BB_DEVICE_CPU "CPU"
 #define BB_DEVICE_OTHER "GPU" /* whatever is no CPU */
 
+/* Whether figures of two devices, by name and type, may stand side by side: of one device, or of
+ * processors. */
+bool bb_device_is_like(const char *device, const char *type, const char *other,
+                       const char *other_type);
+
 /* What ratios to reference rows are to: "Embree"; "Embree on the CPU" where the run's device is
  * another. */
 const char *bb_results_reference(const bb_results *results);

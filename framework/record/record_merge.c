@@ -29,6 +29,24 @@ static bb_status check_scenes(const bb_results *a, const bb_results *b)
     return BB_OK;
 }
 
+/* Nor may figures of one device stand in a ranking of another's. What an outside tracer answered
+ * has no device of ours. */
+static bb_status check_devices(const bb_results *a, const bb_results *b)
+{
+    const cJSON *one = bb_results_section(a, "context"), *other = bb_results_section(b, "context");
+    const char *device = bb_get_text(one, BB_F_CONTEXT_DEVICE);
+    const char *another = bb_get_text(other, BB_F_CONTEXT_DEVICE);
+    return device[0] == '\0' || another[0] == '\0' ||
+                   bb_device_is_like(device, bb_get_text(one, BB_F_CONTEXT_DEVICE_TYPE), another,
+                                     bb_get_text(other, BB_F_CONTEXT_DEVICE_TYPE))
+               ? BB_OK
+               : bb_fail(
+                     BB_INVALID,
+                     "the second result file was measured on %s, the first on %s: make separate "
+                     "reports",
+                     another, device);
+}
+
 /* A copy of `item` at the end of `array`; NULL if there is no memory. */
 static cJSON *copy_to(cJSON *array, const cJSON *item)
 {
@@ -117,6 +135,7 @@ static bb_status add_times(bb_results *a, const bb_results *b)
 
 bb_status bb_results_merge(bb_results *a, const bb_results *b)
 {
+    BB_TRY(check_devices(a, b));
     BB_TRY(check_scenes(a, b));
     bb_results_clear_predictions(a);
     double first_id = bb_results_next_build(a), first_run = 1;

@@ -173,7 +173,7 @@ static void print_gaps(const page *p, const bb_comparison_result *r)
 
 /* ---- what moved ---- */
 
-static void print_row(const page *p, const bb_move *m)
+static void print_row(const page *p, const bb_change *m)
 {
     char texts[2][40], ratio[16] = "-", interval[40] = "";
     figures(m->from, m->to, texts);
@@ -203,7 +203,7 @@ static void print_row(const page *p, const bb_move *m)
     fputs(p->github ? " |\n" : "\n", p->out);
 }
 
-static uint32_t count_of(const bb_comparison_result *r, bb_verdict verdict)
+static uint32_t count_of(const bb_comparison_result *r, bb_change_verdict verdict)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < r->move_count; i++)
@@ -211,7 +211,7 @@ static uint32_t count_of(const bb_comparison_result *r, bb_verdict verdict)
     return count;
 }
 
-static void print_moves(const page *p, const bb_comparison_result *r, bb_verdict verdict,
+static void print_moves(const page *p, const bb_comparison_result *r, bb_change_verdict verdict,
                         const char *title)
 {
     uint32_t count = count_of(r, verdict), shown = 0;

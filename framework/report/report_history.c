@@ -42,7 +42,7 @@ static cJSON *add_object(cJSON *list)
 static const char *const verdicts[] = {
     [BB_WORSE] = "worse", [BB_BETTER] = "better", [BB_CHANGED] = "changed"};
 
-static bool add_move(cJSON *list, uint32_t at, const bb_move *move)
+static bool add_move(cJSON *list, uint32_t at, const bb_change *move)
 {
     cJSON *object = add_object(list);
     return object != NULL && add_number(object, "at", at) &&

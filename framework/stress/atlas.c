@@ -54,7 +54,7 @@ static void write_lines(FILE *out, const char *text, int indent)
     fputc('\n', out);
 }
 
-static void item_of(const bb_threshold *t, const char *name, const bb_figures *f, bool wrong,
+static void item_of(const bb_threshold *t, const char *name, const bb_point_figures *f, bool wrong,
                     char *out, size_t capacity)
 {
     char from[48], much[48] = "";
@@ -193,11 +193,11 @@ static void print_axis(const bb_stress *s, const bb_stress_axis *a, FILE *out)
 bb_status bb_atlas_print(const bb_stress *s, FILE *out)
 {
     fprintf(out,
-            "Where %u methods fail on %u axes: %u points in %.0f s%s%s\n"
+            "%s\nWhere %u methods fail on %u axes: %u points in %.0f s%s%s\n"
             "slower, bigger: than twice their own at the beginning of the axis; wrong: the first "
             "wrong answer\nof up to %u rays a set\n",
-            s->request->method_count, s->axis_count, s->measured + s->taken_over, s->ms / 1e3,
-            s->taken_over > 0 ? ", some of an earlier run" : "",
+            s->device, s->request->method_count, s->axis_count, s->measured + s->taken_over,
+            s->ms / 1e3, s->taken_over > 0 ? ", some of an earlier run" : "",
             s->request->quick ? " (--quick: few values, small scenes, times not judged)" : "",
             s->max_rays);
     for (uint32_t i = 0; i < s->axis_count; i++)
@@ -229,7 +229,7 @@ static bool put_values(cJSON *axis, const bb_stress *s, const bb_search *search)
         ok = cJSON_AddItemToArray(values, value) && bb_put_number(value, "x", search->probes[i].x);
         cJSON *methods = cJSON_AddArrayToObject(value, "methods");
         for (uint32_t m = 0; m < s->request->method_count && ok; m++) {
-            const bb_figures *f = &search->probes[i].figures[m];
+            const bb_point_figures *f = &search->probes[i].figures[m];
             ok = cJSON_AddItemToArray(methods, f->outcome == BB_NOT_MEASURED ? cJSON_CreateNull()
                                                                              : bb_figures_json(f));
         }

@@ -20,6 +20,7 @@
 enum {
     DONE = 1,
     GAVE_UP = 2,
+    STOPPED = 3,
     LOOK_MS = 10,         /* between looks at the child */
     FILE_BYTES = 1 << 28, /* that the child may write into one file */
 };
@@ -27,7 +28,8 @@ enum {
 /* Shared by parent and child. NULL: there is no child. */
 static struct page {
     atomic_uint pieces; /* of work that were done */
-    atomic_uint ended;  /* work() returned: DONE or GAVE_UP; what a library exits with is neither */
+    atomic_uint
+        ended; /* work() returned: DONE, GAVE_UP or STOPPED; what a library exits with is neither */
 } * page;
 
 void bb_child_alive(void)
@@ -67,7 +69,8 @@ static void be_child(int (*work)(void *user), void *user, int out, pid_t parent)
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
     setvbuf(stdout, NULL, _IOLBF, 0); /* nobody flushes it when the child ends */
-    atomic_store(&page->ended, work(user) == 0 ? DONE : GAVE_UP);
+    const int returned = work(user);
+    atomic_store(&page->ended, returned == 0 ? DONE : returned == BB_STOP_ALL ? STOPPED : GAVE_UP);
     _exit(0);
 }
 
@@ -135,6 +138,9 @@ static void name_end(const bb_child_limits *limits, int status, unsigned ended,
     } else if (ended == GAVE_UP) {
         report->end = BB_CHILD_GAVE_UP;
         snprintf(words, capacity, "gave up");
+    } else if (ended == STOPPED) {
+        report->end = BB_CHILD_STOPPED;
+        snprintf(words, capacity, "stopped");
     } else if (ended != DONE) {
         report->end = BB_CHILD_CRASHED;
         snprintf(words, capacity, "ended by exit(%d)", WEXITSTATUS(status));

@@ -15,11 +15,14 @@ typedef struct bb_child_limits {
 typedef enum bb_child_end {
     BB_CHILD_DONE,        /* `work` returned 0 */
     BB_CHILD_GAVE_UP,     /* it returned something else */
+    BB_CHILD_STOPPED,     /* it returned BB_STOP_ALL: no other child would do better */
     BB_CHILD_CRASHED,     /* a signal that nobody here sent, or exit() by a library */
     BB_CHILD_HUNG,        /* killed at the limit of time */
     BB_CHILD_FLOODED,     /* killed at the limit of memory */
     BB_CHILD_INTERRUPTED, /* killed since this process is asked to end (interrupt.h) */
 } bb_child_end;
+
+enum { BB_STOP_ALL = 2 }; /* what `work` may return */
 
 typedef struct bb_child_report {
     bb_child_end end;

@@ -9,22 +9,22 @@ const char *bb_outcome_word(bb_outcome outcome)
     return words[outcome];
 }
 
-bb_figures bb_no_figures(bb_outcome outcome)
+bb_point_figures bb_no_figures(bb_outcome outcome)
 {
-    return (bb_figures){.outcome = outcome,
-                        .prims = NAN,
-                        .build_ms = NAN,
-                        .ray_sets = NAN,
-                        .trace_ms = NAN,
-                        .rays = NAN,
-                        .tests = NAN,
-                        .metric = NAN,
-                        .bytes = NAN,
-                        .wrong = NAN,
-                        .checked = NAN,
-                        .unlike = NAN,
-                        .overflowed = NAN,
-                        .rebuilt = NAN};
+    return (bb_point_figures){.outcome = outcome,
+                              .prims = NAN,
+                              .build_ms = NAN,
+                              .ray_sets = NAN,
+                              .trace_ms = NAN,
+                              .rays = NAN,
+                              .tests = NAN,
+                              .metric = NAN,
+                              .bytes = NAN,
+                              .wrong = NAN,
+                              .checked = NAN,
+                              .unlike = NAN,
+                              .overflowed = NAN,
+                              .rebuilt = NAN};
 }
 
 const bb_manner_about bb_manners[BB_MANNERS] = {
@@ -48,7 +48,8 @@ static double over(double here, double normal)
     return normal > 0 ? here / normal : (double)NAN;
 }
 
-double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figures *here)
+double bb_manner_ratio(bb_manner manner, const bb_point_figures *normal,
+                       const bb_point_figures *here)
 {
     if (normal->outcome != BB_MEASURED || here->outcome != BB_MEASURED)
         return NAN;
@@ -71,7 +72,7 @@ double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figu
     }
 }
 
-bool bb_manner_shows(bb_manner manner, const bb_figures *normal, const bb_figures *here)
+bool bb_manner_shows(bb_manner manner, const bb_point_figures *normal, const bb_point_figures *here)
 {
     if (bb_manners[manner].relative)
         return bb_manner_ratio(manner, normal, here) > BB_STRESS_FACTOR;

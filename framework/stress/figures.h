@@ -1,6 +1,6 @@
 /* What is measured of a method at one value of an axis, and the manners in which it fails. */
-#ifndef BB_FIGURES_H
-#define BB_FIGURES_H
+#ifndef BB_STRESS_FIGURES_H
+#define BB_STRESS_FIGURES_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -22,7 +22,7 @@ const char *bb_outcome_word(bb_outcome outcome);
 
 /* NAN: not measured. Times are the least of the rounds, which noise can only lengthen. If some of
  * the ray sets were refused, the outcome says so, and the figures are those of the others. */
-typedef struct bb_figures {
+typedef struct bb_point_figures {
     bb_outcome outcome;
     char reason[256]; /* of all but BB_MEASURED */
     double prims;     /* of the scene */
@@ -36,7 +36,7 @@ typedef struct bb_figures {
     double unlike;         /* answers unlike those of another cell that must be as exact */
     double overflowed;     /* counted rays that needed more stack than there is */
     double rebuilt;        /* of moving scenes: share of frames in which the tree was built again */
-} bb_figures;
+} bb_point_figures;
 
 /* Manners of failing. Those that are told by a comparison take the method's own figures where all
  * is normal; those by times are not the same in every run. */
@@ -69,13 +69,15 @@ extern const bb_manner_about bb_manners[BB_MANNERS];
 #define BB_STRESS_FACTOR 2.0
 
 /* Nothing of it was measured. */
-bb_figures bb_no_figures(bb_outcome outcome);
+bb_point_figures bb_no_figures(bb_outcome outcome);
 
 /* How many times the normal figure this one is, of a manner that compares; NAN if either was not
  * measured, or not of the same ray sets. Infinite for a tree that is normally never built again. */
-double bb_manner_ratio(bb_manner manner, const bb_figures *normal, const bb_figures *here);
+double bb_manner_ratio(bb_manner manner, const bb_point_figures *normal,
+                       const bb_point_figures *here);
 
 /* Whether it fails in that manner. */
-bool bb_manner_shows(bb_manner manner, const bb_figures *normal, const bb_figures *here);
+bool bb_manner_shows(bb_manner manner, const bb_point_figures *normal,
+                     const bb_point_figures *here);
 
 #endif

@@ -48,7 +48,7 @@ static void set_all(const bb_point_work *work, bb_outcome outcome, const char *w
 {
     for (uint32_t i = 0; i < work->count; i++)
         for (uint32_t m = 0; m < work->points->method_count; m++) {
-            bb_figures *f = &work->wishes[i].figures[m];
+            bb_point_figures *f = &work->wishes[i].figures[m];
             if (!work->wishes[i].wanted[m])
                 continue;
             *f = bb_no_figures(outcome);
@@ -83,6 +83,9 @@ static bb_status run_once(bb_point_work *work, char path[1200], bool *died)
     BB_TRY(bb_child_run(bb_point_child, work, &p->limits, &report));
     if (report.end == BB_CHILD_INTERRUPTED)
         return BB_OK;
+    if (report.end == BB_CHILD_STOPPED)
+        return bb_fail(BB_FAILED, "%s; what was measured before is kept: the same command goes on",
+                       report.said);
     if (report.end == BB_CHILD_DONE && bb_point_read(work) == BB_OK) {
         p->measured += work->count;
         return BB_OK;
@@ -172,10 +175,14 @@ int bb_point_child(void *user)
         bb_child_alive();
         (p->axis->frames > 0 ? bb_point_frames : bb_point_bench)(p, device, &work->wishes[i]);
     }
-    if (status == BB_OK)
+    /* a device that is lost says nothing of the methods */
+    const bool lost = status == BB_OK && bb_device_check(device) != BB_OK;
+    if (status == BB_OK && !lost)
         status = bb_point_write(work, device);
-    if (status != BB_OK)
+    if (lost)
+        fprintf(stderr, "%s\n", bb_message());
+    else if (status != BB_OK)
         fprintf(stderr, "bvhbench: %s\n", bb_message());
     /* the device is left to the end of the process: closing it is not what is measured */
-    return status == BB_OK ? 0 : 1;
+    return lost ? BB_STOP_ALL : status == BB_OK ? 0 : 1;
 }

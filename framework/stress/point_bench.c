@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void bb_point_end(bb_figures *f, bb_outcome outcome, const char *reason)
+void bb_point_end(bb_point_figures *f, bb_outcome outcome, const char *reason)
 {
     f->outcome = outcome;
     snprintf(f->reason, sizeof f->reason, "%s", reason);
@@ -38,7 +38,7 @@ static double or_zero(double value)
     return isfinite(value) ? value : 0;
 }
 
-static void add_trace(bb_figures *f, const cJSON *trace, double *tests)
+static void add_trace(bb_point_figures *f, const cJSON *trace, double *tests)
 {
     double rays = bb_get_number(trace, BB_F_TRACE_COUNT);
     f->trace_ms = or_zero(f->trace_ms) + least(trace, BB_F_TRACE_MS);
@@ -66,7 +66,7 @@ static bool is_row(const cJSON *trace, const row *r)
            bb_bench_fits(r->intersector, bb_get_text(trace, BB_F_TRACE_INTERSECTOR));
 }
 
-static void read_build(const bb_results *results, const char *builder, bb_figures *f)
+static void read_build(const bb_results *results, const char *builder, bb_point_figures *f)
 {
     const cJSON *build, *found = NULL;
     cJSON_ArrayForEach(build, bb_results_section(results, "builds"))
@@ -112,7 +112,7 @@ static uint32_t set_of(const bb_point_request *request, const cJSON *trace)
 }
 
 static void read_traces(const bb_results *results, const bb_point_request *request, const row *r,
-                        bb_figures *f)
+                        bb_point_figures *f)
 {
     double tests = 0;
     uint32_t traces = 0, sets = 0;
@@ -137,7 +137,7 @@ static void read_traces(const bb_results *results, const bb_point_request *reque
 }
 
 static void read_method(const bb_results *results, const bb_point_request *request, uint32_t m,
-                        bb_figures *f)
+                        bb_point_figures *f)
 {
     const bb_method *method = &request->points->methods[m];
     const char *parts[BB_METHOD_PARTS];
@@ -173,7 +173,7 @@ void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish)
     const cJSON *scene = status == BB_OK ? bb_results_section(results, "scenes")->child : NULL;
     snprintf(reason, sizeof reason, "%s", bb_message());
     for (uint32_t m = 0; m < points->method_count; m++) {
-        bb_figures *f = &wish->figures[m];
+        bb_point_figures *f = &wish->figures[m];
         *f = bb_no_figures(BB_NOT_MEASURED);
         if (wish->wanted[m] && status != BB_OK) {
             bb_point_end(f, whole, reason);

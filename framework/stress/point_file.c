@@ -18,23 +18,29 @@ static const struct {
     const char *name;
     size_t offset;
 } numbers[] = {
-    {"prims", offsetof(bb_figures, prims)},       {"build_ms", offsetof(bb_figures, build_ms)},
-    {"ray_sets", offsetof(bb_figures, ray_sets)}, {"trace_ms", offsetof(bb_figures, trace_ms)},
-    {"rays", offsetof(bb_figures, rays)},         {"tests_per_ray", offsetof(bb_figures, tests)},
-    {"metric", offsetof(bb_figures, metric)},     {"bytes", offsetof(bb_figures, bytes)},
-    {"wrong", offsetof(bb_figures, wrong)},       {"checked", offsetof(bb_figures, checked)},
-    {"unlike", offsetof(bb_figures, unlike)},     {"overflowed", offsetof(bb_figures, overflowed)},
-    {"rebuilt", offsetof(bb_figures, rebuilt)},
+    {"prims", offsetof(bb_point_figures, prims)},
+    {"build_ms", offsetof(bb_point_figures, build_ms)},
+    {"ray_sets", offsetof(bb_point_figures, ray_sets)},
+    {"trace_ms", offsetof(bb_point_figures, trace_ms)},
+    {"rays", offsetof(bb_point_figures, rays)},
+    {"tests_per_ray", offsetof(bb_point_figures, tests)},
+    {"metric", offsetof(bb_point_figures, metric)},
+    {"bytes", offsetof(bb_point_figures, bytes)},
+    {"wrong", offsetof(bb_point_figures, wrong)},
+    {"checked", offsetof(bb_point_figures, checked)},
+    {"unlike", offsetof(bb_point_figures, unlike)},
+    {"overflowed", offsetof(bb_point_figures, overflowed)},
+    {"rebuilt", offsetof(bb_point_figures, rebuilt)},
 };
 
 enum { NUMBERS = sizeof numbers / sizeof numbers[0] };
 
-static const double *number_of(const bb_figures *f, size_t i)
+static const double *number_of(const bb_point_figures *f, size_t i)
 {
     return (const double *)(const void *)((const char *)f + numbers[i].offset);
 }
 
-cJSON *bb_figures_json(const bb_figures *f)
+cJSON *bb_figures_json(const bb_point_figures *f)
 {
     cJSON *object = cJSON_CreateObject();
     bool ok = cJSON_AddStringToObject(object, "outcome", bb_outcome_word(f->outcome)) != NULL;
@@ -49,7 +55,7 @@ cJSON *bb_figures_json(const bb_figures *f)
     return NULL;
 }
 
-static bool figures_of(const cJSON *object, bb_figures *f)
+static bool figures_of(const cJSON *object, bb_point_figures *f)
 {
     const char *word = cJSON_GetStringValue(cJSON_GetObjectItem(object, "outcome"));
     const char *reason = cJSON_GetStringValue(cJSON_GetObjectItem(object, "reason"));

@@ -43,7 +43,7 @@ static uint32_t common_sets(const bb_animate_result *result)
 
 /* Of all frames after the first, which is a build for all; answers are counted in the first too. */
 static void read_frames(const bb_animate_result *result, const bb_animate_method *method,
-                        uint32_t kernel, bb_figures *f)
+                        uint32_t kernel, bb_point_figures *f)
 {
     const uint32_t sets = common_sets(result);
     double prims = 0, update = 0, rebuilt = 0, trace = 0, rays = 0, tests = 0;
@@ -70,7 +70,7 @@ static void read_frames(const bb_animate_result *result, const bb_animate_method
     f->tests = rays > 0 && sets == (1u << result->ray_count) - 1u ? tests / rays : NAN;
 }
 
-static void read_answers(const bb_animate_method *method, uint32_t kernel, bb_figures *f)
+static void read_answers(const bb_animate_method *method, uint32_t kernel, bb_point_figures *f)
 {
     f->wrong = f->checked = f->overflowed = 0;
     for (uint32_t i = 0; i < method->done; i++) {
@@ -82,7 +82,7 @@ static void read_answers(const bb_animate_method *method, uint32_t kernel, bb_fi
 }
 
 static void read_method(const bb_animate_result *result, bb_method_part part, uint32_t at,
-                        bb_figures *f)
+                        bb_point_figures *f)
 {
     const bb_animate_method *method = &result->methods[part == BB_A_BUILDER ? at : 0];
     const uint32_t kernel = part == BB_A_KERNEL ? at : 0;
@@ -157,7 +157,7 @@ static void measure_group(const bb_points *points, bb_device *device, bb_wish *w
     char reason[256];
     snprintf(reason, sizeof reason, "%.255s", bb_message());
     for (uint32_t i = 0; i < g->count; i++) {
-        bb_figures *f = &wish->figures[g->methods[i]];
+        bb_point_figures *f = &wish->figures[g->methods[i]];
         if (status == BB_OK)
             read_method(result, g->part, i, f);
         else

@@ -41,7 +41,7 @@ void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish);
 void bb_point_frames(const bb_points *points, bb_device *device, bb_wish *wish);
 
 /* What went wrong, as a verdict on one method. */
-void bb_point_end(bb_figures *figures, bb_outcome outcome, const char *reason);
+void bb_point_end(bb_point_figures *figures, bb_outcome outcome, const char *reason);
 
 /* The file: one object with the figures of each wish and method; `device` may be NULL. */
 bb_status bb_point_write(const bb_point_work *work, const bb_device *device);

@@ -10,7 +10,7 @@
 typedef struct second_look {
     double x;
     bool looked[BB_METHODS_MAX];
-    bb_figures *here, *normal; /* of the methods */
+    bb_point_figures *here, *normal; /* of the methods */
 } second_look;
 
 typedef struct state {
@@ -39,7 +39,7 @@ static bb_status wish_for(state *st, double x, bb_wish **out)
             *out = &st->wishes[i];
             return BB_OK;
         }
-    bb_figures *figures = calloc(s->method_count, sizeof *figures);
+    bb_point_figures *figures = calloc(s->method_count, sizeof *figures);
     if (figures == NULL || st->wish_count == BB_WISHES_MAX) {
         free(figures);
         return bb_fail(BB_FAILED, "axis %s: no room for another value", s->axis->name);
@@ -54,27 +54,27 @@ static bb_status wish_for(state *st, double x, bb_wish **out)
 /* ---- probes ---- */
 
 /* The probe at x, a new one in the order of the axis if there is none. */
-static bb_status probe_at(bb_search *s, double x, bb_probe **out)
+static bb_status probe_at(bb_search *s, double x, bb_search_probe **out)
 {
     const bool down = s->axis->from > s->axis->to;
     uint32_t at = 0;
     while (at < s->probe_count && (down ? s->probes[at].x > x : s->probes[at].x < x))
         at++;
     if (at == s->probe_count || s->probes[at].x != x) {
-        bb_figures *figures = calloc(s->method_count, sizeof *figures);
+        bb_point_figures *figures = calloc(s->method_count, sizeof *figures);
         if (figures == NULL || s->probe_count == BB_PROBES_MAX) {
             free(figures);
             return bb_fail(BB_FAILED, "axis %s: no room for another value", s->axis->name);
         }
         memmove(&s->probes[at + 1], &s->probes[at], (s->probe_count - at) * sizeof *s->probes);
-        s->probes[at] = (bb_probe){x, figures};
+        s->probes[at] = (bb_search_probe){x, figures};
         s->probe_count++;
     }
     *out = &s->probes[at];
     return BB_OK;
 }
 
-const bb_figures *bb_search_figures(const bb_search *s, double x, uint32_t method)
+const bb_point_figures *bb_search_figures(const bb_search *s, double x, uint32_t method)
 {
     for (uint32_t i = 0; i < s->probe_count; i++)
         if (s->probes[i].x == x)
@@ -91,7 +91,7 @@ static bb_status grant(state *st)
         bb_wish wish = st->wishes[i];
         bool any = false;
         for (uint32_t m = 0; m < s->method_count; m++) {
-            const bb_figures *f = bb_search_figures(s, wish.x, m);
+            const bb_point_figures *f = bb_search_figures(s, wish.x, m);
             wish.wanted[m] = wish.wanted[m] && (f == NULL || f->outcome == BB_NOT_MEASURED);
             any = any || wish.wanted[m];
         }
@@ -104,7 +104,7 @@ static bb_status grant(state *st)
     st->wish_count = kept;
     bb_status status = kept > 0 ? s->measure(s->user, st->wishes, kept, false) : BB_OK;
     for (uint32_t i = 0; i < kept && status == BB_OK; i++) {
-        bb_probe *probe = NULL;
+        bb_search_probe *probe = NULL;
         status = probe_at(s, st->wishes[i].x, &probe);
         for (uint32_t m = 0; m < s->method_count && status == BB_OK; m++)
             if (st->wishes[i].wanted[m])
@@ -132,8 +132,8 @@ static second_look *look_at(state *st, double x, bool make)
 
 static bool first_says(const bb_search *s, uint32_t method, bb_manner manner, double x)
 {
-    const bb_figures *here = bb_search_figures(s, x, method);
-    const bb_figures *normal = bb_search_figures(s, s->axis->from, method);
+    const bb_point_figures *here = bb_search_figures(s, x, method);
+    const bb_point_figures *normal = bb_search_figures(s, s->axis->from, method);
     return here != NULL && normal != NULL && bb_manner_shows(manner, normal, here);
 }
 
@@ -195,8 +195,8 @@ static bb_status look_again(state *st, const double *values, uint32_t count)
 static bool shows(state *st, uint32_t method, bb_manner manner, double x, double *ratio)
 {
     const bb_search *s = st->search;
-    const bb_figures *here = bb_search_figures(s, x, method);
-    const bb_figures *normal = bb_search_figures(s, s->axis->from, method);
+    const bb_point_figures *here = bb_search_figures(s, x, method);
+    const bb_point_figures *normal = bb_search_figures(s, s->axis->from, method);
     *ratio = NAN;
     if (here == NULL || normal == NULL || !first_says(s, method, manner, x))
         return false;
@@ -232,8 +232,8 @@ static bb_status look_end_to_end(state *st, const double *values, uint32_t count
 static bool can_tell(const state *st, uint32_t method, bb_manner manner, double x)
 {
     const bb_search *s = st->search;
-    const bb_figures *here = bb_search_figures(s, x, method);
-    const bb_figures *normal = bb_search_figures(s, s->axis->from, method);
+    const bb_point_figures *here = bb_search_figures(s, x, method);
+    const bb_point_figures *normal = bb_search_figures(s, s->axis->from, method);
     return !bb_manners[manner].relative ||
            (here != NULL && normal != NULL && !isnan(bb_manner_ratio(manner, normal, here)));
 }
@@ -246,7 +246,7 @@ static void settle(state *st, uint32_t method, bb_manner manner)
     double before = NAN;
     *t = (bb_threshold){.ratio = NAN, .below = NAN, .at = NAN};
     for (uint32_t i = 0; i < s->probe_count; i++) {
-        const bb_figures *here = &s->probes[i].figures[method];
+        const bb_point_figures *here = &s->probes[i].figures[method];
         const double x = s->probes[i].x;
         double ratio;
         if (here->outcome == BB_NOT_MEASURED || !can_tell(st, method, manner, x))

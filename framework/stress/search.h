@@ -10,10 +10,10 @@ enum { BB_METHODS_MAX = 96, BB_PROBES_MAX = 256, BB_WISHES_MAX = 128 };
 
 /* The methods at one value: figures[m] of method m, BB_NOT_MEASURED of those that nobody asked for.
  */
-typedef struct bb_probe {
+typedef struct bb_search_probe {
     double x;
-    bb_figures *figures; /* from malloc */
-} bb_probe;
+    bb_point_figures *figures; /* from malloc */
+} bb_search_probe;
 
 /* Where a method begins to fail in one manner. */
 typedef struct bb_threshold {
@@ -29,7 +29,7 @@ typedef struct bb_threshold {
 typedef struct bb_wish {
     double x;
     bool wanted[BB_METHODS_MAX];
-    bb_figures *figures; /* of all methods; those of the wanted ones are to be filled */
+    bb_point_figures *figures; /* of all methods; those of the wanted ones are to be filled */
 } bb_wish;
 
 /* Measures all wishes side by side, in one process if all goes well; `again`: anew, whatever was
@@ -45,7 +45,7 @@ typedef struct bb_search {
     void *user;
     /* out */
     uint32_t probe_count;
-    bb_probe probes[BB_PROBES_MAX]; /* in the order of the axis */
+    bb_search_probe probes[BB_PROBES_MAX]; /* in the order of the axis */
     bb_threshold thresholds[BB_METHODS_MAX][BB_MANNERS];
 } bb_search;
 
@@ -56,6 +56,6 @@ bb_status bb_search_run(bb_search *search);
 void bb_search_free(bb_search *search);
 
 /* A method's figures at a value; NULL if nothing was measured there. */
-const bb_figures *bb_search_figures(const bb_search *search, double x, uint32_t method);
+const bb_point_figures *bb_search_figures(const bb_search *search, double x, uint32_t method);
 
 #endif

@@ -72,6 +72,6 @@ bb_status bb_atlas_print(const bb_stress *stress, FILE *out);
 cJSON *bb_atlas_json(const bb_stress *stress, const char *command);
 
 /* The figures of a point; NULL if there is no memory. */
-cJSON *bb_figures_json(const bb_figures *figures);
+cJSON *bb_figures_json(const bb_point_figures *figures);
 
 #endif

@@ -2,7 +2,7 @@
 #include "framework/stress/stress.h"
 
 static bool is_bug(const bb_stress_axis *a, const bb_method *method, bb_manner manner,
-                   const bb_figures *f)
+                   const bb_point_figures *f)
 {
     switch (manner) {
     case BB_MANNER_CRASHED:
@@ -30,7 +30,7 @@ static void tell(FILE *out, const bb_stress_axis *a, const bb_method *method, do
 static uint32_t blame_unlike(const bb_stress *s, const bb_stress_axis *a, FILE *out)
 {
     for (uint32_t p = 0; p < a->search.probe_count; p++) {
-        const bb_figures *f = a->search.probes[p].figures;
+        const bb_point_figures *f = a->search.probes[p].figures;
         uint32_t unlike = 0, wrong = 0, last = 0;
         for (uint32_t m = 0; m < s->request->method_count; m++) {
             if (!s->request->methods[m].exact)
@@ -64,7 +64,7 @@ uint32_t bb_stress_blame(const bb_stress *s, FILE *out)
             uint32_t verdicts = 0;
             bool told[BB_MANNERS] = {false};
             for (uint32_t p = 0; p < a->search.probe_count; p++) {
-                const bb_figures *f = &a->search.probes[p].figures[m];
+                const bb_point_figures *f = &a->search.probes[p].figures[m];
                 verdicts += f->outcome != BB_NOT_MEASURED;
                 for (uint32_t k = 0; k < BB_MANNERS; k++)
                     if (!told[k] && !bb_manners[k].relative &&

@@ -148,7 +148,7 @@ static void read_traces(bb_numbers *n, const cJSON *traces)
         uint32_t set = find_set(n, scene, rays, view, hash);
         if (set == UINT32_MAX) {
             set = n->set_count++;
-            n->sets[set] = (bb_ray_set){rays, view, hash, scene, 0};
+            n->sets[set] = (bb_summary_set){rays, view, hash, scene, 0};
         }
         if (!n->entrants[entrant].reference)
             n->sets[set].judged =

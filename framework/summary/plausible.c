@@ -33,7 +33,7 @@ static bool has_params(const cJSON *build, const bb_spec *spec)
     return true;
 }
 
-/* How near a builder comes to the one that costs are held to (bb_builder.cost_reference): 2 for
+/* How near a builder comes to the one that costs are held to (BB_ROLE_COST_REFERENCE): 2 for
  * that variant itself, 1 for others of its builder, 0 for all other builders, of which the cheapest
  * tree has to do. */
 static int nearness(const cJSON *build)
@@ -45,9 +45,11 @@ static int nearness(const cJSON *build)
         count != 1)
         return 0;
     const bb_builder *builder = bb_builder_find(stages[0].name);
-    if (builder == NULL || builder->cost_reference == NULL)
+    const char *held_to =
+        builder != NULL ? bb_builder_variants(builder, BB_ROLE_COST_REFERENCE) : NULL;
+    if (held_to == NULL)
         return 0;
-    bool parsed = bb_spec_parse(builder->cost_reference, &reference) == BB_OK;
+    bool parsed = bb_spec_parse(held_to, &reference) == BB_OK;
     return parsed && has_params(build, &reference) ? 2 : 1;
 }
 

@@ -35,17 +35,17 @@ typedef struct bb_entrant_row {
 } bb_entrant_row;
 
 /* Rays that builders were compared on. */
-typedef struct bb_ray_set {
+typedef struct bb_summary_set {
     const char *rays, *view, *hash;
     uint32_t scene;
     double judged; /* rays of it that one of our cells was judged on */
-} bb_ray_set;
+} bb_summary_set;
 
 typedef struct bb_numbers {
     const bb_results *results;
     bb_entrant_row *entrants;
     const char **scenes;
-    bb_ray_set *sets;
+    bb_summary_set *sets;
     bb_candidate *candidates;
     uint32_t *starts; /* of each entrant's candidates for each set, and the end */
     bb_built *builds; /* entrants x scenes */

@@ -42,7 +42,6 @@ static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t sa
     return BB_OK;
 }
 
-extern const bb_metric bb_metric_sah;
 const bb_metric bb_metric_sah = {
     .name = "sah",
     .title = "SAH",

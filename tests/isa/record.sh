@@ -49,7 +49,12 @@ one() {
     local log=$folder/logs/${place//\//-}.log
     shift
     mkdir -p "$folder/$place"
-    local recorded=(env MOCK_GPU_DEVICES=cpu MOCK_GPU_RECORD="$folder/$place" LD_PRELOAD="$library")
+    # The form for GPUs is recorded on a mock GPU, since programs are told what the device is. Kernels
+    # by themselves are recorded on a CPU, which refuses none of them.
+    local device=cpu
+    [[ $place != gpu/* ]] || device=gpu
+    local recorded=(env MOCK_GPU_DEVICES=$device MOCK_GPU_FENCE=cl3 MOCK_GPU_RECORD="$folder/$place"
+        LD_PRELOAD="$library")
     case $1 in
     test_*) recorded+=(BVHBENCH_TEST_SMALL=1 "$(dirname "$library")/$1") && shift ;;
     *) recorded+=("$program") ;;

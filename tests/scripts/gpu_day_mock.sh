@@ -19,4 +19,30 @@ tar -xf "$work"/out/gpu-day.tar.* -C "$work/read"
 grep -q 'Mock GPU' "$work/read/gpu-day/machine/output"
 jq -e '.context.device == "Mock GPU" and (.axes | length) == 1' \
     "$work/read/gpu-day/stress/out/stress.json" >/dev/null
+
+# Two signals at once, as of an impatient Ctrl-C: what the step writes on its way out is packed.
+day=$work/out/gpu-day
+"$work/scripts/gpu-day" --quick compare >"$work/said" 2>&1 &
+gpu_day=$!
+until grep -qs ': building' "$day/compare/output"; do
+    sleep 0.2
+    kill -0 $gpu_day || break
+done
+sleep 2
+kill -TERM $gpu_day
+sleep 0.02
+kill -TERM $gpu_day
+status=0
+wait $gpu_day || status=$?
+[ $status -eq 130 ] || {
+    echo "gpu_day_mock.sh: exit status $status, not 130: $(cat "$work/said" "$day"/compare/output)" >&2
+    exit 1
+}
+tar -tf "$work"/out/gpu-day.tar.* >"$work/packed"
+(cd "$work/out" && find gpu-day/compare -type f) >"$work/there"
+grep -vxFf "$work/packed" "$work/there" >"$work/left" || true
+[ ! -s "$work/left" ] || {
+    echo "gpu_day_mock.sh: not packed: $(cat "$work/left")" >&2
+    exit 1
+}
 echo "gpu_day_mock: ok"

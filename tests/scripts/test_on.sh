@@ -150,13 +150,13 @@ for name in volume slice overlap; do
     echo "{\"results\":[{\"ways\":[{$way,\"voxels_that_differ\":${STUB_DIFFER-0}},{$way,\"refused\":\"no room\"}]}]}" >"$out/$name.json"
 done'
 matrix 0
-says '^matrix: 13 right, 9 refused, 0 wrong'
-says "^cube.shy.k.any.refused.too small\$" "$work/matrix/matrix.tsv"
+says '^matrix: 26 right, 18 refused, 0 wrong'
+says "^gpu.cube.shy.k.any.refused.too small\$" "$work/matrix/matrix.tsv"
 says "slice.refused.no room\$" "$work/matrix/matrix.tsv"
 STUB_WRONG=true matrix 1
-says '^matrix: 9 right, 9 refused, 4 wrong'
+says '^matrix: 18 right, 18 refused, 8 wrong'
 STUB_DIFFER=3 matrix 1
-says '^matrix: 8 right, 9 refused, 5 wrong'
+says '^matrix: 16 right, 18 refused, 10 wrong'
 STUB_DIES=cube matrix 1
 says 'wrong.bvhbench: the device is lost$' "$work/matrix/matrix.tsv"
 STUB_WRONG=true matrix 2 --fast x
