@@ -181,6 +181,14 @@ static bool is_chosen(const char *kernel)
     return chosen;
 }
 
+/* The device is gone from here on. What was launched ends first, as nothing runs on such a device:
+ * PoCL's threads would crash where they still compile or run when the program leaves. */
+static void lose_device(cl_command_queue queue, cl_int error)
+{
+    REAL(clFinish)(queue);
+    gone = error;
+}
+
 CL_API_ENTRY cl_int CL_API_CALL clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel,
                                                        cl_uint dimensions, const size_t *offset,
                                                        const size_t *global, const size_t *local,
@@ -190,18 +198,23 @@ CL_API_ENTRY cl_int CL_API_CALL clEnqueueNDRangeKernel(cl_command_queue queue, c
     char name[128];
     mock_kernel_name(kernel, name, sizeof name);
     mock_count_launch(name);
+    bool late = false;
     if (mock_queue_is_gpu(queue)) {
         cl_int error = gone != CL_SUCCESS ? gone : check_launch(queue, kernel, *global, *local);
         if (error != CL_SUCCESS)
             return refuse(error);
-        if (is_chosen(name)) {
-            if (strcmp(mock.manner, "resources") == 0)
-                return refuse(CL_OUT_OF_RESOURCES);
-            gone = strcmp(mock.manner, "lost") == 0 ? CL_DEVICE_NOT_AVAILABLE : CL_OUT_OF_RESOURCES;
-            if (gone == CL_DEVICE_NOT_AVAILABLE)
-                return refuse(gone);
+        bool chosen = is_chosen(name);
+        if (chosen && strcmp(mock.manner, "resources") == 0)
+            return refuse(CL_OUT_OF_RESOURCES);
+        late = chosen && strcmp(mock.manner, "late") == 0;
+        if (chosen && !late) {
+            lose_device(queue, CL_DEVICE_NOT_AVAILABLE);
+            return refuse(gone);
         }
     }
-    return REAL(clEnqueueNDRangeKernel)(queue, kernel, dimensions, offset, global, local, count,
-                                        list, event);
+    cl_int error = REAL(clEnqueueNDRangeKernel)(queue, kernel, dimensions, offset, global, local,
+                                                count, list, event);
+    if (late)
+        lose_device(queue, CL_OUT_OF_RESOURCES);
+    return error;
 }
