@@ -1,5 +1,5 @@
 /* What judging says: of one ray its class, of many their counts. Definitions: `wrong ppm` in the
- * README ("What the figures mean") and arbiter.h.
+ * framework/report/README.md and arbiter.h.
  */
 #ifndef BB_ACCURACY_H
 #define BB_ACCURACY_H

@@ -1,4 +1,4 @@
-/* Sizes, and the margin that the judge's definitions grant (README, "When is a ray wrong?"),
+/* Sizes, and the margin that the judge's definitions grant (framework/judge/README.md),
  * written down a second time, in doubles. */
 #ifndef CHEATS_MARGIN_H
 #define CHEATS_MARGIN_H

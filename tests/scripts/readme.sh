@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The commands of README.md run as they stand: readme.sh SOURCE PROGRAM. Those of its `sh` blocks
-# run in a copy of the checkout's top, around a program that adds options to be quick; of what the
-# other blocks call, the scripts must be there.
+# The commands of README.md and examples/README.md run as they stand: readme.sh SOURCE PROGRAM.
+# Those of `sh` blocks run in a copy of the checkout's top, around a program that adds options to be
+# quick; the scripts that other blocks call must be there.
 set -euo pipefail
 source=$1
 program=$2
@@ -35,7 +35,7 @@ chmod +x "$work/build/release/bvhbench"
 # The lines of blocks that begin with ```$1, without comments.
 lines() {
     awk -v fence="\`\`\`$1" '/^```/ { inside = !inside && $0 == fence; next } inside' \
-        "$source/README.md" | sed 's/ *#.*//'
+        "$source/README.md" "$source/examples/README.md" | sed 's/ *#.*//'
 }
 
 cd "$work"
