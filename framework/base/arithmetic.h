@@ -1,10 +1,10 @@
-/* Whole numbers, as sizes of launches and buffers need them. */
+/* Whole numbers, as the sizes of launches and buffers need them. */
 #ifndef BB_ARITHMETIC_H
 #define BB_ARITHMETIC_H
 
 #include <stdint.h>
 
-/* count / size, rounded up; without an overflow, whatever the count. `size` is not 0. */
+/* Returns count / size, rounded up; never overflows. `size` is not 0. */
 static inline uint32_t bb_divide_up(uint32_t count, uint32_t size)
 {
     return count / size + (count % size != 0);

@@ -7,7 +7,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* Busy time of all processors since the machine started, proc(5). */
+/* Returns the busy time of all processors since the machine started, from proc(5). */
 static double all_ms(void)
 {
     enum { USER, NICE, SYSTEM, IDLE, IO_WAIT, IRQ, SOFT_IRQ, STEAL, COUNTS };
@@ -26,7 +26,7 @@ static double all_ms(void)
     return busy * 1e3 / (double)sysconf(_SC_CLK_TCK);
 }
 
-/* This process and the children that it has waited for. */
+/* Returns the CPU time of this process and of the children it has waited for. */
 static double own_ms(void)
 {
     struct rusage children;

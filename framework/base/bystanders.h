@@ -1,16 +1,16 @@
-/* What other programs take of the machine while this one measures. */
+/* How much of the machine other programs use while this one measures. */
 #ifndef BB_BYSTANDERS_H
 #define BB_BYSTANDERS_H
 
 typedef struct bb_bystanders {
-    double wall_ms, all_ms, own_ms; /* at the start; all_ms: of all processors, NAN: not known */
+    double wall_ms, all_ms, own_ms; /* at the start; all_ms counts all processors, NAN: unknown */
 } bb_bystanders;
 
 void bb_bystanders_start(bb_bystanders *watch);
 
-/* How many processors the other programs kept busy since then, on average; time that a host
- * withheld from a virtual machine counts as theirs. NAN where /proc/stat is missing. The clock's
- * ticks are 10 ms: watch for a few tenths of a second at least. */
+/* Returns how many processors other programs have kept busy since the start, on average. Time that
+ * a host withholds from a virtual machine counts as theirs. NAN without /proc/stat. The kernel
+ * counts in ticks of 10 ms, so watch for at least a few tenths of a second. */
 double bb_bystanders_share(const bb_bystanders *watch);
 
 #endif

@@ -1,5 +1,5 @@
-/* Whole files. Writing goes by way of a temporary file and rename(2), which replaces the old file
- * in one step. */
+/* Whole files. A file is written under a temporary name and moved by rename(2), which replaces the
+ * old file in one step. */
 #include "framework/base/file.h"
 
 #include <errno.h>
@@ -28,8 +28,8 @@ bb_status bb_input_open(const char *path, const char *what, bb_input *input)
     return BB_OK;
 }
 
-/* The size is that of the opening: fewer bytes mean that the file shrank, or that the caller asks
- * for more than there are. */
+/* The size was taken when the file was opened: fewer bytes mean that it shrank since, or that the
+ * caller asks for more than it holds. */
 bb_status bb_input_read(bb_input *input, void *data, size_t size)
 {
     size_t done = 0;
@@ -84,7 +84,7 @@ out:
     return status;
 }
 
-/* 0 or errno. */
+/* Returns 0 or errno. */
 static int write_all(int file, const char *data, size_t size)
 {
     size_t done = 0;

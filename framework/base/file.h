@@ -1,4 +1,4 @@
-/* Whole files: read at once, written so that an interruption leaves the old file or none. */
+/* Whole files: read at once, and written so that an interruption leaves the old file or none. */
 #ifndef BB_FILE_H
 #define BB_FILE_H
 
@@ -7,29 +7,28 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A regular file that is read from its beginning on, piece by piece. */
+/* A regular file that is read from the beginning, piece by piece. */
 typedef struct bb_input {
     const char *path, *what; /* for messages; not copied */
     uint64_t size;           /* of the whole file */
     int handle;
 } bb_input;
 
-/* BB_INVALID when the file is missing or no regular one; messages start with `what`. */
+/* Opens a regular file. BB_INVALID if it is missing or not regular; messages start with `what`. */
 bb_status bb_input_open(const char *path, const char *what, bb_input *input);
-/* The next `size` bytes. BB_INVALID if there are fewer. */
+/* Reads the next `size` bytes. BB_INVALID if there are fewer. */
 bb_status bb_input_read(bb_input *input, void *data, size_t size);
-void bb_input_close(bb_input *input); /* of one that was opened */
+void bb_input_close(bb_input *input); /* `input` is open */
 
-/* Reads a regular file of at most `limit` bytes into *data (from malloc; a 0 byte follows the last
- * one). BB_INVALID when it is missing, no regular file, or larger; the message starts with `what`.
- */
+/* Reads a regular file of at most `limit` bytes into *data, from malloc, and appends a 0 byte.
+ * BB_INVALID if it is missing, not regular or larger; the message starts with `what`. */
 bb_status bb_file_read(const char *path, size_t limit, const char *what, char **data, size_t *size);
 
-/* Writes a temporary file in the folder of `path`, syncs it and renames it to `path`. BB_INVALID
- * when the folder cannot be written or `path` is something else than a regular file. */
+/* Writes a temporary file in the folder of `path`, syncs it and renames it to `path`. BB_INVALID if
+ * the folder cannot be written or `path` exists but is not a regular file. */
 bb_status bb_file_write(const char *path, const void *data, size_t size, const char *what);
 
-/* Like bb_file_write(), of parts that follow each other in the file. */
+/* Like bb_file_write(), for several parts that follow each other in the file. */
 typedef struct bb_file_part {
     const void *data;
     size_t size;
@@ -37,7 +36,7 @@ typedef struct bb_file_part {
 bb_status bb_file_write_parts(const char *path, const bb_file_part *parts, size_t count,
                               const char *what);
 
-/* Folder of `path` as a new string from malloc: "." if it has none. NULL if there is no memory. */
+/* Returns the folder of `path`, from malloc: "." if `path` names none. NULL without memory. */
 char *bb_file_folder(const char *path);
 
 #endif

@@ -25,7 +25,7 @@ void bb_interrupt_catch(void)
     action.sa_flags = SA_RESTART;
     for (size_t i = 0; i < sizeof signals / sizeof signals[0]; i++) {
         struct sigaction before;
-        /* who starts a program with nohup wants it to stay deaf */
+        /* A program started with nohup keeps ignoring the signal. */
         if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
             sigaction(signals[i], &action, NULL);
     }
@@ -48,7 +48,7 @@ static void note_pipe(int signal_number)
 
 void bb_pipe_catch(void)
 {
-    /* A handler, which programs that are started do not inherit as they would inherit SIG_IGN. */
+    /* A handler rather than SIG_IGN, which started programs would inherit. */
     struct sigaction before, action = {.sa_handler = note_pipe, .sa_flags = SA_RESTART};
     if (sigaction(SIGPIPE, NULL, &before) == 0 && before.sa_handler == SIG_DFL)
         sigaction(SIGPIPE, &action, NULL);

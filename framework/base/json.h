@@ -5,8 +5,9 @@
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 
-/* Always UTF-8: bytes of strings that are none, such as of a file's name, become %XX. From
- * malloc; NULL if there is no memory, or nothing to print. Nothing else prints JSON. */
+/* Prints JSON; all JSON is printed here. The text is always UTF-8: invalid bytes in strings, such
+ * as file names, become %XX. The text is from malloc; NULL without memory, or if there is nothing
+ * to print. */
 char *bb_json_print(const cJSON *json, bool formatted);
 
 #endif

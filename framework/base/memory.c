@@ -37,7 +37,7 @@ void bb_account_subtract(bb_account *account, uint64_t bytes)
         __atomic_sub_fetch(&account->bytes, bytes, __ATOMIC_RELAXED);
 }
 
-/* Drivers and allocators overcommit, so what the machine has is asked for first. */
+/* Drivers and allocators overcommit, so requests are compared with the machine's memory first. */
 static uint64_t host_memory(void)
 {
     static uint64_t bytes;
@@ -48,15 +48,14 @@ static uint64_t host_memory(void)
     return bytes;
 }
 
-/* A quarter is left for what is made of the scene, and for everybody else. */
+/* A quarter is left for what is derived from the scene, and for other programs. */
 uint64_t bb_host_limit(void)
 {
     uint64_t bytes = host_memory();
     return bytes < UINT64_MAX ? bytes / 4 * 3 : bytes;
 }
 
-/* All that is booked in the process: several blocks that fit each on their own may not fit
- * together. */
+/* All bytes booked in the process, since blocks that fit one by one may not fit together. */
 static uint64_t host_bytes;
 
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out)
@@ -99,6 +98,6 @@ void bb_host_free(void *pointer)
 uint64_t bb_host_peak(void)
 {
     struct rusage usage;
-    const uint64_t unit = 1024; /* of Linux */
+    const uint64_t unit = 1024; /* Linux counts in KiB */
     return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * unit : 0;
 }

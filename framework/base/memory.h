@@ -27,18 +27,18 @@ void bb_account_mark(bb_account *account);
 void bb_account_add(bb_account *account, uint64_t bytes);
 void bb_account_subtract(bb_account *account, uint64_t bytes);
 
-/* Host memory, 64-byte aligned, not cleared; a size of 0 gives a valid pointer. BB_REFUSED names
- * `what` and the bytes if the host does not have that much. `*out` must be NULL or come from here:
- * it is freed and replaced, so the same call creates and resizes scratch memory. Account may be
- * NULL. */
+/* Allocates host memory, 64-byte aligned and not cleared; a size of 0 gives a valid pointer.
+ * BB_REFUSED names `what` and the bytes if the host does not have that much. `*out` must be NULL or
+ * come from here: it is freed and replaced, so that the same call creates and resizes scratch
+ * memory. `account` may be NULL. */
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out);
-void bb_host_free(void *pointer); /* NULL is allowed; leaves the account */
+void bb_host_free(void *pointer); /* NULL is allowed; also books the block off its account */
 
-/* The most bytes that a scene, or the files that it is read from, may take on the host: three
- * quarters of its memory. UINT64_MAX if that is not known. */
+/* Returns the most bytes that a scene, or the files it is read from, may take on the host: three
+ * quarters of its memory. UINT64_MAX if that is unknown. */
 uint64_t bb_host_limit(void);
 
-/* The most bytes that the process has had in memory so far; 0 if that is not known. */
+/* Returns the most bytes the process has had in memory so far; 0 if unknown. */
 uint64_t bb_host_peak(void);
 
 #ifdef __cplusplus

@@ -11,14 +11,14 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* value = 10 * value + digit, if it fits. */
+/* Sets value = 10 * value + digit, if that fits. */
 static bool append_digit(uint64_t *value, unsigned digit)
 {
     return !__builtin_mul_overflow(*value, (uint64_t)10, value) &&
            !__builtin_add_overflow(*value, (uint64_t)digit, value);
 }
 
-/* What stands after the digits: nothing, k, M, G, or an exponent of at most two digits. */
+/* Reads what follows the digits: nothing, k, M, G, or an exponent of at most two digits. */
 static bool read_power(const char *text, unsigned *power)
 {
     static const char letters[] = "kMG";

@@ -52,7 +52,7 @@ bb_status bb_spec_parse(const char *text, bb_spec *spec)
     return BB_OK;
 }
 
-/* Copies the stage that begins at `text`, without its backslashes; returns where it ends. */
+/* Copies the stage that begins at `text`, without its backslashes; returns its end. */
 static const char *copy_stage(const char *text, char *stage)
 {
     for (; *text != '\0'; text++) {
@@ -95,7 +95,7 @@ static const bb_option *find_option(const bb_option *options, const char *key)
     return NULL;
 }
 
-/* Is `value` one of the words of "a|b|c"? */
+/* Returns whether `value` is one of the words of "a|b|c". */
 static bool is_one_of(const char *words, const char *value)
 {
     size_t length = strlen(value);
@@ -193,8 +193,8 @@ bool bb_spec_is(const bb_spec *spec, const bb_option *options, const char *key, 
     return value != NULL && strcmp(value, word) == 0;
 }
 
-/* Does the item that starts at `text` continue the one before: `key=value` with no ':' before
- * '='? */
+/* Returns whether the item that starts at `text` continues the previous one: it is `key=value`
+ * without a ':' before the '='. */
 static bool continues(const char *text)
 {
     size_t stop = strcspn(text, "=:,");

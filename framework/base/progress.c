@@ -22,7 +22,7 @@ static void clear_line(const bb_progress *progress)
         fprintf(stderr, "\r\033[K");
 }
 
-/* What comes before the first line that anybody's progress prints; "" afterwards. */
+/* The line printed before the first one of any progress; "" once it is printed. */
 static char head[640];
 
 void bb_progress_head(const char *format, ...)
@@ -104,10 +104,10 @@ static void draw_bar(const bb_progress *progress, double share)
         fprintf(stderr, "%u/%u", progress->done, progress->total);
 }
 
-/* What is left takes as long as what was done, in proportion. */
+/* Assumes that the rest goes on at the average speed so far. */
 static void draw_time_left(const bb_progress *progress, double share, double now)
 {
-    const double told_from = 0.03; /* a share from which the past tells of the future */
+    const double told_from = 0.03; /* with less done, there is no estimate */
     if (!(progress->plan > 0) || share < told_from)
         return;
     double left = (now - progress->start) * (1 - share) / share / 1e3;

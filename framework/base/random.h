@@ -1,6 +1,6 @@
-/* Random numbers for everything that is seeded on the host: SplitMix64 (Steele, Lea, Flood: Fast
- * Splittable Pseudorandom Number Generators, OOPSLA 2014). Integers only, so that one seed gives
- * the same numbers on every machine. */
+/* Random numbers for everything seeded on the host: SplitMix64 (Steele, Lea, Flood: Fast Splittable
+ * Pseudorandom Number Generators, OOPSLA 2014). It uses integers only, so a seed gives the same
+ * numbers on every machine. */
 #ifndef BB_RANDOM_H
 #define BB_RANDOM_H
 
@@ -34,26 +34,26 @@ static inline uint64_t bb_random_u64(bb_random *random)
     return bb_random_mix(random->state);
 }
 
-/* 0 .. limit - 1; limit >= 1. The bias is below limit / 2^32. */
+/* Returns a number in 0 .. limit - 1; limit >= 1. The bias is below limit / 2^32. */
 static inline uint32_t bb_random_below(bb_random *random, uint32_t limit)
 {
     return (uint32_t)(((bb_random_u64(random) >> 32) * limit) >> 32);
 }
 
-/* [0, 1), 53 bits. */
+/* Returns a number in [0, 1) with 53 bits. */
 static inline double bb_random_unit(bb_random *random)
 {
     return (double)(bb_random_u64(random) >> 11) * 0x1p-53;
 }
 
-/* [low, high). */
+/* Returns a number in [low, high). */
 static inline double bb_random_range(bb_random *random, double low, double high)
 {
     return low + (high - low) * bb_random_unit(random);
 }
 
-/* A direction of length 1, uniform on the sphere, by rejection: no sine or cosine, whose last bit
- * differs between machines. */
+/* Returns a direction of length 1, uniform on the sphere, by rejection: sines and cosines would
+ * differ in their last bit between machines. */
 static inline void bb_random_direction(bb_random *random, double out[3])
 {
     double square;

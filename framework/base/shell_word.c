@@ -14,7 +14,7 @@ void bb_put_shell_word(FILE *out, const char *text)
     fputc('\'', out);
     for (; *text != '\0'; text++) {
         if (*text == '\'')
-            fputs("'\\''", out); /* ends the quotes, a quote by itself, and on */
+            fputs("'\\''", out); /* ends the quotes, adds a quote, opens them again */
         else
             fputc(*text, out);
     }

@@ -51,7 +51,7 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The samples that count in rising order; returns how many, 0 if one is no finite number. */
+/* Sorts the samples that count; returns their number, or 0 if one is not finite. */
 static uint32_t sort_counted(const bb_samples *samples, double sorted[BB_SAMPLES_MAX])
 {
     uint32_t first = samples->count > 1 ? 1 : 0, count = samples->count - first;
@@ -63,7 +63,7 @@ static uint32_t sort_counted(const bb_samples *samples, double sorted[BB_SAMPLES
     return count;
 }
 
-/* Names as at the top of this file; g(1) is above 0.95 from n = BB_INTERVAL_ROUNDS on. */
+/* The names are those at the top of this file; g(1) > 0.95 from n = BB_INTERVAL_ROUNDS on. */
 static void set_interval(bb_estimate *e, const double *sorted, uint32_t n)
 {
     const double wanted = 0.95;
@@ -106,7 +106,7 @@ double bb_samples_median(const bb_samples *samples)
 double bb_samples_least(const bb_samples *samples)
 {
     const bb_estimate e = bb_samples_estimate(samples);
-    return isfinite(e.least) ? e.least : e.value; /* one alone has no range */
+    return isfinite(e.least) ? e.least : e.value; /* a single sample has no range */
 }
 
 bb_samples bb_samples_ratio(const bb_samples *a, const bb_samples *b)
@@ -142,12 +142,12 @@ static void swap(float *a, float *b)
     *b = value;
 }
 
-/* Quickselect (Hoare: Algorithm 65, Find, CACM 4, 1961). Pivots are taken at random places, so that
- * no order of the values is a bad one, and what equals the pivot is set apart. */
+/* Quickselect (Hoare: Algorithm 65, Find, CACM 4, 1961). Pivots are at random places, so no order
+ * of the values is a bad case, and values equal to the pivot are set apart. */
 float bb_select(float *values, size_t count, size_t rank)
 {
     bb_random random = bb_random_make(count, 0);
-    size_t low = 0, high = count; /* sorted, values[rank] would be in [low, high) */
+    size_t low = 0, high = count; /* in sorted order, values[rank] is in [low, high) */
     for (;;) {
         float pivot = values[low + (size_t)(bb_random_unit(&random) * (double)(high - low))];
         size_t less = low, at = low, more = high;

@@ -1,6 +1,5 @@
 /* Statistics: samples of a time with the interval of their median, paired ratios, the interval of a
- * rate of wrong rays, and selection by rank.
- */
+ * rate of wrong rays, and selection by rank. */
 #ifndef BB_STATISTICS_H
 #define BB_STATISTICS_H
 
@@ -9,20 +8,19 @@
 
 enum {
     BB_SAMPLES_MAX = 256,
-    /* Rounds that count, of which a median has a 95 % interval: with 5, even the interval from the
-     * least to the most covers it in 93.75 % of all cases only. */
+    /* A median has a 95 % interval from this number of counted rounds on: with 5, even the interval
+     * from the least to the most covers it in only 93.75 % of all cases. */
     BB_INTERVAL_ROUNDS = 6,
 };
 
-/* Samples of one quantity, one per round. Sample 0 is of the first round, which pays for page
- * faults and cold caches: it is kept in the file and counts for nothing, unless it is the only one.
- */
+/* Samples of one quantity, one per round. Sample 0 is from the first round, which pays for page
+ * faults and cold caches: it is kept in the file but does not count, unless it is the only one. */
 typedef struct bb_samples {
     uint32_t count;
     double values[BB_SAMPLES_MAX];
 } bb_samples;
 
-/* What is drawn from samples. NAN: there is no such figure. */
+/* An estimate from samples. NAN: there is no such figure. */
 typedef struct bb_estimate {
     double value;       /* the median */
     double low, high;   /* its 95 % interval; NAN for fewer than BB_INTERVAL_ROUNDS rounds */
@@ -31,35 +29,35 @@ typedef struct bb_estimate {
 
 extern const bb_estimate bb_not_measured; /* all NAN */
 
-/* At most BB_SAMPLES_MAX values: the caller limits its repeats. */
+/* Adds a sample. The caller keeps to at most BB_SAMPLES_MAX. */
 void bb_samples_add(bb_samples *samples, double value);
 
-/* Median of the samples that count; NAN if there is none. */
+/* Returns the median of the samples that count; NAN without any. */
 double bb_samples_median(const bb_samples *samples);
-/* The least of them, which is how long it takes when nothing else is at work; NAN if there is none,
- * or one that is no finite number. */
+/* Returns the least sample that counts: the time when nothing else disturbs it. NAN without any, or
+ * if one is not finite. */
 double bb_samples_least(const bb_samples *samples);
 
-/* Median, interval and range of the samples that count, which are taken as independent. All NAN if
- * there is none, or one that is no finite number. */
+/* Returns median, interval and range of the samples that count, which are assumed independent. All
+ * are NAN without any, or if one is not finite. */
 bb_estimate bb_samples_estimate(const bb_samples *samples);
 
-/* a/b, round by round, which pairs what was measured next to each other: noise that both share in
- * a round is not in their ratio. Empty if the two have not the same number of rounds. */
+/* Returns a/b, round by round: noise that both share in a round cancels. Empty if their numbers of
+ * rounds differ. */
 bb_samples bb_samples_ratio(const bb_samples *a, const bb_samples *b);
 
 /* A rate of wrong rays, in rays per million: k of n rays were wrong. */
 typedef struct bb_wrong_rate {
-    double ppm;       /* where a mark stands: k/n; 3/n if k = 0; NAN if nothing was checked */
+    double ppm;       /* as plotted: k/n; 3/n if k = 0; NAN if nothing was checked */
     double low, high; /* 95 % interval; if k = 0: 0 and 3/n */
 } bb_wrong_rate;
 
-/* k = 0: the rule of three (Hanley and Lippman-Hand, JAMA 249, 1983); else the interval of a
- * Poisson count by Byar's approximation (Breslow and Day, Statistical Methods in Cancer Research
- * II, 1987, section 2.3). Rays are taken as independent. */
+/* Returns the rate and its interval; rays are assumed independent. k = 0: the rule of three (Hanley
+ * and Lippman-Hand, JAMA 249, 1983); else the interval of a Poisson count by Byar's approximation
+ * (Breslow and Day, Statistical Methods in Cancer Research II, 1987, section 2.3). */
 bb_wrong_rate bb_wrong_rate_of(double wrong, double checked);
 
-/* The value that would be values[rank] if they were sorted; changes their order. rank < count, no
+/* Returns the value that sorting would put at values[rank]; changes their order. rank < count, no
  * NAN. */
 float bb_select(float *values, size_t count, size_t rank);
 

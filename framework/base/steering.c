@@ -1,4 +1,4 @@
-/* Letters that steer a terminal. */
+/* Characters that steer a terminal. */
 #include "framework/base/steering.h"
 
 #include <stdint.h>
@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Length by the first byte; 0 if none begins so (RFC 3629, section 4). */
+/* Returns the length that the first byte announces; 0 if it cannot begin a character (RFC 3629,
+ * section 4). */
 static int length_of(unsigned char first)
 {
     return first < 0x80    ? 1
@@ -17,7 +18,7 @@ static int length_of(unsigned char first)
                            : 0;
 }
 
-/* The code of a letter of `length` bytes; false if it is not well-formed. */
+/* Decodes a character of `length` bytes; returns false if it is not well-formed. */
 static bool decode(const unsigned char *bytes, int length, uint32_t *code)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -30,7 +31,7 @@ static bool decode(const unsigned char *bytes, int length, uint32_t *code)
     return *code >= least[length] && *code <= 0x10FFFF && (*code < 0xD800 || *code > 0xDFFF);
 }
 
-/* The bytes of the first letter, and its code; 0 of what is no UTF-8. */
+/* Returns the length of the first character and its code; 0 if it is not UTF-8. */
 static int letter(const char *text, uint32_t *code)
 {
     const unsigned char *bytes = (const unsigned char *)text;
@@ -62,7 +63,7 @@ bool bb_is_calm(const char *text)
 
 char *bb_utf8_text(const char *text)
 {
-    enum { CODE = 3 }; /* letters of "%FC" */
+    enum { CODE = 3 }; /* characters of "%FC" */
     uint32_t code;
     size_t size = 1, bad = 0;
     for (const char *at = text; *at != '\0';) {
@@ -79,7 +80,8 @@ char *bb_utf8_text(const char *text)
         if (length > 0)
             memcpy(to, text, (size_t)length);
         else
-            sprintf(to, "%%%02X", (unsigned char)*text); /* the 0 is written over, or the end */
+            sprintf(to, "%%%02X", (unsigned char)*text); /* the next character or the end overwrites
+                                                          * the 0 */
         to += length > 0 ? length : CODE;
         text += length > 0 ? length : 1;
     }

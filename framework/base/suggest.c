@@ -12,8 +12,8 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* Letters to insert, drop, change or swap with the next, at the least (optimal string alignment).
- */
+/* Returns the least number of letters to insert, drop, change or swap with the next (optimal string
+ * alignment). */
 static size_t edits(const char *a, size_t a_length, const char *b, size_t b_length)
 {
     size_t rows[3][LETTERS_MAX + 1], *before = rows[0], *last = rows[1], *row = rows[2];

@@ -1,6 +1,6 @@
 /* Thread pool: workers wait on a condition variable between jobs, so that an idle pool costs
- * nothing while others are timed; inside a job every thread takes chunks from one atomic counter.
- */
+ * nothing while others are timed. Within a job every thread takes chunks from one atomic
+ * counter. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* sched_getaffinity() */
 #endif
@@ -19,12 +19,12 @@ typedef struct worker {
     bb_pool *pool;
     pthread_t thread;
     uint32_t index;
-    double began, ended; /* of its part in the last job; wall clock */
+    double began, ended; /* wall clock, for its part of the last job */
 } worker;
 
 struct bb_pool {
-    uint32_t threads; /* the caller's included */
-    uint32_t started; /* workers that run */
+    uint32_t threads; /* including the caller's */
+    uint32_t started; /* running workers */
     worker *workers;
     pthread_mutex_t lock;
     pthread_cond_t work, done;

@@ -9,23 +9,23 @@
 
 typedef struct bb_pool bb_pool;
 
-/* Cores that this process may use, at least 1. */
+/* Returns the number of cores this process may use, at least 1. */
 uint32_t bb_core_count(void);
 
-/* A pool of `threads` threads, the caller's included; 0 takes bb_core_count(). Owned by the caller.
- */
+/* Creates a pool of `threads` threads, including the caller's; 0 takes bb_core_count(). The caller
+ * owns it. */
 bb_status bb_pool_create(uint32_t threads, bb_pool **out);
 void bb_pool_destroy(bb_pool *pool); /* NULL is allowed */
 uint32_t bb_pool_threads(const bb_pool *pool);
 
-/* Wall time of the last bb_parallel_for(), as the threads that worked saw it: from the first that
- * began to the last that ended, in ms. */
+/* Returns the wall time of the last bb_parallel_for() in ms, from the first thread that began to
+ * the last that ended. */
 double bb_pool_span_ms(const bb_pool *pool);
 
-/* Calls function(context, begin, end, thread) for [0, count) in chunks of at most `chunk`, taken
- * from one counter by all threads, the calling one included, and returns when all are done. thread
- * < bb_pool_threads(pool) tells them apart. One call at a time per pool; `function` must not call
- * it again on the same pool. */
+/* Calls function(context, begin, end, thread) for [0, count) in chunks of at most `chunk`. All
+ * threads, including the caller's, take chunks from one counter; returns when all are done. thread
+ * < bb_pool_threads(pool) identifies the thread. One call at a time per pool; `function` must not
+ * call it again on the same pool. */
 void bb_parallel_for(bb_pool *pool, size_t count, size_t chunk,
                      void (*function)(void *context, size_t begin, size_t end, uint32_t thread),
                      void *context);

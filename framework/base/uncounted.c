@@ -11,7 +11,7 @@ void bb_uncounted_begin(void)
     begun_ms = bb_wall_ms();
 }
 
-/* Whoever asks between the two lines counts the span twice, which only makes a watch longer. */
+/* A query between the two lines counts the span twice, which only makes a watch longer. */
 void bb_uncounted_end(void)
 {
     done_ms = done_ms + (bb_wall_ms() - begun_ms);

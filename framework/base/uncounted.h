@@ -1,13 +1,14 @@
-/* Time that a limit of time does not count: that of the driver's compiler, which says nothing about
- * the method that is watched. */
+/* Time that does not count towards a time limit: the driver's compilation, which says nothing about
+ * the method under the limit. */
 #ifndef BB_UNCOUNTED_H
 #define BB_UNCOUNTED_H
 
-/* Between these two, on one thread of the process, time does not count. */
+/* Time between these two calls, on one thread of the process, does not count. */
 void bb_uncounted_begin(void);
 void bb_uncounted_end(void);
 
-/* All of it so far, in ms, what goes on included. May be asked in a signal handler. */
+/* Returns all uncounted time so far in ms, including a span in progress. Safe in a signal
+ * handler. */
 double bb_uncounted_ms(void);
 
 #endif

@@ -1,5 +1,5 @@
-/* What is taken of a plug-in where nothing is named: a constant table of {devices, role, variants},
- * which every plug-in declares of itself. A role is a word, and a new one changes no struct. */
+/* The variants of a plug-in that are used where none is named: a constant table of {devices, role,
+ * variants}, which every plug-in declares. A role is a word, so a new one changes no struct. */
 #ifndef BB_VARIANTS_H
 #define BB_VARIANTS_H
 
@@ -24,13 +24,14 @@ enum { BB_FOR_CPU = 1u << 0, BB_FOR_GPU = 1u << 1, BB_FOR_ALL = BB_FOR_CPU | BB_
 #define BB_ROLE_VOLUMES "volumes"         /* The variants are compared on volumes. */
 #define BB_ROLE_MESHES "meshes"           /* The variants are compared on tetrahedra. */
 #define BB_ROLE_MESHES_LONG "meshes_long" /* The same, but they take long. */
-/* The cost of trees on scenes that move is held to the trees of one variant, which is no stage. */
+/* The cost of trees on moving scenes is compared with the trees of one variant, which is no
+ * stage. */
 #define BB_ROLE_YARDSTICK "yardstick"
-/* One builder stands where a builder is needed and none is named: beside a splitter or an optimiser
- * that stands alone, for a picture. It takes all kinds and is compared (pipeline.h). */
+/* One builder is used where one is needed and none is named: with a splitter or an optimiser given
+ * alone, and for a picture. It takes all kinds and is compared (pipeline.h). */
 #define BB_ROLE_USUAL "usual"
-/* The SAH of all other trees is held to that of one variant of one builder: several times as much
- * is taken for a bug, or for a scene that defeats the method. */
+/* The SAH of all other trees is compared with that of one variant of one builder: several times as
+ * much is taken for a bug, or for a scene that defeats the method. */
 #define BB_ROLE_COST_REFERENCE "cost_reference"
 
 /* All roles that a builder may have. */
@@ -40,16 +41,16 @@ enum { BB_FOR_CPU = 1u << 0, BB_FOR_GPU = 1u << 1, BB_FOR_ALL = BB_FOR_CPU | BB_
         BB_ROLE_COST_REFERENCE
 
 typedef struct bb_variants {
-    uint32_t devices; /* on which they are taken; 0 ends the table */
+    uint32_t devices; /* on which they are used; 0 ends the table */
     const char *role;
-    const char *specs; /* as a list: "stack,stack:leaf=4" */
+    const char *specs; /* a list: "stack,stack:leaf=4" */
 } bb_variants;
 
-/* The table of a plug-in that is taken only where it is named. */
+/* The table of a plug-in that is used only where it is named. */
 #define BB_NO_VARIANTS ((const bb_variants[]){{0, NULL, NULL}})
 
-/* The first row, from `row` on, of this role on such a device; NULL after the last, and of a table
- * that is NULL. */
+/* Returns the first row, from `row` on, with this role on such a device; NULL after the last, or if
+ * the table is NULL. */
 static inline const bb_variants *bb_variants_of(const bb_variants *row, const char *role,
                                                 uint32_t device)
 {
