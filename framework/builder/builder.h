@@ -31,33 +31,33 @@ extern "C" {
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
 enum { BB_ABI_VERSION = 13 };
 
-/* What a builder reads; the clock starts when it is in place. The rest of the scene is withheld: it
- * is zero in the scene that the hooks get. So are views, since rays follow from them, unless the
- * builder has an option `view` that was given. Kinds, counts and names are always there.
- * Of a volume its geometry and transfer function are given to who declares it; what the harness
- * found out itself, which bricks are seen, is not.
+/* The inputs that a builder may declare. They are in place when the clock starts. Everything else
+ * in the scene that the hooks get is zero, except kinds, counts and names. Views are withheld too,
+ * since rays follow from them, unless the builder has an option `view` and it was given. A builder
+ * that declares a volume gets its geometry and transfer function, but not the list of visible
+ * bricks, which the harness computes for itself.
  *
- * After a splitter, boxes and prim_count are those of its references, and the tree's refs are
- * indices of references, which the harness then replaces by primitives. Profile and counts per kind
- * remain the scene's. References have none of BB_INPUTS_OF_PRIMITIVES: a builder that declares one
- * is refused after a splitter. */
+ * After a splitter, boxes and prim_count describe its references, and the tree's refs are indices
+ * of references, which the harness then replaces by primitives. Profile and counts per kind remain
+ * those of the scene. References have none of BB_INPUTS_OF_PRIMITIVES: a builder that declares one
+ * of them is refused after a splitter. */
 enum {
-    BB_INPUT_BOXES = 1u << 0,    /* on_device.boxes; for builders on the host also boxes */
-    BB_INPUT_GEOMETRY = 1u << 1, /* vertices and data of prims, likewise */
-    BB_INPUT_TREE = 1u << 2,     /* of an optimiser: the tree of another builder */
+    BB_INPUT_BOXES = 1u << 0,    /* on_device.boxes; builders on the host also get boxes */
+    BB_INPUT_GEOMETRY = 1u << 1, /* vertices and data of prims, in the same places */
+    BB_INPUT_TREE = 1u << 2,     /* for optimisers: the tree of the stage before */
     BB_INPUT_PROFILE = 1u << 3,  /* bounds and profile: measured by the harness, not timed */
     BB_INPUT_VOLUME = 1u << 4,   /* volume, and on_device.bricks, ranges and seen */
-    BB_INPUT_TETS = 1u << 5,     /* tets and on_device.tet_flags, where there are tetrahedra */
+    BB_INPUT_TETS = 1u << 5,     /* tets and on_device.tet_flags, if the scene has tetrahedra */
     BB_INPUTS_OF_PRIMITIVES = BB_INPUT_GEOMETRY | BB_INPUT_VOLUME | BB_INPUT_TETS,
 };
 
-enum { BB_STAGES_MAX = 4 }; /* of a pipeline */
+enum { BB_STAGES_MAX = 4 }; /* in a pipeline */
 
 enum { BB_PHASES_MAX = 16, BB_EVENTS_MAX = 8 };
 
-/* Named spans inside a build. Boundaries are exact for work on the host; for work on the device
- * only in builds that the harness makes for the purpose (`exact`), since each boundary then waits
- * for the queue. */
+/* Named spans inside a build. Their boundaries are exact for work on the host. For work on the
+ * device they are exact only in builds that the harness makes for this purpose (`exact`), since
+ * each boundary then waits for the queue. */
 typedef struct bb_phases {
     bb_device *device;
     bool exact;
@@ -65,8 +65,8 @@ typedef struct bb_phases {
     uint32_t count;
     int32_t current; /* -1: between phases */
     double started;
-    bool outside;      /* the current phase does not count */
-    double outside_ms; /* sum of those that don't: taken off the build's time */
+    bool outside;      /* the current phase does not count as build time */
+    double outside_ms; /* sum of such phases, which the build's time leaves out */
     const char *names[BB_PHASES_MAX];
     double ms[BB_PHASES_MAX];
     uint32_t event_count;
@@ -78,21 +78,21 @@ typedef struct bb_phases {
  * used again, its times add up. */
 bb_status bb_phase(bb_phases *phases, const char *name);
 
-/* As bb_phase(), for a phase that is not part of the method, such as converting a library's own
+/* Like bb_phase(), for a phase that is not part of the method, such as converting a library's own
  * tree: it is recorded, and subtracted from the build's time. BB_FAILED for builders on the device,
  * whose phases have no clock of their own. */
 bb_status bb_phase_outside(bb_phases *phases, const char *name);
 
-/* For a build that is made on the host whatever its builder's place says, before its first phase:
- * boundaries are exact, and the device's clock need not see any work. */
+/* Marks a build as made on the host, whatever the builder's place is. To be called before its first
+ * phase. Boundaries are then exact, and the device's clock need not have seen any work. */
 void bb_phases_on_host(bb_phases *phases);
 
-/* Counts what a build or an update did, for the record: "moved", "reinserted", "thinned". The name
- * is a string constant; if it is used again, its numbers add up. BB_FAILED for more than
- * BB_EVENTS_MAX names. */
+/* Counts something that a build or an update did ("moved", "reinserted", "thinned"), for the
+ * record. `name` is a string constant; if it is used again, its numbers add up. BB_FAILED for more
+ * than BB_EVENTS_MAX names. */
 bb_status bb_event(bb_phases *phases, const char *name, uint64_t number);
 
-/* What the harness hands to create(); outlives the object. */
+/* The harness passes this to create(); it outlives the object. */
 typedef struct bb_builder_context {
     bb_device *device;
     bb_account *account;      /* book all memory here */
@@ -107,34 +107,34 @@ struct bb_builder {
     uint32_t abi_version; /* BB_ABI_VERSION. Required. */
     const char *name;     /* lower case, digits, '-'; the folder's name. Required. */
     const char *summary;  /* one line for `list`. Required. */
-    const char *paper;    /* what it implements: authors, year. Required ("none" for none). */
+    const char *paper;    /* the implemented paper: authors, year. Required ("none" for none). */
     uint32_t kinds;  /* primitive kinds it takes: BB_TRIANGLES | ..., or BB_ALL_KINDS. Required. */
-    uint32_t inputs; /* BB_INPUT_...; Required. */
-    bb_place place;  /* where its tree is made. Required. */
-    /* The same input gives the same tree, bit for bit. Required to be true; false is an exception
-     * that the summary explains and `check` reports. */
+    uint32_t inputs; /* BB_INPUT_... Required. */
+    bb_place place;  /* where it makes its tree. Required. */
+    /* The same input gives the same tree, bit for bit. Must be true; false is an exception that the
+     * summary explains and `check` reports. */
     bool deterministic;
     const bb_option *options; /* ends with name NULL. Optional. */
-    /* What is taken of it where no builder is named (base/variants.h), on all devices. Optional.
+    /* Its variants that run where no builder is named (base/variants.h), on all devices. Optional.
      * NULL: the plain name is compared, unless it is only a stage (pipeline.h). */
     const bb_variants *variants;
 
-    /* Compiles and allocates what does not depend on the scene; not timed. Called once per object;
-     * the other hooks get *self, which is NULL before. If it fails after it has set *self, that
-     * goes to destroy() and to no other hook: set it as soon as there is something to free.
-     * Required. */
+    /* Compiles and allocates everything that does not depend on the scene; not timed. Called once
+     * per object. *self is NULL before the call, and is passed to all other hooks. If create()
+     * fails after it has set *self, only destroy() is called: set *self as soon as there is
+     * something to free. Required. */
     bb_status (*create)(const bb_builder_context *context, void **self);
 
-    /* Allocates what build() will need for this scene, so that build() does not have to. Called
+    /* Allocates the memory that build() needs for this scene, so that build() need not. Called
      * before the first build of a scene, and again if the number of references changes; not part of
      * the build's time, but recorded. `tree` is NULL for a splitter. Optional. */
     bb_status (*prepare)(void *self, const bb_scene *scene, bb_tree *tree);
 
-    /* Fills `tree` from the declared input, in bb_phase() spans; timed from a finished queue to a
-     * finished queue (it need not wait itself). `input` is NULL unless BB_INPUT_TREE is declared:
-     * then it is the tree of the previous stage, at this builder's `place` (a copy, if it was made
-     * on the other side), and must not be changed. Called many times on the same object. Required,
-     * except for a splitter. */
+    /* Fills `tree` from the declared input, in bb_phase() spans. It is timed from a finished queue
+     * to a finished queue, and need not wait itself. `input` is NULL unless BB_INPUT_TREE is
+     * declared: then it is the tree of the previous stage at this builder's `place` (a copy, if it
+     * was made on the other side), and must not be changed. Called many times on the same object.
+     * Required, except for a splitter. */
     bb_status (*build)(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
                        bb_phases *phases);
 
@@ -143,43 +143,41 @@ struct bb_builder {
     bb_status (*split)(void *self, const bb_scene *scene, bb_references *references,
                        bb_phases *phases);
 
-    /* Brings `tree`, built by this object, up to date after the same primitives `changed`
-     * (BB_CHANGED_...), as many as before; timed like build(), and preceded by restore() like it.
-     * The result must be a valid tree for the current state, not necessarily the one that build()
-     * would make. If nothing but boxes of nodes changed, bb_tree_boxes_changed() spares the layouts
-     * work. Returns BB_UNSUPPORTED if it cannot follow the change, or finds that it should not: the
-     * harness then builds again, as it does without this hook; the time until then counts if a
-     * phase had begun. Of a pipeline the last stage's is called, unless there is a splitter.
-     * Optional. */
+    /* Brings `tree`, built by this object, up to date after `changed` (BB_CHANGED_...) happened to
+     * the same primitives. It is timed like build(), and restore() precedes it too. The result must
+     * be a valid tree for the current state, but need not be the one that build() would make. If
+     * only boxes of nodes changed, a call of bb_tree_boxes_changed() saves the layouts work.
+     * BB_UNSUPPORTED if it cannot or should not follow the change: the harness then builds again,
+     * as it does without this hook, and adds the time spent so far if a phase had begun. In a
+     * pipeline the hook of the last stage is called, unless there is a splitter. Optional. */
     bb_status (*update)(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                         bb_phases *phases);
 
-    /* Restores whatever build() destroys of its input, before each build or update; not part of the
+    /* Restores the input that build() destroys, before each build or update; not part of the
      * build's time, but recorded. Optional. */
     bb_status (*restore)(void *self, const bb_scene *scene);
 
-    /* Describes the last build in one line, without a newline, for the record: whatever its figures
-     * do not tell, such as the bit layout of a code or the level that was chosen. Not timed.
-     * Optional. */
+    /* Describes the last build for the record, in one line without a newline. It adds to the
+     * figures, such as the bit layout of a code or the chosen level. Not timed. Optional. */
     bb_status (*describe)(void *self, const bb_scene *scene, char *text, size_t capacity);
 
-    /* Appends what was decided for the last build, with the figures: the length of a code, levels.
-     * Not timed. Optional. */
+    /* Appends the decisions made for the last build, with their figures, such as the length of a
+     * code or the number of levels. Not timed. Optional. */
     void (*decide)(void *self, const bb_scene *scene, bb_decisions *decisions);
 
-    /* Frees everything; called once on whatever create() has set, also after a build that failed,
-     * and after a create() that failed half-way: members that it did not come to are as it left
-     * them. Not called if *self is NULL. Required. */
+    /* Frees everything that create() has set. Called once, also after a build that failed and after
+     * a create() that failed half-way: members that it did not reach are as it left them. Not
+     * called if *self is NULL. Required. */
     void (*destroy)(void *self);
 };
 
-/* A builder and its device files, as a shared object exports them for the registry. */
+/* A builder and its device files, as a shared object exports them to the registry. */
 typedef struct bb_registration {
-    char magic[8];        /* BB_PLUGIN_MAGIC, without a 0: tells it from any other bb_plugin */
+    char magic[8];        /* BB_PLUGIN_MAGIC without its final 0 */
     uint32_t abi_version; /* BB_ABI_VERSION */
-    uint32_t bytes;       /* of this struct */
+    uint32_t bytes;       /* size of this struct */
     const bb_builder *builder;
-    const bb_source *files; /* those in its folder; ends with name NULL. NULL: none */
+    const bb_source *files; /* device files of its folder; ends with name NULL. NULL: none */
 } bb_registration;
 
 #define BB_PLUGIN_MAGIC "BVHBPLUG"
@@ -191,10 +189,10 @@ typedef struct bb_registration {
     __attribute__((visibility("default"))) const bb_registration bb_plugin = {                     \
         BB_PLUGIN_MAGIC, BB_ABI_VERSION, sizeof(bb_registration), &(builder), (files)}
 
-/* Name of the reference rows, Embree with its own trees. No builder may be called that. */
+/* Name of the reference rows, Embree with its own trees. No builder may have this name. */
 #define BB_REFERENCE_NAME "embree-native"
 
-/* What a builder is in a pipeline: a splitter, an optimiser, or neither. */
+/* A builder's role in a pipeline: a splitter, an optimiser, or neither. */
 static inline bool bb_is_splitter(const bb_builder *builder)
 {
     return builder->split != NULL;

@@ -1,4 +1,4 @@
-/* The life of an instance, and what its stages are shown of the scene. */
+/* The life of an instance, and the part of the scene that each stage sees. */
 #include "framework/builder/instance_private.h"
 
 #include "framework/device/device_private.h"
@@ -42,7 +42,7 @@ static bb_status create_stage(bb_instance *instance, uint32_t i, uint64_t seed)
     };
     stage->tree = i + 1 < instance->pipeline.count ? &stage->own : &instance->tree;
     bb_tree_init(&stage->own, &instance->account);
-    /* what one stage needs of another is the pipeline's, not the harness's */
+    /* copies between stages are booked on the pipeline, not on the harness */
     stage->own.copy_account = &instance->account;
     const uint64_t before = instance->account.bytes;
     bb_status status = stage->builder->create(&stage->context, &stage->self);
@@ -103,7 +103,7 @@ void bb_instance_destroy(bb_instance *instance)
     memset(instance, 0, sizeof *instance);
 }
 
-/* ---- what stages declare ---- */
+/* ---- declarations of the stages ---- */
 
 uint32_t bb_instance_inputs(const bb_instance *instance)
 {
@@ -139,7 +139,7 @@ static bool may_see_views(const bb_stage *stage)
     return bb_spec_value(stage->context.spec, NULL, "view") != NULL;
 }
 
-/* The scene with all taken out that the builder did not declare. */
+/* The scene without the inputs that the builder did not declare. */
 static bb_scene declared_part(const bb_stage *stage, const bb_scene *scene)
 {
     uint32_t inputs = stage->builder->inputs;

@@ -1,4 +1,5 @@
-/* Builds of an instance: stage after stage, each with its own clock, and what goes between them. */
+/* Builds of an instance, stage after stage, each with its own clock, and the data passed between
+ * them. */
 #include "framework/builder/instance_private.h"
 
 #include "framework/base/clock.h"
@@ -8,7 +9,7 @@ enum { GROUP_SIZE = 64 };
 
 static volatile uint64_t sink;
 
-/* One word per cache line. */
+/* Reads one word per cache line. */
 static void read_memory(const void *memory, size_t bytes)
 {
     const unsigned char *at = memory;
@@ -28,9 +29,8 @@ static bb_status read_buffer(const bb_buffer *buffer)
     return bb_buffer_unmap(buffer, mapped);
 }
 
-/* Reads the input once. Else its first reader after somebody else's build, or after its own
- * restore(), would find it cold, or warm, by accident. A device with memory of its own keeps that
- * to itself. */
+/* Reads the input once. Otherwise it would depend on the build before, or on restore(), whether the
+ * stage's first access finds it cold or warm. Only memory that the host shares can be warmed. */
 static bb_status warm_up(const bb_scene *part)
 {
     const bb_scene_device *there = &part->on_device;
@@ -49,7 +49,7 @@ static bb_status warm_up(const bb_scene *part)
     return read_buffer(&there->tet_flags);
 }
 
-/* Untimed, and recorded. */
+/* Prepares and restores; not timed, but recorded. */
 static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scene *scene,
                            const bb_scene *part, double *restore_ms)
 {
@@ -73,10 +73,10 @@ static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scen
     return warm_up(part);
 }
 
-/* ---- what a stage takes of the account that all share ---- */
+/* ---- each stage's share of the common account ---- */
 
 typedef struct meter {
-    uint64_t bytes, peak; /* of the account, before */
+    uint64_t bytes, peak; /* values of the account at the start */
 } meter;
 
 static meter start_meter(bb_instance *instance)
@@ -87,20 +87,21 @@ static meter start_meter(bb_instance *instance)
     return before;
 }
 
-/* Books on the stage what is left on the account since; returns what the stage held at most. */
+/* Books the change of the account since `before` on the stage; returns the most that the stage
+ * held. */
 static uint64_t stop_meter(bb_instance *instance, bb_stage *stage, const meter *before)
 {
     bb_account *account = &instance->account;
     const uint64_t most = stage->bytes + (account->peak - before->bytes);
-    stage->bytes += account->bytes - before->bytes; /* modulo 2^64: it may have become less */
+    stage->bytes += account->bytes - before->bytes; /* modulo 2^64: it may have shrunk */
     if (account->peak < before->peak)
         account->peak = before->peak;
     return most;
 }
 
-/* Brings what stage `i` takes of the one before to where it wants it; `ms` gets the time of the
- * copy that its inputs ask for. A builder on the host may read boxes on the device too, as of a
- * scene: that copy is the harness's, and not timed. */
+/* Copies the output of the stage before to where stage `i` needs it; `ms` gets the time of the copy
+ * that its declared inputs require. A builder on the host may also read boxes on the device, as it
+ * may for a scene: the harness makes that copy, untimed. */
 static bb_status hand_over(bb_instance *instance, uint32_t i, double *ms)
 {
     bb_device *device = instance->device;
@@ -134,7 +135,7 @@ static bb_status run_hook(bb_instance *instance, uint32_t i, const bb_scene *par
     return bb_phase(phases, NULL);
 }
 
-/* What a splitter claims is copied by these counts. */
+/* The splitter's counts must be in range, since copies rely on them. */
 static bb_status check_references(const bb_instance *instance, const bb_scene *scene)
 {
     const bb_references *references = &instance->references;
@@ -156,13 +157,13 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     *step = (bb_build_step){.label = instance->pipeline.stages[i].label, .stage = i};
     const meter before = start_meter(instance);
     BB_TRY(get_ready(instance, stage, scene, &part, &step->timing.restore_ms));
-    if (bb_stage_is_fed_with_references(instance, i)) /* else what map_refs() found the last time */
+    if (bb_stage_is_fed_with_references(instance, i)) /* else keep the result of map_refs() */
         stage->tree->duplicated = false;
     step->phases = (bb_phases){.device = builder->place == BB_ON_DEVICE ? instance->device : NULL,
                                .exact = exact,
                                .current = -1};
     if (stage->tree != NULL && changed == 0)
-        bb_tree_changed(stage->tree); /* before: what a build makes of the new links holds */
+        bb_tree_changed(stage->tree); /* first: derivations from the build's new links stay valid */
     if (stage->tree != NULL)
         stage->tree->refitted = false;
     bb_stopwatch watch;
@@ -187,7 +188,7 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     return BB_OK;
 }
 
-/* Puts primitives in the place of references, where the tree is. */
+/* Replaces references by primitives, at the tree's place. */
 static bb_status map_on_host(bb_tree *tree, const bb_references *references)
 {
     if (tree->info.ref_count > tree->ref_capacity)
@@ -277,8 +278,8 @@ const char *bb_update_word(bb_update_way way)
     return words[way];
 }
 
-/* The last stage alone is asked: the tree is its own. What a splitter made of primitives would have
- * to follow first, and no hook says how. */
+/* Only the last stage, which owns the tree, can update it. After a splitter its references would
+ * need an update first, and no hook does that. */
 static bool can_update(const bb_instance *instance, const bb_scene *scene)
 {
     const bb_stage *last = &instance->stages[instance->pipeline.count - 1];
@@ -286,7 +287,7 @@ static bool can_update(const bb_instance *instance, const bb_scene *scene)
            instance->built == scene && last->prepared_count == scene->prim_count;
 }
 
-/* An update that was given up after work had begun is part of what the rebuild costs. */
+/* The time of an update that was given up after work had begun is added to that of the rebuild. */
 static bb_status rebuild(bb_instance *instance, const bb_scene *scene, bool exact_phases,
                          const bb_build_step *given_up, bb_build_timing *timing)
 {
@@ -331,7 +332,7 @@ bb_status bb_instance_update(bb_instance *instance, const bb_scene *scene, uint3
 
 /* ---- transfers ---- */
 
-/* What the stages on the host declare of the scene: once each, whoever reads it. */
+/* The inputs that stages on the host declare, each once however many stages read it. */
 static uint32_t inputs_on_host(const bb_instance *instance)
 {
     uint32_t inputs = 0;
@@ -342,7 +343,7 @@ static uint32_t inputs_on_host(const bb_instance *instance)
     return inputs;
 }
 
-/* Reads what is declared of the scene once, into memory that is thrown away. */
+/* Reads the declared inputs once, into memory that is then freed. */
 static bb_status read_inputs(uint32_t inputs, const bb_scene *scene, double *ms)
 {
     const bb_scene_device *there = &scene->on_device;

@@ -1,4 +1,4 @@
-/* The clock of a build's phases, and its counts. */
+/* The clock of a build's phases, and the counts of its events. */
 #include "framework/base/clock.h"
 #include "framework/builder/builder.h"
 

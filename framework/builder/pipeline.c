@@ -26,7 +26,7 @@ static bb_status find_builder(const char *text, bb_pipeline_stage *stage)
     return bb_spec_validate(&stage->spec, stage->builder->options, what);
 }
 
-/* Names come back: the same optimiser twice. */
+/* A second stage of the same name gets a number. */
 static void set_label(bb_pipeline *pipeline, uint32_t i)
 {
     bb_pipeline_stage *stage = &pipeline->stages[i];
@@ -39,7 +39,7 @@ static void set_label(bb_pipeline *pipeline, uint32_t i)
         snprintf(stage->label, sizeof stage->label, "%.40s#%u", stage->builder->name, same);
 }
 
-/* May `stage` come after `before` (NULL: as the first)? */
+/* Whether `stage` may come after `before` (NULL: as the first). */
 static bb_status check_order(const bb_builder *before, const bb_builder *stage)
 {
     const char *name = stage->name;
@@ -68,7 +68,7 @@ static bb_status check_order(const bb_builder *before, const bb_builder *stage)
     return BB_OK;
 }
 
-/* All but whether the last stage leaves a tree. */
+/* Parses everything, without checking that the last stage leaves a tree. */
 static bb_status parse_stages(const char *text, bb_pipeline *pipeline)
 {
     bb_spec specs[BB_STAGES_MAX];
@@ -145,7 +145,7 @@ bb_status bb_pipeline_complete(const char *text, char *whole, size_t capacity, b
                           : snprintf(whole, capacity, "%s+%s", beside->name, text);
     if (length < 0 || (size_t)length >= capacity)
         return bb_fail(BB_INVALID, "'%.40s...' is too long", text);
-    if (lacks && bb_pipeline_parse(whole, &pipeline) != BB_OK) /* "\\" at its end takes the '+' */
+    if (lacks && bb_pipeline_parse(whole, &pipeline) != BB_OK) /* a final "\\" escapes the '+' */
         return bb_fail(BB_INVALID, "'%s' cannot be completed by %s: write all of it", text,
                        beside->name);
     if (completed != NULL)

@@ -1,4 +1,4 @@
-/* Plug-ins: shared objects, looked at before they are believed. */
+/* Plug-ins are shared objects, which are inspected before they are trusted. */
 #include "framework/builder/registry.h"
 
 #include <dlfcn.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* This library's own header, which the linker names. */
+/* The header of this program's own file; the linker defines the name. */
 extern const ElfW(Ehdr) __ehdr_start __attribute__((visibility("hidden")));
 
 static bool read_header(FILE *file, ElfW(Ehdr) * header)
@@ -18,7 +18,7 @@ static bool read_header(FILE *file, ElfW(Ehdr) * header)
            memcmp(header->e_ident, ELFMAG, SELFMAG) == 0;
 }
 
-/* Class, byte order and machine: what follows has another form where they differ. */
+/* Compares class, byte order and machine: the rest of the header depends on them. */
 static bool is_of_this_machine(const ElfW(Ehdr) * header)
 {
     return header->e_ident[EI_CLASS] == __ehdr_start.e_ident[EI_CLASS] &&
@@ -26,8 +26,8 @@ static bool is_of_this_machine(const ElfW(Ehdr) * header)
            header->e_machine == __ehdr_start.e_machine;
 }
 
-/* Whether the file holds all that its program headers ask to be mapped: the loader maps past the
- * end of a truncated file, and the process dies at the first access. */
+/* Whether the file contains all that its program headers map: the loader maps past the end of a
+ * truncated file, and the process dies at the first access. */
 static bool is_whole(const ElfW(Ehdr) * header, FILE *file, uint64_t size)
 {
     if (header->e_type != ET_DYN || header->e_phentsize != sizeof(ElfW(Phdr)) ||
@@ -68,8 +68,8 @@ static bb_status check_file(const char *path)
     return BB_OK;
 }
 
-/* What the object exports as bb_plugin; NULL if nothing. Whether it is ours is not known yet: the
- * size is what the object's symbol table says, so that nothing beyond it is read. */
+/* The object's symbol bb_plugin; NULL if there is none. It is not yet known to be ours: its size is
+ * read from the symbol table, so that nothing beyond it is accessed. */
 static const void *find_export(void *object, size_t *bytes)
 {
     Dl_info where;
@@ -92,8 +92,8 @@ static bb_status take(const char *path, void *object)
                        "plug-in %s: is not a bvhbench builder (no symbol bb_plugin): build it with "
                        "bvhbench_add_builder()",
                        path);
-    /* Magic word, version and size come first, whatever follows: nothing else is read before they
-     * agree. */
+    /* The magic word, version and size come first in every version; nothing else is read before
+     * they match. */
     if (bytes < offsetof(bb_registration, builder) ||
         memcmp(found->magic, BB_PLUGIN_MAGIC, sizeof found->magic) != 0)
         return bb_fail(BB_INVALID,
@@ -124,7 +124,7 @@ bb_status bb_plugin_load(const char *path)
 {
     errno = 0;
     BB_TRY(check_file(path));
-    /* Without a slash dlopen() would search the library path. */
+    /* Without a slash, dlopen() would search the library path. */
     char here[4096];
     int length = snprintf(here, sizeof here, "%s%s", strchr(path, '/') != NULL ? "" : "./", path);
     if (length < 0 || (size_t)length >= sizeof here)

@@ -1,5 +1,5 @@
-/* The registry of builders: the built-in table that CMake made from the folders, and what was added
- * to it. */
+/* The registry of builders: the built-in table that CMake made from the folders, and loaded
+ * plug-ins. */
 #include "framework/builder/registry.h"
 
 #include <ctype.h>
@@ -60,7 +60,8 @@ const bb_source *bb_device_file_find(const char *name)
 
 /* ---- validation ---- */
 
-/* Lower case, digits, '-', beginning with a letter: what a specification and a folder can carry. */
+/* Lower case, digits, '-', beginning with a letter: valid in a specification and as a folder's
+ * name. */
 static bool is_name(const char *name)
 {
     if (name == NULL || !islower((unsigned char)name[0]) || strlen(name) > 40)
@@ -113,8 +114,8 @@ static bb_status validate_options(const char *builder, const bb_option *options)
     return BB_OK;
 }
 
-/* One of the stages is this builder, with parameters that it takes; the others need not be there
- * yet. */
+/* One of the stages must be this builder, with parameters that it takes; the builders of the other
+ * stages need not exist yet. */
 static bb_status validate_variant(const bb_builder *builder, const char *item, const char *member)
 {
     bb_spec stages[BB_STAGES_MAX];
@@ -131,7 +132,7 @@ static bb_status validate_variant(const bb_builder *builder, const char *item, c
                  : bb_fail(BB_INVALID, "%s holds '%s', which is another builder", member, item);
 }
 
-/* What is taken by default must be specifications of this builder. */
+/* Default variants must be specifications of this builder. */
 static bb_status validate_variants(const bb_builder *builder, const char *list, const char *member)
 {
     char *items[64] = {NULL};
@@ -145,7 +146,7 @@ static bb_status validate_variants(const bb_builder *builder, const char *list, 
     return status == BB_OK ? BB_OK : bb_fail(status, "builder %s: %s", builder->name, bb_message());
 }
 
-/* Roles of one variant and no list. */
+/* Roles whose value is one variant, not a list. */
 static const char *const of_one_variant[] = {BB_ROLE_GENEROUS, BB_ROLE_YARDSTICK, BB_ROLE_USUAL,
                                              BB_ROLE_COST_REFERENCE};
 
@@ -157,7 +158,7 @@ static bool has_word(const char *const *words, size_t count, const char *word)
     return false;
 }
 
-/* A misspelt role, and a second row of one, would be taken by nobody. */
+/* A misspelt role, or a second row for a role, would have no effect. */
 static bb_status validate_role(const bb_builder *builder, const bb_variants *row)
 {
     static const char *const roles[] = {BB_BUILDER_ROLES};
@@ -202,7 +203,7 @@ bool bb_builder_is_compared(const bb_builder *builder)
     return builder->variants == NULL || bb_builder_variants(builder, BB_ROLE_COMPARED) != NULL;
 }
 
-/* Whether it makes trees of whatever it is given. */
+/* Whether it builds trees from boxes of any kind. */
 static bool is_for_all(const bb_builder *builder)
 {
     return builder->split == NULL && !bb_is_optimiser(builder) && bb_builder_is_compared(builder) &&
@@ -258,7 +259,7 @@ bb_status bb_builder_validate(const bb_builder *builder)
 
 /* ---- adding one ---- */
 
-/* One name, one file, whoever's: --kernels-from knows files by their name alone. */
+/* Names of files are unique across builders: --kernels-from finds files by name alone. */
 static bb_status check_files(const char *builder, const bb_source *files)
 {
     for (const bb_source *file = files; file != NULL && file->name != NULL; file++)
@@ -269,7 +270,7 @@ static bb_status check_files(const char *builder, const bb_source *files)
     return BB_OK;
 }
 
-/* What only one builder may be. */
+/* Roles that only one builder may have. */
 static const char *const of_one_builder[] = {BB_ROLE_USUAL, BB_ROLE_COST_REFERENCE};
 
 static bb_status check_sole(const bb_builder *builder)

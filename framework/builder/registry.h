@@ -1,4 +1,4 @@
-/* The registry of builders, for the harness: what is built in, and what was loaded. */
+/* The registry of built-in and loaded builders, for the harness. */
 #ifndef BB_REGISTRY_H
 #define BB_REGISTRY_H
 
@@ -12,25 +12,25 @@ uint32_t bb_builder_count(void);
 const bb_builder *bb_builder_at(uint32_t index);
 const bb_builder *bb_builder_find(const char *name); /* NULL if there is none */
 
-/* Its variants of a role (base/variants.h), as a list; NULL: it has none. */
+/* The builder's variants for a role (base/variants.h), as a list; NULL: it has none. */
 const char *bb_builder_variants(const bb_builder *builder, const char *role);
-/* Whether it is taken where builders are compared and none is named. */
+/* Whether it takes part in comparisons that name no builder. */
 bool bb_builder_is_compared(const bb_builder *builder);
 
-/* The device source or header of this name, of kernels/, builders/common or any builder; NULL if
+/* The device source or header of this name, from kernels/, builders/common or any builder; NULL if
  * there is none. */
 const bb_source *bb_device_file_find(const char *name);
 
-/* Adds a builder for the life of the process. BB_INVALID if its struct is not in order, if its
- * name, or that of one of its device files, is taken, or if it has a role that one builder
- * has already, and no other may. */
+/* Adds a builder for the life of the process. BB_INVALID if its struct is invalid, if its name or
+ * the name of one of its device files is taken, or if it claims a role that only one builder may
+ * have and another has already. */
 bb_status bb_builder_add(const bb_registration *registration);
 
-/* Checks a builder's struct: names, required hooks, options, variants that it names. */
+/* Checks a builder's struct: names, required hooks, options, the variants that it names. */
 bb_status bb_builder_validate(const bb_builder *builder);
 
-/* Loads a shared object and adds its builder. BB_INVALID when it is none, exports no bb_plugin, was
- * made for another ABI version, or bb_builder_add() refuses it. */
+/* Loads a shared object and adds its builder. BB_INVALID if the file is no shared object, exports
+ * no bb_plugin, was made for another ABI version, or bb_builder_add() refuses it. */
 bb_status bb_plugin_load(const char *path);
 
 /* Inputs as words: "boxes geometry". */
