@@ -14,9 +14,9 @@
 #include <stddef.h>
 
 #define HALF_ULP (0.5 * DBL_EPSILON) /* 2^-53, the unit of the error bounds */
-#define PRECISION 0x1p-34            /* relative error allowed to what goes into t */
+#define PRECISION 0x1p-34            /* relative error allowed in the terms of t */
 
-/* sum += sign * a * b * c. Most differences of floats fit one double: their lower parts are 0. */
+/* sum += sign * a * b * c. Most differences of floats fit one double, with lower parts of 0. */
 static void add_triple(expansion *sum, double sign, two a, two b, two c)
 {
     const double as[2] = {a.lo, a.hi}, bs[2] = {b.lo, b.hi}, cs[2] = {c.lo, c.hi};
@@ -49,8 +49,8 @@ static double exact_determinant(const two z[3], const two x[3], const two y[3])
 
 /* ---- determinants with a filter ---- */
 
-/* z . (x cross y). Each operand may be off by one rounding (a difference): at most seven roundings
- * on the way of a term, hence |error| < 8 u * (sum of the terms' magnitudes), which 10 u times its
+/* Returns z . (x cross y). Each operand may be off by one rounding (a difference): a term takes at
+ * most seven roundings, hence |error| < 8 u * (sum of the terms' magnitudes), which 10 u times its
  * computed value covers. */
 static double determinant(const double z[3], const double x[3], const double y[3], double *error)
 {
@@ -83,8 +83,8 @@ static void widen(const float v[3], double out[3])
         out[i] = (double)v[i];
 }
 
-/* d . ((p - o) cross (q - o)) with the exact sign: on which side of the edge p q the line passes.
- */
+/* Returns d . ((p - o) cross (q - o)) with its exact sign: the side of the edge p q on which the
+ * line passes. */
 static double side(const double o[3], const float d[3], const float p[3], const float q[3])
 {
     double dd[3], x[3], y[3], error;
@@ -135,8 +135,8 @@ int bb_exact_side(const double p[3], const float a[3], const float b[3], const f
     return value > 0.0 ? 1 : value < 0.0 ? -1 : 0;
 }
 
-/* normal . vector, for the normal (b - a) cross (c - a) and vector p - o or, with o NULL, p.
- * Relative error below PRECISION. */
+/* Returns normal . vector, for the normal (b - a) cross (c - a) and the vector p - o or, if o is
+ * NULL, p. The relative error is below PRECISION. */
 static double along_normal(const float p[3], const double *o, const float a[3], const float b[3],
                            const float c[3])
 {
@@ -166,13 +166,13 @@ bool bb_exact_plane_t(const double o[3], const float d[3], const float a[3], con
     return true;
 }
 
-/* ---- spheres; c is the centre seen from o ---- */
+/* ---- spheres; c is the centre relative to o ---- */
 
 static double exact_discriminant(const two c[3], const float d[3], float radius)
 {
     expansion sum;
     sum.count = 0;
-    double square = (double)radius * (double)radius; /* exact, like that of any float */
+    double square = (double)radius * (double)radius; /* exact for any float */
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
         add_product(&sum, (double)d[i] * (double)d[i], square);
@@ -189,7 +189,7 @@ static double exact_discriminant(const two c[3], const float d[3], float radius)
     return value_of(&sum);
 }
 
-/* |d|^2 r^2 - |d cross c|^2: the sign is exact; with `precise`, the relative error is below
+/* Returns |d|^2 r^2 - |d cross c|^2. The sign is exact; if `precise`, the relative error is below
  * PRECISION. */
 static double discriminant(const double o[3], const float d[3], const float sphere[4], bool precise)
 {
@@ -203,7 +203,7 @@ static double discriminant(const double o[3], const float d[3], const float sphe
         sum += own - (p - q) * (p - q);
         magnitude += own + (fabs(p) + fabs(q)) * (fabs(p) + fabs(q));
     }
-    /* A squared component is off by at most 9 u of its magnitude, three additions follow. */
+    /* A squared component is off by at most 9 u of its magnitude; three additions follow. */
     double error = 20.0 * HALF_ULP * magnitude;
     if (precise ? error <= PRECISION * fabs(sum) : fabs(sum) > error)
         return sum;
@@ -217,7 +217,7 @@ bool bb_exact_meets_sphere(const double o[3], const float d[3], const float sphe
     return discriminant(o, d, sphere, false) >= 0.0;
 }
 
-/* d . c to PRECISION. */
+/* Returns d . c to PRECISION. */
 static double projection(const double o[3], const float d[3], const float sphere[4])
 {
     double c[3], sum = 0.0, magnitude = 0.0;
@@ -239,7 +239,8 @@ static double projection(const double o[3], const float d[3], const float sphere
     return value_of(&exact);
 }
 
-/* |c|^2 - r^2 to PRECISION: the power of the origin, the product of both roots times |d|^2. */
+/* Returns |c|^2 - r^2 to PRECISION: the power of the origin, the product of both roots times
+ * |d|^2. */
 static double power(const double o[3], const float sphere[4])
 {
     double c[3], square = (double)sphere[3] * (double)sphere[3], sum = -square, magnitude = square;
@@ -271,7 +272,7 @@ bool bb_exact_sphere_t(const double o[3], const float d[3], const float sphere[4
     double square =
         (double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] + (double)d[2] * (double)d[2];
     double root = sqrt(under_root), middle = projection(o, d, sphere);
-    /* The root of the larger magnitude has no cancellation; the product of both gives the other. */
+    /* The larger root in magnitude has no cancellation; the product of both gives the other. */
     double larger = middle < 0.0 ? middle - root : middle + root;
     double first = larger / square;
     double second = larger == 0.0 ? 0.0 : power(o, sphere) / larger;

@@ -59,7 +59,7 @@ static inline void add_product(expansion *sum, double a, double b)
         add(sum, product.hi);
 }
 
-/* The sum to within a few units in the last place, with the exact sign. */
+/* Returns the sum to within a few units in the last place, with its exact sign. */
 static inline double value_of(const expansion *sum)
 {
     double value = 0.0;

@@ -1,7 +1,6 @@
-/* Seen along the ray a polygon is flat and the ray is the point (0, 0). What of it lies outside the
- * interval is cut off first (Sutherland and Hodgman 1974): a surface on which a ray starts is near
- * the ray's line, and behind its origin.
- */
+/* Seen along the ray a polygon is flat and the ray is the point (0, 0). Parts outside the interval
+ * are cut off first (Sutherland and Hodgman 1974): the surface on which a ray starts is near the
+ * ray's line, but behind its origin. */
 #include "framework/exact/passing.h"
 
 #include <math.h>
@@ -24,7 +23,7 @@ static corner see(const bb_frame *frame, const float v[3])
     return c;
 }
 
-/* Keeps what has sign * t >= sign * bound; how many corners are left. */
+/* Keeps the part with sign * t >= sign * bound; returns its number of corners. */
 static int cut(corner *corners, int count, double bound, double sign)
 {
     corner kept[BB_OUTLINE_CORNERS + 1];
@@ -51,7 +50,7 @@ static void see_all(const bb_frame *frame, const float *const *from, uint32_t co
         corners[i] = see(frame, from[i]);
 }
 
-/* Of a polygon what lies in the interval; how many corners it has. */
+/* Cuts a polygon to the interval; returns its number of corners. */
 static int cut_ends(corner corners[BB_OUTLINE_CORNERS + 1], uint32_t count, double from, double to)
 {
     int left = cut(corners, (int)count, from, 1.0);

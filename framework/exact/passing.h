@@ -1,11 +1,11 @@
-/* How far a ray passes a primitive, and what it sees of it, in doubles: only ever compared with a
- * margin. */
+/* How far a ray passes a primitive, and the primitive's outline along the ray, in doubles: results
+ * are only compared with a margin. */
 #ifndef BB_PASSING_H
 #define BB_PASSING_H
 
 #include <stdint.h>
 
-/* A ray's frame: what lies at o + x across[0] + y across[1] + t d is seen at (x, y), at t. */
+/* A ray's frame: the point o + x across[0] + y across[1] + t d is seen at (x, y), at t. */
 typedef struct bb_frame {
     double o[3], d[3];
     double length;       /* of d */
@@ -13,8 +13,9 @@ typedef struct bb_frame {
 } bb_frame;
 
 typedef struct bb_passing {
-    double distance;      /* in scene units; INFINITY if the primitive is nowhere in the interval */
-    double t_low, t_high; /* all of its extent along the ray; of a sphere, where it is nearest */
+    double distance;      /* in scene units; INFINITY if the primitive has no part in the
+                           * interval */
+    double t_low, t_high; /* its extent along the ray; for a sphere, its nearest point */
 } bb_passing;
 
 enum {
@@ -22,21 +23,21 @@ enum {
     BB_OUTLINE_CORNERS = BB_POLYGON_CORNERS + 2, /* when two ends are cut off */
 };
 
-/* A convex part of a primitive as the ray sees it, in the frame's units. */
+/* A convex part of a primitive as seen along the ray, in the frame's units. */
 typedef struct bb_outline {
     double corners[BB_OUTLINE_CORNERS][2];
     uint32_t count;
 } bb_outline;
 
-/* The least distance of the ray from the polygon's part at t in [from, to]; corners[i] points to x,
- * y, z. */
+/* Returns the least distance of the ray from the polygon's part at t in [from, to]; corners[i]
+ * points to x, y, z. */
 bb_passing bb_pass_polygon(const bb_frame *frame, const float *const *corners, uint32_t count,
                            double from, double to);
 
-/* The same for a ball: centre and radius. */
+/* Does the same for a ball: centre and radius. */
 bb_passing bb_pass_ball(const bb_frame *frame, const float sphere[4], double from, double to);
 
-/* The polygon's part at t in [from, to]; may be empty. */
+/* Computes the outline of the polygon's part at t in [from, to]; may be empty. */
 void bb_see_polygon(const bb_frame *frame, const float *const *corners, uint32_t count, double from,
                     double to, bb_outline *outline);
 

@@ -1,4 +1,4 @@
-/* Classes of answers: the definitions are in arbiter.h. */
+/* Classifies answers by the definitions in arbiter.h. */
 #include "framework/judge/arbiter.h"
 
 #include "framework/exact/passing.h"
@@ -10,13 +10,13 @@
 
 enum { NINE = 9, ALL_NINE = (1 << NINE) - 1, HALVINGS = 5, NEAR_MAX = 48, COVERS_MAX = 16 };
 
-/* A corner is off by some 2^-52 of the numbers that it is made of, which are a margin times 2^20;
- * this leaves room for a few roundings. */
+/* A corner is off by about 2^-52 of the coordinates it is computed from, which are up to 2^20
+ * margins; the rest leaves room for a few roundings. */
 static const double corner_error = 0x1p-29; /* in margins */
-static const double clearly = 1e-6;   /* in units: what is_open() rounds a point by, at least */
-static const double inside = 0x1p-30; /* of a distance: what rounding may add to it */
+static const double clearly = 1e-6;         /* in units: is_open() rounds a point by less */
+static const double inside = 0x1p-30; /* as a share of a distance: what rounding may add to it */
 
-/* One ray under judgement. */
+/* A ray being judged. */
 typedef struct trial {
     const bb_scene *scene;
     const bb_ray *ray;
@@ -67,8 +67,7 @@ static void begin_trial(trial *trial, const bb_scene *scene, const bb_ray *ray)
         int a = (i + 1) % 3, b = (i + 2) % 3;
         w[i] = (d[a] * u[b] - d[b] * u[a]) / trial->frame.length;
     }
-    /* Rounded to multiples of 2^-30, so that the moved origins have no bits too small for exact.c.
-     */
+    /* Rounded to multiples of 2^-30, so that moved origins have no bits too small for exact.c. */
     for (int n = 0; n < NINE; n++)
         for (int i = 0; i < 3; i++)
             trial->moves[n][i] = 0x1p-30 * rint(0x1p30 * (steps[n][0] * u[i] + steps[n][1] * w[i]));
@@ -138,7 +137,7 @@ bool bb_exact_first(const bb_scene *scene, const bb_ray *ray, uint32_t prim, dou
     for (int root = 0; root < count; root++) {
         double slack = 0x1p-28 * fabs(roots[root]);
         if (roots[root] < ray->tmin - slack)
-            continue; /* where the ray, beyond tmin, has entered a sphere already */
+            continue; /* the ray entered a sphere before tmin */
         *t = roots[root];
         return *t > ray->tmin + slack && *t < ray->tmax - slack;
     }
@@ -161,7 +160,7 @@ bool bb_exact_t(const bb_scene *scene, const bb_ray *ray, uint32_t prim, double 
 typedef struct spread {
     bool near_miss;         /* none of the nine hits, but the ray passes within eps */
     int hits;               /* how many of the nine hit within the interval grown by eps */
-    double low[2], high[2]; /* of the (two) values of t, not yet grown by eps */
+    double low[2], high[2]; /* ranges of the (two) values of t, not yet grown by eps */
 } spread;
 
 static void widen(spread *s, int root, double t)
@@ -177,8 +176,8 @@ static int nearby(const trial *trial, uint32_t prim, const double o[3], double e
     return kind->nearby(trial->scene, i, o, trial->ray->d, eps, t);
 }
 
-/* t of the copies that pass the primitive by: where each is near it, else all of its extent. A copy
- * that is farther away than eps adds nothing where others are near. */
+/* Adds t of the copies that pass the primitive: their nearest t if it is within eps, else the
+ * primitive's whole extent. A farther copy adds nothing once both roots of another are known. */
 static void widen_by_passing(const trial *trial, uint32_t prim, double eps, spread *s)
 {
     bb_passing p = pass(trial, prim, -INFINITY, INFINITY);
@@ -231,16 +230,16 @@ static spread spread_over(const trial *trial, uint32_t prim, double eps)
 
 typedef struct search {
     const trial *trial;
-    double limit;   /* t below which a hit counts, INFINITY: any */
-    uint32_t prim;  /* what was reported, BB_NONE: nothing: hits of it do not count */
-    int root;       /* that is, the first or the second ones of a sphere */
-    double common;  /* move all copies by this; 0: by each primitive's own eps */
-    double most;    /* only primitives whose own eps is at most this count */
-    double radius;  /* as a share of that */
-    bool literal;   /* no margin at the ends of the ray's interval */
-    int wanted;     /* bits of the copies that still look for a hit */
-    double largest; /* eps of the primitives that any copy hit */
-    uint32_t found; /* the last of those */
+    double limit;   /* a hit counts only below this t; INFINITY: any */
+    uint32_t prim;  /* the reported primitive, whose hit does not count; BB_NONE: none */
+    int root;       /* which of its hits that is: 0, or 1 for the second one of a sphere */
+    double common;  /* the distance by which all copies are moved; 0: each primitive's own eps */
+    double most;    /* primitives with a larger eps of their own do not count */
+    double radius;  /* the share of that distance which is used */
+    bool literal;   /* without a margin at the ends of the ray's interval */
+    int wanted;     /* bits of the copies that have not hit anything yet */
+    double largest; /* largest eps of the primitives hit by a copy */
+    uint32_t found; /* the last primitive hit */
 } search;
 
 static bool hits_well(const search *search, const double o[3], uint32_t prim, double eps)
@@ -295,16 +294,16 @@ typedef struct gap {
     const bb_arbiter *arbiter;
     const search *search;
     double common;                 /* as in search */
-    bb_outline outlines[NEAR_MAX]; /* between whose sides is looked */
+    bb_outline outlines[NEAR_MAX]; /* the search is between their sides */
     uint32_t count;
-    /* inside of these a primitive is met for sure: those, a bit shorter along the ray, and others
-     * that may hide much */
+    /* Where a primitive is certainly hit: the outlines, slightly shortened along the ray, and
+     * others that may hide much. */
     bb_cover covers[NEAR_MAX + COVERS_MAX];
     uint32_t cover_count;
-    bool scaled_alike; /* outlines by the common eps, else by each primitive's own */
+    bool scaled_alike; /* outlines scaled by the common eps, else by each primitive's own */
 } gap;
 
-/* May hide much of the unit disc. */
+/* Returns whether the outline may hide much of the unit disc. */
 static bool is_large(const bb_outline *outline)
 {
     double most = 0;
@@ -313,7 +312,7 @@ static bool is_large(const bb_outline *outline)
     return most > 1;
 }
 
-/* Its flat parts between two distances, in units. */
+/* Computes the primitive's flat parts between two distances, in units. */
 static uint32_t see(const trial *trial, uint32_t prim, double from, double to, double unit,
                     bb_outline parts[BB_OUTLINES_MAX])
 {
@@ -327,8 +326,8 @@ static uint32_t see(const trial *trial, uint32_t prim, double from, double to, d
     return count;
 }
 
-/* In the unit disc, which stands for the nine's; so large that what is not seen of it does no
- * matter. */
+/* Adds outlines in the unit disc, which stands for the disc of the nine, and covers, of which there
+ * may be too few without harm: they only save time. */
 static bool add_outline(void *context, uint32_t prim)
 {
     gap *g = context;
@@ -378,7 +377,7 @@ static bool has_gap(const bb_arbiter *arbiter, const search *search, double comm
         g.count = g.cover_count = 0;
         g.scaled_alike = alike;
         bb_box_tree_visit(arbiter->tree, &probe, add_outline, &g);
-        /* Inside of an outline the primitive is met, by the common eps or by its own. */
+        /* Inside an outline the primitive is hit, by the common eps or by its own. */
         const bool closed = alike == 1 || search->most == INFINITY;
         if (bb_find_open_way(g.outlines, g.count, g.covers, closed ? g.cover_count : 0, is_open,
                              &g))
@@ -387,8 +386,8 @@ static bool has_gap(const bb_arbiter *arbiter, const search *search, double comm
     return false;
 }
 
-/* Closed all over the disc: at smaller and smaller distances, and between sides. All by one
- * `common`, or, where all primitives count, each by its own eps. */
+/* Returns whether the whole disc is closed, tested at smaller and smaller distances and between
+ * sides. Copies are moved by `common` or, if all primitives count, by each primitive's own eps. */
 static bool is_closed(const bb_arbiter *arbiter, search search, double common)
 {
     for (int halvings = 0; halvings <= HALVINGS; halvings++) {
@@ -400,7 +399,7 @@ static bool is_closed(const bb_arbiter *arbiter, search search, double common)
     return !has_gap(arbiter, &search, common);
 }
 
-/* The eps of what the ray itself hits, each once. */
+/* The different eps of the primitives that the ray itself hits. */
 typedef struct own_hits {
     const search *search;
     double eps[NEAR_MAX];
@@ -422,22 +421,22 @@ static bool add_own_hit(void *context, uint32_t prim)
     return own->count == NEAR_MAX;
 }
 
-/* Whether all of the nine hit something nearer than the search's limit by more than its margin. The
- * margin of what was reported is no matter: a kernel that finds both by its own arithmetic takes
- * the one that it finds nearer, and it is held to the t that it gave. The ray itself goes first: in
- * most cases it hits nothing there, and the eight need not be asked.
+/* Returns whether all of the nine hit something nearer than the search's limit by more than its
+ * margin. The margin of the reported primitive does not matter: a kernel that finds both takes the
+ * one it computes as nearer, and answers for the t it reports. The ray itself is tested first: in
+ * most cases it hits nothing there, and the eight are not needed.
  *
- * All nine may hit something each, and the way between them be open: where the primitives are no
- * larger than eps, or near a corner. And a primitive of large eps that is hit as well must not make
- * a way open that those of smaller eps close among themselves, so these are asked alone, too. */
+ * Each of the nine may hit something and the way between them still be open: where primitives are
+ * no larger than eps, or near a corner. A primitive of large eps that is hit as well must not open
+ * a way that primitives of smaller eps close, so these are also tested alone. */
 static bool nine_hit(const bb_arbiter *arbiter, search search)
 {
     if (!all_found(arbiter, &search, 1, 0.0, 1.0))
         return false;
     search.wanted = ALL_NINE;
     if (search_primitive(&search, search.found))
-        return true; /* primitives are convex: nothing is open between the nine */
-    (void)all_found(arbiter, &search, ALL_NINE, 0.0, 1.0); /* for the largest eps */
+        return true; /* primitives are convex: nothing between the nine is open */
+    (void)all_found(arbiter, &search, ALL_NINE, 0.0, 1.0); /* finds the largest eps */
     double largest = search.largest;
     if (is_closed(arbiter, search, largest))
         return true;
@@ -474,7 +473,7 @@ static bool find_any(void *context, uint32_t prim)
     return search->wanted == 0;
 }
 
-/* "Something was hit", without saying what. */
+/* Judges an answer that says that something was hit, but not what. */
 static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
 {
     search search = {.trial = trial, .prim = BB_NONE, .most = INFINITY, .wanted = 1};
@@ -484,8 +483,9 @@ static bb_class judge_occluded(const bb_arbiter *arbiter, const trial *trial)
     return search.wanted == 0 ? BB_RIGHT : BB_FALSE_HIT;
 }
 
-/* Where the ray itself hits the primitive within eps of the reported t, as the first or second
- * root: then the eight copies can only widen what is allowed, and need not be asked. Else -1. */
+/* Returns the root, 0 or 1, at which the ray itself hits the primitive within eps of the reported
+ * t, else -1. After such a hit the eight copies could only widen the allowed range, and are not
+ * needed. */
 static int root_hit(const trial *trial, const bb_hit *hit, double e)
 {
     double t[2];

@@ -2,10 +2,9 @@
  * Volume Hierarchies, 2007), with a median split where binning does not separate or the tree gets
  * deep; at most four primitives per leaf.
  *
- * The traversal must never drop a box that the definition of the arbiter asks for. Boxes are grown
- * by 1.001 times the margin; the excess, 2^-30 of the largest |v - o| at least, is far above the
- * rounding of the doubles in the slab test.
- */
+ * The traversal must never skip a box that the arbiter's definition needs. Boxes are grown by 1.001
+ * times the margin; the excess, at least 2^-30 of the largest |v - o|, is far above the rounding of
+ * the doubles in the slab test. */
 #include "framework/judge/box_tree.h"
 
 #include "framework/base/memory.h"
@@ -64,7 +63,7 @@ static uint32_t bin_of(const bb_box *box, int axis, float lo, double scale)
     return bin < BINS - 1 ? (uint32_t)bin : BINS - 1;
 }
 
-/* The last bin of the left side of the cheapest split, or BINS if there is none. */
+/* Returns the last bin on the left of the cheapest split, or BINS without any. */
 static uint32_t best_split(const bb_box_tree *tree, range r, int axis, float lo, double scale)
 {
     bounds boxes[BINS], side = empty_bounds();
@@ -107,7 +106,7 @@ static void swap_refs(uint32_t *refs, uint32_t i, uint32_t j)
     refs[j] = ref;
 }
 
-/* Hoare's quickselect: the median of the centroids in the middle. */
+/* Splits at the median of the centroids by Hoare's quickselect. */
 static uint32_t split_at_median(bb_box_tree *tree, range r, int axis)
 {
     uint32_t middle = r.begin + (r.end - r.begin) / 2;
@@ -133,7 +132,7 @@ static uint32_t split_at_median(bb_box_tree *tree, range r, int axis)
     return middle;
 }
 
-/* Partitions the references of `r`; returns the first of the right side. */
+/* Partitions the references of `r`; returns the first one on the right. */
 static uint32_t split(bb_box_tree *tree, range r)
 {
     bounds centres = empty_bounds();
@@ -254,7 +253,7 @@ void bb_probe_make(const bb_ray *ray, bb_probe *probe)
     probe->grow = 0.0;
 }
 
-/* 16 * 2^-24 * max |v - o| over the coordinates of the box. */
+/* Returns 16 * 2^-24 * max |v - o| over the coordinates of the box. */
 static double box_eps(const double o[3], const float lo[3], const float hi[3])
 {
     double largest = 0.0;

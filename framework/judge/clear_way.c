@@ -1,15 +1,15 @@
 /* Traversal of the arbiter's boxes, four at a time, in doubles.
  *
- *   nodes of up to four children: the binary nodes whose children have most area make way for them
+ *   make nodes of up to four children by opening the binary nodes of largest area
  *   until the stack is empty: take a node; for each of its four boxes that the ray meets:
  *       box of a node: push it
- *       box of a leaf: ask exact.c about its primitives
+ *       box of a leaf: test its primitives with exact.c
  *
- * Planes are floats and so are the ray's numbers: their differences are off by 2^-53 at most,
- * distances by three times that, which reciprocals padded by 2^-50 cover, as in kernels/slab.clh. A
- * ray parallel to a slab is in it or not, by comparison. Boxes need no other padding: what the ray
- * itself hits lies in them exactly.
- */
+ * Planes and the ray's numbers are floats: their differences are off by at most 2^-53, distances by
+ * three times that, which reciprocals padded by 2^-50 cover, as in kernels/slab.clh. A ray parallel
+ * to a slab is compared with it. Boxes need no other padding: what the ray itself hits lies in them
+ * exactly.
+ * */
 #include "framework/judge/clear_way.h"
 
 #include "framework/base/memory.h"
@@ -21,9 +21,9 @@
 enum { WIDTH = 4, STACK = 256 };
 
 typedef struct way_node {
-    float planes[3][2][WIDTH]; /* of each axis: lo, hi; of places without a child: nowhere */
-    uint32_t first[WIDTH];     /* node, or first of the references */
-    uint32_t count[WIDTH];     /* of references; 0: a node */
+    float planes[3][2][WIDTH]; /* lo and hi per axis; empty boxes for missing children */
+    uint32_t first[WIDTH];     /* child node, or first reference */
+    uint32_t count[WIDTH];     /* references; 0: a node */
 } way_node;
 
 struct bb_way {
@@ -41,7 +41,7 @@ static double half_area(const bb_box_node *node)
     return x * y + y * z + z * x;
 }
 
-/* The children of a wide node: up to four binary ones. */
+/* Gathers up to four binary nodes as the children of a wide one. */
 static uint32_t open_node(const bb_box_node *nodes, uint32_t root, uint32_t children[WIDTH])
 {
     uint32_t count = 1;
@@ -65,7 +65,7 @@ static uint32_t open_node(const bb_box_node *nodes, uint32_t root, uint32_t chil
     return count;
 }
 
-/* Wide nodes are made in the order in which their binary roots come up; roots[i] is that of node
+/* Makes wide nodes in the order in which their binary roots are found; roots[i] is that of node
  * i. */
 static void collapse(bb_way *way, const bb_box_node *nodes, uint32_t *roots)
 {
@@ -101,7 +101,7 @@ bb_status bb_way_create(const bb_scene *scene, const bb_box_tree *tree, bb_way *
     way->scene = scene;
     way->refs = bb_box_tree_refs(tree);
     uint32_t *roots = NULL;
-    /* at most one per inner node, and the root's */
+    /* at most one per inner node, and one for the root */
     size_t most = count / 2 + 1;
     bb_status status =
         bb_host_alloc(NULL, most * sizeof *way->nodes, "the arbiter's wide hierarchy", &way->nodes);
@@ -130,7 +130,7 @@ void bb_way_destroy(bb_way *way)
 typedef struct question {
     const bb_ray *ray;
     double tmin, limit;
-    double from, to; /* the same, a little farther apart: what is too near to an end is found too */
+    double from, to;              /* slightly wider, to find hits too near to an end */
     double o[3], near[3], far[3]; /* reciprocals, padded */
     int down[3];                  /* 1: the direction is negative */
     bool parallel[3];
@@ -151,8 +151,8 @@ static void begin(question *q)
     }
 }
 
-/* Bit c: the ray meets box c between the ends. (The inner loops are for the compiler to make
- * vectors of.) */
+/* Returns bit c if the ray meets box c between the ends. The compiler can vectorise the inner
+ * loops. */
 static unsigned meet_boxes(const question *q, const way_node *node)
 {
     double begin[WIDTH], end[WIDTH];

@@ -1,6 +1,5 @@
-/* Judges hits in two passes, each on all cores: the first is cheap and settles what has been shown
- * right already, the second takes the rest to the arbiter. Then counts.
- */
+/* Judges hits in two passes, each on all cores, and counts the classes. The first pass is cheap and
+ * settles answers that are already proved right; the second takes the rest to the arbiter. */
 #include "framework/judge/judge_hits.h"
 
 #include "framework/base/memory.h"
@@ -14,16 +13,16 @@
 
 enum { OPEN = 255, QUICK_CHUNK = 4096, SLOW_CHUNK = 64 };
 
-/* What a verdict has beside the class. */
+/* Flags of a verdict. */
 enum { LIMITED = 1, FORGIVEN = 2, T_OFF = 4 };
 
 typedef struct verdict {
-    float ulps; /* error of t of a right hit; NAN: none */
+    float ulps; /* error of t of a right hit; NAN: not measured */
     uint8_t class;
     uint8_t flags;
 } verdict;
 
-/* The first answers that were judged of a set: those of others are often the same. */
+/* The first judged answers of a set; other answers are often the same. */
 struct bb_judged {
     uint32_t count;
     bb_hit *hits;
@@ -46,7 +45,7 @@ typedef struct job {
     const bb_verdict_request *request;
     const bb_hit *hits; /* request->results */
     verdict *verdicts;
-    uint32_t *open; /* the rays that go to the arbiter */
+    uint32_t *open; /* rays that go to the arbiter */
 } job;
 
 /* ---- one answer ---- */
@@ -56,7 +55,7 @@ static bool is_unnamed(const job *job, const bb_hit *hit)
     return job->answers->rays->query->any && hit->prim == BB_UNNAMED;
 }
 
-/* Whether a tracer wrote this: a miss is (inf, BB_NONE), a hit a number and a primitive. */
+/* Returns whether a tracer wrote this: a miss is (inf, BB_NONE), a hit a number and a primitive. */
 static bool is_written(const job *job, const bb_hit *hit)
 {
     if (is_unnamed(job, hit))
@@ -71,14 +70,15 @@ static bool is_named(const job *job, const bb_hit *hit)
     return hit->prim < job->oracle->scene->prim_count;
 }
 
-/* Whether a float can't tell whether the ray meets the primitive: eps is large beside it. */
+/* Returns whether eps is so large, compared with the primitive, that a float cannot tell whether
+ * the ray meets it. */
 static bool is_limited(const job *job, const bb_ray *ray, const bb_hit *hit)
 {
     return is_named(job, hit) && bb_margin(job->oracle->scene, ray, hit->prim) >
                                      0.25 * (double)job->oracle->heights[hit->prim];
 }
 
-/* Notes the error of a right t: in units of the last place of a float at `exact`, and whether it is
+/* Notes the error of a right t, in units in the last place of a float at `exact`, and whether it is
  * large. */
 static void note_error(verdict *v, float t, double exact)
 {
@@ -90,7 +90,7 @@ static void note_error(verdict *v, float t, double exact)
     v->flags |= error > 0x1p-10 * fabs(exact) ? T_OFF : 0;
 }
 
-/* The ways in which an answer is right without the arbiter; else OPEN. */
+/* Returns the class of an answer that needs no arbiter, else OPEN. */
 static uint8_t judge_quickly(const job *job, size_t i, verdict *v)
 {
     const bb_scene *scene = job->oracle->scene;
@@ -207,7 +207,7 @@ static void count_verdicts(const job *job, bb_accuracy *accuracy)
     accuracy->wrong_ppm = count > 0 ? 1e6 * (double)wrong / count : 0.0;
 }
 
-/* p99 by the nearest rank. */
+/* Measures the errors of t; p99 is taken by nearest rank. */
 static bb_status measure_ulps(const job *job, bb_accuracy *accuracy)
 {
     float *ulps = NULL, largest = 0.0f;
@@ -227,7 +227,7 @@ static bb_status measure_ulps(const job *job, bb_accuracy *accuracy)
     return BB_OK;
 }
 
-/* The first verdicts on a set stay with it. */
+/* Keeps the first verdicts on a set. */
 static bb_status remember(bb_answers *answers, job *job)
 {
     if (answers->judged != NULL)

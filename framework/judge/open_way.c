@@ -5,9 +5,9 @@
 
 enum { SIDES_MAX = 48 * BB_OUTLINE_CORNERS, PLACES_MAX = 1024 };
 
-static const double together = 1e-6;             /* what counts as meeting there */
-static const double same = 1e-9;                 /* what counts as one place */
-static const double steps[] = {0x1p-4, 0x1p-12}; /* from there */
+static const double together = 1e-6;             /* points this near to each other meet */
+static const double same = 1e-9;                 /* points this near to each other are one place */
+static const double steps[] = {0x1p-4, 0x1p-12}; /* distances of tested points from a place */
 
 typedef struct side {
     double p[2], q[2];
@@ -18,7 +18,7 @@ typedef struct sides {
     uint32_t count;
 } sides;
 
-/* Where has been looked already: at a corner of many triangles all pairs of their sides cross. */
+/* Places already tested: at a corner of many triangles all pairs of their sides cross. */
 typedef struct places {
     double all[PLACES_MAX][2];
     uint32_t count;
@@ -35,7 +35,7 @@ static void collect(const bb_outline *outlines, uint32_t count, sides *s)
         }
 }
 
-/* The point of the side that is nearest to (x, y). */
+/* Computes the point of the side nearest to (x, y). */
 static void nearest_on(const side *s, double x, double y, double out[2])
 {
     double d[2] = {s->q[0] - s->p[0], s->q[1] - s->p[1]};
@@ -55,7 +55,7 @@ static bool cross(const side *a, const side *b, double out[2])
     double s = (w[0] * v[1] - w[1] * v[0]) / turn, t = (w[0] * u[1] - w[1] * u[0]) / turn;
     out[0] = a->p[0] + s * u[0];
     out[1] = a->p[1] + s * u[1];
-    return s >= 0 && s <= 1 && t >= 0 && t <= 1; /* no for NaN */
+    return s >= 0 && s <= 1 && t >= 0 && t <= 1; /* false for NaN */
 }
 
 static int compare_angles(const void *a, const void *b)
@@ -64,7 +64,7 @@ static int compare_angles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The directions in which sides leave the place; of one that goes on, both. */
+/* Collects the directions in which sides leave the place; a side that passes through has two. */
 static uint32_t leave(const sides *s, const double at[2], double angles[2 * SIDES_MAX])
 {
     uint32_t count = 0;
@@ -83,7 +83,7 @@ static uint32_t leave(const sides *s, const double at[2], double angles[2 * SIDE
     return count;
 }
 
-/* Notes the place; of those that there is no room for none is known. */
+/* Returns whether the place is known, and notes it if there is room. */
 static bool is_known(places *p, const double at[2])
 {
     for (uint32_t i = 0; i < p->count; i++)
@@ -107,7 +107,7 @@ typedef struct hunt {
     places known;
 } hunt;
 
-/* Inside of the convex outline, whichever way round its corners are. */
+/* Returns whether (x, y) is inside the convex outline, in either orientation. */
 static bool is_inside(const bb_cover *cover, double x, double y)
 {
     const bb_outline *outline = &cover->outline;
@@ -116,7 +116,7 @@ static bool is_inside(const bb_cover *cover, double x, double y)
         const double *p = outline->corners[c], *q = outline->corners[(c + 1) % outline->count];
         double d[2] = {q[0] - p[0], q[1] - p[1]}, length = hypot(d[0], d[1]);
         double distance = (d[0] * (y - p[1]) - d[1] * (x - p[0])) / length;
-        if (!(length > 0)) /* a corner twice bounds nothing */
+        if (!(length > 0)) /* a repeated corner bounds nothing */
             continue;
         least = fmin(least, distance);
         most = fmax(most, distance);

@@ -1,9 +1,8 @@
-/* Embree's answers, and which of them are shown to be right.
+/* Embree's answers, and which of them are proved right.
  *
- * Nearly always one question to the ray's own way, exact and fast, is enough: what was reported is
- * hit, and nothing before it. Only where that cannot tell is the answer taken through all of the
- * arbiter's definitions.
- */
+ * One exact and fast test of the ray's own way is nearly always enough: the reported primitive is
+ * hit, and nothing before it. Only where that is undecided is the answer judged by the arbiter's
+ * full definitions. */
 #include "framework/judge/oracle_private.h"
 
 #include "framework/base/memory.h"
@@ -74,8 +73,8 @@ bb_status bb_oracle_prepare(bb_oracle *oracle)
 
 /* ---- showing ---- */
 
-/* Whether the ray itself hits the reported primitive, near the reported t, and nothing else before
- * the end of its margin. */
+/* Returns whether the ray itself hits the reported primitive, near the reported t, and nothing else
+ * before the end of its margin. */
 static bool is_sure(const bb_oracle *oracle, const bb_ray *ray, const bb_hit *hit)
 {
     double t, margin = bb_t_margin(oracle->scene, ray, hit->prim);
@@ -120,7 +119,7 @@ bb_status bb_answers_trace(bb_oracle *oracle, const bb_rays *rays, bb_answers *a
 {
     *answers = (bb_answers){.rays = rays};
     if (!rays->query->is_hit)
-        return BB_OK; /* Embree has no such answers, and nothing to be shown right */
+        return BB_OK; /* Embree has no such answers, so there is nothing to prove */
     BB_TRY(
         bb_host_alloc(NULL, rays->count * sizeof(bb_hit), "the oracle's answers", &answers->hits));
     return bb_oracle_trace(oracle, rays->rays, rays->count, rays->query, answers->hits);

@@ -1,4 +1,4 @@
-/* What the oracle and the judge share. */
+/* State shared by the oracle and the judge. */
 #ifndef BB_ORACLE_PRIVATE_H
 #define BB_ORACLE_PRIVATE_H
 
@@ -12,12 +12,12 @@ struct bb_oracle {
     const bb_scene *scene;
     bb_embree *embree;
     bb_pool *pool;
-    bb_arbiter arbiter; /* these three once there is something to arbitrate */
+    bb_arbiter arbiter; /* these three are made when there is something to arbitrate */
     bb_way *way;
     float *heights; /* smallest height of each triangle, diameter of each sphere */
 };
 
-/* Makes the last three; the second call does nothing. */
+/* Makes the last three members; a second call does nothing. */
 bb_status bb_oracle_prepare(bb_oracle *oracle);
 
 /* Frees answers->judged. */

@@ -1,4 +1,4 @@
-/* The queries there are. */
+/* The table of queries. */
 #ifndef BB_QUERIES_H
 #define BB_QUERIES_H
 

@@ -1,4 +1,4 @@
-/* Whether a ray hits anything; a hit that is named is one of them. */
+/* Whether a ray hits anything; a named hit is one of its hits. */
 #include "framework/judge/judge_hits.h"
 #include "framework/judge/queries.h"
 #include "framework/scene/scene.h"

@@ -1,4 +1,4 @@
-/* The nearest hit of a ray, and whose it is. */
+/* The nearest hit of a ray, and its primitive. */
 #include "framework/judge/judge_hits.h"
 #include "framework/judge/queries.h"
 #include "framework/scene/scene.h"

@@ -1,9 +1,8 @@
-/* The first and the last hit along a ray. Of meshes only: a ray meets a triangle once, a body
- * twice, and the tests of bodies tell the nearer.
+/* The first and the last hit along a ray. Only for meshes: a ray meets a triangle once but a body
+ * twice, and the tests of bodies return the nearer hit.
  *
- * Right are a first hit that is right as a closest hit, and a last one that is right as any hit and
- * beyond which, on the rest of the ray, no hit is missed (arbiter.h). Embree is not asked.
- */
+ * The first hit is right if it is a right closest hit; the last if it is a right any hit and, on
+ * the rest of the ray behind it, no hit is missed (arbiter.h). Embree is not used. */
 #include "framework/base/memory.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/oracle_private.h"
