@@ -232,7 +232,7 @@ typedef struct search {
     const trial *trial;
     double limit;   /* a hit counts only below this t; INFINITY: any */
     uint32_t prim;  /* the reported primitive, whose hit does not count; BB_NONE: none */
-    int root;       /* which of its hits that is: 0, or 1 for the second one of a sphere */
+    int root;       /* which of its hits that is: 0 or 1, the second one of a sphere */
     double common;  /* the distance by which all copies are moved; 0: each primitive's own eps */
     double most;    /* primitives with a larger eps of their own do not count */
     double radius;  /* the share of that distance which is used */
@@ -326,8 +326,8 @@ static uint32_t see(const trial *trial, uint32_t prim, double from, double to, d
     return count;
 }
 
-/* Adds outlines in the unit disc, which stands for the disc of the nine, and covers, of which there
- * may be too few without harm: they only save time. */
+/* Adds the primitive's outlines, scaled so that the disc of the nine is the unit disc, and covers.
+ * Covers only save time, so too few of them do no harm. */
 static bool add_outline(void *context, uint32_t prim)
 {
     gap *g = context;

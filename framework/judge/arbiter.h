@@ -36,7 +36,7 @@
  * must hit (edges of a closed mesh, from inside) have no margin for a miss; their hits are judged
  * as usual. An any-hit answer of BB_UNNAMED does not say which primitive was hit: it is false if
  * none of the nine hits anything, and the ray misses everything by more than eps.
- * */
+ */
 #ifndef BB_ARBITER_H
 #define BB_ARBITER_H
 

@@ -9,7 +9,7 @@
  * three times that, which reciprocals padded by 2^-50 cover, as in kernels/slab.clh. A ray parallel
  * to a slab is compared with it. Boxes need no other padding: what the ray itself hits lies in them
  * exactly.
- * */
+ */
 #include "framework/judge/clear_way.h"
 
 #include "framework/base/memory.h"
