@@ -31,7 +31,7 @@ grep -q '^  dropped_in  *nodes and a quarter' <<<"$("$program" list metrics)" ||
 grep -q '^  dropped_in ' <<<"$("$program" run --help)" || fail "the help does not show it"
 run with --metrics dropped_in
 run without
-value=$(grep -E '"nodes":' "$work/with/results.json" | head -1 | tr -dc 0-9).25
+value=$(grep -m 1 -E '"nodes":' "$work/with/results.json" | tr -dc 0-9).25
 grep -qE "\"dropped_in\":[[:space:]]*$value,?\$" "$work/with/results.json" || fail "the file lacks it, or its value"
 grep -qE '"dropped_in_half":[[:space:]]*0.125,?$' "$work/with/results.json" || fail "the file lacks its interval"
 grep -qE '"dropped_in":[[:space:]]*null,?$' "$work/without/results.json" || fail "not asked for, it is not null"

@@ -26,7 +26,7 @@ check) set -- "\$@" --scene cube --side 6 ;;
 render) set -- "\$@" --size 16x16 ;;
 animate) set -- "\$@" --size 16x16 --max-rays 64 --repeats 1 --frames 0..2 --quiet ;;
 report) case "\$*" in *--history*) ;; *) set -- "\$@" --charts no ;; esac ;;
-reproduce) "$program" list papers | grep -q "^  \$2 " || exit 3; set -- "\$@" --help ;;
+reproduce) grep -q "^  \$2 " <<<"\$("$program" list papers)" || exit 3; set -- "\$@" --help ;;
 esac
 exec "$program" "\$@"
 END
