@@ -1,4 +1,5 @@
-/* Codes laid out for a scene: which bit tells what, and what the device needs to make them. */
+/* Lays codes out for a scene: the meaning of each bit, and the plan by which the device makes
+ * keys. */
 #include "builders/common/codes.h"
 
 #include "framework/scene/needs.h"
@@ -15,8 +16,8 @@ enum { AXIS_BITS_MAX = 24 };
 struct bb_code_walk {
     const bb_code_choice *choice;
     uint32_t order[3]; /* axes, first to last */
-    double side[3];    /* of the cell that the bits so far leave */
-    uint32_t count[4]; /* bits so far, per axis and of the size */
+    double side[3];    /* sides of the cell after the bits so far */
+    uint32_t count[4]; /* bits so far, per axis and size bits */
     uint32_t bit;      /* bits so far */
 };
 typedef struct bb_code_walk walk;
@@ -41,7 +42,7 @@ static bool is_size_bit(const walk *w)
            w->count[BB_CODE_SIZE_AXIS] < c->size_bits;
 }
 
-/* The axes in turn. */
+/* Takes the axes in turn. */
 static uint32_t interleaved(const walk *w)
 {
     if (is_size_bit(w))
@@ -51,8 +52,8 @@ static uint32_t interleaved(const walk *w)
     return w->count[axis] < AXIS_BITS_MAX ? axis : BB_CODE_END;
 }
 
-/* The longest side of the cell (Vinkler et al. 2017, section 4.4 and algorithm 2, without its
- * shifts by 3, 2, 1, 0, which belong to algorithm 1); an axis without extent gets no bits. */
+/* Halves the longest side of the cell (Vinkler et al. 2017, section 4.4 and algorithm 2, without
+ * its shifts by 3, 2, 1, 0, which belong to algorithm 1). An axis without extent gets no bits. */
 static uint32_t longest(const walk *w)
 {
     if (is_size_bit(w))
@@ -67,9 +68,9 @@ static uint32_t longest(const walk *w)
     return found;
 }
 
-/* As `longest`, and a size bit each time the cell's longest side has been halved: after three bits
- * while the cell is a cube, after two while it is flat, so that what is told apart by its size is
- * as large against its cell in all scenes. */
+/* Like `longest`, with a size bit after each halving of the cell's longest side: after three bits
+ * while the cell is a cube, after two while it is flat. So a primitive that a size bit separates is
+ * equally large relative to its cell in all scenes. */
 static uint32_t halved(const walk *w)
 {
     double now = 0, whole = 0;
@@ -97,7 +98,8 @@ static const bb_code *find_code(const char *name)
     return NULL;
 }
 
-/* A number that the code gives unless the option does. `by`: NULL where it can't be `auto`. */
+/* Reads a number; the code's own stays if the option is not given. `by` is NULL if `auto` is not
+ * allowed. */
 static bb_status read_number(const bb_spec *spec, const bb_option *options, const char *key,
                              uint64_t low, uint64_t high, uint32_t *value, bb_decider *by)
 {
@@ -172,15 +174,15 @@ bb_status bb_code_choose(const bb_spec *spec, const bb_option *options, bb_code_
 
 /* ---- what the scene decides ---- */
 
-/* A bit of the root of the size stands for two octaves. */
+/* A bit of the square root of the size stands for two octaves. */
 static uint32_t size_bits_for(const bb_code_choice *choice, uint32_t octaves)
 {
     uint32_t bits = choice->sizes == BB_SIZES_ROOT ? (octaves + 1) / 2 : octaves;
     return bits < AXIS_BITS_MAX ? bits : AXIS_BITS_MAX;
 }
 
-/* Size bits among the first `bits` of the code; with one at each halving of the cell, about every
- * fourth is one. */
+/* Size bits among the first `bits` of the code. With a size bit at each halving of the cell, about
+ * every fourth bit is one. */
 static uint32_t size_bits_among(const bb_code_choice *choice, uint32_t bits)
 {
     uint32_t every = choice->next == halved ? 4 : choice->every;
@@ -239,7 +241,7 @@ static void deal_bits(walk *w, bb_code_pattern *layout)
     memcpy(layout->count, w->count, sizeof w->count);
 }
 
-/* Where the lane's bits go. */
+/* Places of the lane's bits in a key. */
 static uint64_t places_of(const bb_code_pattern *layout, uint32_t lane)
 {
     uint64_t places = 0;
@@ -249,8 +251,8 @@ static uint64_t places_of(const bb_code_pattern *layout, uint32_t lane)
     return places;
 }
 
-/* The moves that bring the lane's bits there: bit j, counted from the lowest, travels up to its
- * place in steps of 32, 16 ... 1 ("expand" by parallel moves; Warren, Hacker's Delight). */
+/* Plans the moves to those places: bit j, counted from the lowest, travels up to its place in steps
+ * of 32, 16 ... 1 ("expand" by parallel moves; Warren, Hacker's Delight). */
 static void plan_moves(bb_code_pattern *layout, uint32_t lane)
 {
     bb_code_plan *plan = &layout->plan;
@@ -268,15 +270,15 @@ static void plan_moves(bb_code_pattern *layout, uint32_t lane)
     }
 }
 
-/* 2^bits / extent, kept finite; 0 where there is nothing to separate. */
+/* 2^bits / extent; 0 if that is infinite or there is nothing to separate. */
 static float cells_per_unit(uint32_t bits, double extent)
 {
     double scale = ldexp(1.0, (int)bits) / extent;
     return extent > 0 && bits > 0 && scale <= FLT_MAX ? (float)scale : 0.0f;
 }
 
-/* The size measure of a box with these sides, a length: its diagonal, the square root of its area
- * or its longest side. */
+/* Size of a box with these sides, as a length: its diagonal, the square root of its area or its
+ * longest side. */
 static double size_of(const bb_code_choice *choice, const double side[3])
 {
     double x = side[0], y = side[1], z = side[2];
@@ -285,10 +287,10 @@ static double size_of(const bb_code_choice *choice, const double side[3])
                                            : sqrt(x * x + y * y + z * z);
 }
 
-/* The bits of the size. linear: of size / scene. root: of its square root, since a step of six
- * halvings quarters the cell while one of the code halves the size (section 4.2). cell: 1 where the
- * primitive is at least as large as the cell that the bits above it leave. Lengths in the longest
- * side of the scene. */
+/* Plans the size bits. linear: size / scene. root: its square root, since a step of six halvings
+ * quarters the cell while one of the code halves the size (section 4.2). cell: 1 if the primitive
+ * is at least `large` times as large as the cell after the bits above. Lengths are in units of the
+ * scene's longest side. */
 static void plan_sizes(const bb_code_choice *choice, bb_code_pattern *layout, double unit,
                        const double whole[3])
 {

@@ -1,8 +1,7 @@
-/* Codes of all boxes: see codes.h for what a code is, codes.clh for how a key is made and for the
- * -D.
+/* Codes of all boxes. codes.h says what a code is, codes.clh how a key is made and what the -D are.
  *
  *   for each BB_CODE_LANES primitives i, in parallel: key[i] = code(box[i]), value[i] = i
- *   before, where the host does not ask for the scene's bounds: what depends on them (code_place)
+ *   before, if the host does not read the scene's bounds: the plan for them            (code_place)
  *
  * Limits: 2^31 - 1 primitives.
  */
@@ -21,8 +20,8 @@ float8 eight(global const float *words, uint word)
 
 #ifdef cl_khr_fp64
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
-/* One work-item: what of the plan depends on the bounds, as bb_code_lay_out() of codes.c has it.
- * Not for codes with sizes. */
+/* Completes the plan from the bounds, like bb_code_lay_out() of codes.c, in one work-item. Not for
+ * codes with size bits. */
 kernel void code_place(global const bb_box *bounds, uint centroids, uint cube,
                        global bb_code_plan *plan)
 {

@@ -1,4 +1,4 @@
-/* Codes made on the device (codes.cl). */
+/* Makes codes on the device (codes.cl). */
 #include "builders/common/codes.h"
 
 #include "framework/base/arithmetic.h"
@@ -15,21 +15,21 @@ struct bb_codes {
     bb_device *device;
     bb_account *account;
     const char *builder;
-    bb_code_choice asked; /* as given, what is `auto` open */
+    bb_code_choice asked; /* as given, `auto` included */
     bb_code_choice choice;
     bb_code_pattern layout;
     bb_box found[2];   /* the last scene's bounds */
     uint32_t lanes;    /* boxes per work-item */
-    bool leave_bounds; /* on the device, where it can be */
+    bool leave_bounds; /* keep the bounds on the device if possible */
     cl_program program;
     cl_kernel keys;
-    cl_kernel place;  /* NULL if the host asks for the bounds */
+    cl_kernel place;  /* NULL if the host reads the bounds */
     bb_buffer bounds; /* two bb_box */
     bb_buffer plan;
-    bb_buffer tables; /* [chunk][lane][value]: the places of a chunk's bits */
+    bb_buffer tables; /* [chunk][lane][value]: places of a chunk's bits */
 };
 
-/* Everything that depends on the number of bits. */
+/* Releases everything that depends on the number of bits. */
 static void release(bb_codes *codes)
 {
     bb_buffer_release(&codes->bounds);
@@ -115,7 +115,7 @@ void bb_codes_destroy(bb_codes *codes)
     if (codes == NULL)
         return;
     if (codes->place != NULL)
-        clFinish(codes->device->queue); /* the plan may still be sent; failures have a message */
+        clFinish(codes->device->queue); /* the plan may be in transfer; failures have a message */
     release(codes);
     free(codes);
 }
@@ -146,8 +146,8 @@ const bb_box *bb_codes_bounds(const bb_codes *codes)
     return codes->found;
 }
 
-/* Tables of each lane's bits, as section 4.5 of the paper has them; in chunks that the first-level
- * cache holds. */
+/* Writes tables of each lane's bits, as in section 4.5 of the paper, in chunks that fit into the
+ * first-level cache. */
 static bb_status write_tables(bb_codes *codes)
 {
     const bb_code_pattern *layout = &codes->layout;
@@ -176,7 +176,7 @@ static bb_status write_plan(bb_codes *codes, const double direction[3])
     return bb_buffer_write(&codes->plan, 0, sizeof(bb_code_plan), &codes->layout.plan);
 }
 
-/* Before the bounds are known here. */
+/* Sends a plan without bounds, which the device then completes. */
 static bb_status send_plan(bb_codes *codes, const double direction[3])
 {
     const bb_box unknown[2] = {{{0}, 0, {0}, 0}, {{0}, 0, {0}, 0}};
@@ -184,7 +184,7 @@ static bb_status send_plan(bb_codes *codes, const double direction[3])
     bb_code_pattern layout;
     bb_code_lay_out(&codes->choice, unknown, direction, &layout);
     if (memcmp(&layout.plan, &codes->layout.plan, sizeof layout.plan) != 0) {
-        BB_TRY(bb_finish(codes->device)); /* it may still be sent for an earlier scene */
+        BB_TRY(bb_finish(codes->device)); /* it may be in transfer for an earlier scene */
         codes->layout = layout;
     }
     BB_TRY(bb_buffer_send(&codes->plan, sizeof(bb_code_plan), &codes->layout.plan));
@@ -235,7 +235,7 @@ void bb_codes_decide(const bb_codes *codes, const bb_scene *scene, bb_decisions 
         bb_decide_number(decisions, BB_DECIDED_CODE_BITS, layout->bits, choice->bits_by,
                          "no profile was asked for");
     if (choice->size_bits == 0 && choice->size_bits_by == BB_BY_DEFAULT)
-        return; /* a code without sizes */
+        return; /* a code without size bits */
     if (scene->profile.measured)
         bb_decide_number(decisions, BB_DECIDED_SIZE_BITS, layout->count[BB_CODE_SIZE_AXIS],
                          choice->size_bits_by, "%u octaves from the scene to the median size",

@@ -1,4 +1,4 @@
-/* The host side of compact.cl. */
+/* Host side of compact.cl. */
 #include "builders/common/compact.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Compaction: values whose mark is 1 go where the scan of the marks says.
+/* Compaction: moves each value whose mark is 1 to its place in the scan of the marks.
  *
  *   places = exclusive scan of marks                                      (bb_scan_u32)
  *   for each i: if marks[i]: out[places[i]] = values[i], or i itself      (compact)

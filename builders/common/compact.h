@@ -1,6 +1,6 @@
 /* Compaction on the device: moves the values to be kept to the front, in order; for example nodes
- * that are not empty, or clusters that have not been merged. A scan of the marks says where each
- * value goes (Blelloch 1990, "Prefix Sums and Their Applications").
+ * that are not empty, or clusters that have not been merged. A scan of the marks gives each value's
+ * place (Blelloch 1990, "Prefix Sums and Their Applications").
  */
 #ifndef BB_COMPACT_H
 #define BB_COMPACT_H
@@ -14,19 +14,19 @@ extern "C" {
 
 typedef struct bb_compaction bb_compaction;
 
-/* Compiles the kernel. `primitives`, which does the scan, must outlive it; the scratch is in
- * `account`. Owned by the caller. */
+/* Compiles the kernel. `primitives` does the scan and must outlive the compaction; scratch is
+ * booked on `account`. The caller owns the result. */
 bb_status bb_compaction_create(bb_device *device, bb_account *account, bb_primitives *primitives,
                                bb_compaction **out);
 void bb_compaction_destroy(bb_compaction *compaction); /* NULL is allowed */
 
-/* Reserves the scratch for up to `count` values, so that a timed build does not. */
+/* Reserves scratch for up to `count` values, so that a timed build need not. */
 bb_status bb_compaction_reserve(bb_compaction *compaction, uint32_t count);
 
-/* Writes values[i] of each i < count with marks[i] 1 (not 0) to out[0], out[1], ...; if `values` is
- * NULL, the indices i themselves. kept[0] gets their number. All are u32; `out` must not be one of
- * the other buffers, and has room for all that may be kept. Enqueued, not waited for. BB_INVALID: a
- * buffer is too small; BB_REFUSED: there is no memory for the scratch. */
+/* Writes values[i], or i if `values` is NULL, to out[0], out[1], ... for each i < count with
+ * marks[i] 1 (not 0), and their number to kept[0]. All are u32; `out` must be none of the other
+ * buffers and has room for all that may be kept. Enqueued, not waited for. BB_INVALID: a buffer is
+ * too small; BB_REFUSED: there is no memory for the scratch. */
 bb_status bb_compact_u32(bb_compaction *compaction, const bb_buffer *marks, const bb_buffer *values,
                          uint32_t count, bb_buffer *out, bb_buffer *kept);
 

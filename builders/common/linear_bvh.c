@@ -12,7 +12,7 @@ typedef struct linear_bvh {
     bb_linking linking;
     uint32_t key_bytes; /* of the radix tree; 0: there is none yet */
     bb_radix_tree *radix;
-    bb_refitter *refitter; /* NULL: trees are built again */
+    bb_refitter *refitter; /* NULL: trees are rebuilt */
 } linear_bvh;
 
 void bb_linear_destroy(void *opaque)
@@ -26,7 +26,7 @@ void bb_linear_destroy(void *opaque)
     free(self);
 }
 
-/* The radix tree for keys as the code has them, which is known once nothing of it is open. */
+/* Makes the radix tree for keys of the code's size, once no option is `auto`. */
 static bb_status make_radix(linear_bvh *self)
 {
     if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))

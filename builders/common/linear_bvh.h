@@ -1,7 +1,7 @@
 /* LBVH with any code: codes, sort, radix tree; one primitive per leaf, on the device.
  *
- * Lauterbach et al. 2009 (the idea), Karras 2012 (the tree; equal codes are told apart by their
- * index), Apetrei 2014 (linking and boxes in one bottom-up pass). Builders that differ only in
+ * Lauterbach et al. 2009 (the idea), Karras 2012 (the tree; the index breaks ties between equal
+ * codes), Apetrei 2014 (linking and boxes in one bottom-up pass). Builders that differ only in
  * their code declare options and defaults, and use these hooks.
  */
 #ifndef BB_LINEAR_BVH_H
@@ -21,20 +21,19 @@ extern "C" {
         "link", "apetrei", "apetrei|karras", "how nodes are linked; the tree is the same"          \
     }
 
-/* The hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and
- * BB_UPDATE_OPTION. */
+/* Hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and BB_UPDATE_OPTION. */
 bb_status bb_linear_create(const bb_builder_context *context, void **self);
 bb_status bb_linear_prepare(void *self, const bb_scene *scene, bb_tree *tree);
 bb_status bb_linear_build(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
                           bb_phases *phases);
 void bb_linear_decide(void *self, const bb_scene *scene, bb_decisions *decisions);
-/* BB_UNSUPPORTED with update=rebuild: then the harness builds again. */
+/* BB_UNSUPPORTED with update=rebuild; the harness then builds again. */
 bb_status bb_linear_update(void *self, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                            bb_phases *phases);
 bb_status bb_linear_describe(void *self, const bb_scene *scene, char *text, size_t capacity);
 void bb_linear_destroy(void *self);
 
-/* What such a builder's struct says after its names and options. */
+/* Members of such a builder's struct, besides its names and options. */
 #define BB_LINEAR_BUILDER                                                                          \
     .kinds = BB_ALL_KINDS, .inputs = BB_INPUT_BOXES | BB_INPUT_PROFILE, .place = BB_ON_DEVICE,     \
     .deterministic = true, .decide = bb_linear_decide, .create = bb_linear_create,                 \

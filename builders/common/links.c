@@ -9,7 +9,7 @@
 
 #include <assert.h>
 
-/* Sets the depths of the children of n and the skip of the last; returns how many there are. */
+/* Sets the depths of n's children and the skip of the last; returns their number. */
 static uint32_t finish_children(bb_tree *tree, uint32_t n, uint32_t *depths)
 {
     bb_node *nodes = tree->nodes;

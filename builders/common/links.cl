@@ -1,14 +1,14 @@
 /* Skips and depths from siblings, for trees of any shape.
  *
  *   state(n) = { up: parent, distance to it,
- *                heir: n if it has a sibling after it, else its parent }
+ *                heir: n if it has a next sibling, else its parent }
  *   repeat until nothing changes, from one list of states to the other:             (links_jump)
  *       distance(n) += distance(up(n)); up(n) = up(up(n)); heir(n) = heir(heir(n))
- *   skip(n) = skip(heir(n)): that of the nearest node, from n up, that has a sibling  (links_write)
+ *   skip(n) = skip(heir(n)), the skip of the nearest node, from n up, with a sibling  (links_write)
  *
- * Pointer jumping: Wyllie 1979, "The Complexity of Parallel Computations". Log2 of the depth
- * rounds, each over all nodes; no order between work-groups is asked for inside of a round. Limits:
- * 32 bytes per node, and a round for what turns out to be done.
+ * Pointer jumping: Wyllie 1979, "The Complexity of Parallel Computations". There are log2(depth)
+ * rounds, each over all nodes; a round needs no order between work-groups. Limits: 32 bytes per
+ * node, and a last round that finds nothing to do.
  */
 #include "bb_device.h"
 
@@ -34,7 +34,7 @@ kernel void links_start(global const bb_node *nodes, uint count, uint root,
     }
 }
 
-/* changed[0]: 0 before. */
+/* changed[0] must be 0 before. */
 kernel void links_jump(uint count, global const link_state *from, global link_state *to,
                        global uint *changed)
 {
@@ -51,7 +51,7 @@ kernel void links_jump(uint count, global const link_state *from, global link_st
     to[n] = state;
 }
 
-/* info: zeroed before, but for what the host knows. An heir's skip is written by nobody. */
+/* info: zero before, except for what the host knows. Nothing writes the skip of an heir. */
 kernel void links_write(global const link_state *states, uint count, global bb_node *nodes,
                         volatile global bb_tree_info *info)
 {
@@ -67,7 +67,7 @@ kernel void links_write(global const link_state *states, uint count, global bb_n
     }
 }
 
-/* Before the skips are written. */
+/* Must run before the skips are written. */
 kernel void links_arity(global const bb_node *nodes, uint count, volatile global bb_tree_info *info)
 {
     uint n = get_global_id(0), arity = 0;

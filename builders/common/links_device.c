@@ -1,4 +1,4 @@
-/* The host side of links.cl. */
+/* Host side of links.cl. */
 #include "builders/common/links.h"
 
 #include <stdlib.h>
@@ -65,7 +65,7 @@ bb_status bb_links_reserve(bb_links *links, size_t nodes)
     return BB_OK;
 }
 
-/* Jumps until nothing changes; *last is the list that the result is in. */
+/* Jumps until nothing changes; *last is the list that has the result. */
 static bb_status jump(bb_links *links, uint32_t count, uint32_t *last)
 {
     uint32_t changed = 1;

@@ -1,4 +1,4 @@
-/* A binary tree as agglomerative builders leave it, shared by host and device: pair_tree.h. */
+/* A binary tree as agglomerative builders leave it, shared by host and device (pair_tree.h). */
 #ifndef BB_PAIR_SHARED_H
 #define BB_PAIR_SHARED_H
 
@@ -8,19 +8,19 @@
 #include "kernels/bb_shared.h"
 #endif
 
-/* Walks that a work-item does by turns, on CPUs: each asks for its next pair, and meanwhile the
- * others go on, so that a miss of the cache holds up no more than one of them. */
+/* Walks that a work-item interleaves on CPUs: each prefetches its next pair while the others go on,
+ * so that a cache miss delays only one of them. */
 #define BB_PAIR_WALKS 8
 
-/* A cluster: its box, what is in it, and its number of primitives. */
+/* A cluster: its box, its contents and its number of primitives. */
 typedef struct bb_pair_side {
     float lo[3];
-    bb_u32 link; /* BB_LEAF_BIT | primitive, or the pair of clusters that it was made of */
+    bb_u32 link; /* BB_LEAF_BIT | primitive, or the pair that it was merged from */
     float hi[3];
     bb_u32 count;
 } bb_pair_side;
 
-/* Two clusters that became one. */
+/* Two clusters that were merged. */
 typedef struct bb_cluster_pair {
     bb_pair_side side[2];
 } bb_cluster_pair;
@@ -29,7 +29,7 @@ typedef struct bb_cluster_pair {
 typedef struct bb_pair_task {
     bb_u32 link;      /* of its pair */
     bb_u32 place;     /* of its node */
-    bb_u32 base, end; /* its primitives among the tree's references */
+    bb_u32 base, end; /* references of its primitives */
     bb_u32 depth;
 } bb_pair_task;
 

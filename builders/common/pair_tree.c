@@ -1,4 +1,4 @@
-/* The host side of pair_tree.cl. */
+/* Host side of pair_tree.cl. */
 #include "builders/common/pair_tree.h"
 
 #include "framework/device/levels.h"
@@ -8,7 +8,7 @@
 enum {
     GROUP_SIZE = 64,
     TASKS_MAX = 4096,
-    TASKS_WANTED = 1024, /* CPUs: enough to share among cores, whatever each takes */
+    TASKS_WANTED = 1024, /* CPUs: enough to spread over all cores, however long each takes */
 };
 
 struct bb_pair_tree {
@@ -19,9 +19,9 @@ struct bb_pair_tree {
     cl_kernel second; /* pair_tree_walk, or _level */
     bb_buffer pairs;
     bb_buffer root;
-    bb_buffer tasks; /* of CPUs */
+    bb_buffer tasks; /* CPUs */
     bb_buffer total;
-    bb_buffer spans; /* uint4 per pair, of GPUs */
+    bb_buffer spans; /* GPUs: uint4 per pair */
     bb_levels levels;
 };
 
@@ -95,7 +95,7 @@ const bb_buffer *bb_pair_tree_root(const bb_pair_tree *pairs)
     return &pairs->root;
 }
 
-/* What a launch over one level needs. */
+/* Arguments of a launch over one level. */
 typedef struct level_job {
     bb_pair_tree *pairs;
     bb_tree *tree;

@@ -1,4 +1,4 @@
-/* Pairs of clusters to the common tree, top-down: pair_tree.h says what is numbered how.
+/* Turns pairs of clusters into the common tree, top-down; pair_tree.h has the numbering.
  *
  *   open(node with references [base, end) and pair p):
  *       s = base + p.left.count - 1; node.first = 2s + 1
@@ -6,9 +6,8 @@
  *       node 2s + 2: right's box, references [s + 1, end),  skip = 2 end, or none
  *
  * CPUs (pair_tree_top, pair_tree_walk): one work-item opens nodes until there are enough subtrees
- * for all cores, then each is walked by one, the larger child first: so the other children that
- * wait are at most one for each halving. GPUs (pair_tree_start, pair_tree_level): by lists
- * (handover.clh).
+ * for all cores, then one work-item walks each, the larger child first. GPUs (pair_tree_start,
+ * pair_tree_level): by lists (handover.clh).
  *
  * Limits: count <= 2^30, as in radix_tree.cl.
  */
@@ -19,7 +18,7 @@
 #include "pair_shared.h"
 #include "tree_info.clh"
 
-/* A child: writes its node; true, with *child, if it is to be opened. */
+/* Writes a child's node; true, with *child, if it has children to open. */
 bool place_side(uint4 lo, uint4 hi, bb_pair_task at, uint skip, global bb_node *nodes,
                 global uint *refs, bb_pair_task *child)
 {
@@ -32,11 +31,11 @@ bool place_side(uint4 lo, uint4 hi, bb_pair_task at, uint skip, global bb_node *
     return !leaf;
 }
 
-/* Returns how many of the two children are to be opened, in open[]. */
+/* Opens a node; returns how many of its two children have children, in open[]. */
 uint open_pair(bb_pair_task task, global const bb_cluster_pair *pairs, uint count,
                global bb_node *nodes, global uint *refs, bb_pair_task *open)
 {
-    /* as integers, which no device flushes or quiets */
+    /* integers, which no device flushes or quiets */
     global const uint *words = (global const uint *)(pairs + task.link);
     uint4 left_lo = vload4(0, words), left_hi = vload4(1, words);
     uint4 right_lo = vload4(2, words), right_hi = vload4(3, words);
@@ -50,7 +49,7 @@ uint open_pair(bb_pair_task task, global const bb_cluster_pair *pairs, uint coun
     return inner;
 }
 
-/* The root's node and what is known of the tree; false if it is a leaf. */
+/* Writes the root's node and the tree's info; false if the root is a leaf. */
 bool start(global const bb_pair_side *root, uint count, global bb_node *nodes, global uint *refs,
            global bb_tree_info *info, bb_pair_task *task)
 {
@@ -62,8 +61,8 @@ bool start(global const bb_pair_side *root, uint count, global bb_node *nodes, g
 
 /* ---- CPUs ---- */
 
-/* One work-item. Leaves subtrees of up to `share` references in tasks[], larger ones if there would
- * be more than `most`, and their number in total[0]. */
+/* One work-item. Writes subtrees of up to `share` references to tasks[], larger ones if there would
+ * be more than `most`, and their number to total[0]. */
 kernel void pair_tree_top(global const bb_pair_side *root, global const bb_cluster_pair *pairs,
                           uint count, global bb_node *nodes, global uint *refs,
                           global bb_tree_info *info, uint share, uint most,
@@ -90,7 +89,7 @@ kernel void pair_tree_top(global const bb_pair_side *root, global const bb_clust
     total[0] = waiting;
 }
 
-/* Subtrees that wait: each is at most half of what the one before it was. */
+/* Room for subtrees that wait. */
 #define BB_WAITING_MAX 32
 
 typedef struct pair_walk {
@@ -99,7 +98,7 @@ typedef struct pair_walk {
     bb_pair_task stack[BB_WAITING_MAX];
 } pair_walk;
 
-/* One step; false: the walk is done. */
+/* One step of a walk; false if it is done. */
 bool walk_on(pair_walk *walk, global const bb_cluster_pair *pairs, uint count,
              global bb_node *nodes, global uint *refs, uint *deepest)
 {
@@ -145,8 +144,8 @@ kernel void pair_tree_walk(global const bb_cluster_pair *pairs, uint count, glob
 
 /* ---- GPUs ---- */
 
-/* One work-item. The root is level 1, if it has children. spans[p]: what pair p's node was given,
- * its task without the link. */
+/* One work-item. The root is level 1 if it has children. spans[p] is the task of pair p, without
+ * its link. */
 kernel void pair_tree_start(global const bb_pair_side *root, uint count, global bb_node *nodes,
                             global uint *refs, global bb_tree_info *info, global uint4 *spans,
                             volatile global uint *counts, global uint *list)

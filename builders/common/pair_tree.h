@@ -1,8 +1,8 @@
-/* From pairs of clusters to the common tree: the last step of builders that agglomerate (PLOC,
- * H-PLOC). They know a node's children, box and number of primitives when two clusters become one,
- * but its place, and where its references begin, only once the root is there.
+/* Turns pairs of clusters into the common tree: the last step of builders that agglomerate (PLOC,
+ * H-PLOC). When two clusters merge, their node's children, box and number of primitives are known;
+ * its place and first reference only once the root is made.
  *
- * Nodes are numbered as those of a radix tree are: with the references in the order of the leaves,
+ * Nodes are numbered like those of a radix tree: with the references in the order of the leaves,
  * left to right, the children below the split between references s and s + 1 are nodes 2s + 1 and
  * 2s + 2, and the root is node 0. So siblings and small subtrees lie together, the number does not
  * depend on when or where a pair was made, and skips follow from ranges.
@@ -25,16 +25,16 @@ typedef struct bb_pair_tree bb_pair_tree;
 bb_status bb_pair_tree_create(bb_device *device, bb_account *account, bb_pair_tree **out);
 void bb_pair_tree_destroy(bb_pair_tree *pairs); /* NULL is allowed */
 
-/* Room for `count` >= 1 primitives, and in `tree` (on the device). */
+/* Reserves room for `count` >= 1 primitives, and in `tree` (on the device). */
 bb_status bb_pair_tree_reserve(bb_pair_tree *pairs, uint32_t count, bb_tree *tree);
 
-/* To be filled by the builder: `count` - 1 bb_cluster_pair, at any of the indices below `count`,
- * and the last cluster, a bb_pair_side. */
+/* The builder fills these: `count` - 1 bb_cluster_pair, at any indices below `count`, and the last
+ * cluster, a bb_pair_side. */
 const bb_buffer *bb_pair_tree_pairs(const bb_pair_tree *pairs);
 const bb_buffer *bb_pair_tree_root(const bb_pair_tree *pairs);
 
-/* Fills `tree`, d_info included, for `count` primitives. Top-down, in time proportional to the
- * tree; on CPUs it is enqueued and not waited for, on GPUs it waits for the device now and then. */
+/* Fills `tree`, d_info included, for `count` primitives, top-down in time proportional to the tree.
+ * On CPUs it is enqueued and not waited for; on GPUs it waits for the device now and then. */
 bb_status bb_pair_tree_finish(bb_pair_tree *pairs, uint32_t count, bb_tree *tree);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 #include "builders/common/ploc.h"
 
-/* Floats beyond a plane's end that ploc_list.clh may read: R and two vectors. */
+/* Floats beyond a plane's end that ploc_list.clh may read: the radius and two vectors. */
 enum { BEYOND = BB_PLOC_RADIUS_MAX + 1 + 16 };
 
 bb_status bb_ploc_create(const bb_builder_context *context, bb_ploc *ploc)

@@ -1,6 +1,6 @@
-/* What PLOC and H-PLOC share on the host: primitives in the order of their codes, room for lists of
- * clusters, and pairs that become a tree. Their merge step on the device is ploc_cluster.clh, with
- * ploc_list.clh for CPUs and ploc_group.clh for GPUs.
+/* The part of PLOC and H-PLOC that they share on the host: primitives in the order of their codes,
+ * lists of clusters, and the tree from pairs. Their merge step on the device is ploc_cluster.clh,
+ * with ploc_list.clh for CPUs and ploc_group.clh for GPUs.
  */
 #ifndef BB_PLOC_H
 #define BB_PLOC_H
@@ -31,16 +31,16 @@ typedef struct bb_ploc {
     uint32_t stride;
 } bb_ploc;
 
-/* For a builder with BB_CODE_OPTIONS and an option `radius`; `ploc` is zeroed. To be released even
- * after a failure. */
+/* For a builder with BB_CODE_OPTIONS and an option `radius`; `ploc` is zero before. Must be
+ * released even after a failure. */
 bb_status bb_ploc_create(const bb_builder_context *context, bb_ploc *ploc);
-void bb_ploc_release(bb_ploc *ploc); /* one that is only zeroed is allowed */
+void bb_ploc_release(bb_ploc *ploc); /* a zeroed one is allowed */
 
-/* Settles the code, and reserves everything for `lists` lists of as many clusters as the scene has
- * primitives. */
+/* Resolves the code's `auto` options, and reserves everything for `lists` lists of as many clusters
+ * as the scene has primitives. */
 bb_status bb_ploc_prepare(bb_ploc *ploc, const bb_scene *scene, uint32_t lists, bb_tree *tree);
 
-/* Phase "order": the tree, of the pairs. Ends the phases. */
+/* Phase "order": makes the tree from the pairs. Ends the phases. */
 bb_status bb_ploc_finish(bb_ploc *ploc, const bb_scene *scene, bb_tree *tree, bb_phases *phases);
 
 #ifdef __cplusplus

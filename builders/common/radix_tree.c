@@ -11,22 +11,22 @@ struct bb_radix_tree {
     bb_account *account;
     bb_radix_kind kind;
     cl_program program;
-    cl_kernel link;   /* link_chunks, link_climb or link_boxes */
-    cl_kernel ranges; /* before link_boxes */
-    cl_kernel pieces; /* behind link_chunks */
-    bb_buffer ends; /* u32 per split: the far end of the first sibling to come; of chunks: lists */
+    cl_kernel link;    /* link_chunks, link_climb or link_boxes */
+    cl_kernel ranges;  /* before link_boxes */
+    cl_kernel pieces;  /* after link_chunks */
+    bb_buffer ends;    /* u32 per split: far end of the first sibling to come; chunks: lists */
     bb_buffer heights; /* u8 per node */
-    bb_buffer places;  /* u32 per split: its inner node; Karras */
-    bb_buffer lengths; /* u32 per list: what waits on it; chunks first, then the runs of them ... */
+    bb_buffer places;  /* Karras: u32 per split, its inner node */
+    bb_buffer lengths; /* u32 per list: its length; first of chunks, then of runs of them ... */
     uint32_t count;    /* references of the last tree */
 };
 
 enum { GROUP_SIZE = 64 };
 
-/* How leaves are cut for work-items without a fence. */
+/* How leaves are divided among work-items without a fence. */
 typedef struct cut {
-    uint32_t chunk; /* leaves that one does first */
-    uint32_t some;  /* lists that one puts together */
+    uint32_t chunk; /* leaves that a work-item does first */
+    uint32_t some;  /* lists that a work-item combines */
     uint32_t group;
 } cut;
 
@@ -36,7 +36,7 @@ static cut cut_of(const bb_radix_tree *radix)
     return bb_cpu_form(radix->device) ? (cut){2048, 32, 1} : (cut){16, 16, GROUP_SIZE};
 }
 
-/* On CPUs it takes no longer than with a fence. */
+/* Without a fence; on CPUs that takes no longer. */
 static bool by_chunks(const bb_radix_tree *radix)
 {
     return radix->device->handover == BB_HANDOVER_LEVELS ||
@@ -99,7 +99,7 @@ void bb_radix_tree_destroy(bb_radix_tree *radix)
     free(radix);
 }
 
-/* Lists of all runs over `count` leaves. */
+/* Number of lists of all runs over `count` leaves. */
 static size_t count_lists(const bb_radix_tree *radix, uint32_t count)
 {
     const cut c = cut_of(radix);

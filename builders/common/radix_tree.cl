@@ -1,10 +1,10 @@
 /* The binary radix tree over sorted keys, with boxes.
  *
- * common(i, j) is the length of the common prefix of keys i and j; equal keys go on with their
+ * common(i, j) is the length of the common prefix of keys i and j; equal keys are extended by their
  * indices. level(i) counts from the other end, longest - common(i, i + 1), and is "infinite"
  * outside. Node [l, r] is the left child of the split at r if level(r) < level(l - 1), else the
- * right child of the split at l - 1. From its range follow the node's place, its children's places
- * (2s + 1 and 2s + 2 below split s) and its skip (the right child of split r).
+ * right child of the split at l - 1. Its range gives the node's place, its children's places (2s +
+ * 1 and 2s + 2 below split s) and its skip (the right child of split r).
  *
  * Apetrei 2014 (link_climb; one work-item per leaf):
  *   node = leaf i
@@ -13,16 +13,15 @@
  *         first to come: stop
  *         second to come: node = parent = [l, r], with the union of both boxes
  *
- * Without an atomic, for CPUs and wherever work-groups have no fence (link_chunks; one work-item
- * per chunk of leaves, in order; then link_pieces, one per run of so many chunks, of so many runs,
- * ...):
+ * Without atomics, for CPUs and wherever work-groups have no fence (link_chunks: one work-item per
+ * chunk of leaves, in order; then link_pieces: one per run of chunks, then per run of runs ...):
  *   left child: waits on the run's list
  *   right child whose sibling is on the list: joins it
  *   right child whose sibling is in another run: waits as well
- *   a longer run takes what waits on the lists of the runs in it, in order, in place of leaves
- * Of what waits on a list, right children come first, of growing levels, then left children, of
- * falling ones: never more than two for each level there is, and one for each leaf. Lists of
- * neighbours are one behind the other in ends[], where a longer run's list takes their place.
+ *   a longer run takes the nodes on the lists of its runs, in order, in place of leaves
+ * On a list, right children come first, with growing levels, then left children, with falling ones:
+ * never more than two for each level there is, and one for each leaf. Lists of neighbours follow
+ * one another in ends[], where a longer run's list overwrites them.
  *
  * Karras 2012 (link_ranges, link_boxes):
  *   for each inner node i:
@@ -33,16 +32,16 @@
  *
  * -DBB_KEY_NODES: keys are nodes of a binary tree, any of which may be an ancestor of others: the
  * steps from the root (0 left, 1 right) from the top bit, then a 1, then zeros; sorted in preorder.
- * Such a node stands for the string that has a bit before each step, 1 to go on, and a 0 at its
- * end. Strings of nodes are in preorder when sorted, and the radix tree over them is the extended
- * tree of Gu, Jendersie, Grosch 2018, section 3.3.2: a node with descendants becomes a leaf beside
- * the subtree that holds them. Common prefixes follow from the nodes themselves: where i < j and l
- * is the level of node i, d the number of first steps that both share, it is 2 l bits if l <= d (i
- * is an ancestor of j), else 2 d + 1. Hence the minimum over adjacent pairs of a range is met once,
- * and none of the cases for ties of the paper's algorithm 1 (lines 2, 3 and 13) is needed.
+ * Such a node stands for the string with a bit before each step, 1 to go on, and a 0 at its end.
+ * Sorted strings of nodes are in preorder, and the radix tree over them is the extended tree of Gu,
+ * Jendersie, Grosch 2018, section 3.3.2: a node with descendants becomes a leaf beside the subtree
+ * that holds them. Common prefixes follow from the nodes themselves: if i < j, l is the level of
+ * node i and d the number of first steps that both share, the prefix has 2 l bits if l <= d (i is
+ * an ancestor of j), else 2 d + 1. Hence the minimum over adjacent pairs of a range is unique, and
+ * none of the cases for ties of the paper's algorithm 1 (lines 2, 3 and 13) is needed.
  *
- * -DBB_LEAF_RUNS: leaf i holds the references of values[starts[i]] to values[starts[i + 1] - 1],
- * and leaves are counted on the device, in totals[0].
+ * -DBB_LEAF_RUNS: leaf i holds the references values[starts[i]] to values[starts[i + 1] - 1], and
+ * the number of leaves is on the device, in totals[0].
  *
  * No work-item waits for another. Limits: count <= 2^30, so that 2s + 2 stays below the leaf bit;
  * -DBB_KEY64 for ulong keys.
@@ -72,7 +71,7 @@ void write_node(global bb_node *nodes, uint place, const bb_work *w, uint count)
     bb_write_node(nodes, place, w->lo, w->hi, w->first, skip);
 }
 
-/* Of a node whose links are there already. */
+/* Writes the box of a node whose links are there already. */
 void write_box(volatile global bb_node *node, const bb_work *w)
 {
     node->lo[0] = w->lo.x;
@@ -96,7 +95,7 @@ void join_box(bb_work *w, float4 lo, float4 hi)
     w->hi = BB_MAX(hi, w->hi);
 }
 
-/* Of `ref_count` references. */
+/* Number of leaves over `ref_count` references. */
 uint count_leaves(global const uint *totals, uint ref_count)
 {
 #ifdef BB_LEAF_RUNS
@@ -131,7 +130,7 @@ void start_leaf(bb_work *w, uint i, global const uint *starts, global const uint
     refs[last] = prim | BB_LAST_BIT;
 }
 
-/* As start_leaf(), where the work-item goes on to the references before `end`. */
+/* Like start_leaf(), for a work-item that goes on to the references before `end`. */
 void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global const uint *values,
                       global const bb_box *boxes, global uint *refs, uint end)
 {
@@ -153,8 +152,8 @@ void start_leaf_ahead(bb_work *w, uint i, global const uint *starts, global cons
 }
 
 #if BB_HANDOVER
-/* Meets the sibling at split s. False: it is not there yet, the other side will go on. True: w has
- * become the parent. */
+/* Meets the sibling at split s. False: it is not there yet, and its work-item will go on. True: w
+ * has become the parent. */
 bool meet(bb_work *w, bool is_left, uint s, volatile global uint *ends,
           volatile global uchar *heights, volatile global bb_node *nodes)
 {
@@ -178,7 +177,7 @@ bool meet(bb_work *w, bool is_left, uint s, volatile global uint *ends,
     return true;
 }
 
-/* Climbs from w by way of atomics until a sibling is missing or the root is made. */
+/* Climbs from w by atomics until a sibling is missing or the root is made. */
 void climb(bb_work *w, global const bb_key *keys, uint count, volatile global uint *ends,
            volatile global uchar *heights, global bb_node *nodes, global bb_tree_info *info,
            uint ref_count)
@@ -216,25 +215,25 @@ kernel void link_climb(global const bb_key *keys, global const uint *starts,
 /* ---- without atomics ---- */
 
 #ifndef BB_KEEP_WAITING
-#define BB_KEEP_WAITING 0 /* CPUs: 1, what waits is kept in the cache */
+#define BB_KEEP_WAITING 0 /* CPUs: 1, nodes that wait are kept in the cache */
 #endif
 
-/* The most that wait at once: levels of right children grow, those of left children fall. */
+/* Most nodes that wait at once: levels of right children grow, those of left children fall. */
 #define BB_WAITING_MAX (2u * (BB_PREFIX_BITS + 32u))
 
-/* The list of a run of leaves. */
+/* The list of a run of leaves: nodes that wait for their siblings. */
 typedef struct bb_waiting {
-    global uint *ends; /* the last leaf of each; the next one begins behind it */
-    uint begin;        /* of the run */
-    uint count, right; /* how many there are; the first of them, right children */
+    global uint *ends; /* last leaf of each node; the next node begins after it */
+    uint begin;        /* first leaf of the run */
+    uint count, right; /* number of nodes; of right children, which come first */
 #if BB_KEEP_WAITING
     bb_work kept[BB_WAITING_MAX];
     uchar levels[BB_WAITING_MAX]; /* of the split to the left of each */
 #endif
 } bb_waiting;
 
-/* Joins w and its sibling, the last that waits, a left child that ends where w begins. Returns the
- * level of the split to the left of both. */
+/* Joins w with its sibling, the last node on the list, a left child that ends where w begins.
+ * Returns the level of the split to the left of both. */
 uint join_waiting(bb_work *w, bb_waiting *waiting, global const bb_key *keys, uint count,
                   global const uchar *heights, global const bb_node *nodes)
 {
@@ -256,7 +255,7 @@ uint join_waiting(bb_work *w, bb_waiting *waiting, global const bb_key *keys, ui
 #endif
 }
 
-/* w joins its siblings while they are on the list, and waits there. left, right: levels of the
+/* Joins w with its siblings while they are on the list, and appends it. left, right: levels of the
  * splits beside w. */
 void settle(bb_work *w, uint left, uint right, bb_waiting *waiting, global const bb_key *keys,
             uint count, global uchar *heights, global bb_node *nodes, global bb_tree_info *info,
@@ -286,7 +285,7 @@ void settle(bb_work *w, uint left, uint right, bb_waiting *waiting, global const
     }
 }
 
-/* Returns how many wait. */
+/* Returns how many nodes wait. */
 uint finish_list(bb_waiting *waiting)
 {
 #if BB_KEEP_WAITING
@@ -327,7 +326,7 @@ kernel void link_chunks(global const bb_key *keys, global const uint *starts,
     lengths[get_global_id(0)] = finish_list(&waiting);
 }
 
-/* The subtree [l, r], which is made already, at `place`. */
+/* Loads the finished subtree [l, r] at `place`. */
 void load_piece(bb_work *w, uint l, uint r, uint place, global const uchar *heights,
                 global const bb_node *nodes)
 {
@@ -341,8 +340,8 @@ void load_piece(bb_work *w, uint l, uint r, uint place, global const uchar *heig
     w->height = heights[place];
 }
 
-/* Of runs of `span` leaves, `some` at a time. lengths[from ..]: of their lists; lengths[to ..]: of
- * those that are made of them. */
+/* Combines runs of `span` leaves, `some` at a time. lengths[from ..] are the lengths of their
+ * lists, lengths[to ..] those of the lists made of them. */
 kernel void link_pieces(global const bb_key *keys, global const uint *totals, uint ref_count,
                         global uint *ends, global uchar *heights, global bb_node *nodes,
                         global bb_tree_info *info, uint span, uint some, uint from, uint to,
@@ -373,7 +372,7 @@ kernel void link_pieces(global const bb_key *keys, global const uint *totals, ui
 
 /* ---- Karras 2012 ---- */
 
-/* The same for leaves i and j in either order, -1 outside. */
+/* Like common_of(), for leaves i and j in either order; -1 outside. */
 int prefix_of(global const bb_key *keys, uint count, uint i, long j)
 {
     if (j < 0 || j >= (long)count)

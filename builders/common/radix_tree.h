@@ -1,13 +1,12 @@
-/* Linking: makes the binary radix tree over sorted keys, with boxes, in the common format. Shared
- * by all Morton-based builders.
+/* Linking: makes the binary radix tree over sorted keys, with boxes, in the common format. All
+ * Morton-based builders share it.
  *
- * Leaf i of the tree is the i-th key; equal keys are distinguished by their index. Keys are bit
- * strings of one length (Morton codes), or nodes of a binary tree, some of which may be below
- * others (those of a loose octree): radix_tree.cl says how nodes are encoded. A leaf has one
- * reference, or a run of them. Both ways of linking give the same tree, with the same node indices:
- * the root at node 0, and below the split between keys s and s + 1 the left child at 2s + 1, the
- * right child at 2s + 2. With that numbering first and skip follow from a node's range alone, in
- * the same pass as its box.
+ * Leaf i of the tree is the i-th key; the index breaks ties between equal keys. Keys are bit
+ * strings of one length (Morton codes), or nodes of a binary tree, which may be below one another
+ * (those of a loose octree); radix_tree.cl says how nodes are encoded. A leaf has one reference, or
+ * a run of them. Both ways of linking give the same tree with the same node indices: the root is
+ * node 0, and the children below the split between keys s and s + 1 are nodes 2s + 1 and 2s + 2.
+ * With that numbering first and skip follow from a node's range alone, in the same pass as its box.
  */
 #ifndef BB_RADIX_TREE_H
 #define BB_RADIX_TREE_H
@@ -36,7 +35,7 @@ typedef struct bb_radix_kind {
 
 /* Runs of equal keys as leaves: key i stands for the references starts[i] .. starts[i + 1] - 1. */
 typedef struct bb_radix_runs {
-    bb_buffer starts; /* u32, one more than keys; the last is the number of references */
+    bb_buffer starts; /* u32, one more than there are keys; the last is the number of references */
     bb_buffer total;  /* u32: the number of keys */
 } bb_radix_runs;
 
@@ -45,23 +44,23 @@ bb_status bb_radix_tree_create(bb_device *device, bb_account *account, bb_radix_
                                bb_radix_tree **out);
 void bb_radix_tree_destroy(bb_radix_tree *radix); /* NULL is allowed */
 
-/* Scratch for up to `count` references, and room in `tree` (on the device). */
+/* Reserves scratch for up to `count` references, and room in `tree` (on the device). */
 bb_status bb_radix_tree_reserve(bb_radix_tree *radix, uint32_t count, bb_tree *tree);
 
 /* Links sorted keys over `count` >= 1 references; values[] are their primitives, boxes[] the
- * primitives' boxes (bb_box). `runs` is given if kind.runs, else NULL: then each reference has
- * a key of its own. Fills tree, d_info included. Enqueued, not waited for. */
+ * primitives' boxes (bb_box). `runs` is given if kind.runs; if NULL, each reference has a key of
+ * its own. Fills tree, d_info included. Enqueued, not waited for. */
 bb_status bb_radix_tree_link(bb_radix_tree *radix, const bb_buffer *keys, const bb_radix_runs *runs,
                              const bb_buffer *values, const bb_buffer *boxes, uint32_t count,
                              bb_tree *tree);
 
-/* The longest loop of a work-item in the last link, where work-groups have no fence: leaves, or
- * subtrees, that it took one after the other, and the most that it may take for keys of this size.
- * 0 if there was a fence, or leaves are runs. Waits. */
+/* The longest loop of a work-item in the last link if work-groups have no fence: *met leaves or
+ * subtrees that it took one after the other, of at most *most for keys of this size. 0 if there was
+ * a fence, or leaves are runs. Waits. */
 bb_status bb_radix_tree_longest(const bb_radix_tree *radix, uint32_t *met, uint32_t *most);
 
-/* u8 per node: edges to the deepest leaf below it, of the last tree that was linked; the root's is
- * not written, it is the tree's depth. */
+/* Height of each node of the last tree linked, a u8: edges to the deepest leaf below it. The root's
+ * is not written; it is the tree's depth. */
 const bb_buffer *bb_radix_tree_heights(const bb_radix_tree *radix);
 
 #ifdef __cplusplus

@@ -31,7 +31,7 @@ static void join_children(const bb_tree *tree, bb_node *node)
         grow(node, nodes[child].lo, nodes[child].hi);
 }
 
-/* References of a leaf: in range, and closed. */
+/* Checks that a leaf's references are in range and end. */
 static bb_status check_leaf(const bb_tree *tree, uint32_t n, uint32_t prim_count)
 {
     uint32_t ref = tree->nodes[n].first & BB_INDEX_MASK;

@@ -3,17 +3,17 @@
  *   each subtree below a root of the cut (subtrees.h): for each of its nodes, in preorder:
  *       a leaf: union of its primitives' boxes
  *       behind the last child of a node: union of its children's boxes
- *   above the cut: the last of a node's children to come joins all of them      (refit_subtrees)
- * Where work-groups hand over by levels, all of it goes up by them    (refit_leaves, refit_level).
+ *   above the cut: the last child of a node to come joins all of them           (refit_subtrees)
+ * If work-groups hand over by levels, the whole tree goes by levels (refit_leaves, refit_level).
  *
- * Last to come goes on: Karras 2012; how the children's boxes reach it: handover.clh. No
- * work-item waits for another. Limits: a node's children are joined by one work-item.
+ * The last to come goes on: Karras 2012; handover.clh says how the children's boxes reach it. No
+ * work-item waits for another. Limits: one work-item joins a node's children.
  */
 #include "bb_device.h"
 #include "fit.clh"
 #include "handover.clh"
 
-/* How many children there are. */
+/* Refits an inner node; returns the number of its children. */
 uint fit_inner(volatile global bb_node *nodes, uint n)
 {
     bb_extent e = bb_no_extent();
@@ -28,7 +28,7 @@ uint fit_inner(volatile global bb_node *nodes, uint n)
 }
 
 #if BB_HANDOVER
-/* Boxes of a subtree, its nodes in preorder, each inner one when its last child is done. */
+/* Refits a subtree in preorder, each inner node when its last child is done. */
 void fit_subtree(global bb_node *nodes, global const uint *refs, global const bb_box *boxes,
                  uint root, global const uint *parents)
 {
@@ -72,7 +72,7 @@ kernel void refit_subtrees(global bb_node *nodes, global const uint *refs,
         if (atomic_dec(&missing[p]) != 1u)
             return;
         BB_DEVICE_FENCE();
-        missing[p] = fit_inner(nodes, p); /* for the next time */
+        missing[p] = fit_inner(nodes, p); /* for the next refit */
     }
 }
 #endif

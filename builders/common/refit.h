@@ -2,15 +2,15 @@
  *
  * From the bottom up, each leaf's box becomes the union of its primitives' boxes, and each inner
  * node's that of its children: the tightest boxes, in float, without rounding. The same tree and
- * boxes give the same result, bit for bit, on the host and on the device. Terdiman 2001,
- * "Memory-optimized bounding-volume hierarchies"; Wald, Boulos, Shirley 2007, "Ray Tracing
- * Deformable Scenes using Dynamic Bounding Volume Hierarchies". Trees of any arity and depth, nodes
- * in any order.
+ * boxes give the same result, bit for bit, on the host and on the device. Trees may have any arity
+ * and depth, and nodes any order. Terdiman 2001, "Memory-optimized bounding-volume hierarchies";
+ * Wald, Boulos, Shirley 2007, "Ray Tracing Deformable Scenes using Dynamic Bounding Volume
+ * Hierarchies".
  *
  * A tree with duplicated references is BB_UNSUPPORTED: a leaf's box may contain only a piece of a
- * primitive, and the primitive's new box does not say where that piece went. Afterwards the tree
- * is no longer declared `disjoint`, since siblings may have moved into each other; side arrays stay
- * as they are.
+ * primitive, and the primitive's new box does not say where that piece went. Afterwards the tree is
+ * no longer declared `disjoint`, since siblings may have moved into each other; side arrays are
+ * kept.
  */
 #ifndef BB_REFIT_H
 #define BB_REFIT_H
@@ -34,8 +34,8 @@ extern "C" {
     }
 
 /* Refits a tree on the host to boxes[0 .. prim_count). `order` is scratch, a u32 per node. One pass
- * in preorder and one back, whatever the depth. BB_FAILED, before any box is written, if a link or
- * a reference leads nowhere, or more than node_count nodes are found. */
+ * in preorder and one back, at any depth. BB_FAILED, before any box is written, if a link or a
+ * reference leads nowhere, or more than node_count nodes are found. */
 bb_status bb_refit(bb_tree *tree, const bb_box *boxes, uint32_t prim_count, uint32_t *order);
 
 /* ---- the same on the device ---- */
@@ -46,25 +46,24 @@ typedef struct bb_refitter bb_refitter;
 bb_status bb_refitter_create(bb_device *device, bb_account *account, bb_refitter **out);
 void bb_refitter_destroy(bb_refitter *refitter); /* NULL is allowed */
 
-/* The same for a builder with BB_UPDATE_OPTION, if its trees are to be refitted; *out is NULL where
- * they are built again. */
+/* The same for a builder with BB_UPDATE_OPTION; *out is NULL if its trees are to be rebuilt. */
 bb_status bb_refitter_choose(const bb_builder_context *context, bb_refitter **out);
 
-/* Scratch for trees of up to `nodes` nodes: 24 bytes each; where work-groups hand over by levels,
- * 16, and 4 per level once they are needed. NULL: none. */
+/* Reserves scratch for trees of up to `nodes` nodes: 24 bytes each; if work-groups hand over by
+ * levels, 16, and 4 per level once they are needed. A NULL refitter is allowed. */
 bb_status bb_refitter_reserve(bb_refitter *refitter, size_t nodes);
 
-/* Finds out what refits of a tree on the device need of its links, whose info is fetched. Not
- * needed: the first refit after they have changed does it. Waits for the device. */
+/* Prepares refits of a tree on the device from its links; tree->info must have been fetched.
+ * Optional: the first refit after links have changed does it. Waits for the device. */
 bb_status bb_refit_plan(bb_refitter *refitter, const bb_tree *tree);
 
-/* Refits a tree on the device, whose tree->info is fetched, to `boxes` (bb_box). Enqueued, not
- * waited for; by levels it asks the device now and then. The tree must be valid: links are not
+/* Refits a tree on the device to `boxes` (bb_box); tree->info must have been fetched. Enqueued, not
+ * waited for; by levels it queries the device now and then. The tree must be valid: links are not
  * checked. */
 bb_status bb_refit_device(bb_refitter *refitter, const bb_buffer *boxes, bb_tree *tree);
 
-/* update() of a builder with BB_UPDATE_OPTION: a refit, phase "refit". `refitter` is NULL where
- * trees are to be built again: BB_UNSUPPORTED, as if more than positions has changed. */
+/* update() of a builder with BB_UPDATE_OPTION: a refit, phase "refit". BB_UNSUPPORTED if `refitter`
+ * is NULL, since trees are to be rebuilt, or if more than positions have changed. */
 bb_status bb_refit_update(bb_refitter *refitter, const bb_scene *scene, uint32_t changed,
                           bb_tree *tree, bb_phases *phases);
 

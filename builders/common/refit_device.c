@@ -1,4 +1,4 @@
-/* The host side of refit.cl. */
+/* Host side of refit.cl. */
 #include "builders/common/refit.h"
 #include "builders/common/subtrees.h"
 #include "framework/device/levels.h"
@@ -11,9 +11,9 @@ struct bb_refitter {
     bb_device *device;
     bb_account *account;
     bb_subtrees subtrees;
-    uint64_t links; /* of the tree that they are of; each pass leaves them as they were */
+    uint64_t links; /* links (bb_tree) that `subtrees` is for; each pass restores missing[] */
     cl_program program;
-    cl_kernel fit;           /* by a fence */
+    cl_kernel fit;           /* with a fence */
     cl_kernel leaves, level; /* by levels */
     bb_levels levels;
 };

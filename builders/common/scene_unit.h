@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-/* To multiply coordinates by: the power of two, hence exact, with which `box` is between a half and
- * 1 long; as near to it as floats come. */
+/* Factor for coordinates: the power of two, hence exact, that makes `box` between a half and 1
+ * long, or as nearly so as floats allow. */
 static inline float bb_scene_unit(const bb_box *box)
 {
     double longest = 0;

@@ -1,4 +1,4 @@
-/* The host side of subtrees.cl. */
+/* Host side of subtrees.cl. */
 #include "builders/common/subtrees.h"
 
 #include <stdio.h>

@@ -1,10 +1,10 @@
 /* A tree cut into subtrees (subtrees.h):
  *
- *   parent of each node, and how many children it has                        (subtrees_parents)
- *   nodes below each node, up: the last of its children to come adds them up   (subtrees_sizes)
+ *   parent and number of children of each node                               (subtrees_parents)
+ *   nodes below each node, bottom-up: its last child to come adds them up      (subtrees_sizes)
  *   roots = nodes with few below, whose parents have many                       (subtrees_mark)
  *
- * Last to come goes on: Karras 2012; how what the others wrote reaches it: handover.clh.
+ * The last to come goes on: Karras 2012; handover.clh says how the others' results reach it.
  */
 #include "bb_device.h"
 #include "handover.clh"
@@ -19,7 +19,7 @@ kernel void subtrees_parents(global const bb_node *nodes, uint count, uint root,
 }
 
 #if BB_HANDOVER
-/* Of a leaf 1. Leaves missing[] as it was. */
+/* A leaf has size 1. Restores missing[]. */
 kernel void subtrees_sizes(global const bb_node *nodes, uint count, global const uint *parents,
                            volatile global uint *missing, volatile global uint *sizes)
 {

@@ -1,10 +1,10 @@
-/* A tree cut into subtrees that one work-item each can do: what bottom-up passes over a tree need
- * of its links.
+/* A tree cut into subtrees, one per work-item, with the parents and counts that bottom-up passes
+ * need.
  *
- * The cut: each node that has at most BB_SUBTREE_MOST nodes below it, itself included, and whose
- * parent has more. One work-item for each spares an atomic operation and two fences per node, which
- * is what most of a pass by leaves takes. Where work-groups hand over by levels there is no cut,
- * only parents and missing children.
+ * The roots of the cut are the nodes with at most BB_SUBTREE_MOST nodes below them, themselves
+ * included, whose parents have more. One work-item for each saves an atomic operation and two
+ * fences per node, which are most of the time of a pass by leaves. If work-groups hand over by
+ * levels there is no cut, only parents and missing children.
  */
 #ifndef BB_SUBTREES_H
 #define BB_SUBTREES_H
@@ -25,35 +25,35 @@ typedef struct bb_subtrees {
     cl_kernel parents_kernel, sizes_kernel, mark_kernel;
     bb_primitives *primitives;
     bb_compaction *compaction;
-    bb_buffer parents; /* u32 per node; BB_NONE: the root */
+    bb_buffer parents; /* u32 per node; BB_NONE for the root */
     bb_buffer missing; /* u32 per inner node: children that a pass has not seen yet */
     /* not by levels: */
     bb_buffer sizes; /* u32 per node: nodes below it, itself included */
     bb_buffer marks;
-    bb_buffer roots;      /* u32: of the subtrees, `found` of them, ascending */
+    bb_buffer roots;      /* u32: roots of the `found` subtrees, ascending */
     bb_buffer root_count; /* the same number, on the device */
     uint32_t found;
 } bb_subtrees;
 
-/* Options that device code which goes by subtrees is compiled with: BB_SUBTREE_MOST, and those of
+/* Writes the compiler options for device code that uses subtrees: BB_SUBTREE_MOST and those of
  * handover.clh. */
 enum { BB_SUBTREES_DEFINES = 160 };
 void bb_subtrees_defines(const bb_device *device, char text[BB_SUBTREES_DEFINES]);
 
-/* Compiles into a zeroed object. Scratch is booked on `account`. To be released also if it
- * fails. */
+/* Compiles into a zeroed object, which must be released even if this fails. Scratch is booked on
+ * `account`. */
 bb_status bb_subtrees_create(bb_device *device, bb_account *account, bb_subtrees *subtrees);
-void bb_subtrees_release(bb_subtrees *subtrees); /* of a zeroed object: does nothing */
+void bb_subtrees_release(bb_subtrees *subtrees); /* a zeroed object is allowed */
 
-/* Room for trees of up to `nodes` nodes: 24 bytes each; where work-groups hand over by levels,
- * 8. */
+/* Reserves room for trees of up to `nodes` nodes: 24 bytes each; if work-groups hand over by
+ * levels, 8. */
 bb_status bb_subtrees_reserve(bb_subtrees *subtrees, size_t nodes);
 
-/* Finds parents, missing children and the cut of a tree on the device, whose info is fetched. Waits
- * for the device, but not by levels. */
+/* Finds parents, missing children and the cut of a tree on the device; tree->info must have been
+ * fetched. Waits for the device, except by levels. */
 bb_status bb_subtrees_plan(bb_subtrees *subtrees, const bb_tree *tree);
 
-/* The cut alone, again, after somebody has brought parents and sizes up to date. */
+/* Finds the cut again after the caller has updated parents and sizes. */
 bb_status bb_subtrees_cut(bb_subtrees *subtrees, const bb_tree *tree);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* The host side of treelets.cl and treelet_rounds.clh. */
+/* Host side of treelets.cl and treelet_rounds.clh. */
 #include "builders/common/treelets.h"
 
 #include "builders/common/pair_tree.h"
@@ -17,29 +17,29 @@ enum {
     SUBTREE_MOST = 4096, /* leaves of a subtree that one CPU work-item does: its pairs, 256 KiB */
     SUBTREE_LEAST = 256,
     SUBTREES_PER_CORE = 16,
-    REST_CPU = 16,       /* pairs of a level that one work-item does */
-    ITEMS_PER_CORE = 32, /* CPUs: that share a level */
-    ROUNDS_MAX = 30,     /* gamma doubles */
+    REST_CPU = 16,       /* most pairs of a level that one work-item does */
+    ITEMS_PER_CORE = 32, /* CPUs: work-items that share a level */
+    ROUNDS_MAX = 30,     /* since gamma doubles */
     GAMMA_MAX = 1 << 30,
 };
 
 typedef struct optimiser {
     bb_device *device;
     bb_account *account;
-    uint32_t rounds;  /* at most */
-    uint32_t treelet; /* leaves */
-    uint32_t gamma;   /* leaves below a treelet's root, at least, in the first round */
+    uint32_t rounds;  /* most rounds */
+    uint32_t treelet; /* leaves of a treelet */
+    uint32_t gamma;   /* fewest leaves below a treelet's root in the first round */
     cl_program program, rounds_program;
     cl_kernel marks, make, count, start, leaves, level;
-    cl_kernel subtrees; /* of CPUs */
+    cl_kernel subtrees; /* CPUs */
     bb_primitives *primitives;
     bb_pair_tree *pairs;
     bb_levels levels;
-    bb_buffer places;           /* u32 per node: its pair, if it is inner */
-    bb_buffer parents, missing; /* u32 per pair: the one above; pairs below that are to come */
+    bb_buffer places;           /* u32 per node: its pair if it is inner */
+    bb_buffer parents, missing; /* u32 per pair: the pair above; pairs below still to come */
     bb_buffer held;             /* u32 per pair: leaves below */
-    bb_buffer tasks;            /* u32: roots of subtrees; of CPUs */
-    bb_buffer totals;           /* u32: treelets, and those that were rebuilt */
+    bb_buffer tasks;            /* CPUs: u32, roots of subtrees */
+    bb_buffer totals;           /* u32: treelets examined, and rebuilt */
     /* of the last build */
     uint32_t rounds_made;
     uint32_t seen, rebuilt;
@@ -146,11 +146,11 @@ static bb_status reserve(optimiser *self, uint32_t leaves, uint32_t references, 
     BB_TRY(reserve_u32(self, leaves, "treelets: parents", &self->parents));
     BB_TRY(reserve_u32(self, leaves, "treelets: pairs to come", &self->missing));
     BB_TRY(reserve_u32(self, leaves, "treelets: leaves below", &self->held));
-    /* they have no leaf in common, and 3 each or more */
+    /* subtrees share no leaf, and each has 3 or more */
     BB_TRY(reserve_u32(self, bb_cpu_form(self->device) ? leaves / 3 + 1 : 1, "treelets: subtrees",
                        &self->tasks));
     BB_TRY(reserve_u32(self, 2, "treelets: totals", &self->totals));
-    /* a level of pairs without a common leaf; no pair is higher than the tree has leaves */
+    /* pairs of a level share no leaf; no pair is higher than the tree has leaves */
     return bb_levels_reserve(&self->levels, self->device, self->account, leaves / 2 + 1, leaves,
                              "treelets: levels");
 }
@@ -206,7 +206,7 @@ static bb_status treelet_level(void *context, const bb_levels *levels, uint32_t 
                      BB_VALUE(p->unit), BB_MEM(self->totals));
 }
 
-/* Pairs of the tree, and the first level of those that are to be counted. */
+/* Makes the tree's pairs and the first level to be counted. */
 static bb_status make_pairs(optimiser *self, const bb_tree *input)
 {
     const bb_tree_info *info = &input->info;
@@ -224,7 +224,7 @@ static bb_status make_pairs(optimiser *self, const bb_tree *input)
                      BB_MEM(self->levels.counts), BB_MEM(self->levels.lists[1]));
 }
 
-/* Leaves of subtrees that one work-item does: enough of them for all cores. */
+/* Most leaves of a subtree that one work-item does, so that there are enough for all cores. */
 static uint32_t subtree_of(const optimiser *self, uint32_t leaves)
 {
     const uint32_t share = leaves / (self->device->compute_units * SUBTREES_PER_CORE);
@@ -233,7 +233,7 @@ static uint32_t subtree_of(const optimiser *self, uint32_t leaves)
     return share < SUBTREE_LEAST ? SUBTREE_LEAST : share > SUBTREE_MOST ? SUBTREE_MOST : share;
 }
 
-/* One round over pairs of at least `least` leaves. */
+/* Does one round over pairs of at least `least` leaves. */
 static bb_status make_round(optimiser *self, uint32_t leaves, uint32_t least, float unit)
 {
     const bb_buffer *pairs = bb_pair_tree_pairs(self->pairs);

@@ -1,14 +1,14 @@
-/* From the common tree to pairs whose treelets can be rebuilt, and back:
+/* Turns the common tree into pairs whose treelets can be rebuilt, and back:
  *
- *   inner nodes get the number of inner nodes before them: marks, and a scan       (treelets_marks)
- *   a pair of each inner node                                                      (treelets_pairs)
- *   leaves below each pair, from the bottom up                                     (treelets_count)
+ *   inner nodes are numbered in order: marks, and a scan                           (treelets_marks)
+ *   a pair for each inner node                                                     (treelets_pairs)
+ *   leaves below each pair, bottom-up                                              (treelets_count)
  *   each round:                                                                    (treelets_start)
- *       level 1 = pairs of so many leaves that have no such pairs below
- *       CPUs: the roots of the subtrees below those, each for one work-item
- *   once the tree is made of pairs: leaves of several references get theirs back  (treelets_leaves)
+ *       level 1 = pairs of so many leaves without such pairs below
+ *       CPUs: roots of the subtrees below those, one for each work-item
+ *   after the tree is made: leaves of several references get them back            (treelets_leaves)
  *
- * Binary trees in which each inner node has two children; of the common tree in any order.
+ * Takes binary trees in which each inner node has two children, with nodes in any order.
  *
  *   BB_CHUNK   nodes or pairs per work-item
  */
@@ -23,8 +23,9 @@ kernel void treelets_marks(global const bb_node *nodes, uint count, global uint 
         marks[n] = (nodes[n].first & BB_LEAF_BIT) != 0 ? 0u : 1u;
 }
 
-/* The child c of pair p's node as that pair's side. `single`: each leaf has one reference, which
- * the side names; else it names the leaf's first place among them. True if it is inner. */
+/* Writes the child c of pair p's node as a side of that pair. `single`: each leaf has one
+ * reference, which the side holds; else it holds the place of the leaf's first. True if the child
+ * is inner. */
 bool put_side(global const uint *words, uint c, uint p, global const uint *refs, uint single,
               global const uint *places, global bb_pair_side *side, global uint *parents)
 {
@@ -42,7 +43,7 @@ bool put_side(global const uint *words, uint c, uint p, global const uint *refs,
     return inner;
 }
 
-/* counts[1] and list[]: pairs of two leaves. */
+/* counts[1] and list[] get the pairs of two leaves. */
 kernel void treelets_pairs(global const bb_node *nodes, uint count, uint root,
                            global const uint *refs, uint single, global const uint *places,
                            global bb_cluster_pair *pairs, global bb_pair_side *root_side,
@@ -97,9 +98,8 @@ kernel void treelets_count(global bb_cluster_pair *pairs, global const uint *par
     BB_LEVEL_LOOP
 }
 
-/* Pairs of at least `lowest` leaves go by levels: parents[] and missing[] are of such pairs only;
- * the root's parent stays. What else has at least `least` is below the roots of subtrees, tasks[].
- */
+/* Pairs of at least `lowest` leaves go by levels: parents[] and missing[] cover only these, and the
+ * root's parent stays. Other pairs of at least `least` are below the roots of subtrees, tasks[]. */
 kernel void treelets_start(global const bb_cluster_pair *pairs, uint count,
                            global const uint *held, uint lowest, uint least, global uint *parents,
                            global uint *missing, volatile global uint *counts, global uint *list,
@@ -133,7 +133,7 @@ kernel void treelets_start(global const bb_cluster_pair *pairs, uint count,
     bb_put_above(&first);
 }
 
-/* starts[i]: first place of leaf i's references, with BB_LAST_BIT. */
+/* starts[i]: place of leaf i's first reference, with BB_LAST_BIT. */
 kernel void treelets_leaves(global bb_node *nodes, uint count, global const uint *starts,
                             uint references, global bb_tree_info *info)
 {

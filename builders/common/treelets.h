@@ -1,16 +1,16 @@
-/* Optimisers that rebuild treelets of a binary tree from the bottom up, in rounds (TRBVH, ATRBVH):
- * what they share on the host. How a treelet is rebuilt is the optimiser's own .cl file, which ends
- * with treelet_rounds.clh; how treelets are formed: treelets.clh.
+/* Optimisers that rebuild treelets of a binary tree bottom-up, in rounds (TRBVH, ATRBVH): their
+ * common host side. The optimiser's own .cl file, which ends with treelet_rounds.clh, rebuilds a
+ * treelet; treelets.clh forms it.
  *
- *   pairs: one of each inner node, with both children's boxes        (treelets.cl, pair_shared.h)
+ *   pairs: one per inner node, with both children's boxes            (treelets.cl, pair_shared.h)
  *   each round: all pairs of at least gamma leaves, by levels, children first; gamma doubles
- *   the common tree of the pairs, numbered anew                       (pair_tree.h)
+ *   the common tree from the pairs, renumbered                       (pair_tree.h)
  *
- * Everything goes by launches: no work-group hands over to another inside of one, on any device. A
- * pair's treelet depends on what is below that pair alone, so the tree does not depend on the order
- * in a level. On CPUs a work-item does a whole subtree of up to 4096 leaves first, which stays in
- * the cache, eight treelets of a depth side by side; then what is above goes by levels. On GPUs a
- * work-item does one treelet.
+ * All work is ordered by launches: no work-group hands over to another within one, on any device. A
+ * pair's treelet depends only on what is below that pair, so the tree does not depend on the order
+ * in a level. On CPUs a work-item first does a whole subtree of up to 4096 leaves, which stays in
+ * the cache, eight treelets of a depth at once; the pairs above go by levels. On GPUs a work-item
+ * does one treelet.
  */
 #ifndef BB_TREELETS_H
 #define BB_TREELETS_H
@@ -22,9 +22,9 @@
 extern "C" {
 #endif
 
-/* Makes an optimiser, which the other hooks get: reads the options rounds, treelet (3 to
- * `treelet_most`) and gamma, and compiles `source`. BB_INVALID for options out of range. After a
- * failure *out, if it was set, is to be destroyed. */
+/* Makes an optimiser, the object of the other hooks: reads the options rounds, treelet (3 to
+ * `treelet_most`) and gamma, and compiles `source`. BB_INVALID for options out of range. If *out
+ * was set, it must be destroyed even after a failure. */
 bb_status bb_treelets_create(const bb_builder_context *context, const bb_source *source,
                              uint32_t treelet_most, void **out);
 
@@ -32,16 +32,16 @@ bb_status bb_treelets_create(const bb_builder_context *context, const bb_source 
 
 void bb_treelets_destroy(void *opaque); /* NULL is allowed */
 
-/* Room for trees of one leaf per primitive: 94 bytes per primitive beside the tree, on GPUs 120. */
+/* Reserves room for trees of one leaf per primitive: 94 bytes per primitive beside the tree, on
+ * GPUs 120. */
 bb_status bb_treelets_prepare(void *opaque, const bb_scene *scene, bb_tree *tree);
 
 /* Phases "pairs", "count", "treelets" and "order", or "copy" for a tree of fewer leaves than gamma;
- * events "treelets" and "improved". BB_UNSUPPORTED for a tree with inner nodes of another number of
- * children than two. */
+ * events "treelets" and "improved". BB_UNSUPPORTED if an inner node has other than two children. */
 bb_status bb_treelets_build(void *opaque, const bb_scene *scene, const bb_tree *input,
                             bb_tree *tree, bb_phases *phases);
 
-/* Treelets rebuilt of those looked at, their leaves and the rounds made: of the last build. */
+/* Of the last build: treelets rebuilt and examined, their leaves, and the rounds made. */
 bb_status bb_treelets_describe(void *opaque, const bb_scene *scene, char *text, size_t capacity);
 
 #ifdef __cplusplus

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* X/Y/Z, three finite numbers and nothing else. */
+/* Reads X/Y/Z: three finite numbers and nothing else. */
 static bool read_direction(const char *text, double out[3])
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -18,7 +18,7 @@ static bool read_direction(const char *text, double out[3])
     return true;
 }
 
-/* By name, else by number; NULL if the scene has no such view. */
+/* Finds a view by name, else by number; NULL if the scene has no such view. */
 static const bb_view *find_view(const bb_scene *scene, const char *text)
 {
     for (uint32_t i = 0; i < scene->view_count; i++)

@@ -1,5 +1,5 @@
-/* Ordering along the direction of a view: the Morton codes of any builder then enumerate nearer
- * primitives first.
+/* Ordering along a view's direction: the Morton codes of any builder then put nearer primitives
+ * first.
  *
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
  * Loose Octrees), section 3.4: the bits of an axis are negated where the direction is negative, and
@@ -19,10 +19,10 @@ extern "C" {
 #define BB_VIEW_ORDER_HELP                                                                         \
     "order nodes along a view: none, its name or number, or a direction X/Y/Z"
 
-/* The direction that `text` names: "none" gives (0, 0, 0); the name of one of the scene's views, or
- * its number from 0, gives target - eye; "X/Y/Z" is a direction itself. Any length; each component
- * is finite. BB_INVALID, starting with `what` (such as "builder lobvh"), for anything else; the
- * message lists the views there are. */
+/* The direction that `text` names: "none" gives (0, 0, 0); the name or number (from 0) of one of
+ * the scene's views gives target - eye; "X/Y/Z" is a direction, of any length and finite.
+ * BB_INVALID, starting with `what` (such as "builder lobvh"), for anything else; the message lists
+ * the scene's views. */
 bb_status bb_view_order(const bb_scene *scene, const char *text, const char *what,
                         double direction[3]);
 
@@ -32,7 +32,7 @@ typedef struct bb_axis_order {
     uint32_t flips;   /* bit a: the cells of axis a are counted from the far end */
 } bb_axis_order;
 
-/* The order for a direction: axes by falling |direction|, equal ones x before y before z, so that
+/* The order for a direction: axes by falling |direction|, equal ones in the order x, y, z, so that
  * (0, 0, 0) gives the plain Morton code. */
 bb_axis_order bb_axis_order_of(const double direction[3]);
 

@@ -1,8 +1,8 @@
-/* EMC: LBVH over extended Morton codes, which tell large primitives from small ones and follow the
- * shape of the scene.
+/* EMC: LBVH over extended Morton codes, which separate large primitives from small ones and follow
+ * the shape of the scene.
  *
  * Vinkler, Bittner, Havran 2017, "Extended Morton Codes for High Performance Bounding Volume
- * Hierarchy Construction". The codes and their traps: builders/common/codes.h.
+ * Hierarchy Construction". builders/common/codes.h has the codes.
  */
 #include "builders/common/linear_bvh.h"
 

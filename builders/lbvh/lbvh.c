@@ -1,6 +1,6 @@
 /* LBVH: the binary radix tree over Morton codes of the primitives' centroids, on the device.
  *
- * Lauterbach et al. 2009; Karras 2012; Apetrei 2014. All of it is shared with the other builders
+ * Lauterbach et al. 2009; Karras 2012; Apetrei 2014. Shares all its code with the other builders
  * that sort by a code: builders/common/linear_bvh.h.
  */
 #include "builders/common/linear_bvh.h"

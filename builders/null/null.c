@@ -1,5 +1,5 @@
-/* null: one leaf over everything. Tracing it is brute force; building it is the harness's own
- * overhead and what it takes to read every box once.
+/* null: one leaf over everything. Tracing it is brute force; building it costs the harness's own
+ * overhead and one read of every box.
  */
 #include "framework/builder/builder.h"
 
