@@ -2,7 +2,10 @@
 
 #include "framework/base/steering.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 char *bb_json_print(const cJSON *json, bool formatted)
 {
@@ -10,5 +13,141 @@ char *bb_json_print(const cJSON *json, bool formatted)
     char *text = formatted ? cJSON_Print(json) : cJSON_PrintUnformatted(json);
     char *valid = text != NULL ? bb_utf8_text(text) : NULL;
     free(text);
+    return valid;
+}
+
+/* ---- the writer ---- */
+
+static void append(bb_json *json, const char *text, size_t size)
+{
+    if (json->size + size + 1 > json->room) {
+        size_t room = 2 * (json->size + size) + 256;
+        char *grown = json->lost ? NULL : realloc(json->text, room);
+        if (grown == NULL) {
+            json->lost = true;
+            return;
+        }
+        json->text = grown;
+        json->room = room;
+    }
+    memcpy(json->text + json->size, text, size);
+    json->size += size;
+    json->text[json->size] = '\0';
+}
+
+static void put(bb_json *json, const char *text)
+{
+    append(json, text, strlen(text));
+}
+
+static void put_string(bb_json *json, const char *text)
+{
+    static const char special[] = "\"\\\b\f\n\r\t", letters[] = "\"\\bfnrt";
+    put(json, "\"");
+    for (const char *at = text; *at != '\0'; at++) {
+        const char *found = strchr(special, *at);
+        char escape[8] = {'\\', found != NULL ? letters[found - special] : '\0'};
+        if (found == NULL && (unsigned char)*at < ' ')
+            snprintf(escape, sizeof escape, "\\u%04x", (unsigned)*at);
+        if (found != NULL || (unsigned char)*at < ' ')
+            put(json, escape);
+        else
+            append(json, at, 1);
+    }
+    put(json, "\"");
+}
+
+static void put_line(bb_json *json)
+{
+    if (!json->formatted)
+        return;
+    put(json, "\n");
+    for (unsigned i = 0; i < json->depth; i++)
+        put(json, "\t");
+}
+
+/* What stands before a value: members are on lines of their own. */
+static void start(bb_json *json, const char *name)
+{
+    if (json->more)
+        put(json, name == NULL && json->formatted ? ", " : ",");
+    json->more = true;
+    if (name == NULL)
+        return;
+    put_line(json);
+    put_string(json, name);
+    put(json, json->formatted ? ":\t" : ":");
+}
+
+static void open(bb_json *json, const char *name, const char *bracket)
+{
+    start(json, name);
+    put(json, bracket);
+    json->more = false;
+    json->depth++;
+}
+
+static void close(bb_json *json, const char *bracket)
+{
+    json->depth--;
+    if (*bracket == '}')
+        put_line(json);
+    put(json, bracket);
+    json->more = true;
+}
+
+void bb_json_object(bb_json *json, const char *name)
+{
+    open(json, name, "{");
+}
+
+void bb_json_end_object(bb_json *json)
+{
+    close(json, "}");
+}
+
+void bb_json_array(bb_json *json, const char *name)
+{
+    open(json, name, "[");
+}
+
+void bb_json_end_array(bb_json *json)
+{
+    close(json, "]");
+}
+
+void bb_json_add_text(bb_json *json, const char *name, const char *value)
+{
+    start(json, name);
+    if (value != NULL)
+        put_string(json, value);
+    else
+        put(json, "null");
+}
+
+/* With as few digits as give the same double back. */
+void bb_json_add_number(bb_json *json, const char *name, double value)
+{
+    char digits[40] = "null";
+    for (int precision = 15; precision <= 17 && isfinite(value); precision++) {
+        snprintf(digits, sizeof digits, "%.*g", precision, value);
+        if (strtod(digits, NULL) == value)
+            break;
+    }
+    start(json, name);
+    put(json, digits);
+}
+
+void bb_json_add_bool(bb_json *json, const char *name, bool value)
+{
+    start(json, name);
+    put(json, value ? "true" : "false");
+}
+
+char *bb_json_take(bb_json *json)
+{
+    char *valid = json->lost || json->text == NULL ? NULL : bb_utf8_text(json->text);
+    free(json->text);
+    *json = (bb_json){.formatted = json->formatted};
     return valid;
 }

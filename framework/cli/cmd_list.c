@@ -12,7 +12,6 @@
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,30 +24,47 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
-/* One entry of a list; as text or JSON. */
-static void add(cJSON *list, const char *name, const char *summary, const char *paper,
-                const bb_option *declared)
+static void print_entry(const char *name, const char *summary, const char *paper,
+                        const bb_option *declared)
 {
-    cJSON *entry = cJSON_CreateObject();
-    cJSON_AddStringToObject(entry, "name", name);
-    cJSON_AddStringToObject(entry, "summary", summary);
-    if (paper != NULL)
-        cJSON_AddStringToObject(entry, "paper", paper);
-    cJSON *all = cJSON_AddArrayToObject(entry, "options");
-    for (const bb_option *o = declared; o != NULL && o->name != NULL; o++) {
-        cJSON *option = cJSON_CreateObject();
-        cJSON_AddStringToObject(option, "name", o->name);
-        if (o->default_value != NULL)
-            cJSON_AddStringToObject(option, "default", o->default_value);
-        if (o->values != NULL)
-            cJSON_AddStringToObject(option, "values", o->values);
-        cJSON_AddStringToObject(option, "help", o->help);
-        cJSON_AddItemToArray(all, option);
-    }
-    cJSON_AddItemToArray(list, entry);
+    printf("  %-14s %s", name, summary);
+    if (paper != NULL && strcmp(paper, "none") != 0)
+        printf(" (%s)", paper);
+    printf("\n");
+    for (const bb_option *o = declared; o != NULL && o->name != NULL; o++)
+        printf("      %s=%s  %s%s%s\n", o->name, o->default_value != NULL ? o->default_value : "",
+               o->help, o->values != NULL ? ": " : "", o->values != NULL ? o->values : "");
 }
 
-static bb_status list_builders(cJSON *list)
+/* One entry of a list: as text, or as JSON if `json` is not NULL. */
+static void add(bb_json *json, const char *name, const char *summary, const char *paper,
+                const bb_option *declared)
+{
+    if (json == NULL) {
+        print_entry(name, summary, paper, declared);
+        return;
+    }
+    bb_json_object(json, NULL);
+    bb_json_add_text(json, "name", name);
+    bb_json_add_text(json, "summary", summary);
+    if (paper != NULL)
+        bb_json_add_text(json, "paper", paper);
+    bb_json_array(json, "options");
+    for (const bb_option *o = declared; o != NULL && o->name != NULL; o++) {
+        bb_json_object(json, NULL);
+        bb_json_add_text(json, "name", o->name);
+        if (o->default_value != NULL)
+            bb_json_add_text(json, "default", o->default_value);
+        if (o->values != NULL)
+            bb_json_add_text(json, "values", o->values);
+        bb_json_add_text(json, "help", o->help);
+        bb_json_end_object(json);
+    }
+    bb_json_end_array(json);
+    bb_json_end_object(json);
+}
+
+static bb_status list_builders(bb_json *list)
 {
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *b = bb_builder_at(i);
@@ -59,7 +75,7 @@ static bb_status list_builders(cJSON *list)
     return BB_OK;
 }
 
-static bb_status list_kernels(cJSON *list)
+static bb_status list_kernels(bb_json *list)
 {
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
         bb_option all[BB_PARAMS_MAX + 1];
@@ -74,14 +90,14 @@ static bb_status list_kernels(cJSON *list)
     return BB_OK;
 }
 
-static bb_status list_layouts(cJSON *list)
+static bb_status list_layouts(bb_json *list)
 {
     for (const bb_layout *const *l = bb_layouts; *l != NULL; l++)
         add(list, (*l)->name, (*l)->summary, NULL, NULL);
     return BB_OK;
 }
 
-static bb_status list_intersectors(cJSON *list)
+static bb_status list_intersectors(bb_json *list)
 {
     for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++) {
         const char *const own[] = {i->triangle, i->slab, i->contract};
@@ -96,7 +112,7 @@ static bb_status list_intersectors(cJSON *list)
 }
 
 /* A file of the format, by its first ending. */
-static void add_format(cJSON *list, const bb_scene_format *format)
+static void add_format(bb_json *list, const bb_scene_format *format)
 {
     char name[64], summary[256];
     size_t used = (size_t)snprintf(summary, sizeof summary, "a file, %s", format->name);
@@ -107,7 +123,7 @@ static void add_format(cJSON *list, const bb_scene_format *format)
     add(list, name, summary, NULL, format->options);
 }
 
-static bb_status list_scenes(cJSON *list)
+static bb_status list_scenes(bb_json *list)
 {
     for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
         add(list, *name, "shipped with bvhbench", NULL, NULL);
@@ -118,14 +134,14 @@ static bb_status list_scenes(cJSON *list)
     return BB_OK;
 }
 
-static bb_status list_rays(cJSON *list)
+static bb_status list_rays(bb_json *list)
 {
     for (const bb_workload *const *w = bb_workloads; *w != NULL; w++)
         add(list, (*w)->name, (*w)->summary, NULL, (*w)->options);
     return BB_OK;
 }
 
-static bb_status list_metrics(cJSON *list)
+static bb_status list_metrics(bb_json *list)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         const bb_metric *m = bb_metrics[i];
@@ -137,14 +153,14 @@ static bb_status list_metrics(cJSON *list)
     return BB_OK;
 }
 
-static bb_status list_papers(cJSON *list)
+static bb_status list_papers(bb_json *list)
 {
     for (const bb_paper *const *p = bb_papers; *p != NULL; p++)
         add(list, (*p)->name, (*p)->title, NULL, NULL);
     return BB_OK;
 }
 
-static bb_status list_axes(cJSON *list)
+static bb_status list_axes(bb_json *list)
 {
     for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++) {
         bb_axis axis;
@@ -158,10 +174,15 @@ static bb_status list_axes(cJSON *list)
     return BB_OK;
 }
 
-static bb_status list_devices(cJSON *list)
+static bb_status list_devices(bb_json *list)
 {
     uint32_t count;
     BB_TRY(bb_device_count(&count));
+    if (count == 0 && list == NULL) {
+        char reason[320];
+        bb_device_say_none(reason, sizeof reason);
+        printf("  none: %s\n", reason);
+    }
     for (uint32_t i = 0; i < count; i++) {
         char number[16], text[512];
         snprintf(number, sizeof number, "%u", i);
@@ -173,7 +194,7 @@ static bb_status list_devices(cJSON *list)
     return BB_OK;
 }
 
-static bb_status list_transfers(cJSON *list)
+static bb_status list_transfers(bb_json *list)
 {
     for (const bb_transfer_preset *p = bb_transfer_presets; p->name != NULL; p++)
         add(list, p->name, p->summary, NULL, NULL);
@@ -182,7 +203,7 @@ static bb_status list_transfers(cJSON *list)
 
 static const struct {
     const char *name;
-    bb_status (*fill)(cJSON *list);
+    bb_status (*fill)(bb_json *list);
 } kinds[] = {
     {"builders", list_builders},         {"kernels", list_kernels}, {"layouts", list_layouts},
     {"intersectors", list_intersectors}, {"scenes", list_scenes},   {"rays", list_rays},
@@ -191,37 +212,6 @@ static const struct {
 };
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
-
-static const char *text_of(const cJSON *entry, const char *key)
-{
-    const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(entry, key));
-    return text != NULL ? text : "";
-}
-
-static void print_list(const char *kind, const cJSON *list)
-{
-    printf("%s\n", kind);
-    if (cJSON_GetArraySize(list) == 0 && strcmp(kind, "devices") == 0) {
-        char reason[320];
-        bb_device_say_none(reason, sizeof reason);
-        printf("  none: %s\n", reason);
-    }
-    const cJSON *entry, *option;
-    cJSON_ArrayForEach(entry, list)
-    {
-        printf("  %-14s %s", text_of(entry, "name"), text_of(entry, "summary"));
-        if (text_of(entry, "paper")[0] != '\0' && strcmp(text_of(entry, "paper"), "none") != 0)
-            printf(" (%s)", text_of(entry, "paper"));
-        printf("\n");
-        cJSON_ArrayForEach(option, cJSON_GetObjectItem(entry, "options"))
-        {
-            const char *values = text_of(option, "values");
-            printf("      %s=%s  %s%s%s\n", text_of(option, "name"), text_of(option, "default"),
-                   text_of(option, "help"), values[0] != '\0' ? ": " : "", values);
-        }
-    }
-    printf("\n");
-}
 
 /* kernels/isa.tsv in columns. Two passes: how wide each is, then the rows. */
 static void print_isa(void)
@@ -252,6 +242,39 @@ static void print_isa(void)
     }
 }
 
+/* All lists, or the one that is wanted. */
+static bb_status print_text(const char *wanted)
+{
+    for (uint32_t i = 0; i < KIND_COUNT; i++)
+        if (wanted == NULL || strcmp(wanted, kinds[i].name) == 0) {
+            printf("%s\n", kinds[i].name);
+            BB_TRY(kinds[i].fill(NULL));
+            printf("\n");
+        }
+    return BB_OK;
+}
+
+static bb_status print_json(const char *wanted)
+{
+    bb_json json = {.formatted = true};
+    bb_status status = BB_OK;
+    bb_json_object(&json, NULL);
+    for (uint32_t i = 0; i < KIND_COUNT && status == BB_OK; i++)
+        if (wanted == NULL || strcmp(wanted, kinds[i].name) == 0) {
+            bb_json_array(&json, kinds[i].name);
+            status = kinds[i].fill(&json);
+            bb_json_end_array(&json);
+        }
+    bb_json_end_object(&json);
+    char *text = bb_json_take(&json);
+    if (status == BB_OK && text == NULL)
+        status = bb_fail(BB_REFUSED, "no memory for the list");
+    if (status == BB_OK)
+        printf("%s\n", text);
+    free(text);
+    return status;
+}
+
 static bb_status unknown_kind(const char *kind)
 {
     bb_suggestion meant = {.word = kind};
@@ -278,27 +301,12 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         print_isa();
         return BB_OK;
     }
-    cJSON *all = cJSON_CreateObject();
-    bb_status status = BB_OK;
-    bool found = false;
-    for (uint32_t i = 0; i < KIND_COUNT && status == BB_OK; i++) {
-        if (wanted != NULL && strcmp(wanted, kinds[i].name) != 0)
-            continue;
-        found = true;
-        status = kinds[i].fill(cJSON_AddArrayToObject(all, kinds[i].name));
-    }
-    if (status == BB_OK && !found)
-        status = unknown_kind(wanted);
-    if (status == BB_OK && bb_cli_value(cli, "json") != NULL) {
-        char *text = bb_json_print(all, true);
-        printf("%s\n", text);
-        free(text);
-    } else if (status == BB_OK) {
-        const cJSON *list;
-        cJSON_ArrayForEach(list, all) print_list(list->string, list);
-    }
-    cJSON_Delete(all);
-    return status;
+    bool found = wanted == NULL;
+    for (uint32_t i = 0; i < KIND_COUNT; i++)
+        found = found || strcmp(wanted, kinds[i].name) == 0;
+    if (!found)
+        return unknown_kind(wanted);
+    return bb_cli_value(cli, "json") != NULL ? print_json(wanted) : print_text(wanted);
 }
 
 extern const bb_command bb_command_list;

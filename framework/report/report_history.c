@@ -6,8 +6,7 @@
 #include "framework/report/columns.h"
 #include "framework/report/template.h"
 
-#include <cjson/cJSON.h>
-#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,63 +14,47 @@
 extern const char bb_text_report_css[], bb_text_chart_js[], bb_text_report_history_html[],
     bb_text_report_history_js[];
 
-static bool add_text(cJSON *object, const char *name, const char *text)
-{
-    return cJSON_AddStringToObject(object, name, text) != NULL;
-}
-
-/* null if it is not finite. */
-static bool add_number(cJSON *object, const char *name, double value)
-{
-    return isfinite(value) ? cJSON_AddNumberToObject(object, name, value) != NULL
-                           : cJSON_AddNullToObject(object, name) != NULL;
-}
-
-/* A new object at the end of the list; NULL without memory. */
-static cJSON *add_object(cJSON *list)
-{
-    cJSON *object = cJSON_CreateObject();
-    if (object != NULL && cJSON_AddItemToArray(list, object))
-        return object;
-    cJSON_Delete(object);
-    return NULL;
-}
-
 /* ---- a cell ---- */
 
 static const char *const verdicts[] = {
     [BB_WORSE] = "worse", [BB_BETTER] = "better", [BB_CHANGED] = "changed"};
 
-static bool add_move(cJSON *list, uint32_t at, const bb_change *move)
+static void put_move(bb_json *json, uint32_t at, const bb_change *move)
 {
-    cJSON *object = add_object(list);
-    return object != NULL && add_number(object, "at", at) &&
-           add_text(object, "what", move->timed ? "ms" : move->what) &&
-           add_text(object, "verdict", verdicts[move->verdict]) &&
-           cJSON_AddBoolToObject(object, "counts", move->counts) != NULL &&
-           add_number(object, "from", move->from) && add_number(object, "to", move->to) &&
-           add_number(object, "ratio", move->effect.ratio) &&
-           add_number(object, "low", move->effect.low) &&
-           add_number(object, "high", move->effect.high) && add_number(object, "p", move->p);
+    bb_json_object(json, NULL);
+    bb_json_add_number(json, "at", at);
+    bb_json_add_text(json, "what", move->timed ? "ms" : move->what);
+    bb_json_add_text(json, "verdict", verdicts[move->verdict]);
+    bb_json_add_bool(json, "counts", move->counts);
+    bb_json_add_number(json, "from", move->from);
+    bb_json_add_number(json, "to", move->to);
+    bb_json_add_number(json, "ratio", move->effect.ratio);
+    bb_json_add_number(json, "low", move->effect.low);
+    bb_json_add_number(json, "high", move->effect.high);
+    bb_json_add_number(json, "p", move->p);
+    bb_json_end_object(json);
 }
 
-static bool add_point(cJSON *list, uint32_t at, const bb_measured *cell)
+static void put_point(bb_json *json, uint32_t at, const bb_measured *cell)
 {
-    cJSON *object = add_object(list);
     bb_estimate e = bb_samples_estimate(&cell->ms);
-    bool ok = object != NULL && add_number(object, "at", at) &&
-              add_text(object, "status", cell->status) && add_number(object, "ms", e.value) &&
-              add_number(object, "lo", e.low) && add_number(object, "hi", e.high) &&
-              add_number(object, "least", e.least) && add_number(object, "most", e.most);
-    cJSON *figures = ok ? cJSON_AddObjectToObject(object, "figures") : NULL;
-    ok = figures != NULL;
-    for (uint32_t i = 0; i < cell->figure_count && ok; i++)
-        ok = add_number(figures, cell->figures[i].name, cell->figures[i].value);
-    return ok;
+    bb_json_object(json, NULL);
+    bb_json_add_number(json, "at", at);
+    bb_json_add_text(json, "status", cell->status);
+    bb_json_add_number(json, "ms", e.value);
+    bb_json_add_number(json, "lo", e.low);
+    bb_json_add_number(json, "hi", e.high);
+    bb_json_add_number(json, "least", e.least);
+    bb_json_add_number(json, "most", e.most);
+    bb_json_object(json, "figures");
+    for (uint32_t i = 0; i < cell->figure_count; i++)
+        bb_json_add_number(json, cell->figures[i].name, cell->figures[i].value);
+    bb_json_end_object(json);
+    bb_json_end_object(json);
 }
 
 /* Without parameters that have their defaults. */
-static bool add_names(cJSON *object, const char *key)
+static void put_names(bb_json *json, const char *key)
 {
     bb_cell cell;
     char brief[BB_CELL_KEY];
@@ -81,26 +64,28 @@ static bool add_names(cJSON *object, const char *key)
         if (bb_cell_key_format(&cell, brief) != BB_OK)
             snprintf(brief, sizeof brief, "%s", key);
     }
-    return add_text(object, "key", key) && add_text(object, "name", brief);
+    bb_json_add_text(json, "key", key);
+    bb_json_add_text(json, "name", brief);
 }
 
-static bool add_cell(cJSON *list, const bb_trend *trend, const char *key)
+static void put_cell(bb_json *json, const bb_trend *trend, const char *key)
 {
-    cJSON *object = add_object(list);
-    if (object == NULL || !add_names(object, key))
-        return false;
-    cJSON *points = cJSON_AddArrayToObject(object, "points");
-    cJSON *moves = cJSON_AddArrayToObject(object, "moves");
-    bool ok = points != NULL && moves != NULL;
-    for (uint32_t i = 0; i < trend->count && ok; i++) {
+    bb_json_object(json, NULL);
+    put_names(json, key);
+    bb_json_array(json, "points");
+    for (uint32_t i = 0; i < trend->count; i++) {
         const bb_measured *cell = bb_cell_set_find(&trend->sets[i], key);
-        const bb_comparison_result *step = &trend->steps[i];
-        ok = cell == NULL || add_point(points, i, cell);
-        for (uint32_t m = 0; m < step->move_count && ok; m++)
-            if (strcmp(step->moves[m].after->key, key) == 0)
-                ok = add_move(moves, i, &step->moves[m]);
+        if (cell != NULL)
+            put_point(json, i, cell);
     }
-    return ok;
+    bb_json_end_array(json);
+    bb_json_array(json, "moves");
+    for (uint32_t i = 0; i < trend->count; i++)
+        for (uint32_t m = 0; m < trend->steps[i].move_count; m++)
+            if (strcmp(trend->steps[i].moves[m].after->key, key) == 0)
+                put_move(json, i, &trend->steps[i].moves[m]);
+    bb_json_end_array(json);
+    bb_json_end_object(json);
 }
 
 /* ---- a machine ---- */
@@ -111,60 +96,64 @@ static int by_text(const void *a, const void *b)
 }
 
 /* The keys of all its cells, each once. */
-static bool add_cells(cJSON *object, const bb_trend *trend)
+static void put_cells(bb_json *json, const bb_trend *trend)
 {
     size_t room = 1, count = 0;
     for (uint32_t i = 0; i < trend->count; i++)
         room += trend->sets[i].count;
     const char **keys = malloc(room * sizeof *keys);
-    cJSON *list = cJSON_AddArrayToObject(object, "cells");
-    bool ok = keys != NULL && list != NULL;
-    for (uint32_t i = 0; i < trend->count && ok; i++)
+    if (keys == NULL) {
+        json->lost = true;
+        return;
+    }
+    for (uint32_t i = 0; i < trend->count; i++)
         for (uint32_t c = 0; c < trend->sets[i].count; c++)
             keys[count++] = trend->sets[i].cells[c].key;
-    if (ok)
-        qsort(keys, count, sizeof *keys, by_text);
-    for (size_t i = 0; i < count && ok; i++)
+    qsort(keys, count, sizeof *keys, by_text);
+    bb_json_array(json, "cells");
+    for (size_t i = 0; i < count; i++)
         if (i == 0 || strcmp(keys[i - 1], keys[i]) != 0)
-            ok = add_cell(list, trend, keys[i]);
+            put_cell(json, trend, keys[i]);
+    bb_json_end_array(json);
     free(keys);
-    return ok;
 }
 
-static bool add_machine(cJSON *list, const bb_trend *trend)
+static void put_machine(bb_json *json, const bb_trend *trend)
 {
-    cJSON *object = add_object(list);
     const bb_origin *o = &trend->entries[0].origin;
-    if (object == NULL || !add_text(object, "host", o->host) || !add_text(object, "cpu", o->cpu) ||
-        !add_text(object, "device", o->device) || !add_text(object, "driver", o->driver) ||
-        !add_number(object, "floor", trend->floor.share) ||
-        !add_text(object, "floor_from", trend->floor.from))
-        return false;
-    cJSON *revisions = cJSON_AddArrayToObject(object, "revisions");
-    bool ok = revisions != NULL;
-    for (uint32_t i = 0; i < trend->count && ok; i++) {
-        cJSON *revision = add_object(revisions);
-        const bb_history_entry *entry = &trend->entries[i];
-        ok = revision != NULL && add_text(revision, "revision", entry->origin.revision) &&
-             add_text(revision, "date", entry->origin.date) &&
-             add_number(revision, "runs", entry->runs);
+    bb_json_object(json, NULL);
+    bb_json_add_text(json, "host", o->host);
+    bb_json_add_text(json, "cpu", o->cpu);
+    bb_json_add_text(json, "device", o->device);
+    bb_json_add_text(json, "driver", o->driver);
+    bb_json_add_number(json, "floor", trend->floor.share);
+    bb_json_add_text(json, "floor_from", trend->floor.from);
+    bb_json_array(json, "revisions");
+    for (uint32_t i = 0; i < trend->count; i++) {
+        bb_json_object(json, NULL);
+        bb_json_add_text(json, "revision", trend->entries[i].origin.revision);
+        bb_json_add_text(json, "date", trend->entries[i].origin.date);
+        bb_json_add_number(json, "runs", trend->entries[i].runs);
+        bb_json_end_object(json);
     }
-    return ok && add_cells(object, trend);
+    bb_json_end_array(json);
+    put_cells(json, trend);
+    bb_json_end_object(json);
 }
 
-/* For cJSON_free(); NULL without memory. */
+/* From malloc; NULL without memory. */
 static char *history_json(const bb_trend *trends, uint32_t count)
 {
-    cJSON *root = cJSON_CreateObject();
-    cJSON *machines = root != NULL ? cJSON_AddArrayToObject(root, "machines") : NULL;
-    bool ok = machines != NULL &&
-              cJSON_AddNumberToObject(root, "assumed", BB_COMPARE_FLOOR_UNKNOWN) != NULL &&
-              cJSON_AddNumberToObject(root, "level", BB_COMPARE_LEVEL) != NULL;
-    for (uint32_t i = 0; i < count && ok; i++)
-        ok = add_machine(machines, &trends[i]);
-    char *json = ok ? bb_json_print(root, false) : NULL;
-    cJSON_Delete(root);
-    return json;
+    bb_json json = {0};
+    bb_json_object(&json, NULL);
+    bb_json_add_number(&json, "assumed", BB_COMPARE_FLOOR_UNKNOWN);
+    bb_json_add_number(&json, "level", BB_COMPARE_LEVEL);
+    bb_json_array(&json, "machines");
+    for (uint32_t i = 0; i < count; i++)
+        put_machine(&json, &trends[i]);
+    bb_json_end_array(&json);
+    bb_json_end_object(&json);
+    return bb_json_take(&json);
 }
 
 bb_status bb_report_history(const bb_trend *trends, uint32_t count, const char *path)
@@ -186,7 +175,7 @@ bb_status bb_report_history(const bb_trend *trends, uint32_t count, const char *
     if (status == BB_OK)
         status = bb_file_write(path, page.data, page.size, "report");
     free(page.data);
-    cJSON_free(json);
+    free(json);
     return status;
 }
 

@@ -3,142 +3,105 @@
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 
-#include <cjson/cJSON.h>
 #include <string.h>
 
-/* Where there is no memory, the page must not silently lack something. */
-typedef struct writer {
-    bool lost;
-} writer;
-
-/* Puts `item` in, under `name` or, if that is NULL, at the end of an array; else deletes it. */
-static void put(writer *w, cJSON *parent, const char *name, cJSON *item)
+static void put_standing(bb_json *json, const char *name, const bb_standing *standing)
 {
-    bool done = parent != NULL && item != NULL &&
-                (name != NULL ? cJSON_AddItemToObject(parent, name, item)
-                              : cJSON_AddItemToArray(parent, item));
-    if (done)
-        return;
-    w->lost = true;
-    cJSON_Delete(item);
+    bb_json_object(json, name);
+    bb_json_add_number(json, "value", standing->value);
+    bb_json_add_number(json, "low", standing->low);
+    bb_json_add_number(json, "high", standing->high);
+    bb_json_add_bool(json, "best", standing->best);
+    bb_json_add_bool(json, "tied", standing->tied);
+    bb_json_end_object(json);
 }
 
-static void put_figure(writer *w, cJSON *parent, const char *name, double value)
+static void put_row(bb_json *json, const bb_summary_row *row)
 {
-    put(w, parent, name, isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull());
-}
-
-static void put_text(writer *w, cJSON *object, const char *name, const char *text)
-{
-    put(w, object, name, cJSON_CreateString(text));
-}
-
-static void put_bool(writer *w, cJSON *object, const char *name, bool value)
-{
-    put(w, object, name, cJSON_CreateBool(value));
-}
-
-/* Of the parent's; NULL if it could not be made. */
-static cJSON *put_array(writer *w, cJSON *object, const char *name)
-{
-    cJSON *array = cJSON_AddArrayToObject(object, name);
-    w->lost = w->lost || array == NULL;
-    return array;
-}
-
-static cJSON *standing_json(writer *w, const bb_standing *standing)
-{
-    cJSON *made = cJSON_CreateObject();
-    put_figure(w, made, "value", standing->value);
-    put_figure(w, made, "low", standing->low);
-    put_figure(w, made, "high", standing->high);
-    put_bool(w, made, "best", standing->best);
-    put_bool(w, made, "tied", standing->tied);
-    return made;
-}
-
-static cJSON *row_json(writer *w, const bb_summary_row *row)
-{
-    cJSON *made = cJSON_CreateObject();
-    put_text(w, made, "builder", row->builder);
-    put_text(w, made, "kernel", row->kernel);
-    put_figure(w, made, "run", row->run);
-    put_bool(w, made, "reference", row->reference);
-    put_bool(w, made, "partial", row->partial);
-    put_figure(w, made, "sets", row->sets);
-    put(w, made, "trace", standing_json(w, &row->trace));
-    put_figure(w, made, "mrays_s", row->mrays_s);
-    put_figure(w, made, "group", row->group == UINT32_MAX ? (double)NAN : row->group);
-    put(w, made, "build", standing_json(w, &row->build));
-    put(w, made, "ready", standing_json(w, &row->ready));
-    cJSON *image = put_array(w, made, "image");
+    bb_json_object(json, NULL);
+    bb_json_add_text(json, "builder", row->builder);
+    bb_json_add_text(json, "kernel", row->kernel);
+    bb_json_add_number(json, "run", row->run);
+    bb_json_add_bool(json, "reference", row->reference);
+    bb_json_add_bool(json, "partial", row->partial);
+    bb_json_add_number(json, "sets", row->sets);
+    put_standing(json, "trace", &row->trace);
+    bb_json_add_number(json, "mrays_s", row->mrays_s);
+    bb_json_add_number(json, "group", row->group == UINT32_MAX ? (double)NAN : row->group);
+    put_standing(json, "build", &row->build);
+    put_standing(json, "ready", &row->ready);
+    bb_json_array(json, "image");
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
-        put(w, image, NULL, standing_json(w, &row->image[k]));
-    cJSON *curve = put_array(w, made, "curve");
+        put_standing(json, NULL, &row->image[k]);
+    bb_json_end_array(json);
+    bb_json_array(json, "curve");
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        put_figure(w, curve, NULL, row->curve[i]);
-    put(w, made, "quality", standing_json(w, &row->quality));
-    put(w, made, "overlap", standing_json(w, &row->overlap));
-    put(w, made, "work", standing_json(w, &row->work));
-    put_figure(w, made, "peak", row->peak);
-    put_figure(w, made, "wrong", row->wrong);
-    put_figure(w, made, "checked", row->checked);
-    put_figure(w, made, "failed", row->failed);
-    return made;
+        bb_json_add_number(json, NULL, row->curve[i]);
+    bb_json_end_array(json);
+    put_standing(json, "quality", &row->quality);
+    put_standing(json, "overlap", &row->overlap);
+    put_standing(json, "work", &row->work);
+    bb_json_add_number(json, "peak", row->peak);
+    bb_json_add_number(json, "wrong", row->wrong);
+    bb_json_add_number(json, "checked", row->checked);
+    bb_json_add_number(json, "failed", row->failed);
+    bb_json_end_object(json);
 }
 
-static cJSON *accuracy_json(writer *w, const bb_summary_accuracy *accuracy)
+static void put_accuracy(bb_json *json, const bb_summary_accuracy *accuracy)
 {
     const bb_wrong_rate rate = bb_wrong_rate_of(accuracy->wrong, accuracy->checked);
-    cJSON *made = cJSON_CreateObject();
-    put_text(w, made, "intersector", accuracy->intersector);
-    put_figure(w, made, "wrong", accuracy->wrong);
-    put_figure(w, made, "wrong_t", accuracy->wrong_t);
-    put_figure(w, made, "checked", accuracy->checked);
-    put_figure(w, made, "ppm", rate.ppm);
-    put_figure(w, made, "ppm_lo", rate.low);
-    put_figure(w, made, "ppm_hi", rate.high);
-    put_figure(w, made, "speed", accuracy->speed);
-    return made;
+    bb_json_object(json, NULL);
+    bb_json_add_text(json, "intersector", accuracy->intersector);
+    bb_json_add_number(json, "wrong", accuracy->wrong);
+    bb_json_add_number(json, "wrong_t", accuracy->wrong_t);
+    bb_json_add_number(json, "checked", accuracy->checked);
+    bb_json_add_number(json, "ppm", rate.ppm);
+    bb_json_add_number(json, "ppm_lo", rate.low);
+    bb_json_add_number(json, "ppm_hi", rate.high);
+    bb_json_add_number(json, "speed", accuracy->speed);
+    bb_json_end_object(json);
 }
 
-static cJSON *summary_json(writer *w, const bb_summary *s, const bb_summary_choice *choice)
+static void put_summary(bb_json *json, const bb_summary *s, const bb_summary_choice *choice)
 {
-    cJSON *made = cJSON_CreateObject();
-    put_text(w, made, "scene", choice->scene != NULL ? choice->scene : "");
-    put_text(w, made, "rays", choice->rays != NULL ? choice->rays : "");
-    put_figure(w, made, "scenes", s->scenes);
-    put_figure(w, made, "sets", s->sets);
-    put_figure(w, made, "sets_aside", s->sets_aside);
-    put_figure(w, made, "rounds", s->rounds);
-    put_figure(w, made, "noise", s->noise);
-    put_figure(w, made, "noise_worst", s->noise_worst);
-    put_figure(w, made, "checked", s->checked);
-    put_figure(w, made, "wrong", s->wrong);
-    put_text(w, made, "reference", s->reference != NULL ? s->reference : "");
-    cJSON *rows = put_array(w, made, "rows");
+    bb_json_object(json, NULL);
+    bb_json_add_text(json, "scene", choice->scene != NULL ? choice->scene : "");
+    bb_json_add_text(json, "rays", choice->rays != NULL ? choice->rays : "");
+    bb_json_add_number(json, "scenes", s->scenes);
+    bb_json_add_number(json, "sets", s->sets);
+    bb_json_add_number(json, "sets_aside", s->sets_aside);
+    bb_json_add_number(json, "rounds", s->rounds);
+    bb_json_add_number(json, "noise", s->noise);
+    bb_json_add_number(json, "noise_worst", s->noise_worst);
+    bb_json_add_number(json, "checked", s->checked);
+    bb_json_add_number(json, "wrong", s->wrong);
+    bb_json_add_text(json, "reference", s->reference != NULL ? s->reference : "");
+    bb_json_array(json, "rows");
     for (uint32_t i = 0; i < s->row_count; i++)
-        put(w, rows, NULL, row_json(w, &s->rows[i]));
-    cJSON *accuracy = put_array(w, made, "accuracy");
+        put_row(json, &s->rows[i]);
+    bb_json_end_array(json);
+    bb_json_array(json, "accuracy");
     for (uint32_t i = 0; i < s->accuracy_count; i++)
-        put(w, accuracy, NULL, accuracy_json(w, &s->accuracy[i]));
-    cJSON *sentences = put_array(w, made, "sentences");
+        put_accuracy(json, &s->accuracy[i]);
+    bb_json_end_array(json);
+    bb_json_array(json, "sentences");
     for (uint32_t i = 0; i < s->sentence_count; i++) {
-        cJSON *sentence = cJSON_CreateObject();
-        put_text(w, sentence, "label", s->sentences[i].label);
-        put_text(w, sentence, "text", s->sentences[i].text);
-        put(w, sentences, NULL, sentence);
+        bb_json_object(json, NULL);
+        bb_json_add_text(json, "label", s->sentences[i].label);
+        bb_json_add_text(json, "text", s->sentences[i].text);
+        bb_json_end_object(json);
     }
-    return made;
+    bb_json_end_array(json);
+    bb_json_end_object(json);
 }
 
-static bb_status add_choice(writer *w, cJSON *list, const bb_numbers *n,
-                            const bb_summary_choice *choice)
+static bb_status put_choice(bb_json *json, const bb_numbers *n, const bb_summary_choice *choice)
 {
     bb_summary summary;
     BB_TRY(bb_summary_of(n, choice, &summary));
     if (summary.row_count > 0)
-        put(w, list, NULL, summary_json(w, &summary, choice));
+        put_summary(json, &summary, choice);
     bb_summary_free(&summary);
     return BB_OK;
 }
@@ -152,41 +115,42 @@ static const char *rays_name(const bb_numbers *n, uint32_t set)
     return n->sets[set].rays;
 }
 
-static bb_status add_choices(writer *w, cJSON *list, const bb_numbers *n)
+static bb_status put_choices(bb_json *json, const bb_numbers *n)
 {
     for (int64_t r = -1; r < n->set_count; r++) {
         const char *rays = r < 0 ? NULL : rays_name(n, (uint32_t)r);
         if (r >= 0 && rays == NULL)
             continue;
         for (int64_t s = -1; s < n->scene_count; s++)
-            BB_TRY(add_choice(w, list, n, &(bb_summary_choice){s < 0 ? NULL : n->scenes[s], rays}));
+            BB_TRY(put_choice(json, n, &(bb_summary_choice){s < 0 ? NULL : n->scenes[s], rays}));
     }
     return BB_OK;
 }
 
 /* [trace, time, SAH, EPO, mix, work] of each cell, by kind of rays; what follows from them the
  * document has. */
-static bb_status add_predictions(writer *w, cJSON *object, const bb_results *results)
+static bb_status put_predictions(bb_json *json, const bb_results *results)
 {
     bb_predictions made;
     BB_TRY(bb_predictions_make(results, &made));
-    cJSON *list = put_array(w, object, "predictions");
+    bb_json_array(json, "predictions");
     for (uint32_t i = 0; i < made.count; i++) {
         const bb_prediction *p = &made.kinds[i];
-        cJSON *kind = cJSON_CreateObject();
-        put_text(w, kind, "rays", p->rays);
-        cJSON *points = put_array(w, kind, "points");
+        bb_json_object(json, NULL);
+        bb_json_add_text(json, "rays", p->rays);
+        bb_json_array(json, "points");
         for (uint32_t k = 0; k < p->record.cells; k++) {
             const bb_prediction_point *at = &p->points[k];
             const double figures[] = {at->trace, at->time, at->sah, at->overlap, at->mix, at->work};
-            cJSON *point = cJSON_CreateArray();
+            bb_json_array(json, NULL);
             for (size_t f = 0; f < sizeof figures / sizeof figures[0]; f++)
-                put(w, point, NULL,
-                    isfinite(figures[f]) ? cJSON_CreateNumber(figures[f]) : cJSON_CreateNull());
-            put(w, points, NULL, point);
+                bb_json_add_number(json, NULL, figures[f]);
+            bb_json_end_array(json);
         }
-        put(w, list, NULL, kind);
+        bb_json_end_array(json);
+        bb_json_end_object(json);
     }
+    bb_json_end_array(json);
     bb_predictions_free(&made);
     return BB_OK;
 }
@@ -194,26 +158,30 @@ static bb_status add_predictions(writer *w, cJSON *object, const bb_results *res
 char *bb_summary_json(const bb_results *results)
 {
     bb_numbers numbers;
-    char *text = NULL, busy[256], implausible[BB_IMPLAUSIBLE];
-    writer all = {false}, *w = &all;
+    char busy[256], implausible[BB_IMPLAUSIBLE];
+    bb_json json = {0};
     if (bb_numbers_read(results, &numbers) != BB_OK)
         return NULL;
-    cJSON *made = cJSON_CreateObject();
-    cJSON *counts = put_array(w, made, "counts");
+    bb_json_object(&json, NULL);
+    bb_json_array(&json, "counts");
     for (uint32_t k = 0; k < BB_SUMMARY_COUNTS; k++)
-        put_figure(w, counts, NULL, bb_summary_counts[k]);
-    cJSON *curve = put_array(w, made, "curve_counts");
+        bb_json_add_number(&json, NULL, bb_summary_counts[k]);
+    bb_json_end_array(&json);
+    bb_json_array(&json, "curve_counts");
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++)
-        put_figure(w, curve, NULL, bb_summary_curve_count(i));
+        bb_json_add_number(&json, NULL, bb_summary_curve_count(i));
+    bb_json_end_array(&json);
     if (bb_summary_busy(results, busy))
-        put_text(w, made, "busy", busy);
+        bb_json_add_text(&json, "busy", busy);
     if (bb_summary_implausible(results, implausible))
-        put_text(w, made, "implausible", implausible);
-    cJSON *choices = put_array(w, made, "choices");
-    if (add_choices(w, choices, &numbers) == BB_OK && add_predictions(w, made, results) == BB_OK &&
-        !w->lost)
-        text = bb_json_print(made, false);
-    cJSON_Delete(made);
+        bb_json_add_text(&json, "implausible", implausible);
+    bb_json_array(&json, "choices");
+    bb_status status = put_choices(&json, &numbers);
+    bb_json_end_array(&json);
+    if (status == BB_OK)
+        status = put_predictions(&json, results);
+    bb_json_end_object(&json);
     bb_numbers_free(&numbers);
-    return text;
+    json.lost = json.lost || status != BB_OK;
+    return bb_json_take(&json);
 }
