@@ -1,0 +1,120 @@
+/* The table of results: rows are cells, columns are figures.
+ *
+ * A cell says what was measured: up to six names, of which any may be absent. A picture has a scene,
+ * a question, a builder and an intersector; a build has no question. A figure of the whole run
+ * (the device's name) belongs to the cell without names. Columns are declared once, as constants
+ * next to the code that fills them; a table takes over a column when it first gets a value.
+ * Every output (terminal, Markdown, CSV, JSON, page) asks the table.
+ */
+#ifndef BB_TABLE_H
+#define BB_TABLE_H
+
+#include "framework/base/statistics.h"
+#include "framework/base/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* ---- columns ---- */
+
+typedef enum bb_column_kind {
+    BB_COLUMN_NUMBER,
+    BB_COLUMN_TEXT,
+    BB_COLUMN_ROUNDS, /* one number for each round; the first counts only if it is alone */
+} bb_column_kind;
+
+typedef enum bb_sense {
+    BB_SENSE_EXACT, /* repeats give the same value */
+    BB_SENSE_TIMED, /* repeats differ: intervals, and floors when tables are compared */
+} bb_sense;
+
+typedef enum bb_better { BB_BETTER_NEITHER, BB_BETTER_LESS, BB_BETTER_MORE } bb_better;
+
+typedef struct bb_column {
+    const char *name;    /* in files: lower case with underscores, unit last: "build_ms" */
+    const char *heading; /* in tables: "build" */
+    const char *unit;    /* "ms", "bytes", "voxels per second"; "": none */
+    const char *help;    /* one sentence: what it is, and of how many */
+    bb_column_kind kind;
+    bb_sense sense;
+    bb_better better;
+    int decimals; /* after the point, in tables; -1: three significant digits */
+} bb_column;
+
+/* ---- cells ---- */
+
+typedef enum bb_dimension {
+    BB_SCENE,
+    BB_FRAME,
+    BB_QUESTION,    /* a set of rays, a picture, a slice */
+    BB_BUILDER,     /* a specification, with its optimisers */
+    BB_MAKER,       /* a stage or a phase of the builder */
+    BB_INTERSECTOR, /* a kernel or a search */
+    BB_DIMENSIONS,
+} bb_dimension;
+
+extern const char *const bb_dimension_names[BB_DIMENSIONS]; /* "scene", "frame", ... */
+
+/* NULL or "": the cell has no such name. */
+typedef struct bb_cell {
+    const char *names[BB_DIMENSIONS];
+} bb_cell;
+
+/* ---- the table ---- */
+
+typedef struct bb_table bb_table;
+
+enum { BB_NO_ROW = UINT32_MAX, BB_NO_COLUMN = UINT32_MAX };
+
+/* `command` made it ("slice"): a word in files. Owned by the caller. */
+bb_status bb_table_create(const char *command, bb_table **out);
+void bb_table_free(bb_table *table); /* NULL is allowed */
+
+const char *bb_table_command(const bb_table *table);
+
+/* The row of a cell, which is added if there is none; rows keep the order in which they were added.
+ * Texts are copied. Where memory runs out, this and all that puts values does nothing from then on,
+ * and bb_table_status() says so: callers ask once, at the end. */
+uint32_t bb_table_row(bb_table *table, bb_cell cell);
+bb_status bb_table_status(const bb_table *table); /* BB_OK or BB_REFUSED */
+
+/* Put one value in a row. A value that is there is replaced; a number that is not finite, and an
+ * empty text, is no value. `column` outlives the table. Two columns of one name are a mistake of
+ * the caller's, who gets BB_INVALID from bb_table_status(). */
+void bb_table_number(bb_table *table, uint32_t row, const bb_column *column, double value);
+void bb_table_text(bb_table *table, uint32_t row, const bb_column *column, const char *value);
+void bb_table_rounds(bb_table *table, uint32_t row, const bb_column *column,
+                     const bb_samples *samples);
+
+/* ---- what stands in it ---- */
+
+uint32_t bb_table_row_count(const bb_table *table);
+uint32_t bb_table_find(const bb_table *table, bb_cell cell); /* BB_NO_ROW: there is none */
+/* "" where the cell has no such name. */
+const char *bb_table_name(const bb_table *table, uint32_t row, bb_dimension dimension);
+
+uint32_t bb_table_column_count(const bb_table *table);
+const bb_column *bb_table_column(const bb_table *table, uint32_t index);
+const bb_column *bb_table_column_named(const bb_table *table, const char *name); /* or NULL */
+
+/* A value by its column's name, which files have too. Numbers: NAN where there is none; of rounds
+ * the median. Texts: "". Rounds: NULL. */
+double bb_table_get_number(const bb_table *table, uint32_t row, const char *column);
+const char *bb_table_get_text(const bb_table *table, uint32_t row, const char *column);
+const bb_samples *bb_table_get_rounds(const bb_table *table, uint32_t row, const char *column);
+
+/* ---- files ---- */
+
+/* As JSON, schema bvhbench-table/1 (README.md): from malloc; NULL if there is no memory. Reading it
+ * and writing it again gives the same bytes. */
+char *bb_table_json(const bb_table *table);
+/* `name` is what messages call it. BB_INVALID, in one line, for what is no such table: damaged,
+ * truncated, of another schema, with duplicate keys, unknown members or wrong types. */
+bb_status bb_table_parse(const char *json, const char *name, bb_table **out);
+bb_status bb_table_read(const char *path, bb_table **out);
+
+/* As CSV, a line for each row, after one of names: from malloc. Rounds are their medians, with
+ * `NAME_low` and `NAME_high`. */
+char *bb_table_csv(const bb_table *table);
+
+#endif
