@@ -21,13 +21,13 @@ static const char plain[] =
     "scene=coffee/rays=primary/size=512x512/max-rays=1048576/seed=1/view=front/builder=lbvh/"
     "kernel=stack:leaf=4/intersector=exact";
 
-static void parse(const char *key, bb_cell *cell)
+static void parse(const char *key, bb_cell_parts *cell)
 {
     if (bb_cell_key_parse(key, cell) != BB_OK)
         fail_msg("%s: %s", key, bb_message());
 }
 
-static void format(const bb_cell *cell, char key[BB_CELL_KEY])
+static void format(const bb_cell_parts *cell, char key[BB_CELL_KEY])
 {
     if (bb_cell_key_format(cell, key) != BB_OK)
         fail_msg("%s", bb_message());
@@ -35,7 +35,7 @@ static void format(const bb_cell *cell, char key[BB_CELL_KEY])
 
 static void expect_canonical(const char *given, const char *expected)
 {
-    bb_cell cell;
+    bb_cell_parts cell;
     char key[BB_CELL_KEY];
     parse(given, &cell);
     bb_cell_canonical(&cell);
@@ -49,7 +49,7 @@ static void expect_canonical(const char *given, const char *expected)
 static void a_key_is_read_and_written(void **state)
 {
     (void)state;
-    bb_cell cell;
+    bb_cell_parts cell;
     char key[BB_CELL_KEY];
     parse(plain, &cell);
     assert_string_equal(cell.scene, "coffee");
@@ -86,7 +86,7 @@ static void names_of_any_bytes_come_back(void **state)
         "models/a b.glb", "100%",         "a=b,c:d+e", "a/builder=x",
         "\x01\x7f\xff",   "'\"$`\\;&|<>", "~",         "%2F"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        bb_cell cell, back;
+        bb_cell_parts cell, back;
         char key[BB_CELL_KEY];
         parse(plain, &cell);
         memset(cell.scene, 0, sizeof cell.scene);
@@ -119,7 +119,7 @@ static void random_cells_come_back(void **state)
     (void)state;
     for (uint32_t i = 0; i < 20000; i++) {
         bb_random random = bb_random_make(SEED, i);
-        bb_cell cell = {.seed = bb_random_u64(&random)}, back;
+        bb_cell_parts cell = {.seed = bb_random_u64(&random)}, back;
         char key[BB_CELL_KEY], again[BB_CELL_KEY];
         random_text(&random, false, cell.scene);
         random_text(&random, false, cell.builder);
@@ -147,7 +147,7 @@ static void damaged_keys_do_no_harm(void **state)
     uint32_t refused = 0;
     for (uint32_t i = 0; i < 20000; i++) {
         bb_random random = bb_random_make(SEED + 1, i);
-        bb_cell cell, back;
+        bb_cell_parts cell, back;
         char text[sizeof plain], key[BB_CELL_KEY];
         memcpy(text, plain, sizeof plain);
         for (uint32_t k = 1 + bb_random_below(&random, 3); k > 0; k--)
@@ -168,7 +168,7 @@ static void damaged_keys_do_no_harm(void **state)
 static void pipelines_have_one_spelling(void **state)
 {
     (void)state;
-    bb_cell a, b;
+    bb_cell_parts a, b;
     char key[2][BB_CELL_KEY];
     parse("scene=cube/builder=presplit+lbvh:bits=63+rotate", &a);
     parse("scene=cube/builder=presplit+lbvh:code=mc32,bits=63+rotate", &b);
@@ -216,12 +216,12 @@ static void what_is_no_key_is_refused(void **state)
         {"scene=a/builder=lbvh/rays=ao/kernel=stack/rays-hash=12", "16 hexadecimal digits"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        bb_cell cell;
+        bb_cell_parts cell;
         assert_int_equal(bb_cell_key_parse(cases[i].key, &cell), BB_INVALID);
         if (strstr(bb_message(), cases[i].words) == NULL || strchr(bb_message(), '\n') != NULL)
             fail_msg("%s: %s", cases[i].key, bb_message());
     }
-    bb_cell cell = {.scene = "a", .builder = "b", .rays = "c"};
+    bb_cell_parts cell = {.scene = "a", .builder = "b", .rays = "c"};
     char key[BB_CELL_KEY];
     memset(cell.kernel, ' ', BB_CELL_TEXT - 1);
     memset(cell.view, ' ', BB_CELL_TEXT - 1);
@@ -262,7 +262,7 @@ static void a_cell_has_one_key(void **state)
                  "size=1kx512/builder=lbvh:view=007/kernel=stack",
                  counts[i], counts[i]);
         snprintf(wanted, sizeof wanted, "scene=awkward:kind=outlier,n=100000,far=1e8,seed=1/");
-        bb_cell cell;
+        bb_cell_parts cell;
         char key[BB_CELL_KEY];
         parse(given, &cell);
         bb_cell_canonical(&cell);
@@ -312,7 +312,7 @@ static void a_file_keeps_its_path(void **state)
 static void short_names_mean_the_same(void **state)
 {
     (void)state;
-    bb_cell cell, brief;
+    bb_cell_parts cell, brief;
     char key[BB_CELL_KEY], again[BB_CELL_KEY];
     parse("scene=random:seed=3,n=50/rays=ao:per_hit=2/builder=sah:bins=8/kernel=stack:leaf=4/"
           "intersector=exact:slab=sign",

@@ -72,6 +72,8 @@ static void start(bb_json *json, const char *name)
     if (json->more)
         put(json, name == NULL && json->formatted ? ", " : ",");
     json->more = true;
+    put(json, json->line ? "\n" : "");
+    json->line = false;
     if (name == NULL)
         return;
     put_line(json);
@@ -94,6 +96,11 @@ static void close(bb_json *json, const char *bracket)
         put_line(json);
     put(json, bracket);
     json->more = true;
+}
+
+void bb_json_line(bb_json *json)
+{
+    json->line = true;
 }
 
 void bb_json_object(bb_json *json, const char *name)
@@ -125,17 +132,21 @@ void bb_json_add_text(bb_json *json, const char *name, const char *value)
         put(json, "null");
 }
 
-/* With as few digits as give the same double back. */
-void bb_json_add_number(bb_json *json, const char *name, double value)
+const char *bb_json_digits(char digits[BB_JSON_DIGITS], double value)
 {
-    char digits[40] = "null";
-    for (int precision = 15; precision <= 17 && isfinite(value); precision++) {
-        snprintf(digits, sizeof digits, "%.*g", precision, value);
+    for (int precision = 15; precision <= 17; precision++) {
+        snprintf(digits, BB_JSON_DIGITS, "%.*g", precision, value);
         if (strtod(digits, NULL) == value)
             break;
     }
+    return digits;
+}
+
+void bb_json_add_number(bb_json *json, const char *name, double value)
+{
+    char digits[BB_JSON_DIGITS];
     start(json, name);
-    put(json, digits);
+    put(json, isfinite(value) ? bb_json_digits(digits, value) : "null");
 }
 
 void bb_json_add_bool(bb_json *json, const char *name, bool value)

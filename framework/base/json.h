@@ -17,11 +17,13 @@ typedef struct bb_json {
     bool formatted; /* one member a line, as bb_json_print() does it */
     bool lost;
     bool more; /* something stands in the present object or array */
+    bool line; /* what follows begins a line */
     unsigned depth;
     char *text;
     size_t size, room;
 } bb_json;
 
+void bb_json_line(bb_json *json); /* the next member or element begins a line */
 void bb_json_object(bb_json *json, const char *name);
 void bb_json_end_object(bb_json *json);
 void bb_json_array(bb_json *json, const char *name);
@@ -34,5 +36,10 @@ void bb_json_add_bool(bb_json *json, const char *name, bool value);
 /* The document, always UTF-8; the writer is empty afterwards. From malloc; NULL if memory ran out.
  */
 char *bb_json_take(bb_json *json);
+
+/* A finite number with the fewest digits that read back as the same double, which cJSON's are not.
+ * Returns `digits`. */
+enum { BB_JSON_DIGITS = 40 };
+const char *bb_json_digits(char digits[BB_JSON_DIGITS], double value);
 
 #endif

@@ -45,9 +45,9 @@ typedef struct bb_bench_request {
     char *const *metrics; /* names of metrics of trees, besides those that are always measured */
     uint32_t metric_count;
     double max_wrong_ppm;
-    const bb_cell *cells; /* canonical: of all combinations only these cells are measured */
-    uint32_t cell_count;  /* 0: all */
-    bb_shard *shard;      /* NULL: all cells */
+    const bb_cell_parts *cells; /* canonical: of all combinations only these cells are measured */
+    uint32_t cell_count;        /* 0: all */
+    bb_shard *shard;            /* NULL: all cells */
     /* Of all combinations only those that this says are measured, with texts as above, NULL for
      * any; NULL: all. */
     bool (*takes)(const void *user, const char *builder, const char *kernel,

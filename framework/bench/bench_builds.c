@@ -304,7 +304,7 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
 static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel,
                          uint32_t intersector)
 {
-    bb_cell parts = bb_bench_cell(bench);
+    bb_cell_parts parts = bb_bench_cell(bench);
     snprintf(parts.builder, sizeof parts.builder, "%s", entrant->text);
     snprintf(parts.kernel, sizeof parts.kernel, "%s", bench->kernels[kernel].spec.text);
     snprintf(parts.intersector, sizeof parts.intersector, "%s",

@@ -4,20 +4,20 @@
 #include <stdio.h>
 #include <string.h>
 
-bb_cell bb_bench_cell(const bb_bench *bench)
+bb_cell_parts bb_bench_cell(const bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
-    bb_cell cell = {.width = request->width,
-                    .height = request->height,
-                    .max_rays = request->max_rays,
-                    .seed = request->seed};
+    bb_cell_parts cell = {.width = request->width,
+                          .height = request->height,
+                          .max_rays = request->max_rays,
+                          .seed = request->seed};
     snprintf(cell.scene, sizeof cell.scene, "%s", bench->scene_text);
     return cell;
 }
 
-void bb_bench_key(const bb_cell *cell, char key[BB_CELL_KEY])
+void bb_bench_key(const bb_cell_parts *cell, char key[BB_CELL_KEY])
 {
-    bb_cell canonical = *cell;
+    bb_cell_parts canonical = *cell;
     bb_cell_canonical(&canonical);
     if (bb_cell_key_format(&canonical, key) != BB_OK)
         key[0] = '\0';
@@ -34,7 +34,7 @@ static const char *or_any(const char *part)
     return part[0] != '\0' ? part : NULL;
 }
 
-bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts)
+bool bb_bench_wants(const bb_bench *bench, const bb_cell_parts *parts)
 {
     const bb_bench_request *request = bench->request;
     if (request->takes != NULL &&
@@ -43,10 +43,10 @@ bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts)
         return false;
     if (request->cell_count == 0)
         return true;
-    bb_cell cell = *parts;
+    bb_cell_parts cell = *parts;
     bb_cell_canonical(&cell);
     for (uint32_t i = 0; i < request->cell_count; i++) {
-        const bb_cell *wanted = &request->cells[i];
+        const bb_cell_parts *wanted = &request->cells[i];
         if (fits(cell.scene, wanted->scene) && fits(cell.builder, wanted->builder) &&
             fits(cell.rays, wanted->rays) && fits(cell.kernel, wanted->kernel) &&
             fits(cell.intersector, wanted->intersector) &&
@@ -58,7 +58,7 @@ bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts)
 
 bb_status bb_bench_check_views(const bb_bench *bench, const bb_scene *scene, const char *text)
 {
-    bb_cell here = {.seed = 0};
+    bb_cell_parts here = {.seed = 0};
     snprintf(here.scene, sizeof here.scene, "%s", text);
     bb_cell_canonical(&here);
     for (uint32_t i = 0; i < bench->request->cell_count; i++) {

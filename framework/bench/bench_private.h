@@ -151,11 +151,11 @@ uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);
 
 /* The parts of cells that all of the scene at hand share, made by the request. */
-bb_cell bb_bench_cell(const bb_bench *bench);
+bb_cell_parts bb_bench_cell(const bb_bench *bench);
 /* Into `key` the canonical key of `cell`; "" if it has none. */
-void bb_bench_key(const bb_cell *cell, char key[BB_CELL_KEY]);
+void bb_bench_key(const bb_cell_parts *cell, char key[BB_CELL_KEY]);
 /* Is a cell with these parts among those that are to be measured? "" stands for any. */
-bool bb_bench_wants(const bb_bench *bench, const bb_cell *parts);
+bool bb_bench_wants(const bb_bench *bench, const bb_cell_parts *parts);
 
 /* BB_INVALID if cells that are to be measured name a view that `scene`, asked for as `text`,
  * lacks. */

@@ -89,7 +89,7 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     record->id = bench->next_id++;
     record->reference = entrant->reference;
     snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
-    bb_cell cell = bb_bench_cell(bench);
+    bb_cell_parts cell = bb_bench_cell(bench);
     snprintf(cell.builder, sizeof cell.builder, "%s", text);
     bb_bench_key(&cell, record->cell);
     record->spec = &entrant->spec;
@@ -109,7 +109,7 @@ static bb_status start_entrants(bb_bench *bench)
         return bb_fail(BB_FAILED, "out of memory");
     bench->entrant_count = 0;
     for (uint32_t i = 0; i < request->builder_count; i++) {
-        bb_cell parts = bb_bench_cell(bench);
+        bb_cell_parts parts = bb_bench_cell(bench);
         snprintf(parts.builder, sizeof parts.builder, "%s", request->builders[i]);
         if (bb_bench_wants(bench, &parts))
             start_entrant(bench, &bench->entrants[bench->entrant_count++], request->builders[i]);
@@ -137,7 +137,7 @@ static bb_status record_builds(bb_bench *bench)
 static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
 {
     const bb_bench_request *request = bench->request;
-    bb_cell parts = bb_bench_cell(bench);
+    bb_cell_parts parts = bb_bench_cell(bench);
     snprintf(parts.rays, sizeof parts.rays, "%s", spec->text);
     snprintf(parts.view, sizeof parts.view, "%s", view != NULL ? view->name : "");
     if (!bb_bench_wants(bench, &parts) || !bb_bench_owns(bench, bench->set++))

@@ -21,10 +21,10 @@ static uint32_t wanted_sets(const bb_bench *bench, const bb_scene *scene, const 
     for (uint32_t w = 0; w < request->workload_count; w++) {
         bb_spec spec;
         const bb_workload *workload = NULL;
-        bb_cell parts = {.width = request->width,
-                         .height = request->height,
-                         .max_rays = request->max_rays,
-                         .seed = request->seed};
+        bb_cell_parts parts = {.width = request->width,
+                               .height = request->height,
+                               .max_rays = request->max_rays,
+                               .seed = request->seed};
         if (bb_workload_parse(request->workloads[w], &spec, &workload) != BB_OK)
             continue;
         uint32_t most = request->max_views;

@@ -348,10 +348,10 @@ static void note_failure(cell *c, bb_status status)
 }
 
 /* Its parts as the record has them; a reference traces by itself. */
-static bb_cell cell_of(const trace_set *set, const cell *c)
+static bb_cell_parts cell_of(const trace_set *set, const cell *c)
 {
     const bb_trace_record *r = &c->record;
-    bb_cell cell = bb_bench_cell(set->bench);
+    bb_cell_parts cell = bb_bench_cell(set->bench);
     snprintf(cell.rays, sizeof cell.rays, "%s", r->rays);
     snprintf(cell.view, sizeof cell.view, "%s", r->view);
     snprintf(cell.builder, sizeof cell.builder, "%s", r->builder);
@@ -388,7 +388,7 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
         snprintf(r->kernel, sizeof r->kernel, "%s", bench->kernels[kernel].spec.text);
         snprintf(r->intersector, sizeof r->intersector, "%s", bench->request->intersectors[i]);
     }
-    bb_cell key = cell_of(set, c);
+    bb_cell_parts key = cell_of(set, c);
     bb_bench_key(&key, r->cell);
     r->query = rays->query;
     r->rays_hash = rays->hash;
@@ -430,7 +430,7 @@ static bb_status start_set(trace_set *set)
             for (uint32_t i = 0; i < intersectors; i++) {
                 cell *c = &set->cells[set->count];
                 start_cell(set, c, entrant, k, i);
-                bb_cell parts = cell_of(set, c);
+                bb_cell_parts parts = cell_of(set, c);
                 set->count += bb_bench_wants(bench, &parts);
             }
         }

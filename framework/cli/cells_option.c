@@ -19,7 +19,7 @@ static bb_status check_alone(const bb_cli *cli)
 }
 
 /* What no key's grammar tells: whether the rays can be made, from this view. */
-static bb_status check_rays(const char *key, const bb_cell *cell)
+static bb_status check_rays(const char *key, const bb_cell_parts *cell)
 {
     const char *dots = strlen(key) > 80 ? "..." : "";
     bb_spec spec;
@@ -61,9 +61,9 @@ static bb_status add_once(bb_names *names, const char *text)
 }
 
 /* The names as tables show them: without defaults. */
-static bb_status add_names(bb_cells_group *group, const bb_cell *cell)
+static bb_status add_names(bb_cells_group *group, const bb_cell_parts *cell)
 {
-    bb_cell brief = *cell;
+    bb_cell_parts brief = *cell;
     bb_cell_short(&brief);
     BB_TRY(add_once(&group->scenes, brief.scene));
     BB_TRY(add_once(&group->builders, brief.builder));
@@ -75,7 +75,7 @@ static bb_status add_names(bb_cells_group *group, const bb_cell *cell)
 /* Cells of one comparison are equal; a build without rays has no size. */
 static int compare(const void *left, const void *right)
 {
-    const bb_cell *a = left, *b = right;
+    const bb_cell_parts *a = left, *b = right;
     const uint64_t keys[][2] = {{a->seed, b->seed},
                                 {a->width, b->width},
                                 {a->height, b->height},
@@ -128,7 +128,7 @@ bb_status bb_cells_read(const bb_cli *cli, bb_cells *cells)
 
 void bb_cells_request(const bb_cells_group *group, bb_bench_request *request)
 {
-    const bb_cell *first = &group->cells[0];
+    const bb_cell_parts *first = &group->cells[0];
     request->cells = group->cells;
     request->cell_count = group->count;
     request->scenes = group->scenes.items;

@@ -7,13 +7,13 @@
 
 /* Cells of one size, number of rays and seed: one comparison, in which they are interleaved. */
 typedef struct bb_cells_group {
-    bb_cell *cells; /* canonical */
+    bb_cell_parts *cells; /* canonical */
     uint32_t count;
     bb_names scenes, builders, kernels, workloads, intersectors; /* all that they name, once each */
 } bb_cells_group;
 
 typedef struct bb_cells {
-    bb_cell *cells; /* of all groups */
+    bb_cell_parts *cells; /* of all groups */
     bb_cells_group *groups;
     uint32_t group_count; /* 0: the option is not given */
 } bb_cells;

@@ -229,12 +229,12 @@ static bb_status add_build(const job *j, bb_results *results)
 static void name_cell(const job *j, const ray_set *set, char key[BB_CELL_KEY])
 {
     const bb_rays *rays = set->rays;
-    bb_cell cell = {.width = rays->primary_width,
-                    .height = rays->primary_height,
-                    .max_rays = rays->max_rays,
-                    .seed = rays->seed,
-                    .known_by_hash = j->by_hand,
-                    .rays_hash = rays->hash};
+    bb_cell_parts cell = {.width = rays->primary_width,
+                          .height = rays->primary_height,
+                          .max_rays = rays->max_rays,
+                          .seed = rays->seed,
+                          .known_by_hash = j->by_hand,
+                          .rays_hash = rays->hash};
     snprintf(cell.scene, sizeof cell.scene, "%s", j->scene->name);
     snprintf(cell.rays, sizeof cell.rays, "%s", rays->name);
     snprintf(cell.view, sizeof cell.view, "%s", rays->view);

@@ -57,7 +57,7 @@ typedef bb_status adder(bb_names *names);
 
 /* Names that cells have, and others. */
 typedef struct spelt {
-    bb_cell cell;
+    bb_cell_parts cell;
     char other[BB_CELL_TEXT];
 } spelt;
 

@@ -51,7 +51,7 @@ static void put_part(writer *w, const char *name, const char *value)
     }
 }
 
-bb_status bb_cell_key_format(const bb_cell *cell, char key[BB_CELL_KEY])
+bb_status bb_cell_key_format(const bb_cell_parts *cell, char key[BB_CELL_KEY])
 {
     writer w = {.key = key};
     char size[32], most[16], seed[24], hash[20];
@@ -133,7 +133,7 @@ static bb_status read_hash(const char *key, const char *text, uint64_t *hash)
     return BB_OK;
 }
 
-static bb_status read_size(const char *key, char *text, bb_cell *cell)
+static bb_status read_size(const char *key, char *text, bb_cell_parts *cell)
 {
     char *x = strchr(text, 'x');
     uint64_t width = 0, height = 0;
@@ -147,7 +147,7 @@ static bb_status read_size(const char *key, char *text, bb_cell *cell)
     return BB_OK;
 }
 
-static bb_status read_figure(const char *key, const char *name, char *text, bb_cell *cell)
+static bb_status read_figure(const char *key, const char *name, char *text, bb_cell_parts *cell)
 {
     if (strcmp(name, "size") == 0)
         return read_size(key, text, cell);
@@ -166,7 +166,7 @@ static bb_status read_figure(const char *key, const char *name, char *text, bb_c
 enum { FIGURE_COUNT = 4, TEXT_COUNT = 6, PART_COUNT = FIGURE_COUNT + TEXT_COUNT };
 
 /* One part, [at, end), whose bit in *seen is set. */
-static bb_status read_part(const char *key, const char *at, const char *end, bb_cell *cell,
+static bb_status read_part(const char *key, const char *at, const char *end, bb_cell_parts *cell,
                            unsigned *seen)
 {
     static const char *const names[PART_COUNT] = {"size",   "max-rays",   "seed", "rays-hash",
@@ -198,7 +198,7 @@ bool bb_is_reference(const char *builder)
 }
 
 /* What must be there, what must not, and what is left to its default. */
-static bb_status complete(const char *key, bb_cell *cell)
+static bb_status complete(const char *key, bb_cell_parts *cell)
 {
     bool traced = cell->rays[0] != '\0', kernel = cell->kernel[0] != '\0';
     if (cell->scene[0] == '\0' || cell->builder[0] == '\0')
@@ -223,7 +223,7 @@ static bb_status complete(const char *key, bb_cell *cell)
     return BB_OK;
 }
 
-bb_status bb_cell_key_parse(const char *key, bb_cell *cell)
+bb_status bb_cell_key_parse(const char *key, bb_cell_parts *cell)
 {
     unsigned seen = 0;
     memset(cell, 0, sizeof *cell);

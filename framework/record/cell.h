@@ -38,14 +38,14 @@
 enum { BB_CELL_TEXT = 1024, BB_CELL_KEY = 4096 };
 
 /* "" and 0: not given. */
-typedef struct bb_cell {
+typedef struct bb_cell_parts {
     char scene[BB_CELL_TEXT], rays[BB_CELL_TEXT], view[BB_CELL_TEXT];
     char builder[BB_CELL_TEXT], kernel[BB_CELL_TEXT], intersector[BB_CELL_TEXT];
     uint32_t width, height, max_rays;
     uint64_t seed;
     bool known_by_hash; /* rays_hash stands for how the rays are made */
     uint64_t rays_hash;
-} bb_cell;
+} bb_cell_parts;
 
 enum { BB_CELL_WIDTH = 512, BB_CELL_HEIGHT = 512, BB_CELL_MAX_RAYS = 1 << 20, BB_CELL_SEED = 1 };
 
@@ -53,15 +53,15 @@ enum { BB_CELL_WIDTH = 512, BB_CELL_HEIGHT = 512, BB_CELL_MAX_RAYS = 1 << 20, BB
  * size, max-rays and seed those above, the intersector `exact`. BB_INVALID, with the key's start
  * and what is wrong with it, for what is no key: an unknown, repeated, missing or empty part, a bad
  * escape or number. Whether there are such a scene, builder ... is not looked at. */
-bb_status bb_cell_key_parse(const char *key, bb_cell *cell);
+bb_status bb_cell_key_parse(const char *key, bb_cell_parts *cell);
 
 /* The key of `cell` as it stands; 0-terminated. BB_INVALID if it is longer than there is room. */
-bb_status bb_cell_key_format(const bb_cell *cell, char key[BB_CELL_KEY]);
+bb_status bb_cell_key_format(const bb_cell_parts *cell, char key[BB_CELL_KEY]);
 
 /* Makes equal cells equal in every letter. */
-void bb_cell_canonical(bb_cell *cell);
+void bb_cell_canonical(bb_cell_parts *cell);
 /* The same without parameters that have their defaults: short names for tables. */
-void bb_cell_short(bb_cell *cell);
+void bb_cell_short(bb_cell_parts *cell);
 
 /* Is this builder a reference row (Embree with its own trees)? */
 bool bb_is_reference(const char *builder);

@@ -172,7 +172,7 @@ static void respell_scene(char scene[BB_CELL_TEXT], bool defaults)
             respell(&spec, bb_generators[i]->options, defaults, scene);
 }
 
-static void respell_all(bb_cell *cell, bool defaults)
+static void respell_all(bb_cell_parts *cell, bool defaults)
 {
     respell_scene(cell->scene, defaults);
     respell_builder(cell->builder, defaults);
@@ -184,12 +184,12 @@ static void respell_all(bb_cell *cell, bool defaults)
         respell_rays(cell->rays, defaults);
 }
 
-void bb_cell_canonical(bb_cell *cell)
+void bb_cell_canonical(bb_cell_parts *cell)
 {
     respell_all(cell, true);
 }
 
-void bb_cell_short(bb_cell *cell)
+void bb_cell_short(bb_cell_parts *cell)
 {
     respell_all(cell, false);
 }

@@ -381,7 +381,7 @@ bool bb_put_missing_key(cJSON *trace)
     char key[BB_CELL_KEY];
     const char *name = bb_fields[BB_F_TRACE_CELL].name;
     const char *hash = bb_get_text(trace, BB_F_TRACE_RAYS_HASH);
-    bb_cell cell = {.known_by_hash = true, .rays_hash = strtoull(hash, NULL, 16)};
+    bb_cell_parts cell = {.known_by_hash = true, .rays_hash = strtoull(hash, NULL, 16)};
     if (bb_get_text(trace, BB_F_TRACE_CELL)[0] != '\0')
         return true;
     snprintf(cell.scene, sizeof cell.scene, "%s", bb_get_text(trace, BB_F_TRACE_SCENE));

@@ -27,12 +27,8 @@ static bool exact_numbers(cJSON *item)
             return false;
         if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble))
             continue;
-        char text[40];
-        for (int digits = 15; digits <= 17; digits++) {
-            snprintf(text, sizeof text, "%.*g", digits, item->valuedouble);
-            if (strtod(text, NULL) == item->valuedouble)
-                break;
-        }
+        char text[BB_JSON_DIGITS];
+        bb_json_digits(text, item->valuedouble);
         item->valuestring = cJSON_malloc(strlen(text) + 1);
         if (item->valuestring == NULL)
             return false;

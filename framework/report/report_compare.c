@@ -63,7 +63,7 @@ static void note(const page *p, const char *text)
 /* Without parameters that have their defaults; as it stands if it is no key of ours. */
 static void print_key(const page *p, const char *key)
 {
-    bb_cell cell;
+    bb_cell_parts cell;
     char brief[BB_CELL_KEY];
     snprintf(brief, sizeof brief, "%s", key);
     if (bb_cell_key_parse(key, &cell) == BB_OK) {

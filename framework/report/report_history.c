@@ -56,7 +56,7 @@ static void put_point(bb_json *json, uint32_t at, const bb_measured *cell)
 /* Without parameters that have their defaults. */
 static void put_names(bb_json *json, const char *key)
 {
-    bb_cell cell;
+    bb_cell_parts cell;
     char brief[BB_CELL_KEY];
     snprintf(brief, sizeof brief, "%s", key);
     if (bb_cell_key_parse(key, &cell) == BB_OK) {

@@ -1,10 +1,10 @@
 /* The table of results: rows are cells, columns are figures.
  *
- * A cell says what was measured: up to six names, of which any may be absent. A picture has a scene,
- * a question, a builder and an intersector; a build has no question. A figure of the whole run
- * (the device's name) belongs to the cell without names. Columns are declared once, as constants
- * next to the code that fills them; a table takes over a column when it first gets a value.
- * Every output (terminal, Markdown, CSV, JSON, page) asks the table.
+ * A cell says what was measured: up to six names, of which any may be absent. A picture has a
+ * scene, a question, a builder and an intersector; a build has no question. A figure of the whole
+ * run (the device's name) belongs to the cell without names. Columns are declared once, as
+ * constants next to the code that fills them; a table takes over a column when it first gets a
+ * value. Every output (terminal, Markdown, CSV, JSON, page) asks the table.
  */
 #ifndef BB_TABLE_H
 #define BB_TABLE_H
@@ -64,7 +64,7 @@ typedef struct bb_cell {
 
 typedef struct bb_table bb_table;
 
-enum { BB_NO_ROW = UINT32_MAX, BB_NO_COLUMN = UINT32_MAX };
+enum { BB_NO_ROW = UINT32_MAX };
 
 /* `command` made it ("slice"): a word in files. Owned by the caller. */
 bb_status bb_table_create(const char *command, bb_table **out);
@@ -73,18 +73,18 @@ void bb_table_free(bb_table *table); /* NULL is allowed */
 const char *bb_table_command(const bb_table *table);
 
 /* The row of a cell, which is added if there is none; rows keep the order in which they were added.
- * Texts are copied. Where memory runs out, this and all that puts values does nothing from then on,
- * and bb_table_status() says so: callers ask once, at the end. */
+ * Texts are copied; a byte that is no UTF-8 becomes %XX. Once memory has run out, this and the
+ * functions below do nothing, and bb_table_status() says so: callers ask once, at the end. */
 uint32_t bb_table_row(bb_table *table, bb_cell cell);
-bb_status bb_table_status(const bb_table *table); /* BB_OK or BB_REFUSED */
+bb_status bb_table_status(const bb_table *table); /* BB_OK, BB_REFUSED or BB_INVALID */
 
-/* Put one value in a row. A value that is there is replaced; a number that is not finite, and an
- * empty text, is no value. `column` outlives the table. Two columns of one name are a mistake of
- * the caller's, who gets BB_INVALID from bb_table_status(). */
-void bb_table_number(bb_table *table, uint32_t row, const bb_column *column, double value);
-void bb_table_text(bb_table *table, uint32_t row, const bb_column *column, const char *value);
-void bb_table_rounds(bb_table *table, uint32_t row, const bb_column *column,
-                     const bb_samples *samples);
+/* Put one value in a row. A value that is there is replaced. No value: a number that is not finite,
+ * an empty text, no rounds, or rounds of which one is not finite. `column` outlives the table. Two
+ * columns of one name are the caller's mistake: bb_table_status() is BB_INVALID then. */
+void bb_table_set_number(bb_table *table, uint32_t row, const bb_column *column, double value);
+void bb_table_set_text(bb_table *table, uint32_t row, const bb_column *column, const char *value);
+void bb_table_set_rounds(bb_table *table, uint32_t row, const bb_column *column,
+                         const bb_samples *samples);
 
 /* ---- what stands in it ---- */
 
@@ -97,8 +97,9 @@ uint32_t bb_table_column_count(const bb_table *table);
 const bb_column *bb_table_column(const bb_table *table, uint32_t index);
 const bb_column *bb_table_column_named(const bb_table *table, const char *name); /* or NULL */
 
-/* A value by its column's name, which files have too. Numbers: NAN where there is none; of rounds
- * the median. Texts: "". Rounds: NULL. */
+/* A value by its column's name, which files have too. Without a value, numbers are NAN, texts ""
+ * and rounds NULL. The number of rounds is their median. Of rounds only the first `count` values
+ * are in memory: do not copy the struct. */
 double bb_table_get_number(const bb_table *table, uint32_t row, const char *column);
 const char *bb_table_get_text(const bb_table *table, uint32_t row, const char *column);
 const bb_samples *bb_table_get_rounds(const bb_table *table, uint32_t row, const char *column);
@@ -108,13 +109,14 @@ const bb_samples *bb_table_get_rounds(const bb_table *table, uint32_t row, const
 /* As JSON, schema bvhbench-table/1 (README.md): from malloc; NULL if there is no memory. Reading it
  * and writing it again gives the same bytes. */
 char *bb_table_json(const bb_table *table);
+bb_status bb_table_write(const bb_table *table, const char *path);
 /* `name` is what messages call it. BB_INVALID, in one line, for what is no such table: damaged,
  * truncated, of another schema, with duplicate keys, unknown members or wrong types. */
 bb_status bb_table_parse(const char *json, const char *name, bb_table **out);
 bb_status bb_table_read(const char *path, bb_table **out);
 
-/* As CSV, a line for each row, after one of names: from malloc. Rounds are their medians, with
- * `NAME_low` and `NAME_high`. */
+/* As CSV (RFC 4180), from malloc; NULL if there is no memory. One line of names, then one for each
+ * row. Rounds become three columns: NAME, the median, and NAME_low and NAME_high, its interval. */
 char *bb_table_csv(const bb_table *table);
 
 #endif

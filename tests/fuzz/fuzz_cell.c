@@ -3,9 +3,9 @@
 #include "tests/fuzz/fuzz.h"
 
 /* The key of a cell that is known to fit into one. */
-static void check_canonical(const bb_cell *cell, void (*make)(bb_cell *cell))
+static void check_canonical(const bb_cell_parts *cell, void (*make)(bb_cell_parts *cell))
 {
-    static bb_cell once, twice;
+    static bb_cell_parts once, twice;
     static char key[BB_CELL_KEY], again[BB_CELL_KEY];
     once = *cell;
     make(&once);
@@ -27,7 +27,7 @@ static void check_parts(const char *key)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static bb_cell cell, back;
+    static bb_cell_parts cell, back;
     static char key[BB_CELL_KEY], again[BB_CELL_KEY];
     char *text = fuzz_text(data, size);
     bb_status status = bb_cell_key_parse(text, &cell);

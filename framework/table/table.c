@@ -1,0 +1,396 @@
+/* The table in memory: interned names, rows found by their cells, values by columns. */
+#include "framework/table/table_private.h"
+
+#include "framework/base/steering.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+const char *const bb_dimension_names[BB_DIMENSIONS] = {"scene",   "frame", "question",
+                                                       "builder", "maker", "intersector"};
+
+/* ---- indexes ---- */
+
+static uint64_t hash_of(const char *text)
+{
+    return XXH3_64bits(text, strlen(text));
+}
+
+static void put_in_slot(bb_index *index, uint64_t hash, uint32_t item)
+{
+    uint32_t at = (uint32_t)hash & (index->size - 1);
+    while (index->slots[at].item != 0)
+        at = (at + 1) & (index->size - 1);
+    index->slots[at].hash = hash;
+    index->slots[at].item = item;
+}
+
+static bool grow_index(bb_index *index)
+{
+    bb_index larger = {.size = index->size > 0 ? 2 * index->size : 16, .count = index->count};
+    larger.slots = calloc(larger.size, sizeof *larger.slots);
+    if (larger.slots == NULL)
+        return false;
+    for (uint32_t i = 0; i < index->size; i++)
+        if (index->slots[i].item != 0)
+            put_in_slot(&larger, index->slots[i].hash, index->slots[i].item);
+    free(index->slots);
+    *index = larger;
+    return true;
+}
+
+/* Items are numbered in the order in which they are added. */
+static bool add_to_index(bb_index *index, uint64_t hash)
+{
+    if (2 * (index->count + 1) > index->size && !grow_index(index))
+        return false;
+    put_in_slot(index, hash, ++index->count);
+    return true;
+}
+
+/* The next item of that hash, from *at on; UINT32_MAX: no more. */
+static uint32_t next_item(const bb_index *index, uint64_t hash, uint32_t *at)
+{
+    while (index->size > 0 && index->slots[*at & (index->size - 1)].item != 0) {
+        const struct bb_index_slot *slot = &index->slots[(*at)++ & (index->size - 1)];
+        if (slot->hash == hash)
+            return slot->item - 1;
+    }
+    return UINT32_MAX;
+}
+
+/* Room in *array for the item that its index gets next: arrays double at powers of 2. */
+static bool reserve(void *array, const bb_index *index, size_t item)
+{
+    void **items = array;
+    if (index->count > 0 && (index->count & (index->count - 1)) != 0)
+        return true;
+    const size_t room = index->count > 0 ? 2 * (size_t)index->count : 1;
+    void *larger = realloc(*items, room * item);
+    if (larger == NULL)
+        return false;
+    *items = larger;
+    return true;
+}
+
+/* ---- names ---- */
+
+static const char *find_name(const bb_table *table, const char *text)
+{
+    const uint64_t hash = hash_of(text);
+    for (uint32_t at = (uint32_t)hash, item;
+         (item = next_item(&table->name_index, hash, &at)) != UINT32_MAX;)
+        if (strcmp(table->names[item], text) == 0)
+            return table->names[item];
+    return NULL;
+}
+
+static void run_out(bb_table *table)
+{
+    table->status = BB_REFUSED;
+}
+
+const char *bb_table_intern(bb_table *table, const char *text)
+{
+    if (text == NULL || text[0] == '\0' || table->status != BB_OK)
+        return NULL;
+    const char *known = find_name(table, text);
+    if (known != NULL)
+        return known;
+    char *name = bb_utf8_text(text);
+    if (name != NULL && (known = find_name(table, name)) != NULL) {
+        free(name);
+        return known;
+    }
+    if (name == NULL || !reserve(&table->names, &table->name_index, sizeof *table->names) ||
+        !add_to_index(&table->name_index, hash_of(name))) {
+        free(name);
+        run_out(table);
+        return NULL;
+    }
+    return table->names[table->name_index.count - 1] = name;
+}
+
+/* ---- tables ---- */
+
+bb_status bb_table_create(const char *command, bb_table **out)
+{
+    bb_table *table = calloc(1, sizeof *table);
+    *out = NULL;
+    if (table != NULL)
+        table->command = bb_table_intern(table, command);
+    if (table == NULL || table->command == NULL) {
+        bb_table_free(table);
+        return bb_fail(BB_REFUSED, "no memory for a table");
+    }
+    *out = table;
+    return BB_OK;
+}
+
+static void free_column(bb_stored_column *column)
+{
+    for (uint32_t i = 0; column->column->kind == BB_COLUMN_ROUNDS && i < column->count; i++)
+        free(column->values[i].rounds);
+    free(column->values);
+    free(column->own);
+}
+
+void bb_table_free(bb_table *table)
+{
+    if (table == NULL)
+        return;
+    for (uint32_t i = 0; i < table->column_index.count; i++)
+        free_column(&table->columns[i]);
+    for (uint32_t i = 0; i < table->name_index.count; i++)
+        free(table->names[i]);
+    free(table->columns);
+    free(table->rows);
+    free(table->names);
+    free(table->name_index.slots);
+    free(table->row_index.slots);
+    free(table->column_index.slots);
+    free(table);
+}
+
+const char *bb_table_command(const bb_table *table)
+{
+    return table->command;
+}
+
+bb_status bb_table_status(const bb_table *table)
+{
+    if (table->status == BB_INVALID)
+        return bb_fail(BB_INVALID, "two columns of a table are called %s", table->twice);
+    return table->status == BB_OK ? BB_OK : bb_fail(table->status, "no memory for a table");
+}
+
+/* ---- rows ---- */
+
+static uint32_t find_row(const bb_table *table, const bb_cell *interned)
+{
+    const uint64_t hash = XXH3_64bits(interned, sizeof *interned);
+    for (uint32_t at = (uint32_t)hash, row;
+         (row = next_item(&table->row_index, hash, &at)) != UINT32_MAX;)
+        if (memcmp(&table->rows[row], interned, sizeof *interned) == 0)
+            return row;
+    return BB_NO_ROW;
+}
+
+uint32_t bb_table_row(bb_table *table, bb_cell cell)
+{
+    for (int d = 0; d < BB_DIMENSIONS; d++)
+        cell.names[d] = bb_table_intern(table, cell.names[d]);
+    if (table->status != BB_OK)
+        return BB_NO_ROW;
+    const uint32_t known = find_row(table, &cell);
+    if (known != BB_NO_ROW)
+        return known;
+    if (!reserve(&table->rows, &table->row_index, sizeof *table->rows) ||
+        !add_to_index(&table->row_index, XXH3_64bits(&cell, sizeof cell))) {
+        run_out(table);
+        return BB_NO_ROW;
+    }
+    table->rows[table->row_index.count - 1] = cell;
+    return table->row_index.count - 1;
+}
+
+uint32_t bb_table_row_count(const bb_table *table)
+{
+    return table->row_index.count;
+}
+
+uint32_t bb_table_find(const bb_table *table, bb_cell cell)
+{
+    for (int d = 0; d < BB_DIMENSIONS; d++) {
+        const char *name = cell.names[d];
+        const bool named = name != NULL && name[0] != '\0';
+        cell.names[d] = named ? find_name(table, name) : NULL;
+        if (named && cell.names[d] == NULL)
+            return BB_NO_ROW;
+    }
+    return find_row(table, &cell);
+}
+
+const char *bb_table_name(const bb_table *table, uint32_t row, bb_dimension dimension)
+{
+    const char *name = row < table->row_index.count ? table->rows[row].names[dimension] : NULL;
+    return name != NULL ? name : "";
+}
+
+/* ---- columns ---- */
+
+uint32_t bb_table_column_index(const bb_table *table, const char *name)
+{
+    const uint64_t hash = hash_of(name);
+    for (uint32_t at = (uint32_t)hash, item;
+         (item = next_item(&table->column_index, hash, &at)) != UINT32_MAX;)
+        if (strcmp(table->columns[item].column->name, name) == 0)
+            return item;
+    return UINT32_MAX;
+}
+
+uint32_t bb_table_column_count(const bb_table *table)
+{
+    return table->column_index.count;
+}
+
+const bb_column *bb_table_column(const bb_table *table, uint32_t index)
+{
+    return table->columns[index].column;
+}
+
+const bb_column *bb_table_column_named(const bb_table *table, const char *name)
+{
+    const uint32_t index = bb_table_column_index(table, name);
+    return index != UINT32_MAX ? table->columns[index].column : NULL;
+}
+
+static bb_stored_column *take_over(bb_table *table, const bb_column *column)
+{
+    if (!reserve(&table->columns, &table->column_index, sizeof *table->columns) ||
+        !add_to_index(&table->column_index, hash_of(column->name))) {
+        run_out(table);
+        return NULL;
+    }
+    bb_stored_column *taken = &table->columns[table->column_index.count - 1];
+    *taken = (bb_stored_column){.column = column};
+    return taken;
+}
+
+void bb_table_add_column(bb_table *table, bb_column column)
+{
+    static const char empty[] = "";
+    const char **const texts[] = {&column.name, &column.heading, &column.unit, &column.help};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        const char *text = bb_table_intern(table, *texts[i]);
+        *texts[i] = text != NULL ? text : empty;
+    }
+    bb_column *own = malloc(sizeof *own);
+    if (own != NULL)
+        *own = column;
+    else
+        run_out(table);
+    bb_stored_column *taken = table->status == BB_OK ? take_over(table, own) : NULL;
+    if (taken == NULL) {
+        free(own);
+        return;
+    }
+    taken->own = own;
+}
+
+/* ---- values ---- */
+
+static bb_value none_of(bb_column_kind kind)
+{
+    return kind == BB_COLUMN_NUMBER ? (bb_value){.number = (double)NAN}
+           : kind == BB_COLUMN_TEXT ? (bb_value){.text = NULL}
+                                    : (bb_value){.rounds = NULL};
+}
+
+static bool reach(bb_stored_column *column, uint32_t row)
+{
+    if (row < column->count)
+        return true;
+    const uint32_t half = row - row / 2, count = row + 1 + (column->count > 0 ? half : 0);
+    bb_value *larger = realloc(column->values, count * sizeof *larger);
+    if (larger == NULL)
+        return false;
+    for (uint32_t i = column->count; i < count; i++)
+        larger[i] = none_of(column->column->kind);
+    column->values = larger;
+    column->count = count;
+    return true;
+}
+
+/* Where a value is put; NULL where none can be. A column without a value is not taken over. */
+static bb_value *place_of(bb_table *table, uint32_t row, const bb_column *column, bool any)
+{
+    if (row == BB_NO_ROW || table->status != BB_OK)
+        return NULL;
+    const uint32_t index = bb_table_column_index(table, column->name);
+    bb_stored_column *known = index != UINT32_MAX ? &table->columns[index] : NULL;
+    if (known == NULL && !any)
+        return NULL;
+    if (known == NULL)
+        known = take_over(table, column);
+    if (known != NULL && known->column != column) {
+        table->status = BB_INVALID;
+        table->twice = column->name;
+        return NULL;
+    }
+    if (known != NULL && !reach(known, row))
+        run_out(table);
+    return table->status == BB_OK ? &known->values[row] : NULL;
+}
+
+void bb_table_set_number(bb_table *table, uint32_t row, const bb_column *column, double value)
+{
+    assert(column->kind == BB_COLUMN_NUMBER);
+    bb_value *place = place_of(table, row, column, isfinite(value));
+    if (place != NULL)
+        place->number = isfinite(value) ? value : (double)NAN;
+}
+
+void bb_table_set_text(bb_table *table, uint32_t row, const bb_column *column, const char *value)
+{
+    assert(column->kind == BB_COLUMN_TEXT);
+    const char *text = bb_table_intern(table, value);
+    bb_value *place = place_of(table, row, column, text != NULL);
+    if (place != NULL)
+        place->text = text;
+}
+
+static bool all_finite(const bb_samples *samples)
+{
+    for (uint32_t i = 0; i < samples->count; i++)
+        if (!isfinite(samples->values[i]))
+            return false;
+    return samples->count > 0;
+}
+
+void bb_table_set_rounds(bb_table *table, uint32_t row, const bb_column *column,
+                         const bb_samples *samples)
+{
+    assert(column->kind == BB_COLUMN_ROUNDS);
+    const size_t size = offsetof(bb_samples, values) + samples->count * sizeof(double);
+    const bool any = all_finite(samples);
+    bb_value *place = place_of(table, row, column, any);
+    if (place == NULL)
+        return;
+    free(place->rounds);
+    place->rounds = any ? malloc(size) : NULL;
+    if (place->rounds != NULL)
+        memcpy(place->rounds, samples, size);
+    else if (any)
+        run_out(table);
+}
+
+static bb_value value_at(const bb_table *table, uint32_t row, const char *name, bb_column_kind kind)
+{
+    const uint32_t index = bb_table_column_index(table, name);
+    const bb_stored_column *column = index != UINT32_MAX ? &table->columns[index] : NULL;
+    return column != NULL && row < column->count && column->column->kind == kind
+               ? column->values[row]
+               : none_of(kind);
+}
+
+double bb_table_get_number(const bb_table *table, uint32_t row, const char *column)
+{
+    const bb_samples *rounds = bb_table_get_rounds(table, row, column);
+    return rounds != NULL ? bb_samples_median(rounds)
+                          : value_at(table, row, column, BB_COLUMN_NUMBER).number;
+}
+
+const char *bb_table_get_text(const bb_table *table, uint32_t row, const char *column)
+{
+    const char *text = value_at(table, row, column, BB_COLUMN_TEXT).text;
+    return text != NULL ? text : "";
+}
+
+const bb_samples *bb_table_get_rounds(const bb_table *table, uint32_t row, const char *column)
+{
+    return value_at(table, row, column, BB_COLUMN_ROUNDS).rounds;
+}

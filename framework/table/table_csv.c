@@ -1,0 +1,100 @@
+/* A table as comma-separated values (RFC 4180). */
+#include "framework/base/json.h"
+#include "framework/table/table_private.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Parts of a line are after each other. */
+typedef struct line {
+    FILE *out;
+    bool begun;
+} line;
+
+static void put_text(line *l, const char *text)
+{
+    const bool quoted = strpbrk(text, ",\"\r\n") != NULL;
+    fputs(l->begun ? "," : "", l->out);
+    l->begun = true;
+    fputs(quoted ? "\"" : "", l->out);
+    for (; *text != '\0'; text++)
+        fprintf(l->out, "%s%c", *text == '"' ? "\"" : "", *text);
+    fputs(quoted ? "\"" : "", l->out);
+}
+
+static void put_number(line *l, double value)
+{
+    char digits[BB_JSON_DIGITS];
+    put_text(l, isfinite(value) ? bb_json_digits(digits, value) : "");
+}
+
+static void end_line(line *l)
+{
+    fputs("\r\n", l->out);
+    l->begun = false;
+}
+
+/* Whether any cell has such a name. */
+static bool is_used(const bb_table *table, bb_dimension dimension)
+{
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
+        if (bb_table_name(table, row, dimension)[0] != '\0')
+            return true;
+    return false;
+}
+
+static void put_heading(line *l, const bb_column *column)
+{
+    static const char *const endings[] = {"", "_low", "_high"};
+    for (int i = 0; i < (column->kind == BB_COLUMN_ROUNDS ? 3 : 1); i++) {
+        char name[256];
+        snprintf(name, sizeof name, "%.200s%s", column->name, endings[i]);
+        put_text(l, name);
+    }
+}
+
+static void put_value(line *l, const bb_table *table, uint32_t row, const bb_column *column)
+{
+    if (column->kind == BB_COLUMN_TEXT) {
+        put_text(l, bb_table_get_text(table, row, column->name));
+        return;
+    }
+    put_number(l, bb_table_get_number(table, row, column->name));
+    if (column->kind != BB_COLUMN_ROUNDS)
+        return;
+    const bb_samples *rounds = bb_table_get_rounds(table, row, column->name);
+    const bb_estimate e = rounds != NULL ? bb_samples_estimate(rounds) : bb_not_measured;
+    put_number(l, e.low);
+    put_number(l, e.high);
+}
+
+char *bb_table_csv(const bb_table *table)
+{
+    char *text = NULL;
+    size_t size;
+    bool used[BB_DIMENSIONS];
+    line l = {.out = open_memstream(&text, &size)};
+    if (l.out == NULL)
+        return NULL;
+    for (int d = 0; d < BB_DIMENSIONS; d++)
+        if ((used[d] = is_used(table, (bb_dimension)d)))
+            put_text(&l, bb_dimension_names[d]);
+    for (uint32_t c = 0; c < bb_table_column_count(table); c++)
+        put_heading(&l, bb_table_column(table, c));
+    end_line(&l);
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        for (int d = 0; d < BB_DIMENSIONS; d++)
+            if (used[d])
+                put_text(&l, bb_table_name(table, row, (bb_dimension)d));
+        for (uint32_t c = 0; c < bb_table_column_count(table); c++)
+            put_value(&l, table, row, bb_table_column(table, c));
+        end_line(&l);
+    }
+    const bool ok = ferror(l.out) == 0;
+    if (fclose(l.out) == 0 && ok)
+        return text;
+    free(text);
+    return NULL;
+}

@@ -1,0 +1,55 @@
+/* How a table lies in memory. */
+#ifndef BB_TABLE_PRIVATE_H
+#define BB_TABLE_PRIVATE_H
+
+#include "framework/table/table.h"
+
+#define BB_TABLE_SCHEMA "bvhbench-table/1"
+
+/* Words of files, by the enums of table.h. */
+extern const char *const bb_kind_words[], *const bb_sense_words[], *const bb_better_words[];
+
+/* Hashes of items, by open addressing. */
+typedef struct bb_index {
+    struct bb_index_slot {
+        uint64_t hash;
+        uint32_t item; /* its number + 1; 0: the slot is free */
+    } * slots;
+    uint32_t size, count; /* of slots, a power of 2; of items */
+} bb_index;
+
+typedef union bb_value {
+    double number;      /* NAN: none */
+    const char *text;   /* interned; NULL: none */
+    bb_samples *rounds; /* with room for `count` values alone; NULL: none */
+} bb_value;
+
+/* Values of the first `count` rows; the others have none. */
+typedef struct bb_stored_column {
+    const bb_column *column;
+    bb_column *own; /* the same, of a file */
+    bb_value *values;
+    uint32_t count;
+} bb_stored_column;
+
+/* Equal names are interned as one text, so that cells are equal if their pointers are. */
+struct bb_table {
+    const char *command;
+    bb_status status;
+    const char *twice; /* the name that two columns have */
+    char **names;
+    bb_cell *rows;
+    bb_stored_column *columns;
+    bb_index name_index, row_index, column_index;
+};
+
+/* The text as the table keeps it; NULL for none, and if there is no memory. */
+const char *bb_table_intern(bb_table *table, const char *text);
+
+/* Number of the column of that name, or UINT32_MAX. */
+uint32_t bb_table_column_index(const bb_table *table, const char *name);
+
+/* Adds a column of a file, with its texts. */
+void bb_table_add_column(bb_table *table, bb_column column);
+
+#endif
