@@ -89,7 +89,8 @@ kernel void pair_tree_top(global const bb_pair_side *root, global const bb_clust
     total[0] = waiting;
 }
 
-/* Room for subtrees that wait. */
+/* Room for subtrees that wait. A walk goes on with the smaller child, which has at most half of the
+ * references, so at most one subtree waits for each halving of 2^32. */
 #define BB_WAITING_MAX 32
 
 typedef struct pair_walk {
@@ -107,7 +108,7 @@ bool walk_on(pair_walk *walk, global const bb_cluster_pair *pairs, uint count,
     if (inner < 2u)
         *deepest = BB_MAX(walk->task.depth + 1u, *deepest);
     if (inner == 2u) {
-        bool first = open[0].end - open[0].base >= open[1].end - open[1].base;
+        bool first = open[0].end - open[0].base < open[1].end - open[1].base;
         walk->task = open[first ? 0 : 1];
         walk->stack[walk->waiting++] = open[first ? 1 : 0];
     } else if (inner == 1u) {
