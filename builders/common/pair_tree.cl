@@ -90,7 +90,8 @@ kernel void pair_tree_top(global const bb_pair_side *root, global const bb_clust
 }
 
 /* Room for subtrees that wait. A walk goes on with the smaller child, which has at most half of the
- * references, so at most one subtree waits for each halving of 2^32. */
+ * references: each halving leaves one subtree waiting, and a 32-bit count halves at most 32 times.
+ */
 #define BB_WAITING_MAX 32
 
 typedef struct pair_walk {

@@ -39,7 +39,7 @@ static void put_context(bb_json *json, const cJSON *from)
     bb_json_end_object(json);
 }
 
-/* What is one entry's apart from its times. */
+/* What the rounds of one entry share. */
 typedef struct row {
     const cJSON *entry;
     bool trace;
@@ -82,7 +82,7 @@ static void put_round(bb_json *json, const row *r, uint32_t repetition, double m
     bb_json_end_object(json);
 }
 
-/* All rounds that count. Where no CPU time was measured, the wall clock stands for it. */
+/* Puts all rounds that count. If no CPU time was measured, the wall clock takes its place. */
 static void put_entry(bb_json *json, const cJSON *entry, bool trace, uint32_t family)
 {
     bb_samples ms, cpu;

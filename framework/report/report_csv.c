@@ -1,4 +1,5 @@
 /* All traces as comma-separated values (RFC 4180): one line each, with what its build took. */
+#include "framework/base/json.h"
 #include "framework/report/report.h"
 
 #include "framework/report/columns.h"
@@ -36,8 +37,9 @@ static void print_text(FILE *out, const char *text)
 
 static void print_number(FILE *out, double value)
 {
+    char digits[BB_JSON_DIGITS];
     if (isfinite(value))
-        fprintf(out, "%.17g", value);
+        fputs(bb_json_digits(digits, value), out);
 }
 
 /* Nothing for what was not measured. */

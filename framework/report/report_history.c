@@ -53,7 +53,7 @@ static void put_point(bb_json *json, uint32_t at, const bb_measured *cell)
     bb_json_end_object(json);
 }
 
-/* Without parameters that have their defaults. */
+/* The name leaves out parameters that have their defaults. */
 static void put_names(bb_json *json, const char *key)
 {
     bb_cell_parts cell;

@@ -127,8 +127,8 @@ static bb_status put_choices(bb_json *json, const bb_numbers *n)
     return BB_OK;
 }
 
-/* [trace, time, SAH, EPO, mix, work] of each cell, by kind of rays; what follows from them the
- * document has. */
+/* Puts [trace, time, SAH, EPO, mix, work] of each cell, grouped by kind of rays. The document has
+ * the fitted figures. */
 static bb_status put_predictions(bb_json *json, const bb_results *results)
 {
     bb_predictions made;

@@ -4,7 +4,7 @@
  * scene, a question, a builder and an intersector; a build has no question. A figure of the whole
  * run (the device's name) belongs to the cell without names. Columns are declared once, as
  * constants next to the code that fills them; a table takes over a column when it first gets a
- * value. Every output (terminal, Markdown, CSV, JSON, page) asks the table.
+ * value.
  */
 #ifndef BB_TABLE_H
 #define BB_TABLE_H
