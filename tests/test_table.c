@@ -138,6 +138,85 @@ static bb_table *parse(const char *json)
     return table;
 }
 
+/* Whatever a table takes, its file is read again; what it does not take, it says. */
+static void faulty_declarations_are_refused(void **state)
+{
+    (void)state;
+    static const bb_column faulty[] = {
+        {.name = "scene", .heading = "", .unit = "", .help = ""},
+        {.name = "Build", .heading = "", .unit = "", .help = ""},
+        {.name = "build ms", .heading = "", .unit = "", .help = ""},
+        {.name = "", .heading = "", .unit = "", .help = ""},
+        {.name = NULL, .heading = "", .unit = "", .help = ""},
+        {.name = "nodes", .heading = "", .unit = NULL, .help = ""},
+        {.name = "nodes", .heading = "", .unit = "", .help = "", .decimals = 16},
+    };
+    for (size_t i = 0; i < sizeof faulty / sizeof faulty[0]; i++) {
+        bb_table *table;
+        ASSERT_OK(bb_table_create("slice", &table));
+        bb_table_set_number(table, bb_table_row(table, (bb_cell){{"a"}}), &faulty[i], 1);
+        assert_int_equal(bb_table_status(table), BB_INVALID);
+        assert_non_null(strstr(bb_message(), "of a table: "));
+        bb_table_free(table);
+    }
+    bb_table *none;
+    assert_int_equal(bb_table_create("Slice", &none), BB_INVALID);
+    assert_int_equal(bb_table_create("", &none), BB_INVALID);
+    assert_null(none);
+}
+
+static void names_that_are_no_utf8_are_found(void **state)
+{
+    (void)state;
+    bb_table *table;
+    ASSERT_OK(bb_table_create("slice", &table));
+    assert_int_equal(bb_table_row(table, (bb_cell){{"a\xff"}}), 0);
+    assert_int_equal(bb_table_find(table, (bb_cell){{"a\xff"}}), 0);
+    assert_int_equal(bb_table_find(table, (bb_cell){{"a%FF"}}), 0);
+    assert_int_equal(bb_table_find(table, (bb_cell){{"a\xfe"}}), BB_NO_ROW);
+    bb_table_free(table);
+}
+
+static void rounds_may_be_put_where_they_came_from(void **state)
+{
+    (void)state;
+    static const bb_column ms = {"ms",           "", "ms", "", BB_COLUMN_ROUNDS, BB_SENSE_TIMED,
+                                 BB_BETTER_LESS, 2};
+    bb_samples samples = {0};
+    bb_table *table;
+    ASSERT_OK(bb_table_create("slice", &table));
+    bb_samples_add(&samples, 7);
+    const uint32_t row = bb_table_row(table, (bb_cell){{"a"}});
+    bb_table_set_rounds(table, row, &ms, &samples);
+    bb_table_set_rounds(table, row, &ms, bb_table_get_rounds(table, row, "ms"));
+    assert_true(bb_table_get_number(table, row, "ms") == 7);
+    bb_table_free(table);
+}
+
+/* A few bytes for each row and column would else ask for as much memory as they like. */
+static void too_many_values_are_refused(void **state)
+{
+    (void)state;
+    enum { COLUMNS = 10000, ROWS = 10000 };
+    const size_t room = COLUMNS * 160 + ROWS * 32 + 256;
+    char *json = malloc(room), *at = json;
+    at += sprintf(at, "{\"schema\":\"bvhbench-table/1\",\"command\":\"slice\",\"columns\":[");
+    for (int c = 0; c < COLUMNS; c++)
+        at += sprintf(at,
+                      "%s{\"name\":\"c%d\",\"heading\":\"\",\"unit\":\"\",\"help\":\"\","
+                      "\"kind\":\"number\",\"sense\":\"exact\",\"better\":\"less\","
+                      "\"decimals\":0}",
+                      c > 0 ? "," : "", c);
+    at += sprintf(at, "],\"rows\":[");
+    for (int r = 0; r < ROWS; r++)
+        at += sprintf(at, "%s{\"scene\":\"%d\"}", r > 0 ? "," : "", r);
+    sprintf(at, "]}");
+    bb_table *table;
+    assert_int_equal(bb_table_parse(json, "t.json", &table), BB_REFUSED);
+    assert_non_null(strstr(bb_message(), "make 100000000 values, at most 67108864 are read"));
+    free(json);
+}
+
 static void same_text(const bb_table *table)
 {
     char *text = bb_table_json(table);
@@ -256,14 +335,15 @@ static void damaged_files_are_refused(void **state)
                    "columns[0] has twice a member \"unit\"");
     refuses_change("\"heading\":\"build\"", "\"Heading\":\"\"", "unknown member \"Heading\"");
     refuses_change("\"name\":\"build_ms\"", "\"name\":\"nodes\"",
-                   "columns[1]: the name \"nodes\" is taken");
-    refuses_change("\"name\":\"build_ms\"", "\"name\":\"maker\"", "the name \"maker\" is taken");
-    refuses_change("\"name\":\"build_ms\"", "\"name\":\"\"", "\"name\" is no lower-case word");
+                   "columns[1]: there are two of that name");
+    refuses_change("\"name\":\"build_ms\"", "\"name\":\"maker\"",
+                   "columns[0]: its name is that of a cell's dimension");
+    refuses_change("\"name\":\"build_ms\"", "\"name\":\"\"", "its name is no lower-case word");
     refuses_change("\"kind\":\"rounds\"", "\"kind\":\"round\"", "\"kind\" is none of its words");
     refuses_change("\"sense\":\"timed\"", "\"sense\":null", "\"sense\" is none of its words");
     refuses_change("\"better\":\"less\"", "\"better\":\"worse\"", "\"better\" is none");
-    refuses_change("\"decimals\":2", "\"decimals\":2.5", "\"decimals\" is no whole number");
-    refuses_change("\"decimals\":2", "\"decimals\":99", "\"decimals\" is no whole number");
+    refuses_change("\"decimals\":2", "\"decimals\":2.5", "decimals are not -1 to 15");
+    refuses_change("\"decimals\":2", "\"decimals\":99", "decimals are not -1 to 15");
     refuses_change("\"columns\":[", "\"columns\": {}, \"x\": [", "unknown member \"x\"");
 }
 
@@ -291,8 +371,9 @@ static void damaged_rows_are_refused(void **state)
                    "rows[3] is of the same cell as rows[0]");
     refuses_change("%FF", "\xff", "is not UTF-8");
     refuses_change("%FF", "\\u0000", "\\u0000");
-    refuses_change("]}", "", "is not JSON or truncated: error at byte");
-    refuses_change("]}", "]} 7", "is not JSON or truncated");
+    refuses_change("]}", "",
+                   "is not JSON, is truncated, or is too large for the memory left: error at byte");
+    refuses_change("]}", "]} 7", "is not JSON, is truncated");
     char many[2000] = "[1";
     for (int i = 0; i < 256; i++)
         strcat(many, ",1");
@@ -344,7 +425,7 @@ static void csv_has_a_line_for_each_row(void **state)
     bb_table_set_rounds(table, 2, &column_build, &rounds);
     char *text = bb_table_csv(table);
     assert_string_equal(text,
-                        "scene,builder,build_ms,build_ms_low,build_ms_high,nodes,note\r\n"
+                        "scene,builder,build_ms,build_ms.low,build_ms.high,nodes,note\r\n"
                         "cube,lbvh,0.2,,,12345,\r\n"
                         "cube,\"sah,\"\"quoted\"\"\",,,,-0.1,\"a%FF\n\"\"b\"\" \xc3\xa9\x01\"\r\n"
                         ",,1,1,1,1e+300,\r\n");
@@ -412,6 +493,10 @@ int main(void)
         cmocka_unit_test(values_are_there_or_not),
         cmocka_unit_test(what_is_no_value_takes_one_away),
         cmocka_unit_test(two_columns_of_one_name_are_a_mistake),
+        cmocka_unit_test(faulty_declarations_are_refused),
+        cmocka_unit_test(names_that_are_no_utf8_are_found),
+        cmocka_unit_test(rounds_may_be_put_where_they_came_from),
+        cmocka_unit_test(too_many_values_are_refused),
         cmocka_unit_test(files_read_are_written_the_same),
         cmocka_unit_test(large_tables_stay_the_same),
         cmocka_unit_test(the_layout_of_files_is_as_published),

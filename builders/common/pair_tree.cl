@@ -6,7 +6,7 @@
  *       node 2s + 2: right's box, references [s + 1, end),  skip = 2 end, or none
  *
  * CPUs (pair_tree_top, pair_tree_walk): one work-item opens nodes until there are enough subtrees
- * for all cores, then one work-item walks each, the larger child first. GPUs (pair_tree_start,
+ * for all cores, then one work-item walks each, the smaller child first. GPUs (pair_tree_start,
  * pair_tree_level): by lists (handover.clh).
  *
  * Limits: count <= 2^30, as in radix_tree.cl.

@@ -37,7 +37,7 @@ void bb_json_add_bool(bb_json *json, const char *name, bool value);
  */
 char *bb_json_take(bb_json *json);
 
-/* A finite number with the fewest digits that read back as the same double, which cJSON's are not.
+/* A finite number with 15 to 17 digits, as few as read back as the same double; cJSON's may not.
  * Returns `digits`. */
 enum { BB_JSON_DIGITS = 40 };
 const char *bb_json_digits(char digits[BB_JSON_DIGITS], double value);

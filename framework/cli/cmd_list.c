@@ -28,12 +28,14 @@ static void print_entry(const char *name, const char *summary, const char *paper
                         const bb_option *declared)
 {
     printf("  %-14s %s", name, summary);
-    if (paper != NULL && strcmp(paper, "none") != 0)
+    if (paper != NULL && paper[0] != '\0' && strcmp(paper, "none") != 0)
         printf(" (%s)", paper);
     printf("\n");
-    for (const bb_option *o = declared; o != NULL && o->name != NULL; o++)
+    for (const bb_option *o = declared; o != NULL && o->name != NULL; o++) {
+        const char *values = o->values != NULL ? o->values : "";
         printf("      %s=%s  %s%s%s\n", o->name, o->default_value != NULL ? o->default_value : "",
-               o->help, o->values != NULL ? ": " : "", o->values != NULL ? o->values : "");
+               o->help, values[0] != '\0' ? ": " : "", values);
+    }
 }
 
 /* One entry of a list: as text, or as JSON if `json` is not NULL. */

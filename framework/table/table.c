@@ -78,6 +78,21 @@ static bool reserve(void *array, const bb_index *index, size_t item)
 
 /* ---- names ---- */
 
+bool bb_is_table_word(const char *text)
+{
+    const size_t length = strlen(text);
+    return text[0] >= 'a' && text[0] <= 'z' && length <= 64 &&
+           strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_-") == length;
+}
+
+int bb_dimension_of(const char *name)
+{
+    for (int d = 0; d < BB_DIMENSIONS; d++)
+        if (strcmp(bb_dimension_names[d], name) == 0)
+            return d;
+    return -1;
+}
+
 static const char *find_name(const bb_table *table, const char *text)
 {
     const uint64_t hash = hash_of(text);
@@ -93,18 +108,26 @@ static void run_out(bb_table *table)
     table->status = BB_REFUSED;
 }
 
+/* The text that stands for `text`, whose copy with valid UTF-8 *name gets if there is none. */
+static const char *find_text(const bb_table *table, const char *text, char **name)
+{
+    const char *known = find_name(table, text);
+    *name = known == NULL ? bb_utf8_text(text) : NULL;
+    if (*name != NULL && (known = find_name(table, *name)) != NULL) {
+        free(*name);
+        *name = NULL;
+    }
+    return known;
+}
+
 const char *bb_table_intern(bb_table *table, const char *text)
 {
+    char *name;
     if (text == NULL || text[0] == '\0' || table->status != BB_OK)
         return NULL;
-    const char *known = find_name(table, text);
+    const char *known = find_text(table, text, &name);
     if (known != NULL)
         return known;
-    char *name = bb_utf8_text(text);
-    if (name != NULL && (known = find_name(table, name)) != NULL) {
-        free(name);
-        return known;
-    }
     if (name == NULL || !reserve(&table->names, &table->name_index, sizeof *table->names) ||
         !add_to_index(&table->name_index, hash_of(name))) {
         free(name);
@@ -118,8 +141,10 @@ const char *bb_table_intern(bb_table *table, const char *text)
 
 bb_status bb_table_create(const char *command, bb_table **out)
 {
-    bb_table *table = calloc(1, sizeof *table);
     *out = NULL;
+    if (!bb_is_table_word(command))
+        return bb_fail(BB_INVALID, "a table's command is no lower-case word: '%.64s'", command);
+    bb_table *table = calloc(1, sizeof *table);
     if (table != NULL)
         table->command = bb_table_intern(table, command);
     if (table == NULL || table->command == NULL) {
@@ -163,7 +188,7 @@ const char *bb_table_command(const bb_table *table)
 bb_status bb_table_status(const bb_table *table)
 {
     if (table->status == BB_INVALID)
-        return bb_fail(BB_INVALID, "two columns of a table are called %s", table->twice);
+        return bb_fail(BB_INVALID, "column '%.64s' of a table: %s", table->column, table->fault);
     return table->status == BB_OK ? BB_OK : bb_fail(table->status, "no memory for a table");
 }
 
@@ -205,10 +230,14 @@ uint32_t bb_table_row_count(const bb_table *table)
 uint32_t bb_table_find(const bb_table *table, bb_cell cell)
 {
     for (int d = 0; d < BB_DIMENSIONS; d++) {
+        char *own;
         const char *name = cell.names[d];
-        const bool named = name != NULL && name[0] != '\0';
-        cell.names[d] = named ? find_name(table, name) : NULL;
-        if (named && cell.names[d] == NULL)
+        cell.names[d] = NULL;
+        if (name == NULL || name[0] == '\0')
+            continue;
+        cell.names[d] = find_text(table, name, &own);
+        free(own);
+        if (cell.names[d] == NULL)
             return BB_NO_ROW;
     }
     return find_row(table, &cell);
@@ -246,6 +275,24 @@ const bb_column *bb_table_column_named(const bb_table *table, const char *name)
 {
     const uint32_t index = bb_table_column_index(table, name);
     return index != UINT32_MAX ? table->columns[index].column : NULL;
+}
+
+const char *bb_column_fault(const bb_column *column)
+{
+    if (column->name == NULL || !bb_is_table_word(column->name))
+        return "its name is no lower-case word";
+    if (bb_dimension_of(column->name) >= 0)
+        return "its name is that of a cell's dimension";
+    if (column->heading == NULL || column->unit == NULL || column->help == NULL)
+        return "heading, unit or help is missing";
+    return column->decimals < -1 || column->decimals > 15 ? "decimals are not -1 to 15" : NULL;
+}
+
+static void blame(bb_table *table, const bb_column *column, const char *fault)
+{
+    table->status = BB_INVALID;
+    table->column = column->name != NULL ? column->name : "";
+    table->fault = fault;
 }
 
 static bb_stored_column *take_over(bb_table *table, const bb_column *column)
@@ -310,17 +357,20 @@ static bb_value *place_of(bb_table *table, uint32_t row, const bb_column *column
 {
     if (row == BB_NO_ROW || table->status != BB_OK)
         return NULL;
-    const uint32_t index = bb_table_column_index(table, column->name);
+    const char *name = column->name != NULL ? column->name : "";
+    const uint32_t index = bb_table_column_index(table, name);
     bb_stored_column *known = index != UINT32_MAX ? &table->columns[index] : NULL;
     if (known == NULL && !any)
         return NULL;
-    if (known == NULL)
-        known = take_over(table, column);
-    if (known != NULL && known->column != column) {
-        table->status = BB_INVALID;
-        table->twice = column->name;
+    const char *fault = known == NULL ? bb_column_fault(column) : NULL;
+    if (known != NULL && known->column != column)
+        fault = "there are two of that name";
+    if (fault != NULL) {
+        blame(table, column, fault);
         return NULL;
     }
+    if (known == NULL)
+        known = take_over(table, column);
     if (known != NULL && !reach(known, row))
         run_out(table);
     return table->status == BB_OK ? &known->values[row] : NULL;
@@ -360,12 +410,13 @@ void bb_table_set_rounds(bb_table *table, uint32_t row, const bb_column *column,
     bb_value *place = place_of(table, row, column, any);
     if (place == NULL)
         return;
-    free(place->rounds);
-    place->rounds = any ? malloc(size) : NULL;
-    if (place->rounds != NULL)
-        memcpy(place->rounds, samples, size);
+    bb_samples *copy = any ? malloc(size) : NULL;
+    if (copy != NULL)
+        memcpy(copy, samples, size);
     else if (any)
         run_out(table);
+    free(place->rounds); /* which `samples` may be */
+    place->rounds = copy;
 }
 
 static bb_value value_at(const bb_table *table, uint32_t row, const char *name, bb_column_kind kind)

@@ -66,7 +66,8 @@ typedef struct bb_table bb_table;
 
 enum { BB_NO_ROW = UINT32_MAX };
 
-/* `command` made it ("slice"): a word in files. Owned by the caller. */
+/* `command` made it ("slice"): a lower-case word of at most 64 letters, as names of columns are.
+ * Owned by the caller. */
 bb_status bb_table_create(const char *command, bb_table **out);
 void bb_table_free(bb_table *table); /* NULL is allowed */
 
@@ -80,7 +81,8 @@ bb_status bb_table_status(const bb_table *table); /* BB_OK, BB_REFUSED or BB_INV
 
 /* Put one value in a row. A value that is there is replaced. No value: a number that is not finite,
  * an empty text, no rounds, or rounds of which one is not finite. `column` outlives the table. Two
- * columns of one name are the caller's mistake: bb_table_status() is BB_INVALID then. */
+ * columns of one name, or a faulty declaration, are the caller's mistake: bb_table_status() is
+ * BB_INVALID then. A table from a file has its own columns and takes no values of others. */
 void bb_table_set_number(bb_table *table, uint32_t row, const bb_column *column, double value);
 void bb_table_set_text(bb_table *table, uint32_t row, const bb_column *column, const char *value);
 void bb_table_set_rounds(bb_table *table, uint32_t row, const bb_column *column,
@@ -116,7 +118,7 @@ bb_status bb_table_parse(const char *json, const char *name, bb_table **out);
 bb_status bb_table_read(const char *path, bb_table **out);
 
 /* As CSV (RFC 4180), from malloc; NULL if there is no memory. One line of names, then one for each
- * row. Rounds become three columns: NAME, the median, and NAME_low and NAME_high, its interval. */
+ * row. Rounds become three columns: NAME, the median, and NAME.low and NAME.high, its interval. */
 char *bb_table_csv(const bb_table *table);
 
 #endif

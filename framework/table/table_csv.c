@@ -47,10 +47,10 @@ static bool is_used(const bb_table *table, bb_dimension dimension)
 
 static void put_heading(line *l, const bb_column *column)
 {
-    static const char *const endings[] = {"", "_low", "_high"};
+    static const char *const endings[] = {"", ".low", ".high"};
     for (int i = 0; i < (column->kind == BB_COLUMN_ROUNDS ? 3 : 1); i++) {
-        char name[256];
-        snprintf(name, sizeof name, "%.200s%s", column->name, endings[i]);
+        char name[80];
+        snprintf(name, sizeof name, "%.64s%s", column->name, endings[i]);
         put_text(l, name);
     }
 }

@@ -36,7 +36,7 @@ typedef struct bb_stored_column {
 struct bb_table {
     const char *command;
     bb_status status;
-    const char *twice; /* the name that two columns have */
+    const char *column, *fault; /* of BB_INVALID: the column's name, and what is wrong with it */
     char **names;
     bb_cell *rows;
     bb_stored_column *columns;
@@ -45,6 +45,13 @@ struct bb_table {
 
 /* The text as the table keeps it; NULL for none, and if there is no memory. */
 const char *bb_table_intern(bb_table *table, const char *text);
+
+/* Whether the text is a name of a column or a command: a lower-case word of at most 64 letters. */
+bool bb_is_table_word(const char *text);
+/* The dimension of that name; -1: there is none. */
+int bb_dimension_of(const char *name);
+/* What is wrong with the declaration of a column, for a message; NULL: nothing. */
+const char *bb_column_fault(const bb_column *column);
 
 /* Number of the column of that name, or UINT32_MAX. */
 uint32_t bb_table_column_index(const bb_table *table, const char *name);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TABLE_BYTES_MAX = 256 << 20, NAME_MAX_SHOWN = 60, DECIMALS_MAX = 15 };
+enum { TABLE_BYTES_MAX = 256 << 20, NAME_MAX_SHOWN = 60, VALUES_MAX = 64 << 20 };
 
 typedef struct reader {
     const char *name; /* of the file */
@@ -60,32 +60,6 @@ static int number_of(const cJSON *item, const char *const *words)
     return -1;
 }
 
-static bool is_word(const cJSON *item)
-{
-    const char *text = cJSON_IsString(item) ? item->valuestring : "";
-    return text[0] >= 'a' && text[0] <= 'z' &&
-           strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789_-") == strlen(text);
-}
-
-static int dimension_of(const char *name)
-{
-    for (int d = 0; d < BB_DIMENSIONS; d++)
-        if (strcmp(bb_dimension_names[d], name) == 0)
-            return d;
-    return -1;
-}
-
-static bb_status check_name(const reader *r, const char *place, const cJSON *item)
-{
-    if (!is_word(item))
-        return bb_fail(BB_INVALID, "table %s: %s: \"name\" is no lower-case word", r->name, place);
-    const char *name = item->valuestring;
-    if (dimension_of(name) >= 0 || bb_table_column_named(r->table, name) != NULL)
-        return bb_fail(BB_INVALID, "table %s: %s: the name \"%.*s\" is taken", r->name, place,
-                       NAME_MAX_SHOWN, name);
-    return BB_OK;
-}
-
 static bb_status read_column(const reader *r, int number, const cJSON *object)
 {
     enum { NAME, HEADING, UNIT, HELP, TEXTS, KIND = TEXTS, SENSE, BETTER, DECIMALS, MEMBERS };
@@ -98,7 +72,6 @@ static bb_status read_column(const reader *r, int number, const cJSON *object)
     for (int i = 0; i < TEXTS; i++)
         if (!cJSON_IsString(found[i]))
             return wrong_type(r, place, names[i]);
-    BB_TRY(check_name(r, place, found[NAME]));
     const int words[] = {number_of(found[KIND], bb_kind_words),
                          number_of(found[SENSE], bb_sense_words),
                          number_of(found[BETTER], bb_better_words)};
@@ -107,17 +80,21 @@ static bb_status read_column(const reader *r, int number, const cJSON *object)
             return bb_fail(BB_INVALID, "table %s: %s: \"%s\" is none of its words", r->name, place,
                            names[KIND + i]);
     const double decimals = cJSON_IsNumber(found[DECIMALS]) ? found[DECIMALS]->valuedouble : NAN;
-    if (!(decimals >= -1 && decimals <= DECIMALS_MAX && decimals == floor(decimals)))
-        return bb_fail(BB_INVALID, "table %s: %s: \"decimals\" is no whole number from -1 to %d",
-                       r->name, place, DECIMALS_MAX);
-    bb_table_add_column(r->table, (bb_column){.name = found[NAME]->valuestring,
-                                              .heading = found[HEADING]->valuestring,
-                                              .unit = found[UNIT]->valuestring,
-                                              .help = found[HELP]->valuestring,
-                                              .kind = (bb_column_kind)words[0],
-                                              .sense = (bb_sense)words[1],
-                                              .better = (bb_better)words[2],
-                                              .decimals = (int)decimals});
+    const bool whole = decimals >= -1 && decimals <= INT8_MAX && decimals == floor(decimals);
+    const bb_column column = {.name = found[NAME]->valuestring,
+                              .heading = found[HEADING]->valuestring,
+                              .unit = found[UNIT]->valuestring,
+                              .help = found[HELP]->valuestring,
+                              .kind = (bb_column_kind)words[0],
+                              .sense = (bb_sense)words[1],
+                              .better = (bb_better)words[2],
+                              .decimals = whole ? (int)decimals : INT8_MAX};
+    const char *fault = bb_column_fault(&column);
+    if (bb_table_column_named(r->table, column.name) != NULL)
+        fault = "there are two of that name";
+    if (fault != NULL)
+        return bb_fail(BB_INVALID, "table %s: %s: %s", r->name, place, fault);
+    bb_table_add_column(r->table, column);
     return bb_table_status(r->table);
 }
 
@@ -172,7 +149,7 @@ static bb_status read_cell(const reader *r, const char *place, const cJSON *obje
     *cell = (bb_cell){{NULL}};
     cJSON_ArrayForEach(item, object)
     {
-        const int d = dimension_of(item->string);
+        const int d = bb_dimension_of(item->string);
         if (d < 0)
             continue;
         if (!cJSON_IsString(item) || item->valuestring[0] == '\0')
@@ -190,7 +167,7 @@ static bb_status read_values(const reader *r, const char *place, const cJSON *ob
     const cJSON *item;
     cJSON_ArrayForEach(item, object)
     {
-        if (dimension_of(item->string) >= 0)
+        if (bb_dimension_of(item->string) >= 0)
             continue;
         const uint32_t column = bb_table_column_index(r->table, item->string);
         if (column == UINT32_MAX || r->seen[column] == row + 1)
@@ -243,6 +220,11 @@ static bb_status read_lists(reader *r, const cJSON *columns, const cJSON *rows)
         return wrong_type(r, "it", "columns");
     if (!cJSON_IsArray(rows))
         return wrong_type(r, "it", "rows");
+    const double values = (double)cJSON_GetArraySize(columns) * cJSON_GetArraySize(rows);
+    if (values > VALUES_MAX)
+        return bb_fail(BB_REFUSED,
+                       "table %s: its rows and columns make %.0f values, at most %d are read",
+                       r->name, values, VALUES_MAX);
     cJSON_ArrayForEach(item, columns) BB_TRY(read_column(r, column++, item));
     r->seen = calloc((size_t)column + 1, sizeof *r->seen);
     if (r->seen == NULL)
@@ -258,7 +240,7 @@ static bb_status read_document(reader *r, const cJSON *root)
     const cJSON *found[MEMBERS];
     BB_TRY(check_schema(r, root));
     BB_TRY(take_members(r, "it", root, names, MEMBERS, found));
-    if (!is_word(found[COMMAND]))
+    if (!cJSON_IsString(found[COMMAND]) || !bb_is_table_word(found[COMMAND]->valuestring))
         return bb_fail(BB_INVALID, "table %s: \"command\" is no lower-case word", r->name);
     BB_TRY(bb_table_create(found[COMMAND]->valuestring, &r->table));
     return read_lists(r, found[COLUMNS], found[ROWS]);
@@ -294,7 +276,9 @@ bb_status bb_table_parse(const char *json, const char *name, bb_table **out)
     cJSON *root = cJSON_ParseWithOpts(json, &end, true);
     bb_status status =
         root != NULL ? read_document(&r, root)
-                     : bb_fail(BB_INVALID, "table %s is not JSON or truncated: error at byte %zu",
+                     : bb_fail(BB_INVALID,
+                               "table %s is not JSON, is truncated, or is too large for the memory "
+                               "left: error at byte %zu",
                                name, end != NULL ? (size_t)(end - json) : 0);
     cJSON_Delete(root);
     free(r.seen);
