@@ -24,26 +24,33 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
-static void print_entry(const char *name, const char *summary, const char *paper,
+/* Where a list goes: as text, or as JSON if `json` is not NULL. It is printed once it is whole. */
+typedef struct output {
+    FILE *text;
+    bb_json *json;
+} output;
+
+static void print_entry(FILE *out, const char *name, const char *summary, const char *paper,
                         const bb_option *declared)
 {
-    printf("  %-14s %s", name, summary);
+    fprintf(out, "  %-14s %s", name, summary);
     if (paper != NULL && paper[0] != '\0' && strcmp(paper, "none") != 0)
-        printf(" (%s)", paper);
-    printf("\n");
+        fprintf(out, " (%s)", paper);
+    fprintf(out, "\n");
     for (const bb_option *o = declared; o != NULL && o->name != NULL; o++) {
         const char *values = o->values != NULL ? o->values : "";
-        printf("      %s=%s  %s%s%s\n", o->name, o->default_value != NULL ? o->default_value : "",
-               o->help, values[0] != '\0' ? ": " : "", values);
+        fprintf(out, "      %s=%s  %s%s%s\n", o->name,
+                o->default_value != NULL ? o->default_value : "", o->help,
+                values[0] != '\0' ? ": " : "", values);
     }
 }
 
-/* One entry of a list: as text, or as JSON if `json` is not NULL. */
-static void add(bb_json *json, const char *name, const char *summary, const char *paper,
+static void add(output *list, const char *name, const char *summary, const char *paper,
                 const bb_option *declared)
 {
+    bb_json *json = list->json;
     if (json == NULL) {
-        print_entry(name, summary, paper, declared);
+        print_entry(list->text, name, summary, paper, declared);
         return;
     }
     bb_json_object(json, NULL);
@@ -66,7 +73,7 @@ static void add(bb_json *json, const char *name, const char *summary, const char
     bb_json_end_object(json);
 }
 
-static bb_status list_builders(bb_json *list)
+static bb_status list_builders(output *list)
 {
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *b = bb_builder_at(i);
@@ -77,7 +84,7 @@ static bb_status list_builders(bb_json *list)
     return BB_OK;
 }
 
-static bb_status list_kernels(bb_json *list)
+static bb_status list_kernels(output *list)
 {
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
         bb_option all[BB_PARAMS_MAX + 1];
@@ -92,14 +99,14 @@ static bb_status list_kernels(bb_json *list)
     return BB_OK;
 }
 
-static bb_status list_layouts(bb_json *list)
+static bb_status list_layouts(output *list)
 {
     for (const bb_layout *const *l = bb_layouts; *l != NULL; l++)
         add(list, (*l)->name, (*l)->summary, NULL, NULL);
     return BB_OK;
 }
 
-static bb_status list_intersectors(bb_json *list)
+static bb_status list_intersectors(output *list)
 {
     for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++) {
         const char *const own[] = {i->triangle, i->slab, i->contract};
@@ -114,7 +121,7 @@ static bb_status list_intersectors(bb_json *list)
 }
 
 /* A file of the format, by its first ending. */
-static void add_format(bb_json *list, const bb_scene_format *format)
+static void add_format(output *list, const bb_scene_format *format)
 {
     char name[64], summary[256];
     size_t used = (size_t)snprintf(summary, sizeof summary, "a file, %s", format->name);
@@ -125,7 +132,7 @@ static void add_format(bb_json *list, const bb_scene_format *format)
     add(list, name, summary, NULL, format->options);
 }
 
-static bb_status list_scenes(bb_json *list)
+static bb_status list_scenes(output *list)
 {
     for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
         add(list, *name, "shipped with bvhbench", NULL, NULL);
@@ -136,14 +143,14 @@ static bb_status list_scenes(bb_json *list)
     return BB_OK;
 }
 
-static bb_status list_rays(bb_json *list)
+static bb_status list_rays(output *list)
 {
     for (const bb_workload *const *w = bb_workloads; *w != NULL; w++)
         add(list, (*w)->name, (*w)->summary, NULL, (*w)->options);
     return BB_OK;
 }
 
-static bb_status list_metrics(bb_json *list)
+static bb_status list_metrics(output *list)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         const bb_metric *m = bb_metrics[i];
@@ -155,14 +162,14 @@ static bb_status list_metrics(bb_json *list)
     return BB_OK;
 }
 
-static bb_status list_papers(bb_json *list)
+static bb_status list_papers(output *list)
 {
     for (const bb_paper *const *p = bb_papers; *p != NULL; p++)
         add(list, (*p)->name, (*p)->title, NULL, NULL);
     return BB_OK;
 }
 
-static bb_status list_axes(bb_json *list)
+static bb_status list_axes(output *list)
 {
     for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++) {
         bb_axis axis;
@@ -176,14 +183,14 @@ static bb_status list_axes(bb_json *list)
     return BB_OK;
 }
 
-static bb_status list_devices(bb_json *list)
+static bb_status list_devices(output *list)
 {
     uint32_t count;
     BB_TRY(bb_device_count(&count));
-    if (count == 0 && list == NULL) {
+    if (count == 0 && list->json == NULL) {
         char reason[320];
         bb_device_say_none(reason, sizeof reason);
-        printf("  none: %s\n", reason);
+        fprintf(list->text, "  none: %s\n", reason);
     }
     for (uint32_t i = 0; i < count; i++) {
         char number[16], text[512];
@@ -196,7 +203,7 @@ static bb_status list_devices(bb_json *list)
     return BB_OK;
 }
 
-static bb_status list_transfers(bb_json *list)
+static bb_status list_transfers(output *list)
 {
     for (const bb_transfer_preset *p = bb_transfer_presets; p->name != NULL; p++)
         add(list, p->name, p->summary, NULL, NULL);
@@ -205,7 +212,7 @@ static bb_status list_transfers(bb_json *list)
 
 static const struct {
     const char *name;
-    bb_status (*fill)(bb_json *list);
+    bb_status (*fill)(output *list);
 } kinds[] = {
     {"builders", list_builders},         {"kernels", list_kernels}, {"layouts", list_layouts},
     {"intersectors", list_intersectors}, {"scenes", list_scenes},   {"rays", list_rays},
@@ -245,34 +252,46 @@ static void print_isa(void)
 }
 
 /* All lists, or the one that is wanted. */
-static bb_status print_text(const char *wanted)
+static bb_status fill_text(const char *wanted, output *list)
 {
     for (uint32_t i = 0; i < KIND_COUNT; i++)
         if (wanted == NULL || strcmp(wanted, kinds[i].name) == 0) {
-            printf("%s\n", kinds[i].name);
-            BB_TRY(kinds[i].fill(NULL));
-            printf("\n");
+            fprintf(list->text, "%s\n", kinds[i].name);
+            BB_TRY(kinds[i].fill(list));
+            fprintf(list->text, "\n");
         }
     return BB_OK;
 }
 
-static bb_status print_json(const char *wanted)
+static bb_status fill_json(const char *wanted, output *list)
+{
+    bb_json_object(list->json, NULL);
+    for (uint32_t i = 0; i < KIND_COUNT; i++)
+        if (wanted == NULL || strcmp(wanted, kinds[i].name) == 0) {
+            bb_json_array(list->json, kinds[i].name);
+            BB_TRY(kinds[i].fill(list));
+            bb_json_end_array(list->json);
+        }
+    bb_json_end_object(list->json);
+    return BB_OK;
+}
+
+static bb_status print(const char *wanted, bool as_json)
 {
     bb_json json = {.formatted = true};
-    bb_status status = BB_OK;
-    bb_json_object(&json, NULL);
-    for (uint32_t i = 0; i < KIND_COUNT && status == BB_OK; i++)
-        if (wanted == NULL || strcmp(wanted, kinds[i].name) == 0) {
-            bb_json_array(&json, kinds[i].name);
-            status = kinds[i].fill(&json);
-            bb_json_end_array(&json);
-        }
-    bb_json_end_object(&json);
-    char *text = bb_json_take(&json);
-    if (status == BB_OK && text == NULL)
-        status = bb_fail(BB_REFUSED, "no memory for the list");
+    char *text = NULL;
+    size_t size;
+    output list = {.text = open_memstream(&text, &size), .json = as_json ? &json : NULL};
+    if (list.text == NULL)
+        return bb_fail(BB_REFUSED, "no memory for the list");
+    bb_status status = as_json ? fill_json(wanted, &list) : fill_text(wanted, &list);
+    char *document = as_json ? bb_json_take(&json) : NULL;
+    const bool whole = ferror(list.text) == 0 && (!as_json || document != NULL);
+    if (fclose(list.text) != 0 || !whole)
+        status = status != BB_OK ? status : bb_fail(BB_REFUSED, "no memory for the list");
     if (status == BB_OK)
-        printf("%s\n", text);
+        printf(as_json ? "%s\n" : "%s", as_json ? document : text);
+    free(document);
     free(text);
     return status;
 }
@@ -308,7 +327,7 @@ static bb_status run(const bb_cli *cli, int *exit_status)
         found = found || strcmp(wanted, kinds[i].name) == 0;
     if (!found)
         return unknown_kind(wanted);
-    return bb_cli_value(cli, "json") != NULL ? print_json(wanted) : print_text(wanted);
+    return print(wanted, bb_cli_value(cli, "json") != NULL);
 }
 
 extern const bb_command bb_command_list;
