@@ -17,7 +17,7 @@ void bb_emc_summary(const bb_findings *all, bb_reproduction *r, const char *titl
                                           "work diffuse", "work shadow",  "work random",
                                           "time primary", "time diffuse", "time shadow",
                                           "time random",  "build",        NULL};
-    bb_table(r, title, columns);
+    bb_paper_table(r, title, columns);
     for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         const bb_emc_method *m = &bb_emc_methods[i];
         const char *builder = beside ? m->plain : m->var;
@@ -25,15 +25,15 @@ void bb_emc_summary(const bb_findings *all, bb_reproduction *r, const char *titl
         bb_words name = {0};
         bb_say(&name, "%s", m->name);
         bb_emc_missing(m->plain, &name);
-        bb_row(r);
-        bb_table_text(r, name.text);
-        bb_table_number(r, bb_emc_mean(all, cost, builder, base).value, 3);
+        bb_paper_row(r);
+        bb_paper_text(r, name.text);
+        bb_paper_number(r, bb_emc_mean(all, cost, builder, base).value, 3);
         for (bb_emc_what what = EMC_WORK; what <= EMC_TIME; what++)
             for (int k = 0; k < EMC_INSIDE_KINDS; k++) {
                 bb_emc_figure figure = {what, bb_emc_rays[k]};
-                bb_table_number(r, bb_emc_mean(all, figure, builder, base).value, 3);
+                bb_paper_number(r, bb_emc_mean(all, figure, builder, base).value, 3);
             }
-        bb_table_number(r, bb_emc_mean(all, build, builder, base).value, 3);
+        bb_paper_number(r, bb_emc_mean(all, build, builder, base).value, 3);
     }
 }
 

@@ -67,7 +67,7 @@ static void add_figure(const bb_findings *all, bb_reproduction *r, bb_emc_figure
         columns[count++] = "to";
     }
     columns[count++] = "EMC-64-var is";
-    bb_table(r, title, columns);
+    bb_paper_table(r, title, columns);
     for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         const bb_emc_method *m = &bb_emc_methods[i];
         bb_paper_figures s = bb_emc_ratios(all, figure, m->var, m->plain);
@@ -75,16 +75,16 @@ static void add_figure(const bb_findings *all, bb_reproduction *r, bb_emc_figure
         bb_words verdict = {0};
         if (!bb_emc_missing(m->plain, &verdict))
             say_verdict(all, figure, i, &verdict);
-        bb_row(r);
-        bb_table_text(r, m->name);
+        bb_paper_row(r);
+        bb_paper_text(r, m->name);
         for (size_t k = 0; k < shown; k++)
-            bb_table_number(r, s.values[k], 3);
-        bb_table_number(r, mean.value, 3);
+            bb_paper_number(r, s.values[k], 3);
+        bb_paper_number(r, mean.value, 3);
         if (is_time) {
-            bb_table_number(r, mean.low, 3);
-            bb_table_number(r, mean.high, 3);
+            bb_paper_number(r, mean.low, 3);
+            bb_paper_number(r, mean.high, 3);
         }
-        bb_table_text(r, verdict.text);
+        bb_paper_text(r, verdict.text);
     }
 }
 
@@ -94,23 +94,24 @@ static void add_placement(const bb_findings *all, bb_reproduction *r)
     static const char *const columns[] = {
         "builder", "EMC/MC, scene", "EMC/MC, centroids", "MC, centroids/scene", "least", "most",
         NULL};
-    bb_table(r,
-             "EMC-64-var inside builders: cost as a ratio to MC-64, with the scene's box divided "
-             "and with that of the centroids; and what that choice alone does to MC-64: a smaller "
-             "gain than that is not surely the code's",
-             columns);
+    bb_paper_table(
+        r,
+        "EMC-64-var inside builders: cost as a ratio to MC-64, with the scene's box divided "
+        "and with that of the centroids; and what that choice alone does to MC-64: a smaller "
+        "gain than that is not surely the code's",
+        columns);
     for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         bb_paper_figures centred = bb_emc_centred(all, i), placement = bb_emc_placement(all, i);
         bb_words name = {0};
         bb_say(&name, "%s", bb_emc_methods[i].name);
         bb_emc_missing(bb_emc_methods[i].plain, &name);
-        bb_row(r);
-        bb_table_text(r, name.text);
-        bb_table_number(r, mean_of(all, cost, i).value, 3);
-        bb_table_number(r, bb_figures_mean(&centred), 3);
-        bb_table_number(r, bb_figures_mean(&placement), 3);
-        bb_table_number(r, bb_figures_least(&placement), 3);
-        bb_table_number(r, bb_figures_most(&placement), 3);
+        bb_paper_row(r);
+        bb_paper_text(r, name.text);
+        bb_paper_number(r, mean_of(all, cost, i).value, 3);
+        bb_paper_number(r, bb_figures_mean(&centred), 3);
+        bb_paper_number(r, bb_figures_mean(&placement), 3);
+        bb_paper_number(r, bb_figures_least(&placement), 3);
+        bb_paper_number(r, bb_figures_most(&placement), 3);
     }
 }
 

@@ -72,14 +72,14 @@ static void add_paper_rows(bb_reproduction *r, block b)
         const double *figures = paper_rows[i].figures[b];
         bb_words name = {0};
         bb_say(&name, "%s (paper)", paper_rows[i].name);
-        bb_row(r);
-        bb_table_text(r, name.text);
-        bb_table_number(r, paper_rows[i].prims, 0);
-        bb_table_number(r, figures[0], 1);
-        bb_table_number(r, figures[0] / figures[3], 2);
-        bb_table_number(r, figures[1], 2);
-        bb_table_number(r, figures[2], 2);
-        bb_table_text(r, "");
+        bb_paper_row(r);
+        bb_paper_text(r, name.text);
+        bb_paper_number(r, paper_rows[i].prims, 0);
+        bb_paper_number(r, figures[0], 1);
+        bb_paper_number(r, figures[0] / figures[3], 2);
+        bb_paper_number(r, figures[1], 2);
+        bb_paper_number(r, figures[2], 2);
+        bb_paper_text(r, "");
     }
 }
 
@@ -87,14 +87,14 @@ static void add_paper_rows(bb_reproduction *r, block b)
 static void add_average(bb_reproduction *r, const char *name, double over_lbvh, double sort,
                         double var, const char *note)
 {
-    bb_row(r);
-    bb_table_text(r, name);
-    bb_table_number(r, NAN, 0);
-    bb_table_number(r, NAN, 0);
-    bb_table_number(r, over_lbvh, 2);
-    bb_table_number(r, sort, 2);
-    bb_table_number(r, var, 2);
-    bb_table_text(r, note);
+    bb_paper_row(r);
+    bb_paper_text(r, name);
+    bb_paper_number(r, NAN, 0);
+    bb_paper_number(r, NAN, 0);
+    bb_paper_number(r, over_lbvh, 2);
+    bb_paper_number(r, sort, 2);
+    bb_paper_number(r, var, 2);
+    bb_paper_text(r, note);
 }
 
 static void add_block(const bb_findings *all, bb_reproduction *r, block b)
@@ -105,20 +105,20 @@ static void add_block(const bb_findings *all, bb_reproduction *r, block b)
     const bb_findings *f = &all[EMC_INSIDE];
     double theirs[PAPER_ROWS];
     bb_words missing = {0};
-    bb_table(r, blocks[b][0], columns);
+    bb_paper_table(r, blocks[b][0], columns);
     add_paper_rows(r, b);
     for (int i = 0; i < PAPER_ROWS; i++)
         theirs[i] = paper_rows[i].figures[b][0] / paper_rows[i].figures[b][3];
     for (size_t s = 0; s < f->scene_count && !bb_emc_missing(method->plain, &missing); s++) {
         const char *scene = f->scenes[s];
-        bb_row(r);
-        bb_table_text(r, scene);
-        bb_table_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
-        bb_table_number(r, absolute_of(all, b, scene, method->plain), 1);
-        bb_table_number(r, ratio_of(all, b, scene, method->plain, lbvh->plain).value, 2);
-        bb_table_number(r, ratio_of(all, b, scene, EMC_ATRBVH_SORT64, method->plain).value, 2);
-        bb_table_number(r, ratio_of(all, b, scene, method->var, method->plain).value, 2);
-        bb_table_text(r, "");
+        bb_paper_row(r);
+        bb_paper_text(r, scene);
+        bb_paper_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
+        bb_paper_number(r, absolute_of(all, b, scene, method->plain), 1);
+        bb_paper_number(r, ratio_of(all, b, scene, method->plain, lbvh->plain).value, 2);
+        bb_paper_number(r, ratio_of(all, b, scene, EMC_ATRBVH_SORT64, method->plain).value, 2);
+        bb_paper_number(r, ratio_of(all, b, scene, method->var, method->plain).value, 2);
+        bb_paper_text(r, "");
     }
     add_average(r, "average (paper)", bb_mean(theirs, PAPER_ROWS), paper_means[b][0],
                 paper_means[b][1], "of LBVH's: derived");
@@ -142,10 +142,11 @@ static void add_means(const bb_findings *all, bb_reproduction *r)
     static const char *const columns[] = {
         "builder",         "EMC/MC (paper)",    "EMC/MC (here)",    "MC/sweep (paper, derived)",
         "MC/sweep (here)", "EMC/sweep (paper)", "EMC/sweep (here)", NULL};
-    bb_table(r,
-             "Other builders (section 5.4), cost (SAH): EMC-64-var to MC-64, and both to a full "
-             "sweep, means of the scenes. The paper has no figures of single scenes",
-             columns);
+    bb_paper_table(
+        r,
+        "Other builders (section 5.4), cost (SAH): EMC-64-var to MC-64, and both to a full "
+        "sweep, means of the scenes. The paper has no figures of single scenes",
+        columns);
     for (int i = 0; i < EMC_METHOD_COUNT; i++) {
         const bb_emc_method *method = &bb_emc_methods[i];
         double ratio = NAN, over_sweep = NAN;
@@ -159,14 +160,14 @@ static void add_means(const bb_findings *all, bb_reproduction *r)
         bb_words name = {0};
         bb_say(&name, "%s", method->name);
         bb_emc_missing(method->plain, &name);
-        bb_row(r);
-        bb_table_text(r, name.text);
-        bb_table_number(r, ratio, 2);
-        bb_table_number(r, bb_emc_mean(all, cost, method->var, method->plain).value, 2);
-        bb_table_number(r, over_sweep / ratio, 2);
-        bb_table_number(r, bb_figures_mean(&plain), 2);
-        bb_table_number(r, over_sweep, 2);
-        bb_table_number(r, bb_figures_mean(&var), 2);
+        bb_paper_row(r);
+        bb_paper_text(r, name.text);
+        bb_paper_number(r, ratio, 2);
+        bb_paper_number(r, bb_emc_mean(all, cost, method->var, method->plain).value, 2);
+        bb_paper_number(r, over_sweep / ratio, 2);
+        bb_paper_number(r, bb_figures_mean(&plain), 2);
+        bb_paper_number(r, over_sweep, 2);
+        bb_paper_number(r, bb_figures_mean(&var), 2);
     }
 }
 

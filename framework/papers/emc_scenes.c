@@ -43,22 +43,23 @@ void bb_emc_scenes(const bb_findings *all, bb_reproduction *r)
     static const char *const columns[] = {
         "scene", "primitives", "flatness", "largest / median", "stands in for", "alike in", NULL};
     const bb_findings *f = &all[EMC_INSIDE];
-    bb_table(r,
-             "Scenes of the tables that follow, and the paper's for which they stand. Nothing here "
-             "is like san-miguel or powerplant, nor as large; flatness: shortest over longest side",
-             columns);
+    bb_paper_table(
+        r,
+        "Scenes of the tables that follow, and the paper's for which they stand. Nothing here "
+        "is like san-miguel or powerplant, nor as large; flatness: shortest over longest side",
+        columns);
     for (size_t s = 0; s < f->scene_count; s++) {
         const char *scene = f->scenes[s];
         size_t row = find_stand_in(scene);
-        bb_row(r);
-        bb_table_text(r, scene);
-        bb_table_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
-        bb_table_number(r, bb_found_scene(f, scene, BB_F_PROFILE_FLATNESS), 3);
-        bb_table_number(r,
+        bb_paper_row(r);
+        bb_paper_text(r, scene);
+        bb_paper_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
+        bb_paper_number(r, bb_found_scene(f, scene, BB_F_PROFILE_FLATNESS), 3);
+        bb_paper_number(r,
                         bb_found_scene(f, scene, BB_F_PROFILE_SIZE_MAX) /
                             bb_found_scene(f, scene, BB_F_PROFILE_SIZE_MEDIAN),
                         1);
-        bb_table_text(r, row < STAND_INS ? stand_ins[row].theirs : "unknown");
-        bb_table_text(r, row < STAND_INS ? stand_ins[row].alike : "");
+        bb_paper_text(r, row < STAND_INS ? stand_ins[row].theirs : "unknown");
+        bb_paper_text(r, row < STAND_INS ? stand_ins[row].alike : "");
     }
 }

@@ -242,9 +242,9 @@ static double frame_ms(const bb_animate_result *result, const bb_animate_method 
 
 static void add_estimate(bb_reproduction *r, bb_estimate e)
 {
-    bb_table_number(r, e.value, 3);
-    bb_table_number(r, e.low, 3);
-    bb_table_number(r, e.high, 3);
+    bb_paper_number(r, e.value, 3);
+    bb_paper_number(r, e.low, 3);
+    bb_paper_number(r, e.high, 3);
 }
 
 static void add_ratios(const bb_dynamic *d, bb_dynamic_scene scene, bb_dynamic_method method,
@@ -252,16 +252,16 @@ static void add_ratios(const bb_dynamic *d, bb_dynamic_scene scene, bb_dynamic_m
 {
     const bb_dynamic_factors none = {NAN, NAN, NAN};
     paper = paper != NULL ? paper : &none;
-    bb_row(r);
-    bb_table_text(r, bb_dynamic_scenes[scene].name);
+    bb_paper_row(r);
+    bb_paper_text(r, bb_dynamic_scenes[scene].name);
     const bool small = method == BB_DYNAMIC_REFIT;
-    bb_table_text(r, small ? small_methods[BB_DYNAMIC_SMALL_REFITTED].name : methods[method].name);
-    bb_table_text(r, small ? small_methods[BB_DYNAMIC_SMALL_REBUILT].name : methods[base].name);
-    bb_table_number(r, paper->update, 3);
+    bb_paper_text(r, small ? small_methods[BB_DYNAMIC_SMALL_REFITTED].name : methods[method].name);
+    bb_paper_text(r, small ? small_methods[BB_DYNAMIC_SMALL_REBUILT].name : methods[base].name);
+    bb_paper_number(r, paper->update, 3);
     add_estimate(r, bb_dynamic_ratio(d, scene, BB_ANIMATE_UPDATE, method, base));
-    bb_table_number(r, paper->trace, 3);
+    bb_paper_number(r, paper->trace, 3);
     add_estimate(r, bb_dynamic_ratio(d, scene, BB_ANIMATE_TRACE, method, base));
-    bb_table_number(r, paper->total, 3);
+    bb_paper_number(r, paper->total, 3);
     add_estimate(r, bb_dynamic_ratio(d, scene, BB_ANIMATE_UPDATE | BB_ANIMATE_TRACE, method, base));
 }
 
@@ -273,10 +273,11 @@ static void add_table_1(const bb_dynamic *d, bb_reproduction *r)
         "here",        "95 % from", "to",          "trace, paper",
         "here",        "95 % from", "to",          "both, paper",
         "here",        "95 % from", "to",          NULL};
-    bb_table(r,
-             "Table 1: how many times as fast as a rebuild: update, tracing, and both (first the "
-             "paper's pairing, then both shuffled, or neither)",
-             columns);
+    bb_paper_table(
+        r,
+        "Table 1: how many times as fast as a rebuild: update, tracing, and both (first the "
+        "paper's pairing, then both shuffled, or neither)",
+        columns);
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++) {
         const bb_dynamic_scene scene = (bb_dynamic_scene)s;
         const bb_dynamic_about *about = &bb_dynamic_scenes[s];
@@ -298,21 +299,21 @@ static void add_method(const bb_animate_result *result, uint32_t m, const char *
     const bb_animate_method *method = &result->methods[m];
     const bool whole = method->refused[0] == '\0';
     const bb_animate_sums sums = bb_animate_sum(result, method);
-    bb_row(r);
-    bb_table_text(r, scene);
-    bb_table_text(r, name);
-    bb_table_number(r, frame_ms(result, method, BB_ANIMATE_UPDATE), 3);
-    bb_table_number(r, frame_ms(result, method, BB_ANIMATE_TRACE), 3);
-    bb_table_number(r, frame_ms(result, method, BB_ANIMATE_UPDATE | BB_ANIMATE_TRACE), 3);
-    bb_table_number(r, frame_ms(result, method, BB_ANIMATE_TRANSFER), 3);
-    bb_table_number(r, frame_ms(result, method, BB_ANIMATE_LAYOUT), 3);
-    bb_table_number(r, whole ? sums.sah_mean : (double)NAN, 3);
-    bb_table_number(r, whole ? sums.sah_most : (double)NAN, 3);
-    bb_table_number(r, events_of(method, "reinserted"), 0);
-    bb_table_number(r, events_of(method, "thinned"), 0);
-    bb_table_number(r, (double)sums.checked, 0);
-    bb_table_number(r, (double)sums.wrong, 0);
-    bb_table_text(r, method->refused);
+    bb_paper_row(r);
+    bb_paper_text(r, scene);
+    bb_paper_text(r, name);
+    bb_paper_number(r, frame_ms(result, method, BB_ANIMATE_UPDATE), 3);
+    bb_paper_number(r, frame_ms(result, method, BB_ANIMATE_TRACE), 3);
+    bb_paper_number(r, frame_ms(result, method, BB_ANIMATE_UPDATE | BB_ANIMATE_TRACE), 3);
+    bb_paper_number(r, frame_ms(result, method, BB_ANIMATE_TRANSFER), 3);
+    bb_paper_number(r, frame_ms(result, method, BB_ANIMATE_LAYOUT), 3);
+    bb_paper_number(r, whole ? sums.sah_mean : (double)NAN, 3);
+    bb_paper_number(r, whole ? sums.sah_most : (double)NAN, 3);
+    bb_paper_number(r, events_of(method, "reinserted"), 0);
+    bb_paper_number(r, events_of(method, "thinned"), 0);
+    bb_paper_number(r, (double)sums.checked, 0);
+    bb_paper_number(r, (double)sums.wrong, 0);
+    bb_paper_text(r, method->refused);
 }
 
 static void add_methods(const bb_dynamic *d, bb_reproduction *r)
@@ -321,7 +322,7 @@ static void add_methods(const bb_dynamic *d, bb_reproduction *r)
                                           "both ms",     "transfer ms", "layout ms", "SAH/best",
                                           "at worst",    "inserted",    "thinned",   "judged",
                                           "wrong",       "refused",     NULL};
-    bb_table(
+    bb_paper_table(
         r,
         "A frame of each method, and its tree's cost over the least of one made for the frame "
         "(transfer and layout are of this bench; the paper has none); small: in pictures of an "
@@ -341,7 +342,7 @@ static void add_scenes(const bb_dynamic *d, bb_reproduction *r)
     static const char *const columns[] = {"in place of", "scene",  "triangles", "paper",
                                           "frames",      "moved",  "picture",   "primary",
                                           "diffuse",     "rounds", "s",         NULL};
-    bb_table(r, "What was traced: means per frame", columns);
+    bb_paper_table(r, "What was traced: means per frame", columns);
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++) {
         const bb_animate_result *result = &d->scenes[s];
         char picture[48];
@@ -350,19 +351,19 @@ static void add_scenes(const bb_dynamic *d, bb_reproduction *r)
             for (int i = 0; i < 2; i++)
                 rays[i] += (double)result->states[f].rays[i] / (result->frame_count - 1);
         snprintf(picture, sizeof picture, "%ux%u", d->width[s], d->height[s]);
-        bb_row(r);
-        bb_table_text(r, bb_dynamic_scenes[s].name);
-        bb_table_text(r, result->scene);
-        bb_table_number(r, result->states[0].prims, 0);
-        bb_table_number(r, bb_dynamic_scenes[s].prims, 0);
-        bb_table_number(r, result->frame_count, 0);
-        bb_table_number(r, bb_dynamic_events(d, (bb_dynamic_scene)s, BB_DYNAMIC_UPDATED, "moved"),
+        bb_paper_row(r);
+        bb_paper_text(r, bb_dynamic_scenes[s].name);
+        bb_paper_text(r, result->scene);
+        bb_paper_number(r, result->states[0].prims, 0);
+        bb_paper_number(r, bb_dynamic_scenes[s].prims, 0);
+        bb_paper_number(r, result->frame_count, 0);
+        bb_paper_number(r, bb_dynamic_events(d, (bb_dynamic_scene)s, BB_DYNAMIC_UPDATED, "moved"),
                         0);
-        bb_table_text(r, picture);
-        bb_table_number(r, rays[0], 0);
-        bb_table_number(r, rays[1], 0);
-        bb_table_number(r, result->rounds, 0);
-        bb_table_number(r, (result->ms + d->small[s].ms) / 1e3, 1);
+        bb_paper_text(r, picture);
+        bb_paper_number(r, rays[0], 0);
+        bb_paper_number(r, rays[1], 0);
+        bb_paper_number(r, result->rounds, 0);
+        bb_paper_number(r, (result->ms + d->small[s].ms) / 1e3, 1);
     }
 }
 

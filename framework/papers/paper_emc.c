@@ -173,21 +173,21 @@ enum { COMPARED = sizeof compared / sizeof compared[0], IN_PAPER = 2 };
 static void add_averages(const bb_findings *all, bb_reproduction *r, figure what)
 {
     const bb_findings *f = &all[EMC_TRACED];
-    bb_row(r);
-    bb_table_text(r, "average (paper)");
+    bb_paper_row(r);
+    bb_paper_text(r, "average (paper)");
     for (int i = 0; i < 3; i++)
-        bb_table_number(r, NAN, 0);
+        bb_paper_number(r, NAN, 0);
     for (int i = 0; i < COMPARED; i++)
-        bb_table_number(r, i < IN_PAPER ? paper_means[what][i] : (double)NAN, 2);
-    bb_row(r);
-    bb_table_text(r, "average (here)");
+        bb_paper_number(r, i < IN_PAPER ? paper_means[what][i] : (double)NAN, 2);
+    bb_paper_row(r);
+    bb_paper_text(r, "average (here)");
     for (int i = 0; i < 3; i++)
-        bb_table_number(r, NAN, 0);
+        bb_paper_number(r, NAN, 0);
     for (int i = 0; i < COMPARED; i++) {
         double values[BB_FIGURES_MAX];
         for (size_t s = 0; s < f->scene_count; s++)
             values[s] = ratio_of(all, what, f->scenes[s], compared[i].builder);
-        bb_table_number(r, bb_mean(values, f->scene_count), 2);
+        bb_paper_number(r, bb_mean(values, f->scene_count), 2);
     }
 }
 
@@ -198,26 +198,26 @@ static void add_table2(const bb_findings *all, bb_reproduction *r, figure what, 
     for (int i = 0; i < COMPARED; i++)
         columns[4 + i] = compared[i].name;
     const bb_findings *f = &all[EMC_TRACED];
-    bb_table(r, title, columns);
+    bb_paper_table(r, title, columns);
     for (int i = 0; i < PAPER_ROWS; i++) {
         char name[64];
         snprintf(name, sizeof name, "%s (paper)", paper_rows[i].name);
-        bb_row(r);
-        bb_table_text(r, name);
-        bb_table_number(r, paper_rows[i].prims, 0);
-        bb_table_number(r, NAN, 0);
-        bb_table_number(r, paper_rows[i].figures[what][0], 1);
+        bb_paper_row(r);
+        bb_paper_text(r, name);
+        bb_paper_number(r, paper_rows[i].prims, 0);
+        bb_paper_number(r, NAN, 0);
+        bb_paper_number(r, paper_rows[i].figures[what][0], 1);
         for (int k = 0; k < COMPARED; k++)
-            bb_table_number(r, k < IN_PAPER ? paper_rows[i].figures[what][1 + k] : (double)NAN, 2);
+            bb_paper_number(r, k < IN_PAPER ? paper_rows[i].figures[what][1 + k] : (double)NAN, 2);
     }
     for (size_t s = 0; s < f->scene_count; s++) {
-        bb_row(r);
-        bb_table_text(r, f->scenes[s]);
-        bb_table_number(r, bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS), 0);
-        bb_table_number(r, bb_found_scene(f, f->scenes[s], BB_F_PROFILE_FLATNESS), 3);
-        bb_table_number(r, absolute_of(all, what, f->scenes[s]), 1);
+        bb_paper_row(r);
+        bb_paper_text(r, f->scenes[s]);
+        bb_paper_number(r, bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS), 0);
+        bb_paper_number(r, bb_found_scene(f, f->scenes[s], BB_F_PROFILE_FLATNESS), 3);
+        bb_paper_number(r, absolute_of(all, what, f->scenes[s]), 1);
         for (int k = 0; k < COMPARED; k++)
-            bb_table_number(r, ratio_of(all, what, f->scenes[s], compared[k].builder), 2);
+            bb_paper_number(r, ratio_of(all, what, f->scenes[s], compared[k].builder), 2);
     }
     add_averages(all, r, what);
 }
@@ -245,30 +245,30 @@ static void add_ingredients(const bb_findings *all, bb_reproduction *r)
            "Influence of each ingredient (section 5.3, and beyond): cost as a ratio to MC-64. Best "
            "code on average: %s, %.3f; EMC-64-var: %.3f",
            ingredients[best].builder, best_mean, bb_figures_mean(&var));
-    bb_table(r, title.text, columns);
+    bb_paper_table(r, title.text, columns);
     for (size_t i = 0; i < INGREDIENT_COUNT; i++) {
         bb_paper_figures s = bb_emc_costs(all, ingredients[i].builder, EMC_MC64);
-        bb_row(r);
-        bb_table_text(r, ingredients[i].what);
+        bb_paper_row(r);
+        bb_paper_text(r, ingredients[i].what);
         for (size_t k = 0; k + 3 < count; k++)
-            bb_table_number(r, s.values[k], 3);
-        bb_table_number(r, bb_figures_mean(&s), 3);
-        bb_table_text(r, ingredients[i].paper);
+            bb_paper_number(r, s.values[k], 3);
+        bb_paper_number(r, bb_figures_mean(&s), 3);
+        bb_paper_text(r, ingredients[i].paper);
     }
 }
 
 static void add_build_ratio(bb_reproduction *r, const char *scene, int pair, bb_estimate e)
 {
-    bb_row(r);
-    bb_table_text(r, scene);
-    bb_table_text(r, bb_emc_equals[pair].builder);
-    bb_table_text(r, bb_emc_equals[pair].plain);
-    bb_table_number(r, e.value, 3);
-    bb_table_number(r, e.low, 3);
-    bb_table_number(r, e.high, 3);
-    bb_table_number(r, bb_emc_build_target, 2);
+    bb_paper_row(r);
+    bb_paper_text(r, scene);
+    bb_paper_text(r, bb_emc_equals[pair].builder);
+    bb_paper_text(r, bb_emc_equals[pair].plain);
+    bb_paper_number(r, e.value, 3);
+    bb_paper_number(r, e.low, 3);
+    bb_paper_number(r, e.high, 3);
+    bb_paper_number(r, bb_emc_build_target, 2);
     bb_claim_verdict within = bb_below(e, bb_emc_build_target);
-    bb_table_text(r, within == BB_HELD       ? "yes"
+    bb_paper_text(r, within == BB_HELD       ? "yes"
                      : within == BB_NOT_HELD ? "no"
                                              : bb_verdict_words(within));
 }
@@ -278,10 +278,11 @@ static void add_build_ratios(const bb_findings *all, bb_reproduction *r)
     static const char *const columns[] = {"scene", "code",   "against",   "ratio", "95 % from",
                                           "to",    "target", "within it", NULL};
     const bb_findings *f = &all[EMC_BUILT];
-    bb_table(r,
-             "Build time of each extended code against the plain code of equal length: median of "
-             "the ratios of paired builds",
-             columns);
+    bb_paper_table(
+        r,
+        "Build time of each extended code against the plain code of equal length: median of "
+        "the ratios of paired builds",
+        columns);
     for (int i = 0; i < EMC_EQUALS; i++) {
         for (size_t s = 0; s < f->scene_count; s++)
             add_build_ratio(r, f->scenes[s], i,
@@ -300,13 +301,14 @@ static void add_sizes(const bb_findings *all, bb_reproduction *r)
                                           "EMC-32-var", "MC-64",       "EMC-64-sort",
                                           "EMC-64-var", "EMC-64-cell", NULL};
     const bb_findings *f = &all[EMC_SIZED];
-    bb_table(r, "Build rate over the number of primitives (random triangles), Mprims/s", columns);
+    bb_paper_table(r, "Build rate over the number of primitives (random triangles), Mprims/s",
+                   columns);
     for (size_t s = 0; s < f->scene_count; s++) {
         double prims = bb_found_scene(f, f->scenes[s], BB_F_SCENE_PRIMS);
-        bb_row(r);
-        bb_table_number(r, prims, 0);
+        bb_paper_row(r);
+        bb_paper_number(r, prims, 0);
         for (size_t i = 0; i < sizeof builders / sizeof builders[0]; i++)
-            bb_table_number(r, prims / bb_found_build_ms(f, f->scenes[s], builders[i]) / 1e3, 2);
+            bb_paper_number(r, prims / bb_found_build_ms(f, f->scenes[s], builders[i]) / 1e3, 2);
     }
 }
 

@@ -73,20 +73,20 @@ static void add_frame(const bb_findings *f, bb_reproduction *r, bb_selection cel
 {
     const char *scene = cell.scene, *builder = cell.builder;
     double ms = bb_found_build_ms(f, scene, builder) + bb_found_trace_ms(f, cell);
-    bb_row(r);
-    bb_table_text(r, scene);
-    bb_table_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
-    bb_table_text(r, builder);
-    bb_table_text(r, cell.kernel);
-    bb_table_number(r, bb_found_build_ms(f, scene, builder), 2);
-    bb_table_number(r, bb_found_trace_ms(f, cell), 2);
-    bb_table_number(r, ms, 2);
-    bb_table_number(r, ms / frame_ms(f, scene, LBVH30, STACK), 3);
-    bb_table_number(r, bb_found_sah(f, scene, builder), 1);
-    bb_table_number(r, bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS), 1);
-    bb_table_number(r, bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS), 1);
-    bb_table_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) * mib, 1);
-    bb_table_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES_PEAK) * mib, 1);
+    bb_paper_row(r);
+    bb_paper_text(r, scene);
+    bb_paper_number(r, bb_found_scene(f, scene, BB_F_SCENE_PRIMS), 0);
+    bb_paper_text(r, builder);
+    bb_paper_text(r, cell.kernel);
+    bb_paper_number(r, bb_found_build_ms(f, scene, builder), 2);
+    bb_paper_number(r, bb_found_trace_ms(f, cell), 2);
+    bb_paper_number(r, ms, 2);
+    bb_paper_number(r, ms / frame_ms(f, scene, LBVH30, STACK), 3);
+    bb_paper_number(r, bb_found_sah(f, scene, builder), 1);
+    bb_paper_number(r, bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS), 1);
+    bb_paper_number(r, bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS), 1);
+    bb_paper_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) * mib, 1);
+    bb_paper_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES_PEAK) * mib, 1);
 }
 
 /* A builder that was refused has one row without times; a pair that is no part of the comparison
@@ -96,7 +96,7 @@ static void add_frames(const bb_findings *f, bb_reproduction *r, const char *tit
     static const char *const columns[] = {
         "scene",   "primitives", "builder",   "kernel",    "build ms", "trace ms", "both ms",
         "to LBVH", "SAH",        "boxes/ray", "prims/ray", "tree MiB", "peak MiB", NULL};
-    bb_table(r, title, columns);
+    bb_paper_table(r, title, columns);
     for (size_t s = 0; s < f->scene_count; s++)
         for (uint32_t i = 0; i < RIVAL_COUNT; i++) {
             bb_selection stack = {f->scenes[s], rivals[i], STACK, NULL};
@@ -113,10 +113,11 @@ static void add_averages(const bb_findings *all, bb_reproduction *r)
 {
     static const char *const columns[] = {
         "scene", "LBVH ms", "LLBVH", "LOBVH, best of 6 to 8", "its level", "LOBVH, auto", NULL};
-    bb_table(r,
-             "Build + trace of a frame in the paper's configuration (binary trees with the stack "
-             "kernel, LOBVH with the stackless one), ratios to LBVH",
-             columns);
+    bb_paper_table(
+        r,
+        "Build + trace of a frame in the paper's configuration (binary trees with the stack "
+        "kernel, LOBVH with the stackless one), ratios to LBVH",
+        columns);
     double ratios[3][BB_FIGURES_MAX];
     for (int e = OF_SPHERES; e <= OF_TRIANGLES; e++) {
         const bb_findings *f = &all[e];
@@ -126,28 +127,28 @@ static void add_averages(const bb_findings *all, bb_reproduction *r)
             ratios[0][s] = frame_ms(f, scene, LLBVH30, STACK) / base;
             ratios[1][s] = frame_ms(f, scene, best, STACKLESS) / base;
             ratios[2][s] = frame_ms(f, scene, LOBVH_AUTO, STACKLESS) / base;
-            bb_row(r);
-            bb_table_text(r, scene);
-            bb_table_number(r, base, 2);
-            bb_table_number(r, ratios[0][s], 3);
-            bb_table_number(r, ratios[1][s], 3);
-            bb_table_number(r, level_of(best), 0);
-            bb_table_number(r, ratios[2][s], 3);
+            bb_paper_row(r);
+            bb_paper_text(r, scene);
+            bb_paper_number(r, base, 2);
+            bb_paper_number(r, ratios[0][s], 3);
+            bb_paper_number(r, ratios[1][s], 3);
+            bb_paper_number(r, level_of(best), 0);
+            bb_paper_number(r, ratios[2][s], 3);
         }
-        bb_row(r);
-        bb_table_text(r, e == OF_SPHERES ? "average, spheres (here)" : "average, triangles (here)");
-        bb_table_number(r, NAN, 0);
-        bb_table_number(r, bb_mean(ratios[0], f->scene_count), 3);
-        bb_table_number(r, bb_mean(ratios[1], f->scene_count), 3);
-        bb_table_number(r, NAN, 0);
-        bb_table_number(r, bb_mean(ratios[2], f->scene_count), 3);
-        bb_row(r);
-        bb_table_text(r, e == OF_SPHERES ? "spheres (paper)" : "triangles (paper)");
-        bb_table_number(r, NAN, 0);
-        bb_table_text(r, e == OF_SPHERES ? "above 1" : "about 1, 0.96 on hairball");
-        bb_table_text(r, e == OF_SPHERES ? "below 1" : "above 1, below on hairball");
-        bb_table_text(r, e == OF_SPHERES ? "6" : "6 or 7");
-        bb_table_number(r, NAN, 0);
+        bb_paper_row(r);
+        bb_paper_text(r, e == OF_SPHERES ? "average, spheres (here)" : "average, triangles (here)");
+        bb_paper_number(r, NAN, 0);
+        bb_paper_number(r, bb_mean(ratios[0], f->scene_count), 3);
+        bb_paper_number(r, bb_mean(ratios[1], f->scene_count), 3);
+        bb_paper_number(r, NAN, 0);
+        bb_paper_number(r, bb_mean(ratios[2], f->scene_count), 3);
+        bb_paper_row(r);
+        bb_paper_text(r, e == OF_SPHERES ? "spheres (paper)" : "triangles (paper)");
+        bb_paper_number(r, NAN, 0);
+        bb_paper_text(r, e == OF_SPHERES ? "above 1" : "about 1, 0.96 on hairball");
+        bb_paper_text(r, e == OF_SPHERES ? "below 1" : "above 1, below on hairball");
+        bb_paper_text(r, e == OF_SPHERES ? "6" : "6 or 7");
+        bb_paper_number(r, NAN, 0);
     }
 }
 
@@ -156,21 +157,22 @@ static void add_sizes(const bb_findings *all, bb_reproduction *r)
     static const char *const columns[] = {"scene", "builder",   "build ms",  "trace ms", "both ms",
                                           "SAH",   "boxes/ray", "prims/ray", "tree MiB", NULL};
     const bb_findings *f = &all[OF_SIZES];
-    bb_table(r, "LLBVH: the size that a box's level is taken from, fit test, size bits", columns);
+    bb_paper_table(r, "LLBVH: the size that a box's level is taken from, fit test, size bits",
+                   columns);
     for (size_t s = 0; s < f->scene_count; s++)
         for (uint32_t i = 0; i < SIZE_VARIANT_COUNT; i++) {
             const char *scene = f->scenes[s], *builder = size_variants[i];
             bb_selection cell = {scene, builder, STACK, NULL};
-            bb_row(r);
-            bb_table_text(r, scene);
-            bb_table_text(r, builder);
-            bb_table_number(r, bb_found_build_ms(f, scene, builder), 2);
-            bb_table_number(r, bb_found_trace_ms(f, cell), 2);
-            bb_table_number(r, frame_ms(f, scene, builder, STACK), 2);
-            bb_table_number(r, bb_found_sah(f, scene, builder), 2);
-            bb_table_number(r, bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS), 1);
-            bb_table_number(r, bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS), 1);
-            bb_table_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) * mib, 1);
+            bb_paper_row(r);
+            bb_paper_text(r, scene);
+            bb_paper_text(r, builder);
+            bb_paper_number(r, bb_found_build_ms(f, scene, builder), 2);
+            bb_paper_number(r, bb_found_trace_ms(f, cell), 2);
+            bb_paper_number(r, frame_ms(f, scene, builder, STACK), 2);
+            bb_paper_number(r, bb_found_sah(f, scene, builder), 2);
+            bb_paper_number(r, bb_found_tests(f, cell, BB_F_TRACE_NODE_TESTS), 1);
+            bb_paper_number(r, bb_found_tests(f, cell, BB_F_TRACE_PRIM_TESTS), 1);
+            bb_paper_number(r, bb_found_tree(f, scene, builder, BB_F_TREE_BYTES) * mib, 1);
         }
 }
 
@@ -180,10 +182,11 @@ static void add_views(const bb_findings *all, bb_reproduction *r)
                                           "factor", "95 % from", "to",     "worst other order",
                                           NULL};
     const bb_findings *f = &all[OF_VIEWS];
-    bb_table(r,
-             "Order by the view that is traced: rays per second over those without an order, and "
-             "with the order of another view",
-             columns);
+    bb_paper_table(
+        r,
+        "Order by the view that is traced: rays per second over those without an order, and "
+        "with the order of another view",
+        columns);
     for (size_t s = 0; s < f->scene_count; s++)
         for (uint32_t i = 0; i < 3; i++)
             for (uint32_t k = 0; k < 2; k++)
@@ -196,15 +199,15 @@ static void add_views(const bb_findings *all, bb_reproduction *r)
                             worst = fmin(
                                 worst,
                                 view_factor(f, f->scenes[s], ordered[i], kernel, v, other).value);
-                    bb_row(r);
-                    bb_table_text(r, f->scenes[s]);
-                    bb_table_text(r, ordered[i]);
-                    bb_table_text(r, kernel);
-                    bb_table_text(r, bb_found_view(f, f->scenes[s], v));
-                    bb_table_number(r, e.value, 3);
-                    bb_table_number(r, e.low, 3);
-                    bb_table_number(r, e.high, 3);
-                    bb_table_number(r, worst, 3);
+                    bb_paper_row(r);
+                    bb_paper_text(r, f->scenes[s]);
+                    bb_paper_text(r, ordered[i]);
+                    bb_paper_text(r, kernel);
+                    bb_paper_text(r, bb_found_view(f, f->scenes[s], v));
+                    bb_paper_number(r, e.value, 3);
+                    bb_paper_number(r, e.low, 3);
+                    bb_paper_number(r, e.high, 3);
+                    bb_paper_number(r, worst, 3);
                 }
 }
 

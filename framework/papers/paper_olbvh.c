@@ -237,29 +237,29 @@ static void add_memory(const measured *m, bb_reproduction *r)
                                           "alpha 1",  "alpha 2",    "/LBVH, 0", "/LBVH, 1",
                                           "/LBVH, 2", NULL};
     const double mib = 1 << 20;
-    bb_table(r, "Memory of the tree, MiB and over that of LBVH (table 2)", columns);
+    bb_paper_table(r, "Memory of the tree, MiB and over that of LBVH (table 2)", columns);
     for (uint32_t i = 0; i < m->count; i++) {
         const mesh_figures *mesh = &m->meshes[i];
-        bb_row(r);
-        bb_table_text(r, mesh->name);
-        bb_table_number(r, mesh->tets, 0);
-        bb_table_number(r, (double)mesh->dvr.ways[0].tree_bytes / mib, 2);
+        bb_paper_row(r);
+        bb_paper_text(r, mesh->name);
+        bb_paper_number(r, mesh->tets, 0);
+        bb_paper_number(r, (double)mesh->dvr.ways[0].tree_bytes / mib, 2);
         for (int a = 0; a < ALPHAS; a++)
-            bb_table_number(r, (double)ours_of(mesh, 0, a)->tree_bytes / mib, 2);
+            bb_paper_number(r, (double)ours_of(mesh, 0, a)->tree_bytes / mib, 2);
         for (int a = 0; a < ALPHAS; a++)
-            bb_table_number(r, bytes_ratio(mesh, a), 3);
+            bb_paper_number(r, bytes_ratio(mesh, a), 3);
     }
     for (size_t i = 0; i < sizeof paper_memory / sizeof paper_memory[0]; i++) {
         char name[64];
         snprintf(name, sizeof name, "%s (paper)", paper_memory[i].mesh);
-        bb_row(r);
-        bb_table_text(r, name);
-        bb_table_number(r, paper_memory[i].tets, 0);
-        bb_table_number(r, paper_memory[i].lbvh_mib, 2);
+        bb_paper_row(r);
+        bb_paper_text(r, name);
+        bb_paper_number(r, paper_memory[i].tets, 0);
+        bb_paper_number(r, paper_memory[i].lbvh_mib, 2);
         for (int a = 0; a < ALPHAS; a++)
-            bb_table_number(r, paper_memory[i].mib[a], 2);
+            bb_paper_number(r, paper_memory[i].mib[a], 2);
         for (int a = 0; a < ALPHAS; a++)
-            bb_table_number(r, paper_memory[i].mib[a] / paper_memory[i].lbvh_mib, 3);
+            bb_paper_number(r, paper_memory[i].mib[a] / paper_memory[i].lbvh_mib, 3);
     }
 }
 
@@ -268,7 +268,7 @@ static void add_builds(const measured *m, bb_reproduction *r)
     static const char *const columns[] = {"mesh",      "builder",   "references/tet", "nodes",
                                           "build ms",  "over LBVH", "95 % from",      "to",
                                           "layout ms", NULL};
-    bb_table(r, "Build (figure 6)", columns);
+    bb_paper_table(r, "Build (figure 6)", columns);
     for (uint32_t i = 0; i < m->count; i++)
         for (int a = -1; a < ALPHAS; a++) {
             const mesh_figures *mesh = &m->meshes[i];
@@ -277,16 +277,16 @@ static void add_builds(const measured *m, bb_reproduction *r)
                 a < 0 ? (bb_estimate){.value = 1, .low = 1, .high = 1} : build_ratio(mesh, a);
             if (way->refused[0] != '\0')
                 continue;
-            bb_row(r);
-            bb_table_text(r, mesh->name);
-            bb_table_text(r, way->builder);
-            bb_table_number(r, (double)way->references / mesh->tets, 2);
-            bb_table_number(r, way->nodes, 0);
-            bb_table_number(r, bb_samples_median(&way->build), 2);
-            bb_table_number(r, e.value, 3);
-            bb_table_number(r, e.low, 3);
-            bb_table_number(r, e.high, 3);
-            bb_table_number(r, bb_samples_median(&way->layout), 2);
+            bb_paper_row(r);
+            bb_paper_text(r, mesh->name);
+            bb_paper_text(r, way->builder);
+            bb_paper_number(r, (double)way->references / mesh->tets, 2);
+            bb_paper_number(r, way->nodes, 0);
+            bb_paper_number(r, bb_samples_median(&way->build), 2);
+            bb_paper_number(r, e.value, 3);
+            bb_paper_number(r, e.low, 3);
+            bb_paper_number(r, e.high, 3);
+            bb_paper_number(r, bb_samples_median(&way->layout), 2);
         }
 }
 
@@ -300,7 +300,7 @@ static void add_task(const measured *m, int task, const char *const *paper, bb_r
              task == 0   ? "figure 7"
              : task == 1 ? "figure 8"
                          : "figure 10");
-    bb_table(r, title, columns);
+    bb_paper_table(r, title, columns);
     for (uint32_t i = 0; i < m->count; i++)
         for (uint32_t w = 0; w < BUILDERS * SEARCHES; w++) {
             const bb_contest_way *ways = ways_of(&m->meshes[i], task), *way = &ways[w];
@@ -308,18 +308,18 @@ static void add_task(const measured *m, int task, const char *const *paper, bb_r
             const bb_estimate e = bb_contest_ratio(&ways[0], way, false);
             if (way->refused[0] != '\0')
                 continue;
-            bb_row(r);
-            bb_table_text(r, m->meshes[i].name);
-            bb_table_text(r, way->builder);
-            bb_table_text(r, way->search);
-            bb_table_number(r, bb_samples_median(&way->answer), 2);
-            bb_table_number(r, 1 / e.value, 3);
-            bb_table_number(r, 1 / e.high, 3);
-            bb_table_number(r, 1 / e.low, 3);
-            bb_table_number(r, way->visits, 1);
-            bb_table_number(r, way->work, 2);
-            bb_table_number(r, (double)way->differ, 0);
-            bb_table_text(r, alpha >= 0 && w % SEARCHES == 1 ? paper[alpha] : "");
+            bb_paper_row(r);
+            bb_paper_text(r, m->meshes[i].name);
+            bb_paper_text(r, way->builder);
+            bb_paper_text(r, way->search);
+            bb_paper_number(r, bb_samples_median(&way->answer), 2);
+            bb_paper_number(r, 1 / e.value, 3);
+            bb_paper_number(r, 1 / e.high, 3);
+            bb_paper_number(r, 1 / e.low, 3);
+            bb_paper_number(r, way->visits, 1);
+            bb_paper_number(r, way->work, 2);
+            bb_paper_number(r, (double)way->differ, 0);
+            bb_paper_text(r, alpha >= 0 && w % SEARCHES == 1 ? paper[alpha] : "");
         }
 }
 

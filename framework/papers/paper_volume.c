@@ -116,17 +116,17 @@ static void add_phases(const measured *m, bb_reproduction *r)
                                           "codes",       "boxes",    "sort", "link",
                                           "vote, share", "ns/voxel", NULL};
     static const char *const phases[] = {"vote", "compact", "codes", "boxes", "sort", "link"};
-    bb_table(r, "Phases of the build, ms (figure 3)", columns);
+    bb_paper_table(r, "Phases of the build, ms (figure 3)", columns);
     for (uint32_t i = 0; i < m->count; i++) {
         const bb_contest_way *way = way_of(&m->results[i]);
         const double voxels = pow(m->sides[i], 3), build = bb_samples_median(&way->build);
-        bb_row(r);
-        bb_table_text(r, m->results[i].scene);
-        bb_table_number(r, build, 3);
+        bb_paper_row(r);
+        bb_paper_text(r, m->results[i].scene);
+        bb_paper_number(r, build, 3);
         for (size_t p = 0; p < sizeof phases / sizeof phases[0]; p++)
-            bb_table_number(r, phase_ms(way, phases[p]), 3);
-        bb_table_number(r, vote_share(way), 3);
-        bb_table_number(r, 1e6 * build / voxels, 3);
+            bb_paper_number(r, phase_ms(way, phases[p]), 3);
+        bb_paper_number(r, vote_share(way), 3);
+        bb_paper_number(r, 1e6 * build / voxels, 3);
     }
 }
 
@@ -136,18 +136,18 @@ static void add_frame(const bb_dvr_result *result, bb_reproduction *r)
         const bb_contest_way *way = &result->ways[w];
         const bb_estimate all = bb_contest_ratio(&result->ways[0], way, true);
         const bool tree = way->builder[0] != '\0';
-        bb_row(r);
-        bb_table_text(r, result->scene);
-        bb_table_text(r, tree ? way->search : "no tree");
-        bb_table_number(r, tree ? bb_samples_median(&way->build) : (double)NAN, 2);
-        bb_table_number(r, bb_samples_median(&way->answer), 2);
-        bb_table_number(r, tree ? frame_ms(way) : bb_samples_median(&way->answer), 2);
-        bb_table_number(r, bb_contest_ratio(&result->ways[0], way, false).value, 3);
-        bb_table_number(r, all.value, 3);
-        bb_table_number(r, all.low, 3);
-        bb_table_number(r, all.high, 3);
-        bb_table_number(r, way->work, 1);
-        bb_table_number(r, (double)way->differ, 0);
+        bb_paper_row(r);
+        bb_paper_text(r, result->scene);
+        bb_paper_text(r, tree ? way->search : "no tree");
+        bb_paper_number(r, tree ? bb_samples_median(&way->build) : (double)NAN, 2);
+        bb_paper_number(r, bb_samples_median(&way->answer), 2);
+        bb_paper_number(r, tree ? frame_ms(way) : bb_samples_median(&way->answer), 2);
+        bb_paper_number(r, bb_contest_ratio(&result->ways[0], way, false).value, 3);
+        bb_paper_number(r, all.value, 3);
+        bb_paper_number(r, all.low, 3);
+        bb_paper_number(r, all.high, 3);
+        bb_paper_number(r, way->work, 1);
+        bb_paper_number(r, (double)way->differ, 0);
     }
 }
 
@@ -156,10 +156,11 @@ static void add_frames(const measured *m, bb_reproduction *r)
     static const char *const columns[] = {"volume",  "kernel",  "build ms",     "picture ms",
                                           "both ms", "picture", "both",         "95 % from",
                                           "to",      "samples", "wrong pixels", NULL};
-    bb_table(r,
-             "Build and picture against a march without a tree, ratios (table 1, figure 4); the "
-             "last volume has nothing to skip",
-             columns);
+    bb_paper_table(
+        r,
+        "Build and picture against a march without a tree, ratios (table 1, figure 4); the "
+        "last volume has nothing to skip",
+        columns);
     for (uint32_t i = 0; i < m->count; i++)
         add_frame(&m->results[i], r);
     add_frame(&m->full, r);

@@ -175,12 +175,12 @@ double bb_figures_most(const bb_paper_figures *s);
 /* Texts are copied. None of these fails: if memory has run out, bb_reproduction_add() says so. */
 
 /* Begins a table; columns end with NULL. Behind the 32nd they are recorded, not printed. */
-void bb_table(bb_reproduction *r, const char *title, const char *const *columns);
+void bb_paper_table(bb_reproduction *r, const char *title, const char *const *columns);
 /* Begins a row of the last table, to which the following add a cell each, from the left. */
-void bb_row(bb_reproduction *r);
-void bb_table_text(bb_reproduction *r, const char *text);
+void bb_paper_row(bb_reproduction *r);
+void bb_paper_text(bb_reproduction *r, const char *text);
 /* Rounded to so many decimals; NAN becomes an empty cell. */
-void bb_table_number(bb_reproduction *r, double value, int decimals);
+void bb_paper_number(bb_reproduction *r, double value, int decimals);
 
 /* In rising order of what decides over several that are to hold together. */
 typedef enum bb_claim_verdict {

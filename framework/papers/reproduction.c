@@ -27,7 +27,7 @@ static void append(bb_reproduction *r, cJSON *array, cJSON *item)
     r->no_memory = true;
 }
 
-void bb_table(bb_reproduction *r, const char *title, const char *const *columns)
+void bb_paper_table(bb_reproduction *r, const char *title, const char *const *columns)
 {
     cJSON *table = cJSON_CreateObject();
     append(r, r->tables, table);
@@ -39,18 +39,18 @@ void bb_table(bb_reproduction *r, const char *title, const char *const *columns)
     r->row = NULL;
 }
 
-void bb_row(bb_reproduction *r)
+void bb_paper_row(bb_reproduction *r)
 {
     r->row = cJSON_CreateArray();
     append(r, r->rows, r->row);
 }
 
-void bb_table_text(bb_reproduction *r, const char *text)
+void bb_paper_text(bb_reproduction *r, const char *text)
 {
     append(r, r->row, cJSON_CreateString(text));
 }
 
-void bb_table_number(bb_reproduction *r, double value, int decimals)
+void bb_paper_number(bb_reproduction *r, double value, int decimals)
 {
     double scale = pow(10, decimals);
     append(r, r->row,
