@@ -45,7 +45,7 @@ static inline bb_rays *make_rays(const char *text, uint32_t count)
 static inline size_t make_hits(char *bytes, uint32_t count, bool with_checksum)
 {
     bb_hits_header header = {
-        .version = 2,
+        .version = BB_EXCHANGE_VERSION,
         .byte_order = 0x01020304,
         .header_bytes = 128,
         .hit_count = count,

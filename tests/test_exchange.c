@@ -34,7 +34,7 @@ static void the_file_is_what_the_header_says(void **state)
     memcpy(words, rays_bytes + 8, sizeof words);
     memcpy(counts, rays_bytes + 32, sizeof counts);
     memcpy(hashes, rays_bytes + 64, sizeof hashes);
-    const uint32_t expected_words[] = {2, 0x01020304, 1024, 0, 1, 0};
+    const uint32_t expected_words[] = {4, 0x01020304, 1024, 0, 1, 0};
     const uint64_t expected_counts[] = {RAYS, scene->vertex_count, 2, 2};
     assert_memory_equal(rays_bytes, "BVHBRAYS", 8);
     assert_memory_equal(words, expected_words, sizeof words);

@@ -325,7 +325,7 @@ static void forged_labels_are_refused(void **state)
     changed.version = 1;
     forge("h.rays", "f.rays", &changed, 0);
     refuses("", "judge --scene sphere-mesh:n=8 --rays-file f.rays --hits f.hits",
-            "f.rays is of version 1, this program reads 2 and 3: make rays and hits anew");
+            "f.rays is of version 1, this program reads 4: make rays and hits anew");
 }
 
 /* They are judged under a name of their own, and record and report say what they are. */

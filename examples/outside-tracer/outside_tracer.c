@@ -56,6 +56,9 @@ static bool read_header(FILE *file, const char *path, bb_rays_header *h)
     if (h->header_bytes != sizeof *h || h->interval != BB_EXCHANGE_OPEN ||
         (h->query != BB_EXCHANGE_CLOSEST && h->query != BB_EXCHANGE_ANY))
         return complain(path, "of a kind that this tracer does not know");
+    for (int k = 0; k < BB_EXCHANGE_MORE_KINDS; k++)
+        if (h->more_counts[k] > 0)
+            return complain(path, "of primitives that this tracer does not know");
     const uint64_t most = UINT32_MAX;
     if (h->ray_count > most || h->vertex_count > most || h->triangle_count > most ||
         h->sphere_count > most)

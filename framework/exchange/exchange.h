@@ -10,17 +10,16 @@
  *               float    vertices[vertex_count][3]
  *               uint32_t indices[triangle_count][3]   into vertices
  *               float    spheres[sphere_count][4]     centre, radius
- *               float    boxes[more_counts[0]][6]     lower corner, upper corner; version 3 only
+ *               float    boxes[more_counts[0]][6]     lower corner, upper corner
  *   hits file   bb_hits_header
  *               bb_hit   hits[hit_count]              t, primitive: 8 bytes each, hits[i] of
  *                        rays[i]
  *
  * Primitives are numbered consecutively: the triangles first, then the spheres, then the boxes, of
- * which rays hit the surface. Scenes with other kinds than triangles and spheres make files of
- * version 3, all others of version 2. t is in units of |d|, which need not be 1. Hits count in the
- * open interval tmin < t < tmax; tmax may be +inf. Triangles have two sides; a ray that starts in a
+ * which rays hit the surface. t is in units of |d|, which need not be 1. Hits count in the open
+ * interval tmin < t < tmax; tmax may be +inf. Triangles have two sides; a ray that starts in a
  * sphere or a box hits its far side. There are no defaults: a tracer that cannot do what a header
- * asks for (another version, another interval) must say so and stop.
+ * asks for (another version, another interval, boxes) must say so and stop.
  *
  *   closest hit   the nearest hit, and which primitive that is
  *   any hit       some hit; BB_UNNAMED for the primitive says "one of them"; t is ignored
@@ -51,8 +50,7 @@
 #define BB_HITS_MAGIC "BVHBHITS"
 
 enum {
-    BB_EXCHANGE_VERSION = 2,
-    BB_EXCHANGE_VERSION_MORE = 3, /* of rays files with other kinds than triangles and spheres */
+    BB_EXCHANGE_VERSION = 4,
     BB_EXCHANGE_MORE_KINDS = 6,
     BB_EXCHANGE_ORDER = 0x01020304, /* what a reader of the wrong byte order sees as 0x04030201 */
     BB_EXCHANGE_CLOSEST = 0,
@@ -85,13 +83,12 @@ typedef struct bb_rays_header {
     uint32_t primary_width; /* of the primary rays: these rays, or those at whose hits they start */
     uint32_t primary_height;
     uint32_t max_rays;
-    uint32_t reserved; /* 0 */
-    char scene[256];   /* as given to `bvhbench rays` */
-    char rays[128];    /* the workload, with its parameters */
-    char view[48];     /* "": made over all views, or without one */
-    char generator
-        [424]; /* version and command line of the program that wrote the file; 472 in version 2 */
-    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* version 3: of boxes; 0 for kinds to come */
+    uint32_t reserved;   /* 0 */
+    char scene[256];     /* as given to `bvhbench rays` */
+    char rays[128];      /* the workload, with its parameters */
+    char view[48];       /* "": made over all views, or without one */
+    char generator[424]; /* version and command line of the program that wrote the file */
+    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* of boxes; 0 for kinds to come */
 } bb_rays_header;
 
 /* 128 bytes. */

@@ -32,21 +32,11 @@ static const char rays_file[] = "rays file", hits_file[] = "hits file";
 enum { MORE = BB_SPHERE + 1, MORE_COUNT = BB_KIND_COUNT - MORE };
 BB_STATIC_ASSERT((int)MORE_COUNT <= (int)BB_EXCHANGE_MORE_KINDS, "room for all kinds");
 
-enum { GENERATOR = offsetof(bb_rays_header, generator) };
-
-/* In version 2 the text goes on where version 3 has further counts. */
-static size_t generator_bytes(const bb_rays_header *header)
-{
-    return header->version == BB_EXCHANGE_VERSION_MORE ? sizeof header->generator
-                                                       : sizeof *header - GENERATOR;
-}
-
 static void fill_header(const bb_scene *scene, const bb_rays *rays, const char *generator,
                         bb_rays_header *header)
 {
-    bool plain = (scene->kinds & ~(uint32_t)(BB_TRIANGLES | BB_SPHERES)) == 0;
     *header = (bb_rays_header){
-        .version = plain ? BB_EXCHANGE_VERSION : BB_EXCHANGE_VERSION_MORE,
+        .version = BB_EXCHANGE_VERSION,
         .byte_order = BB_EXCHANGE_ORDER,
         .header_bytes = sizeof *header,
         .query = rays->query->exchange,
@@ -65,13 +55,13 @@ static void fill_header(const bb_scene *scene, const bb_rays *rays, const char *
         .primary_height = rays->primary_height,
         .max_rays = rays->max_rays,
     };
-    for (int more = 0; more < MORE_COUNT && !plain; more++)
+    for (int more = 0; more < MORE_COUNT; more++)
         header->more_counts[more] = scene->prims[MORE + more].count;
     memcpy(header->magic, BB_RAYS_MAGIC, sizeof header->magic);
     memcpy(header->scene, scene->name, strnlen(scene->name, sizeof header->scene - 1));
     memcpy(header->rays, rays->name, strnlen(rays->name, sizeof header->rays - 1));
     memcpy(header->view, rays->view, strnlen(rays->view, sizeof header->view - 1));
-    memcpy((char *)header + GENERATOR, generator, strnlen(generator, generator_bytes(header) - 1));
+    memcpy(header->generator, generator, strnlen(generator, sizeof header->generator - 1));
 }
 
 bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const bb_rays *rays,
@@ -116,13 +106,10 @@ static const bb_query *query_of(const bb_rays_header *header)
     return NULL;
 }
 
-/* Adds the bytes of the kinds that only version 3 has. */
+/* Adds the bytes of the kinds that more_counts counts. */
 static bb_status check_more_counts(const bb_intake *in, const bb_rays_header *header,
                                    uint64_t *bytes)
 {
-    bool more = false;
-    if (header->version != BB_EXCHANGE_VERSION_MORE)
-        return BB_OK;
     for (int k = 0; k < BB_EXCHANGE_MORE_KINDS; k++) {
         BB_TRY(bb_intake_check_count(in, "more_counts", header->more_counts[k]));
         if (header->more_counts[k] > 0 && k >= MORE_COUNT)
@@ -130,15 +117,9 @@ static bb_status check_more_counts(const bb_intake *in, const bb_rays_header *he
                            "rays file %s: more_counts[%d] is %" PRIu64
                            ", a kind of primitive that this program does not know",
                            in->input.path, k, header->more_counts[k]);
-        more = more || header->more_counts[k] > 0;
         if (k < MORE_COUNT)
             *bytes += header->more_counts[k] * bb_prim_bytes((uint32_t)(MORE + k));
     }
-    if (!more)
-        return bb_fail(BB_INVALID,
-                       "rays file %s: of version %" PRIu32
-                       ", so more_counts must have one that is not 0",
-                       in->input.path, header->version);
     return BB_OK;
 }
 
@@ -175,8 +156,7 @@ static bb_status check_rays_header(const bb_intake *in, const bb_rays_header *he
     BB_TRY(bb_intake_check_text(in, "scene", header->scene, sizeof header->scene));
     BB_TRY(bb_intake_check_text(in, "rays", header->rays, sizeof header->rays));
     BB_TRY(bb_intake_check_text(in, "view", header->view, sizeof header->view));
-    BB_TRY(bb_intake_check_text(in, "generator", (const char *)header + GENERATOR,
-                                generator_bytes(header)));
+    BB_TRY(bb_intake_check_text(in, "generator", header->generator, sizeof header->generator));
     /* below 2^31 rays, primitives and so on: no sum of them overflows */
     uint64_t bytes = sizeof *header + header->ray_count * sizeof(bb_ray) +
                      header->vertex_count * 3 * sizeof(float) +
@@ -190,8 +170,7 @@ static bool same_more_counts(const bb_rays_header *header, const bb_scene *scene
 {
     bool same = true;
     for (int k = 0; k < MORE_COUNT; k++)
-        same = same && (header->version == BB_EXCHANGE_VERSION_MORE ? header->more_counts[k] : 0) ==
-                           scene->prims[MORE + k].count;
+        same = same && header->more_counts[k] == scene->prims[MORE + k].count;
     return same;
 }
 

@@ -60,12 +60,11 @@ bb_status bb_intake_header(bb_intake *in, const char *magic, void *header, size_
         return bb_fail(BB_INVALID,
                        "%s %s has byte order %08" PRIx32 ", not %08x: write it little-endian", what,
                        path, p.byte_order, (unsigned)BB_EXCHANGE_ORDER);
-    bool is_rays = memcmp(magic, BB_RAYS_MAGIC, sizeof p.magic) == 0;
-    if (p.version != BB_EXCHANGE_VERSION && !(is_rays && p.version == BB_EXCHANGE_VERSION_MORE))
+    if (p.version != BB_EXCHANGE_VERSION)
         return bb_fail(BB_INVALID,
-                       "%s %s is of version %" PRIu32 ", this program reads %s: make rays and hits "
+                       "%s %s is of version %" PRIu32 ", this program reads %d: make rays and hits "
                        "anew, the rays by `bvhbench rays`",
-                       what, path, p.version, is_rays ? "2 and 3" : "2");
+                       what, path, p.version, BB_EXCHANGE_VERSION);
     if (p.header_bytes != size)
         return bb_fail(BB_INVALID, "%s %s has a header of %" PRIu32 " bytes, not of %zu", what,
                        path, p.header_bytes, size);

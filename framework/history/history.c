@@ -3,7 +3,6 @@
 #include "framework/history/history_private.h"
 #include "framework/history/schema.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -92,44 +91,45 @@ static bb_status ask(bb_history *history, const char *sql, int64_t *value)
 /* ---- opening ---- */
 
 /* Empty, or one of ours; nobody else's database is touched. */
-static bb_status check_owner(bb_history *history, int64_t *version)
+static bb_status check_owner(bb_history *history, bool *empty)
 {
-    int64_t application, tables;
+    int64_t application, version, tables;
     BB_TRY(ask(history, "PRAGMA application_id", &application));
-    BB_TRY(ask(history, "PRAGMA user_version", version));
+    BB_TRY(ask(history, "PRAGMA user_version", &version));
     BB_TRY(ask(history, "SELECT count(*) FROM sqlite_master", &tables));
-    bool empty = application == 0 && *version == 0 && tables == 0;
-    if (!empty && application != BB_HISTORY_APPLICATION)
+    *empty = application == 0 && version == 0 && tables == 0;
+    if (*empty)
+        return BB_OK;
+    if (application != BB_HISTORY_APPLICATION)
         return bb_fail(BB_INVALID, "history %s is another program's database: name another file",
                        history->path);
-    if (*version < 0 || *version > BB_HISTORY_VERSION)
+    if (version != BB_HISTORY_VERSION)
         return bb_fail(BB_INVALID,
-                       "history %s is of version %lld, this program knows those up to %d: use a "
-                       "newer bvhbench",
-                       history->path, (long long)*version, BB_HISTORY_VERSION);
+                       "history %s is of version %lld, this program reads %d: name another file",
+                       history->path, (long long)version, BB_HISTORY_VERSION);
     return BB_OK;
 }
 
-/* From whatever version to the present one. Another process may have done it meanwhile: the version
- * is read again, behind the lock. */
-static bb_status migrate(bb_history *history)
+/* Makes the tables in an empty file. Another process may have done it meanwhile: the file is looked
+ * at again, behind the lock. */
+static bb_status make_tables(bb_history *history)
 {
     char sql[128];
-    int64_t version;
+    bool empty;
     /* in one transaction, or another process might make the file meanwhile */
     BB_TRY(bb_history_exec(history, "BEGIN", "read it"));
-    bb_status seen = check_owner(history, &version);
+    bb_status seen = check_owner(history, &empty);
     (void)sqlite3_exec(history->db, "COMMIT", NULL, NULL, NULL);
-    if (seen != BB_OK || version == BB_HISTORY_VERSION)
+    if (seen != BB_OK || !empty)
         return seen;
     BB_TRY(bb_history_exec(history, "BEGIN IMMEDIATE", "write it"));
-    bb_status status = check_owner(history, &version);
-    for (; status == BB_OK && version < BB_HISTORY_VERSION; version++)
-        status = bb_history_exec(history, bb_history_steps[version], "bring it forward");
+    bb_status status = check_owner(history, &empty);
+    if (status == BB_OK && empty)
+        status = bb_history_exec(history, bb_history_tables, "make its tables");
     snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d; COMMIT",
              BB_HISTORY_APPLICATION, BB_HISTORY_VERSION);
     if (status == BB_OK)
-        status = bb_history_exec(history, sql, "bring it forward");
+        status = bb_history_exec(history, sql, "make its tables");
     if (status != BB_OK)
         (void)sqlite3_exec(history->db, "ROLLBACK", NULL, NULL, NULL);
     return status;
@@ -165,7 +165,7 @@ bb_status bb_history_open(const char *path, bool create, bb_history **out)
             bb_history_exec(history, "PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON", "open it");
     }
     if (status == BB_OK)
-        status = migrate(history);
+        status = make_tables(history);
     if (status == BB_OK && create)
         status = try_write(history);
     if (status != BB_OK) {
@@ -191,7 +191,7 @@ static bb_status append_run(bb_history *history, const bb_results *results, cons
                             int64_t *run)
 {
     const bb_origin *o = &set->origin;
-    const cJSON *context = bb_results_section(results, "context");
+    const bb_entry *context = bb_results_context(results);
     sqlite3_stmt *statement = NULL;
     BB_TRY(bb_history_prepare(history,
                               "INSERT INTO runs(date, revision, version, host, cpu, device, driver,"

@@ -1,11 +1,10 @@
 #include "framework/history/schema.h"
 
-const char *const bb_history_steps[BB_HISTORY_VERSION] = {
-    /* 1 */
+const char bb_history_tables[] =
     "CREATE TABLE runs(id INTEGER PRIMARY KEY, date TEXT NOT NULL, revision TEXT NOT NULL,"
     " version TEXT, host TEXT NOT NULL, cpu TEXT NOT NULL, device TEXT NOT NULL,"
     " driver TEXT NOT NULL, opencl TEXT, embree TEXT, build_flags TEXT, kernels TEXT, seed TEXT,"
-    " command TEXT, interrupted INTEGER NOT NULL DEFAULT 0);"
+    " command TEXT, interrupted INTEGER NOT NULL, shard TEXT NOT NULL, device_type TEXT NOT NULL);"
     "CREATE INDEX runs_revision ON runs(revision);"
     "CREATE TABLE cells(id INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE);"
     "CREATE TABLE measurements(id INTEGER PRIMARY KEY,"
@@ -16,12 +15,7 @@ const char *const bb_history_steps[BB_HISTORY_VERSION] = {
     "CREATE INDEX measurements_cell ON measurements(cell);"
     "CREATE TABLE figures(measurement INTEGER NOT NULL REFERENCES measurements(id)"
     " ON DELETE CASCADE, name TEXT NOT NULL, value REAL NOT NULL,"
-    " PRIMARY KEY(measurement, name)) WITHOUT ROWID;",
-    /* 2 */
-    "ALTER TABLE runs ADD COLUMN shard TEXT NOT NULL DEFAULT '';"
+    " PRIMARY KEY(measurement, name)) WITHOUT ROWID;"
     "CREATE TABLE floors(id INTEGER PRIMARY KEY, date TEXT NOT NULL, revision TEXT NOT NULL,"
     " host TEXT NOT NULL, cpu TEXT NOT NULL, device TEXT NOT NULL, driver TEXT NOT NULL,"
-    " share REAL NOT NULL, cells INTEGER NOT NULL);",
-    /* 3 */
-    "ALTER TABLE runs ADD COLUMN device_type TEXT NOT NULL DEFAULT '';",
-};
+    " share REAL NOT NULL, cells INTEGER NOT NULL);";

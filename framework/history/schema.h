@@ -1,13 +1,12 @@
-/* The tables of the history, by version. */
+/* The tables of the history. */
 #ifndef BB_HISTORY_SCHEMA_H
 #define BB_HISTORY_SCHEMA_H
 
 enum {
-    BB_HISTORY_VERSION = 3,
+    BB_HISTORY_VERSION = 4,
     BB_HISTORY_APPLICATION = 0x42564842, /* "BVHB" */
 };
 
-/* bb_history_steps[v] makes version v + 1 of version v; version 0 is an empty file. */
-extern const char *const bb_history_steps[BB_HISTORY_VERSION];
+extern const char bb_history_tables[]; /* SQL that makes them in an empty file */
 
 #endif
