@@ -2,7 +2,7 @@
 #ifndef BB_TEST_DOCUMENT_FIXTURE_H
 #define BB_TEST_DOCUMENT_FIXTURE_H
 
-#include "framework/record/record.h"
+#include "framework/record/record_private.h"
 #include "tests/fixture.h"
 
 #include <cjson/cJSON.h>
@@ -25,12 +25,17 @@ static inline document empty_document(void)
     d.scenes = cJSON_AddArrayToObject(d.root, "scenes");
     d.builds = cJSON_AddArrayToObject(d.root, "builds");
     d.traces = cJSON_AddArrayToObject(d.root, "traces");
+    cJSON_AddArrayToObject(d.root, "skipped");
+    cJSON_AddArrayToObject(d.root, "pictures");
+    cJSON_AddObjectToObject(d.root, "steps_ms");
     return d;
 }
 
-/* The document is freed. */
+/* Traces get keys. The document is freed. */
 static inline bb_results *read_back(document *d)
 {
+    cJSON *trace;
+    cJSON_ArrayForEach(trace, d->traces) assert_true(bb_put_missing_key(trace));
     const char *folder = getenv("BVHBENCH_TEST_DIR");
     char path[600];
     bb_results *results = NULL;

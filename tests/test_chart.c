@@ -3,6 +3,7 @@
  */
 #include "framework/base/file.h"
 #include "framework/chart/chart_script.h"
+#include "framework/record/record_private.h"
 #include "framework/report/report.h"
 #include "tests/fixture.h"
 #include "tests/report_sample.h"
@@ -443,7 +444,7 @@ static size_t file_size(const char *folder, const char *name, const char *magic)
     return size;
 }
 
-/* The document as a file of an earlier version, read again: keys of cells follow the names. */
+/* The document written and read again, with keys that follow the names. */
 static bb_results *named_anew(bb_results *results)
 {
     char path[600];
@@ -453,6 +454,7 @@ static bb_results *named_anew(bb_results *results)
     cJSON_ArrayForEach(trace, cJSON_GetObjectItem(bb_results_json(results), "traces"))
     {
         cJSON_DeleteItemFromObject(trace, "cell");
+        assert_true(bb_put_missing_key(trace));
     }
     assert_int_equal(bb_results_write(results, path), BB_OK);
     bb_results_destroy(results);

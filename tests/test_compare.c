@@ -252,7 +252,7 @@ static void cells_of_two_devices_do_not_meet(void **state)
         {{"GPU", "GPU"}, {"a card", "a card"}, true},
         {{"GPU", "GPU"}, {"a card", "another"}, false},
         {{"CPU", "GPU"}, {"a processor", "a card"}, false},
-        {{"", "CPU"}, {"a processor", "a processor"}, true}, /* of an earlier version */
+        {{"", "CPU"}, {"a processor", "a processor"}, true}, /* not recorded */
         {{"", "CPU"}, {"a card", "a processor"}, false},
         {{"", ""}, {"a card", "a processor"}, false},
     };

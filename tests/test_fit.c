@@ -205,11 +205,12 @@ static cJSON *add_trace(document *d, int id, const char *scene, const char *buil
     cJSON_AddBoolToObject(trace, "counts_for_exit", 1);
     cJSON_AddNumberToObject(trace, "node_tests_per_ray", (work - 1) / 0.6);
     cJSON_AddNumberToObject(trace, "prim_tests_per_ray", 1);
+    cJSON_AddNumberToObject(trace, "work_per_ray", work);
     return trace;
 }
 
 /* Each builder on each scene, by two kernels on two kinds of rays: `primary` of alpha 0.3,
- * `diffuse` of 0.8; the work is in proportion to the time. Without `epo` as earlier versions had
+ * `diffuse` of 0.8; the work is in proportion to the time. Without `epo` nobody measured
  * it. */
 static document make_document(int scenes, bool epo)
 {
@@ -352,7 +353,7 @@ static void it_is_recorded_once(void **state)
     bb_results *results = read_back(&d), *more = read_back(&e);
     ASSERT_OK(bb_predictions_record(results));
     ASSERT_OK(bb_predictions_record(results));
-    const cJSON *list = bb_results_section(results, "predictions");
+    const cJSON *list = bb_results_section(results, BB_PREDICTIONS);
     assert_int_equal(cJSON_GetArraySize(list), 2);
     assert_close(bb_json_number(list->child, "alpha"), 0.3, 1e-5);
     char *text = bb_results_print(results, true);
@@ -361,9 +362,9 @@ static void it_is_recorded_once(void **state)
     cJSON_free(text);
     bb_results *read = read_back(&again); /* its types are checked */
     ASSERT_OK(bb_results_merge(read, more));
-    assert_null(bb_results_section(read, "predictions"));
+    assert_null(bb_results_section(read, BB_PREDICTIONS));
     ASSERT_OK(bb_predictions_record(read));
-    list = bb_results_section(read, "predictions");
+    list = bb_results_section(read, BB_PREDICTIONS);
     assert_int_equal(bb_json_number(list->child, "groups"), 12); /* of two runs */
     bb_results_destroy(read);
     bb_results_destroy(results);

@@ -380,50 +380,6 @@ static void an_unwritable_folder_is_named(void **state)
     bb_results_destroy(results);
 }
 
-/* Earlier versions wrote bootstrap intervals, of one round even: what is read has what its samples
- * give. A speed that was only given keeps what stands beside it. */
-static void intervals_of_older_files_are_drawn_anew(void **state)
-{
-    (void)state;
-    const char *path = results_path("bootstrapped");
-    bb_results *results = sample_results(NULL), *read = NULL, *fresh = sample_results(NULL);
-    static const char *const sections[] = {"builds", "traces"}, *const names[] = {"build_ms",
-                                                                                  "mrays_s"};
-    for (int i = 0; i < 2; i++) {
-        cJSON *row;
-        cJSON_ArrayForEach(row, section(results, sections[i]))
-        {
-            char label[64];
-            for (int k = 0; k < 4; k++) {
-                snprintf(label, sizeof label, "%s_%s", names[i], spread_names[k]);
-                cJSON_DeleteItemFromObjectCaseSensitive(row, label);
-                if (k < 2)
-                    cJSON_AddNumberToObject(row, label, 1.5);
-            }
-        }
-    }
-    cJSON *given = section(results, "traces")->child;
-    cJSON_ReplaceItemInObject(given, "ms", cJSON_CreateNull());
-    assert_int_equal(bb_results_write(results, path), BB_OK);
-    assert_int_equal(bb_results_read(path, &read), BB_OK);
-    assert_true(member(section(read, "traces")->child, "mrays_s_lo")->valuedouble == 1.5);
-    for (int i = 0; i < 2; i++) {
-        const cJSON *row = section(read, sections[i])->child,
-                    *other = section(fresh, sections[i])->child;
-        for (; row != NULL; row = row->next, other = other->next) {
-            if (!cJSON_IsArray(member(row, i == 0 ? "build_ms" : "ms")))
-                continue;
-            double ends[4], expected[4];
-            spread_of(row, names[i], ends);
-            spread_of(other, names[i], expected);
-            assert_memory_equal(ends, expected, sizeof ends);
-        }
-    }
-    bb_results_destroy(fresh);
-    bb_results_destroy(read);
-    bb_results_destroy(results);
-}
-
 /* Each figure of the file is that of its own member: all are different here. */
 static void fields_are_of_their_members(void **state)
 {
@@ -612,7 +568,6 @@ int main(void)
         cmocka_unit_test(numbers_come_back_exactly),
         cmocka_unit_test(a_failed_write_leaves_the_old_file),
         cmocka_unit_test(an_unwritable_folder_is_named),
-        cmocka_unit_test(intervals_of_older_files_are_drawn_anew),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

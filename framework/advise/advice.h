@@ -60,7 +60,7 @@ typedef struct bb_saving {
 
 typedef struct bb_advice {
     const bb_advise_request *request;
-    const cJSON *scene; /* its entry, in the first document of the whole scene; NULL: none yet */
+    const bb_entry *scene; /* its entry, in the first document of the whole scene; NULL: none yet */
     bb_ground whole, sample; /* the same where there are few primitives */
     bb_entered scouts;       /* kernels and intersectors, on one builder's trees of the sample */
     bb_entered builders;     /* builders, by one kernel, on the sample */

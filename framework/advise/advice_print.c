@@ -337,7 +337,7 @@ static void calm(cJSON *item)
 
 bb_status bb_advice_print(const bb_results *results, FILE *out)
 {
-    const cJSON *advice = bb_results_section(results, "advice");
+    const cJSON *advice = bb_results_member(results, "advice");
     if (advice == NULL)
         return bb_fail(BB_FAILED, "advise: the document has no advice");
     cJSON *a = cJSON_Duplicate(advice, true);

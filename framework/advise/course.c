@@ -13,7 +13,6 @@
 #include "framework/base/progress.h"
 #include "framework/builder/instance.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,7 +54,7 @@ static bb_status add_document(course *c, bb_results **out)
 static void note_scene(course *c, const bb_results *document)
 {
     if (c->advice.scene == NULL)
-        c->advice.scene = cJSON_GetArrayItem(bb_results_section(document, "scenes"), 0);
+        c->advice.scene = bb_first(bb_results_section(document, BB_SCENES));
 }
 
 static void note_held(course *c, const bb_bench_outcome *outcome)
@@ -67,7 +66,7 @@ static void note_held(course *c, const bb_bench_outcome *outcome)
 static bb_status keep_document(course *c, const bb_results *document,
                                const bb_bench_outcome *outcome)
 {
-    if (bb_results_section(document, "builds")->child == NULL)
+    if (bb_first(bb_results_section(document, BB_BUILDS)) == NULL)
         return BB_OK;
     c->outcome->times = outcome->times;
     return bb_results_merge(c->results, document);

@@ -3,21 +3,14 @@
 
 #include "traversal/traversal.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const cJSON *decision(const cJSON *entry, const char *what)
+double bb_decided_number(const bb_entry *entry, const char *what)
 {
-    const cJSON *all = cJSON_GetObjectItemCaseSensitive(entry, "decisions");
-    return cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(all, what), "value");
-}
-
-double bb_decided_number(const cJSON *entry, const char *what)
-{
-    const cJSON *value = decision(entry, what);
-    return cJSON_IsNumber(value) ? value->valuedouble : 0;
+    const double number = bb_get_decided(entry, what);
+    return isfinite(number) ? number : 0;
 }
 
 uint32_t bb_kinds_in(const char *words)
@@ -28,15 +21,14 @@ uint32_t bb_kinds_in(const char *words)
     return count;
 }
 
-static bool is_text(const cJSON *entry, bb_field_id field, const char *text)
+static bool is_text(const bb_entry *entry, bb_field_id field, const char *text)
 {
     return strcmp(bb_get_text(entry, field), text) == 0;
 }
 
-static const cJSON *find_build(const bb_image *image, const bb_contender *c)
+static const bb_entry *find_build(const bb_image *image, const bb_contender *c)
 {
-    const cJSON *build;
-    cJSON_ArrayForEach(build, bb_results_section(image->results, "builds"))
+    bb_each(build, bb_results_section(image->results, BB_BUILDS))
     {
         if (bb_get_number(build, BB_F_BUILD_ID) >= image->first_build &&
             is_text(build, BB_F_BUILD_SCENE, image->scene) &&
@@ -46,7 +38,7 @@ static const cJSON *find_build(const bb_image *image, const bb_contender *c)
     return NULL;
 }
 
-static bool is_trace_of(const cJSON *trace, const cJSON *build, const bb_contender *c)
+static bool is_trace_of(const bb_entry *trace, const bb_entry *build, const bb_contender *c)
 {
     return bb_get_number(trace, BB_F_TRACE_BUILD) == bb_get_number(build, BB_F_BUILD_ID) &&
            is_text(trace, BB_F_TRACE_KERNEL, c->kernel) &&
@@ -54,14 +46,13 @@ static bool is_trace_of(const cJSON *trace, const cJSON *build, const bb_contend
 }
 
 /* Ray sets of the same kind as this trace's, and whether it is the first of them. */
-static uint32_t sets_of_kind(const bb_image *image, const cJSON *build, const bb_contender *c,
-                             const cJSON *of, bool *first)
+static uint32_t sets_of_kind(const bb_image *image, const bb_entry *build, const bb_contender *c,
+                             const bb_entry *of, bool *first)
 {
     const char *rays = bb_get_text(of, BB_F_TRACE_RAYS);
-    const cJSON *trace;
     uint32_t count = 0;
     *first = false;
-    cJSON_ArrayForEach(trace, bb_results_section(image->results, "traces"))
+    bb_each(trace, bb_results_section(image->results, BB_TRACES))
     {
         if (!is_trace_of(trace, build, c) || !is_text(trace, BB_F_TRACE_RAYS, rays))
             continue;
@@ -72,7 +63,7 @@ static uint32_t sets_of_kind(const bb_image *image, const cJSON *build, const bb
 }
 
 /* Adds the samples of a trace, as if it were `rays` rays. False if their rounds do not match. */
-static bool add_trace(const cJSON *trace, double rays, bb_tried_figures *f)
+static bool add_trace(const bb_entry *trace, double rays, bb_tried_figures *f)
 {
     bb_samples ms;
     double factor = rays / bb_get_number(trace, BB_F_TRACE_COUNT);
@@ -94,16 +85,15 @@ static bool add_trace(const cJSON *trace, double rays, bb_tried_figures *f)
     return true;
 }
 
-static void say(bb_tried_figures *f, const char *what, const cJSON *entry, bb_field_id reason)
+static void say(bb_tried_figures *f, const char *what, const bb_entry *entry, bb_field_id reason)
 {
     snprintf(f->reason, sizeof f->reason, "%s: %s", what, bb_get_text(entry, reason));
 }
 
-static uint32_t count_kinds(const bb_image *image, const cJSON *build, const bb_contender *c)
+static uint32_t count_kinds(const bb_image *image, const bb_entry *build, const bb_contender *c)
 {
-    const cJSON *trace;
     uint32_t kinds = 0;
-    cJSON_ArrayForEach(trace, bb_results_section(image->results, "traces"))
+    bb_each(trace, bb_results_section(image->results, BB_TRACES))
     {
         bool first;
         if (!is_trace_of(trace, build, c))
@@ -114,12 +104,11 @@ static uint32_t count_kinds(const bb_image *image, const cJSON *build, const bb_
     return kinds;
 }
 
-static bool read_traces(const bb_image *image, const cJSON *build, const bb_contender *c,
+static bool read_traces(const bb_image *image, const bb_entry *build, const bb_contender *c,
                         bb_tried_figures *f)
 {
     const uint32_t kinds = count_kinds(image, build, c);
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, bb_results_section(image->results, "traces"))
+    bb_each(trace, bb_results_section(image->results, BB_TRACES))
     {
         bool first;
         if (!is_trace_of(trace, build, c))
@@ -159,7 +148,6 @@ static uint32_t width_of(const char *kernel)
 
 static void read_extent(const bb_image *image, const bb_contender *c, bb_tried_figures *f)
 {
-    const cJSON *kinds = decision(f->trace, BB_DECIDED_KINDS);
     f->bytes_tree = image->factor * bb_get_number(f->build, BB_F_TREE_BYTES);
     f->bytes_build = image->factor * bb_get_number(f->build, BB_F_TREE_BYTES_PEAK);
     f->bytes_layout = image->factor * bb_get_named(f->build, BB_F_BUILD_LAYOUTS_BYTES,
@@ -168,7 +156,7 @@ static void read_extent(const bb_image *image, const bb_contender *c, bb_tried_f
         .bytes = f->bytes_build + f->bytes_layout,
         .code_bits = (uint32_t)bb_decided_number(f->build, BB_DECIDED_CODE_BITS),
         .stack = (uint32_t)bb_decided_number(f->trace, BB_DECIDED_STACK),
-        .kinds = cJSON_IsString(kinds) ? bb_kinds_in(kinds->valuestring) : 0,
+        .kinds = bb_kinds_in(bb_get_decision(f->trace, BB_DECIDED_KINDS)),
         .width = width_of(c->kernel),
         .doubt = bb_intersector_doubt(c->intersector),
         .ms = f->build_ms + f->layout_ms + f->trace_ms,

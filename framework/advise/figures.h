@@ -30,7 +30,7 @@ typedef struct bb_tried_figures {
     double bytes_tree;
     double rays; /* of one round, all sets together */
     bb_extent extent;
-    const cJSON *build, *trace; /* the first of its traces; in the results */
+    const bb_entry *build, *trace; /* the first of its traces; in the results */
 } bb_tried_figures;
 
 void bb_tried_read(const bb_image *image, const bb_contender *contender, bb_tried_figures *out);
@@ -39,6 +39,6 @@ void bb_tried_read(const bb_image *image, const bb_contender *contender, bb_trie
 uint32_t bb_kinds_in(const char *words);
 
 /* A decision of a build or trace as a number; 0 where there is none. */
-double bb_decided_number(const cJSON *entry, const char *what);
+double bb_decided_number(const bb_entry *entry, const char *what);
 
 #endif

@@ -3,7 +3,6 @@
 
 #include "framework/advise/turns.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,9 +52,8 @@ static double ms_of(const bb_advice *advice, const bb_entered *field, const bb_f
 
 static double step_ms(const bb_results *document, const char *name)
 {
-    const cJSON *steps = bb_results_section(document, "steps_ms");
-    const cJSON *step = cJSON_GetObjectItemCaseSensitive(steps, name);
-    return cJSON_IsNumber(step) ? step->valuedouble : 0;
+    const double ms = bb_results_ms(document, BB_STEPS, name);
+    return isfinite(ms) ? ms : 0;
 }
 
 /* ---- memory ---- */

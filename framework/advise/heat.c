@@ -5,7 +5,6 @@
 #include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -132,7 +131,7 @@ static void read_contender(const turn *t, const bb_image *image, uint32_t i, con
 /* `first`: number of the turn's first build in the document. */
 static void read_turn(const turn *t, const bb_results *results, uint32_t first)
 {
-    const cJSON *scene = cJSON_GetArrayItem(bb_results_section(results, "scenes"), 0);
+    const bb_entry *scene = bb_first(bb_results_section(results, BB_SCENES));
     const bb_image image = {results, bb_get_text(scene, BB_F_SCENE_NAME), first,
                             t->request->image_rays, t->heat->ground->factor};
     bb_tried_figures again = {.measured = false};

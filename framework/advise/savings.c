@@ -4,7 +4,6 @@
 #include "framework/base/interrupt.h"
 #include "traversal/traversal.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

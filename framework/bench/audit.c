@@ -55,7 +55,7 @@ void bb_audit_launches(bb_audit *audit, const char *what, uint64_t timed, uint64
 }
 
 /* Is this median, as printed, long enough for what the device saw? */
-static void audit_median(bb_audit *audit, const cJSON *entry, bb_field_id field)
+static void audit_median(bb_audit *audit, const bb_entry *entry, bb_field_id field)
 {
     bool is_build = bb_fields[field].part == BB_IN_BUILD;
     double shown = bb_get_number(entry, field);
@@ -73,8 +73,7 @@ static void audit_median(bb_audit *audit, const cJSON *entry, bb_field_id field)
  * out. */
 void bb_audit_rates(bb_audit *audit, bb_results *results)
 {
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
+    bb_each(trace, bb_results_section(results, BB_TRACES))
     {
         if (!bb_is_ok(trace))
             continue;
@@ -92,8 +91,7 @@ void bb_audit_rates(bb_audit *audit, bb_results *results)
                      bb_get_text(trace, BB_F_TRACE_RAYS), bb_get_text(trace, BB_F_TRACE_KERNEL),
                      shown, ms, shown * ms * 1e3, isfinite(judged) ? judged : 0);
     }
-    const cJSON *build;
-    cJSON_ArrayForEach(build, bb_results_section(results, "builds"))
+    bb_each(build, bb_results_section(results, BB_BUILDS))
     {
         if (bb_is_ok(build))
             audit_median(audit, build, BB_F_BUILD_MS_MEDIAN);

@@ -2,14 +2,13 @@
 #include "framework/chart/chart.h"
 #include "framework/record/record.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct entry {
-    const cJSON *trace, *build;
+    const bb_entry *trace, *build;
     uint32_t index;
     uint32_t group; /* index of the first entry of its scene and rays, then of its cell */
     double rays;    /* of the whole set */
@@ -115,7 +114,7 @@ static uint32_t group_size(const entry *entries, uint32_t count, uint32_t first)
 /* What the views share. */
 static bb_chart_cell first_cell(const entry *from)
 {
-    const cJSON *trace = from->trace, *build = from->build;
+    const bb_entry *trace = from->trace, *build = from->build;
     const char *layout = bb_get_text(trace, BB_F_TRACE_LAYOUT);
     bool reference = bb_get_true(trace, BB_F_TRACE_REFERENCE);
     bb_chart_cell cell = {
@@ -134,7 +133,7 @@ static bb_chart_cell first_cell(const entry *from)
 }
 
 /* Milliseconds for the trace's rays at the rate that the field gives; NAN if it gives none. */
-static double ms_at(const cJSON *trace, bb_field_id rate)
+static double ms_at(const bb_entry *trace, bb_field_id rate)
 {
     return bb_get_number(trace, BB_F_TRACE_COUNT) / bb_get_number(trace, rate) / 1e3;
 }
@@ -147,7 +146,7 @@ static bb_chart_cell make_cell(const entry *entries, uint32_t views)
     bb_chart_cell cell = first_cell(entries);
     double low_ms = 0, high_ms = 0, least_ms = 0, most_ms = 0, wrong = 0;
     for (uint32_t i = 0; i < views; i++) {
-        const cJSON *trace = entries[i].trace;
+        const bb_entry *trace = entries[i].trace;
         double count = bb_get_number(trace, BB_F_TRACE_COUNT),
                ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
         bool counts = bb_get_true(trace, BB_F_TRACE_COUNTS);
@@ -240,19 +239,18 @@ static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const ch
 
 static int by_id(const void *left, const void *right)
 {
-    const cJSON *const *a = left, *const *b = right;
+    const bb_entry *const *a = left, *const *b = right;
     return compare_numbers(bb_get_number(*a, BB_F_BUILD_ID), bb_get_number(*b, BB_F_BUILD_ID));
 }
 
 /* All builds by id; NULL if there is no memory. */
-static const cJSON **sorted_builds(const cJSON *builds, uint32_t *count)
+static const bb_entry **sorted_builds(const bb_section *builds, uint32_t *count)
 {
-    const cJSON **sorted = calloc((size_t)cJSON_GetArraySize(builds) + 1, sizeof *sorted);
-    const cJSON *build;
+    const bb_entry **sorted = calloc((size_t)bb_section_count(builds) + 1, sizeof *sorted);
     *count = 0;
     if (sorted == NULL)
         return NULL;
-    cJSON_ArrayForEach(build, builds)
+    bb_each(build, builds)
     {
         sorted[(*count)++] = build;
     }
@@ -260,7 +258,7 @@ static const cJSON **sorted_builds(const cJSON *builds, uint32_t *count)
     return sorted;
 }
 
-static const cJSON *find_build(const cJSON *const *sorted, uint32_t count, double id)
+static const bb_entry *find_build(const bb_entry *const *sorted, uint32_t count, double id)
 {
     uint32_t low = 0, high = count;
     while (low < high) {
@@ -274,14 +272,13 @@ static const cJSON *find_build(const cJSON *const *sorted, uint32_t count, doubl
 }
 
 /* The measured traces with their builds, in the order of the document; returns how many. */
-static uint32_t collect(const cJSON *traces, const cJSON *const *builds, uint32_t build_count,
-                        entry *entries)
+static uint32_t collect(const bb_section *traces, const bb_entry *const *builds,
+                        uint32_t build_count, entry *entries)
 {
     uint32_t count = 0, index = 0;
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, traces)
+    bb_each(trace, traces)
     {
-        const cJSON *build =
+        const bb_entry *build =
             find_build(builds, build_count, bb_get_number(trace, BB_F_TRACE_BUILD));
         bool measured = bb_is_ok(trace) && build != NULL &&
                         bb_get_number(trace, BB_F_TRACE_RATE) > 0 &&
@@ -309,10 +306,10 @@ static void size_sets(entry *entries, uint32_t count)
 
 bb_status bb_charts_make(bb_results *results, bb_charts *out)
 {
-    const cJSON *traces = bb_results_section(results, "traces");
-    size_t room = (size_t)cJSON_GetArraySize(traces) + 1;
+    const bb_section *traces = bb_results_section(results, BB_TRACES);
+    size_t room = (size_t)bb_section_count(traces) + 1;
     uint32_t build_count, count;
-    const cJSON **builds = sorted_builds(bb_results_section(results, "builds"), &build_count);
+    const bb_entry **builds = sorted_builds(bb_results_section(results, BB_BUILDS), &build_count);
     entry *entries = calloc(room, sizeof *entries);
     const char **views = calloc(room, sizeof *views);
     /* each cell at most once on its own and once with the other views; no set without a cell, or

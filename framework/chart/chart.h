@@ -10,8 +10,8 @@
 /* A cell (framework/record/cell.h), or those that differ in their view alone, rays and times added
  * up. NAN: not measured. */
 typedef struct bb_chart_cell {
-    const cJSON *trace, *build; /* the records; of several views the first one's trace */
-    uint32_t trace_index;       /* of `trace` in the document */
+    const bb_entry *trace, *build; /* the records; of several views the first one's trace */
+    uint32_t trace_index;          /* of `trace` in the document */
     uint32_t views;
     double count; /* rays traced */
     double rays;  /* rays of the set: brute force traces only the first of them */

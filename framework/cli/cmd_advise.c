@@ -186,7 +186,7 @@ static bb_status advise(void *user, bb_device *device, bb_results *results,
 /* After an interrupt before anything was measured. */
 static bool is_advised(const bb_results *results)
 {
-    const bool advised = bb_results_section(results, "advice") != NULL;
+    const bool advised = bb_results_member(results, "advice") != NULL;
     if (!advised && bb_interrupted())
         fprintf(stderr, "bvhbench: interrupted: there is no advice\n");
     return advised || !bb_interrupted();
@@ -194,7 +194,7 @@ static bool is_advised(const bb_results *results)
 
 static bb_status print_text(const bb_results *results, FILE *out)
 {
-    const cJSON *context = bb_results_section(results, "context");
+    const cJSON *context = bb_results_context(results);
     if (!is_advised(results))
         return BB_OK;
     fprintf(out, "%s\n", bb_get_text(context, BB_F_CONTEXT_DEVICE));
@@ -205,7 +205,7 @@ static bb_status print_json(const bb_results *results, FILE *out)
 {
     if (!is_advised(results))
         return BB_OK;
-    char *text = bb_json_print(bb_results_section(results, "advice"), true);
+    char *text = bb_json_print(bb_results_member(results, "advice"), true);
     if (text == NULL)
         return bb_fail(BB_FAILED, "advise: no memory");
     bool written = fprintf(out, "%s\n", text) > 0;

@@ -10,7 +10,6 @@
 #include "framework/report/report.h"
 #include "framework/summary/prediction.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,9 +30,9 @@ typedef struct part {
     bb_shard shard; /* count 0: a whole run */
 } part;
 
-static const cJSON *context_of(const bb_results *results)
+static const bb_entry *context_of(const bb_results *results)
 {
-    return bb_results_section(results, "context");
+    return bb_results_context(results);
 }
 
 static bb_status read_part(const char *argument, part *p)
@@ -100,9 +99,8 @@ static bb_status copy_pictures(const part *p, const char *folder)
     char path[PATH_MAX];
     BB_TRY(bb_input_path(p->argument, path));
     char *from = bb_file_folder(path);
-    const cJSON *picture;
     bb_status status = from != NULL ? BB_OK : bb_fail(BB_FAILED, "merge: no memory");
-    cJSON_ArrayForEach(picture, bb_results_section(p->results, "pictures"))
+    bb_each(picture, bb_results_section(p->results, BB_PICTURES))
     {
         const char *name = bb_get_text(picture, BB_F_PICTURE_PATH);
         char source[PATH_MAX], target[PATH_MAX], *data = NULL;

@@ -13,7 +13,6 @@
 #include "framework/report/report.h"
 #include "framework/summary/prediction.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -77,9 +76,8 @@ static bb_status set_totals(bb_results *results, bb_bench_outcome *outcome)
     const bb_bench_times *times = &outcome->times;
     bb_audit *audit = &outcome->audit;
     BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
-    const cJSON *all = cJSON_GetObjectItem(bb_results_json(results), "time_ms");
     bb_audit_total(audit, times->build_ms, times->trace_ms,
-                   cJSON_GetNumberValue(cJSON_GetObjectItem(all, "steps")), times->total_ms);
+                   bb_results_ms(results, BB_TIMES, "steps"), times->total_ms);
     bb_audit_rates(audit, results);
     return bb_results_add_audit(results, audit);
 }
@@ -206,8 +204,8 @@ static bb_status keep(bb_results *results, const char *folder, bb_status status)
     snprintf(reason, sizeof reason, "%s", bb_message());
     snprintf(json, sizeof json, "%s/results.json", folder);
     char kept[1200];
-    const cJSON *builds = cJSON_GetObjectItem(bb_results_json(results), "builds");
-    if (cJSON_GetArraySize(builds) == 0 || bb_results_set_interrupted(results) != BB_OK ||
+    if (bb_first(bb_results_section(results, BB_BUILDS)) == NULL ||
+        bb_results_set_interrupted(results) != BB_OK ||
         bb_keep_earlier(folder, kept, sizeof kept) != BB_OK ||
         bb_results_write(results, json) != BB_OK)
         return bb_fail(status, "%s", reason);
@@ -226,7 +224,7 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
         c->shard != NULL ? bb_results_set_shard(results, c->shard, c->shard_of) : BB_OK;
     if (status == BB_OK)
         status = c->compare(c->request, device, results, &outcome);
-    bool measured = bb_results_section(results, "builds")->child != NULL;
+    bool measured = bb_results_section(results, BB_BUILDS)->child != NULL;
     (void)bb_results_set_others(results, bb_bystanders_share(&watch));
     bb_compiling compiling;
     bb_programs_measure(device, &compiling);

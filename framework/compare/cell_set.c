@@ -61,7 +61,7 @@ static const bb_field_id of_traces[] = {
     BB_F_ACCURACY_FALSE,      BB_F_ACCURACY_WRONG_T,   BB_F_ACCURACY_UNWRITTEN,
     BB_F_ACCURACY_OVERFLOWED, BB_F_ACCURACY_T_ULP_MAX, BB_F_ACCURACY_CHECKED};
 
-static bb_status add_fields(bb_measured *cell, const cJSON *entry, const bb_field_id *fields,
+static bb_status add_fields(bb_measured *cell, const bb_entry *entry, const bb_field_id *fields,
                             size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -73,7 +73,7 @@ static bb_status add_fields(bb_measured *cell, const cJSON *entry, const bb_fiel
 }
 
 /* Of the tree as built, and of the layouts as traced. */
-static bb_status add_metrics(bb_measured *cell, const cJSON *build)
+static bb_status add_metrics(bb_measured *cell, const bb_entry *build)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         char name[BB_METRIC_FIELD], full[BB_FIGURE_NAME];
@@ -81,13 +81,14 @@ static bb_status add_metrics(bb_measured *cell, const cJSON *build)
         if (isfinite(value))
             BB_TRY(bb_measured_add_figure(cell, bb_metrics[i]->name, value));
         snprintf(name, sizeof name, "layouts_%s", bb_metrics[i]->name);
-        const cJSON *layout;
-        cJSON_ArrayForEach(layout, cJSON_GetObjectItemCaseSensitive(build, name))
+        if (!bb_metrics[i]->of_layouts)
+            continue;
+        bb_each_part(layout, build, BB_F_BUILD_LAYOUTS_SAH)
         {
-            if (!cJSON_IsNumber(layout) || !isfinite(layout->valuedouble))
+            if (!isfinite(bb_part_number(layout)))
                 continue;
-            snprintf(full, sizeof full, "%.40s %.60s", name, layout->string);
-            BB_TRY(bb_measured_add_figure(cell, full, layout->valuedouble));
+            snprintf(full, sizeof full, "%.40s %.60s", name, bb_part_name(layout));
+            BB_TRY(bb_measured_add_figure(cell, full, bb_part_number(layout)));
         }
     }
     return BB_OK;
@@ -98,17 +99,15 @@ static void copy(char *to, size_t capacity, const char *text)
     snprintf(to, capacity, "%s", text);
 }
 
-static bb_status add_entry(bb_cell_set *set, const bb_results *results, const cJSON *entry,
+static bb_status add_entry(bb_cell_set *set, const bb_results *results, const bb_entry *entry,
                            bool trace)
 {
     const char *key = bb_get_text(entry, trace ? BB_F_TRACE_CELL : BB_F_BUILD_CELL);
-    const cJSON *scene =
+    const bb_entry *scene =
         bb_results_scene(results, bb_get_text(entry, trace ? BB_F_TRACE_SCENE : BB_F_BUILD_SCENE));
     bb_measured *cell;
-    if (key[0] == '\0') {
-        set->unnamed++;
+    if (key[0] == '\0') /* another program's tree */
         return BB_OK;
-    }
     BB_TRY(bb_cell_set_add(set, key, &cell));
     cell->trace = trace;
     cell->reference = bb_get_true(entry, trace ? BB_F_TRACE_REFERENCE : BB_F_BUILD_REFERENCE);
@@ -127,8 +126,8 @@ static bb_status add_entry(bb_cell_set *set, const bb_results *results, const cJ
 
 static void read_origin(const bb_results *results, const char *what, bb_origin *origin)
 {
-    const cJSON *context = bb_results_section(results, "context");
-    const cJSON *seed = bb_get(context, BB_F_CONTEXT_SEED);
+    const bb_entry *context = bb_results_context(results);
+    const bb_entry *seed = bb_get(context, BB_F_CONTEXT_SEED);
     copy(origin->what, sizeof origin->what, what);
     copy(origin->date, sizeof origin->date, bb_get_text(context, BB_F_CONTEXT_DATE));
     copy(origin->revision, sizeof origin->revision, bb_get_text(context, BB_F_CONTEXT_REVISION));
@@ -139,7 +138,7 @@ static void read_origin(const bb_results *results, const char *what, bb_origin *
          bb_get_text(context, BB_F_CONTEXT_DEVICE_TYPE));
     copy(origin->driver, sizeof origin->driver, bb_get_text(context, BB_F_CONTEXT_DRIVER));
     copy(origin->embree, sizeof origin->embree,
-         bb_json_text(bb_get(context, BB_F_CONTEXT_EMBREE), "version"));
+         bb_get_named_text(context, BB_F_CONTEXT_EMBREE, "version"));
     copy(origin->shard, sizeof origin->shard, bb_get_text(context, BB_F_CONTEXT_SHARD));
     origin->interrupted = bb_get_true(context, BB_F_CONTEXT_INTERRUPTED);
     if (cJSON_IsNumber(seed))
@@ -150,15 +149,14 @@ static void read_origin(const bb_results *results, const char *what, bb_origin *
 
 bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set)
 {
-    const cJSON *entry;
     memset(set, 0, sizeof *set);
     read_origin(results, what, &set->origin);
-    cJSON_ArrayForEach(entry, bb_results_section(results, "builds"))
+    bb_each(entry, bb_results_section(results, BB_BUILDS))
     {
         if (!bb_get_true(entry, BB_F_BUILD_UNMEASURED))
             BB_TRY(add_entry(set, results, entry, false));
     }
-    cJSON_ArrayForEach(entry, bb_results_section(results, "traces"))
+    bb_each(entry, bb_results_section(results, BB_TRACES))
     {
         BB_TRY(add_entry(set, results, entry, true));
     }

@@ -32,7 +32,7 @@ typedef struct bb_origin {
     char what[256]; /* for messages: the file or revision */
     char date[32], revision[80], host[256], cpu[256], device[256], driver[128], embree[48],
         seed[24];
-    char device_type[16]; /* BB_DEVICE_CPU ...; "" in files of earlier versions */
+    char device_type[16]; /* BB_DEVICE_CPU ...; "": no device of ours */
     char shard[24];       /* "2/8"; "" for a whole run */
     bool interrupted;
 } bb_origin;
@@ -42,7 +42,6 @@ typedef struct bb_cell_set {
     bb_measured *cells; /* by key, once bb_cell_set_sort() was called */
     uint32_t count, capacity;
     uint32_t duplicates; /* cells left out, since one of that key is there already */
-    uint32_t unnamed;    /* builds left out that have no key: files of earlier versions */
 } bb_cell_set;
 
 /* All builds and traces of the document; `what` names it. Release with bb_cell_set_free(), also
@@ -63,7 +62,7 @@ void bb_cell_set_free(bb_cell_set *set);
 
 /* Whether cells of both may meet: the device is part of what a cell is. Processors count as one,
  * since trees, tests and answers are the same on all of them; another device is known by its name,
- * as is one of which an earlier version did not record what it is. */
+ * as is one that has no type. */
 bool bb_same_device(const bb_origin *a, const bb_origin *b);
 
 /* Whether times of both can be compared: the same processor, device and driver; *host: and host. */

@@ -19,7 +19,7 @@ static bool is_of(const bb_findings *f, const cJSON *entry, bb_field_id id, cons
 const cJSON *bb_found_build(const bb_findings *f, const char *scene, const char *builder)
 {
     const cJSON *build;
-    cJSON_ArrayForEach(build, bb_results_section(f->results, "builds"))
+    cJSON_ArrayForEach(build, bb_results_section(f->results, BB_BUILDS))
     {
         if (is_of(f, build, BB_F_BUILD_ID, scene, builder))
             return build;
@@ -92,7 +92,7 @@ static bool sum_up(const bb_findings *f, bb_selection cell, const bb_field_id *m
 {
     *s = (sum){0};
     const cJSON *trace;
-    cJSON_ArrayForEach(trace, bb_results_section(f->results, "traces"))
+    cJSON_ArrayForEach(trace, bb_results_section(f->results, BB_TRACES))
     {
         if (!is_of(f, trace, BB_F_TRACE_BUILD, cell.scene, cell.builder) ||
             strcmp(bb_get_text(trace, BB_F_TRACE_KERNEL), cell.kernel) != 0)

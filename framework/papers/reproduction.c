@@ -240,10 +240,10 @@ static void print_claim(const cJSON *claim, FILE *out)
 bb_status bb_reproduction_print(const bb_results *results, FILE *out)
 {
     const cJSON *item, *part;
-    const cJSON *context = bb_results_section(results, "context");
+    const cJSON *context = bb_results_context(results);
     const cJSON *load = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(context, "load"), 0);
     double units = bb_get_number(context, BB_F_CONTEXT_UNITS);
-    cJSON_ArrayForEach(item, bb_results_section(results, "reproductions"))
+    cJSON_ArrayForEach(item, bb_results_member(results, "reproductions"))
     {
         fprintf(out, "%s\nhere: bvhbench %s on %s", bb_get_text(item, BB_F_PAPER_TITLE),
                 bb_get_text(context, BB_F_CONTEXT_REVISION),

@@ -17,7 +17,7 @@
  * row, which traces by itself; all of the rays, and of a kernel, where only a build was measured.
  * Layout and query follow from kernel, intersector and rays. size, max-rays and seed always stand
  * with rays: they also decide how rays are batched. `rays-hash` names rays that cannot be made
- * again by name: from another program, or in a file of an earlier version.
+ * again by name, from another program.
  *
  * Canonical: parameters in the order in which they are declared, all that have a value spelled out,
  * defaults too, so that a key keeps its meaning when a default changes; an intersector by the first

@@ -226,7 +226,7 @@ FIELD(TREE_BYTES_PEAK, TREE, "bytes_peak", "B", NUMBER | NONE, B(SIZE64, bytes_p
 
 /* ---- traces ---- */
 FIELD(TRACE_BUILD, TRACE, "build", "", NUMBER, T(U32, build), AS_WHOLE, NULL, NULL)
-FIELD(TRACE_CELL, TRACE, "cell", "", TEXT | NONE, T(CHARS, cell), AS_TEXT, "Key",
+FIELD(TRACE_CELL, TRACE, "cell", "", TEXT, T(CHARS, cell), AS_TEXT, "Key",
       "what `bvhbench run --cell` takes to measure this again")
 FIELD(TRACE_SCENE, TRACE, "scene", "", TEXT, T(CHARS, scene), AS_TEXT, "Scene", NULL)
 FIELD(TRACE_VIEW, TRACE, "view", "", TEXT | NONE, T(CHARS, view), AS_TEXT, "View", NULL)

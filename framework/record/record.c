@@ -93,9 +93,27 @@ cJSON *bb_results_json(bb_results *results)
     return results->root;
 }
 
-const cJSON *bb_results_section(const bb_results *results, const char *name)
+const bb_section *bb_results_section(const bb_results *results, bb_section_id section)
+{
+    static const char *const names[BB_SECTIONS] = {"scenes",  "builds",   "traces",
+                                                   "skipped", "pictures", "predictions",
+                                                   "merged",  "steps_ms", "time_ms"};
+    return cJSON_GetObjectItemCaseSensitive(results->root, names[section]);
+}
+
+const cJSON *bb_results_member(const bb_results *results, const char *name)
 {
     return cJSON_GetObjectItemCaseSensitive(results->root, name);
+}
+
+const bb_entry *bb_results_context(const bb_results *results)
+{
+    return cJSON_GetObjectItemCaseSensitive(results->root, "context");
+}
+
+double bb_results_ms(const bb_results *results, bb_section_id section, const char *part)
+{
+    return bb_json_number(bb_results_section(results, section), part);
 }
 
 bool bb_device_is_like(const char *device, const char *type, const char *other,
@@ -108,8 +126,7 @@ bool bb_device_is_like(const char *device, const char *type, const char *other,
 
 const char *bb_results_reference(const bb_results *results)
 {
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
+    bb_each(trace, bb_results_section(results, BB_TRACES))
     {
         if (bb_get_text(trace, BB_F_TRACE_ON)[0] != '\0')
             return "Embree on the CPU";
@@ -142,8 +159,7 @@ cJSON *bb_results_build(const bb_results *results, uint32_t id)
 uint32_t bb_results_next_build(const bb_results *results)
 {
     uint32_t next = 0;
-    const cJSON *build;
-    cJSON_ArrayForEach(build, bb_results_section(results, "builds"))
+    bb_each(build, bb_results_section(results, BB_BUILDS))
     {
         uint32_t id = (uint32_t)bb_get_number(build, BB_F_BUILD_ID);
         next = id < next ? next : id + 1;
@@ -159,7 +175,7 @@ bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene,
     char hash[17], kinds[64];
     bb_prim_kind_names(scene->kinds, kinds, sizeof kinds);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)scene->hash);
-    const cJSON *known = bb_results_scene(results, scene->name);
+    const bb_entry *known = bb_results_scene(results, scene->name);
     if (known == NULL)
         return append(results, "scenes", BB_IN_SCENE, scene, boxes_ms);
     if (strcmp(bb_get_text(known, BB_F_SCENE_HASH), hash) == 0)
@@ -185,7 +201,7 @@ bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace
 
 bb_status bb_results_add_prediction(bb_results *results, const bb_prediction_record *prediction)
 {
-    if (bb_results_section(results, "predictions") == NULL &&
+    if (bb_results_section(results, BB_PREDICTIONS) == NULL &&
         cJSON_AddArrayToObject(results->root, "predictions") == NULL)
         return no_memory();
     return append(results, "predictions", BB_IN_PREDICTION, prediction, NULL);
@@ -270,8 +286,7 @@ bb_status bb_results_set_total(bb_results *results, double build_ms, double trac
                                double total_ms)
 {
     double steps_ms = 0;
-    const cJSON *step;
-    cJSON_ArrayForEach(step, bb_results_section(results, "steps_ms"))
+    bb_each(step, bb_results_section(results, BB_STEPS))
     {
         if (cJSON_IsNumber(step))
             steps_ms += step->valuedouble;

@@ -193,8 +193,26 @@ void bb_results_clear_predictions(bb_results *results);
 uint32_t bb_results_next_build(const bb_results *results);
 
 cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
-/* A member of the document: "builds", "traces", "scenes", "steps_ms" ...; NULL if there is none. */
-const cJSON *bb_results_section(const bb_results *results, const char *name);
+typedef enum bb_section_id {
+    BB_SCENES,
+    BB_BUILDS,
+    BB_TRACES,
+    BB_SKIPPED,
+    BB_PICTURES,
+    BB_PREDICTIONS,
+    BB_MERGED, /* contexts of the runs that were merged into this one */
+    BB_STEPS,  /* parts: times outside builds and traces, in ms */
+    BB_TIMES,  /* parts: "build", "trace", "steps", "other", "total", in ms */
+    BB_SECTIONS
+} bb_section_id;
+
+/* NULL if there is none. */
+const bb_section *bb_results_section(const bb_results *results, bb_section_id section);
+/* Another member of the document: "advice", "audit", "reproductions"; NULL if there is none. */
+const cJSON *bb_results_member(const bb_results *results, const char *name);
+const bb_entry *bb_results_context(const bb_results *results);
+/* Of one of the parts of a section; NAN if there is none. */
+double bb_results_ms(const bb_results *results, bb_section_id section, const char *part);
 /* Entries by name and by id; NULL if there is none. */
 cJSON *bb_results_scene(const bb_results *results, const char *name);
 cJSON *bb_results_build(const bb_results *results, uint32_t id);

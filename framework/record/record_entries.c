@@ -215,27 +215,19 @@ bool bb_put_layouts(cJSON *object, const char *name, const void *record, const v
     return ok;
 }
 
-bool bb_put_first_rays(cJSON *build)
-{
-    const cJSON *layout;
-    if (bb_get(build, BB_F_BUILD_FIRST_RAY) != NULL)
-        return true;
-    cJSON *ms = cJSON_AddObjectToObject(build, bb_fields[BB_F_BUILD_FIRST_RAY].name);
-    bool ok = ms != NULL;
-    cJSON_ArrayForEach(layout, bb_get(build, BB_F_BUILD_LAYOUTS_MS))
-    {
-        ok = ok && bb_put_number(ms, layout->string, bb_first_ray_ms(build, layout->string));
-    }
-    return ok;
-}
-
 /* Follows from what stands in the object already; a reference has no layouts. */
 bool bb_put_first_ray(cJSON *object, const char *name, const void *record, const void *extra)
 {
-    (void)name;
     (void)record;
     (void)extra;
-    return bb_put_first_rays(object);
+    cJSON *ms = cJSON_AddObjectToObject(object, name);
+    bool ok = ms != NULL;
+    bb_each_part(layout, object, BB_F_BUILD_LAYOUTS_MS)
+    {
+        const char *of = bb_part_name(layout);
+        ok = ok && bb_put_number(ms, of, bb_first_ray_ms(object, of));
+    }
+    return ok;
 }
 
 static bool put_metric(cJSON *tree, const bb_metric *metric, const bb_metric_value *measured)
@@ -327,15 +319,6 @@ bool bb_put_work(cJSON *object, const char *name, const void *record, const void
                          trace->status == BB_OK
                              ? work_of(trace->node_tests_per_ray, trace->prim_tests_per_ray)
                              : (double)NAN);
-}
-
-bool bb_put_missing_work(cJSON *trace)
-{
-    if (bb_get(trace, BB_F_TRACE_WORK) != NULL)
-        return true;
-    return bb_put_number(trace, bb_fields[BB_F_TRACE_WORK].name,
-                         work_of(bb_get_number(trace, BB_F_TRACE_NODE_TESTS),
-                                 bb_get_number(trace, BB_F_TRACE_PRIM_TESTS)));
 }
 
 bool bb_put_accuracy(cJSON *object, const char *name, const void *record, const void *extra)

@@ -59,7 +59,7 @@ static bb_status check_requests(const cJSON *a, const cJSON *b)
 static bb_status check_scenes(const bb_results *a, const bb_results *b)
 {
     const cJSON *scene;
-    cJSON_ArrayForEach(scene, bb_results_section(b, "scenes"))
+    cJSON_ArrayForEach(scene, bb_results_section(b, BB_SCENES))
     {
         const cJSON *known = bb_results_scene(a, bb_get_text(scene, BB_F_SCENE_NAME));
         if (known != NULL && !bb_same_text(known, scene, BB_F_SCENE_HASH))
@@ -77,7 +77,7 @@ static int by_text(const void *a, const void *b)
 /* Keys of all traces, sorted; from malloc. */
 static const char **keys_of(const bb_results *results, size_t *count)
 {
-    const cJSON *traces = bb_results_section(results, "traces"), *trace;
+    const cJSON *traces = bb_results_section(results, BB_TRACES), *trace;
     const char **keys = malloc(((size_t)cJSON_GetArraySize(traces) + 1) * sizeof *keys);
     *count = 0;
     cJSON_ArrayForEach(trace, traces)
@@ -96,7 +96,7 @@ static bb_status check_traces(const bb_results *a, const bb_results *b)
     const char **keys = keys_of(a, &count);
     bb_status status = keys != NULL ? BB_OK : no_memory();
     const cJSON *trace;
-    cJSON_ArrayForEach(trace, bb_results_section(b, "traces"))
+    cJSON_ArrayForEach(trace, bb_results_section(b, BB_TRACES))
     {
         const char *key = bb_get_text(trace, BB_F_TRACE_CELL);
         if (status == BB_OK && bsearch(&key, keys, count, sizeof *keys, by_text) != NULL)
@@ -129,7 +129,7 @@ static cJSON *find_build(const bb_results *results, const cJSON *like)
 {
     cJSON *build;
     const char *key = bb_get_text(like, BB_F_BUILD_CELL);
-    cJSON_ArrayForEach(build, bb_results_section(results, "builds"))
+    cJSON_ArrayForEach(build, bb_results_section(results, BB_BUILDS))
     {
         if (key[0] != '\0' && strcmp(bb_get_text(build, BB_F_BUILD_CELL), key) == 0 &&
             same_tree(build, like))
@@ -166,7 +166,7 @@ static bb_status join_build(bb_results *a, const cJSON *build, double *id)
 
 static bb_status join_builds_and_traces(bb_results *a, const bb_results *b)
 {
-    const cJSON *builds = bb_results_section(b, "builds"), *item;
+    const cJSON *builds = bb_results_section(b, BB_BUILDS), *item;
     cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, "traces");
     uint32_t most = bb_results_next_build(b);
     double *ids = calloc((size_t)most + 1, sizeof *ids);
@@ -176,7 +176,7 @@ static bb_status join_builds_and_traces(bb_results *a, const bb_results *b)
         if (status == BB_OK)
             status = join_build(a, item, &ids[(uint32_t)bb_get_number(item, BB_F_BUILD_ID)]);
     }
-    cJSON_ArrayForEach(item, bb_results_section(b, "traces"))
+    cJSON_ArrayForEach(item, bb_results_section(b, BB_TRACES))
     {
         cJSON *copy = status == BB_OK ? copy_to(to, item) : NULL;
         if (status == BB_OK && copy == NULL)
@@ -198,7 +198,7 @@ static bb_status join_lists(bb_results *a, const bb_results *b)
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
         cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, lists[i]);
         const cJSON *item;
-        cJSON_ArrayForEach(item, bb_results_section(b, lists[i]))
+        cJSON_ArrayForEach(item, bb_results_member(b, lists[i]))
         {
             bool known = i == 2 && bb_results_scene(a, bb_get_text(item, BB_F_SCENE_NAME)) != NULL;
             if (!known && copy_to(to, item) == NULL)
@@ -212,7 +212,7 @@ static bb_status join_times(bb_results *a, const bb_results *b)
 {
     const cJSON *x = cJSON_GetObjectItemCaseSensitive(a->root, "time_ms");
     const cJSON *y = cJSON_GetObjectItemCaseSensitive(b->root, "time_ms"), *step;
-    cJSON_ArrayForEach(step, bb_results_section(b, "steps_ms"))
+    cJSON_ArrayForEach(step, bb_results_section(b, BB_STEPS))
     {
         if (cJSON_IsNumber(step))
             BB_TRY(bb_results_add_step(a, step->string, step->valuedouble));
@@ -248,7 +248,7 @@ static bb_status note_shard(cJSON *context, const cJSON *of)
 bb_status bb_results_join(bb_results *a, const bb_results *b)
 {
     cJSON *context = cJSON_GetObjectItemCaseSensitive(a->root, "context");
-    const cJSON *other = bb_results_section(b, "context");
+    const cJSON *other = bb_results_context(b);
     const double others[] = {bb_get_number(context, BB_F_CONTEXT_OTHERS),
                              bb_get_number(other, BB_F_CONTEXT_OTHERS)};
     BB_TRY(check_contexts(context, other));

@@ -33,7 +33,7 @@ static bb_status check_scenes(const bb_results *a, const bb_results *b)
  * has no device of ours. */
 static bb_status check_devices(const bb_results *a, const bb_results *b)
 {
-    const cJSON *one = bb_results_section(a, "context"), *other = bb_results_section(b, "context");
+    const cJSON *one = bb_results_context(a), *other = bb_results_context(b);
     const char *device = bb_get_text(one, BB_F_CONTEXT_DEVICE);
     const char *another = bb_get_text(other, BB_F_CONTEXT_DEVICE);
     return device[0] == '\0' || another[0] == '\0' ||

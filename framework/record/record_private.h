@@ -56,16 +56,9 @@ bb_put_fn bb_put_native, bb_put_rays_source, bb_put_query, bb_put_rays_params, b
     bb_put_accuracy, bb_put_unlike, bb_put_wrong_ppm, bb_put_overflowed, bb_put_first_wrong,
     bb_put_work, bb_put_first_ray;
 
-/* Gives a trace that has no key one of what it says; the rays, of which it does not say all, are
- * known by their hash. For files of earlier versions. */
+/* Gives a trace that has no key one of what it says; the rays, which another program made, are
+ * known by their hash. */
 bool bb_put_missing_key(cJSON *trace);
-
-/* Gives a build what the first ray on each of its layouts waits for, if it lacks that. */
-bool bb_put_first_rays(cJSON *build);
-
-/* Gives a trace whose tests were counted their cost, if it lacks that. For files of earlier
- * versions. */
-bool bb_put_missing_work(cJSON *trace);
 
 /* The run's context as the member "context" of the document. */
 bool bb_put_context(cJSON *root, const bb_context *context, const char *embree_version);
@@ -74,7 +67,5 @@ bool bb_put_context(cJSON *root, const bb_context *context, const char *embree_v
  * rates. False if there is no memory. */
 bool bb_put_build_spread(cJSON *build, const bb_samples *ms);
 bool bb_put_rate_spread(cJSON *trace, const bb_samples *ms);
-/* The same for all builds and traces that have samples. */
-bool bb_results_put_spreads(bb_results *results);
 
 #endif

@@ -258,48 +258,21 @@ static bb_status check_document(const char *path, const cJSON *root)
     BB_TRY(check_section(path, root, "scenes", true, BB_IN_SCENE, "profile", BB_IN_PROFILE));
     BB_TRY(check_section(path, root, "builds", true, BB_IN_BUILD, "tree", BB_IN_TREE));
     BB_TRY(check_section(path, root, "traces", true, BB_IN_TRACE, "accuracy", BB_IN_ACCURACY));
-    BB_TRY(check_section(path, root, "skipped", false, BB_IN_SKIPPED, "", 0));
-    BB_TRY(check_section(path, root, "pictures", false, BB_IN_PICTURE, "", 0));
+    BB_TRY(check_section(path, root, "skipped", true, BB_IN_SKIPPED, "", 0));
+    BB_TRY(check_section(path, root, "pictures", true, BB_IN_PICTURE, "", 0));
     BB_TRY(check_section(path, root, "predictions", false, BB_IN_PREDICTION, "", 0));
     BB_TRY(check_section(path, root, "merged", false, BB_IN_CONTEXT, "", 0));
     BB_TRY(check_reproductions(path, root));
-    static const char *const times[] = {"steps_ms", "time_ms"};
+    static const struct {
+        const char *name;
+        unsigned types;
+    } times[] = {{"steps_ms", BB_JSON_FIGURES}, {"time_ms", BB_JSON_FIGURES | BB_JSON_NONE}};
     for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
-        if (!bb_json_is(cJSON_GetObjectItemCaseSensitive(root, times[i]),
-                        BB_JSON_FIGURES | BB_JSON_NONE))
-            return bb_fail(BB_INVALID, "result file %s: \"%s\" has the wrong type", path, times[i]);
+        if (!bb_json_is(cJSON_GetObjectItemCaseSensitive(root, times[i].name), times[i].types))
+            return bb_fail(BB_INVALID, "result file %s: \"%s\" is missing or has the wrong type",
+                           path, times[i].name);
     }
     return check_ids(path, root);
-}
-
-/* Later code appends to these, so they exist. Intervals are drawn anew from the samples: those of
- * files of earlier versions were bootstrapped, from however few rounds. */
-static bool complete(bb_results *results)
-{
-    cJSON *root = results->root;
-    static const char *const arrays[] = {"skipped", "pictures"};
-    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
-        if (cJSON_GetObjectItemCaseSensitive(root, arrays[i]) == NULL &&
-            cJSON_AddArrayToObject(root, arrays[i]) == NULL)
-            return false;
-    }
-    if (cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(root, "steps_ms")))
-        cJSON_DeleteItemFromObjectCaseSensitive(root, "steps_ms");
-    if (cJSON_GetObjectItemCaseSensitive(root, "steps_ms") == NULL &&
-        cJSON_AddObjectToObject(root, "steps_ms") == NULL)
-        return false;
-    cJSON *build, *trace;
-    cJSON_ArrayForEach(build, cJSON_GetObjectItemCaseSensitive(root, "builds"))
-    {
-        if (!bb_put_first_rays(build))
-            return false;
-    }
-    cJSON_ArrayForEach(trace, cJSON_GetObjectItemCaseSensitive(root, "traces"))
-    {
-        if (!bb_put_missing_key(trace) || !bb_put_missing_work(trace))
-            return false;
-    }
-    return bb_results_put_spreads(results);
 }
 
 bb_status bb_results_read(const char *path, bb_results **out)
@@ -326,8 +299,6 @@ bb_status bb_results_read(const char *path, bb_results **out)
     status = check_document(path, results->root);
     if (status == BB_OK)
         status = check_scene_names(path, results);
-    if (status == BB_OK && !complete(results))
-        status = bb_fail(BB_FAILED, "result file %s: no memory", path);
     if (status != BB_OK)
         goto out;
     *out = results;

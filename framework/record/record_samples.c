@@ -4,28 +4,14 @@
  */
 #include "framework/record/record_private.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
-#include <stdio.h>
-
-/* In the place of the member, if there is one; false if there is no memory. */
-static bool set_number(cJSON *object, const char *name, double value)
-{
-    cJSON *item = isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull();
-    bool known = cJSON_GetObjectItemCaseSensitive(object, name) != NULL;
-    if (item != NULL && (known ? cJSON_ReplaceItemInObjectCaseSensitive(object, name, item)
-                               : cJSON_AddItemToObject(object, name, item)))
-        return true;
-    cJSON_Delete(item);
-    return false;
-}
 
 /* Into `low` and the three fields that follow it. */
 static bool put_spread(cJSON *entry, bb_field_id low, bb_estimate e)
 {
     const double ends[] = {e.low, e.high, e.least, e.most};
     for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++)
-        if (!set_number(entry, bb_fields[low + i].name, ends[i]))
+        if (!bb_put_number(entry, bb_fields[low + i].name, ends[i]))
             return false;
     return true;
 }
@@ -46,22 +32,4 @@ bool bb_put_rate_spread(cJSON *trace, const bb_samples *ms)
                                     .high = rays / e.low,
                                     .least = rays / e.most,
                                     .most = rays / e.least});
-}
-
-bool bb_results_put_spreads(bb_results *results)
-{
-    bool ok = true;
-    bb_samples ms;
-    cJSON *entry;
-    cJSON_ArrayForEach(entry, cJSON_GetObjectItemCaseSensitive(results->root, "builds"))
-    {
-        if (bb_get_samples(entry, BB_F_BUILD_MS, &ms))
-            ok = ok && bb_put_build_spread(entry, &ms);
-    }
-    cJSON_ArrayForEach(entry, cJSON_GetObjectItemCaseSensitive(results->root, "traces"))
-    {
-        if (bb_get_samples(entry, BB_F_TRACE_MS, &ms))
-            ok = ok && bb_put_rate_spread(entry, &ms);
-    }
-    return ok;
 }

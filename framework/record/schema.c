@@ -62,6 +62,38 @@ bool bb_json_is(const cJSON *item, unsigned types)
            ((types & TEXTS) && cJSON_IsArray(item) && all_texts(item));
 }
 
+/* ---- entries ---- */
+
+const bb_entry *bb_first(const bb_section *section)
+{
+    return section != NULL ? section->child : NULL;
+}
+
+const bb_entry *bb_next(const bb_entry *entry)
+{
+    return entry->next;
+}
+
+uint32_t bb_section_count(const bb_section *section)
+{
+    return (uint32_t)cJSON_GetArraySize(section);
+}
+
+const char *bb_part_name(const bb_entry *part)
+{
+    return part->string;
+}
+
+double bb_part_number(const bb_entry *part)
+{
+    return cJSON_IsNumber(part) ? part->valuedouble : (double)NAN;
+}
+
+const bb_entry *bb_first_part(const bb_entry *entry, bb_field_id field)
+{
+    return bb_first(bb_get(entry, field));
+}
+
 /* ---- look-ups ---- */
 
 const cJSON *bb_get(const cJSON *entry, bb_field_id field)
@@ -97,6 +129,11 @@ double bb_get_named(const cJSON *entry, bb_field_id field, const char *name)
     return bb_json_number(bb_get(entry, field), name);
 }
 
+const char *bb_get_named_text(const bb_entry *entry, bb_field_id field, const char *name)
+{
+    return bb_json_text(bb_get(entry, field), name);
+}
+
 double bb_first_ray_ms(const cJSON *build, const char *layout)
 {
     double boxes = bb_get_number(build, BB_F_BUILD_BOXES_MS);
@@ -122,6 +159,25 @@ bool bb_get_samples(const cJSON *entry, bb_field_id field, bb_samples *samples)
         bb_samples_add(samples, item->valuedouble);
     }
     return true;
+}
+
+/* Builds, traces and scenes share the name. */
+static const cJSON *decision(const bb_entry *entry, const char *what)
+{
+    const cJSON *all = bb_get(entry, BB_F_BUILD_DECISIONS);
+    return cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(all, what), "value");
+}
+
+const char *bb_get_decision(const bb_entry *entry, const char *what)
+{
+    const cJSON *value = decision(entry, what);
+    return cJSON_IsString(value) ? value->valuestring : "";
+}
+
+double bb_get_decided(const bb_entry *entry, const char *what)
+{
+    const cJSON *value = decision(entry, what);
+    return cJSON_IsNumber(value) ? value->valuedouble : (double)NAN;
 }
 
 bool bb_same_text(const cJSON *a, const cJSON *b, bb_field_id field)
@@ -177,12 +233,7 @@ double bb_get_metric_traced(const cJSON *build, const bb_metric *metric, const c
 
 bool bb_metric_measured(const cJSON *builds, const bb_metric *metric)
 {
-    const cJSON *build;
-    cJSON_ArrayForEach(build, builds)
-    {
-        if (isfinite(bb_get_metric(build, metric)))
-            return true;
-    }
+    bb_each(build, builds) if (isfinite(bb_get_metric(build, metric))) return true;
     return false;
 }
 

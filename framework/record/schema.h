@@ -13,6 +13,11 @@
 
 typedef struct cJSON cJSON; /* opaque here; libcjson */
 
+/* A scene, a build, a trace ... of a result document. */
+typedef cJSON bb_entry;
+/* Entries of one kind, in the order in which they were added. */
+typedef cJSON bb_section;
+
 /* Where a field stands. */
 typedef enum bb_field_part {
     BB_IN_CONTEXT,
@@ -84,34 +89,55 @@ enum { BB_METRIC_FIELD = 64 };
 /* Name of the field with the half width of its interval. */
 void bb_metric_half_name(const bb_metric *metric, char name[BB_METRIC_FIELD]);
 /* Of a build's tree as built; NAN: not measured. */
-double bb_get_metric(const cJSON *build, const bb_metric *metric);
+double bb_get_metric(const bb_entry *build, const bb_metric *metric);
 /* Of a build's layout as traced, if the file has that; else of its tree. */
-double bb_get_metric_traced(const cJSON *build, const bb_metric *metric, const char *layout);
+double bb_get_metric_traced(const bb_entry *build, const bb_metric *metric, const char *layout);
 /* Whether one of the builds has it. */
-bool bb_metric_measured(const cJSON *builds, const bb_metric *metric);
+bool bb_metric_measured(const bb_section *builds, const bb_metric *metric);
+
+/* ---- entries ---- */
+
+const bb_entry *bb_first(const bb_section *section); /* NULL: there is none */
+const bb_entry *bb_next(const bb_entry *entry);
+uint32_t bb_section_count(const bb_section *section);
+#define bb_each(entry, section)                                                                    \
+    for (const bb_entry *entry = bb_first(section); entry != NULL; entry = bb_next(entry))
+
+/* What has a name and a figure of its own: a phase, a layout, a step of the run. */
+const char *bb_part_name(const bb_entry *part);
+double bb_part_number(const bb_entry *part); /* NAN: not measured */
+/* The first part that `field` of the entry has; NULL: none. bb_next() gives the others. */
+const bb_entry *bb_first_part(const bb_entry *entry, bb_field_id field);
+#define bb_each_part(part, entry, field)                                                           \
+    for (const bb_entry *part = bb_first_part(entry, field); part != NULL; part = bb_next(part))
 
 /* ---- look-ups; `entry` is a whole scene, build, trace ..., for fields of inner parts too ---- */
 
 /* The member; NULL if there is none. */
-const cJSON *bb_get(const cJSON *entry, bb_field_id field);
+const cJSON *bb_get(const bb_entry *entry, bb_field_id field);
 /* "" / NAN / false where there is none of that type. */
-const char *bb_get_text(const cJSON *entry, bb_field_id field);
-double bb_get_number(const cJSON *entry, bb_field_id field);
-bool bb_get_true(const cJSON *entry, bb_field_id field);
+const char *bb_get_text(const bb_entry *entry, bb_field_id field);
+double bb_get_number(const bb_entry *entry, bb_field_id field);
+bool bb_get_true(const bb_entry *entry, bb_field_id field);
 /* Of an object of figures, the one called `name`; NAN if there is none. */
-double bb_get_named(const cJSON *entry, bb_field_id field, const char *name);
+double bb_get_named(const bb_entry *entry, bb_field_id field, const char *name);
+/* The same of an object of texts, as of parameters; "" if there is none. */
+const char *bb_get_named_text(const bb_entry *entry, bb_field_id field, const char *name);
 /* What the first ray waits for, in ms: boxes, build, transfer of a builder on the host, and the
  * layout. Of a reference, which makes its boxes and its layout inside its build, and is on the host
  * already, its build. NAN if the build or the layout was not measured. */
-double bb_first_ray_ms(const cJSON *build, const char *layout);
+double bb_first_ray_ms(const bb_entry *build, const char *layout);
 /* False if it is no array of 1 to BB_SAMPLES_MAX numbers. */
-bool bb_get_samples(const cJSON *entry, bb_field_id field, bb_samples *samples);
+bool bb_get_samples(const bb_entry *entry, bb_field_id field, bb_samples *samples);
+/* What was decided of `what`, as text and as number; "" and NAN if nothing was. */
+const char *bb_get_decision(const bb_entry *entry, const char *what);
+double bb_get_decided(const bb_entry *entry, const char *what);
 /* Whether both have the same text there. */
-bool bb_same_text(const cJSON *a, const cJSON *b, bb_field_id field);
+bool bb_same_text(const bb_entry *a, const bb_entry *b, bb_field_id field);
 /* Whether the status of a build or trace is ok. */
-bool bb_is_ok(const cJSON *entry);
+bool bb_is_ok(const bb_entry *entry);
 /* Number of the run in a merged document; 0 is the first. */
-double bb_run_of(const cJSON *entry);
+double bb_run_of(const bb_entry *entry);
 
 /* The same by a name that is no field's: of layouts, phases, steps. */
 const char *bb_json_text(const cJSON *object, const char *name);

@@ -57,7 +57,7 @@ void bb_text_whole(char entry[BB_ENTRY], double value)
     entry[at] = '\0';
 }
 
-void bb_text_field(char entry[BB_ENTRY], const cJSON *row, bb_field_id field)
+void bb_text_field(char entry[BB_ENTRY], const bb_entry *row, bb_field_id field)
 {
     double value = bb_get_number(row, field);
     switch (bb_fields[field].format) {
@@ -94,7 +94,7 @@ void bb_print_text(FILE *out, const char *text, int width)
 
 /* ---- medians ---- */
 
-static bb_spread spread_of(const cJSON *row, bb_field_id low, double *from, double *to)
+static bb_spread spread_of(const bb_entry *row, bb_field_id low, double *from, double *to)
 {
     static const bb_spread kinds[] = {BB_INTERVAL, BB_RANGE};
     for (unsigned i = 0; i < 2; i++) {
@@ -107,7 +107,7 @@ static bb_spread spread_of(const cJSON *row, bb_field_id low, double *from, doub
 }
 
 /* "41.2 [40.1, 43.0]", or "41.2" */
-static bb_spread with_spread(char entry[BB_ENTRY], const bb_medians *c, const cJSON *row)
+static bb_spread with_spread(char entry[BB_ENTRY], const bb_medians *c, const bb_entry *row)
 {
     char middle[BB_ENTRY], left[BB_ENTRY], right[BB_ENTRY];
     double from, to;
@@ -122,7 +122,7 @@ static bb_spread with_spread(char entry[BB_ENTRY], const bb_medians *c, const cJ
     return kind;
 }
 
-void bb_medians_take(bb_medians *c, const cJSON *row)
+void bb_medians_take(bb_medians *c, const bb_entry *row)
 {
     char entry[BB_ENTRY];
     bb_spread kind = with_spread(entry, c, row);
@@ -142,7 +142,7 @@ void bb_medians_finish(bb_medians *c)
                   bb_larger(range, bb_larger(c->widths[BB_NO_SPREAD], c->widths[BB_INTERVAL])));
 }
 
-void bb_medians_text(char entry[BB_ENTRY], const bb_medians *c, const cJSON *row)
+void bb_medians_text(char entry[BB_ENTRY], const bb_medians *c, const bb_entry *row)
 {
     bb_spread kind = with_spread(entry, c, row);
     if (kind == BB_RANGE && c->widths[BB_INTERVAL] > 0)

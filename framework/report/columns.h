@@ -16,7 +16,7 @@ void bb_text_whole(char entry[BB_ENTRY], double value);
 /* 1234567 -> "1.2 MiB" */
 void bb_text_bytes(char entry[BB_ENTRY], double value);
 /* A field's figure in its format. */
-void bb_text_field(char entry[BB_ENTRY], const cJSON *row, bb_field_id field);
+void bb_text_field(char entry[BB_ENTRY], const bb_entry *row, bb_field_id field);
 
 /* What may come from a file must not steer the terminal. Filled up with blanks to `width`. */
 void bb_print_text(FILE *out, const char *text, int width);
@@ -38,9 +38,9 @@ typedef struct bb_medians {
     int widths[BB_INTERVAL + 1]; /* of the rows with such a spread; 0: there is none */
 } bb_medians;
 
-void bb_medians_take(bb_medians *c, const cJSON *row);
+void bb_medians_take(bb_medians *c, const bb_entry *row);
 /* After the last row: makes the heading and the width. */
 void bb_medians_finish(bb_medians *c);
-void bb_medians_text(char entry[BB_ENTRY], const bb_medians *c, const cJSON *row);
+void bb_medians_text(char entry[BB_ENTRY], const bb_medians *c, const bb_entry *row);
 
 #endif

@@ -3,7 +3,6 @@
 #include "framework/base/json.h"
 #include "framework/report/report.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +14,7 @@ static void put_number(bb_json *json, const char *name, double value)
         bb_json_add_number(json, name, value);
 }
 
-static void put_context(bb_json *json, const cJSON *from)
+static void put_context(bb_json *json, const bb_entry *from)
 {
     bb_json_object(json, "context");
     bb_json_add_text(json, "date", bb_get_text(from, BB_F_CONTEXT_DATE));
@@ -27,13 +26,11 @@ static void put_context(bb_json *json, const cJSON *from)
     bb_json_add_text(json, "cpu", bb_get_text(from, BB_F_CONTEXT_CPU));
     bb_json_add_text(json, "device", bb_get_text(from, BB_F_CONTEXT_DEVICE));
     bb_json_add_number(json, "json_schema_version", 1);
-    const cJSON *load, *loads = bb_get(from, BB_F_CONTEXT_LOAD);
-    if (cJSON_IsArray(loads)) {
+    bb_samples loads;
+    if (bb_get_samples(from, BB_F_CONTEXT_LOAD, &loads)) {
         bb_json_array(json, "load_avg");
-        cJSON_ArrayForEach(load, loads)
-        {
-            bb_json_add_number(json, NULL, cJSON_GetNumberValue(load));
-        }
+        for (uint32_t i = 0; i < loads.count; i++)
+            bb_json_add_number(json, NULL, loads.values[i]);
         bb_json_end_array(json);
     }
     bb_json_end_object(json);
@@ -41,7 +38,7 @@ static void put_context(bb_json *json, const cJSON *from)
 
 /* What the rounds of one entry share. */
 typedef struct row {
-    const cJSON *entry;
+    const bb_entry *entry;
     bool trace;
     const char *name;
     uint32_t family, repetitions;
@@ -83,7 +80,7 @@ static void put_round(bb_json *json, const row *r, uint32_t repetition, double m
 }
 
 /* Puts all rounds that count. If no CPU time was measured, the wall clock takes its place. */
-static void put_entry(bb_json *json, const cJSON *entry, bool trace, uint32_t family)
+static void put_entry(bb_json *json, const bb_entry *entry, bool trace, uint32_t family)
 {
     bb_samples ms, cpu;
     if (!bb_is_ok(entry) || !bb_get_samples(entry, trace ? BB_F_TRACE_MS : BB_F_BUILD_MS, &ms))
@@ -108,15 +105,14 @@ bb_status bb_report_benchmark(const bb_results *results, FILE *out)
 {
     bb_json json = {.formatted = true};
     uint32_t family = 0;
-    const cJSON *entry;
     bb_json_object(&json, NULL);
-    put_context(&json, bb_results_section(results, "context"));
+    put_context(&json, bb_results_context(results));
     bb_json_array(&json, "benchmarks");
-    cJSON_ArrayForEach(entry, bb_results_section(results, "builds"))
+    bb_each(entry, bb_results_section(results, BB_BUILDS))
     {
         put_entry(&json, entry, false, family++);
     }
-    cJSON_ArrayForEach(entry, bb_results_section(results, "traces"))
+    bb_each(entry, bb_results_section(results, BB_TRACES))
     {
         put_entry(&json, entry, true, family++);
     }

@@ -167,8 +167,6 @@ static void print_gaps(const page *p, const bb_comparison_result *r)
     if (a->duplicates + b->duplicates > 0)
         NOTE(p, "WARNING: %u cells are left out: their keys occur twice",
              a->duplicates + b->duplicates);
-    if (a->unnamed + b->unnamed > 0)
-        NOTE(p, "%u builds are left out: their file is older than keys", a->unnamed + b->unnamed);
 }
 
 /* ---- what moved ---- */

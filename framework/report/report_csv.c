@@ -43,7 +43,7 @@ static void print_number(FILE *out, double value)
 }
 
 /* Nothing for what was not measured. */
-static void print_item(FILE *out, const cJSON *item)
+static void print_item(FILE *out, const bb_entry *item)
 {
     if (cJSON_IsString(item))
         print_text(out, item->valuestring);
@@ -70,7 +70,7 @@ static void print_head(FILE *out)
     fputs("\r\n", out);
 }
 
-static void print_trace(FILE *out, const cJSON *trace, const cJSON *build)
+static void print_trace(FILE *out, const bb_entry *trace, const bb_entry *build)
 {
     bool first = true;
     for (size_t i = 0; i < BB_FIELDS; i++) {
@@ -98,9 +98,8 @@ static void print_trace(FILE *out, const cJSON *trace, const cJSON *build)
 
 bb_status bb_report_csv(const bb_results *results, FILE *out)
 {
-    const cJSON *trace;
     print_head(out);
-    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
+    bb_each(trace, bb_results_section(results, BB_TRACES))
     {
         double id = bb_get_number(trace, BB_F_TRACE_BUILD);
         print_trace(out, trace, id >= 0 ? bb_results_build(results, (uint32_t)id) : NULL);

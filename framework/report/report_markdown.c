@@ -2,7 +2,6 @@
 #include "framework/report/report.h"
 #include "framework/summary/summary.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <string.h>
 
@@ -57,7 +56,7 @@ bb_status bb_report_markdown(const bb_results *results, FILE *out)
     bb_summary summary;
     char busy[256], implausible[BB_IMPLAUSIBLE];
     BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
-    const cJSON *context = bb_results_section(results, "context");
+    const bb_entry *context = bb_results_context(results);
     if (bb_summary_busy(results, busy))
         fprintf(out, "**Warning:** %s\n\n", busy);
     if (bb_summary_implausible(results, implausible)) {

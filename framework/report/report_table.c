@@ -15,11 +15,6 @@
 
 /* ---- builds ---- */
 
-static const cJSON *first_entry(const cJSON *object)
-{
-    return object != NULL ? object->child : NULL;
-}
-
 /* What a build's row has behind its time: fields and metrics of the tree, each as wide as it needs.
  */
 typedef struct tree_columns {
@@ -32,7 +27,7 @@ static const bb_field_id after_metrics[] = {BB_F_TREE_DEPTH, BB_F_TREE_BYTES, BB
 enum { AFTER_METRICS = sizeof after_metrics / sizeof after_metrics[0] };
 
 /* Those that are always measured, then those on request. */
-static tree_columns choose_columns(const cJSON *builds)
+static tree_columns choose_columns(const bb_section *builds)
 {
     tree_columns columns = {.count = 0};
     for (int on_request = 0; on_request < 2; on_request++)
@@ -63,7 +58,7 @@ static void print_heading(FILE *out, const bb_medians *times, const tree_columns
 }
 
 /* Why a row has no figures; false if it has. */
-static bool print_reason(FILE *out, const cJSON *row, bb_field_id status, bb_field_id reason)
+static bool print_reason(FILE *out, const bb_entry *row, bb_field_id status, bb_field_id reason)
 {
     if (bb_is_ok(row))
         return false;
@@ -75,7 +70,7 @@ static bool print_reason(FILE *out, const cJSON *row, bb_field_id status, bb_fie
     return true;
 }
 
-static void print_tree(FILE *out, const cJSON *build, const tree_columns *columns)
+static void print_tree(FILE *out, const bb_entry *build, const tree_columns *columns)
 {
     char entry[BB_ENTRY];
     double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
@@ -93,34 +88,35 @@ static void print_tree(FILE *out, const cJSON *build, const tree_columns *column
 }
 
 /* Of a pipeline: what each step took, the SAH of the tree after it, and the memory. */
-static void print_stages(FILE *out, const cJSON *build)
+static void print_stages(FILE *out, const bb_entry *build)
 {
-    const cJSON *stage = first_entry(bb_get(build, BB_F_BUILD_STAGES));
-    if (stage == NULL)
-        return;
-    fputs("    stages:", out);
-    for (; stage != NULL; stage = stage->next) {
+    const char *after = "    stages:";
+    bb_each_part(stage, build, BB_F_BUILD_STAGES)
+    {
         char ms[BB_ENTRY], sah[BB_ENTRY], bytes[BB_ENTRY];
-        bb_text_figure(ms, cJSON_IsNumber(stage) ? stage->valuedouble : (double)NAN);
-        double cost = bb_get_named(build, BB_F_BUILD_STAGES_SAH, stage->string);
-        double peak = bb_get_named(build, BB_F_BUILD_STAGES_PEAK, stage->string);
+        const char *name = bb_part_name(stage);
+        bb_text_figure(ms, bb_part_number(stage));
+        double cost = bb_get_named(build, BB_F_BUILD_STAGES_SAH, name);
+        double peak = bb_get_named(build, BB_F_BUILD_STAGES_PEAK, name);
         bb_text_figure(sah, cost);
         bb_text_bytes(bytes, peak);
-        fputc(' ', out);
-        bb_print_text(out, stage->string, 0);
+        fprintf(out, "%s ", after);
+        bb_print_text(out, name, 0);
         fprintf(out, " %s ms", ms);
         if (isfinite(cost))
             fprintf(out, ", SAH %s", sah);
         if (isfinite(peak))
             fprintf(out, ", %s", bytes);
-        fputs(stage->next != NULL ? ";" : "\n", out);
+        after = ";";
     }
+    if (after[0] == ';')
+        fputc('\n', out);
 }
 
-static void print_build(FILE *out, const cJSON *build, int width, const bb_medians *times,
+static void print_build(FILE *out, const bb_entry *build, int width, const bb_medians *times,
                         const tree_columns *columns)
 {
-    const cJSON *layout = first_entry(bb_get(build, BB_F_BUILD_LAYOUTS_MS));
+    const bb_entry *layout = bb_first_part(build, BB_F_BUILD_LAYOUTS_MS);
     char rate[BB_ENTRY], ms[BB_ENTRY], conversion[BB_ENTRY], first[BB_ENTRY];
     fputs("  ", out);
     bb_print_text(out, bb_get_text(build, BB_F_BUILD_BUILDER), width);
@@ -128,8 +124,8 @@ static void print_build(FILE *out, const cJSON *build, int width, const bb_media
         return;
     bb_text_field(rate, build, BB_F_BUILD_RATE);
     bb_medians_text(ms, times, build);
-    bb_text_figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
-    bb_text_figure(first, bb_first_ray_ms(build, layout != NULL ? layout->string : ""));
+    bb_text_figure(conversion, layout != NULL ? bb_part_number(layout) : (double)NAN);
+    bb_text_figure(first, bb_first_ray_ms(build, layout != NULL ? bb_part_name(layout) : ""));
     fprintf(out, "  %8s  %-9s  %-*s  %9s  %9s", rate, bb_get_text(build, BB_F_BUILD_HANDOVER),
             times->width, ms, conversion, first);
     print_tree(out, build, columns);
@@ -140,25 +136,24 @@ static void print_build(FILE *out, const cJSON *build, int width, const bb_media
         fputc('\n', out);
     }
     print_stages(out, build);
-    if (layout == NULL || layout->next == NULL)
+    if (layout == NULL || bb_next(layout) == NULL)
         return;
     fputs("    layouts:", out);
-    for (; layout != NULL; layout = layout->next) {
-        bb_text_figure(conversion, cJSON_IsNumber(layout) ? layout->valuedouble : (double)NAN);
+    for (; layout != NULL; layout = bb_next(layout)) {
+        bb_text_figure(conversion, bb_part_number(layout));
         fputc(' ', out);
-        bb_text_figure(first, bb_first_ray_ms(build, layout->string));
-        bb_print_text(out, layout->string, 0);
-        fprintf(out, " %s ms, first ray %s%s", conversion, first, layout->next ? ";" : "\n");
+        bb_text_figure(first, bb_first_ray_ms(build, bb_part_name(layout)));
+        bb_print_text(out, bb_part_name(layout), 0);
+        fprintf(out, " %s ms, first ray %s%s", conversion, first, bb_next(layout) ? ";" : "\n");
     }
 }
 
-static void print_builds(FILE *out, const cJSON *builds, const char *scene)
+static void print_builds(FILE *out, const bb_section *builds, const char *scene)
 {
-    const cJSON *build;
     bb_medians times = {.median = BB_F_BUILD_MS_MEDIAN, .low = BB_F_BUILD_MS_LO};
     const tree_columns columns = choose_columns(builds);
     int width = 7, rows = 0;
-    cJSON_ArrayForEach(build, builds)
+    bb_each(build, builds)
     {
         if (strcmp(bb_get_text(build, BB_F_BUILD_SCENE), scene) != 0)
             continue;
@@ -170,7 +165,7 @@ static void print_builds(FILE *out, const cJSON *builds, const char *scene)
         return;
     bb_medians_finish(&times);
     print_heading(out, &times, &columns, width);
-    cJSON_ArrayForEach(build, builds)
+    bb_each(build, builds)
     {
         if (strcmp(bb_get_text(build, BB_F_BUILD_SCENE), scene) == 0)
             print_build(out, build, width, &times, &columns);
@@ -180,7 +175,7 @@ static void print_builds(FILE *out, const cJSON *builds, const char *scene)
 /* ---- traces ---- */
 
 /* The very same rays, from the same run. */
-static bool same_rays(const cJSON *a, const cJSON *b)
+static bool same_rays(const bb_entry *a, const bb_entry *b)
 {
     const char *left = bb_get_text(a, BB_F_TRACE_CELL), *right = bb_get_text(b, BB_F_TRACE_CELL);
     return bb_cell_key_same(left, bb_cell_key_rays(left), right, bb_cell_key_rays(right)) &&
@@ -188,11 +183,10 @@ static bool same_rays(const cJSON *a, const cJSON *b)
 }
 
 /* Mrays/s of the fastest reference row on the rays of `trace`; NAN if there is none. */
-static double reference_rate(const cJSON *traces, const cJSON *trace)
+static double reference_rate(const bb_section *traces, const bb_entry *trace)
 {
     double best = NAN;
-    const cJSON *other;
-    cJSON_ArrayForEach(other, traces)
+    bb_each(other, traces)
     {
         if (bb_get_true(other, BB_F_TRACE_REFERENCE) && same_rays(other, trace))
             best = fmax(best, bb_get_number(other, BB_F_TRACE_RATE));
@@ -202,7 +196,7 @@ static double reference_rate(const cJSON *traces, const cJSON *trace)
 
 /* "0", "12.3 WRONG": capital letters above the limit, small ones for reference and inexact rows,
  * whose errors are expected. */
-static void wrong_entry(char entry[BB_ENTRY], const cJSON *trace)
+static void wrong_entry(char entry[BB_ENTRY], const bb_entry *trace)
 {
     double ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
     double overflowed = bb_get_number(trace, BB_F_ACCURACY_OVERFLOWED);
@@ -220,9 +214,9 @@ static void wrong_entry(char entry[BB_ENTRY], const cJSON *trace)
 }
 
 /* Missed, false and wrong t, in rays. */
-static void classes_entry(char entry[BB_ENTRY], const cJSON *trace)
+static void classes_entry(char entry[BB_ENTRY], const bb_entry *trace)
 {
-    if (!cJSON_IsObject(bb_get(trace, BB_F_TRACE_ACCURACY)))
+    if (isnan(bb_get_number(trace, BB_F_ACCURACY_CHECKED)))
         snprintf(entry, BB_ENTRY, "-");
     else
         snprintf(entry, BB_ENTRY, "%.0f/%.0f/%.0f", bb_get_number(trace, BB_F_ACCURACY_MISSED),
@@ -232,7 +226,7 @@ static void classes_entry(char entry[BB_ENTRY], const cJSON *trace)
 
 /* The kernel, a star if its layout keeps the builder's own tree, and the intersector where it is
  * not the default; 0-terminated in `name`. */
-static void kernel_name(const cJSON *trace, char *name, size_t capacity)
+static void kernel_name(const bb_entry *trace, char *name, size_t capacity)
 {
     const char *intersector = bb_get_text(trace, BB_F_TRACE_INTERSECTOR);
     bool shown = intersector[0] != '\0' && strcmp(intersector, "exact") != 0 &&
@@ -251,7 +245,7 @@ typedef struct group {
     bb_medians rates;
 } group;
 
-static void print_trace(FILE *out, const cJSON *trace, const group *set)
+static void print_trace(FILE *out, const bb_entry *trace, const group *set)
 {
     char kernel[640], rate[BB_ENTRY], ratio[BB_ENTRY], wrong[BB_ENTRY], classes[BB_ENTRY],
         nodes[BB_ENTRY], prims[BB_ENTRY], work[BB_ENTRY];
@@ -279,7 +273,7 @@ static void print_trace(FILE *out, const cJSON *trace, const group *set)
     fputc('\n', out);
 }
 
-/* In its own words; one that is not known here, as in a file of another version, by its name. */
+/* In its own words; one that is not known here, as of another plug-in, by its name. */
 static void print_query(FILE *out, const char *name)
 {
     const bb_query *query = bb_query_find(name);
@@ -289,9 +283,9 @@ static void print_query(FILE *out, const char *name)
     bb_print_text(out, query != NULL ? query->asks : name, 0);
 }
 
-static void print_group(FILE *out, const cJSON *traces, const cJSON *first, const char *embree)
+static void print_group(FILE *out, const bb_section *traces, const bb_entry *first,
+                        const char *embree)
 {
-    const cJSON *trace;
     group set = {.reference = reference_rate(traces, first),
                  .embree = embree,
                  .builder_width = 7,
@@ -299,7 +293,7 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first, cons
                  .ratio_width = 1 + (int)strlen(embree),
                  .rates = {.median = BB_F_TRACE_RATE, .low = BB_F_TRACE_RATE_LO}};
     char count[BB_ENTRY], kernel[640];
-    cJSON_ArrayForEach(trace, traces)
+    bb_each(trace, traces)
     {
         if (!same_rays(trace, first))
             continue;
@@ -329,23 +323,22 @@ static void print_group(FILE *out, const cJSON *traces, const cJSON *first, cons
             bb_fields[BB_F_ACCURACY_WRONG_PPM].heading, "mis/fal/t",
             bb_fields[BB_F_TRACE_NODE_TESTS].heading, bb_fields[BB_F_TRACE_PRIM_TESTS].heading,
             bb_fields[BB_F_TRACE_WORK].heading);
-    cJSON_ArrayForEach(trace, traces)
+    bb_each(trace, traces)
     {
         if (same_rays(trace, first))
             print_trace(out, trace, &set);
     }
 }
 
-static void print_traces(FILE *out, const cJSON *traces, const char *scene, const char *embree)
+static void print_traces(FILE *out, const bb_section *traces, const char *scene, const char *embree)
 {
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, traces)
+    bb_each(trace, traces)
     {
         if (strcmp(bb_get_text(trace, BB_F_TRACE_SCENE), scene) != 0)
             continue;
-        const cJSON *earlier = traces->child;
+        const bb_entry *earlier = bb_first(traces);
         while (earlier != trace && !same_rays(earlier, trace))
-            earlier = earlier->next;
+            earlier = bb_next(earlier);
         if (earlier == trace)
             print_group(out, traces, trace, embree);
     }
@@ -353,13 +346,12 @@ static void print_traces(FILE *out, const cJSON *traces, const char *scene, cons
 
 /* ---- skipped sets, times ---- */
 
-static void print_skipped(FILE *out, const cJSON *skipped)
+static void print_skipped(FILE *out, const bb_section *skipped)
 {
-    const cJSON *set;
-    if (first_entry(skipped) == NULL)
+    if (bb_first(skipped) == NULL)
         return;
     fputs("\nskipped\n", out);
-    cJSON_ArrayForEach(set, skipped)
+    bb_each(set, skipped)
     {
         const char *view = bb_get_text(set, BB_F_SKIPPED_VIEW);
         fputs("  ", out);
@@ -384,35 +376,33 @@ static void print_seconds(FILE *out, const char *name, double ms)
         fputs("         -\n", out);
 }
 
-/* Files of earlier versions have the steps only. */
-static void print_times(FILE *out, const cJSON *steps, const cJSON *times)
+/* Runs merged with one that has no total have the steps only. */
+static void print_times(FILE *out, const bb_results *results)
 {
-    const cJSON *step;
+    const bb_section *steps = bb_results_section(results, BB_STEPS);
+    const bool whole = bb_results_section(results, BB_TIMES) != NULL;
     double total = 0;
-    bool whole = cJSON_IsObject(times);
-    if (first_entry(steps) == NULL && !whole)
+    if (bb_first(steps) == NULL && !whole)
         return;
     fputs(whole ? "\nwhere the time went\n" : "\ntime outside build and trace\n", out);
     if (whole) {
-        print_seconds(out, "builds, timed", bb_json_number(times, "build"));
-        print_seconds(out, "traces, timed", bb_json_number(times, "trace"));
+        print_seconds(out, "builds, timed", bb_results_ms(results, BB_TIMES, "build"));
+        print_seconds(out, "traces, timed", bb_results_ms(results, BB_TIMES, "trace"));
     }
-    cJSON_ArrayForEach(step, steps)
+    bb_each(step, steps)
     {
-        if (!cJSON_IsNumber(step))
-            continue;
-        print_seconds(out, step->string, step->valuedouble);
-        total += step->valuedouble;
+        print_seconds(out, bb_part_name(step), bb_part_number(step));
+        total += bb_part_number(step);
     }
     if (whole) {
-        print_seconds(out, "not accounted for", bb_json_number(times, "other"));
-        total = bb_json_number(times, "total");
+        print_seconds(out, "not accounted for", bb_results_ms(results, BB_TIMES, "other"));
+        total = bb_results_ms(results, BB_TIMES, "total");
     }
     print_seconds(out, "total", total);
 }
 
-/* Files of earlier versions do not say. */
-static void print_compiling(FILE *out, const cJSON *context)
+/* Judged files do not say: nothing was compiled for them. */
+static void print_compiling(FILE *out, const bb_entry *context)
 {
     if (isnan(bb_get_number(context, BB_F_CONTEXT_PROGRAMS)))
         return;
@@ -427,7 +417,7 @@ static void print_compiling(FILE *out, const cJSON *context)
 
 static void print_audit(FILE *out, const cJSON *audit)
 {
-    if (!cJSON_IsObject(audit))
+    if (audit == NULL)
         return;
     fprintf(
         out,
@@ -459,16 +449,15 @@ static void print_legend(FILE *out, const char *embree)
 
 bb_status bb_report_table(const bb_results *results, FILE *out)
 {
-    const cJSON *scene;
-    const cJSON *context = bb_results_section(results, "context");
-    const cJSON *builds = bb_results_section(results, "builds");
-    const cJSON *traces = bb_results_section(results, "traces");
+    const bb_entry *context = bb_results_context(results);
+    const bb_section *builds = bb_results_section(results, BB_BUILDS);
+    const bb_section *traces = bb_results_section(results, BB_TRACES);
     fprintf(out, "bvhbench ");
     bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_REVISION), 0);
     fputs(" on ", out);
     bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_DEVICE), 0);
     fputc('\n', out);
-    cJSON_ArrayForEach(scene, bb_results_section(results, "scenes"))
+    bb_each(scene, bb_results_section(results, BB_SCENES))
     {
         const char *name = bb_get_text(scene, BB_F_SCENE_NAME);
         char count[BB_ENTRY];
@@ -482,11 +471,10 @@ bb_status bb_report_table(const bb_results *results, FILE *out)
         print_traces(out, traces, name, bb_results_reference(results));
     }
     BB_TRY(bb_report_predictions(results, out));
-    print_skipped(out, bb_results_section(results, "skipped"));
-    print_times(out, bb_results_section(results, "steps_ms"),
-                bb_results_section(results, "time_ms"));
+    print_skipped(out, bb_results_section(results, BB_SKIPPED));
+    print_times(out, results);
     print_compiling(out, context);
-    print_audit(out, bb_results_section(results, "audit"));
-    print_legend(out, cJSON_GetArraySize(traces) > 0 ? bb_results_reference(results) : NULL);
+    print_audit(out, bb_results_member(results, "audit"));
+    print_legend(out, bb_section_count(traces) > 0 ? bb_results_reference(results) : NULL);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

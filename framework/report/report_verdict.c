@@ -4,7 +4,6 @@
 #include "framework/report/report.h"
 #include "framework/summary/summary.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +32,7 @@ static void print_count(FILE *out, const char *before, uint32_t count, const cha
 /* Before all else: a GPU may not be the device that somebody thinks it is. */
 static void print_device(FILE *out, const bb_results *results)
 {
-    const cJSON *context = bb_results_section(results, "context");
+    const bb_entry *context = bb_results_context(results);
     char device[60];
     snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
     bb_print_text(out, device, 0);
@@ -42,8 +41,8 @@ static void print_device(FILE *out, const bb_results *results)
 
 static void print_head(FILE *out, const bb_results *results, const bb_summary *s)
 {
-    const cJSON *context = bb_results_section(results, "context");
-    double ms = bb_json_number(bb_results_section(results, "time_ms"), "total");
+    const bb_entry *context = bb_results_context(results);
+    double ms = bb_json_number(bb_results_section(results, BB_TIMES), "total");
     char revision[48];
     fputs("bvhbench ", out);
     snprintf(revision, sizeof revision, "%s", bb_get_text(context, BB_F_CONTEXT_REVISION));
@@ -206,7 +205,7 @@ bb_status bb_report_verdict(const bb_results *results, FILE *out)
         print_wrapped(out, "WARNING", LABEL, busy);
     if (bb_summary_implausible(results, implausible))
         print_wrapped(out, "WARNING", LABEL, implausible);
-    if (bb_get_true(bb_results_section(results, "context"), BB_F_CONTEXT_INTERRUPTED))
+    if (bb_get_true(bb_results_context(results), BB_F_CONTEXT_INTERRUPTED))
         print_wrapped(out, "INTERRUPTED", LABEL, "not all that was asked for was measured");
     print_head(out, results, &summary);
     if (summary.row_count > 0) {

@@ -5,7 +5,6 @@
 #include "framework/bench/bench.h"
 #include "framework/record/schema.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,7 +26,7 @@ static bb_outcome outcome_of(const char *status)
 
 /* ---- from records ---- */
 
-static double least(const cJSON *entry, bb_field_id field)
+static double least(const bb_entry *entry, bb_field_id field)
 {
     bb_samples samples;
     return bb_get_samples(entry, field, &samples) ? bb_samples_least(&samples) : (double)NAN;
@@ -38,7 +37,7 @@ static double or_zero(double value)
     return isfinite(value) ? value : 0;
 }
 
-static void add_trace(bb_point_figures *f, const cJSON *trace, double *tests)
+static void add_trace(bb_point_figures *f, const bb_entry *trace, double *tests)
 {
     double rays = bb_get_number(trace, BB_F_TRACE_COUNT);
     f->trace_ms = or_zero(f->trace_ms) + least(trace, BB_F_TRACE_MS);
@@ -59,7 +58,7 @@ typedef struct row {
     const char *builder, *kernel, *intersector;
 } row;
 
-static bool is_row(const cJSON *trace, const row *r)
+static bool is_row(const bb_entry *trace, const row *r)
 {
     return bb_bench_fits(r->builder, bb_get_text(trace, BB_F_TRACE_BUILDER)) &&
            bb_bench_fits(r->kernel, bb_get_text(trace, BB_F_TRACE_KERNEL)) &&
@@ -68,8 +67,8 @@ static bool is_row(const cJSON *trace, const row *r)
 
 static void read_build(const bb_results *results, const char *builder, bb_point_figures *f)
 {
-    const cJSON *build, *found = NULL;
-    cJSON_ArrayForEach(build, bb_results_section(results, "builds"))
+    const bb_entry *found = NULL;
+    bb_each(build, bb_results_section(results, BB_BUILDS))
     {
         if (found == NULL && strcmp(bb_get_text(build, BB_F_BUILD_BUILDER), builder) == 0)
             found = build;
@@ -102,7 +101,7 @@ static int weight_of(bb_outcome outcome)
 }
 
 /* The number of the ray set among those of the request. */
-static uint32_t set_of(const bb_point_request *request, const cJSON *trace)
+static uint32_t set_of(const bb_point_request *request, const bb_entry *trace)
 {
     uint32_t set = 0;
     while (set < request->bench.workload_count &&
@@ -116,8 +115,7 @@ static void read_traces(const bb_results *results, const bb_point_request *reque
 {
     double tests = 0;
     uint32_t traces = 0, sets = 0;
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
+    bb_each(trace, bb_results_section(results, BB_TRACES))
     {
         if (!is_row(trace, r))
             continue;
@@ -170,7 +168,8 @@ void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish)
         status = run_comparison(points, device, wish, &request, results);
     char reason[256];
     const bb_outcome whole = status == BB_FAILED ? BB_OUT_FAILED : BB_OUT_REFUSED;
-    const cJSON *scene = status == BB_OK ? bb_results_section(results, "scenes")->child : NULL;
+    const bb_entry *scene =
+        status == BB_OK ? bb_first(bb_results_section(results, BB_SCENES)) : NULL;
     snprintf(reason, sizeof reason, "%s", bb_message());
     for (uint32_t m = 0; m < points->method_count; m++) {
         bb_point_figures *f = &wish->figures[m];

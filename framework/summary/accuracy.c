@@ -2,7 +2,6 @@
  * rays, trees and kernels. */
 #include "framework/summary/summary_private.h"
 
-#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,7 +17,7 @@ typedef struct cells {
     uint32_t count;
 } cells;
 
-static bool usable(const cJSON *trace, const bb_summary_choice *choice)
+static bool usable(const bb_entry *trace, const bb_summary_choice *choice)
 {
     return bb_is_ok(trace) && !bb_get_true(trace, BB_F_TRACE_REFERENCE) &&
            bb_get_number(trace, BB_F_ACCURACY_CHECKED) > 0 &&
@@ -28,7 +27,7 @@ static bool usable(const cJSON *trace, const bb_summary_choice *choice)
                            bb_get_text(trace, BB_F_TRACE_RAYS));
 }
 
-static judged read(const cJSON *trace)
+static judged read(const bb_entry *trace)
 {
     double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
     return (judged){
@@ -114,11 +113,11 @@ static bb_status list_intersectors(const cells *all, bb_summary *s)
 bb_status bb_summary_accuracies(const bb_results *results, const bb_summary_choice *choice,
                                 bb_summary *summary)
 {
-    const cJSON *trace, *traces = bb_results_section(results, "traces");
-    cells all = {.items = calloc((size_t)cJSON_GetArraySize(traces) + 1, sizeof *all.items)};
+    const bb_section *traces = bb_results_section(results, BB_TRACES);
+    cells all = {.items = calloc((size_t)bb_section_count(traces) + 1, sizeof *all.items)};
     if (all.items == NULL)
         return bb_fail(BB_FAILED, "summary: no memory");
-    cJSON_ArrayForEach(trace, traces)
+    bb_each(trace, traces)
     {
         if (usable(trace, choice))
             all.items[all.count++] = read(trace);

@@ -1,7 +1,6 @@
 /* Whether other programs took the machine's time while it measured. */
 #include "framework/summary/summary.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -11,7 +10,7 @@ static const double quiet_share = 0.1;
 
 bool bb_summary_busy(const bb_results *results, char text[256])
 {
-    const cJSON *context = bb_results_section(results, "context");
+    const bb_entry *context = bb_results_context(results);
     double threads = bb_get_number(context, BB_F_CONTEXT_THREADS);
     double others = bb_get_number(context, BB_F_CONTEXT_OTHERS);
     if (!(threads > 0) || !(others > quiet_share * threads))

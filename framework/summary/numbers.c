@@ -2,7 +2,6 @@
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 
-#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,7 +39,7 @@ static bb_samples scaled(const bb_samples *samples, double factor)
     return all;
 }
 
-static bb_samples samples_of(const cJSON *entry, bb_field_id field)
+static bb_samples samples_of(const bb_entry *entry, bb_field_id field)
 {
     bb_samples samples = {0};
     if (!bb_get_samples(entry, field, &samples))
@@ -55,9 +54,9 @@ static double or_zero(double value)
 
 /* What a build does not need costs nothing: a reference makes its boxes inside its build, and is on
  * the host already. */
-static void read_build(const bb_results *results, const cJSON *build, bb_built *b)
+static void read_build(const bb_results *results, const bb_entry *build, bb_built *b)
 {
-    const cJSON *scene = bb_results_scene(results, bb_get_text(build, BB_F_BUILD_SCENE));
+    const bb_entry *scene = bb_results_scene(results, bb_get_text(build, BB_F_BUILD_SCENE));
     double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
     b->build_ms = bb_get_number(build, BB_F_BUILD_MS_MEDIAN);
     b->there = true;
@@ -77,7 +76,7 @@ static void read_build(const bb_results *results, const cJSON *build, bb_built *
 }
 
 /* Answers of ours must be right; references are as they are. */
-static bool may_rank(const cJSON *trace)
+static bool may_rank(const bb_entry *trace)
 {
     double rate = bb_get_number(trace, BB_F_TRACE_RATE);
     if (!bb_is_ok(trace) || !(rate > 0) || !(bb_get_number(trace, BB_F_TRACE_COUNT) > 0))
@@ -89,7 +88,7 @@ static bool may_rank(const cJSON *trace)
            !(bb_get_number(trace, BB_F_TRACE_UNLIKE) > 0);
 }
 
-static void read_trace(const cJSON *trace, const cJSON *build, bb_candidate *c)
+static void read_trace(const bb_entry *trace, const bb_entry *build, bb_candidate *c)
 {
     const char *layout = bb_get_text(trace, BB_F_TRACE_LAYOUT);
     bb_samples ms = samples_of(trace, BB_F_TRACE_MS);
@@ -104,10 +103,9 @@ static void read_trace(const cJSON *trace, const cJSON *build, bb_candidate *c)
     c->layout_ms = bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, layout);
 }
 
-static bb_status read_builds(bb_numbers *n, const cJSON *builds)
+static bb_status read_builds(bb_numbers *n, const bb_section *builds)
 {
-    const cJSON *build;
-    cJSON_ArrayForEach(build, builds)
+    bb_each(build, builds)
     {
         const char *name = bb_get_text(build, BB_F_BUILD_BUILDER);
         const char *scene = bb_get_text(build, BB_F_BUILD_SCENE);
@@ -122,7 +120,7 @@ static bb_status read_builds(bb_numbers *n, const cJSON *builds)
     n->builds = calloc(cells + 1, sizeof *n->builds);
     if (n->builds == NULL)
         return bb_fail(BB_FAILED, "summary: no memory");
-    cJSON_ArrayForEach(build, builds)
+    bb_each(build, builds)
     {
         uint32_t e = find_entrant(n, bb_get_text(build, BB_F_BUILD_BUILDER), bb_run_of(build));
         uint32_t s = find_scene(n, bb_get_text(build, BB_F_BUILD_SCENE));
@@ -131,10 +129,9 @@ static bb_status read_builds(bb_numbers *n, const cJSON *builds)
     return BB_OK;
 }
 
-static void read_traces(bb_numbers *n, const cJSON *traces)
+static void read_traces(bb_numbers *n, const bb_section *traces)
 {
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, traces)
+    bb_each(trace, traces)
     {
         const char *rays = bb_get_text(trace, BB_F_TRACE_RAYS);
         const char *view = bb_get_text(trace, BB_F_TRACE_VIEW);
@@ -184,10 +181,10 @@ static bb_status sort_candidates(bb_numbers *n)
 
 bb_status bb_numbers_read(const bb_results *results, bb_numbers *numbers)
 {
-    const cJSON *builds = bb_results_section(results, "builds");
-    const cJSON *traces = bb_results_section(results, "traces");
-    size_t build_count = (size_t)cJSON_GetArraySize(builds) + 1;
-    size_t trace_count = (size_t)cJSON_GetArraySize(traces) + 1;
+    const bb_section *builds = bb_results_section(results, BB_BUILDS);
+    const bb_section *traces = bb_results_section(results, BB_TRACES);
+    size_t build_count = (size_t)bb_section_count(builds) + 1;
+    size_t trace_count = (size_t)bb_section_count(traces) + 1;
     *numbers = (bb_numbers){.results = results};
     numbers->entrants = calloc(build_count, sizeof *numbers->entrants);
     numbers->scenes = calloc(build_count, sizeof *numbers->scenes);

@@ -8,7 +8,6 @@
 #include "framework/builder/registry.h"
 #include "framework/summary/summary.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,7 +15,7 @@
 static const double implausible_ratio = 3;
 enum { NAMED = 4 };
 
-static double sah_of(const cJSON *build)
+static double sah_of(const bb_entry *build)
 {
     bool tree = bb_is_ok(build) && !bb_get_true(build, BB_F_BUILD_REFERENCE) &&
                 bb_get_number(build, BB_F_TREE_NODES) > 1;
@@ -24,11 +23,11 @@ static double sah_of(const cJSON *build)
 }
 
 /* Whether the build has the parameters of the specification; others may be anything. */
-static bool has_params(const cJSON *build, const bb_spec *spec)
+static bool has_params(const bb_entry *build, const bb_spec *spec)
 {
-    const cJSON *params = bb_get(build, BB_F_BUILD_PARAMS);
     for (uint32_t i = 0; i < spec->param_count; i++)
-        if (strcmp(bb_json_text(params, spec->keys[i]), spec->values[i]) != 0)
+        if (strcmp(bb_get_named_text(build, BB_F_BUILD_PARAMS, spec->keys[i]), spec->values[i]) !=
+            0)
             return false;
     return true;
 }
@@ -36,7 +35,7 @@ static bool has_params(const cJSON *build, const bb_spec *spec)
 /* How near a builder comes to the one that costs are held to (BB_ROLE_COST_REFERENCE): 2 for
  * that variant itself, 1 for others of its builder, 0 for all other builders, of which the cheapest
  * tree has to do. */
-static int nearness(const cJSON *build)
+static int nearness(const bb_entry *build)
 {
     bb_spec stages[BB_STAGES_MAX], reference;
     uint32_t count;
@@ -55,10 +54,10 @@ static int nearness(const cJSON *build)
 
 /* What trees of the scene of `like` are held to; NULL if there is none. Runs of a merged document
  * have the same scenes. */
-static const cJSON *yardstick(const cJSON *builds, const cJSON *like)
+static const bb_entry *yardstick(const bb_section *builds, const bb_entry *like)
 {
-    const cJSON *best = NULL, *build;
-    cJSON_ArrayForEach(build, builds)
+    const bb_entry *best = NULL;
+    bb_each(build, builds)
     {
         double sah = sah_of(build);
         if (!(sah > 0) || !bb_same_text(build, like, BB_F_BUILD_SCENE))
@@ -72,14 +71,14 @@ static const cJSON *yardstick(const cJSON *builds, const cJSON *like)
 
 bool bb_summary_implausible(const bb_results *results, char text[BB_IMPLAUSIBLE])
 {
-    const cJSON *builds = bb_results_section(results, "builds"), *build;
+    const bb_section *builds = bb_results_section(results, BB_BUILDS);
     uint32_t found = 0;
     size_t length = 0;
     text[0] = '\0';
-    cJSON_ArrayForEach(build, builds)
+    bb_each(build, builds)
     {
         double sah = sah_of(build);
-        const cJSON *best = sah > 0 ? yardstick(builds, build) : NULL;
+        const bb_entry *best = sah > 0 ? yardstick(builds, build) : NULL;
         if (best == NULL || !(sah > implausible_ratio * sah_of(best)))
             continue;
         if (found++ < NAMED && length < BB_IMPLAUSIBLE)

@@ -1,7 +1,6 @@
 /* Cells of a document as those of a fit, by kind of rays. */
 #include "framework/summary/prediction.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +15,7 @@ typedef struct cell {
 
 /* ---- cells ---- */
 
-double bb_prediction_overlap(const cJSON *build)
+double bb_prediction_overlap(const bb_entry *build)
 {
     double best = NAN;
     unsigned rank = 0;
@@ -30,7 +29,7 @@ double bb_prediction_overlap(const cJSON *build)
     return best;
 }
 
-static bool enters(const cJSON *trace, const cJSON *build)
+static bool enters(const bb_entry *trace, const bb_entry *build)
 {
     return build != NULL && bb_is_ok(trace) && bb_get_true(trace, BB_F_TRACE_COUNTS) &&
            !bb_get_true(trace, BB_F_TRACE_REFERENCE) && !bb_get_true(trace, BB_F_TRACE_WRONG) &&
@@ -43,17 +42,16 @@ static bool enters(const cJSON *trace, const cJSON *build)
 static uint32_t collect(const bb_results *results, cell *cells, bool *has_overlap)
 {
     const bb_metric *sah = bb_metrics[bb_metric_of_layouts()];
-    const cJSON *trace, *build;
     uint32_t count = 0, index = 0;
     *has_overlap = false;
-    cJSON_ArrayForEach(build, bb_results_section(results, "builds"))
+    bb_each(build, bb_results_section(results, BB_BUILDS))
     {
         *has_overlap = *has_overlap || bb_prediction_overlap(build) > 0;
     }
-    cJSON_ArrayForEach(trace, bb_results_section(results, "traces"))
+    bb_each(trace, bb_results_section(results, BB_TRACES))
     {
         double id = bb_get_number(trace, BB_F_TRACE_BUILD);
-        build = id >= 0 ? bb_results_build(results, (uint32_t)id) : NULL;
+        const bb_entry *build = id >= 0 ? bb_results_build(results, (uint32_t)id) : NULL;
         cell c = {.rays = bb_get_text(trace, BB_F_TRACE_RAYS),
                   .key = bb_get_text(trace, BB_F_TRACE_CELL),
                   .hash = bb_get_text(trace, BB_F_TRACE_RAYS_HASH),
@@ -266,7 +264,7 @@ static bb_status make_kinds(cell *cells, uint32_t count, bool has_overlap, bb_pr
 
 bb_status bb_predictions_make(const bb_results *results, bb_predictions *out)
 {
-    size_t room = (size_t)cJSON_GetArraySize(bb_results_section(results, "traces")) + 1;
+    size_t room = (size_t)bb_section_count(bb_results_section(results, BB_TRACES)) + 1;
     bool has_overlap;
     cell *cells = calloc(room, sizeof *cells);
     *out = (bb_predictions){.kinds = calloc(room, sizeof *out->kinds)};

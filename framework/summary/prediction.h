@@ -34,7 +34,7 @@ typedef struct bb_predictions {
 } bb_predictions;
 
 /* EPO of a build's tree: the better estimate where there are two; NAN. */
-double bb_prediction_overlap(const cJSON *build);
+double bb_prediction_overlap(const bb_entry *build);
 
 /* BB_FAILED without memory. */
 bb_status bb_predictions_make(const bb_results *results, bb_predictions *out);

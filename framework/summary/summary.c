@@ -2,7 +2,6 @@
  * tell apart. */
 #include "framework/summary/summary_private.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -209,7 +208,7 @@ static void group_rows(const bb_summary_view *v, bb_summary *s)
 
 /* ---- what was wrong, and how sure it is ---- */
 
-static bb_summary_row *find_row(bb_summary *s, const cJSON *entry, bb_field_id builder)
+static bb_summary_row *find_row(bb_summary *s, const bb_entry *entry, bb_field_id builder)
 {
     for (uint32_t i = 0; i < s->row_count; i++)
         if (s->rows[i].run == bb_run_of(entry) &&
@@ -220,8 +219,7 @@ static bb_summary_row *find_row(bb_summary *s, const cJSON *entry, bb_field_id b
 
 static void count_wrong(const bb_numbers *n, const bb_summary_choice *choice, bb_summary *s)
 {
-    const cJSON *entry;
-    cJSON_ArrayForEach(entry, bb_results_section(n->results, "traces"))
+    bb_each(entry, bb_results_section(n->results, BB_TRACES))
     {
         bb_summary_row *row = find_row(s, entry, BB_F_TRACE_BUILDER);
         bool ours = bb_get_true(entry, BB_F_TRACE_COUNTS);
@@ -245,7 +243,7 @@ static void count_wrong(const bb_numbers *n, const bb_summary_choice *choice, bb
     for (uint32_t i = 0; i < n->set_count; i++)
         if (bb_choice_takes(choice, n->scenes[n->sets[i].scene], n->sets[i].rays))
             s->distinct += n->sets[i].judged;
-    cJSON_ArrayForEach(entry, bb_results_section(n->results, "builds"))
+    bb_each(entry, bb_results_section(n->results, BB_BUILDS))
     {
         bb_summary_row *row = find_row(s, entry, BB_F_BUILD_BUILDER);
         if (row != NULL && !bb_is_ok(entry) &&

@@ -167,7 +167,7 @@ function sceneTable() {
   ], data.scenes, {});
 }
 
-/* Files of earlier versions have the steps only, whose total is then their sum. */
+/* Runs merged with one that has no total have the steps only, whose total is then their sum. */
 function stepTable() {
   const times = data.time_ms || {}, rows = [];
   const add = (name, ms) => { if (isNumber(ms)) rows.push({ name, ms }); };
