@@ -1,12 +1,13 @@
 /* AAC: approximate agglomerative clustering, on the device, over any code.
  *
  * Gu, He, Fatahalian, Blelloch 2013, "Efficient BVH Construction via Approximate Agglomerative
- * Clustering". The paper's text was not at hand: made from its abstract, from what later papers and
- * published code say of the method, and derived again. variant=hq and fast are delta and epsilon of
- * AAC-HQ and AAC-Fast as published code has them. The steps: aac.cl and aac_combine.clh. Where this
+ * Clustering". The paper's text was not at hand: this was made from its abstract, later papers and
+ * published code, and derived again. variant=hq and variant=fast set delta and epsilon as published
+ * code does for AAC-HQ and AAC-Fast. aac.cl and aac_combine.clh list the steps. Where this
  * knowingly departs from the method:
  *
- * - No matrices of distances: distances are computed again from boxes in the first-level cache. So
+ * - No matrices of distances are kept: distances are recomputed from boxes in the first-level
+ * cache, so
  *   memory grows with f(n), not with its square; it is reserved before a build.
  * - Equal codes are told apart by their index, so that the recursion is at most 32 levels deeper
  *   than the code is long.
@@ -28,13 +29,13 @@ BB_DEVICE_SOURCE(aac);
 
 enum {
     GROUP_SIZE = 64,
-    LANES_GPU = 64,   /* that combine one list */
-    LARGE_GPU = 512,  /* primitives of a node that is built by several work-groups */
-    LARGE_CPU = 1024, /* at least, and then by the number of cores */
+    LANES_GPU = 64,   /* work-items that combine one list */
+    LARGE_GPU = 512,  /* a node with more primitives is built by several work-groups */
+    LARGE_CPU = 1024, /* lower bound; the number of cores may raise it */
     TASKS_PER_CORE = 8,
-    GROUPS_GPU = 2048, /* at most at once, over small nodes; memory is for so many */
+    GROUPS_GPU = 2048, /* most work-groups at once over small nodes, each with its scratch */
     GROUPS_LARGE_GPU = 256,
-    LEVELS_MAX = 96, /* prefixes of keys, 64, and of indices */
+    LEVELS_MAX = 96, /* longest common prefix: 64 bits of keys and 32 of indices */
 };
 
 static const bb_option options[] = {
@@ -52,15 +53,15 @@ typedef struct aac {
     bb_account *account;
     aac_law law;
     bb_sorted_codes sorted;
-    bb_refitter *refitter; /* NULL: trees are built again */
-    uint32_t key_bytes;    /* of what is compiled; 0: nothing yet */
+    bb_refitter *refitter; /* NULL: moved primitives cause a rebuild */
+    uint32_t key_bytes;    /* size of the keys that the kernels are compiled for; 0: not compiled */
     cl_program program;
     cl_kernel split, subtree, join, finish, skips;
-    uint32_t prepared;                   /* primitives that the sizes below are for */
+    uint32_t prepared;                   /* most primitives that the sizes below allow for */
     uint32_t large;                      /* nodes of more primitives are large */
     uint32_t goals;                      /* sizes in the table of f */
-    uint32_t small_room, large_room;     /* slots of a work-group's scratch */
-    uint32_t small_groups, large_groups; /* that there is scratch for */
+    uint32_t small_room, large_room;     /* slots in a work-group's scratch */
+    uint32_t small_groups, large_groups; /* work-groups that have scratch */
     bb_buffer sizes, counts, nodes, tasks, clusters, heights, live, scratch;
 } aac;
 
@@ -97,7 +98,8 @@ static uint32_t lanes_of(const aac *self)
     return bb_cpu_form(self->device) ? 1 : LANES_GPU;
 }
 
-/* What depends on the size of keys, which is known once nothing of the code is open. */
+/* Compiles what depends on the size of keys, which is known once all options of the code are
+ * settled. */
 static bb_status compile(aac *self)
 {
     if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))
@@ -146,7 +148,8 @@ static bb_status create(const bb_builder_context *context, void **out)
     return compile(self);
 }
 
-/* Slots for the clusters of two children that have `size` primitives together. */
+/* Scratch slots needed to combine the clusters of two children that have `size` primitives
+ * together. */
 static uint32_t room_for(const aac *self, uint32_t size)
 {
     uint32_t slots = bb_max_u32(2 * aac_goal(&self->law, size), self->law.delta);
@@ -167,7 +170,7 @@ static void choose_sizes(aac *self, uint32_t count)
     self->large_groups = bb_cpu_form(self->device) ? cores : GROUPS_LARGE_GPU;
 }
 
-/* The table of f, made where all machines agree on it. */
+/* Computes the table of f on the host, so that it is the same on all devices. */
 static bb_status write_sizes(aac *self)
 {
     uint32_t *sizes = NULL, most = bb_max_u32(self->prepared, self->law.delta);
@@ -186,8 +189,8 @@ static bb_status reserve(aac *self, size_t count)
     bb_device *device = self->device;
     bb_account *account = self->account;
     size_t word = sizeof(uint32_t);
-    /* the large nodes of one level share no primitive; each has at most one small child more than
-     * it has large ones */
+    /* The large nodes of one level share no primitives. A binary tree has one leaf, here a small
+     * node, more than it has internal nodes. */
     size_t ranges = (count / self->large + 1) * LEVELS_MAX;
     size_t small = (size_t)self->small_groups * self->small_room;
     size_t large = (size_t)self->large_groups * self->large_room;
@@ -219,7 +222,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 
 /* ---- the build ---- */
 
-/* Large nodes, by levels from the root: level n is at[n] .. at[n + 1] - 1. */
+/* Large nodes by level, from the root: those of level n are at[n] .. at[n + 1] - 1. */
 typedef struct large_levels {
     uint32_t at[LEVELS_MAX + 2];
     uint32_t count;

@@ -1,20 +1,20 @@
 /* AAC, approximate agglomerative clustering: Gu, He, Fatahalian, Blelloch 2013.
  *
  * build(keys l .. r of a node of the radix tree):
- *   fewer than delta: a cluster each, combined to f(delta)
- *   else: build both children, put their clusters together, combine to f(r - l + 1)
+ *   fewer than delta keys: make a cluster of each and combine them to f(delta)
+ *   else: build both children, append their clusters, combine them to f(r - l + 1)
  * at the root: combine to 1
  *
- * The clusters of a node over keys l .. r lie from place l on; a right child's clusters are moved
- * up behind its left sibling's, in place. In launches:
- *   from the root down, level by level: split nodes of more than `large` keys           (aac_split)
- *   their other children, by a work-group each, in one pass over their keys           (aac_subtree)
- *   the large nodes, from the last level up                                             (aac_join)
- *   the root (aac_finish), and skips (aac_skips)
- * The lists of large nodes and of small ones are in any order, which shows nowhere.
+ * The clusters of a node over keys l .. r are stored from place l on. A right child's clusters are
+ * moved up, in place, behind its left sibling's. The launches:
+ *   split the nodes of more than `large` keys, level by level from the root             (aac_split)
+ *   build each small child by one work-group, in one pass over its keys               (aac_subtree)
+ *   combine the large nodes, level by level up to the root                              (aac_join)
+ *   finish the root (aac_finish), then set skips (aac_skips)
+ * The order of the lists of large and small nodes varies; the tree does not depend on it.
  *
- * Whenever two clusters become one, the higher of their ids is used up, and is the number of the
- * pair of nodes: 2 id - 1 and 2 id. So the numbers do not depend on who does what when.
+ * When two clusters are joined, the higher of their ids is used up and numbers the pair of
+ * nodes: 2 id - 1 and 2 id. So node numbers do not depend on the order in which work-items run.
  *
  * -DBB_KEY64 for ulong keys; AAC_LANES work-items per work-group.
  */
@@ -23,10 +23,10 @@
 #include "tree_info.clh"
 #include "aac_combine.clh"
 
-/* Left children that wait: their levels fall. */
+/* Depth of the stack of waiting left children; their levels strictly decrease. */
 #define AAC_STACK (BB_PREFIX_BITS + 32u)
 
-/* f, as the sizes from which on it is 1, 2, ... */
+/* f as a table: the sizes from which on it is 1, 2, ... */
 typedef struct aac_goal {
     global const uint *sizes;
     uint size_count;
@@ -48,11 +48,11 @@ uint goal_of(const aac_goal *goal, uint size)
 
 /* ---- large nodes, from the top ---- */
 
-/* The last key of the left child of node l .. r, l < r. */
+/* Returns the last key of the left child of node l .. r, l < r. */
 uint split_of(global const bb_key *keys, uint l, uint r)
 {
     uint common = common_of(keys, l, r), low = l, high = r;
-    while (high - low > 1u) { /* low is left, high is right of the split */
+    while (high - low > 1u) { /* low is left of the split, high is right of it */
         uint middle = low + (high - low) / 2u;
         if (common_of(keys, l, middle) > common)
             low = middle;
@@ -62,7 +62,7 @@ uint split_of(global const bb_key *keys, uint l, uint r)
     return low;
 }
 
-/* counts[0]: small nodes; counts[1]: large ones of the next level. */
+/* counts[0]: number of small nodes; counts[1]: number of large nodes on the next level. */
 void list_child(uint l, uint r, uint large, volatile global uint *counts, global aac_range *next,
                 global aac_range *tasks)
 {
@@ -73,7 +73,7 @@ void list_child(uint l, uint r, uint large, volatile global uint *counts, global
         tasks[atomic_inc(&counts[0])] = range;
 }
 
-/* A level: nodes[at] to nodes[at + count - 1]; the next one follows. */
+/* Splits one level: nodes[at] .. nodes[at + count - 1]. The next level is written behind it. */
 kernel void aac_split(global const bb_key *keys, uint at, uint count, uint large,
                       volatile global uint *counts, global aac_range *nodes,
                       global aac_range *tasks)
@@ -90,10 +90,10 @@ kernel void aac_split(global const bb_key *keys, uint at, uint count, uint large
 
 /* ---- clusters ---- */
 
-/* Clusters from .. from + count - 1 go to `to`, before where they are. */
+/* Moves clusters from .. from + count - 1 down to `to` < from. */
 void move_down(const aac_list *list, uint to, uint from, uint count)
 {
-    for (uint at = 0; at < count; at += AAC_LANES) { /* what is read lies behind what is written */
+    for (uint at = 0; at < count; at += AAC_LANES) { /* reads are always ahead of writes */
         uint i = at + lane_of();
         uint8 words = 0;
         uint height = 0;
@@ -110,9 +110,9 @@ void move_down(const aac_list *list, uint to, uint from, uint count)
     }
 }
 
-/* Clusters of node l .. r from those of its children, which have `left` and `right`. Children that
- * are small by themselves are combined first: below delta nothing was. One call of combine(), since
- * compilers put it in its callers' place. */
+/* Combines the clusters of the children of node l .. r, which have `left` and `right` of them.
+ * Children smaller than delta have not been combined yet, so they are combined first. combine() is
+ * called in one place only, since compilers inline it. */
 uint join_children(const aac_scratch *s, const aac_list *list, const aac_goal *goal, uint l,
                    uint split, uint r, uint left, uint right)
 {
@@ -148,12 +148,13 @@ void start_cluster(const aac_list *list, uint i, global const uint *values,
     refs[i] = prim | BB_LAST_BIT;
 }
 
-/* Clusters of a small node: as link_chunks() of radix_tree.cl goes through its keys. */
+/* Returns how many clusters a small node has. Traverses its keys as link_chunks() of radix_tree.cl
+ * does. */
 uint build_small(const aac_scratch *s, const aac_list *list, const aac_goal *goal,
                  global const bb_key *keys, uint count, uint begin, uint end)
 {
     uint starts[AAC_STACK], counts[AAC_STACK];
-    uchar levels[AAC_STACK]; /* of the split to the left of each entry */
+    uchar levels[AAC_STACK]; /* level of the split to the left of each stack entry */
     uint top = 0, left_level = level_of(keys, count, begin - 1u);
     for (uint i = begin;; i++) {
         uint right_level = level_of(keys, count, i), level = left_level;
@@ -175,7 +176,7 @@ uint build_small(const aac_scratch *s, const aac_list *list, const aac_goal *goa
     }
 }
 
-/* live[l]: clusters of the node that begins at l. */
+/* live[l]: number of clusters of the node that begins at l. */
 kernel __attribute__((reqd_work_group_size(AAC_LANES, 1, 1)))
 void aac_subtree(global const bb_key *keys, uint count, global const aac_range *tasks,
                         uint task_count, global const uint *values, global const bb_box *boxes,
@@ -218,13 +219,13 @@ void aac_join(global const aac_range *large, uint at, uint large_count,
         const aac_range node = large[at + t];
         uint found = join_children(&s, &list, &goal, node.l, node.split, node.r, live[node.l],
                                    live[node.split + 1u]);
-        AAC_SYNC(); /* all have read it */
+        AAC_SYNC(); /* all work-items have read it */
         if (lane_of() == 0)
             live[node.l] = found;
     }
 }
 
-/* One work-group. */
+/* Runs in one work-group. */
 kernel __attribute__((reqd_work_group_size(AAC_LANES, 1, 1)))
 void aac_finish(uint count, global aac_cluster *clusters, global uint *heights,
                        global bb_node *nodes, float unit, global const uint *sizes,
@@ -237,7 +238,7 @@ void aac_finish(uint count, global aac_cluster *clusters, global uint *heights,
     const aac_list list = {clusters, heights, nodes, unit};
     const aac_goal goal = {sizes, size_count, delta};
     uint left = live[0];
-    for (uint step = 0; step < 2u; step++) /* first what any node of so few is combined to */
+    for (uint step = 0; step < 2u; step++) /* step 0: a root of fewer than delta keys */
         left = combine(&s, &list, 0, left,
                        step == 1u ? 1u : count < delta ? goal_of(&goal, delta) : left);
     if (lane_of() != 0)
@@ -248,8 +249,8 @@ void aac_finish(uint count, global aac_cluster *clusters, global uint *heights,
     bb_write_binary_info(info, count, count, heights[0]);
 }
 
-/* A left child, or the root, gives its skip to all that end where it does: its right child, that
- * one's right child ... Each node that is a right child is met once. */
+/* A left child, or the root, passes its skip down the chain of right children below it, all of
+ * which end where it does. Each right child is visited once. */
 kernel void aac_skips(uint count, global bb_node *nodes)
 {
     uint pair = get_global_id(0);

@@ -4,8 +4,8 @@
 
 enum { POWER_BITS = 40 };
 
-/* x^power for 0 <= power < 1: the product of x^(1/2), x^(1/4) ... for the bits of the power. The
- * library's pow() may round otherwise on other machines. */
+/* Returns x^power for 0 <= power < 1, as the product of x^(1/2), x^(1/4) ... for the bits of the
+ * power. The library's pow() may round differently on other machines. */
 static double root_power(double x, double power)
 {
     double result = 1, root = x;

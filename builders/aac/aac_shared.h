@@ -1,4 +1,4 @@
-/* What host and device share of AAC (aac.c, aac.cl). */
+/* Types and constants that host and device share for AAC (aac.c, aac.cl). */
 #ifndef BB_AAC_SHARED_H
 #define BB_AAC_SHARED_H
 
@@ -8,11 +8,12 @@
 #include "kernels/bb_shared.h"
 #endif
 
-/* Words that a slot of a work-group's scratch has: box, distance, nearest. */
+/* Words per slot of a work-group's scratch: box, distance, nearest. */
 #define AAC_SLOT_WORDS 8
 
-/* A cluster: box and links as its node has them. Of all pairs of nodes, which are numbered by the
- * primitives from 1 on, it has used up those of its primitives but the first, `id`. */
+/* A cluster: the box and links that its node will have. Pairs of nodes are numbered by primitives,
+ * from 1 on. A cluster of n primitives has used n - 1 of their numbers; the lowest, `id`, is
+ * left. */
 typedef struct aac_cluster {
     float lo[3];
     bb_u32 first;
@@ -20,8 +21,8 @@ typedef struct aac_cluster {
     bb_u32 id;
 } aac_cluster;
 
-/* Keys l .. r; a node of the radix tree. Of nodes that many work-groups share out: split, the last
- * key of the left child. */
+/* A node of the radix tree over keys l .. r. For large nodes, split is the last key of the left
+ * child. */
 typedef struct aac_range {
     bb_u32 l, r, split;
 } aac_range;

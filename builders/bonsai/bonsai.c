@@ -1,22 +1,23 @@
-/* Bonsai: full-sweep SAH in small groups of primitives, and over them. On the device.
+/* Bonsai: full-sweep SAH in small groups of primitives, then over the groups. Runs on the device.
  *
  * Ganestam, Barringer, Doggett, Akenine-Möller 2015, "Bonsai: Rapid Bounding Volume Hierarchy
- * Generation using Mini Trees". The primitives are split at spatial medians of their centroids into
- * groups of a few hundred; a mini-tree is grown for each by the surface area heuristic; mini-trees
- * that are large are pruned, which leaves several subtrees of each; a top tree is grown over what
- * is left. The paper's text was not at hand: `group` and `prune` mean what its abstract and others
- * say they do. Where this knowingly departs from it:
+ * Generation using Mini Trees". Spatial medians of the centroids split the primitives into groups
+ * of a few hundred. A mini-tree is grown over each group by the surface area heuristic. Large
+ * mini-trees are pruned, which leaves several subtrees of each. A top tree is grown over these
+ * subtrees. The paper's text was not at hand: `group` and `prune` mean what its abstract and later
+ * papers say of them. Where this knowingly departs from it:
  *
- * - Medians are those of a code, whose bits halve cells: one sort makes all groups at once, and any
- *   code will do (bonsai_groups.cl). The default's halve the longest side of the cell.
- * - Groups have up to 256 primitives, not 512: that takes as long, mountain's SAH is 1.5 % lower,
+ * - The medians are those of a code, whose bits halve cells: one sort makes all groups at once, and
+ * any
+ *   code will do (bonsai_groups.cl). The default code halves the longest side of the cell.
+ * - Groups have up to 256 primitives, not 512: this takes as long, mountain's SAH is 1.5 % lower,
  *   and a mini-tree fits into the 32 KiB of local memory that every device has.
- * - An item of the top tree weighs 1, whatever it holds (weight=items): with weight=prims the SAH
- *   of kitchen and coffee is 6 % higher.
- * - No more than a share of the primitives (ITEMS_SHARE) becomes leaves of the top tree, else less
- *   is pruned: that bounds memory, and the top tree's time.
+ * - An item of the top tree weighs 1, however many primitives it has (weight=items): weight=prims
+ *   raises the SAH of kitchen and coffee by 6 %.
+ * - At most one in ITEMS_SHARE primitives becomes a leaf of the top tree, otherwise less is pruned:
+ *   this bounds memory and the time for the top tree.
  *
- * One work-group grows a mini-tree, on CPUs of one work-item; the tree is the same.
+ * One work-group grows a mini-tree, on CPUs one work-item; the tree is the same.
  */
 #include "bonsai_top.h"
 #include "builders/common/refit.h"
@@ -56,11 +57,11 @@ typedef struct bonsai {
     uint32_t group;
     double prune;
     bb_sorted_codes sorted;
-    uint32_t key_bytes; /* of what is compiled; 0: nothing yet */
+    uint32_t key_bytes; /* size of the keys that the kernels are compiled for; 0: not compiled */
     cl_program groups_program, mini_program;
     cl_kernel count_kernel, starts_kernel, mini, areas_kernel, prune_kernel, list;
     bn_top *top;
-    bb_refitter *refitter;    /* NULL: trees are built again */
+    bb_refitter *refitter;    /* NULL: moved primitives cause a rebuild */
     bb_buffer firsts, counts; /* u32 per chunk of keys */
     bb_buffer starts;         /* u32 per group, and one more */
     bb_buffer total, opened;  /* u32 */
@@ -105,7 +106,8 @@ static void destroy(void *opaque)
     free(self);
 }
 
-/* What depends on the size of keys, which is known once nothing of the code is open. */
+/* Compiles what depends on the size of keys, which is known once all options of the code are
+ * settled. */
 static bb_status compile_groups(bonsai *self)
 {
     if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))
@@ -120,7 +122,8 @@ static bb_status compile_groups(bonsai *self)
     return BB_OK;
 }
 
-/* Local memory of a mini-tree of up to `room` primitives, as bonsai_mini.cl has it. */
+/* Local memory, in bytes, for a mini-tree of up to `room` primitives, as laid out in
+ * bonsai_mini.cl. */
 static uint64_t local_bytes(uint32_t room)
 {
     const uint64_t per_axis = sizeof(uint32_t) + 2 * sizeof(uint16_t); /* key, both orders */
@@ -257,8 +260,8 @@ static bb_status grow(bonsai *self, const bb_scene *scene, float unit, bb_tree *
                      BB_MEM(self->areas));
 }
 
-/* The area above which nodes are opened: added up on the host, in order, so that it is the same on
- * every device. Never 0, however small the areas are: count_items() doubles it. */
+/* Finds the area above which nodes are opened. The host adds the areas up in order, so the result
+ * is the same on every device. It is never 0, even for tiny areas: count_items() doubles it. */
 static bb_status find_limit(bonsai *self, float *limit)
 {
     double sum = 0;
@@ -269,7 +272,7 @@ static bb_status find_limit(bonsai *self, float *limit)
     return BB_OK;
 }
 
-/* Counts what is left of the mini-trees, and raises the limit until it is not too much. */
+/* Counts the subtrees that pruning leaves, and raises the limit until there are at most `most`. */
 static bb_status count_items(bonsai *self, const bb_tree *tree, float unit, uint32_t most,
                              float *limit)
 {

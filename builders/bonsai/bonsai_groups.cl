@@ -1,23 +1,24 @@
-/* Groups of bonsai: the spatial median splits of sorted codes, down to `most` primitives.
+/* Groups of bonsai: splits sorted codes at spatial medians, down to `most` primitives.
  *
- * A bit of a code halves its cell, so splitting where keys first differ is splitting at the middle
- * of the cell: a group is a node of the radix tree over the keys that has at most `most` of them,
- * and whose parent has more. The tree is not made: from a group's first key, its end is found among
- * the next `most` keys; and whether a group begins at a key, among as many on either side.
+ * Each bit of a code halves its cell, so splitting where keys first differ is splitting at the
+ * middle of the cell. A group is a node of the radix tree over the keys that has at most `most` of
+ * them and whose parent has more. The tree is never built: the end of a group is found among the
+ * `most` keys after its first one, and whether a group begins at a key among as many keys on either
+ * side.
  *
  *   for each chunk of keys:                                                          (bn_count)
  *       find the first group that begins in it
- *       go from group to group, and count
+ *       go from group to group and count them
  *   scan the counts
- *   for each chunk of keys: again, and write where groups begin                     (bn_starts)
+ *   for each chunk of keys: again, and write the first key of each group              (bn_starts)
  *
  * -DBB_KEY64 for ulong keys.
  */
 #include "bb_device.h"
 #include "radix_keys.clh"
 
-/* Whether keys i - 1 and i are in two groups: so they are if the node that is split between them
- * is too large, and it has at least the keys that share what these two do. */
+/* Returns whether keys i - 1 and i are in two groups: they are if the node that is split between
+ * them is too large. That node has at least all keys that share the prefix common to both. */
 bool begins_group(global const bb_key *keys, uint count, uint i, uint most)
 {
     if (i == 0)
@@ -58,7 +59,8 @@ uint end_of_group(global const bb_key *keys, uint count, uint begin, uint most)
     return last + 1u;
 }
 
-/* firsts[chunk]: the first group that begins in it, or a later key; counts[chunk]: how many. */
+/* firsts[chunk]: first key of the first group that begins in the chunk, or a later key;
+ * counts[chunk]: number of groups that begin in it. */
 kernel void bn_count(global const bb_key *keys, uint count, uint most, uint chunk, uint chunks,
                      global uint *firsts, global uint *counts)
 {
@@ -75,7 +77,8 @@ kernel void bn_count(global const bb_key *keys, uint count, uint most, uint chun
     counts[number] = groups;
 }
 
-/* places: the scan of counts. starts[g] = first key of group g, and `count` after the last. */
+/* places: exclusive scan of counts. starts[g]: first key of group g; behind the last group:
+ * `count`. */
 kernel void bn_starts(global const bb_key *keys, uint count, uint most, uint chunk, uint chunks,
                       global const uint *firsts, global const uint *places, global uint *starts)
 {

@@ -1,22 +1,22 @@
-/* Mini-trees of bonsai, and what the top tree takes of them.
+/* Mini-trees of bonsai, and the subtrees of them that the top tree is built over.
  *
  *   for each group, by one work-group:                                               (bn_mini)
- *       boxes and centroids to local memory
+ *       copy boxes and centroids to local memory
  *       sort along each axis
  *       grow (bonsai_grow.clh)
- *   for each mini-tree: how large is its root?                                      (bn_areas)
- *   for each mini-tree, from the root down: open what is larger than a limit; count what remains
+ *   for each mini-tree: the area of its root                                           (bn_areas)
+ *   for each mini-tree, from the root down: open nodes larger than a limit; count what remains
  *                                                                                   (bn_prune)
  *   scan the counts
  *   list what remains                                                                (bn_list)
  *
- * Nodes are numbered as those of a radix tree: with the references in the order of the leaves, the
- * children below the split between references s and s + 1 are nodes 2s + 1 and 2s + 2. The root of
- * the group that begins at reference s is node 2s, until the top tree is there. Skips of what ends
- * where the group ends are the top tree's affair.
+ * Nodes are numbered like those of a radix tree: with the references in the order of the leaves,
+ * the children below the split between references s and s + 1 are nodes 2s + 1 and 2s + 2. The root
+ * of the group that begins at reference s is node 2s until the top tree is built. The top tree sets
+ * the skips of nodes that end where their group ends.
  *
- * -DBN_GROUP: most primitives of a group, a power of two, 2 to 4096; -DBN_LANES:
- * work-items that share it, 1 on CPUs.
+ * -DBN_GROUP: most primitives of a group, a power of two, 2 to 4096. -DBN_LANES: work-items that
+ * share a group, 1 on CPUs.
  */
 #define BN_SPACE local
 #define BN_ID ushort
@@ -118,7 +118,8 @@ bool bn_opens(global const bb_node *node, float unit, float limit)
     return (node->first & BB_LEAF_BIT) == 0 && bn_node_area(node, unit) > limit;
 }
 
-/* counts[group]: subtrees that are left of it. total[0] (0 before): groups that are opened. */
+/* counts[group]: number of subtrees left of it. opened[0], 0 before: number of groups that are
+ * opened. */
 kernel void bn_prune(global const uint *starts, uint groups, global const bb_node *nodes,
                      float unit, float limit, global uint *counts, volatile global uint *opened)
 {
@@ -137,7 +138,7 @@ kernel void bn_prune(global const uint *starts, uint groups, global const bb_nod
         atomic_inc(opened);
 }
 
-/* places: the scan of counts. */
+/* places: exclusive scan of counts. */
 kernel void bn_list(global const uint *starts, uint groups, global const bb_node *nodes, float unit,
                     float limit, global const uint *places, global bn_item *items)
 {
@@ -158,6 +159,6 @@ kernel void bn_list(global const uint *starts, uint groups, global const bb_node
         vstore4(lo, 0, (global uint *)(items + place));
         vstore4(hi, 1, (global uint *)(items + place));
         place++;
-        begin = n / 2u; /* skips are right children, or the group's end */
+        begin = n / 2u; /* a skip is a right child or the group's end */
     }
 }

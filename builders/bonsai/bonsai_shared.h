@@ -1,4 +1,4 @@
-/* What host and device share of bonsai. */
+/* Types and constants that host and device share for bonsai. */
 #ifndef BB_BONSAI_SHARED_H
 #define BB_BONSAI_SHARED_H
 
@@ -10,15 +10,16 @@ typedef ushort bn_u16;
 typedef uint16_t bn_u16;
 #endif
 
-/* Nodes this deep in a mini-tree, or in the top tree, are halved by number: no input makes a chain.
+/* Nodes from this level on, in a mini-tree or in the top tree, are halved by number, so that no
+ * input makes a chain.
  */
 #define BN_LEVELS 48u
 
-/* Nodes of a level, of so many elements: each of them has three or more. */
+/* Most nodes on a level of that many elements: each has three or more. */
 #define BN_SPANS(elements) ((elements) / 3u + 1u)
 
-/* A node with elements begin .. end - 1 of the orders, at least three: of mini-trees, and of the
- * top tree. */
+/* A node over elements begin .. end - 1 of the orders, at least three: of a mini-tree, of the top
+ * tree. */
 typedef struct bn_mini_span {
     bn_u16 begin, end;
     bb_u32 place;
@@ -29,13 +30,13 @@ typedef struct bn_top_span {
     bb_u32 place;
 } bn_top_span;
 
-/* A split: so many elements on the left along the axis; 0: there is none. */
+/* A split: the number of elements on the left along the axis; 0: no split found. */
 typedef struct bn_split {
     float cost;
     bb_u32 left, axis;
 } bn_split;
 
-/* A subtree of a mini-tree, a leaf of the top tree: the box and the link of its root, and its first
+/* A subtree of a mini-tree and leaf of the top tree: box and link of its root, and its first
  * reference. It ends where the next one begins. */
 typedef struct bn_item {
     float lo[3];
@@ -48,8 +49,8 @@ typedef struct bn_item {
  * tree's order. */
 typedef struct bn_task {
     bb_u32 begin, end;
-    bb_u32 place; /* of its node */
-    bb_u32 level; /* of its node in the top tree */
+    bb_u32 place; /* number of its node */
+    bb_u32 level; /* its node's level in the top tree */
 } bn_task;
 
 #ifndef __OPENCL_VERSION__

@@ -1,4 +1,4 @@
-/* The host side of bonsai_top.cl. */
+/* Host side of bonsai_top.cl. */
 #include "bonsai_top.h"
 
 #include "framework/base/arithmetic.h"
@@ -11,16 +11,16 @@ BB_DEVICE_SOURCE(bonsai_top);
 enum {
     GROUP_SIZE = 64,
     TOP_GROUP_SIZE = 256,
-    REST_GROUPS = 64, /* that share what the first launch leaves */
-    REST_LEAST = 256, /* items that are not worth a launch's while: see rest_of() */
-    AXIS_BITS = 34,   /* of a centroid and its axis */
+    REST_GROUPS = 64, /* work-groups of the second launch */
+    REST_LEAST = 256, /* see rest_of(): fewer items are not worth the second launch */
+    AXIS_BITS = 34,   /* of a sort key: a centroid and its axis */
 };
 
 struct bn_top {
     bb_device *device;
     bb_account *account;
     bool by_prims;
-    uint32_t group; /* work-items that share a node of the top tree */
+    uint32_t group; /* work-items that share a node */
     cl_program program;
     cl_kernel items_kernel, top_kernel, rest_kernel;
     bb_buffer boxes, keys, sort_keys, orders, right, spans, splits, weights, tasks, waiting;
@@ -107,7 +107,7 @@ static bb_status gather(bn_top *top, const bn_leaves *leaves, bb_tree *tree)
                      BB_MEM(tree->d_info), BB_MEM(top->waiting));
 }
 
-/* The first launch leaves nodes of up to so many items to the second. */
+/* Returns the largest node, in items, that the first launch leaves to the second. */
 static uint32_t rest_of(uint32_t items)
 {
     return bb_max_u32(items / REST_GROUPS, REST_LEAST);

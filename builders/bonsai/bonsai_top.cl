@@ -1,16 +1,17 @@
-/* The top tree of bonsai, over what is left of the mini-trees: full-sweep SAH, where an item weighs
- * the primitives that it has, or 1.
+/* The top tree of bonsai over the subtrees of the mini-trees: full-sweep SAH, in which an item
+ * weighs 1 or as much as it has primitives.
  *
  *   boxes, centroids and weights of the items                                       (bn_items)
  *   sort along each axis: one sort, with the axis above the centroid
- *   one work-group: grow, until nodes have few items                                  (bn_top)
- *   a work-group for each of these: grow it                                          (bn_rest)
+ *   one work-group: grow until nodes have few items                                   (bn_top)
+ *   a work-group for each of these nodes: grow it                                    (bn_rest)
  *
- * Its nodes take the places of those above the items: with item m the first one on the right, the
- * children are nodes 2s - 1 and 2s, where s is that item's first reference. A leaf of the top tree
- * is the root of a subtree, whose last nodes learn where they lead on to.
+ * Its nodes take the numbers of the radix tree's nodes above the items: if item m is the first on
+ * the right of a split, the children are nodes 2s - 1 and 2s, where s is the first reference of
+ * item m. A leaf of the top tree is the root of a subtree; the skips of the subtree's last nodes
+ * are set here.
  *
- * -DBN_LANES: work-items of a group; 1 on CPUs.
+ * -DBN_LANES: work-items per group; 1 on CPUs.
  */
 #define BN_SPACE global
 #define BN_ID uint
@@ -19,7 +20,8 @@
 #include "bonsai_grow.clh"
 #include "tree_info.clh"
 
-/* keys, also with their axes above: by axis. order: the items as they are. weights by item. */
+/* keys: by axis, also with the axis above the centroid in sort_keys. order: the items' own order.
+ * weights: by item. */
 kernel void bn_items(global const bn_item *items, uint count, uint refs, uint prims_weigh,
                      global float8 *boxes, global uint *keys, global ulong *sort_keys,
                      global uint *order, global uint *weights, global bb_tree_info *info,
@@ -45,21 +47,21 @@ kernel void bn_items(global const bn_item *items, uint count, uint refs, uint pr
     }
 }
 
-/* ---- what the top tree's leaves are ---- */
+/* ---- leaves of the top tree ---- */
 
 uint bn_start_of(const bn_grower *g, uint i)
 {
     return i < g->stride ? g->items[i].begin : g->total;
 }
 
-/* The depth of the tree below an item whose root is on a level of the top tree. */
+/* Raises the tree's depth to that below an item whose root is on `level` of the top tree. */
 void bn_deepen(const bn_grower *g, uint id, uint level, uint right_levels)
 {
     uint begin = g->items[id].begin, end = bn_start_of(g, id + 1u), deepest = 0;
     for (uint i = begin; i < end; i++)
         deepest = BB_MAX((uint)g->levels[i], deepest);
-    /* leaves know their levels below the mini-tree's root; the last one is right_levels below this
-     * one */
+    /* leaves have their levels below the mini-tree's root; the last leaf is right_levels below this
+     * root */
     atomic_max(&g->info->depth, level + deepest + right_levels - g->levels[end - 1u]);
 }
 
@@ -81,7 +83,7 @@ void bn_put_leaf(const bn_grower *g, uint id, uint position, uint place, uint sk
 
 /* ---- growing ---- */
 
-/* What is small enough waits for the second launch, in which `most` is 0. */
+/* Leaves a small node to the second launch, in which `most` is 0. */
 bool bn_put_off(const bn_grower *g, bn_span span, uint level)
 {
     if (span.end - span.begin > g->most)
@@ -98,7 +100,7 @@ bool bn_put_off(const bn_grower *g, bn_span span, uint level)
         global bb_node *nodes, volatile global bb_tree_info *info, global bn_task *tasks,          \
         volatile global uint *waiting
 
-/* Of a node whose items begin at `first`: those of its scratch do, too. */
+/* For a node whose items begin at `first`, which is also where its scratch begins. */
 #define BN_TOP_GROWER(first, least)                                                                \
     {                                                                                              \
         .boxes = boxes, .keys = keys, .orders = {orders, orders + 3u * count}, .right = right,     \
@@ -108,7 +110,7 @@ bool bn_put_off(const bn_grower *g, bn_span span, uint level)
         .tasks = tasks, .waiting = waiting                                                         \
     }
 
-/* One work-group. */
+/* Runs in one work-group. */
 kernel __attribute__((reqd_work_group_size(BN_LANES, 1, 1))) void bn_top(BN_TOP_BUFFERS, uint most)
 {
     local uint counts[2];
@@ -122,7 +124,7 @@ kernel __attribute__((reqd_work_group_size(BN_LANES, 1, 1))) void bn_top(BN_TOP_
     bn_grow(&g, 0);
 }
 
-/* As many work-groups as there may be; they share the tasks. */
+/* Runs in any number of work-groups, which share the tasks. */
 kernel __attribute__((reqd_work_group_size(BN_LANES, 1, 1))) void bn_rest(BN_TOP_BUFFERS)
 {
     local uint counts[2];
