@@ -7,8 +7,7 @@
  * knowingly departs from the method:
  *
  * - No matrices of distances are kept: distances are recomputed from boxes in the first-level
- * cache, so
- *   memory grows with f(n), not with its square; it is reserved before a build.
+ *   cache, so memory grows with f(n), not with its square; it is reserved before a build.
  * - Equal codes are told apart by their index, so that the recursion is at most 32 levels deeper
  *   than the code is long.
  * - Recursion is by subtrees of a given size, then upwards by levels of the radix tree.
@@ -190,7 +189,7 @@ static bb_status reserve(aac *self, size_t count)
     bb_account *account = self->account;
     size_t word = sizeof(uint32_t);
     /* The large nodes of one level share no primitives. A binary tree has one leaf, here a small
-     * node, more than it has internal nodes. */
+     * node, more than it has inner nodes. */
     size_t ranges = (count / self->large + 1) * LEVELS_MAX;
     size_t small = (size_t)self->small_groups * self->small_room;
     size_t large = (size_t)self->large_groups * self->large_room;

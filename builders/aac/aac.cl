@@ -9,7 +9,7 @@
  * moved up, in place, behind its left sibling's. The launches:
  *   split the nodes of more than `large` keys, level by level from the root             (aac_split)
  *   build each small child by one work-group, in one pass over its keys               (aac_subtree)
- *   combine the large nodes, level by level up to the root                              (aac_join)
+ *   combine the large nodes, level by level up to the root                               (aac_join)
  *   finish the root (aac_finish), then set skips (aac_skips)
  * The order of the lists of large and small nodes varies; the tree does not depend on it.
  *

@@ -1,19 +1,19 @@
 /* ATRBVH: an optimiser of binary trees that rebuilds treelets greedily, on the device.
  *
- *   rounds times, gamma doubling: each node of at least gamma leaves, children first: the treelet
- *   below it is replaced by the one in which its nearest leaves are merged first, if its area is
- *   less
+ *   rounds times, doubling gamma: for each node of at least gamma leaves, children first:
+ *       build the tree over the treelet's leaves that merges the nearest first
+ *       replace the treelet by it if its area is smaller
  *
  * Domingues and Pedrini 2015, "Bounding Volume Hierarchy Optimization through Agglomerative Treelet
- * Restructuring". The paper's text was not at hand: made from its abstract and the authors' code,
- * and derived again. Where it knowingly departs from that: README.md. The merging: atrbvh.cl;
- * rounds and levels: builders/common/treelets.h. Leaves stay as they are.
+ * Restructuring". The paper's text was not at hand: this was made from its abstract and the
+ * authors' code, and derived again. README.md lists the departures. atrbvh.cl has the merging,
+ * builders/common/treelets.h the rounds and levels. The tree's leaves stay as they are.
  */
 #include "builders/common/treelets.h"
 
 BB_DEVICE_SOURCE(atrbvh);
 
-enum { TREELET_MOST = 20 }; /* distances of all pairs stay near the processor */
+enum { TREELET_MOST = 20 }; /* so that the distances of all pairs stay in the cache */
 
 static const bb_option options[] = {
     {"rounds", "2", NULL, "most rounds over all nodes, 1 to 30; ends when gamma exceeds the tree"},

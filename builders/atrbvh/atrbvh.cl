@@ -1,20 +1,20 @@
-/* ATRBVH: a treelet's leaves are merged greedily, always those two first whose union has the
- * smallest area (Domingues and Pedrini 2015, "Bounding Volume Hierarchy Optimization through
- * Agglomerative Treelet Restructuring"; see atrbvh.c):
+/* ATRBVH: merges a treelet's leaves greedily, always the two first whose union has the smallest
+ * area (Domingues and Pedrini 2015, "Bounding Volume Hierarchy Optimization through Agglomerative
+ * Treelet Restructuring"; see atrbvh.c):
  *
  *   distance(i, j) of places i > j = area of their union
- *   until one is left:
+ *   until one place is left:
  *       find the smallest distance, the first of equal ones by i, then by j
- *       what is at place j becomes the union, place i is empty
+ *       place j becomes the union, place i becomes empty
  *
- * Merging goes by masks, since each lane merges other places. Distances of places that are empty
- * are infinite; no other is.
+ * Merging uses masks, since each lane merges other places. Distances to empty places are infinite;
+ * all others are finite.
  */
 #include "treelets.clh"
 
 #define DISTANCES (BB_TREELET * (BB_TREELET - 1) / 2)
 
-/* The places i and j of the smallest distance. */
+/* Finds the places i and j of the smallest distance and returns it. */
 bb_lanes nearest_two(const bb_lanes *distances, bb_lanes_int *i, bb_lanes_int *j)
 {
     bb_lanes least = INFINITY;
@@ -31,7 +31,7 @@ bb_lanes nearest_two(const bb_lanes *distances, bb_lanes_int *i, bb_lanes_int *j
     return least;
 }
 
-/* What is at places i and j is at place j. */
+/* Merges places i and j into place j. */
 void merge(bb_lanes_int i, bb_lanes_int j, bb_lanes boxes[BB_TREELET][6], bb_lanes *distances)
 {
     bb_lanes both[6], fresh[BB_TREELET];
@@ -61,7 +61,7 @@ void merge(bb_lanes_int i, bb_lanes_int j, bb_lanes boxes[BB_TREELET][6], bb_lan
 }
 
 /* Merges each lane's leaves: which[m][0] and [1] are the places j and i of merge m. Returns the sum
- * of the areas of the inner nodes but the root's. */
+ * of the areas of the inner nodes without the root. */
 bb_lanes merge_all(const bb_treelets *t, float unit, bb_lanes_int which[BB_INNER][2])
 {
     bb_lanes boxes[BB_TREELET][6], distances[DISTANCES], sum = 0.0f;
@@ -80,7 +80,7 @@ bb_lanes merge_all(const bb_treelets *t, float unit, bb_lanes_int which[BB_INNER
     return sum;
 }
 
-/* merges[]: places j and i of each, BB_LANES apart. The last merge is the root. */
+/* Reads merges[], the places j and i of each merge, BB_LANES apart. The last merge is the root. */
 void read_merges(const int *merges, uchar (*links)[2])
 {
     uchar at[BB_TREELET];

@@ -8,8 +8,7 @@
  * papers say of them. Where this knowingly departs from it:
  *
  * - The medians are those of a code, whose bits halve cells: one sort makes all groups at once, and
- * any
- *   code will do (bonsai_groups.cl). The default code halves the longest side of the cell.
+ *   any code will do (bonsai_groups.cl). The default code halves the longest side of the cell.
  * - Groups have up to 256 primitives, not 512: this takes as long, mountain's SAH is 1.5 % lower,
  *   and a mini-tree fits into the 32 KiB of local memory that every device has.
  * - An item of the top tree weighs 1, however many primitives it has (weight=items): weight=prims

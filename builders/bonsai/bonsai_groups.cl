@@ -6,7 +6,7 @@
  * `most` keys after its first one, and whether a group begins at a key among as many keys on either
  * side.
  *
- *   for each chunk of keys:                                                          (bn_count)
+ *   for each chunk of keys:                                                            (bn_count)
  *       find the first group that begins in it
  *       go from group to group and count them
  *   scan the counts

@@ -4,7 +4,7 @@
  *       copy boxes and centroids to local memory
  *       sort along each axis
  *       grow (bonsai_grow.clh)
- *   for each mini-tree: the area of its root                                           (bn_areas)
+ *   for each mini-tree: the area of its root                                        (bn_areas)
  *   for each mini-tree, from the root down: open nodes larger than a limit; count what remains
  *                                                                                   (bn_prune)
  *   scan the counts

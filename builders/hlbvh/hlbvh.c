@@ -1,21 +1,22 @@
-/* HLBVH: a binned SAH tree over clusters, which are runs of primitives whose codes begin alike; an
- * LBVH inside of each. On the device, over any code.
+/* HLBVH: a binned SAH tree over clusters, with an LBVH inside each cluster. A cluster is a run of
+ * primitives whose codes share their top bits. Runs on the device, over any code.
  *
  * Garanzha, Pantaleoni, McAllister 2011, "Simpler and Faster HLBVH with Work Queues". The paper's
- * text was not at hand: made from what later papers and published code say of the method, and
- * derived again. The steps: hlbvh.cl and hlbvh_top.cl. Where this knowingly departs from it, and
- * what was added:
+ * text was not at hand: this was made from later papers and published code, and derived again.
+ * hlbvh.cl and hlbvh_top.cl list the steps. Where this knowingly departs from the method, and what
+ * was added:
  *
- * - Clusters go into bins by the centroids of their boxes within those of the task, not by the grid
- *   that the code stands for: with sizes or uneven axes in it, a code has no such grid.
- * - 15 bits for all scenes, as in published code, make anything from 400 to 10,000 clusters: a top
- *   tree that takes little time beside the rest where primitives are many. That is the default.
- *   top-bits=auto takes as many as leave `each` primitives to a cluster: it counts in which bit
- *   neighbours in the sorted order differ; a larger top tree, a better tree, a slower build.
- * - A task of fewer clusters than bins has as many bins as clusters.
- * - Work queues become one launch per level, and one for all that is small: no work-item waits for
- *   another.
- * - The whole radix tree is made first; the top replaces the nodes above the clusters, in place.
+ * - Clusters are binned by the centroids of their boxes, within the bounds of the task's centroids,
+ *   not by the code's grid: a code with sizes or uneven axes has no such grid.
+ * - By default 15 bits are used for all scenes, as in published code. This gives between 400 and
+ *   10,000 clusters; with many primitives the top tree takes little of the build's time.
+ *   top-bits=auto uses as many bits as leave `each` primitives per cluster: it counts in which bit
+ *   neighbours in the sorted order differ. A larger top tree gives a better tree and a slower
+ *   build.
+ * - Work queues are replaced by one launch per level and one for all small tasks, so no work-item
+ *   waits for another.
+ * - The whole radix tree is made first; the top tree replaces the nodes above the clusters, in
+ *   place.
  *
  * top-bits=0 is the LBVH; top-bits=all is binned SAH over runs of equal codes.
  */
@@ -36,7 +37,7 @@ enum {
     CHUNK_GPU = 64,
     ALL_BITS = 64,
     AUTO_BITS = 65,
-    EACH = 8, /* primitives per cluster, if the scene decides on the bits */
+    EACH = 8, /* primitives per cluster with top-bits=auto */
 };
 
 static const bb_option options[] = {
@@ -55,15 +56,15 @@ static const bb_option options[] = {
 typedef struct hlbvh {
     bb_device *device;
     bb_account *account;
-    uint32_t top_bits; /* asked for: 0 to 64, or AUTO_BITS */
+    uint32_t top_bits; /* as given: 0 to 64, or AUTO_BITS */
     bb_decider top_bits_by;
     uint32_t each;
     bool by_prims;
     bb_sorted_codes sorted;
-    uint32_t key_bytes; /* of what is compiled; 0: nothing yet */
+    uint32_t key_bytes; /* size of the keys that the kernels are compiled for; 0: not compiled */
     bb_radix_tree *radix;
     hl_top *top;
-    bb_refitter *refitter; /* NULL: trees are built again */
+    bb_refitter *refitter; /* NULL: moved primitives cause a rebuild */
     cl_program program;
     cl_kernel levels_kernel, counts_kernel, starts_kernel, gather;
     bb_buffer levels;        /* u32[HL_LEVELS] per chunk of keys */
@@ -105,7 +106,8 @@ static void destroy(void *opaque)
     free(self);
 }
 
-/* What depends on the size of keys, which is known once nothing of the code is open. */
+/* Compiles what depends on the size of keys, which is known once all options of the code are
+ * settled. */
 static bb_status compile(hlbvh *self)
 {
     if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))
@@ -184,7 +186,7 @@ static uint32_t chunk_of(const hlbvh *self)
     return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
-/* The most clusters that `count` primitives can make. */
+/* Returns the most clusters that `count` primitives can make. */
 static uint32_t most_clusters(const hlbvh *self, uint32_t count)
 {
     if (self->top_bits == AUTO_BITS)
@@ -226,7 +228,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
 }
 
-/* How many top bits, from how many neighbours first differ in each; and how many clusters. */
+/* Chooses the number of top bits, and of clusters, from how many neighbours first differ in each
+ * bit. */
 static void choose_bits(hlbvh *self, const uint32_t totals[HL_LEVELS], uint32_t count)
 {
     uint32_t bits = bb_codes_pattern(self->sorted.codes)->bits, most = most_clusters(self, count);
@@ -258,7 +261,7 @@ static bb_status find_clusters(hlbvh *self, uint32_t count)
                      BB_MEM(self->counts), BB_VALUE(self->clusters), BB_MEM(self->starts));
 }
 
-/* Replaces the nodes above the clusters. */
+/* Replaces the nodes above the clusters by the top tree. */
 static bb_status make_top(hlbvh *self, uint32_t count, bb_tree *tree, bb_phases *phases)
 {
     hl_clusters clusters = {.count = self->clusters,

@@ -1,26 +1,27 @@
 /* Clusters of HLBVH: runs of sorted keys whose top m bits are equal (Garanzha, Pantaleoni,
  * McAllister 2011; see hlbvh.c).
  *
- *   for each pair of neighbours: in which bit do they differ first?               (hl_levels)
- *   host: choose m from how many pairs differ first in each bit
+ *   for each pair of neighbours: find the first bit in which they differ          (hl_levels)
+ *   host: choose m from the number of pairs that first differ in each bit
  *   a cluster begins where that bit is among the top m:                (hl_counts, hl_starts)
- *   its root is in the radix tree over all keys; take it from there               (hl_gather)
+ *   find each cluster's root in the radix tree over all keys                      (hl_gather)
  *
- * Work-items go through chunks of keys. -DBB_KEY64 for ulong keys, -DHL_BY_PRIMS for clusters that
- * weigh as many primitives as they have.
+ * Work-items go through chunks of keys. -DBB_KEY64: keys are ulong. -DHL_BY_PRIMS: a cluster weighs
+ * as much as it has primitives.
  */
 #include "bb_device.h"
 #include "hlbvh_shared.h"
 #include "radix_keys.clh"
 
-/* The bit, from the top of a code of `bits`, in which keys i and i + 1 first differ; 64: none. */
+/* Returns the bit, from the top of a code of `bits`, in which keys i and i + 1 first differ; 64 if
+ * they are equal. */
 uint first_difference(global const bb_key *keys, uint i, uint bits)
 {
     bb_key differ = keys[i] ^ keys[i + 1u];
     return differ == 0 ? HL_LEVELS - 1u : (uint)clz(differ) - (BB_KEY_BITS - bits);
 }
 
-/* levels[chunk][b], totals[b] (0 before): pairs that first differ in bit b. */
+/* levels[chunk][b], totals[b] (0 before): number of pairs that first differ in bit b. */
 kernel void hl_levels(global const bb_key *keys, uint count, uint bits, uint chunk,
                       global uint *levels, volatile global uint *totals)
 {
@@ -40,7 +41,7 @@ kernel void hl_levels(global const bb_key *keys, uint count, uint bits, uint chu
     }
 }
 
-/* counts[chunk]: how many pairs of it have a cluster's border between them. */
+/* counts[chunk]: number of pairs with a border between clusters. */
 kernel void hl_counts(global const uint *levels, uint chunks, uint top_bits, global uint *counts)
 {
     uint number = get_global_id(0);
@@ -52,7 +53,7 @@ kernel void hl_counts(global const uint *levels, uint chunks, uint top_bits, glo
     counts[number] = sum;
 }
 
-/* places: the scan of counts. starts[c] = first key of cluster c, and `count` after the last. */
+/* places: exclusive scan of counts. starts[c]: first key of cluster c; behind the last: `count`. */
 kernel void hl_starts(global const bb_key *keys, uint count, uint bits, uint top_bits, uint chunk,
                       global const uint *places, uint clusters, global uint *starts)
 {
@@ -70,8 +71,9 @@ kernel void hl_starts(global const bb_key *keys, uint count, uint bits, uint top
             starts[next++] = i + 1u;
 }
 
-/* Node of the radix tree over keys l .. r, some of whose neighbours differ from it in a top bit: a
- * left child if it differs later from its right neighbour than from its left one. */
+/* Returns the node of the radix tree over keys l .. r, which differ from at least one neighbour in
+ * a top bit. It is a left child if it shares more bits with its right neighbour than with its left
+ * one. */
 uint place_of_run(global const bb_key *keys, uint count, uint l, uint r)
 {
     bool is_left = true;
@@ -82,7 +84,7 @@ uint place_of_run(global const bb_key *keys, uint count, uint l, uint r)
     return is_left ? 2u * r + 1u : 2u * l;
 }
 
-/* At least two clusters. */
+/* Needs at least two clusters. */
 kernel void hl_gather(global const bb_key *keys, uint count, global const uint *starts,
                       uint clusters, global const bb_node *nodes, global const uchar *heights,
                       global hl_item *items, global hl_root *roots, global bb_tree_info *info)
@@ -91,7 +93,7 @@ kernel void hl_gather(global const bb_key *keys, uint count, global const uint *
     if (c >= clusters)
         return;
     if (c == 0)
-        info->depth = 0; /* the top tree's leaves will raise it */
+        info->depth = 0; /* raised by the top tree's leaves */
     uint l = starts[c], r = starts[c + 1u] - 1u;
     uint place = place_of_run(keys, count, l, r);
     global const uint *words = (global const uint *)(nodes + place);

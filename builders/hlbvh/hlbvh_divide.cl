@@ -1,5 +1,5 @@
-/* Where large tasks of the top tree are split (hlbvh_top.cl), the form for CPUs: a work-item for
- * each chunk and for each task. */
+/* Splits large tasks of the top tree (hlbvh_top.cl) on CPUs: one work-item per chunk and per
+ * task. */
 #include "bb_device.h"
 #include "hlbvh_bins_alone.clh"
 #include "hlbvh_divide.clh"

@@ -1,19 +1,19 @@
-/* Where large tasks of the top tree are split (hlbvh_top.cl), the form for GPUs: a work-group for
- * each chunk and for each task, with the bins in local memory.
+/* Splits large tasks of the top tree (hlbvh_top.cl) on GPUs: one work-group per chunk and per task,
+ * with the bins in local memory.
  *
- *   hl_bin: a tile of items at a time: each work-item says in which bins one item is, then goes
- *           through the tile for its own bins
- *   hl_divide: each work-item sums its own bins up; three find the best plane of an axis; the first
- *              goes on as in the other form
+ *   hl_bin: for each tile of items: each work-item finds the bins of one item, then adds to its
+ *           own bins what the tile has for them
+ *   hl_divide: each work-item sums up its own bins; three find the best plane of an axis each; the
+ *              first continues as on CPUs
  *
- * Each bin takes its items in their order, and each task its chunks, so that the tree is that of
- * the form for CPUs, bit for bit, without atomics.
+ * Each bin adds its items, and each task its chunks, in order and without atomics, so the tree
+ * equals that of the form for CPUs, bit for bit.
  */
 #include "bb_device.h"
 #define HL_SPACE local
 #include "hlbvh_divide.clh"
 
-/* A work-item's own bins: of all axes', every HL_GROUP-th. */
+/* A work-item's own bins: every HL_GROUP-th of those of all axes. */
 #define HL_OWN_BINS(b) uint b = (uint)get_local_id(0); b < 3u * HL_BINS; b += HL_GROUP
 
 void clear_own(local hl_bins *bins)

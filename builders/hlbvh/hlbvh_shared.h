@@ -1,4 +1,4 @@
-/* What host and device share of the top tree (hlbvh_top.c, hlbvh_top.cl). */
+/* Types and constants that host and device share for the top tree (hlbvh_top.c, hlbvh_top.cl). */
 #ifndef BB_HLBVH_SHARED_H
 #define BB_HLBVH_SHARED_H
 
@@ -9,16 +9,16 @@
 #include <stddef.h>
 #endif
 
-#define HL_LEVELS 65 /* bits that two keys may first differ in, and one for equal keys */
+#define HL_LEVELS 65 /* bits in which two keys may first differ, plus one for equal keys */
 
 #define HL_GROUP 64 /* work-items that split a chunk or a task together on GPUs */
 
-/* Bytes of hl_bins: two float4 for each bin of each axis, then `words` counts or weights for each;
- * the whole a multiple of a float4. hlbvh_bins.clh does not compile where it is not so. */
+/* Bytes of hl_bins: two float4 per bin and axis, then `words` counts or weights per bin and axis;
+ * rounded up to a multiple of a float4. hlbvh_bins.clh does not compile if its struct differs. */
 #define HL_BINS_BYTES(bins, words) (3 * (bins)*2 * 16 + (3 * (bins) * (words)*4 + 15) / 16 * 16)
 
-/* A cluster while the top tree is made: its box, which cluster, and what it weighs in the cost.
- * Boxes are where those of bb_box are, so that bb_reduce_boxes() takes it. */
+/* A cluster while the top tree is made: its box, its number, and its weight in the cost. The box is
+ * laid out as in bb_box, so that bb_reduce_boxes() accepts it. */
 typedef struct hl_item {
     float lo[3];
     bb_u32 cluster;
@@ -32,15 +32,15 @@ typedef struct hl_root {
     bb_u32 height;
 } hl_root;
 
-/* Items begin .. end - 1, of which a subtree is to be made at node `place`. */
+/* Items begin .. end - 1, over which a subtree is made at node `place`. */
 typedef struct hl_task {
     bb_u32 begin, end;
     bb_u32 place, depth;
-    bb_u32 side;        /* which of the two lists the items are in */
-    bb_u32 first_chunk; /* of a task that is split by many: its chunks */
+    bb_u32 side;        /* which of the two lists has the items */
+    bb_u32 first_chunk; /* large tasks: number of the first chunk */
     bb_u32 chunk_count;
     bb_u32 pad;
-    float lo[3], hi[3]; /* of the items' centroids, in the scene's unit */
+    float lo[3], hi[3]; /* box of the items' centroids, in the scene's unit */
 } hl_task;
 
 /* Where a task is split: before bin `bin` of `axis`; axis 3: before item `middle`. */
@@ -48,12 +48,12 @@ typedef struct hl_split {
     bb_u32 axis, bin, middle, pad;
 } hl_split;
 
-/* Items begin .. end - 1 of a task, for one work-item. */
+/* Items begin .. end - 1 of a task, which one work-item handles. */
 typedef struct hl_chunk {
     bb_u32 task, begin, end;
-    bb_u32 left_at, right_at; /* where its items go */
+    bb_u32 left_at, right_at; /* where the items of each side go */
     bb_u32 pad;
-    float lo[2][3], hi[2][3]; /* of the centroids that go left and right */
+    float lo[2][3], hi[2][3]; /* box of the centroids that go left, and right */
 } hl_chunk;
 
 #ifndef __OPENCL_VERSION__

@@ -1,4 +1,4 @@
-/* The host side of hlbvh_top.cl: lists the tasks of each level and cuts large ones into chunks. */
+/* Host side of hlbvh_top.cl: lists the tasks of each level and cuts large ones into chunks. */
 #include "hlbvh_top.h"
 
 #include "builders/common/scene_unit.h"
@@ -12,12 +12,12 @@ BB_DEVICE_SOURCE(hlbvh_top);
 BB_DEVICE_SOURCE(hlbvh_divide);
 BB_DEVICE_SOURCE(hlbvh_divide_gpu);
 
-/* The GPU form has as many work-items as it can, the CPU form as many as keep its cores busy. */
+/* On GPUs as many work-items as possible are used, on CPUs as many as keep all cores busy. */
 enum {
-    SMALL_GPU = 64,    /* clusters that one work-item makes a subtree of */
-    CHUNK_GPU = 128,   /* two groups of clusters: few scenes have larger chunks */
-    CHUNKS_GPU = 2048, /* the most of a list that is cut evenly */
-    SMALL_CPU = 256,   /* at least, and then by the number of cores */
+    SMALL_GPU = 64,    /* largest task, in clusters, for one work-item */
+    CHUNK_GPU = 128,   /* two groups' worth of clusters: few scenes need larger chunks */
+    CHUNKS_GPU = 2048, /* most chunks of a list that is cut evenly */
+    SMALL_CPU = 256,   /* lower bound; the number of cores may raise it */
     CHUNK_CPU = 2048,
     TASKS_PER_CORE = 8,
     GROUP_GPU = 32,
@@ -29,11 +29,11 @@ struct hl_top {
     size_t bin_bytes; /* of one chunk's bins */
     cl_program program, dividing;
     cl_kernel bin, divide, move, children, subtree;
-    uint32_t small, chunk;            /* clusters of a small task; of a chunk */
-    uint32_t tasks_most, chunks_most; /* of a level */
+    uint32_t small, chunk;            /* clusters of a small task; clusters per chunk */
+    uint32_t tasks_most, chunks_most; /* most per level */
     bb_buffer tasks, waiting, splits, chunks, found, next, spare;
-    hl_task *large;  /* of the level; the root at first */
-    hl_task *ready;  /* small ones of any level, to be launched together */
+    hl_task *large;  /* tasks of the level; the root at first */
+    hl_task *ready;  /* small tasks of any level, launched together */
     hl_task *halves; /* of the level's tasks */
     hl_chunk *cut;   /* the level's chunks */
     uint32_t large_count, ready_count, cut_count;
@@ -93,7 +93,8 @@ bb_status hl_top_create(bb_device *device, bb_account *account, uint32_t bins, b
     return BB_OK;
 }
 
-/* Room for so many clusters is room for fewer: no bound falls where their number grows. */
+/* The sizes never decrease with the number of clusters, so memory for some number is enough for
+ * fewer. */
 static void choose_sizes(hl_top *top, uint32_t clusters)
 {
     if (bb_cpu_form(top->device)) {
@@ -135,13 +136,13 @@ bb_status hl_top_reserve(hl_top *top, uint32_t clusters)
     return bb_host_alloc(account, chunks * sizeof(hl_chunk), "hlbvh: chunks", &top->cut);
 }
 
-/* What all launches of a build need. */
+/* Arguments shared by all launches of a build. */
 typedef struct job {
     hl_top *top;
     const hl_clusters *clusters;
     bb_tree *tree;
     float unit;
-    uint32_t side; /* which of the two lists the level's clusters are in */
+    uint32_t side; /* which of the two lists has the level's clusters */
 } job;
 
 static size_t group(const hl_top *top)
@@ -164,7 +165,7 @@ static bb_status make_subtrees(job *j)
                      BB_MEM(j->tree->d_info));
 }
 
-/* Puts a task on the list that its size asks for. */
+/* Puts a task on the list for its size. */
 static bb_status sort_in(job *j, const hl_task *task)
 {
     hl_top *top = j->top;

@@ -1,27 +1,27 @@
 /* The top tree of HLBVH, over clusters, by binned SAH: Garanzha, Pantaleoni, McAllister 2011
  * ("Simpler and Faster HLBVH with Work Queues"; see hlbvh.c).
  *
- * A task is a range of clusters with the node that will be their root. Large ones are split by many
- * work-items, all of one level at once, from one list of clusters to the other:
- *   each chunk: bins                                                                  (hl_bin)
- *   each task: adds its chunks' bins up; finds the split; where each chunk's items go (hl_divide)
- *   each chunk: moves its items, in order; boxes of centroids on both sides             (hl_move)
- *   each task: these boxes of its halves, the next level's tasks                    (hl_children)
- * Small ones, and what becomes of large ones, by one work-item down to the clusters  (hl_subtree).
- * hl_bin and hl_divide are in hlbvh_divide.cl, for CPUs, and hlbvh_divide_gpu.cl.
- * Both split alike, so that the tree does not depend on what is small.
+ * A task is a range of clusters and the node that will be their root. Large tasks are split by many
+ * work-items, all tasks of a level at once, from one list of clusters to the other:
+ *   each chunk: bins                                                                     (hl_bin)
+ *   each task: adds its chunks' bins up, finds the split, places its chunks' items    (hl_divide)
+ *   each chunk: moves its items, in order; boxes of the centroids on both sides         (hl_move)
+ *   each task: adds these boxes up for its halves, the tasks of the next level      (hl_children)
+ * Small tasks, and the small ones that large tasks end in, are split down to single clusters by one
+ * work-item each (hl_subtree). hl_bin and hl_divide are in hlbvh_divide.cl for CPUs and in
+ * hlbvh_divide_gpu.cl. Both kinds split alike, so the tree does not depend on what counts as small.
  *
- * Node numbers follow from positions. The cluster order that comes out has a border before each of
- * its positions but the first, and exactly one split there; it gets the two nodes that the radix
- * tree has for the border before the cluster of that number in the old order. Hence, as in
- * radix_tree.cl, the skip of a node whose items end before position e is the right child of the
- * split at e. What is inside of a cluster stays where it is, but for skips along its right side.
+ * Node numbers follow from positions. In the final order of clusters there is exactly one split
+ * before each position but the first. It gets the two nodes that the radix tree has for the border
+ * before the cluster of the same number in the old order. Hence, as in radix_tree.cl, the skip of a
+ * node whose items end before position e is the right child of the split at e. Nodes inside
+ * clusters stay in place; only skips along a cluster's right side change.
  */
 #include "bb_device.h"
 #include "hlbvh_bins_alone.clh"
 #include "hlbvh_top.clh"
 
-#define HL_STACK 33 /* the larger half waits: no more than log2 of the clusters */
+#define HL_STACK 33 /* the larger half waits, so log2 of the clusters is the most */
 
 /* ---- nodes ---- */
 
@@ -42,10 +42,10 @@ void write_cluster(global bb_node *nodes, uint place, global const hl_item *item
 
 typedef struct hl_range {
     uint begin, end, place, depth;
-    float4 lo, hi; /* of the centroids */
+    float4 lo, hi; /* box of the centroids */
 } hl_range;
 
-/* Items for the left side to the front, the others behind them, both in order. */
+/* Moves items for the left side to the front and the others behind them, both in order. */
 void divide_range(global hl_item *items, global hl_item *spare, const hl_range *range,
                   const hl_grid *grid, const hl_split *split, hl_range *left, hl_range *right)
 {
@@ -82,7 +82,7 @@ void divide_range(global hl_item *items, global hl_item *spare, const hl_range *
     right->hi = high_side.hi;
 }
 
-/* Makes the node of a range and splits it. */
+/* Makes the node of a range and splits the range. */
 void split_range(global hl_item *items, global hl_item *spare, const hl_range *range, float unit,
                  global const uint *starts, uint clusters, global bb_node *nodes, hl_range *left,
                  hl_range *right)
@@ -188,7 +188,7 @@ kernel void hl_move(global const hl_task *tasks, global const hl_split *splits,
         store_bounds(chunks[number].lo[side], chunks[number].hi[side], &sides[side]);
 }
 
-/* children[2 t] and [2 t + 1]: the halves of task t. */
+/* children[2 t] and [2 t + 1] are the halves of task t. */
 kernel void hl_children(global const hl_task *tasks, global const hl_split *splits, uint task_count,
                         global const hl_chunk *chunks, global const uint *starts,
                         global hl_task *children)

@@ -1,14 +1,14 @@
-/* H-PLOC: PLOC along the radix tree of the codes, each of whose nodes hands a few clusters up; on
- * the device.
+/* H-PLOC: PLOC along the radix tree of the codes, in which each node passes a few clusters up to
+ * its parent. Runs on the device.
  *
  * Benthin, Meister, Barczak, Mehalwal, Tsakok, Kensler 2024, "H-PLOC: Hierarchical Parallel
  * Locally-Ordered Clustering for Bounding Volume Hierarchy Construction". The paper's text was not
- * at hand: made from its abstract and published code, whose radius of 8 and window of 32 are the
- * defaults, and derived again. Steps: hploc.cl; the merge step, which PLOC shares:
- * builders/common/ploc_cluster.clh.
+ * at hand: this was made from its abstract and published code, whose radius of 8 and window of 32
+ * are the defaults, and derived again. hploc.cl lists the steps; the merge step, shared with PLOC,
+ * is in builders/common/ploc_cluster.clh.
  *
- * What was added: PLOC's rules for ties and against chains (builders/ploc/ploc.c), and hand-over by
- * launches instead of fences, so that nothing depends on how work-groups are run.
+ * What was added: PLOC's rules for ties and against chains (builders/ploc/ploc.c), and hand-over
+ * between launches instead of by fences, so that nothing depends on how work-groups are scheduled.
  */
 #include "builders/common/ploc.h"
 #include "framework/base/arithmetic.h"
@@ -26,8 +26,8 @@ enum {
     WINDOW_MIN = 4,
     WINDOW_MAX = 256,
     CHUNK_MIN = 1024,
-    CHUNKS_PER_UNIT = 16, /* CPUs: to share among cores, whatever each takes */
-    HEIGHT_MAX = 96,      /* of a radix tree: the bits of keys, and of indices */
+    CHUNKS_PER_UNIT = 16, /* CPUs: so that cores share the work evenly */
+    HEIGHT_MAX = 96,      /* of a radix tree: 64 bits of keys and 32 of indices */
     PIECES_MAX = HPLOC_PIECES_MAX(64),
 };
 
@@ -41,14 +41,14 @@ static const bb_option options[] = {
 typedef struct hploc {
     bb_ploc base;
     uint32_t window;
-    uint32_t key_bytes; /* that the program is for; 0: there is none yet */
+    uint32_t key_bytes; /* size of the keys that the program is compiled for; 0: not compiled */
     cl_program program;
-    cl_kernel first;  /* hploc_chunks, or _leaves */
-    cl_kernel ranges; /* of GPUs */
-    cl_kernel last;   /* hploc_top, or _level */
+    cl_kernel first;  /* hploc_chunks or hploc_leaves */
+    cl_kernel ranges; /* GPUs only */
+    cl_kernel last;   /* hploc_top or hploc_level */
     uint32_t chunk;   /* CPUs: keys per work-item */
     bb_buffer pieces, piece_counts, stack;
-    bb_buffer clusters, heads, live, splits, missing; /* of GPUs */
+    bb_buffer clusters, heads, live, splits, missing; /* GPUs only */
     bb_levels levels;
 } hploc;
 
@@ -79,13 +79,14 @@ static void destroy(void *opaque)
     free(self);
 }
 
-/* Work-items of a group, on GPUs: one for each cluster of a node. */
+/* Work-items per group on GPUs: one per cluster of a node. */
 static uint32_t group_of(const hploc *self)
 {
     return self->window <= 32 ? 32 : self->window;
 }
 
-/* Kernels for keys as the code has them, which is known once nothing of it is open. */
+/* Gets the kernels for the size of keys, which is known once all options of the code are
+ * settled. */
 static bb_status get_kernels(hploc *self)
 {
     if (!bb_codes_key_changed(self->base.sorted.codes, self->key_bytes))
@@ -184,7 +185,7 @@ static bb_status cluster_on_cpu(hploc *self, const bb_scene *scene)
                      BB_MEM(self->piece_counts), BB_MEM(self->stack), BB_MEM(*root));
 }
 
-/* What a launch over one level needs. */
+/* Arguments of a launch over one level. */
 typedef struct level_job {
     hploc *self;
     uint32_t count;

@@ -3,17 +3,18 @@
  *
  *   along the radix tree over the codes, bottom-up, at each node [l, r]:
  *       clusters = those of its left child and of its right child
- *       if it holds more than T primitives: PLOC rounds among them until at most T are left
- *   at the root: until one is left
+ *       if the node holds more than T primitives: PLOC rounds until at most T clusters are left
+ *   at the root: PLOC rounds until one is left
  *
  * The radix tree is not stored: as in radix_tree.cl, node [l, r] is a right child if the split at
- * its left is below that at its right. A work-item takes a chunk of keys, left to right; subtrees
- * that wait for their right sibling are on a stack, and so their clusters, at most T each, are a
- * stack too, in the cache (hploc_chunks). Of subtrees whose sibling is in another chunk the
- * clusters stay where they are; one work-item goes on with these, in the same manner (hploc_top).
+ * its left is below that at its right. A work-item goes through a chunk of keys from left to right
+ * (hploc_chunks). Subtrees that wait for their right sibling are on a stack; their clusters, at
+ * most T each, are on another, which stays in the cache. If the sibling of a subtree is in another
+ * chunk, its clusters stay in place, and one work-item continues with them in the same way
+ * (hploc_top).
  *
- * A node's clusters depend on those of its children only, so neither chunks nor their order show in
- * the tree. What counts as nearest: ploc_cluster.clh.
+ * A node's clusters depend only on its children's, so the tree does not depend on the chunks or
+ * their order. ploc_cluster.clh defines which cluster is nearest.
  *
  *   BB_RADIUS   R of PLOC's search
  *   BB_GOAL     T
@@ -24,21 +25,21 @@
 #include "radix_keys.clh"
 #include "hploc_shared.h"
 
-#define BB_AHEAD 24u /* primitives whose boxes are asked for before they are needed */
+#define BB_AHEAD 24u /* how many primitives ahead boxes are prefetched */
 
 #define BB_PIECES_MAX HPLOC_PIECES_MAX(BB_PREFIX_BITS)
 
-/* The clusters of pieces lie one after the other in `list`, `top` of them. */
+/* The clusters of the pieces lie one after the other in `list`, `top` clusters in all. */
 typedef struct hploc_work {
     global const bb_key *keys;
-    uint count; /* of keys */
+    uint count; /* number of keys */
     bb_clusters list;
     uint top;
     global bb_cluster_pair *pairs;
     bb_near near;
 } hploc_work;
 
-/* Of the last `count` clusters lets at most `goal` remain. */
+/* Merges among the last `count` clusters until at most `goal` are left. */
 uint hploc_reduce(hploc_work *w, uint count, uint goal)
 {
     bb_clusters list = ploc_from(w->list, w->top - count);
@@ -53,15 +54,15 @@ uint hploc_reduce(hploc_work *w, uint count, uint goal)
     return left;
 }
 
-/* Climbs from `piece`, whose clusters are on top, with the `waiting` pieces, of which the first
- * `fixed` have their sibling elsewhere. Puts the piece that it comes to among them; true: that is
+/* Climbs from `piece`, whose clusters are on top. The first `fixed` of the `waiting` pieces have
+ * their sibling in another chunk. Pushes the piece that the climb ends with; returns whether it is
  * the root. */
 bool hploc_climb(hploc_work *w, hploc_piece piece, global hploc_piece *pieces, uint *waiting,
                  uint *fixed)
 {
     for (;;) {
         uint right = level_of(w->keys, w->count, piece.r);
-        bool root = piece.level == right; /* both outside */
+        bool root = piece.level == right; /* both neighbours are outside of the tree */
         if (root || right < piece.level) {
             pieces[(*waiting)++] = piece;
             return root;
@@ -81,8 +82,8 @@ bool hploc_climb(hploc_work *w, hploc_piece piece, global hploc_piece *pieces, u
     }
 }
 
-/* One work-item per `chunk` keys. The clusters of a chunk lie from its first key's place on, and
- * its pieces at BB_PIECES_MAX times its number, as many as piece_counts[] says. */
+/* One work-item per `chunk` keys. A chunk's clusters begin at the place of its first key; its
+ * pieces, piece_counts[] of them, at BB_PIECES_MAX times its number. */
 kernel void hploc_chunks(global const bb_key *keys, global const uint *values,
                          global const bb_box *boxes, uint count, uint chunk, global float *planes,
                          global uint4 *tags, uint stride, global bb_cluster_pair *pairs,
@@ -112,7 +113,7 @@ kernel void hploc_chunks(global const bb_key *keys, global const uint *values,
     piece_counts[get_global_id(0)] = waiting;
 }
 
-/* One work-item. `stack` has room for HPLOC_WAITING_MAX() pieces. */
+/* Runs in one work-item. `stack` has room for HPLOC_WAITING_MAX() pieces. */
 kernel void hploc_top(global const bb_key *keys, uint count, uint chunk, global float *planes,
                       global uint4 *tags, uint stride, global bb_cluster_pair *pairs,
                       global const hploc_piece *pieces, global const uint *piece_counts,
@@ -131,7 +132,7 @@ kernel void hploc_top(global const bb_key *keys, uint count, uint chunk, global 
         bb_clusters from = ploc_from(all, begin);
         for (uint p = 0; p < piece_counts[c]; p++) {
             hploc_piece piece = pieces[c * BB_PIECES_MAX + p];
-            /* what is on the stack is never more than what was taken */
+            /* the stack never holds more than was read, so reads are ahead of writes */
             for (uint k = 0; k < piece.count; k++)
                 ploc_write(w.list, w.top + k, ploc_read(from, k));
             w.top += piece.count;

@@ -1,16 +1,16 @@
-/* H-PLOC for GPUs: hploc.cl says what it does, and gives the same pairs.
+/* H-PLOC for GPUs. hploc.cl describes the method; the pairs are the same.
  *
- *   for each split of the radix tree:                                               (hploc_ranges)
- *       the range of its node
- *       how many of its children hold more than T primitives
- *       if it holds more, and none of its children does: it is of level 1
- *   for each level, for each node of it, by one work-group:                          (hploc_level)
- *       put the clusters of both children together
- *       let at most T remain
- *       the last child to come puts the parent on the next level's list
+ *   for each split of the radix tree:                                                (hploc_ranges)
+ *       find the range of its node
+ *       count its children that hold more than T primitives
+ *       if it holds more and no child does: put it on the list of level 1
+ *   for each level: for each of its nodes, by one work-group:                         (hploc_level)
+ *       append the right child's clusters to the left child's
+ *       merge until at most T are left
+ *       the last child to finish puts the parent on the next level's list
  *
- * Levels are lists (handover.clh), so that no fence between work-groups is needed. Clusters of node
- * [l, r] are at l, l + 1, ...; live[l] says how many.
+ * Levels are lists (handover.clh), so no fence between work-groups is needed. The live[l] clusters
+ * of node [l, r] are at l, l + 1, ...
  *
  *   BB_RADIUS, BB_GOAL, BB_KEY64   as in hploc.cl
  *   BB_GROUP                       size of a work-group, at least 2 BB_GOAL
@@ -36,13 +36,13 @@ kernel void hploc_leaves(global const bb_box *boxes, global const uint *values, 
         ploc_write_side(root, c);
 }
 
-/* Whether keys i < j share more than `same` bits. */
+/* Returns whether keys i < j share more than `same` bits. */
 bool share_more(global const bb_key *keys, uint i, uint j, uint same)
 {
     return common_of(keys, i, j) > same;
 }
 
-/* The range of the node below the split between keys s and s + 1. */
+/* Returns the range of the node below the split between keys s and s + 1. */
 uint2 range_of(global const bb_key *keys, uint count, uint s)
 {
     uint same = common_of(keys, s, s + 1u), reach = 1, l = s, r = s + 1u;
@@ -84,7 +84,7 @@ void load(global const bb_pair_side *clusters, global const uint *heads, uint fr
     ploc_write(list, at, c);
 }
 
-/* What nodes are made of. */
+/* The arrays that nodes are made from. */
 typedef struct hploc_tree {
     global const bb_key *keys;
     uint count;
@@ -96,7 +96,8 @@ typedef struct hploc_tree {
     global bb_pair_side *root;
 } hploc_tree;
 
-/* By all work-items of a group: the node below split s; `own` and what follows is the group's. */
+/* Makes the node below split s, by all work-items of a group; `own` and the parameters after it are
+ * the group's. */
 void reduce_node(const hploc_tree *t, uint s, bb_clusters own, local int *partners,
                  local uint *sums, uint *rounds, uint number, volatile global uint *counts,
                  global uint *next)

@@ -1,21 +1,22 @@
-/* PLOC: agglomerative clustering in which clusters look for partners only among those near to them
- * along a space-filling curve, on the device.
+/* PLOC: agglomerative clustering in which clusters look for partners only near them along a
+ * space-filling curve. Runs on the device.
  *
  * Meister and Bittner 2018, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy
  * Construction". Fused steps as in Benthin, Drabinski, Tessari, Dittebrandt 2022, "PLOC++: Parallel
  * Locally-Ordered Clustering for Bounding Volume Hierarchy Construction Revisited". The papers'
- * texts were not at hand: made from their abstracts and published code, and derived again. Rounds:
- * ploc.cl; the merge step, which H-PLOC shares: builders/common/ploc_cluster.clh.
+ * texts were not at hand: this was made from their abstracts and published code, and derived again.
+ * ploc.cl lists the rounds; the merge step, shared with H-PLOC, is in
+ * builders/common/ploc_cluster.clh.
  *
  * Where this knowingly departs from the authors' code:
  *
- * - Of equally near clusters theirs takes the lowest index, which merges one pair a round in a row
- *   of equal boxes. Here a key decides that both ends of a pair share (ploc_cluster.clh); our own.
- *   Embree and HIPRT have another rule, by the parity of indices.
- * - After a round that makes few pairs the next compares areas by their exponents alone: Embree's
- *   rule, against chains of nested boxes.
- * - The default radius is 8, as in Embree's and HIPRT's builders of this kind, where theirs is 100:
- *   in the scenes measured a larger one hardly lowers the cost, and takes longer.
+ * - Among equally near clusters theirs takes the lowest index, so a row of equal boxes merges one
+ *   pair per round. Here a key that both ends of a pair share decides (ploc_cluster.clh), a rule of
+ *   ours. Embree and HIPRT have another rule, by the parity of indices.
+ * - After a round that makes few pairs the next one compares areas by their exponents alone, a rule
+ *   of Embree's against chains of nested boxes.
+ * - The default radius is 8, as in Embree's and HIPRT's builders of this kind, not the authors' 100: in
+ *   the scenes measured a larger one hardly lowers the cost, and takes longer.
  * - Nodes have the same numbers in each run, on all devices.
  */
 #include "builders/common/ploc.h"
@@ -30,7 +31,7 @@ BB_DEVICE_SOURCE(ploc_gpu);
 
 enum {
     GROUP_SIZE = 64,
-    REST_GROUP = 256, /* GPUs: clusters that one work-group finishes */
+    REST_GROUP = 256, /* GPUs: most clusters that one work-group finishes */
     TILE = 512,
     CHUNK = 2048,
     LISTS = 2,
@@ -45,8 +46,9 @@ static const bb_option options[] = {
 typedef struct ploc {
     bb_ploc base;
     cl_program program;
-    cl_kernel leaves, search, places, merge, rest; /* GPUs: places marks what stays */
-    uint32_t rest_most;                            /* clusters that are finished in one launch */
+    cl_kernel leaves, search, places, merge, rest; /* GPUs: places marks which clusters stay */
+    uint32_t rest_most;                            /* most clusters that are finished in one
+                                                    * launch */
     bb_buffer actions;                             /* char per cluster */
     bb_buffer kept;                                /* u32 per chunk; GPUs: per cluster */
     bb_buffer number;                              /* u32 */
@@ -118,7 +120,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     return bb_buffer_reserve(device, account, sizeof(uint32_t), "ploc: number", &self->number);
 }
 
-/* Work-items, and those of a group, of launches over `count` clusters. */
+/* Returns the number of work-items for a launch over `count` clusters. */
 static uint32_t items_of(const ploc *self, uint32_t count)
 {
     return bb_cpu_form(self->base.device) ? bb_divide_up(count, CHUNK) : count;
@@ -129,7 +131,7 @@ static uint32_t group_of(const ploc *self)
     return bb_cpu_form(self->base.device) ? 1 : GROUP_SIZE;
 }
 
-/* Places of those that stay, from actions[] or kept[]; *left gets their number. */
+/* Computes the places of the clusters that stay, from actions[] or kept[]; *left: their number. */
 static bb_status find_places(ploc *self, uint32_t count, uint32_t *left)
 {
     bb_device *device = self->base.device;
@@ -146,7 +148,7 @@ static bb_status find_places(ploc *self, uint32_t count, uint32_t *left)
     return bb_buffer_read(&self->number, 0, sizeof *left, left);
 }
 
-/* One round of the `count` clusters of lists[from], into the other list. */
+/* Runs one round over the `count` clusters of lists[from], into the other list. */
 static bb_status round_of(ploc *self, uint32_t from, uint32_t count, int32_t mask, uint32_t *left)
 {
     bb_ploc *base = &self->base;
@@ -168,7 +170,7 @@ static bb_status round_of(ploc *self, uint32_t from, uint32_t count, int32_t mas
                      BB_MEM(next->tags), BB_MEM(*pairs));
 }
 
-/* Until one cluster is left; counts the rounds. */
+/* Runs rounds until one cluster is left, and counts them. */
 static bb_status cluster(ploc *self, const bb_scene *scene, bb_phases *phases)
 {
     bb_ploc *base = &self->base;

@@ -2,24 +2,24 @@
  *
  *   clusters = primitives in the order of their codes                            (ploc_leaves)
  *   until few are left:
- *       each cluster: the nearest of those up to R places away; mutual pairs     (ploc_search)
- *       places of what stays, by a prefix sum                                    (ploc_places)
- *       pairs become one, the rest moves up, into the other list                 (ploc_merge)
- *   the rest in one work-item, in place, until one is left                       (ploc_rest)
+ *       each cluster: find the nearest up to R places away; mutual pairs          (ploc_search)
+ *       places of the clusters that stay, by a prefix sum                        (ploc_places)
+ *       join pairs, move the others up, into the other list                      (ploc_merge)
+ *   finish in one work-item, in place, until one is left                         (ploc_rest)
  *
- * What counts as nearest, and why rounds stay few: ploc_cluster.clh. Search, merging and
- * compaction walk over chunks, one per work-item; at either end a chunk's search looks at 2 R
- * clusters more, so that it finds its neighbours' neighbours as their own chunk does: the way in
- * which PLOC++ (Benthin et al. 2022) does without a list of neighbours.
+ * ploc_cluster.clh defines which cluster is nearest and keeps the number of rounds small. Search,
+ * merging and compaction go through chunks, one per work-item. At either end a chunk's search
+ * covers 2 R more clusters, so that it finds the same partners of its neighbours as the next chunk
+ * does. PLOC++ (Benthin et al. 2022) avoids a list of neighbours in the same way.
  *
  *   BB_RADIUS   R
- *   BB_TILE     clusters searched at a time, so that their distances fit the first-level cache
+ *   BB_TILE     clusters searched at a time; their distances should fit the first-level cache
  *   BB_CHUNK    clusters per work-item, a multiple of BB_TILE
  */
 #define BB_WINDOW ((BB_TILE + 4 * BB_RADIUS + 7) / 8 * 8)
 #include "ploc_list.clh"
 
-#define BB_AHEAD 24u /* primitives whose boxes are asked for before they are needed */
+#define BB_AHEAD 24u /* how many primitives ahead boxes are prefetched */
 
 kernel void ploc_leaves(global const bb_box *boxes, global const uint *values, uint count,
                         global float *planes, global uint4 *tags, uint stride)
@@ -33,8 +33,8 @@ kernel void ploc_leaves(global const bb_box *boxes, global const uint *values, u
     }
 }
 
-/* actions[i]: > 0: merges with the cluster as many places higher; < 0: is merged; 0: stays as it
- * is. kept[]: clusters of each chunk that stay. */
+/* actions[i]: > 0: merges with the cluster that many places higher; < 0: merges with a lower one;
+ * 0: stays. kept[]: number of clusters of each chunk that stay. */
 kernel void ploc_search(global float *planes, global uint4 *tags, uint stride, uint count, int mask,
                         global char *actions, global uint *kept)
 {
@@ -58,7 +58,8 @@ kernel void ploc_search(global float *planes, global uint4 *tags, uint stride, u
         kept[get_global_id(0)] = stay;
 }
 
-/* One work-item: kept[] becomes where each chunk's clusters go, total[0] how many there are. */
+/* Runs in one work-item. kept[] becomes the place of each chunk's first cluster, total[0] their
+ * number. */
 kernel void ploc_places(global uint *kept, uint chunks, global uint *total)
 {
     uint sum = 0;
@@ -91,7 +92,7 @@ kernel void ploc_merge(global float *planes, global uint4 *tags, uint stride, ui
     }
 }
 
-/* One work-item; count <= BB_WINDOW. rounds[0]: how many there were. */
+/* Runs in one work-item; count <= BB_WINDOW. rounds[0]: number of rounds. */
 kernel void ploc_rest(global float *planes, global uint4 *tags, uint stride, uint count, int mask,
                       global bb_cluster_pair *pairs, global bb_pair_side *root, global uint *rounds)
 {

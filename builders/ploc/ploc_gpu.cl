@@ -1,11 +1,11 @@
-/* PLOC for GPUs: ploc.cl says what it does, and gives the same pairs.
+/* PLOC for GPUs. ploc.cl describes the method; the pairs are the same.
  *
- *   until few are left: a launch over all clusters for
- *       each one's nearest                                                  (ploc_find)
- *       what merges and what stays                                          (ploc_mark)
- *       places of what stays, by a prefix sum                               (bb_scan_u32)
- *       pairs become one, the rest moves up, into the other list            (ploc_merge_each)
- *   the rest in one work-group, in place, until one is left                 (ploc_rest_group)
+ *   until few are left, one launch over all clusters for each step:
+ *       find each cluster's nearest                                         (ploc_find)
+ *       mark the clusters that merge and those that stay                    (ploc_mark)
+ *       places of the clusters that stay, by a prefix sum                   (bb_scan_u32)
+ *       join pairs, move the others up, into the other list                 (ploc_merge_each)
+ *   finish in one work-group, in place, until one is left                   (ploc_rest_group)
  */
 #define BB_CLUSTER_SPACE global
 #define BB_CLUSTER_FENCE (CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE)
@@ -30,7 +30,7 @@ kernel void ploc_find(global float *planes, global uint4 *tags, uint stride, uin
         partners[i] = (char)ploc_nearest(list, count, i, mask);
 }
 
-/* stays[i]: 1, or 0 if i is merged into a lower one. */
+/* stays[i]: 0 if i merges into a lower cluster, else 1. */
 kernel void ploc_mark(global const char *partners, uint count, global uint *stays)
 {
     uint i = get_global_id(0);
@@ -40,7 +40,7 @@ kernel void ploc_mark(global const char *partners, uint count, global uint *stay
     stays[i] = partner < 0 && partners[(int)i + partner] == -partner ? 0u : 1u;
 }
 
-/* places[]: stays[] as its exclusive prefix sum. */
+/* places[]: exclusive prefix sum of stays[]. */
 kernel void ploc_merge_each(global float *planes, global uint4 *tags, uint stride, uint count,
                             global const char *partners, global const uint *places,
                             global float *next_planes, global uint4 *next_tags,
@@ -60,7 +60,7 @@ kernel void ploc_merge_each(global float *planes, global uint4 *tags, uint strid
     ploc_write(to, places[i], c);
 }
 
-/* One work-group of BB_GROUP items; count <= BB_GROUP. rounds[0]: how many there were. */
+/* Runs in one work-group of BB_GROUP items; count <= BB_GROUP. rounds[0]: number of rounds. */
 kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
 void ploc_rest_group(global float *planes, global uint4 *tags, uint stride, uint count,
                             int mask, global bb_cluster_pair *pairs, global bb_pair_side *root,

@@ -1,13 +1,12 @@
-/* TRBVH: an optimiser of binary trees that rebuilds treelets in the best of all ways, on the
- * device.
+/* TRBVH: an optimiser of binary trees that makes each treelet optimal, on the device.
  *
- *   rounds times, gamma doubling: each node of at least gamma leaves, children first: the treelet
- *   below it is replaced by the binary tree of the least area over the same leaves, if that is less
+ *   rounds times, doubling gamma: for each node of at least gamma leaves, children first:
+ *       replace the treelet by the binary tree of smallest area over its leaves, if that is smaller
  *
  * Karras and Aila 2013, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies".
- * The paper's text was not at hand: made from its abstract and from what the code of ATRBVH's
- * authors says of the method, and derived again. Where it knowingly departs from it: README.md. The
- * table of subsets: trbvh.cl; rounds and levels: builders/common/treelets.h.
+ * The paper's text was not at hand: this was made from its abstract and from what the code of
+ * ATRBVH's authors says of the method, and derived again. README.md lists the departures. trbvh.cl
+ * has the table of subsets, builders/common/treelets.h the rounds and levels.
  */
 #include "builders/common/treelets.h"
 

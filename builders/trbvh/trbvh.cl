@@ -1,18 +1,19 @@
-/* TRBVH: of all binary trees over a treelet's leaves the one of the least cost (Karras and Aila
- * 2013; see trbvh.c), by a table of what each subset of the leaves costs at least:
+/* TRBVH: finds the binary tree of least cost over a treelet's leaves (Karras and Aila 2013; see
+ * trbvh.c) by dynamic programming over all subsets of the leaves:
  *
  *   cost(one leaf) = 0
- *   below(s) = min over p, q of s, both not empty: cost(p) + cost(q)
+ *   below(s) = min over partitions of s into non-empty p and q: cost(p) + cost(q)
  *   cost(s) = area(s) + below(s)
  *
- * A subset is a number whose bits are leaves, and a smaller one comes before it. Which p and q it
- * was is asked only where the tree gets better: the first p, that without the lowest leaf, in
- * ascending order. Sums are floats; the minimum of several does not depend on their order.
+ * A subset is a number whose bits are leaves; smaller numbers are computed first. The partition is
+ * recovered only if the tree improves: it is the first p in ascending order that reaches the
+ * minimum, among those without the lowest leaf of s. Sums are floats; their minimum does not depend
+ * on the order.
  */
 #include "treelets.clh"
 
 #define FULL ((1u << BB_TREELET) - 1u)
-/* Boxes of subsets are those of two halves of the leaves, joined. */
+/* The box of a subset joins the boxes of its two halves. */
 #define LOW_LEAVES (BB_TREELET / 2)
 #define HIGH_LEAVES (BB_TREELET - LOW_LEAVES)
 
@@ -21,13 +22,13 @@ uint last_leaf(uint s)
     return 31u - clz(s);
 }
 
-/* (Compilers make a popcount of s & (s - 1) == 0, which oclgrind does not know.) */
+/* (Compilers turn s & (s - 1) == 0 into a popcount, which oclgrind does not know.) */
 bool has_one(uint s)
 {
     return s == 1u << last_leaf(s);
 }
 
-/* boxes[]: of all subsets of some leaves. */
+/* boxes[]: boxes of all subsets of `count` leaves. */
 void join_leaves(bb_lanes (*leaves)[6], uint count, bb_lanes (*boxes)[6])
 {
     for (uint k = 0; k < 6u; k++)
@@ -40,8 +41,8 @@ void join_leaves(bb_lanes (*leaves)[6], uint count, bb_lanes (*boxes)[6])
             }
 }
 
-/* The least cost(p) + cost(q) of s, which has three leaves or more. Four sums at a time, since each
- * minimum waits for the one before it. */
+/* Returns the smallest cost(p) + cost(q) of s, which has three leaves or more. Computes four sums
+ * at a time, since each minimum waits for the one before it. */
 bb_lanes least_sum(bb_lanes *cost, uint s)
 {
     uint rest = s & (s - 1u);
@@ -51,7 +52,7 @@ bb_lanes least_sum(bb_lanes *cost, uint s)
     rest ^= b;
     bb_lanes least0 = INFINITY, least1 = INFINITY, least2 = INFINITY, least3 = INFINITY;
     uint p = 0;
-    cost[s] = 0.0f; /* no leaves and all: cost[0] is infinite */
+    cost[s] = 0.0f; /* so that cost[0] + cost[s] is infinite too */
     do {
         uint q = s ^ p;
         bb_lanes sum0 = cost[p] + cost[q];
@@ -71,7 +72,7 @@ bb_lanes least_sum(bb_lanes *cost, uint s)
 
 typedef struct trbvh_table {
     bb_lanes cost[1 << BB_TREELET];
-    bb_lanes below[1 << BB_TREELET]; /* of sets of three leaves or more */
+    bb_lanes below[1 << BB_TREELET]; /* only sets of three leaves or more */
 } trbvh_table;
 
 void fill_table(const bb_treelets *t, float unit, trbvh_table *table)
@@ -96,7 +97,7 @@ void fill_table(const bb_treelets *t, float unit, trbvh_table *table)
     table->below[FULL] = least_sum(table->cost, FULL);
 }
 
-/* The p of s with which it costs least; entries of one lane are BB_LANES apart. */
+/* Returns the first p of s with the least cost; entries of one lane are BB_LANES apart. */
 uint first_best(const float *cost, const float *below, uint s)
 {
     const uint rest = s & (s - 1u);
@@ -106,7 +107,7 @@ uint first_best(const float *cost, const float *below, uint s)
     const float least = below[s * BB_LANES];
     while (p != 0 && cost[p * BB_LANES] + cost[(s ^ p) * BB_LANES] != least)
         p = (p - rest) & rest;
-    return p != 0 ? p : rest; /* none only where the device adds lanes and numbers differently */
+    return p != 0 ? p : rest; /* 0 only if the device rounds vector and scalar sums differently */
 }
 
 void read_tree(const float *cost, const float *below, uchar (*links)[2])
