@@ -427,15 +427,29 @@ static void any_pair_that_counts_decides(void **state)
 static void senses_of_figures(void **state)
 {
     (void)state;
-    static const char *const costs[] = {"sah",        "epo",       "layouts_sah wide8",
-                                        "bytes_tree", "missed",    "prim_tests_per_ray",
-                                        "unlike",     "overflowed"};
-    static const char *const neutral[] = {"nodes",  "depth",          "count",    "prims",
-                                          "sahara", "layouts_sahara", "t_ulp_max"};
+    static const char *const costs[] = {"sah",       "layouts_sah pair",   "bytes_tree",
+                                        "missed",    "prim_tests_per_ray", "wrong_t",
+                                        "overflowed"};
+    static const char *const neutral[] = {"nodes", "depth",     "count",
+                                          "prims", "t_ulp_max", "no such figure"};
+    bb_cell_set set;
+    bb_results *results = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 1);
+    ASSERT_OK(bb_cell_set_of_results(results, "it", &set));
+    uint32_t found[sizeof costs / sizeof costs[0]] = {0};
+    for (uint32_t c = 0; c < set.count; c++) {
+        for (size_t i = 0; i < sizeof costs / sizeof costs[0]; i++)
+            if (isfinite(bb_measured_figure(&set.cells[c], costs[i]))) {
+                assert_int_equal(bb_measured_better(&set.cells[c], costs[i]), BB_BETTER_LESS);
+                found[i]++;
+            }
+        for (size_t i = 0; i < sizeof neutral / sizeof neutral[0]; i++)
+            assert_int_equal(bb_measured_better(&set.cells[c], neutral[i]), BB_BETTER_NEITHER);
+    }
     for (size_t i = 0; i < sizeof costs / sizeof costs[0]; i++)
-        assert_int_equal(bb_figure_sense_of(costs[i]), BB_FIGURE_LESS_BETTER);
-    for (size_t i = 0; i < sizeof neutral / sizeof neutral[0]; i++)
-        assert_int_equal(bb_figure_sense_of(neutral[i]), BB_FIGURE_NEUTRAL);
+        if (found[i] == 0)
+            fail_msg("no cell has %s", costs[i]);
+    bb_cell_set_free(&set);
+    bb_results_destroy(results);
 }
 
 /* ---- from outside ---- */

@@ -86,7 +86,7 @@ static void what_is_appended_comes_back(void **state)
         assert_string_equal(a->status, b->status);
         assert_string_equal(a->scene_hash, b->scene_hash);
         assert_string_equal(a->rays_hash, b->rays_hash);
-        assert_int_equal(a->trace, b->trace);
+        assert_string_equal(a->time, b->time);
         assert_int_equal(a->reference, b->reference);
         assert_int_equal(a->ms.count, b->ms.count);
         assert_memory_equal(a->ms.values, b->ms.values, a->ms.count * sizeof(double));

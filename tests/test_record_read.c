@@ -251,7 +251,7 @@ static void merging_renumbers(void **state)
     bb_results_destroy(a);
 }
 
-/* Of a run without a total there is none after merging, and reproductions are those of the other. */
+/* Of a run without a total there is none after merging; reproductions are those of the other. */
 static void merging_takes_files_without_totals(void **state)
 {
     (void)state;

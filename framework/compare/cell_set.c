@@ -1,5 +1,7 @@
 #include "framework/compare/cell_set.h"
 
+#include "framework/compare/figures.h"
+
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
@@ -30,7 +32,8 @@ bb_status bb_cell_set_add(bb_cell_set *set, const char *key, bb_measured **cell)
     return BB_OK;
 }
 
-bb_status bb_measured_add_figure(bb_measured *cell, const char *name, double value)
+bb_status bb_measured_add_figure(bb_measured *cell, const char *name, bb_better better,
+                                 double value)
 {
     bb_exact_figure *grown =
         realloc(cell->figures, (cell->figure_count + 1) * sizeof *cell->figures);
@@ -38,16 +41,29 @@ bb_status bb_measured_add_figure(bb_measured *cell, const char *name, double val
         return no_memory();
     cell->figures = grown;
     snprintf(grown[cell->figure_count].name, BB_FIGURE_NAME, "%s", name);
+    grown[cell->figure_count].better = better;
     grown[cell->figure_count++].value = value;
     return BB_OK;
 }
 
-double bb_measured_figure(const bb_measured *cell, const char *name)
+static const bb_exact_figure *find_figure(const bb_measured *cell, const char *name)
 {
     for (uint32_t i = 0; i < cell->figure_count; i++)
         if (strcmp(cell->figures[i].name, name) == 0)
-            return cell->figures[i].value;
-    return NAN;
+            return &cell->figures[i];
+    return NULL;
+}
+
+double bb_measured_figure(const bb_measured *cell, const char *name)
+{
+    const bb_exact_figure *figure = find_figure(cell, name);
+    return figure != NULL ? figure->value : (double)NAN;
+}
+
+bb_better bb_measured_better(const bb_measured *cell, const char *name)
+{
+    const bb_exact_figure *figure = find_figure(cell, name);
+    return figure != NULL ? figure->better : BB_BETTER_NEITHER;
 }
 
 /* ---- from a result document ---- */
@@ -67,7 +83,8 @@ static bb_status add_fields(bb_measured *cell, const bb_entry *entry, const bb_f
     for (size_t i = 0; i < count; i++) {
         double value = bb_get_number(entry, fields[i]);
         if (isfinite(value))
-            BB_TRY(bb_measured_add_figure(cell, bb_fields[fields[i]].name, value));
+            BB_TRY(bb_measured_add_figure(cell, bb_fields[fields[i]].name,
+                                          bb_field_better(fields[i]), value));
     }
     return BB_OK;
 }
@@ -79,7 +96,7 @@ static bb_status add_metrics(bb_measured *cell, const bb_entry *build)
         char name[BB_METRIC_FIELD], full[BB_FIGURE_NAME];
         double value = bb_get_metric(build, bb_metrics[i]);
         if (isfinite(value))
-            BB_TRY(bb_measured_add_figure(cell, bb_metrics[i]->name, value));
+            BB_TRY(bb_measured_add_figure(cell, bb_metrics[i]->name, BB_BETTER_LESS, value));
         snprintf(name, sizeof name, "layouts_%s", bb_metrics[i]->name);
         if (!bb_metrics[i]->of_layouts)
             continue;
@@ -88,7 +105,7 @@ static bb_status add_metrics(bb_measured *cell, const bb_entry *build)
             if (!isfinite(bb_part_number(layout)))
                 continue;
             snprintf(full, sizeof full, "%.40s %.60s", name, bb_part_name(layout));
-            BB_TRY(bb_measured_add_figure(cell, full, bb_part_number(layout)));
+            BB_TRY(bb_measured_add_figure(cell, full, BB_BETTER_LESS, bb_part_number(layout)));
         }
     }
     return BB_OK;
@@ -109,7 +126,7 @@ static bb_status add_entry(bb_cell_set *set, const bb_results *results, const bb
     if (key[0] == '\0') /* another program's tree */
         return BB_OK;
     BB_TRY(bb_cell_set_add(set, key, &cell));
-    cell->trace = trace;
+    copy(cell->time, sizeof cell->time, trace ? "trace ms" : "build ms");
     cell->reference = bb_get_true(entry, trace ? BB_F_TRACE_REFERENCE : BB_F_BUILD_REFERENCE);
     copy(cell->status, sizeof cell->status, bb_get_text(entry, BB_F_TRACE_STATUS));
     copy(cell->scene_hash, sizeof cell->scene_hash, bb_get_text(scene, BB_F_SCENE_HASH));
@@ -159,6 +176,95 @@ bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb
     bb_each(entry, bb_results_section(results, BB_TRACES))
     {
         BB_TRY(add_entry(set, results, entry, true));
+    }
+    bb_cell_set_sort(set);
+    return BB_OK;
+}
+
+/* ---- from a table ---- */
+
+static void set_origin(const bb_table *table, const char *what, bb_origin *origin)
+{
+    const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
+    copy(origin->what, sizeof origin->what, what);
+    copy(origin->date, sizeof origin->date, bb_table_get_text(table, run, "date"));
+    copy(origin->revision, sizeof origin->revision, bb_table_get_text(table, run, "revision"));
+    copy(origin->host, sizeof origin->host, bb_table_get_text(table, run, "host"));
+    copy(origin->cpu, sizeof origin->cpu, bb_table_get_text(table, run, "cpu"));
+    copy(origin->device, sizeof origin->device, bb_table_get_text(table, run, "device"));
+    copy(origin->device_type, sizeof origin->device_type,
+         bb_table_get_text(table, run, "device_type"));
+    copy(origin->driver, sizeof origin->driver, bb_table_get_text(table, run, "driver"));
+    copy(origin->embree, sizeof origin->embree, bb_table_get_text(table, run, "embree"));
+    copy(origin->seed, sizeof origin->seed, bb_table_get_text(table, run, "seed"));
+    origin->interrupted = strcmp(bb_table_get_text(table, run, "interrupted"), "yes") == 0;
+}
+
+/* A cell of the row; `time` is the column of its times, or NULL. */
+static bb_status add_row(bb_cell_set *set, const bb_table *table, uint32_t row,
+                         const bb_column *time, bb_measured **cell)
+{
+    char key[BB_CELL_KEY];
+    bb_cell scene = {.names = {[BB_SCENE] = bb_table_name(table, row, BB_SCENE)}};
+    const char *status = bb_table_get_text(table, row, "status");
+    bb_key_writer w = {.key = key};
+    bb_key_put(&w, "command", bb_table_command(table));
+    for (int d = 0; d < BB_DIMENSIONS; d++)
+        bb_key_put(&w, bb_dimension_names[d], bb_table_name(table, row, (bb_dimension)d));
+    bb_key_put(&w, "time", time != NULL ? time->name : "");
+    key[w.length] = '\0';
+    if (w.full)
+        return bb_fail(BB_INVALID, "cell '%.60s...': its key has more than %d bytes", key,
+                       BB_CELL_KEY - 1);
+    BB_TRY(bb_cell_set_add(set, key, cell));
+    copy((*cell)->status, sizeof(*cell)->status, status[0] != '\0' ? status : "ok");
+    copy((*cell)->scene_hash, sizeof(*cell)->scene_hash,
+         bb_table_get_text(table, bb_table_find(table, scene), "scene_hash"));
+    return BB_OK;
+}
+
+/* Of times less is better. */
+static bb_status add_rounds(bb_cell_set *set, const bb_table *table, uint32_t row)
+{
+    for (uint32_t i = 0; i < bb_table_column_count(table); i++) {
+        const bb_column *column = bb_table_column(table, i);
+        const bb_samples *rounds = bb_table_get_rounds(table, row, column->name);
+        bb_measured *cell;
+        if (rounds == NULL || column->better != BB_BETTER_LESS)
+            continue;
+        BB_TRY(add_row(set, table, row, column, &cell));
+        snprintf(cell->time, sizeof cell->time, "%.40s %.20s", column->heading, column->unit);
+        for (uint32_t k = 0; k < rounds->count; k++)
+            bb_samples_add(&cell->ms, rounds->values[k]);
+    }
+    return BB_OK;
+}
+
+static bb_status add_numbers(bb_cell_set *set, const bb_table *table, uint32_t row)
+{
+    bb_measured *cell = NULL;
+    for (uint32_t i = 0; i < bb_table_column_count(table); i++) {
+        const bb_column *column = bb_table_column(table, i);
+        const double value = bb_table_get_number(table, row, column->name);
+        if (column->kind != BB_COLUMN_NUMBER || column->sense != BB_SENSE_EXACT || !isfinite(value))
+            continue;
+        if (cell == NULL)
+            BB_TRY(add_row(set, table, row, NULL, &cell));
+        BB_TRY(bb_measured_add_figure(cell, column->name, column->better, value));
+    }
+    return BB_OK;
+}
+
+bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set)
+{
+    const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
+    memset(set, 0, sizeof *set);
+    set_origin(table, what, &set->origin);
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        if (row == run)
+            continue;
+        BB_TRY(add_numbers(set, table, row));
+        BB_TRY(add_rounds(set, table, row));
     }
     bb_cell_set_sort(set);
     return BB_OK;

@@ -5,6 +5,7 @@
 
 #include "framework/base/statistics.h"
 #include "framework/record/record.h"
+#include "framework/table/table.h"
 
 enum { BB_FIGURE_NAME = 112 };
 
@@ -12,16 +13,18 @@ enum { BB_FIGURE_NAME = 112 };
  * field's and the layout's: "layouts_sah pair:leaf=4". */
 typedef struct bb_exact_figure {
     char name[BB_FIGURE_NAME];
+    bb_better better;
     double value;
 } bb_exact_figure;
 
 typedef struct bb_measured {
-    char *key;  /* of the cell; from malloc, as is `figures` */
-    bool trace; /* else a build */
+    char *key;     /* of the cell; from malloc, as is `figures` */
+    char time[64]; /* what `ms` is the time of: "build ms" */
     bool reference;
     char status[16];
     char scene_hash[20], rays_hash[20]; /* "": not known; rays: of traces */
-    bb_samples ms;                      /* all rounds, the discarded one first; may be empty */
+    bb_samples
+        ms; /* all rounds, the discarded one first; of another unit in `time`; may be empty */
     uint32_t figure_count;
     bb_exact_figure *figures;
     uint32_t place; /* in the order in which they were added */
@@ -48,11 +51,19 @@ typedef struct bb_cell_set {
  * after a failure. */
 bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set);
 
+/* All rows of a table: a cell for the exact numbers of each, and one for each of its rounds, where
+ * less is better. Keys are command and names, "command=slice/scene=tets/builder=lbvh", and for
+ * rounds the column, ".../time=build_ms". Of texts "status" and "scene_hash" count. */
+bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set);
+
 /* An empty cell of this key at the end. `*cell` is valid until the next call. */
 bb_status bb_cell_set_add(bb_cell_set *set, const char *key, bb_measured **cell);
-bb_status bb_measured_add_figure(bb_measured *cell, const char *name, double value);
+bb_status bb_measured_add_figure(bb_measured *cell, const char *name, bb_better better,
+                                 double value);
 /* NAN: it has no such figure. */
 double bb_measured_figure(const bb_measured *cell, const char *name);
+/* BB_BETTER_NEITHER: it has no such figure, or neither is better. */
+bb_better bb_measured_better(const bb_measured *cell, const char *name);
 
 /* Sorts by key; of cells of one key the first stays, the others are counted and dropped. */
 void bb_cell_set_sort(bb_cell_set *set);

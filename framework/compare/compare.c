@@ -93,9 +93,10 @@ static bb_status compare_figure(bb_comparison_result *result, const bb_measured 
     move.from = more ? a.high : a.low; /* the least that it moved */
     move.to = more ? b.low : b.high;
     move.effect.ratio = move.from != 0 ? move.to / move.from : (double)NAN;
-    move.verdict = bb_figure_sense_of(name) == BB_FIGURE_NEUTRAL ? BB_CHANGED
-                   : more                                        ? BB_WORSE
-                                                                 : BB_BETTER;
+    const bb_better better = bb_measured_better(after, name);
+    move.verdict = better == BB_BETTER_NEITHER          ? BB_CHANGED
+                   : more == (better == BB_BETTER_LESS) ? BB_WORSE
+                                                        : BB_BETTER;
     if (bb_figure_is_judged(name) && move.to == 0)
         move.verdict = BB_WORSE;
     return add_move(result, &move);
@@ -187,7 +188,7 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
     double floor = fmax(result->floor.share, t->own); /* a NAN gives way */
     if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) || p > BB_COMPARE_LEVEL)
         return BB_OK;
-    bb_change move = start_move(t->before, t->after, t->before->trace ? "trace ms" : "build ms");
+    bb_change move = start_move(t->before, t->after, t->before->time);
     move.timed = true;
     move.from = t->from;
     move.to = t->to;

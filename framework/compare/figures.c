@@ -1,8 +1,5 @@
 #include "framework/compare/figures.h"
 
-#include "framework/record/schema.h"
-
-#include <stdio.h>
 #include <string.h>
 
 static const bb_field_id costs[] = {BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK, BB_F_TRACE_NODE_TESTS,
@@ -38,16 +35,10 @@ bool bb_figure_is_judged(const char *name)
     return is_one_of(name, judgements, 1);
 }
 
-/* Metrics of trees are costs; those of layouts have the layout's name after a blank. */
-bb_figure_sense bb_figure_sense_of(const char *name)
+bb_better bb_field_better(bb_field_id field)
 {
-    if (bb_figure_is_wrong(name) || is_one_of(name, costs, sizeof costs / sizeof costs[0]))
-        return BB_FIGURE_LESS_BETTER;
-    for (uint32_t i = 0; i < bb_metric_count(); i++) {
-        char layouts[BB_METRIC_FIELD + 1];
-        snprintf(layouts, sizeof layouts, "layouts_%.50s ", bb_metrics[i]->name);
-        if (strcmp(name, bb_metrics[i]->name) == 0 || strncmp(name, layouts, strlen(layouts)) == 0)
-            return BB_FIGURE_LESS_BETTER;
-    }
-    return BB_FIGURE_NEUTRAL;
+    const char *name = bb_fields[field].name;
+    return bb_figure_is_wrong(name) || is_one_of(name, costs, sizeof costs / sizeof costs[0])
+               ? BB_BETTER_LESS
+               : BB_BETTER_NEITHER;
 }

@@ -2,15 +2,11 @@
 #ifndef BB_COMPARE_FIGURES_H
 #define BB_COMPARE_FIGURES_H
 
-#include <stdbool.h>
+#include "framework/record/schema.h"
+#include "framework/table/table.h"
 
-typedef enum bb_figure_sense {
-    BB_FIGURE_NEUTRAL,     /* more is neither better nor worse */
-    BB_FIGURE_LESS_BETTER, /* more is worse */
-} bb_figure_sense;
-
-/* Of a figure by its name (cell_set.h). One that is not known is neutral. */
-bb_figure_sense bb_figure_sense_of(const char *name);
+/* Whether less of a field of the result file is better. */
+bb_better bb_field_better(bb_field_id field);
 
 /* Whether it counts wrong answers, of which any is one too many. */
 bool bb_figure_is_wrong(const char *name);

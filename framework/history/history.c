@@ -187,24 +187,22 @@ void bb_history_close(bb_history *history)
 
 /* ---- appending ---- */
 
-static bb_status append_run(bb_history *history, const bb_results *results, const bb_cell_set *set,
-                            int64_t *run)
+/* What a run says of itself beside its origin. */
+typedef struct about {
+    const char *version, *opencl, *flags, *kernels, *command;
+} about;
+
+static bb_status append_run(bb_history *history, const bb_origin *o, const about *a, int64_t *run)
 {
-    const bb_origin *o = &set->origin;
-    const bb_entry *context = bb_results_context(results);
     sqlite3_stmt *statement = NULL;
     BB_TRY(bb_history_prepare(history,
                               "INSERT INTO runs(date, revision, version, host, cpu, device, driver,"
                               " opencl, embree, build_flags, kernels, seed, command, interrupted,"
                               " shard, device_type) VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
                               &statement));
-    bb_history_bind(statement, "tttttttttttttitt", o->date, o->revision,
-                    bb_get_text(context, BB_F_CONTEXT_VERSION), o->host, o->cpu, o->device,
-                    o->driver, bb_get_text(context, BB_F_CONTEXT_OPENCL), o->embree,
-                    bb_get_text(context, BB_F_CONTEXT_FLAGS),
-                    bb_get_text(context, BB_F_CONTEXT_KERNELS), o->seed,
-                    bb_get_text(context, BB_F_CONTEXT_COMMAND), (int64_t)o->interrupted, o->shard,
-                    o->device_type);
+    bb_history_bind(statement, "tttttttttttttitt", o->date, o->revision, a->version, o->host,
+                    o->cpu, o->device, o->driver, a->opencl, o->embree, a->flags, a->kernels,
+                    o->seed, a->command, (int64_t)o->interrupted, o->shard, o->device_type);
     bb_status status = bb_history_do(history, statement, "append to it");
     sqlite3_finalize(statement);
     *run = sqlite3_last_insert_rowid(history->db);
@@ -238,15 +236,16 @@ static bb_status append_cell(bb_history *history, const inserts *in, int64_t run
     bb_history_bind(in->cell, "t", cell->key);
     bb_status status = bb_history_do(history, in->cell, "append to it");
     if (status == BB_OK) {
-        bb_history_bind(in->measurement, samples != NULL ? "itiitttt" : "itiitttn", run, cell->key,
-                        (int64_t)cell->trace, (int64_t)cell->reference, cell->status,
-                        cell->scene_hash, cell->rays_hash, samples);
+        bb_history_bind(in->measurement, samples != NULL ? "ittitttt" : "ittitttn", run, cell->key,
+                        cell->time, (int64_t)cell->reference, cell->status, cell->scene_hash,
+                        cell->rays_hash, samples);
         status = bb_history_do(history, in->measurement, "append to it");
     }
     free(samples);
     int64_t id = sqlite3_last_insert_rowid(history->db);
     for (uint32_t i = 0; i < cell->figure_count && status == BB_OK; i++) {
-        bb_history_bind(in->figure, "itd", id, cell->figures[i].name, cell->figures[i].value);
+        const bb_exact_figure *f = &cell->figures[i];
+        bb_history_bind(in->figure, "itid", id, f->name, (int64_t)f->better, f->value);
         status = bb_history_do(history, in->figure, "append to it");
     }
     return status;
@@ -260,12 +259,12 @@ static bb_status append_cells(bb_history *history, const bb_cell_set *set, int64
     if (status == BB_OK)
         status =
             bb_history_prepare(history,
-                               "INSERT INTO measurements(run, cell, trace, reference, status,"
+                               "INSERT INTO measurements(run, cell, time, reference, status,"
                                " scene_hash, rays_hash, samples) VALUES(?1,"
                                " (SELECT id FROM cells WHERE key = ?2), ?3, ?4, ?5, ?6, ?7, ?8)",
                                &in.measurement);
     if (status == BB_OK)
-        status = bb_history_prepare(history, "INSERT INTO figures VALUES(?,?,?)", &in.figure);
+        status = bb_history_prepare(history, "INSERT INTO figures VALUES(?,?,?,?)", &in.figure);
     for (uint32_t i = 0; i < set->count && status == BB_OK; i++)
         status = append_cell(history, &in, run, &set->cells[i]);
     sqlite3_finalize(in.cell);
@@ -284,21 +283,44 @@ static bb_status finish(bb_history *history, bb_status status)
     return status;
 }
 
-bb_status bb_history_append(bb_history *history, const bb_results *results)
+/* Frees the set. `status`: whether it could be made. */
+static bb_status append_set(bb_history *history, bb_status status, bb_cell_set *set, const about *a)
 {
-    bb_cell_set set;
     int64_t run = 0;
-    bb_status status = bb_cell_set_of_results(results, "this run", &set);
     if (status == BB_OK)
         status = bb_history_exec(history, "BEGIN IMMEDIATE", "append to it");
     if (status == BB_OK) {
-        status = append_run(history, results, &set, &run);
+        status = append_run(history, &set->origin, a, &run);
         if (status == BB_OK)
-            status = append_cells(history, &set, run);
+            status = append_cells(history, set, run);
         status = finish(history, status);
     }
-    bb_cell_set_free(&set);
+    bb_cell_set_free(set);
     return status;
+}
+
+bb_status bb_history_append(bb_history *history, const bb_results *results)
+{
+    bb_cell_set set;
+    const bb_entry *context = bb_results_context(results);
+    const about a = {.version = bb_get_text(context, BB_F_CONTEXT_VERSION),
+                     .opencl = bb_get_text(context, BB_F_CONTEXT_OPENCL),
+                     .flags = bb_get_text(context, BB_F_CONTEXT_FLAGS),
+                     .kernels = bb_get_text(context, BB_F_CONTEXT_KERNELS),
+                     .command = bb_get_text(context, BB_F_CONTEXT_COMMAND)};
+    return append_set(history, bb_cell_set_of_results(results, "this run", &set), &set, &a);
+}
+
+bb_status bb_history_append_table(bb_history *history, const bb_table *table)
+{
+    bb_cell_set set;
+    const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
+    const about a = {.version = bb_table_get_text(table, run, "version"),
+                     .opencl = bb_table_get_text(table, run, "opencl"),
+                     .flags = bb_table_get_text(table, run, "build_flags"),
+                     .kernels = bb_table_get_text(table, run, "kernels"),
+                     .command = bb_table_get_text(table, run, "command")};
+    return append_set(history, bb_cell_set_of_table(table, "this run", &set), &set, &a);
 }
 
 bb_status bb_history_append_floor(bb_history *history, const bb_origin *o, const bb_floor *floor)

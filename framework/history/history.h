@@ -8,16 +8,17 @@
 
 typedef struct bb_history bb_history;
 
-/* Opens the file and brings it forward to the present version. `create`: it is made if there is
- * none, and it is found out whether it can be written, by a change that is taken back. BB_INVALID,
- * in one line, for a file that cannot be opened or written, is no history, or is of a later
- * version. Close with bb_history_close(), which takes NULL. */
+/* Opens the file. `create`: it is made if there is none, and a change that is taken back shows
+ * whether it can be written. BB_INVALID, in one line, for a file that cannot be opened or written,
+ * is no history, or is of another version. Close with bb_history_close(), which takes NULL. */
 bb_status bb_history_open(const char *path, bool create, bb_history **out);
 void bb_history_close(bb_history *history);
 
 /* Appends all builds and traces of the document as one run, in one transaction. BB_INVALID or
  * BB_FAILED leave the file as it was. */
 bb_status bb_history_append(bb_history *history, const bb_results *results);
+/* The same of all rows of a table. */
+bb_status bb_history_append_table(bb_history *history, const bb_table *table);
 
 /* Keeps a floor of runs by themselves, of this machine and revision. */
 bb_status bb_history_append_floor(bb_history *history, const bb_origin *origin,

@@ -176,20 +176,21 @@ static bb_status read_figures(bb_history *history, sqlite3_stmt *figures, int64_
     bb_status status = BB_OK;
     while (status == BB_OK && (code = sqlite3_step(figures)) == SQLITE_ROW)
         status = bb_measured_add_figure(cell, bb_history_text(figures, 0),
-                                        sqlite3_column_double(figures, 1));
+                                        (bb_better)sqlite3_column_int(figures, 1),
+                                        sqlite3_column_double(figures, 2));
     if (status == BB_OK && code != SQLITE_DONE)
         status = bb_history_fail(history, "read it");
     sqlite3_reset(figures);
     return status;
 }
 
-/* Of `rows`: id, key, trace, reference, status, scene_hash, rays_hash, samples. Of several rows of
+/* Of `rows`: id, key, time, reference, status, scene_hash, rays_hash, samples. Of several rows of
  * one key, which follow each other, the first is taken. */
 static bb_status read_cells(bb_history *history, sqlite3_stmt *rows, bb_cell_set *set)
 {
     sqlite3_stmt *figures = NULL;
-    BB_TRY(bb_history_prepare(history, "SELECT name, value FROM figures WHERE measurement = ?",
-                              &figures));
+    BB_TRY(bb_history_prepare(
+        history, "SELECT name, better, value FROM figures WHERE measurement = ?", &figures));
     bb_status status = BB_OK;
     int code = SQLITE_DONE;
     while (status == BB_OK && (code = sqlite3_step(rows)) == SQLITE_ROW) {
@@ -200,7 +201,7 @@ static bb_status read_cells(bb_history *history, sqlite3_stmt *rows, bb_cell_set
         status = bb_cell_set_add(set, key, &cell);
         if (status != BB_OK)
             break;
-        cell->trace = sqlite3_column_int(rows, 2) != 0;
+        copy(cell->time, sizeof cell->time, rows, 2);
         cell->reference = sqlite3_column_int(rows, 3) != 0;
         copy(cell->status, sizeof cell->status, rows, 4);
         copy(cell->scene_hash, sizeof cell->scene_hash, rows, 5);
@@ -217,7 +218,7 @@ static bb_status read_cells(bb_history *history, sqlite3_stmt *rows, bb_cell_set
 }
 
 #define CELLS                                                                                      \
-    "SELECT m.id, c.key, m.trace, m.reference, m.status, m.scene_hash, m.rays_hash, m.samples"     \
+    "SELECT m.id, c.key, m.time, m.reference, m.status, m.scene_hash, m.rays_hash, m.samples"      \
     " FROM measurements m JOIN cells c ON c.id = m.cell "
 
 bb_status bb_history_set(bb_history *history, const bb_history_entry *entry, bb_cell_set *set)

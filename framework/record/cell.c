@@ -10,26 +10,20 @@
 
 /* ---- writing ---- */
 
-typedef struct writer {
-    char *key;
-    size_t length;
-    bool full;
-} writer;
-
 static bool is_plain(unsigned char c)
 {
     return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
            (c != '\0' && strchr("._-:,=+", c) != NULL);
 }
 
-static void put(writer *w, char c)
+static void put(bb_key_writer *w, char c)
 {
     w->full = w->full || w->length + 1 >= BB_CELL_KEY;
     if (!w->full)
         w->key[w->length++] = c;
 }
 
-static void put_part(writer *w, const char *name, const char *value)
+void bb_key_put(bb_key_writer *w, const char *name, const char *value)
 {
     static const char digits[] = "0123456789ABCDEF";
     if (value[0] == '\0')
@@ -53,7 +47,7 @@ static void put_part(writer *w, const char *name, const char *value)
 
 bb_status bb_cell_key_format(const bb_cell_parts *cell, char key[BB_CELL_KEY])
 {
-    writer w = {.key = key};
+    bb_key_writer w = {.key = key};
     char size[32], most[16], seed[24], hash[20];
     bool traced = cell->rays[0] != '\0';
     snprintf(size, sizeof size, "%" PRIu32 "x%" PRIu32, cell->width, cell->height);
@@ -61,16 +55,16 @@ bb_status bb_cell_key_format(const bb_cell_parts *cell, char key[BB_CELL_KEY])
     snprintf(seed, sizeof seed, "%" PRIu64, cell->seed);
     snprintf(hash, sizeof hash, "%016" PRIx64, cell->rays_hash);
     bool made = traced && !cell->known_by_hash;
-    put_part(&w, "scene", cell->scene);
-    put_part(&w, "rays", cell->rays);
-    put_part(&w, "size", made ? size : "");
-    put_part(&w, "max-rays", made ? most : "");
-    put_part(&w, "seed", made || !traced ? seed : "");
-    put_part(&w, "view", cell->view);
-    put_part(&w, "rays-hash", cell->known_by_hash ? hash : "");
-    put_part(&w, "builder", cell->builder);
-    put_part(&w, "kernel", cell->kernel);
-    put_part(&w, "intersector", cell->intersector);
+    bb_key_put(&w, "scene", cell->scene);
+    bb_key_put(&w, "rays", cell->rays);
+    bb_key_put(&w, "size", made ? size : "");
+    bb_key_put(&w, "max-rays", made ? most : "");
+    bb_key_put(&w, "seed", made || !traced ? seed : "");
+    bb_key_put(&w, "view", cell->view);
+    bb_key_put(&w, "rays-hash", cell->known_by_hash ? hash : "");
+    bb_key_put(&w, "builder", cell->builder);
+    bb_key_put(&w, "kernel", cell->kernel);
+    bb_key_put(&w, "intersector", cell->intersector);
     key[w.length] = '\0';
     return w.full ? bb_fail(BB_INVALID, "cell '%.60s...': its key has more than %d bytes", key,
                             BB_CELL_KEY - 1)

@@ -58,6 +58,15 @@ bb_status bb_cell_key_parse(const char *key, bb_cell_parts *cell);
 /* The key of `cell` as it stands; 0-terminated. BB_INVALID if it is longer than there is room. */
 bb_status bb_cell_key_format(const bb_cell_parts *cell, char key[BB_CELL_KEY]);
 
+/* The same part by part: "/name=value", with what is no plain letter as %XX; nothing for "". The
+ * caller ends the key with a 0 at key[length]; `full`: it is longer than there is room. */
+typedef struct bb_key_writer {
+    char *key; /* BB_CELL_KEY */
+    size_t length;
+    bool full;
+} bb_key_writer;
+void bb_key_put(bb_key_writer *writer, const char *name, const char *value);
+
 /* Makes equal cells equal in every letter. */
 void bb_cell_canonical(bb_cell_parts *cell);
 /* The same without parameters that have their defaults: short names for tables. */

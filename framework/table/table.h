@@ -116,6 +116,8 @@ bb_status bb_table_write(const bb_table *table, const char *path);
  * truncated, of another schema, with duplicate keys, unknown members or wrong types. */
 bb_status bb_table_parse(const char *json, const char *name, bb_table **out);
 bb_status bb_table_read(const char *path, bb_table **out);
+/* Whether the file says of itself that it is a table, of whatever version. */
+bool bb_table_is_file(const char *path);
 
 /* As CSV (RFC 4180), from malloc; NULL if there is no memory. One line of names, then one for each
  * row. Rounds become three columns: NAME, the median, and NAME.low and NAME.high, its interval. */

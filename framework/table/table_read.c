@@ -302,3 +302,14 @@ bb_status bb_table_read(const char *path, bb_table **out)
     free(text);
     return status;
 }
+
+bool bb_table_is_file(const char *path)
+{
+    char start[256];
+    FILE *file = fopen(path, "rb");
+    const size_t size = file != NULL ? fread(start, 1, sizeof start - 1, file) : 0;
+    if (file != NULL)
+        fclose(file);
+    start[size] = '\0';
+    return strstr(start, "\"bvhbench-table/") != NULL;
+}
