@@ -1,14 +1,16 @@
-/* Embree's builders (Embree 3 or 4) by way of rtcBuildBVH, as an ordinary plug-in.
+/* Embree's builders (Embree 3 or 4), called through rtcBuildBVH, as an ordinary plug-in.
  *
- *   phase rtcBuildBVH: Embree's binary tree, nodes from its thread-local allocator
- *       quality=low: Morton codes; medium: binned SAH (Wald 2007); high: binned SAH with spatial
- * splits (Stich, Friedrich, Dietrich: Spatial Splits in Bounding Volume Hierarchies, 2009), which
- * cuts primitives with split_primitive() phase convert: preorder walk into the common tree; boxes
- * are unions of the leaves' boxes, which Embree hands over
+ *   phase rtcBuildBVH: Embree builds a binary tree, with nodes from its thread-local allocator
+ *       quality=low:    Morton codes
+ *       quality=medium: binned SAH (Wald 2007)
+ *       quality=high:   binned SAH with spatial splits by split_primitive() (Stich, Friedrich,
+ *                       Dietrich: Spatial Splits in Bounding Volume Hierarchies, 2009)
+ *   phase convert: preorder walk into the common tree; boxes are unions of the leaves' boxes, which
+ *       Embree passes to its callbacks
  *
- * rtcBuildBVH permutes its input, so the harness restores it outside the clock. Its depth limit is
- * raised: at the default of 32 the Morton builder gives no tree on large scenes, and says so only
- * in the device's error.
+ * rtcBuildBVH permutes its input, so the harness restores it outside the clock. The depth limit is
+ * raised: at the default of 32 the Morton builder returns no tree for large scenes, and only the
+ * device's error says so.
  */
 #include "builders/common/links.h"
 #include "framework/builder/builder.h"
@@ -24,14 +26,14 @@ typedef struct embree {
     bb_builder_context context;
     enum RTCBuildQuality quality;
     uint32_t leaf, block, depth;
-    double room; /* of the input array, in primitives of the scene; for what splitting adds */
+    double room; /* size of the input array, in primitives of the scene: leaves room for splits */
     RTCDevice device;
     RTCBVH bvh;
     struct RTCBuildPrimitive *input;
     size_t capacity;
-    bool fresh; /* `input` is as the scene has it */
+    bool fresh; /* `input` has the scene's primitives in their order */
     const bb_scene *scene;
-    _Atomic int error; /* the first that Embree reported since the last check */
+    _Atomic int error; /* first error that Embree reported since the last check */
     char text[200];
 } embree;
 
@@ -47,10 +49,10 @@ static const bb_option options[] = {
 
 /* ---- Embree's own tree ---- */
 
-/* A node of Embree's tree as the callbacks make it: a leaf has primitives, an inner node two
+/* A node of Embree's tree, made by the callbacks: a leaf has primitives, an inner node two
  * children. */
 typedef struct node {
-    uint32_t count; /* of the primitives; 0: inner */
+    uint32_t count; /* number of primitives; 0: inner node */
     union {
         struct node *children[2];
         struct RTCBuildPrimitive *prims;
@@ -74,7 +76,7 @@ static void set_children(void *pointer, void **children, unsigned int count, voi
         parent->of.children[i] = children[i];
 }
 
-/* The boxes are taken from the leaves: exact unions in float. */
+/* Ignored: inner boxes are computed from the leaves, as exact unions in float. */
 static void set_bounds(void *pointer, const struct RTCBounds **bounds, unsigned int count,
                        void *user)
 {
@@ -119,8 +121,8 @@ static float round_up(double x)
     return (double)y < x ? nextafterf(y, INFINITY) : y;
 }
 
-/* Where the edge a b crosses the plane, in a box that holds the exact point: the doubles of the
- * interpolation are off by less than 2^-48 of the larger coordinate. */
+/* Computes where the edge a b crosses the plane, as a box that contains the exact point: the
+ * interpolation in double is off by less than 2^-48 of the larger coordinate. */
 static void cross_plane(const float a[3], const float b[3], unsigned int axis, float plane,
                         float lo[3], float hi[3])
 {
@@ -134,7 +136,7 @@ static void cross_plane(const float a[3], const float b[3], unsigned int axis, f
     lo[axis] = hi[axis] = plane;
 }
 
-/* Boxes of the parts of a triangle on both sides of a plane. */
+/* Computes the boxes of a triangle's parts on both sides of a plane. */
 static void split_triangle(const bb_scene *scene, uint32_t triangle, unsigned int axis, float plane,
                            struct RTCBounds *left, struct RTCBounds *right)
 {
@@ -164,8 +166,7 @@ static void whole(struct RTCBounds *bounds, float lower, float upper)
                                  .upper_z = upper};
 }
 
-/* Keeps of `side` what is in the primitive's present box and on its side of the plane, [low, high]
- * on the axis. */
+/* Clips `side` to the primitive's current box and to [low, high] on the axis. */
 static void clip(struct RTCBounds *side, const struct RTCBuildPrimitive *prim, unsigned int axis,
                  float low, float high)
 {
@@ -176,8 +177,8 @@ static void clip(struct RTCBounds *side, const struct RTCBuildPrimitive *prim, u
     lo[axis] = fmaxf(lo[axis], low);
     hi[axis] = fminf(hi[axis], high);
     if (lo[0] > hi[0] || lo[1] > hi[1] || lo[2] > hi[2]) {
-        /* No part of the primitive is here; Embree wants a box all the same: the smallest there is,
-         * on the plane. */
+        /* No part of the primitive is on this side, but Embree wants a box: the smallest, on the
+         * plane. */
         const float at[3] = {prim->lower_x, prim->lower_y, prim->lower_z};
         memcpy(lo, at, sizeof lo);
         lo[axis] = low > lo[axis] ? low : fminf(high, lo[axis]);
@@ -191,7 +192,8 @@ static void clip(struct RTCBounds *side, const struct RTCBuildPrimitive *prim, u
     side->upper_z = hi[2];
 }
 
-/* Triangles are clipped; other kinds give their box's halves. */
+/* Splits a primitive by Embree's plane: triangles are clipped, other kinds get halves of their
+ * box. */
 static void split_primitive(const struct RTCBuildPrimitive *prim, unsigned int axis, float plane,
                             struct RTCBounds *left, struct RTCBounds *right, void *user)
 {
@@ -223,8 +225,8 @@ static void add_box(bb_node *node, const float lo[3], const float hi[3])
     }
 }
 
-/* In the order of their numbers, since Embree's threads may leave them in any; a primitive that was
- * split may come twice into one leaf and is listed once. */
+/* Writes a leaf's primitives in the order of their numbers, since Embree's threads may leave them
+ * in any order. A split primitive may come twice into one leaf and is listed once. */
 static void convert_leaf(converter *to, const node *leaf, bb_node *out)
 {
     uint32_t first = to->refs, *refs = to->tree->refs;
@@ -246,8 +248,8 @@ static void convert_leaf(converter *to, const node *leaf, bb_node *out)
     out->first = BB_LEAF_BIT | first;
 }
 
-/* Preorder, each child linked to its sibling. Recursion is as deep as the tree, which the depth
- * option bounds. */
+/* Converts in preorder and links each child to its sibling. The recursion is as deep as the tree,
+ * which the option `depth` bounds. */
 static void convert(converter *to, const node *from, uint32_t depth)
 {
     bb_node *nodes = to->tree->nodes, *out = &nodes[to->nodes++];
@@ -398,7 +400,7 @@ static bb_status run_embree(embree *self, const bb_scene *scene, node **root)
     arguments.sahBlockSize = self->block;
     arguments.minLeafSize = 1;
     arguments.maxLeafSize = self->leaf;
-    arguments.traversalCost = 1.2f; /* the constants of `sah` */
+    arguments.traversalCost = 1.2f; /* the same constants as in `sah` */
     arguments.intersectionCost = 1.0f;
     arguments.bvh = self->bvh;
     arguments.primitives = self->input;

@@ -1,30 +1,30 @@
-/* gs: inserts one object after the other where that costs least, on the host; objects that move are
- * taken out and inserted again.
+/* gs: inserts one object after the other where it costs least, on the host; objects that move are
+ * removed and inserted again.
  *
- *   build:   for each object, in random rounds (gs_order.c): walk down from the root, the cheapest
- *            way; make it a child there, or a sibling of one (gs_insert.c)
- *   update:  for each object that moved: take it out, and insert it again from the first ancestor
+ *   build:   for each object, in random rounds (gs_order.c): walk down from the root along the
+ *            cheapest path; make it a child there, or a sibling of a child (gs_insert.c)
+ *   update:  for each object that moved: remove it, and insert it again from the first ancestor
  *            whose box contains it (gs_update.c); then delete nodes that have become too large for
- *            the objects they have left, and insert their children again (gs_thin.c)
+ *            their remaining objects, and insert their children again (gs_thin.c)
  *
  * Goldsmith and Salmon 1987 (Automatic Creation of Object Hierarchies for Ray Tracing); Eisemann,
  * Grosch, Mueller, Magnor 2007, section 3.1 ("Dynamic Goldsmith and Salmon").
  *
- * The paper leaves open:
- *   - when a node is thinned: here if Q / Q_init > tau, a ratio, since a difference would depend on
- *     the scene's size. q=min lowers Q_init to the least Q that a node has had.
- *   - whether boxes above an object that was taken out shrink: they do, after the ancestor to start
- *     from was chosen; else what has left would go on to attract others.
- *   - the order of objects, in builds and in updates. In that of a file, trees can be several times
- *     worse; so can updates of what moves together, since each then meets the others behind it
- *     where they were. The paper's first tree was shuffled, its baseline's were not.
- *   - where the children of a deleted node start: from its parent, which enclosed them.
- *   - how wide a node may become. Boxes that are nearly equal, such as those of objects that all
- *     start at the origin, would make one node of them all, at as many tests for each.
+ * What the paper leaves open, and how it is settled here:
+ *   - When a node is thinned: if Q / Q_init > tau, a ratio, since a difference would depend on the
+ *     scene's size. q=min lowers Q_init to the least Q that the node has had.
+ *   - Whether the boxes above a removed object shrink: they do, after the ancestor to start from is
+ *     chosen. Otherwise they would go on attracting objects to where the removed one was.
+ *   - The order of objects, in builds and updates. In a file's order trees can be several times
+ *     worse; so can updates of objects that move together, since each is compared with neighbours
+ *     that have not been moved yet. The paper's first tree was shuffled, its baselines' were not.
+ *   - Where the children of a deleted node start: at its parent, whose box contains them.
+ *   - How wide a node may become. Nearly equal boxes, such as those of objects that all start at
+ *     the origin, would otherwise all go to one node, and each insertion would test them all.
  *
- * Greedy insertion tests the children along one path. The depth is that of a random search tree as
- * a rule, but has no bound: boxes that are nested in each other make a chain. search=bb may look at
- * all nodes for each object, and does where all boxes overlap.
+ * Greedy insertion tests the children along one path. The depth is usually that of a random search
+ * tree, but has no bound: boxes nested in each other make a chain. search=bb may visit all nodes
+ * for each object, and does so where all boxes overlap.
  */
 #include "gs.h"
 
@@ -54,7 +54,7 @@ typedef struct gs {
     uint64_t seed;
     bool dynamic;
     bb_gs_order order;
-    uint64_t updates; /* since the build: each has an order of its own */
+    uint64_t updates; /* since the build; each update has its own order */
     bb_gs_tree tree;
 } gs;
 
@@ -154,7 +154,7 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
     own->reinserted = own->thinned = 0;
     BB_TRY(bb_event(phases, "moved", moved));
     if (moved == 0) {
-        bb_tree_boxes_changed(tree); /* not even boxes */
+        bb_tree_boxes_changed(tree); /* true although not even boxes have changed */
         return bb_phase(phases, NULL);
     }
     BB_TRY(bb_phase(phases, "move"));

@@ -1,23 +1,25 @@
-/* The common tree of gs. Both number nodes alike, so an update that changed few of them writes few:
+/* Writes the common tree of gs. Both trees use the same numbers, so an update that changed few
+ * nodes writes few:
  *
  *   fill free slots with the last nodes
- *   for each node with another box, first child or number: write box and first child
- *   for each that another sibling follows: write the skip, also to its last child, whose last
- *       child, and so on
- *   for each with other children: its height, and those above, up to the first that stays
+ *   for each node whose box, first child or number changed: write box and first child
+ *   for each node that is followed by another sibling than before: write the skip, also to its last
+ *       child, to that one's last child, and so on
+ *   for each node with other children: update the heights from there up to the first that is right
  *
- * After a build, or if many changed, all are numbered anew in preorder, which keeps what is near in
- * the tree near in memory, and written. References stay: leaf i holds object i's.
+ * After a build, or if many nodes changed, all are numbered anew in preorder and written; preorder
+ * keeps nodes near in memory that are near in the tree. References do not change: leaf i refers to
+ * object i.
  */
 #include "gs.h"
 
 #include <string.h>
 
-enum { MANY = 4 }; /* a fourth of the nodes */
+enum { MANY = 4 }; /* many: more than a fourth of the nodes */
 
 /* ---- all nodes ---- */
 
-/* scratch[n]: the number of node n in preorder; BB_NONE of free slots. */
+/* scratch[n]: number of node n in preorder; BB_NONE for free slots. */
 static uint32_t number_nodes(bb_gs_tree *tree)
 {
     const bb_gs_node *nodes = tree->nodes;
@@ -59,7 +61,7 @@ static void renumber_links(bb_gs_tree *tree)
     tree->root = renumbered(tree, tree->root);
 }
 
-/* Each node to its place, in place: whatever was there goes to its own next. */
+/* Permutes the nodes in place: each displaced node is moved to its own place next. */
 static void permute(bb_gs_tree *tree)
 {
     uint32_t *to = tree->scratch;
@@ -103,7 +105,7 @@ static void emit_all(bb_gs_tree *tree, bb_tree *out)
     }
 }
 
-/* ---- those that changed ---- */
+/* ---- only nodes that changed ---- */
 
 static void write_skip(const bb_gs_tree *tree, uint32_t n, bb_tree *out)
 {

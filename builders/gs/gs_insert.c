@@ -1,4 +1,4 @@
-/* Where a box X costs least: Goldsmith and Salmon 1987, for nodes of any number of children.
+/* The cheapest place for a box X: Goldsmith and Salmon 1987, for nodes of any number of children.
  *
  *   the cost of a tree: children(n) area(n), summed over its inner nodes
  *   n = start; inherited = children(n) (area(n + X) - area(n))
@@ -7,17 +7,18 @@
  *       a new node over X and c, for each child c:  inherited + 2 area(c + X)
  *       growth(c) = children(c) (area(c + X) - area(c)), for each inner child c
  *       go to the c of least growth; inherited += growth(c)
- *   until nothing below can cost less than the best of these; take that
+ *   until no node below can beat the best of these; take the best
  *
- * What X costs below a node is at least what was inherited on the way plus area(X): that ends the
- * walk. Beside the root counts as a place: a new root over it and X. The whole tree is searched in
- * the order of what was inherited, from the best of the one path on (Bittner, Hapala, Havran 2013).
+ * What X costs below a node is at least the inherited cost plus area(X); this bound ends the walk.
+ * A new root over the old one and X is a possible place, too. The whole tree is searched in order
+ * of inherited cost, starting with the best place on the single path (Bittner, Hapala, Havran
+ * 2013).
  *
- * Ties decide whether many equal boxes make a balanced tree or a chain. Of places that cost the
- * same wins the one that needs no new node, then the one with fewer objects; and of children that
- * grow the same, the smaller, then the one with fewer objects. Boxes that are equal gather in nodes
- * that are as wide as they may be: with any number of children, all in one, at as many tests for
- * each.
+ * Ties decide whether many equal boxes make a balanced tree or a chain. Among places of equal cost,
+ * one that needs no new node wins, then the one with fewer objects. Among children of equal growth
+ * the smaller one wins, then the one with fewer objects. Equal boxes fill nodes to the allowed
+ * width: with any number of children allowed, one node gets them all, and each insertion tests them
+ * all.
  */
 #include "gs.h"
 
@@ -47,7 +48,7 @@ static double growth_of(const bb_gs_node *node, double area_with_x)
 
 /* ---- one path ---- */
 
-/* The child that a path goes on to. */
+/* The child with which a path continues. */
 typedef struct way {
     double growth, area;
     uint32_t node, objects;
@@ -62,7 +63,7 @@ static bool is_better_way(const way *a, const way *b)
     return a->objects < b->objects;
 }
 
-/* What there is at the inner node n, which X makes as large as `area`. */
+/* Examines the inner node n, whose area becomes `area` with X, and returns the way to continue. */
 static way look_at(const bb_gs_tree *tree, const bb_gs_box *x, uint32_t n, double inherited,
                    double area, choice *best)
 {
@@ -130,7 +131,7 @@ static bb_gs_step pop(bb_gs_step *queue, uint32_t *count)
     return first;
 }
 
-/* Pushes the inner children of a node that may have something better than `best`. */
+/* Pushes the inner children of a node that may contain a place better than `best`. */
 static void look_everywhere(const bb_gs_tree *tree, const bb_gs_box *x, double x_area,
                             bb_gs_step at, choice *best, uint32_t *queued)
 {

@@ -1,11 +1,12 @@
-/* In which order objects are inserted. What comes first decides the upper levels, which nothing
- * mends later: in the order of a file, neighbours after neighbours, these are poor.
+/* The order in which objects are inserted. The first objects determine the upper levels, which
+ * later insertions do not repair; with a file's order, in which neighbours follow each other, these
+ * levels are poor.
  *
- *   shuffled: any order, as likely as any other
- *   rounds:   half of the objects, chosen at random, come in the last round, half of the others in
- *             the round before, and so on; within a round they keep the order they came in
+ *   shuffled: a random permutation, all equally likely
+ *   rounds:   a random half of the objects comes in the last round, a random half of the others in
+ *             the round before, and so on; within a round they keep their order
  *
- * Rounds (Amenta, Choi, Rote 2003: Incremental Constructions con BRIO) are random where it counts,
+ * Rounds (Amenta, Choi, Rote 2003: Incremental Constructions con BRIO) are random where it matters,
  * and still insert most objects right after a neighbour, whose nodes are in the cache.
  */
 #include "framework/base/random.h"
@@ -24,7 +25,7 @@ static void shuffle(uint32_t *objects, uint32_t count, bb_random *random)
     }
 }
 
-/* 0 for half of them, 1 for a quarter, ... */
+/* Returns 0 for half of the objects, 1 for a quarter, ... */
 static uint32_t draw_round(bb_random *random)
 {
     uint32_t round = 0;

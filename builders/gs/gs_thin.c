@@ -1,15 +1,15 @@
-/* Nodes that are thinned: too large for the objects they have left. Eisemann, Grosch, Mueller,
- * Magnor 2007, section 3.1.
+/* Thinning: deletes nodes that are too large for their remaining objects. Eisemann, Grosch,
+ * Mueller, Magnor 2007, section 3.1.
  *
- *   Q(n) = area(n) / objects(n); Q_init(n): when n was made
- *   candidates: inner nodes, without the root, with Q(n) > tau Q_init(n)
- *   for each that still is one: delete it; insert each of its children, with all below, from the
- *       parent of the deleted node down
+ *   Q(n) = area(n) / objects(n); Q_init(n) = Q(n) when n was made
+ *   candidates: inner nodes except the root with Q(n) > tau Q_init(n)
+ *   for each that still qualifies: delete it; insert each of its children, with its subtree, from
+ *       the deleted node's parent down
  *
- * The parent's box held the children's before the node was deleted, so it is the first ancestor
- * that encloses them. Candidates are fixed before the first is deleted: what this makes a candidate
- * waits for the next update, and the phase ends. Only nodes whose area or objects changed since
- * they were last looked at can have become one.
+ * The parent's box contained the children's before the node was deleted, so the parent is the first
+ * ancestor that encloses them. Candidates are fixed before the first is deleted: nodes that become
+ * candidates by this wait for the next update, so the phase ends. Only nodes whose area or objects
+ * changed since the last check can have become candidates.
  */
 #include "gs.h"
 
@@ -32,7 +32,7 @@ static bool is_thinned(const bb_gs_tree *tree, uint32_t n)
     return !bb_gs_is_leaf(node) && n != tree->root && q_of(node) > tree->rules.tau * node->q_init;
 }
 
-/* Those beyond the budget stay touched, and so are looked at the next time. */
+/* Nodes beyond the budget stay marked as touched, and are checked the next time. */
 static void find_candidates(bb_gs_tree *tree)
 {
     uint32_t left = tree->rules.thin_budget > 0 ? tree->rules.thin_budget : BB_NONE;
@@ -56,7 +56,7 @@ static void dissolve(bb_gs_tree *tree, uint32_t n)
     uint32_t start = tree->rules.from_root ? tree->root : tree->nodes[n].parent;
     uint32_t first = tree->nodes[n].first, next;
     bb_gs_detach(tree, n, &start);
-    bb_gs_free_node(tree, n); /* its slot may be needed for a child */
+    bb_gs_free_node(tree, n); /* a child may need its slot */
     for (uint32_t c = first; c != BB_NONE; c = next) {
         bb_gs_node *child = &tree->nodes[c];
         next = child->next;

@@ -1,9 +1,9 @@
-/* The nodes of gs: a pool with a list of free slots, and what keeps links, boxes and counts right
- * when subtrees come and go.
+/* The nodes of gs: a pool with a list of free slots, and the upkeep of links, boxes and counts when
+ * subtrees are linked and unlinked.
  *
- * A new child becomes the first. So the skips of the common tree, which name the next sibling or
- * that of an ancestor, stay as they are: a child that went last would change those of all that end
- * with the child before it.
+ * A new child becomes the first child. So the skips of the common tree, which name the next sibling
+ * or that of an ancestor, do not change: a child added last would change the skips of all nodes
+ * that end with the child before it.
  */
 #include "gs.h"
 
@@ -118,7 +118,8 @@ void bb_gs_set_box(bb_gs_tree *tree, uint32_t n, const bb_gs_box *box)
     mark(tree, n, BB_GS_BOX | BB_GS_TOUCHED);
 }
 
-/* The widest node is found again when the last of its kind goes. */
+/* Sets the number of children. Also updates the tree's arity when the last of the widest nodes
+ * goes. */
 static void set_width(bb_gs_tree *tree, uint32_t n, uint32_t width)
 {
     uint32_t before = tree->nodes[n].children;
@@ -157,7 +158,7 @@ static void prepend(bb_gs_tree *tree, uint32_t n, uint32_t child)
     mark(tree, child, BB_GS_SKIP);
 }
 
-/* What leads to `child` from above, or from the sibling before it, leads to `to`. */
+/* Redirects the link to `child`, from its parent or from the sibling before it, to `to`. */
 static void relink(bb_gs_tree *tree, uint32_t child, uint32_t to)
 {
     bb_gs_node *nodes = tree->nodes;
@@ -173,7 +174,8 @@ static void relink(bb_gs_tree *tree, uint32_t child, uint32_t to)
     }
 }
 
-/* The same from behind: from the sibling after it, or from the first if it is the last. */
+/* Redirects the backward link to `child`, from the sibling after it or, if it is the last, from the
+ * first. */
 static void relink_back(bb_gs_tree *tree, uint32_t child, uint32_t to)
 {
     bb_gs_node *nodes = tree->nodes;
@@ -184,7 +186,7 @@ static void relink_back(bb_gs_tree *tree, uint32_t child, uint32_t to)
         nodes[nodes[parent].first].prev = to;
 }
 
-/* It hangs nowhere. */
+/* Clears the links of an unlinked node. */
 static void set_free(bb_gs_node *nodes, uint32_t n)
 {
     nodes[n].parent = nodes[n].next = BB_NONE;
@@ -201,7 +203,7 @@ static void unlink_child(bb_gs_tree *tree, uint32_t child)
     set_free(nodes, child);
 }
 
-/* `to`, which hangs nowhere, takes the place of `child`, which hangs nowhere then. */
+/* Puts the unlinked node `to` in the place of `child`, which is unlinked. */
 static void replace_child(bb_gs_tree *tree, uint32_t child, uint32_t to)
 {
     bb_gs_node *nodes = tree->nodes;
@@ -236,7 +238,8 @@ static bool reaches_a_side(const bb_gs_box *inner, const bb_gs_box *outer)
     return false;
 }
 
-/* From n up, what had the box `gone` is no more: where that reached no side, nothing changes. */
+/* Shrinks boxes from n up after a part with the box `gone` was removed; stops where `gone` touched
+ * no side. */
 static void shrink(bb_gs_tree *tree, uint32_t n, const bb_gs_box *gone)
 {
     const bb_gs_node *nodes = tree->nodes;
@@ -251,7 +254,8 @@ static void shrink(bb_gs_tree *tree, uint32_t n, const bb_gs_box *gone)
     }
 }
 
-/* From n up to below `above`; `by` may be "negative": modulo 2^32. */
+/* Adds `by`, modulo 2^32 so that it may be negative, to the object counts from n up to below
+ * `above`. */
 static void count(bb_gs_tree *tree, uint32_t n, uint32_t above, uint32_t by)
 {
     for (; n != BB_NONE && n != above; n = tree->nodes[n].parent) {
@@ -260,7 +264,7 @@ static void count(bb_gs_tree *tree, uint32_t n, uint32_t above, uint32_t by)
     }
 }
 
-/* ---- subtrees come and go ---- */
+/* ---- linking and unlinking of subtrees ---- */
 
 void bb_gs_attach(bb_gs_tree *tree, uint32_t x, uint32_t node, bool beside, uint32_t above)
 {
@@ -303,7 +307,7 @@ void bb_gs_detach(bb_gs_tree *tree, uint32_t x, uint32_t *start)
 
 /* ---- numbers ---- */
 
-/* Node `from` gets the number `to`, of a free slot. */
+/* Gives node `from` the number `to`, which is a free slot. */
 static void move_node(bb_gs_tree *tree, uint32_t from, uint32_t to)
 {
     bb_gs_node *nodes = tree->nodes;

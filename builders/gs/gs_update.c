@@ -1,8 +1,8 @@
 /* Objects that moved: Eisemann, Grosch, Mueller, Magnor 2007, section 3.1 and algorithm 1.
  *
- *   for each object whose box is not the one it had, bit for bit:
+ *   for each object whose box differs from its last one, bit for bit:
  *       start = the first ancestor of its leaf whose box contains the new box; or the root
- *       unlink the leaf; shrink the boxes above, up to the first that stays as it is
+ *       unlink the leaf; shrink the boxes above, up to the first that stays the same
  *       insert it with its new box, from start down
  */
 #include "gs.h"
@@ -18,7 +18,7 @@ uint32_t bb_gs_enclosing(const bb_gs_tree *tree, uint32_t n, const bb_gs_box *bo
     return up != BB_NONE ? up : tree->root;
 }
 
-/* Without a branch: whether the next one has moved is not to be guessed. */
+/* Free of branches, since which object has moved is unpredictable. */
 static uint32_t differ(const float a[3], const float b[3])
 {
     uint64_t xy_a, xy_b;

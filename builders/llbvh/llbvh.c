@@ -1,21 +1,22 @@
-/* LLBVH: a binary tree over the non-empty nodes of a loose octree, on the device; large primitives
- * lie near the root.
+/* LLBVH: a binary tree over the non-empty nodes of a loose octree, which keeps large primitives
+ * near the root. Runs on the device.
  *
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
- * Loose Octrees), sections 3.1 and 3.3. What is chosen where the paper leaves it open:
- * - s0, where the scene's box is no cube: a cube of its longest side. Cells that are cubes make the
- *   better tree (SAH against cells of the box's proportions: hammer 0.70, sthelens 0.77, kitchen
- *   0.91; at worst, interior, 1.04). box=scene and box=centroids have cells of those proportions,
- *   and sizes count per axis (loose_octree.clh).
- * - The fit test of section 3.1 is made whatever the measure. Spheres gain by it (SAH 0.91 and 0.95
- *   in their two states); with the smallest side of triangles it hardly ever finds one that fits.
+ * Loose Octrees), sections 3.1 and 3.3. Choices where the paper leaves something open:
+ * - s0 for a scene whose box is no cube: the longest side, so that cells are cubes. Cubes make the
+ *   better tree (SAH relative to cells of the box's proportions: hammer 0.70, sthelens 0.77,
+ *   kitchen 0.91; at worst, interior, 1.04). With box=scene and box=centroids cells have those
+ *   proportions, and sizes are compared per axis (loose_octree.clh).
+ * - The fit test of section 3.1 is made for all measures. Spheres profit (SAH 0.91 and 0.95 in
+ *   their two states); with the smallest side of triangles hardly any box passes it.
  * - "size information every two levels (6 bits) up to a specific level" (end of section 2):
- *   sizes=yes takes levels down to even ones, so that a size is told after every 6 bits of the code
- *   and not after every 3; upto=L is the level.
+ *   sizes=yes lowers levels to even ones, so that the code has a size after every 6 bits instead of
+ *   every 3; upto=L is the level.
  * - Primitives of one octree node share a leaf, as in the paper, but no more than about `merge` of
- *   them, so that a pile of duplicates does not become one long list; merge=0 is the paper's.
- * The tree is not linked by algorithm 1 but, to the same result, as a radix tree over the nodes:
- * radix_tree.cl says why that is it.
+ *   them, so that many duplicates do not become one long list; merge=0 is the paper's rule.
+ *
+ * The tree is not linked by algorithm 1, but as a radix tree over the nodes, with the same result;
+ * radix_tree.cl explains why.
  */
 #include "builders/common/radix_tree.h"
 #include "builders/common/sorted_codes.h"
@@ -31,7 +32,7 @@ BB_DEVICE_SOURCE(llbvh);
 enum {
     GROUP_SIZE = 64,
     LEVELS_MAX = 21,
-    CHUNK_CPU = 4096, /* primitives per work-item that looks for leaves */
+    CHUNK_CPU = 4096, /* primitives per work-item when searching for leaves */
     CHUNK_GPU = 8,
 };
 
@@ -60,15 +61,15 @@ typedef struct llbvh {
     bb_account *account;
     uint32_t upto, merge;
     const bb_builder_context *context;
-    uint32_t key_bytes; /* of what was compiled; 0: nothing yet */
+    uint32_t key_bytes; /* size of the keys that the kernels are compiled for; 0: not compiled */
     double loose;
     bb_sorted_codes sorted; /* keys: codes, then preorder indices of nodes */
     bb_radix_tree *radix;
     cl_program program;
     cl_kernel place, heads, leaves;
-    bb_buffer nodes;      /* of each primitive, as radix_tree.cl takes them */
-    bb_buffer places;     /* leaves before each chunk */
-    bb_buffer leaf_nodes; /* of each leaf */
+    bb_buffer nodes;      /* node of each primitive, in the form that radix_tree.cl takes */
+    bb_buffer places;     /* number of leaves before each chunk */
+    bb_buffer leaf_nodes; /* node of each leaf */
     bb_radix_runs runs;
 } llbvh;
 
@@ -100,8 +101,9 @@ static void destroy(void *opaque)
     free(self);
 }
 
-/* Each three bits halve all three axes, and no bit tells a size: levels do. Whether that is so
- * depends on the code, not on the scene: any box of three different sides shows it. */
+/* Refuses codes in which a group of three bits does not halve all three axes, or a bit encodes a
+ * size: here levels encode sizes. This depends only on the code, not on the scene, so any box of
+ * three different sides shows it. */
 static bb_status require_octree(const bb_builder_context *context)
 {
     static const bb_box bounds[2] = {{.hi = {4, 2, 1}}, {.hi = {4, 2, 1}}};
@@ -158,7 +160,7 @@ static bb_status build_program(llbvh *self, const bb_builder_context *context)
     return bb_kernel_get(self->program, "llbvh_leaves", &self->leaves);
 }
 
-/* What depends on the width of the keys, once that is known. */
+/* Compiles what depends on the size of keys, once that is known. */
 static bb_status compile(llbvh *self)
 {
     if (!bb_codes_key_changed(self->sorted.codes, self->key_bytes))
@@ -224,7 +226,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     return bb_radix_tree_reserve(self->radix, scene->prim_count, tree);
 }
 
-/* Key and node of each primitive, from its code. */
+/* Computes key and node of each primitive from its code. */
 static bb_status place_primitives(llbvh *self, const bb_scene *scene)
 {
     const bb_code_pattern *layout = bb_codes_pattern(self->sorted.codes);
@@ -232,7 +234,7 @@ static bb_status place_primitives(llbvh *self, const bb_scene *scene)
     for (int k = 0; k < 3; k++) {
         low.s[k] = layout->plan.low[k];
         scale.s[k] = layout->plan.scale[k];
-        if (scale.s[k] > 0) /* sides[2]: of the root's children */
+        if (scale.s[k] > 0) /* sides[2]: sides of the root's children */
             reach.s[k] = (float)((self->loose - 1) * 2 * layout->sides[2][k]);
     }
     cl_float loose = (float)self->loose;
@@ -243,7 +245,7 @@ static bb_status place_primitives(llbvh *self, const bb_scene *scene)
                      BB_MEM(self->sorted.keys), BB_MEM(self->nodes));
 }
 
-/* Runs of equal keys become leaves. */
+/* Turns runs of equal keys into leaves. */
 static bb_status merge_equal(llbvh *self, uint32_t count)
 {
     uint32_t chunk = chunk_size(self), chunks = chunk_count(self, count);
@@ -279,7 +281,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     return bb_phase(phases, NULL);
 }
 
-/* Levels of the octree with primitives, leaves, the most primitives in one. */
+/* Describes the levels of the octree with primitives, the leaves, and the most primitives in
+ * one. */
 static void describe_leaves(const llbvh *self, const bb_scene *scene, const void *nodes,
                             const uint32_t *starts, uint32_t leaves, char *text, size_t capacity)
 {
@@ -287,7 +290,7 @@ static void describe_leaves(const llbvh *self, const bb_scene *scene, const void
     uint32_t deepest = bb_codes_bits(self->sorted.codes) / 3;
     uint32_t first = deepest, last = 0, most = 0, at_deepest = 0;
     for (uint32_t i = 0; i < leaves; i++) {
-        /* the steps from the top bit, a 1, zeros */
+        /* a path: steps from the top bit on, a 1, zeros */
         uint32_t steps = wide ? 63u - (uint32_t)__builtin_ctzll(((const uint64_t *)nodes)[i])
                               : 31u - (uint32_t)__builtin_ctz(((const uint32_t *)nodes)[i]);
         uint32_t level = steps / 3, size = starts[i + 1] - starts[i];

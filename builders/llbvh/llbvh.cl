@@ -1,5 +1,5 @@
-/* LLBVH, all but the linking: from boxes to the non-empty nodes of a loose octree, in preorder,
- * with their primitives.
+/* LLBVH without the linking: from boxes to the non-empty nodes of a loose octree, in preorder, and
+ * their primitives.
  *
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
  * Loose Octrees), section 3.3:
@@ -10,20 +10,20 @@
  *       m' = m with all but the first l bits set to 0
  *       key = preorder index of node (m', l) in the complete binary tree
  *   sort primitives by key
- *   for each chunk: count the keys that differ from the one before: leaves begin there
+ *   for each chunk: count the keys that differ from the previous one: leaves begin there
  *                                                                                (llbvh_heads)
  *   scan the counts
- *   for each leaf: its node, and where its primitives start                     (llbvh_leaves)
- *   link: builders/common/radix_tree.cl, which takes the place of the paper's algorithm 1
+ *   for each leaf: its node, and its first primitive                            (llbvh_leaves)
+ *   link: builders/common/radix_tree.cl, which replaces the paper's algorithm 1
  *
- * The preorder index. From the root each step left is 1 further, each step right past the left
- * subtree: at level d (of L') 1 + (2^(L' - d) - 1) = 2^(L' - d), that is twice the bit of m' that
- * the step sets. So the index is l plus, for each 1 in m', twice its value minus 1: 2 m' -
- * popcount(m') + l. Equation 4 prints - l, which puts a child before its parent and gives different
- * nodes one key. The index is at most 2^(L' + 1) - 2: it has L' + 1 bits.
+ * The preorder index. A step to the left adds 1; a step to the right passes the whole left subtree,
+ * too. At level d (of L') the right step adds 1 + (2^(L' - d) - 1) = 2^(L' - d), which is twice the
+ * bit of m' that the step sets. So the index is l plus, for each 1 in m', twice its value minus 1:
+ * 2 m' - popcount(m') + l. Equation 4 prints - l, which would put a child before its parent and
+ * give different nodes the same key. The index is at most 2^(L' + 1) - 2: it has L' + 1 bits.
  *
  * -DBB_KEY64: more than 30 bits. -DBB_FIT: a box goes one level deeper if it fits there.
- * -DBB_EVERY_OTHER: even levels only. For the size measure see loose_octree.clh. Limits: 2^31 - 1
+ * -DBB_EVERY_OTHER: even levels only. loose_octree.clh has the size measures. Limits: 2^31 - 1
  * primitives; codes of at most 30 or 63 bits.
  */
 #include "bb_device.h"
@@ -36,9 +36,9 @@ typedef uint bb_key;
 #endif
 #define BB_KEY_BITS ((uint)sizeof(bb_key) * 8u)
 
-/* keys: codes, of 3 bits per level, in; preorder indices out. Levels deeper than `upto` are not
- * told apart: such boxes go to the deepest. reach: loose_octree.clh; low, scale: the root cell's
- * corner, and cells of the deepest level per unit; loose: a. */
+/* keys: in: codes of 3 bits per level; out: preorder indices. Boxes for levels deeper than `upto`
+ * all go to the deepest level. reach: see loose_octree.clh. low, scale: the root cell's corner, and
+ * cells of the deepest level per unit. loose: a. */
 kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count, float4 reach, float4 low,
                         float4 scale, float loose, uint deepest, uint upto,
                         global bb_key *restrict keys, global bb_key *restrict nodes)
@@ -64,13 +64,14 @@ kernel void llbvh_nodes(global const bb_box *restrict boxes, uint count, float4 
     uint dropped = 3u * (deepest - level);
     bb_key code = keys[i] >> dropped << dropped;
     keys[i] = 2 * code - popcount(code) + 3u * level;
-    /* as the linking takes it: the path from the top bit, a 1, zeros */
+    /* the form that the linking takes: the path from the top bit on, a 1, zeros */
     bb_key path = 2 * code + ((bb_key)1 << dropped);
     nodes[i] = path << (BB_KEY_BITS - 1u - 3u * deepest);
 }
 
-/* Does a leaf begin at i? Runs of equal keys are cut so that no leaf has twice `merge` primitives,
- * a power of two, or 0 for any number; those of up to `merge` are not. */
+/* Returns whether a leaf begins at i. Runs of equal keys are cut so that each leaf has
+ * less than twice `merge` primitives; runs of up to `merge` stay whole. `merge` is a power of two;
+ * 0: all runs stay whole. */
 bool is_head(global const bb_key *keys, uint i, uint merge)
 {
     if (i == 0u || keys[i] != keys[i - 1u])
@@ -78,7 +79,7 @@ bool is_head(global const bb_key *keys, uint i, uint merge)
     return merge > 0u && (i & (merge - 1u)) == 0u && i >= merge && keys[i] == keys[i - merge];
 }
 
-/* Leaves that begin in each chunk. */
+/* heads: number of leaves that begin in each chunk. */
 kernel void llbvh_heads(global const bb_key *restrict keys, uint count, uint merge, uint chunk,
                         global uint *restrict heads)
 {
@@ -91,7 +92,7 @@ kernel void llbvh_heads(global const bb_key *restrict keys, uint count, uint mer
     heads[get_global_id(0)] = found;
 }
 
-/* places: leaves that begin before each chunk. starts: one more than leaves. */
+/* places: number of leaves that begin before each chunk. starts: one entry more than leaves. */
 kernel void llbvh_leaves(global const bb_key *restrict keys, uint count, uint merge, uint chunk,
                          global const uint *restrict places, global const uint *restrict values,
                          global const bb_key *restrict nodes, global bb_key *restrict leaves,

@@ -1,22 +1,21 @@
-/* LOBVH: primitives inserted into a dense loose octree by centroid and size, which is compacted
- * into an 8-ary tree.
+/* LOBVH: inserts primitives into a dense loose octree by centroid and size, and compacts it into an
+ * 8-ary tree.
  *
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
- * Loose Octrees), sections 3.1, 3.2 and 3.4. The algorithm and its arrays: lobvh.cl. What the paper
- * leaves open, and where this departs from it:
+ * Loose Octrees), sections 3.1, 3.2 and 3.4. lobvh.cl has the algorithm and its arrays. What the
+ * paper leaves open, and where this departs from it:
  *
- * - The root cell is a cube, as long as the longest side of the scene's box, at its low corner.
+ * - The root cell is a cube at the low corner of the scene's box, as long as its longest side.
  *   Cells in the proportions of the box gave trees of 27 to 39 % higher cost in flat scenes, and up
  *   to 10 % lower cost in others.
- * - A measure of 0 gives an infinite level: it is clamped to the deepest. A scene that is one point
- *   is all on level 0.
- * - A node with children and primitives gets a leaf with its primitives as its first child; one
+ * - A measure of 0 would give an infinite level: it is clamped to the deepest. If all of a scene is
+ *   at one point, everything is on level 0.
+ * - A node with children and primitives gets a leaf with its primitives as its first child; a node
  *   without children is a leaf.
- * - A node that has nothing but one child is replaced by it; `chains=keep` leaves it, as the paper
- *   does. Its box is its child's, so a ray that tests both learns nothing (SAH cost of real scenes
- *   without: up to 17 % lower).
- * - The dense octree is kept in bits, so 8 to 10 levels are affordable, of which the paper reaches
- *   8.
+ * - A node without primitives and with a single child is replaced by that child; `chains=keep`
+ *   keeps it, as the paper does. Its box equals its child's, so a ray that tests both gains nothing
+ *   (without such nodes the SAH cost of real scenes is up to 17 % lower).
+ * - The dense octree is kept in bits, so 8 to 10 levels are affordable; the paper reaches 8.
  * - Spheres are measured by their box, whose sides are the diameter, rounded outwards.
  */
 #include "builders/common/view_order.h"
@@ -30,10 +29,10 @@
 BB_DEVICE_SOURCE(lobvh);
 
 enum {
-    LEVELS_MAX = 10, /* keys of 32 bits */
+    LEVELS_MAX = 10, /* so that keys have 32 bits */
     GROUP_SIZE = 64,
-    CHUNK_PRIMS = 2048, /* of the CPU form, per work-item */
-    CHUNK_WORDS = 256,  /* the same: words of eight octree nodes */
+    CHUNK_PRIMS = 2048, /* per work-item on CPUs */
+    CHUNK_WORDS = 256,  /* the same, in words of eight octree nodes */
     BINARY_TREE_BYTES = 2 * sizeof(bb_node) + sizeof(uint32_t), /* per primitive */
 };
 
@@ -54,12 +53,12 @@ typedef struct lobvh {
     bb_account *account;
     uint32_t levels_given; /* 0: auto */
     float looseness;       /* a - 1 */
-    bool chains;           /* nodes with one child stay */
+    bool chains;           /* keep nodes with one child */
     const char *view;
     bb_primitives *primitives;
     cl_program program;
     cl_kernel keys_kernel, mark, vacancy, sizes, leaves, inner;
-    bb_buffer bounds; /* two bb_box: of the boxes, of the centroids */
+    bb_buffer bounds; /* two bb_box: bounds of the boxes; of the centroids */
     bb_buffer keys;
     bb_buffer values;
     bb_buffer occupied; /* the dense octree: see lobvh.cl */
@@ -67,7 +66,7 @@ typedef struct lobvh {
     bb_buffer offsets;
     bb_buffer total;   /* u32: nodes below the root */
     bb_buffer heights; /* u8 per node of the tree */
-    /* of the scene that was prepared for */
+    /* for the prepared scene */
     uint32_t levels;
     bb_axis_order order;
 } lobvh;
@@ -133,13 +132,13 @@ static bb_status create(const bb_builder_context *context, void **out)
 
 /* ---- sizes ---- */
 
-/* Octree nodes above `level`. */
+/* Returns the number of octree nodes above `level`. */
 static uint32_t nodes_above(uint32_t level)
 {
     return (uint32_t)((((uint64_t)1 << 3 * level) - 1) / 7);
 }
 
-/* Entries of eight siblings. */
+/* Returns the number of words, each of eight siblings. */
 static uint32_t words_of(uint32_t levels)
 {
     return (nodes_above(levels) + 7) / 8;
@@ -150,7 +149,7 @@ static uint64_t own_bytes(uint32_t levels)
     return ((uint64_t)words_of(levels) + 3) / 4 * 4;
 }
 
-/* Of the arrays that grow with the octree, not with the scene. */
+/* Returns the bytes of the arrays that grow with the octree, not with the scene. */
 static uint64_t dense_bytes(uint32_t levels)
 {
     return (uint64_t)words_of(levels) * (8 + 4) + own_bytes(levels);
@@ -164,8 +163,8 @@ static bool has_room(const lobvh *self, uint32_t levels)
            dense_bytes(levels) <= device->global_bytes - device->bytes + held;
 }
 
-/* The level of the median primitive by equation 1, taking it for a cube: below it the octree only
- * tells few and small primitives apart. A median of 0 asks for the deepest. */
+/* Returns the level of the median primitive by equation 1, as if it were a cube: deeper levels only
+ * separate few and small primitives. A median of 0 gives the deepest level. */
 static uint32_t level_of_median(const lobvh *self, const bb_scene *scene)
 {
     double longest = 0;
@@ -178,9 +177,9 @@ static uint32_t level_of_median(const lobvh *self, const bb_scene *scene)
     return level;
 }
 
-/* auto: as deep as the median primitive's size asks for, or as it takes to have a cell for each
- * primitive. But no deeper than it takes to tell the centroids apart, and the arrays no larger than
- * a binary tree over the primitives. */
+/* levels=auto: deep enough for the median primitive's size and for a cell per primitive, but not
+ * deeper than needed to separate the centroids, and with arrays no larger than a binary tree over
+ * the primitives. */
 static uint32_t choose_levels(const lobvh *self, const bb_scene *scene)
 {
     const uint64_t count = scene->prim_count;
@@ -217,14 +216,14 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* The most nodes that the tree can have: a leaf per octree node with primitives, and the nodes
- * above them. */
+/* Returns the most nodes that the tree can have: a leaf per octree node with primitives, and the
+ * nodes above them. */
 static uint64_t tree_nodes_max(const lobvh *self, uint64_t count)
 {
     uint64_t leaves = least(count, nodes_above(self->levels + 1)), inner = 0;
     for (uint32_t level = 0; level < self->levels; level++)
         inner += least(leaves, (uint64_t)1 << 3 * level);
-    if (!self->chains) /* each inner node has two children or more */
+    if (!self->chains) /* each inner node has at least two children */
         inner = least(inner, leaves - 1);
     return leaves + inner;
 }
@@ -259,7 +258,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 
 /* ---- build ---- */
 
-/* A work-item takes a chunk of `count` elements on CPUs, an element on GPUs. */
+/* A work-item handles `chunk` of `count` elements on CPUs, one element on GPUs. */
 typedef struct division {
     uint32_t chunk;
     size_t items;

@@ -1,41 +1,41 @@
-/* LOBVH: an octree of dense numbering over the loose octree's cells, compacted into an 8-ary tree.
+/* LOBVH: a densely numbered octree over the loose octree's cells, compacted into an 8-ary tree.
  *
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
- * Loose Octrees), sections 3.1 and 3.2. A dense octree node has number k in breadth-first order:
- * the root is 0, the children of k are 8k + 1 .. 8k + 8, its parent is (k - 1) / 8, and level l
- * begins at D(l) = (8^l - 1) / 7.
+ * Loose Octrees), sections 3.1 and 3.2. Dense octree nodes are numbered in breadth-first order: the
+ * root is 0, the children of k are 8k + 1 .. 8k + 8, its parent is (k - 1) / 8, and level l begins
+ * at D(l) = (8^l - 1) / 7.
  *
  *   lobvh_keys     initialization: for each primitive, level l by equation 1 and the fit test, key
  *                  k = D(l) + morton(cell at l)
  *   sort the primitives by key
- *   lobvh_mark     pointer setup: where the key changes a node's primitives end: mark the node,
+ *   lobvh_mark     pointer setup: a node's primitives end where the key changes: mark the node,
  *                  close its leaf
  *   lobvh_vacancy  per level, bottom-up: a node is vacant if it has no primitive and all its
  *                  children are vacant
- *   lobvh_sizes    compaction: for each node the children that stay, and a leaf if it has
- *                  primitives besides children
- *   scan the sizes: where each node's children go
+ *   lobvh_sizes    compaction: for each node, count the children that stay, plus a leaf if it
+ *                  has primitives besides children
+ *   scan the sizes: the places of each node's children
  *   lobvh_leaves   for each node with primitives: its leaf, with box and next pointer
  *   lobvh_inner    per level, bottom-up: first-child pointer, next pointer, box of the children
  *
  * The paper keeps box, first child, next, first and last primitive for every dense node: 40 bytes.
- * Here it is 1.6 bits, so that deeper octrees fit. occupied: a bit per node, set if it is not
- * vacant; the bits of k's children are byte k + 7, so it is also F(k). own: a bit per node above
+ * Here a node takes 1.6 bits, so deeper octrees fit. occupied: a bit per node, set if it is not
+ * vacant; the bits of k's children are byte k + 7, so this is also F(k). own: a bit per node above
  * the deepest level, set if it has primitives; the bits of k's children are byte k + 1. The eight
  * siblings below p are ulong word p + 1 of the masks, byte p + 1 of own, entry p + 1 of offsets;
  * the root is the last of eight in entry 0. N(k) and the place after compaction are computed from
- * these where they are needed. The last primitive of a node is marked in the references
- * (BB_LAST_BIT), the first is where its leaf points.
+ * these when needed. The last primitive of a node is marked in the references (BB_LAST_BIT); its
+ * leaf points to the first.
  *
- * As printed N(k) never ends at the root and on paths of all sevens; here the walk ends at the
- * root.
+ * As printed in the paper, N(k) never ends at the root and on paths of all sevens; here the walk
+ * ends at the root.
  *
- * Kernels with `chunk` go through that many elements per work-item: on CPUs hundreds, on GPUs one.
- * -DBB_SIDE: the size measure; -DBB_FIT: with the fit test; -DBB_CHAINS: nodes that only have one
- * child stay.
+ * Kernels with `chunk` go through that many elements per work-item: hundreds on CPUs, one on GPUs.
+ * -DBB_SIDE: the size measure. -DBB_FIT: with the fit test. -DBB_CHAINS: keep nodes that only have
+ * one child.
  *
- * Limits: 10 levels (32-bit keys); 2^31 - 1 primitives; little-endian devices. One work-item joins
- * the boxes of one node's primitives, however many.
+ * Limits: 10 levels (32-bit keys); 2^31 - 1 primitives; little-endian devices. A single work-item
+ * joins the boxes of all primitives of a node.
  */
 #include "bb_device.h"
 #include "leaf_boxes.clh"
@@ -51,7 +51,7 @@
 
 /* ---- initialization ---- */
 
-/* D(l), nodes above level l: l ones in octal. */
+/* D(l), the number of nodes above level l: l ones in octal. */
 uint nodes_above(uint level)
 {
     return 0x09249249u & ((1u << 3u * level) - 1u);
@@ -62,10 +62,10 @@ uint pick(uint4 v, uint axis)
     return axis == 0u ? v.x : axis == 1u ? v.y : v.z;
 }
 
-/* Equation 1, the length of the root cell being 1: the deepest level l at which the measure is at
- * most (a - 1) / 2^l. The difference of two positive floats' bits, cut to the exponent, is the
- * whole part of the logarithm of their ratio. Three times that for a volume, which is compared with
- * the cube of (a - 1). A measure of 0 is below all limits. */
+/* Equation 1 for a root cell of length 1: returns the deepest level l at which the measure is at
+ * most (a - 1) / 2^l. The integer part of the logarithm of the ratio of two positive floats is the
+ * difference of their bits, cut to the exponent. A volume is compared with the cube of (a - 1), so
+ * its logarithm counts three times. A measure of 0 is below all limits. */
 uint level_of(float4 sides, float looseness, uint levels)
 {
 #if BB_SIDE == BB_SIDE_SMALLEST
@@ -85,8 +85,8 @@ uint level_of(float4 sides, float looseness, uint levels)
     return (uint)clamp(level, 0, (int)levels);
 }
 
-/* Does the box fit into the enlarged cell of its centroid at `level`? cells are those at
- * `levels`. */
+/* Returns whether the box fits into the enlarged cell of its centroid at `level`. cells: the
+ * centroid's cell at `levels`. */
 bool fits(float4 lo, float4 hi, uint4 cells, float looseness, uint level, uint levels)
 {
     float per_unit = (float)(1u << level), margin = 0.5f * looseness;
@@ -96,9 +96,9 @@ bool fits(float4 lo, float4 hi, uint4 cells, float looseness, uint level, uint l
     return BB_MAX(BB_MAX(out.x, out.y), out.z) <= margin;
 }
 
-/* bounds[0] is the box of the boxes (bb_reduce_boxes). The root cell is a cube at its low corner,
- * as long as its longest side. Halves of coordinates are subtracted, so that no difference
- * overflows. axes, flips: bb_axis_order. */
+/* bounds[0]: bounds of the boxes (bb_reduce_boxes). The root cell is a cube at its low corner, as
+ * long as its longest side. Halves of coordinates are subtracted, so that no difference overflows.
+ * axes, flips: bb_axis_order. */
 kernel void lobvh_keys(global const bb_box *restrict boxes, global const bb_box *restrict bounds,
                        uint count, uint levels, float looseness, /* a - 1 */
                        uint first_axis, uint second_axis, uint third_axis, uint flips,
@@ -112,7 +112,7 @@ kernel void lobvh_keys(global const bb_box *restrict boxes, global const bb_box 
     float4 low = 0.5f * vload4(0, outer);
     float4 extent = 0.5f * vload4(1, outer) - low;
     float scale = 1.0f / BB_MAX(BB_MAX(extent.x, extent.y), extent.z);
-    bool extended = scale <= FLT_MAX; /* not a single point */
+    bool extended = scale <= FLT_MAX; /* false if all is at one point */
     scale = extended ? scale : 0.0f;
     float4 lo = (0.5f * vload4(0, box) - low) * scale;
     float4 hi = (0.5f * vload4(1, box) - low) * scale;
@@ -136,8 +136,8 @@ kernel void lobvh_keys(global const bb_box *restrict boxes, global const bb_box 
 
 /* ---- pointer setup ---- */
 
-/* `inner` is D(levels): nodes above the deepest level. Bits are gathered per word, as neighbours in
- * the order share words. */
+/* `inner`: D(levels), the number of nodes above the deepest level. Bits are gathered per word
+ * before they are written, since neighbours in the order share words. */
 kernel void lobvh_mark(global const uint *restrict keys, global const uint *restrict values,
                        uint count, uint inner, uint chunk, volatile global uint *occupied,
                        volatile global uint *own, global uint *restrict refs)
@@ -187,14 +187,14 @@ kernel void lobvh_mark(global const uint *restrict keys, global const uint *rest
 
 #define BB_ONES 0x0101010101010101ul
 
-/* 1 in each byte that is not 0 */
+/* Returns 1 in each byte that is not 0. */
 ulong nonzero_bytes(ulong v)
 {
     const ulong low = 0x7F7F7F7F7F7F7F7Ful;
     return ((((v & low) + low) | v) >> 7) & BB_ONES;
 }
 
-/* bit c of `bits` to byte c, as 0 or 1 */
+/* Spreads bit c of `bits` to byte c, as 0 or 1. */
 ulong spread_bits(uint bits)
 {
     return nonzero_bytes(bits * BB_ONES & 0x8040201008040201ul);
@@ -207,8 +207,9 @@ ulong count_bits_of_bytes(ulong v)
     return (v + (v >> 4)) & 0x0F0F0F0F0F0F0F0Ful;
 }
 
-/* Of eight siblings: a byte each with how many nodes go below them after compaction. A node that
- * only has one child is replaced by that child, unless chains stay: nothing goes below it. */
+/* Returns for each of eight siblings, as a byte, how many nodes are below it after compaction. A
+ * node with a single child and no primitives is replaced by the child, unless chains stay: its byte
+ * is 0. */
 ulong block_sizes(ulong children, uint own_bits)
 {
     ulong own = spread_bits(own_bits) & nonzero_bytes(children);
@@ -219,7 +220,7 @@ ulong block_sizes(ulong children, uint own_bits)
     return sizes;
 }
 
-/* Sum of the bytes below byte c; of all eight for c = 8. */
+/* Returns the sum of the bytes below byte c; of all eight for c = 8. */
 uint sum_bytes(ulong bytes, uint c)
 {
     ulong below = c < 8u ? bytes & ((1ul << 8u * c) - 1ul) : bytes;
@@ -228,8 +229,8 @@ uint sum_bytes(ulong bytes, uint c)
 
 /* ---- vacancy and compaction ---- */
 
-/* On the `nodes` nodes from `first` on, all of one level: the children's bits are in, those of the
- * node's grandchildren join. */
+/* For the `nodes` nodes from `first` on, all of one level: the bits of their children's own
+ * primitives are set; this adds bits for children with children. */
 kernel void lobvh_vacancy(global uchar *masks, global const ulong *words, uint first, uint nodes)
 {
     uint n = get_global_id(0);
@@ -252,21 +253,21 @@ kernel void lobvh_sizes(global const ulong *restrict words, global const uchar *
 typedef struct dense {
     global const ulong *words;
     global const uchar *own;
-    global const uint *offsets; /* scanned sizes */
+    global const uint *offsets; /* scan of the sizes */
 } dense;
 
-/* The children of k that are not vacant. */
+/* Returns the children of k that are not vacant, as bits. */
 uint mask_of(global const ulong *words, uint k)
 {
     return ((global const uchar *)words)[k + 7u];
 }
 
-/* A node above the deepest level: its children, and what goes below it. */
+/* A node above the deepest level, its children, and the nodes below it. */
 typedef struct family {
     uint mask;  /* children that are not vacant */
     uint size;  /* nodes below it; 0 if it is vacant, a leaf, or replaced by its child */
-    uint start; /* place of the first */
-    uint leaf;  /* 1: that is a leaf with its own primitives */
+    uint start; /* place of the first of these */
+    uint leaf;  /* 1: the first is a leaf with the node's own primitives */
 } family;
 
 family family_of(const dense *octree, uint k)
@@ -283,13 +284,13 @@ family family_of(const dense *octree, uint k)
     return f;
 }
 
-/* Place of child c. */
+/* Returns the place of child c. */
 uint place_in(const family *f, uint c)
 {
     return f->start + f->leaf + popcount(f->mask & ((1u << c) - 1u));
 }
 
-/* Place of node k: that of its child, if it is replaced by it. */
+/* Returns the place of node k, or of its child if that replaces it. */
 uint place_of(const dense *octree, uint k)
 {
     while (k > 0u) {
@@ -301,8 +302,8 @@ uint place_of(const dense *octree, uint k)
     return 0u;
 }
 
-/* Place of the node after node k: the next sibling that is not vacant, of k or of its nearest
- * ancestor that has one. */
+/* Returns the place of the node after node k: the next sibling that is not vacant, of k or of the
+ * nearest ancestor that has one. */
 uint next_of(const dense *octree, uint k)
 {
     while (k > 0u) {
@@ -317,7 +318,8 @@ uint next_of(const dense *octree, uint k)
     return BB_NONE;
 }
 
-/* Both of child c of `parent`, whose children are `siblings`: computed once for all of them. */
+/* Returns place and next of child c of `parent`, whose children are `siblings`, computed once for
+ * all of them. */
 uint2 place_and_next(const dense *octree, const family *siblings, uint parent, uint c)
 {
     uint2 at;
@@ -328,7 +330,7 @@ uint2 place_and_next(const dense *octree, const family *siblings, uint parent, u
 
 /* ---- link ---- */
 
-/* A node's primitives are joined by the work-item in whose chunk they begin. info: zeroed
+/* Joins the boxes of each node's primitives, by the work-item in whose chunk they begin. info is 0
  * before. */
 kernel void lobvh_leaves(global const uint *restrict keys, global const uint *restrict values,
                          global const bb_box *restrict boxes, uint count, uint inner, uint chunk,
@@ -344,7 +346,7 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
     uint leaves = 0, parent = BB_NONE;
     family siblings = {0, 0, 0, 0};
     uint i = begin;
-    /* what began before is another work-item's */
+    /* leave primitives of a node that began before this chunk to another work-item */
     if (begin > 0u)
         while (i < end && keys[i] == keys[begin - 1u])
             i++;
@@ -355,8 +357,8 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
             bb_join_box_ahead(values, boxes, i, count, &lo, &hi);
             i++;
         } while (i < count && keys[i] == key);
-        uint2 at = (uint2)(0u, BB_NONE); /* of the root */
-        if (key < inner && mask_of(words, key) != 0u) { /* before its children */
+        uint2 at = (uint2)(0u, BB_NONE); /* the root's */
+        if (key < inner && mask_of(words, key) != 0u) { /* its leaf comes before its children */
             uint start = family_of(&octree, key).start;
             at = (uint2)(start, start + 1u);
         } else if (key > 0u) {
@@ -374,8 +376,8 @@ kernel void lobvh_leaves(global const uint *restrict keys, global const uint *re
         atomic_add(&info->leaf_count, leaves);
 }
 
-/* On the sibling words first .. first + count - 1, those of the nodes of one level; their children
- * are there. */
+/* Handles the sibling words first .. first + count - 1, which are the nodes of one level; their
+ * children are finished. */
 kernel void lobvh_inner(global const ulong *words, global const uchar *own,
                         global const uint *offsets, global const uint *total,
                         uint prims, uint first, uint count, uint chunk, global bb_node *nodes,
@@ -410,7 +412,7 @@ kernel void lobvh_inner(global const ulong *words, global const uchar *own,
                 hi = BB_MAX(vload4(1, box), hi);
                 height = BB_MAX((uint)heights[k], height);
             }
-            uint2 at = (uint2)(0u, BB_NONE); /* of the root */
+            uint2 at = (uint2)(0u, BB_NONE); /* the root's */
             if (w > 0u)
                 at = place_and_next(&octree, &siblings, w - 1u, c);
             bb_write_node(nodes, at.x, lo, hi, start, at.y);
@@ -421,7 +423,7 @@ kernel void lobvh_inner(global const ulong *words, global const uchar *own,
     }
     if (arity > 0u)
         atomic_max(&info->arity, arity);
-    if (first == 0u) { /* the root's word, alone */
+    if (first == 0u) { /* the root's word has no siblings */
         info->root = 0;
         info->node_count = 1u + total[0];
         info->ref_count = prims;

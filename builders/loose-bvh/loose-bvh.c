@@ -1,36 +1,38 @@
-/* Loose BVH: a complete binary tree of 3N levels that is given before the scene is. A primitive
- * goes to the level of its size and the node of its middle, whatever lies there: nothing is
- * searched, split or compared, so that a frame in which all moves costs as much as any other.
+/* Loose BVH: a complete binary tree of 3N levels that is fixed before the scene is known. A
+ * primitive goes to the level of its size and the node of its centre, regardless of other
+ * primitives: nothing is searched, split or compared, so a frame in which everything moves costs as
+ * much as any other.
  *
  * Eisemann, Grosch, Mueller, Magnor 2007 (Automatic Creation of Object Hierarchies for Ray Tracing
- * of Dynamic Scenes), section 3.2, algorithm 2. The algorithm: loose-bvh.cl. The tree is the
+ * of Dynamic Scenes), section 3.2, algorithm 2. loose-bvh.cl has the algorithm. The tree is the
  * paper's without the nodes that its skip indices pass over. What the paper leaves open, and where
  * this departs from it:
  *
- * - The root cell is a cube, as long as the longest side of the scene's box, at its low corner;
- *   root=box is the paper's. In a box that is nearly flat, S / O is about 1 on the short axis for
- *   all primitives, and all go to the root. In one that is exactly flat it is 0 / 0: such an axis
- *   is left out, as is one on which the primitive has no extent. With none left the level is the
- *   deepest.
- * - Primitives lie a level deeper than equation 3 says, in cells that may be half as large as they
- *   are; deeper=0 is the paper's. By the paper's rule two to eight triangles of a mesh share a
- *   cell, and many more where all are large beside the scene. SAH against a binned build of the
- *   same frame, at worst over all frames: twist 1.12 (deeper=0: 1.58), a crowd that has just left
- *   the origin 1.30 (2.65), fourteen sequences at most 1.30.
- * - A middle at the far end of the scene would be in a cell beyond the last: it is in the last.
- * - A node with primitives and children gets a leaf with its primitives as its first child, so that
- *   nodes have up to three; one without children is a leaf. A leaf has all primitives of its node,
- *   however many they are.
- * - The paper allocates, empties and refits all 2^(3N + 1) - 1 nodes in each frame: at N = 8 that
- *   is 1 GB. Here memory and time are those of the nodes that are there, at most two per primitive,
- *   and N goes up to 10.
- * - Keys are in-order, not breadth-first, so that neighbours in the order tell which nodes stay.
- * - The paper's update inserts all primitives again; so does another build, and there is no update.
- *   One that refits while no primitive changes its cell would never do so: as the scene's box, by
- *   which cells are measured, moves too, most change theirs in each frame of a scene in which all
- *   move, and 2 % where 2 % do.
- * - Far outliers make cells large: with N = 10, all that is smaller than a thousandth of the scene
- *   and lies together is one list. That is the method's.
+ * - The root cell is a cube at the low corner of the scene's box, as long as its longest side;
+ *   root=box is the paper's. In a nearly flat box S / O is about 1 on the short axis for all
+ *   primitives, and all go to the root. In an exactly flat box it is 0 / 0: such an axis is
+ *   ignored, and so is one on which the primitive has no extent. If all axes are ignored the level
+ *   is the deepest.
+ * - Primitives are one level deeper than equation 3 says, in cells that may be half as large as the
+ *   primitive; deeper=0 is the paper's. By the paper's rule two to eight triangles of a mesh share
+ *   a cell, and many more where all are large relative to the scene. SAH relative to a binned build
+ *   of the same frame, at worst over all frames: twist 1.12 (deeper=0: 1.58), a crowd that has just
+ *   left the origin 1.30 (2.65), fourteen sequences at most 1.30.
+ * - A centre at the far end of the scene would be in a cell beyond the last; it is put in the last.
+ * - A node with primitives and children gets a leaf with its primitives as its first child, so
+ *   nodes have up to three children; a node without children is a leaf. A leaf has all primitives
+ *   of its node, however many.
+ * - The paper allocates, clears and refits all 2^(3N + 1) - 1 nodes in each frame: 1 GB at N = 8.
+ *   Here only nodes that exist take memory and time, at most two per primitive, and N goes up to
+ *   10.
+ * - Keys are in-order, not breadth-first, so that neighbours in the sorted order show which nodes
+ *   stay.
+ * - The paper's update inserts all primitives again, which equals another build, so there is no
+ *   update. One that refits while no primitive changes its cell would never get to refit: cells are
+ *   relative to the scene's box, which moves, too, so where all primitives move, most change their
+ *   cells in each frame, and where 2 % move, 2 % do.
+ * - Far outliers make cells large: with N = 10, primitives that are together and smaller than a
+ *   thousandth of the scene become one list. This is a limit of the method.
  */
 #include "framework/base/arithmetic.h"
 #include "framework/builder/builder.h"
@@ -42,12 +44,12 @@
 BB_DEVICE_SOURCE(loose_bvh);
 
 enum {
-    LEVELS_MAX = 10, /* keys of 31 bits */
+    LEVELS_MAX = 10, /* so that keys have 31 bits */
     GROUP_SIZE = 64,
-    CHUNK_CPU = 2048, /* primitives per work-item that looks for cells and makes leaves */
+    CHUNK_CPU = 2048, /* primitives per work-item when finding cells and making leaves */
     CHUNK_GPU = 8,
-    CHUNK_CELLS = 1024, /* of the CPU form: cells per work-item that links them */
-    LANES = 8,          /* keys that a work-item of the CPU form makes at once */
+    CHUNK_CELLS = 1024, /* CPUs: cells per work-item when linking */
+    LANES = 8,          /* CPUs: keys that a work-item computes at once */
 };
 
 static const bb_option options[] = {
@@ -67,18 +69,18 @@ typedef struct loose_bvh {
     bb_primitives *primitives;
     cl_program program;
     cl_kernel keys_kernel, heads_kernel, cells_kernel, leaves, spans_kernel;
-    cl_kernel level;                  /* GPU form */
-    cl_kernel chunks, rest_of_chunks; /* CPU form */
-    bb_buffer bounds;                 /* two bb_box: of the boxes, of the centroids */
+    cl_kernel level;                  /* GPUs */
+    cl_kernel chunks, rest_of_chunks; /* CPUs */
+    bb_buffer bounds;                 /* two bb_box: bounds of the boxes; of the centroids */
     bb_buffer keys, values;
-    bb_buffer heads, spans;         /* per chunk of primitives: loose-bvh.cl */
-    bb_buffer totals;               /* u32: cells, third children */
+    bb_buffer heads, spans;         /* per chunk of primitives: see loose-bvh.cl */
+    bb_buffer totals;               /* u32: number of cells; of third children */
     bb_buffer cells, starts, bases; /* per cell */
-    bb_buffer splits;               /* u8 per cell, and one more */
+    bb_buffer splits;               /* u8 per cell, plus one */
     bb_buffer firsts, lasts;        /* per cell */
     bb_buffer heights;              /* u8 per node */
     bb_buffer rest, rest_counts;    /* per chunk of cells */
-    uint32_t levels;                /* for the scene that was prepared for */
+    uint32_t levels;                /* for the prepared scene */
 } loose_bvh;
 
 static void destroy(void *opaque)
@@ -141,8 +143,8 @@ static bb_status create(const bb_builder_context *context, void **out)
 
 /* ---- sizes ---- */
 
-/* A surface of 4^N primitives of one size meets about as many cells of level N; one more level
- * tells those apart that share one. */
+/* levels=auto: a surface of 4^N primitives of equal size meets about as many cells of level N; one
+ * more level separates primitives that share one. */
 static uint32_t choose_levels(uint64_t count)
 {
     uint32_t levels = 1;
@@ -156,7 +158,7 @@ static uint32_t chunk_size(const loose_bvh *self)
     return bb_cpu_form(self->device) ? CHUNK_CPU : CHUNK_GPU;
 }
 
-/* The most cells that there can be, one of a level above the deepest, too. */
+/* Returns the most cells that there can be, on all levels. */
 static uint32_t cells_max(const loose_bvh *self, uint32_t count)
 {
     uint64_t all = (((uint64_t)1 << 3 * (self->levels + 1)) - 1) / 7;
@@ -202,8 +204,8 @@ static uint64_t most(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Everything is asked for at once, so that it is refused before anything is allocated. The sort
- * keeps a copy of keys and indices. */
+/* Asks for all memory at once, so that a refusal comes before anything is allocated. The sort keeps
+ * a copy of keys and indices. */
 static bb_status require_room(const loose_bvh *self, const need needs[NEEDS], uint32_t count,
                               const bb_tree *tree)
 {
@@ -290,7 +292,7 @@ static bb_status make_leaves(loose_bvh *self, const bb_buffer *boxes, uint32_t c
                      BB_MEM(tree->d_info));
 }
 
-/* Only the device knows how many cells there are. */
+/* Launches for as many cells as possible, since only the device knows their number. */
 static bb_status link_chunks(loose_bvh *self, uint32_t count, bb_tree *tree)
 {
     const uint32_t chunk = CHUNK_CELLS, chunks = bb_divide_up(cells_max(self, count), chunk);
@@ -342,7 +344,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     return bb_phase(phases, NULL);
 }
 
-/* Cells per level, and the most primitives in one. */
+/* Describes the cells per level, and the most primitives in one. */
 static void describe_cells(const loose_bvh *self, const uint32_t *cells, const uint32_t *starts,
                            uint32_t count, char *text, size_t capacity)
 {

@@ -1,4 +1,4 @@
-/* Loose BVH: the binary tree of 3N levels, linked bottom-up from the cells that hold primitives.
+/* Loose BVH: the binary tree of 3N levels, linked bottom-up from the cells with primitives.
  *
  * Eisemann, Grosch, Mueller, Magnor 2007, section 3.2. Level 3k of the complete binary tree that
  * halves x, y, z in turn is a grid of 2^k cells per axis:
@@ -9,36 +9,35 @@
  *   sort primitives by key
  *   loose_heads   count runs of equal keys
  *   scan the counts
- *   loose_cells   each run is a cell: its start, what lies between it and the next
+ *   loose_cells   each run is a cell: its start, and the split between it and the next
  *   loose_leaves  for each cell: a leaf with its primitives, their box
- *   loose_spans   the same for cells that several work-items share
+ *   loose_spans   the same for cells shared by several work-items
  *   loose_chunks, loose_rest (CPUs), loose_level (GPUs)
- *                 deepest first, for each node that has two children, or a child and primitives:
- *                 links, box of its children
+ *                 deepest first, for each node with two children, or a child and primitives:
+ *                 links, box of the children
  *
- * The paper has all 2^(3N + 1) - 1 nodes in an array, empties and refits them all, and lets a node
- * that has nothing but one child point past it ("skip index"; here: a chain). Here a node is made
- * only if it stays once chains are dropped. That is decided by neighbours in the order alone:
+ * The paper keeps all 2^(3N + 1) - 1 nodes in an array, clears and refits them all, and lets a node
+ * with a single child and no primitives point past it ("skip index"; here: a chain). Here a node is
+ * made only if it remains after chains are dropped, which neighbours in the sorted order determine:
  *
- * Keys. Steps from the root (0 low, 1 high) from the top bit of 3N + 1, then a 1, then zeros.
- * Sorted, they are the nodes in-order: what is below the low half, the node, what is below the high
- * half. The nodes below p lie less than its lowest 1 away.
+ * Keys. From the top bit of 3N + 1 bits: the steps from the root (0 low, 1 high), then a 1, then
+ * zeros. Sorted keys give the nodes in-order: those below the low half, the node, those below the
+ * high half. All nodes below p differ from p by less than its lowest 1.
  *
- * Splits. Between neighbours s and s + 1 in the order, the lowest node above or equal to both is a
- * node that stays, and all nodes that stay, but leaves, are found that way. One with primitives and
- * children on either side is found twice, to the left and to the right of its own cell: then the
- * second split is its third child. Its depth is where the two paths part, or where the shorter
- * ends.
+ * Splits. The lowest node above or equal to both neighbours s and s + 1 in the order is a node that
+ * stays, and all inner nodes that stay are found this way. A node with primitives and children on
+ * both sides is found twice, left and right of its own cell: the second split then adds its third
+ * child. The node's depth is where the two paths part, or where the shorter one ends.
  *
- * Places. The root is node 0. Split s has the places from bases[s] on: two of them, for the first
- * two children of its node, or one for a third child. So bases[s] = 1 + 2 s - (third children
- * before s). The first child of a node with primitives is a leaf that has them.
+ * Places. The root is node 0. Split s has the places from bases[s] on: two for the first two
+ * children of its node, or one for a third child. So bases[s] = 1 + 2 s - (third children before
+ * s). The first child of a node with primitives is the leaf that has them.
  *
- * No work-item waits for another, or reads what another has written in the same launch: work-groups
- * hand over between launches alone.
+ * No work-item waits for another or reads what another has written in the same launch: work-groups
+ * hand over only between launches.
  *
- * -DBB_CUBE: the root cell is a cube. -DBB_LANES: boxes whose keys are made at once, 1 or 8.
- * Limits: 10 levels (32-bit keys); 2^30 primitives. Where sides are denormal a primitive may lie
+ * -DBB_CUBE: the root cell is a cube. -DBB_LANES: boxes whose keys are computed at once, 1 or 8.
+ * Limits: 10 levels (32-bit keys); 2^30 primitives. Where sides are denormal a primitive may be
  * nearer to the root than equation 3 says.
  */
 #include "bb_device.h"
@@ -51,8 +50,8 @@
 
 /* ---- keys ---- */
 
-/* An axis of several boxes side by side. To cells by way of int, which every vector unit converts
- * to. */
+/* One axis of several boxes side by side. Cells are converted by way of int, for which every vector
+ * unit has a conversion. */
 #if BB_LANES == 8
 typedef float8 bb_floats;
 typedef int8 bb_ints;
@@ -69,7 +68,7 @@ typedef uint bb_uints;
 #define BB_TO_CELLS(x) (uint)(x)
 #endif
 
-/* The root cell: its low corner and its sides, halved, so that no difference overflows. */
+/* The root cell: its low corner and its sides, both halved, so that no difference overflows. */
 typedef struct root_cell {
     float low[3], whole[3];
 } root_cell;
@@ -88,7 +87,7 @@ root_cell root_of(global const bb_box *bounds)
     return root;
 }
 
-/* Bits of cells, at most 10, three places apart. */
+/* Spreads the bits of cells, at most 10, three places apart. */
 bb_uints spread(bb_uints v)
 {
     v = (v | (v << 16)) & 0x030000FFu;
@@ -127,7 +126,7 @@ bb_uints keys_of(const root_cell *root, const bb_floats *lo, const bb_floats *hi
 }
 
 #if BB_LANES == 8
-/* Word `word` of eight boxes. */
+/* Loads word `word` of eight boxes. */
 float8 eight(global const float *words, uint word)
 {
     words += word;
@@ -136,7 +135,7 @@ float8 eight(global const float *words, uint word)
 }
 #endif
 
-/* bounds[0] is the box of the boxes. */
+/* bounds[0]: bounds of the boxes. */
 kernel void loose_keys(global const bb_box *restrict boxes, global const bb_box *restrict bounds,
                        uint count, uint levels, uint deeper, global uint *restrict keys,
                        global uint *restrict values)
@@ -174,8 +173,8 @@ kernel void loose_keys(global const bb_box *restrict boxes, global const bb_box 
 
 /* ---- cells ---- */
 
-/* What a split is, in a byte: the depth of its node plus 1, and whether that is the cell to the
- * right, or that to the left, or the latter and the split adds a third child. 0: outside. */
+/* A split, in a byte: the depth of its node plus 1; whether the node is the cell to the right, or
+ * the cell to the left, or the latter and the split adds a third child. 0: outside of the order. */
 #define BB_SPLIT_DEPTH 31u
 #define BB_SPLIT_RIGHT 32u
 #define BB_SPLIT_LEFT 64u
@@ -186,14 +185,14 @@ uint lowest_one(uint key)
     return key & -key;
 }
 
-/* Is node p above node q? */
+/* Returns whether node p is above node q. */
 bool is_above(uint p, uint q)
 {
     return p != q && abs_diff(p, q) < lowest_one(p);
 }
 
-/* Of two neighbours in the order, but for whether a third child is added. The highest bit of: where
- * they part, where either ends. */
+/* Returns the split between two neighbours in the order, without BB_SPLIT_THIRD. Its depth is the
+ * highest bit at which the paths part or one of them ends. */
 uint split_of(uint left, uint right, uint bits)
 {
     uint left_end = lowest_one(left), right_end = lowest_one(right);
@@ -202,9 +201,9 @@ uint split_of(uint left, uint right, uint bits)
            (ends < 2u * left_end ? BB_SPLIT_LEFT : 0u);
 }
 
-/* A cell begins at i > 0: does the split before it only add a third child? The cell before it must
- * be above its neighbours on either side. Where that one begins is looked for by steps that double,
- * then halve: it may have any number of primitives. */
+/* Returns whether the split before the cell that begins at i > 0 only adds a third child: the cell
+ * before it is above its neighbours on both sides. The beginning of that cell, which may have any
+ * number of primitives, is found by steps that double, then halve. */
 bool adds_third(global const uint *keys, uint i)
 {
     uint own = keys[i - 1u], start = i - 1u, step = 1;
@@ -225,7 +224,7 @@ bool is_head(global const uint *keys, uint i)
     return i == 0u || keys[i] != keys[i - 1u];
 }
 
-/* Cells that begin in each chunk, and after those of all chunks, third children. */
+/* heads: cells that begin in each chunk; then, for all chunks, third children. */
 kernel void loose_heads(global const uint *restrict keys, uint count, uint chunk, uint chunks,
                         global uint *restrict heads)
 {
@@ -242,9 +241,10 @@ kernel void loose_heads(global const uint *restrict keys, uint count, uint chunk
     heads[chunks + get_global_id(0)] = third;
 }
 
-/* heads: scanned, so heads[chunks] is the number of cells, and from there on third children count
- * on. totals: of both. starts: one more than cells. firsts, lasts: the first cell of what ends at a
- * cell, the last of what begins there: so far, itself. spans: see loose_leaves. */
+/* heads: scanned, so heads[chunks] is the number of cells, and third children are counted from
+ * there. totals: numbers of cells and third children. starts: one entry more than cells. firsts,
+ * lasts: first cell of the node that ends at a cell, last cell of the node that begins there; here
+ * the cell itself. spans: see loose_leaves. */
 kernel void loose_cells(global const uint *restrict keys, uint count, uint chunk, uint chunks,
                         uint bits, global const uint *restrict heads, global uint *restrict totals,
                         global uint *restrict cells, global uint *restrict starts,
@@ -284,11 +284,11 @@ kernel void loose_cells(global const uint *restrict keys, uint count, uint chunk
 
 /* ---- where nodes go ---- */
 
-/* The cells in order, and what is made of them. */
+/* The cells in order, and the tree that is made from them. */
 typedef struct loose {
     global const uint *bases;
-    global const uchar *splits; /* to the left of each cell, and of the end */
-    uint count;                 /* of the cells */
+    global const uchar *splits; /* left of each cell, and of the end */
+    uint count;                 /* number of cells */
     uint thirds;
     uint prims;
     global bb_node *nodes;
@@ -296,24 +296,23 @@ typedef struct loose {
     global bb_tree_info *info;
 } loose;
 
-/* Place of a node over the cells first .. last, which is no leaf with the primitives of a node that
- * has children. Its parent is at the deeper of the splits around it. */
+/* Returns the place of a node over the cells first .. last, other than a leaf with the primitives
+ * of a node that has children. Its parent is at the deeper of the splits around it. */
 uint place_of(const loose *l, uint first, uint last)
 {
     uint before = l->splits[first], after = l->splits[last + 1u];
     if ((before | after) == 0u)
-        return 0u;
-    if ((after & BB_SPLIT_DEPTH) > (before & BB_SPLIT_DEPTH)) /* after the leaf, if there is one */
+        return 0u;    if ((after & BB_SPLIT_DEPTH) > (before & BB_SPLIT_DEPTH)) /* after the parent's leaf, if any */
         return l->bases[last] + ((after & BB_SPLIT_RIGHT) != 0u ? 1u : 0u);
     return l->bases[first - 1u] + ((before & BB_SPLIT_THIRD) != 0u ? 0u : 1u);
 }
 
-/* Where a node goes on that ends with cell `last`, but for such a leaf. */
+/* Returns the skip of a node that ends with cell `last`, other than such a leaf. */
 uint skip_of(const loose *l, uint last)
 {
     uint after = l->splits[last + 1u];
     while ((after & BB_SPLIT_RIGHT) != 0u) {
-        /* the parent's own cell comes next: its leaf was before, its upper half comes, if any */
+        /* the parent's own cell comes next: its leaf came first, its upper half may follow */
         last++;
         after = l->splits[last + 1u];
         if ((after & BB_SPLIT_THIRD) != 0u)
@@ -339,10 +338,10 @@ void write_info(const loose *l, uint height)
 void write_leaf(const loose *l, uint c, uint start, float4 lo, float4 hi)
 {
     uint place, skip;
-    if ((l->splits[c] & BB_SPLIT_RIGHT) != 0u) { /* before its node's children, some on the left */
+    if ((l->splits[c] & BB_SPLIT_RIGHT) != 0u) { /* has children on the left */
         place = l->bases[c - 1u];
         skip = place + 1u;
-    } else if ((l->splits[c + 1u] & BB_SPLIT_LEFT) != 0u) { /* all on the right */
+    } else if ((l->splits[c + 1u] & BB_SPLIT_LEFT) != 0u) { /* all children are on the right */
         place = l->bases[c];
         skip = place + 1u;
     } else {
@@ -355,7 +354,7 @@ void write_leaf(const loose *l, uint c, uint start, float4 lo, float4 hi)
         write_info(l, 0);
 }
 
-/* Floats as integers of the same order. */
+/* Converts floats to integers of the same order. */
 uint ordered(float f)
 {
     uint bits = as_uint(f);
@@ -367,7 +366,8 @@ float from_ordered(uint bits)
     return as_float(bits >> 31 ? bits & 0x7FFFFFFFu : ~bits);
 }
 
-/* span: lo, then hi upside down, so that all are least; ones before. */
+/* span: lo, then the complement of hi, so that minima are taken of all words; all bits set
+ * before. */
 void join_span(volatile global uint *span, float4 lo, float4 hi)
 {
     atomic_min(span, ordered(lo.x));
@@ -378,9 +378,9 @@ void join_span(volatile global uint *span, float4 lo, float4 hi)
     atomic_min(span + 5, ~ordered(hi.z));
 }
 
-/* A cell may have all the primitives. What lies in one chunk is joined by one work-item, and the
- * parts of a cell that goes on meet in the span of the chunk where it begins. 0 is added so that no
- * box has a -0, which depends on the order of what is joined. */
+/* A cell may have all primitives. Those in one chunk are joined by one work-item; the parts of a
+ * cell that continues in further chunks are joined in the span of the chunk where it begins. 0 is
+ * added so that no box has a -0, which would depend on the order of joins. */
 kernel void loose_leaves(global const uint *restrict values, global const bb_box *restrict boxes,
                          uint count, uint chunk, global const uint *restrict heads,
                          global const uint *restrict starts, global const uint *bases,
@@ -393,7 +393,7 @@ kernel void loose_leaves(global const uint *restrict values, global const bb_box
         return;
     uint end = count - begin < chunk ? count : begin + chunk;
     const loose l = {bases, splits, totals[0], totals[1], count, nodes, heights, info};
-    uint c = heads[get_global_id(0)]; /* the first that begins here */
+    uint c = heads[get_global_id(0)]; /* first cell that begins here */
     if (starts[c] > begin)
         c--;
     for (uint i = begin; i < end; c++) {
@@ -412,7 +412,7 @@ kernel void loose_leaves(global const uint *restrict values, global const bb_box
     }
 }
 
-/* Of each chunk the last cell that begins there, if it goes on. */
+/* Makes the leaf of the last cell that begins in each chunk, if it continues in the next. */
 kernel void loose_spans(uint count, uint chunk, uint chunks, global const uint *restrict heads,
                         global const uint *restrict starts, global const uint *bases,
                         global const uchar *splits, global const uint *totals,
@@ -435,8 +435,8 @@ kernel void loose_spans(uint count, uint chunk, uint chunks, global const uint *
 
 /* ---- inner nodes ---- */
 
-/* Makes the node that the split between cells s and s + 1 finds, and whose children are there. It
- * is not one that adds a third child. */
+/* Makes the node of the split between cells s and s + 1, which does not add a third child. The
+ * node's children are finished. */
 void make_inner(const loose *l, uint s, global uint *firsts, global uint *lasts)
 {
     uint first = firsts[s], last = lasts[s + 1u], child = l->bases[s];
@@ -461,7 +461,7 @@ void make_inner(const loose *l, uint s, global uint *firsts, global uint *lasts)
         write_info(l, height + 1u);
 }
 
-/* On all splits of one depth, plus 1; deeper ones are done. */
+/* Handles all splits of one depth, given plus 1; deeper ones are finished. */
 kernel void loose_level(global const uint *bases, global const uchar *splits,
                         global const uint *totals, uint prims, uint depth, global uint *firsts,
                         global uint *lasts, global bb_node *nodes, global uchar *heights,
@@ -473,12 +473,12 @@ kernel void loose_level(global const uint *bases, global const uchar *splits,
         make_inner(&l, s, firsts, lasts);
 }
 
-/* Splits wait until one less deep comes, or the end. As those that wait get deeper and deeper,
- * there is one of each depth at most. */
+/* A split waits until a less deep one, or the end, follows. Waiting splits get strictly deeper, so
+ * there is at most one of each depth. */
 #define BB_WAIT_MAX 32u
 
-/* The splits inside of chunks of cells, in order, as far as their nodes lie inside. rest: the
- * others, in order, BB_LOOSE_REST_MAX entries per chunk. */
+/* Handles the splits in each chunk of cells, in order, whose nodes are inside of the chunk. rest:
+ * the other splits, in order, BB_LOOSE_REST_MAX entries per chunk. */
 kernel void loose_chunks(global const uint *bases, global const uchar *splits,
                          global const uint *totals, uint prims, uint chunk, global uint *firsts,
                          global uint *lasts, global bb_node *nodes, global uchar *heights,
@@ -514,7 +514,7 @@ kernel void loose_chunks(global const uint *bases, global const uchar *splits,
     rest_counts[get_global_id(0)] = left;
 }
 
-/* What is left of all chunks; by one work-item. */
+/* Handles the splits that remain of all chunks, in one work-item. */
 kernel void loose_rest(global const uint *bases, global const uchar *splits,
                        global const uint *totals, uint prims, uint chunks, global uint *firsts,
                        global uint *lasts, global bb_node *nodes, global uchar *heights,

@@ -1,22 +1,22 @@
-/* OLBVH: an octree over the cells of a grid, each of which lists the primitives whose boxes meet
- * it, on the device.
+/* OLBVH: an octree over the cells of a grid, each of which lists all primitives whose boxes meet
+ * it. Runs on the device.
  *
  * Stroeter, Mueller-Roemer, Stork, Fellner 2020 (OLBVH: octree linear bounding volume hierarchy for
  * volumetric meshes), section 3: depth by the primitives' sizes, Morton codes of all cells of each
  * primitive's quantised box, sort, splits by level, six arrays; here also the links of the common
- * tree. What is done differently, or has to be:
+ * tree. Departures and corrections:
  * - Equations 3 and 4 round to the nearest of 2^l grid points, and algorithm 1 takes cells from one
- *   point to the next, so that primitives stick out of their cells by up to half of one, and l = 0
- *   divides by 0. Here cells are what lies between 2^l + 1 planes (kernels/cell_grid.clh).
+ *   point to the next, so primitives stick out of their cells by up to half a cell, and l = 0
+ *   divides by 0. Here cells are between 2^l + 1 planes (kernels/cell_grid.clh).
  * - Equation 9 needs >= where a level has a single node.
- * - Algorithm 2, level by level, finds children by the positions where they end. Here nodes that
- *   end at one position have neighbouring slots before they are sorted by level, so the last child
- *   of a node is in the slot after its own, and one pass links them all.
- * - A node's flag is told by a prefix sum over the references' flags, not by going through these.
- * - Cells list primitives by their boxes, so one without boundary primitives can lie outside the
- *   mesh: who infers "inside" has to ask for a point besides (kernels/locate.clh).
- * Nothing is allocated for references before their number is known; more than there is memory for
- * are refused.
+ * - Algorithm 2 finds children level by level, by the positions where they end. Here nodes that end
+ *   at one position have adjacent slots before they are sorted by level, so the last child of a
+ *   node is in the slot after its own, and one pass links them all.
+ * - A node's flag comes from a prefix sum over the references' flags, not from a loop over them.
+ * - Cells list primitives by their boxes, so a cell without boundary primitives can still be
+ *   outside the mesh: to infer "inside", also test a point (kernels/locate.clh).
+ *
+ * Memory for references is allocated once their number is known; more than fit are refused.
  */
 #include "olbvh.h"
 
@@ -55,22 +55,22 @@ typedef struct olbvh {
     bb_device *device;
     bb_account *account;
     double alpha;
-    uint32_t bits; /* that were asked for; BB_NONE: auto */
+    uint32_t bits; /* as given; BB_NONE: auto */
     bb_primitives *primitives;
     cl_program program;
     cl_kernel kernels[KERNELS];
-    bb_buffer bounds;           /* two bb_box */
-    bb_buffer sums;             /* per chunk of primitives */
-    bb_buffer counts;           /* cells of each primitive, then where its references begin */
-    bb_buffer codes, refs;      /* MC, P */
-    bb_buffer splits, boundary; /* per reference, then sums of those before */
-    bb_buffer total, marked;    /* of these */
+    bb_buffer bounds;                       /* two bb_box */
+    bb_buffer sums;                         /* per chunk of primitives */
+    bb_buffer counts;                       /* cells of each primitive, then its first reference */
+    bb_buffer codes, refs;                  /* MC, P */
+    bb_buffer splits, boundary;             /* per reference, then exclusive prefix sums */
+    bb_buffer total, marked;                /* totals of these */
     bb_buffer levels, slots, ends, node_of; /* per node */
     bb_buffer co, po, bf, no;
     bb_buffer arity;
-    /* of the last build */
+    /* for the last build */
     bb_cell_grid grid;
-    double average; /* of equation 11 over all primitives */
+    double average; /* of equation 11, over all primitives */
     uint32_t primitive_count, reference_count, node_count;
     uint32_t level_ends[LEVELS_MAX]; /* NO */
 } olbvh;
@@ -117,7 +117,7 @@ static bb_status create(const bb_builder_context *context, void **out)
 
 /* ---- how deep, how many ---- */
 
-/* The same steps and planes as the device has them, with 2^bits cells along an axis. */
+/* Sets the same steps and planes as on the device, for 2^bits cells along an axis. */
 static void set_grid(olbvh *self, const bb_box *bounds, uint32_t bits)
 {
     bb_cell_grid *grid = &self->grid;
@@ -129,7 +129,7 @@ static void set_grid(olbvh *self, const bb_box *bounds, uint32_t bits)
         grid->hi[k] = bounds->hi[k];
         grid->step[k] = ldexpf(bounds->hi[k] - bounds->lo[k], -(int)bits);
         if (!isnormal(grid->step[k]))
-            grid->step[k] = 0; /* flat, or as good as */
+            grid->step[k] = 0; /* flat, or nearly so */
     }
 }
 
@@ -138,7 +138,7 @@ static uint32_t chunks_of(uint32_t count)
     return bb_divide_up(count, CHUNK);
 }
 
-/* Equations 11 and 12. */
+/* Chooses the depth by equations 11 and 12. */
 static bb_status choose_bits(olbvh *self, const bb_scene *scene, uint32_t *bits)
 {
     const uint32_t count = scene->prim_count, chunks = chunks_of(count), chunk = CHUNK;
@@ -158,20 +158,21 @@ static bb_status choose_bits(olbvh *self, const bb_scene *scene, uint32_t *bits)
     return BB_OK;
 }
 
-/* While it is built, at most; a level has no more nodes than cells, or than references. */
+/* Returns the most bytes needed during a build; a level has at most as many nodes as cells, and as
+ * references. */
 static uint64_t bytes_for(uint64_t references, uint32_t bits)
 {
     uint64_t nodes = 0;
     for (uint32_t level = 0; level <= bits; level++)
         nodes += (uint64_t)1 << 3 * level < references ? (uint64_t)1 << 3 * level : references;
-    return references * (2 + 2 + 1 + 2) * sizeof(uint32_t) /* those of the sort, too */ +
+    return references * (2 + 2 + 1 + 2) * sizeof(uint32_t) /* including those of the sort */ +
            nodes * (10 * sizeof(uint32_t) + sizeof(bb_node));
 }
 
 static bb_status check_room(const olbvh *self, const bb_scene *scene, uint64_t references)
 {
     const bb_device *device = self->device;
-    /* what an earlier build took is taken again */
+    /* memory of an earlier build is reused */
     const uint64_t own = self->account->bytes;
     const uint64_t others = device->bytes > own ? device->bytes - own : 0;
     const uint64_t left = device->global_bytes > others ? device->global_bytes - others : 0;
@@ -210,7 +211,7 @@ typedef struct part {
     bb_buffer *buffer;
 } part;
 
-/* `count` words each. */
+/* Reserves `count` words for each part. */
 static bb_status reserve_all(olbvh *self, size_t count, const part *parts, size_t part_count)
 {
     for (size_t i = 0; i < part_count; i++)
@@ -336,7 +337,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     return bb_phase(phases, NULL);
 }
 
-/* How much room a build needs, only a build knows. */
+/* Reserves what is known beforehand; the rest depends on the number of references. */
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     olbvh *self = opaque;

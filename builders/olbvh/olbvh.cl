@@ -7,8 +7,8 @@
 
 /* ---- how deep: equations 11 and 12 ---- */
 
-/* floor(log2(.)) of a box's longest side in cells of the finest grid, which `grid` is; summed over
- * chunks. */
+/* Sums floor(log2(longest side)) of the boxes over chunks, in cells of the finest grid, which
+ * `grid` is. */
 kernel void olbvh_sizes(global const bb_box *boxes, uint count, bb_cell_grid grid, uint chunk,
                         global uint *sums)
 {
@@ -42,7 +42,7 @@ void range_of(const bb_cell_grid *grid, global const bb_box *box, cell_range *ra
     }
 }
 
-/* How many cells list each primitive, and their sums over chunks. */
+/* Counts the cells that list each primitive, and sums them over chunks. */
 kernel void olbvh_counts(global const bb_box *boxes, uint count, bb_cell_grid grid, uint chunk,
                          global uint *counts, global ulong *sums)
 {
@@ -81,7 +81,7 @@ kernel void olbvh_codes(global const bb_box *boxes, uint count, bb_cell_grid gri
 
 /* ---- nodes ---- */
 
-/* The level from which on a node ends after reference i; bits + 1: none does. */
+/* Returns the first level on which a node ends after reference i; bits + 1: on none. */
 uint split_level(global const uint *codes, uint i, uint count, uint bits)
 {
     if (i + 1u == count)
@@ -90,8 +90,9 @@ uint split_level(global const uint *codes, uint i, uint count, uint bits)
     return differ == 0u ? bits + 1u : bits - (31u - clz(differ)) / 3u;
 }
 
-/* How many nodes end after each reference; and whether it is a boundary primitive's, where `flags`
- * tell (tets = 1: tetrahedra are numbered from `first` on): else all are. */
+/* splits: number of nodes that end after each reference. boundary: whether the reference is to a
+ * boundary primitive: by `flags` for tetrahedra (tets = 1: numbered from `first` on), else
+ * always. */
 kernel void olbvh_splits(global const uint *codes, global const uint *refs, uint count, uint bits,
                          global const uint *flags, uint first, uint tets, global uint *splits,
                          global uint *boundary)
@@ -105,7 +106,7 @@ kernel void olbvh_splits(global const uint *codes, global const uint *refs, uint
         tets == 0u || ref < first || (flags[ref - first] & BB_TET_BOUNDARY) != 0u ? 1u : 0u;
 }
 
-/* A slot for each node, those that end together one after the other, from the top down. */
+/* Gives each node a slot; nodes that end together are adjacent, from the top down. */
 kernel void olbvh_ends(global const uint *codes, uint count, uint bits, global const uint *offsets,
                        global uint *levels, global uint *slots, global uint *ends)
 {
@@ -120,7 +121,7 @@ kernel void olbvh_ends(global const uint *codes, uint count, uint bits, global c
     }
 }
 
-/* After nodes have been sorted by level, in order: PO, NO, and the node of each slot. */
+/* After nodes have been sorted by level, stably: PO, NO, and the node of each slot. */
 kernel void olbvh_offsets(global const uint *levels, global const uint *slots, uint count,
                           uint bits, global const uint *ends, global uint *node_of, global uint *po,
                           global uint *no)
@@ -139,9 +140,9 @@ kernel void olbvh_offsets(global const uint *levels, global const uint *slots, u
         no[bits] = count;
 }
 
-/* Links of all nodes, CO, BF, and the boxes of leaves. `first_of` has the slot of the first node
- * that ends after each reference; `marked` how many boundary references come before each, and
- * `marked_all` how many there are. */
+/* Computes the links of all nodes, CO, BF, and the boxes of leaves. `first_of`: slot of the first
+ * node that ends after each reference. `marked`: number of boundary references before each.
+ * `marked_all`: their number. */
 kernel void olbvh_nodes(global const uint *levels, global const uint *slots, uint count,
                         bb_cell_grid grid, uint ref_count, global const uint *codes,
                         global const uint *first_of, global const uint *node_of,
@@ -181,7 +182,7 @@ kernel void olbvh_nodes(global const uint *levels, global const uint *slots, uin
     refs[end - 1u] |= BB_LAST_BIT;
 }
 
-/* The boxes of a level of inner nodes: unions of their children's. */
+/* Computes the boxes of a level of inner nodes as unions of their children's. */
 kernel void olbvh_unions(global bb_node *nodes, uint first, uint count, global const uint *co)
 {
     uint j = first + (uint)get_global_id(0);

@@ -4,8 +4,8 @@
 
 #include "framework/device/device.h"
 
-/* Of the last build; section 3.1 has the names. P and BV are the common tree's references and
- * nodes. */
+/* The arrays of the last build, named as in section 3.1. P and BV are the common tree's references
+ * and nodes. */
 typedef struct olbvh_arrays {
     uint32_t nodes, references, levels;
     const bb_buffer *codes; /* MC, u32[references], sorted */
@@ -15,7 +15,7 @@ typedef struct olbvh_arrays {
     const bb_buffer *no;    /* u32[levels] */
 } olbvh_arrays;
 
-/* `self` is an object of bb_builder_olbvh, after build(). */
+/* `self`: an object of bb_builder_olbvh, after build(). */
 void olbvh_arrays_of(const void *self, olbvh_arrays *arrays);
 
 #endif

@@ -15,8 +15,8 @@
  *   ours. Embree and HIPRT have another rule, by the parity of indices.
  * - After a round that makes few pairs the next one compares areas by their exponents alone, a rule
  *   of Embree's against chains of nested boxes.
- * - The default radius is 8, as in Embree's and HIPRT's builders of this kind, not the authors'
- *   100: in the scenes measured a larger one hardly lowers the cost, and takes longer.
+ * - The default radius is 8, as in Embree's and HIPRT's builders of this kind; theirs is 100. In
+ *   the scenes measured a larger one hardly lowers the cost, and takes longer.
  * - Nodes have the same numbers in each run, on all devices.
  */
 #include "builders/common/ploc.h"
