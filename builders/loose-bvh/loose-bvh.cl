@@ -302,7 +302,8 @@ uint place_of(const loose *l, uint first, uint last)
 {
     uint before = l->splits[first], after = l->splits[last + 1u];
     if ((before | after) == 0u)
-        return 0u;    if ((after & BB_SPLIT_DEPTH) > (before & BB_SPLIT_DEPTH)) /* after the parent's leaf, if any */
+        return 0u;
+    if ((after & BB_SPLIT_DEPTH) > (before & BB_SPLIT_DEPTH)) /* after the parent's leaf, if any */
         return l->bases[last] + ((after & BB_SPLIT_RIGHT) != 0u ? 1u : 0u);
     return l->bases[first - 1u] + ((before & BB_SPLIT_THIRD) != 0u ? 0u : 1u);
 }

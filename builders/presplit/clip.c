@@ -1,16 +1,16 @@
-/* A triangle clipped against a box, conservatively.
+/* Clips a triangle to a box, conservatively.
  *
  *   polygon = the triangle, in double
  *   for each of the six planes, moved out by a margin: clip it there (Sutherland, Hodgman 1974)
  *   box of its corners: grow it by the margin, round it outwards to floats
- *   cut off what is beyond the box itself
+ *   cut off what is outside of the box itself
  *
- * Why nothing is lost: with M the largest coordinate, a computed corner on a plane is within 8 *
- * 2^-53 M of where the edge meets that plane, since distances to the plane are rounded once each,
- * and which side a corner is on is exact. So after k planes each point that is inside of all of
- * them by more than 8k * 2^-53 M is that near to the computed polygon. A point in the box is inside
- * of the moved planes by the margin, 2^-44 M, which is above 48 * 2^-53 M; and so it is in the
- * result.
+ * Why nothing is lost: let M be the largest coordinate. A computed corner on a plane is within 8 *
+ * 2^-53 M of the point where the edge meets that plane, since each distance to the plane is rounded
+ * once, and the side of the plane that a corner is on is exact. So after k planes each point that
+ * is inside of all of them by more than 8k * 2^-53 M is at most that far from the computed polygon.
+ * A point in the box is inside of the moved planes by the margin, 2^-44 M, which is more than 48 *
+ * 2^-53 M; so it is in the result.
  */
 #include "clip.h"
 
@@ -24,7 +24,7 @@ typedef struct polygon {
     double corners[CORNERS_MAX + 1][3];
 } polygon;
 
-/* Keeps the part with sign * x[axis] <= sign * plane. */
+/* Keeps the part of the polygon with sign * x[axis] <= sign * plane. */
 static void clip(polygon *p, int axis, double plane, double sign)
 {
     polygon kept = {.count = 0};
@@ -55,7 +55,7 @@ static float round_up(double x)
     return (double)y < x ? nextafterf(y, INFINITY) : y;
 }
 
-/* -0 becomes +0, as in all boxes. */
+/* Turns -0 into +0, as in all boxes. */
 static void shrink(bb_box *box, const polygon *p, double margin)
 {
     for (int k = 0; k < 3; k++) {
@@ -87,8 +87,8 @@ void bb_clip_primitive(const bb_scene *scene, uint32_t prim, bb_box *box)
         if (p.count > 0)
             clip(&p, axis, box->lo[axis] - margin, -1);
     }
-    /* Nothing of it is here, as in a half beside a triangle that only touches the plane: the box
-     * stays. */
+    /* The polygon is empty if, for example, the triangle only touches the plane of a half; the box
+     * then stays. */
     if (p.count > 0)
         shrink(box, &p, margin);
 }

@@ -1,14 +1,13 @@
-/* presplit: a splitter, which makes references of primitives; by one of two methods.
+/* presplit: a splitter, which makes references of primitives by one of two methods.
  *
- *   priority   splits are dealt out by priority, at planes of the Morton grid, on the device
+ *   priority   distributes splits by priority, at planes of the Morton grid, on the device
  *              (presplit_priority.c, presplit.cl): Karras, Aila 2013
- *   esc        the largest boxes are halved first, on the host (presplit_esc.c): Ernst, Greiner
- *              2007
+ *   esc        halves the largest boxes first, on the host (presplit_esc.c): Ernst, Greiner 2007
  *
- * `method` chooses. If it is `auto`, `beta` means `priority`, and without it `esc` is taken.
- * `saves` is an option of both, and our addition; `beta` is one of `priority` alone, `budget` and
- * `above` of `esc`. On devices with memory of their own `esc` reads the scene back, within its
- * time.
+ * `method` chooses. With `auto`, giving `beta` selects `priority`, otherwise `esc` is used.
+ * `saves`, an addition of ours, is an option of both methods; `beta` belongs to `priority` alone,
+ * `budget` and `above` to `esc`. On devices with memory of their own `esc` reads the scene back;
+ * this is part of its time.
  *
  * The papers' texts were not at hand: `priority` was made from published code, and derived again.
  */
@@ -33,7 +32,7 @@ static const bb_option options[] = {
 };
 
 typedef struct presplit {
-    ps_priority *priority; /* the method that was chosen; the other is NULL */
+    ps_priority *priority; /* the chosen method; the other is NULL */
     ps_esc *esc;
     uint32_t prims, references; /* of the last build */
 } presplit;
@@ -48,8 +47,9 @@ static void destroy(void *opaque)
     free(self);
 }
 
-/* By whether `beta` is given, which therefore has no default: a cell is known by its values. An
- * option of the method that was not chosen would be without effect. */
+/* Chooses by whether `beta` is given. `beta` has no default for this reason, and because its value
+ * is part of a cell's key. Options of the other method are refused, since they would have no
+ * effect. */
 static bb_status choose_method(const bb_spec *spec, bool *esc)
 {
     const bool beta = bb_spec_value(spec, NULL, "beta") != NULL;
@@ -96,7 +96,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
                              : ps_priority_prepare(self->priority, scene);
 }
 
-/* A buffer that is mapped while a method on the host reads it. Without vertices there is none. */
+/* A buffer that stays mapped while a method on the host reads it. Unused if there are no
+ * vertices. */
 typedef struct mapping {
     const bb_buffer *buffer;
     void *memory;
@@ -115,7 +116,7 @@ static bb_status split_on_host(ps_esc *esc, const bb_scene *scene, bb_references
     if (status == BB_OK) {
         bb_scene here = *scene;
         here.boxes = mapped[0].memory;
-        here.prims[BB_TRIANGLE].data = mapped[1].memory; /* the first kind */
+        here.prims[BB_TRIANGLE].data = mapped[1].memory; /* triangles come first */
         here.vertices = mapped[2].memory;
         status = ps_esc_split(esc, &here, references, phases);
     }

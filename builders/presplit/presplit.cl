@@ -1,32 +1,32 @@
 /* Splits by priority (Karras, Aila 2013, "Fast Parallel Construction of High-Quality Bounding
  * Volume Hierarchies"; see presplit.c).
  *
- *   for each triangle: p = (2^-level (its box's area - ideal boxes' area))^(1/3)   (ps_priorities)
+ *   for each triangle: p = (2^-level (area of its box - area of ideal boxes))^(1/3) (ps_priorities)
  *   for some D: sum of min(floor(D p), PS_MOST), by chunks; host: the largest D within beta n
  *                                                                                        (ps_sums)
- *   for each primitive: its number of splits at D, scanned                             (ps_counts)
- *   for each primitive: split its box, and the halves, as often as that                 (ps_split)
+ *   for each primitive: the number of its splits at D, scanned                         (ps_counts)
+ *   for each primitive: split its box and the halves that many times                    (ps_split)
  *
  * The level is that of the most important plane of the Morton grid through the box: 0 for the plane
- * that halves the scene, 1 for those that halve the halves. The sums are of integers, and a
- * priority takes products and differences alone.
+ * that halves the scene, 1 for the planes that halve the halves. Sums are of integers, and
+ * priorities use only products and differences.
  *
- * A split is at that plane, else at the middle of the longest side. Each half holds the vertices on
- * its side and the points where edges cross the plane, rounded outwards, within the box that was
- * split. Splits that are left are dealt out by the halves' longest sides. A primitive's references
- * are written one behind the other; those that have yet to be split wait in their places, so there
- * is no stack.
+ * A split is at that plane, or else in the middle of the longest side. Each half holds the vertices
+ * on its side and the points where edges cross the plane, rounded outwards, within the box that is
+ * split. The remaining splits are distributed by the longest sides of the halves. The references of
+ * a primitive are written one after the other; those that still have to be split wait in their
+ * places, so no stack is needed.
  *
- * `keeps` is our addition: a triangle whose first split does not save the share 1 - keeps of the
- * box's area has no priority. Without it most splits are spent on walls, whose halves are flat and
- * as full as the whole: more nodes for nothing.
+ * `keeps` is our addition: a triangle has no priority if its first split leaves more than the share
+ * `keeps` of its box's area. Without it most splits are spent on walls, whose halves are flat and
+ * as full as the whole: more nodes with no gain.
  *
- * Only triangles are split: no other kind fits its halves better than a box.
+ * Only triangles are split: other kinds do not fit their halves better than a box does.
  */
 #include "bb_device.h"
 #include "presplit_shared.h"
 
-/* Shorter edges are not cut, boxes not split: what divides must not be denormal. */
+/* Shorter edges are not cut, and smaller boxes not split: divisors must not be denormal. */
 #define PS_SHORT 0x1p-100f
 
 typedef struct ps_part {
@@ -53,7 +53,7 @@ void ps_store(global bb_box *box, ps_part part, uint splits)
     box->pad1 = 0;
 }
 
-/* Half of a side, which doesn't overflow. */
+/* Returns half of a side, which cannot overflow. */
 float ps_half_side(const ps_part *part, int axis)
 {
     return 0.5f * part->hi[axis] - 0.5f * part->lo[axis];
@@ -64,8 +64,8 @@ float ps_place(uint cell, ps_grid grid, int axis)
     return grid.lo[axis] + (float)cell * grid.step[axis];
 }
 
-/* The last cell that begins at or before x, of `below` before x; by its place, whatever rounding
- * did to the quotient. */
+/* Returns the last cell that begins at or before x; with `below`, before x. Cells' positions
+ * decide, whatever the rounding of the quotient. */
 uint ps_cell(float x, bool below, ps_grid grid, int axis)
 {
     float last = (float)((1 << PS_GRID_BITS) - 1);
@@ -76,8 +76,8 @@ uint ps_cell(float x, bool below, ps_grid grid, int axis)
     return (below ? own < x : own <= x) || cell == 0 ? cell : cell - 1u;
 }
 
-/* The most important plane of the grid through the box: its level, PS_GRID_BITS if there is none,
- * with axis and cell. Of planes of one level that across the first axis is the most important. */
+/* Finds the most important plane of the grid through the box: returns its level, or PS_GRID_BITS if
+ * there is none, and sets axis and cell. Among planes of equal level the lowest axis wins. */
 uint ps_plane(const ps_part *part, ps_grid grid, int *axis, uint *cell)
 {
     uint most = 0;
@@ -142,8 +142,8 @@ bool ps_within(ps_part *part, const ps_part *box)
     return any;
 }
 
-/* The parts of the triangle in `box` on both sides of the plane. Bit 0: there is one below, bit 1:
- * above; one of them is there. */
+/* Computes the parts of the triangle in `box` on both sides of the plane. Returns bit 0 if there is
+ * a part below, bit 1 if there is one above; at least one is set. */
 uint ps_cut(float v[3][3], const ps_part *box, int axis, float plane, ps_part *below,
             ps_part *above)
 {
@@ -183,7 +183,7 @@ float ps_longest(const ps_part *part, int *axis)
     return longest;
 }
 
-/* Axis and place of the split; false if no float lies between the ends. */
+/* Sets axis and plane of the split; returns false if no float lies between the ends. */
 bool ps_choose(const ps_part *box, ps_grid grid, int *axis, float *plane)
 {
     uint cell;
@@ -200,7 +200,7 @@ bool ps_choose(const ps_part *box, ps_grid grid, int *axis, float *plane)
 
 /* ---- priorities ---- */
 
-/* Newton's iteration for x^(-1/3), which has no division; from a first guess by the exponent. */
+/* Newton's iteration for x^(-1/3), which needs no division; the first guess uses the exponent. */
 float ps_cube_root(float x)
 {
     float y = as_float(0x54A21D2Au - as_uint(x) / 3u);
@@ -216,8 +216,8 @@ float ps_half_area(const ps_part *part, float unit)
                         part->hi[2] * unit - part->lo[2] * unit);
 }
 
-/* The least area that boxes of ever smaller parts have together: three times two sides of the
- * triangle's shadows. */
+/* Returns the limit of the total area of boxes of ever smaller parts: three times two sides of the
+ * triangle's projections. */
 float ps_ideal_area(float v[3][3], float unit)
 {
     float d[3], e[3];
@@ -229,7 +229,7 @@ float ps_ideal_area(float v[3][3], float unit)
            fabs(d[0] * e[1] - d[1] * e[0]);
 }
 
-/* Do the halves of the box have less than `keeps` of its area? */
+/* Returns whether the halves of the box have less than `keeps` of its area together. */
 bool ps_saves(float v[3][3], const ps_part *box, ps_grid grid, float keeps)
 {
     ps_part below, above;
@@ -270,7 +270,7 @@ uint ps_splits(float priority, float d)
     return (uint)BB_MIN(priority * d, (float)PS_MOST);
 }
 
-/* sums[chunk]: splits for each of the D's. */
+/* sums[chunk]: number of splits for each D. */
 kernel void ps_sums(global const float *priorities, uint count, uint chunk, ps_tries tries,
                     global uint *sums)
 {
@@ -295,9 +295,9 @@ kernel void ps_counts(global const float *priorities, uint count, float d, globa
         splits[i] = ps_splits(priorities[i], d);
 }
 
-/* ---- all splits ---- */
+/* ---- splitting ---- */
 
-/* Of `splits`, those of the part below. */
+/* Returns how many of `splits` the part below gets. */
 uint ps_share(const ps_part *below, const ps_part *above, uint splits)
 {
     int axis;
@@ -306,8 +306,8 @@ uint ps_share(const ps_part *below, const ps_part *above, uint splits)
     return BB_MIN((uint)((float)splits * share + 0.5f), splits);
 }
 
-/* references[i + places[i] ...] and prims there: the parts of primitive i, splits + 1 of them.
- * pad0 of a part that has yet to be split: how often. */
+/* Writes the splits + 1 parts of primitive i to references[i + places[i] ...] and to prims there.
+ * pad0 of a part that still has to be split: number of its splits. */
 kernel void ps_split(global const bb_box *boxes, global const uint *indices,
                      global const float *vertices, uint count, ps_grid grid,
                      global const float *priorities, float d, global const uint *places,
@@ -322,7 +322,7 @@ kernel void ps_split(global const bb_box *boxes, global const uint *indices,
     if (splits > 0)
         ps_corners(indices, vertices, i, v);
     for (;;) {
-        /* a split that leaves all on one side shrinks the box, and is not counted as one */
+        /* a split that leaves everything on one side shrinks the box and does not count */
         for (uint tries = 0; splits > 0 && tries < 64; tries++) {
             ps_part below, above;
             int axis;
@@ -338,7 +338,7 @@ kernel void ps_split(global const bb_box *boxes, global const uint *indices,
             ps_store(references + at + share + 1u, above, splits - 1u - share);
             splits = share;
         }
-        /* what can't be split is listed as often as there is room for */
+        /* a box that cannot be split is listed as often as there are places */
         for (;; splits--) {
             ps_store(references + at, box, 0);
             prims[at++] = i;

@@ -1,21 +1,20 @@
-/* Early split clipping, on the host.
+/* Early split clipping on the host.
  *
- *   a reference to each primitive, with its box
- *   while there is room, and the largest box is larger than `above` of the average ones:
- *       halve it along its longest side, and shrink each half to the primitive's part in it,
- *       if the halves are smaller together by the share that `saves` asks for
+ *   make a reference to each primitive, with its box
+ *   while there is room, and the largest box is larger than `above` times the average one:
+ *       halve it along its longest side, and shrink each half to the primitive's part in it, if
+ *       this saves the share `saves` of the area
  *
  * Ernst, Greiner 2007 (Early Split Clipping for Bounding Volume Hierarchies). Where this knowingly
- * departs from it: not a recursion down to a threshold but a heap, so that the room goes to the
- * largest boxes first, and a budget holds whatever the threshold. Size is the surface area.
- * Triangles are clipped, spheres stay whole, and of any other kind the halves of the box hold all
- * there is.
+ * departs from it: a heap replaces recursion down to a threshold, so that the largest boxes are
+ * split first and the budget holds for any threshold. Size is the surface area. Triangles are
+ * clipped, spheres stay whole, and boxes of other kinds are halved without clipping.
  *
  * `saves` is our addition: half of a wall's box is as full as the whole, so halving it makes the
- * tree larger and no better, while the boxes of a long triangle that lies askew shrink to half.
+ * tree larger and no better, while the boxes of a long triangle at an angle shrink to half.
  *
- * Limits: one thread. A tie goes to the reference of the least number, so the result depends on the
- * scene alone.
+ * Limits: one thread. Ties go to the reference with the lowest number, so the result depends only
+ * on the scene.
  */
 #include "presplit_esc.h"
 #include "clip.h"
@@ -31,7 +30,7 @@ typedef struct candidate {
 struct ps_esc {
     bb_account *account;
     ps_esc_limits limits;
-    candidate *heap; /* the largest first */
+    candidate *heap; /* largest first */
     uint32_t heap_count;
     size_t heap_capacity;
 };
@@ -118,15 +117,15 @@ static int longest_axis(const bb_box *box)
     return longest;
 }
 
-/* Halves reference `index` into itself and a new one at the end; false if that does not save
- * enough, or no float lies between. */
+/* Halves reference `index` into itself and a new one at the end. Returns false if that does not
+ * save enough, or if no float lies between the ends. */
 static bool halve(const ps_esc *self, const bb_scene *scene, bb_references *references,
                   uint32_t index)
 {
     bb_box *box = &references->boxes[index], halves[2] = {*box, *box};
     const bb_prims *spheres = &scene->prims[BB_SPHERE];
     if (references->prims[index] - spheres->first < spheres->count)
-        return false; /* the kernels' test of a sphere is proven for boxes that hold it whole */
+        return false; /* the sphere test is proven only for boxes of whole spheres */
     int axis = longest_axis(box);
     float middle = 0.5f * box->lo[axis] + 0.5f * box->hi[axis];
     if (!(box->lo[axis] < middle && middle < box->hi[axis]))

@@ -1,8 +1,8 @@
-/* Splits by priority: grid, search for D, launches. The method: presplit.cl.
+/* Host side of splits by priority: grid, search for D, launches. presplit.cl describes the method.
  *
- * D is looked for among 1, 4, 16 ... 4^15, then thrice in sixteenths of what lies between the last
- * that keeps to the budget and the next one (0 and 1, if 1 does not); published code halves an
- * interval six times.
+ * The search first tries D = 1, 4, 16 ... 4^15. It then refines three times by sixteenths of the
+ * interval between the last D within the budget and the next one (0 and 1, if 1 exceeds it).
+ * Published code bisects an interval six times.
  */
 #include "presplit_priority.h"
 #include "builders/common/scene_unit.h"
@@ -95,7 +95,7 @@ static ps_grid grid_over(const bb_box *bounds)
     return grid;
 }
 
-/* totals[k]: how many splits D = tries->d[k] makes. */
+/* totals[k]: number of splits with D = tries->d[k]. */
 static bb_status count_splits(ps_priority *self, uint32_t count, const ps_tries *tries,
                               uint64_t totals[PS_TRIES])
 {
@@ -112,7 +112,7 @@ static bb_status count_splits(ps_priority *self, uint32_t count, const ps_tries 
     return bb_buffer_unmap(&self->sums, mapped);
 }
 
-/* The largest of those tried that makes at most `most` splits, and how many. */
+/* Finds the largest tried D that makes at most `most` splits, and their number. */
 static bb_status search(ps_priority *self, uint32_t count, uint64_t most, float *d,
                         uint64_t *splits)
 {

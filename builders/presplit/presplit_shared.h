@@ -1,15 +1,16 @@
-/* What host and device share of the splits by priority. bb_shared.h comes before it. */
+/* Types and constants that host and device share for splits by priority. Include bb_shared.h
+ * first. */
 #ifndef BB_PRESPLIT_SHARED_H
 #define BB_PRESPLIT_SHARED_H
 
-/* Values of D that one pass tries, and the most times that a primitive is split. */
+/* Values of D per pass; most splits of a primitive. */
 #define PS_TRIES 16
 #define PS_MOST 31u
 
 /* Cells of the Morton grid along an axis, as a power of two. */
 #define PS_GRID_BITS 16
 
-/* The grid over the scene's box: cells begin at lo + k step; per_unit = 1 / step, 0 where the scene
+/* The grid over the scene's box. Cells begin at lo + k step; per_unit = 1 / step, 0 where the scene
  * is flat. Lengths times `unit`, a power of two, are at most 1. */
 typedef struct ps_grid {
     float lo[3];

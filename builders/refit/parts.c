@@ -1,11 +1,11 @@
-/* The host side of parts.cl. */
+/* Host side of parts.cl. */
 #include "parts.h"
 
 BB_DEVICE_SOURCE(parts);
 
 enum {
     GROUP_SIZE = 64,
-    PART_GROUP_SIZE = 4, /* a part is much work, and there are few */
+    PART_GROUP_SIZE = 4, /* parts are few, and each is much work */
 };
 
 bb_status bb_parts_create(bb_parts *parts)
@@ -65,7 +65,8 @@ static bb_status reserve_for_nodes(bb_parts *parts, const bb_tree *tree)
     return bb_compaction_reserve(parts->compaction, (uint32_t)nodes);
 }
 
-/* Each leaf of the tree is a leaf of its part, and each part one of the top. */
+/* Reserves the scratch. Each leaf of the tree is a leaf of its part, and each part is a leaf of the
+ * top. */
 static bb_status reserve_for_parts(bb_parts *parts, const bb_tree *tree)
 {
     size_t count = parts->count + 1ul, leaves = tree->info.leaf_count + parts->count;
@@ -74,7 +75,7 @@ static bb_status reserve_for_parts(bb_parts *parts, const bb_tree *tree)
     BB_TRY(reserve_there(parts, leaves * sizeof(bb_node), "refit: leaves", &parts->leaves));
     if (count <= parts->capacity)
         return BB_OK;
-    parts->capacity = 0; /* until it is done */
+    parts->capacity = 0; /* stays 0 if an allocation fails */
     BB_TRY(bb_host_alloc(parts->account, count * sizeof(bb_part), "refit: parts", &parts->parts));
     BB_TRY(bb_host_alloc(parts->account, count * sizeof(double), "refit: costs", &parts->built));
     BB_TRY(
@@ -136,7 +137,7 @@ static bb_status fit(bb_parts *parts, const bb_buffer *boxes, bb_tree *tree)
     return read_parts(parts);
 }
 
-/* The part's share of the tree's SAH. */
+/* Returns the part's share of the tree's SAH. */
 static double share_of(const bb_parts *parts, uint32_t p)
 {
     double area = parts->parts[parts->count].area;
@@ -157,7 +158,8 @@ bb_status bb_parts_plan(bb_parts *parts, const bb_buffer *boxes, bb_tree *tree)
 
 /* ---- rebuild ---- */
 
-/* Parts of two leaves have one shape only. Ascending, so that the top is the last. */
+/* Lists the parts that have become worse, in ascending order, so that the top is last. Parts of two
+ * leaves have only one shape. */
 static uint32_t choose(bb_parts *parts)
 {
     uint32_t chosen = 0;

@@ -1,18 +1,18 @@
-/* Refit of a binary tree in parts, and rebuild of parts (parts.h). One work-item does a part; none
- * hands over to another, so that this runs alike wherever OpenCL 1.2 does.
+/* Refits a binary tree in parts, and rebuilds parts (parts.h). One work-item handles a part, and
+ * none hands over to another, so this works alike on all devices with OpenCL 1.2.
  *
- *   nodes with few nodes below, whose parent has many, are roots of parts         (parts_mark)
- *   part: how many inner nodes; the top's leaves are the parts                 (parts_measure)
- *   part: its inner nodes, level by level                                         (parts_list)
- *   each part, then the top:                                                       (parts_fit)
+ *   mark the roots of parts: nodes with few nodes below whose parent has many      (parts_mark)
+ *   for each part: count its inner nodes; the top's leaves are the parts        (parts_measure)
+ *   for each part: list its inner nodes, level by level                            (parts_list)
+ *   for each part, then the top:                                                    (parts_fit)
  *       its leaves: union of their primitives' boxes
- *       its inner nodes, backwards through the list: union of the children's boxes
- *   each part that has become worse:                                           (parts_rebuild)
+ *       its inner nodes, backwards through the list: union of their children's boxes
+ *   for each part that has become worse:                                        (parts_rebuild)
  *       split its leaves from the top down, by binned SAH
- *       if that costs less: link the inner nodes accordingly, in the pairs of places that there are
- *   depth of the tree                                                             (parts_depth)
+ *       if that lowers the cost: link the inner nodes accordingly, in the existing pairs of places
+ *   update the tree's depth                                                       (parts_depth)
  *
- * Limits: the top is one work-item's; it has as many leaves as there are parts.
+ * Limit: one work-item handles the top, which has a leaf for each part.
  */
 #include "bb_device.h"
 #include "parts_shared.h"
@@ -25,8 +25,8 @@ bool is_leaf_node(global const bb_node *nodes, uint n)
 
 /* ---- the plan ---- */
 
-/* How many nodes are below n, itself included; if they are more than a part has, one more than
- * that. */
+/* Counts the nodes below n, including n; returns one more than a part may have if there are
+ * more. */
 uint nodes_below(global const bb_node *nodes, uint n)
 {
     uint end = nodes[n].skip, count = 0;
@@ -40,7 +40,7 @@ bool is_small(global const bb_node *nodes, uint n)
     return nodes_below(nodes, n) < 2u * BB_PART_LEAVES;
 }
 
-/* `marks` are zero. */
+/* `marks` are 0 before. */
 kernel void parts_mark(global const bb_node *nodes, uint count, uint root, global uint *marks)
 {
     uint n = get_global_id(0);
@@ -69,13 +69,13 @@ kernel void parts_measure(global const bb_node *nodes, global const uint *roots,
         part_of[roots[p]] = p;
 }
 
-/* Whether n is at the end of the part that its parent is in. */
+/* Returns whether n is a leaf of the part that its parent is in. */
 bool is_end(global const bb_node *nodes, global const uint *part_of, uint n)
 {
     return is_leaf_node(nodes, n) || part_of[n] != BB_NONE;
 }
 
-/* Levels below the root of a part, whose inner nodes are listed. */
+/* Returns the number of levels below the root of a part whose inner nodes are listed. */
 uint height_of(global const bb_node *nodes, global const uint *part_of,
                global const bb_part *parts, global const uint *own, uint inner)
 {
@@ -92,7 +92,7 @@ uint height_of(global const bb_node *nodes, global const uint *part_of,
     return height;
 }
 
-/* `count`: with the top, which is the last. */
+/* `count` includes the top, which is the last. */
 kernel void parts_list(global const bb_node *nodes, global const uint *part_of,
                        global bb_part *parts, uint count, global uint *order)
 {
@@ -119,7 +119,7 @@ void fit_leaf(global bb_node *nodes, global const uint *refs, global const bb_bo
     bb_store_box(nodes, n, bb_fit_leaf(refs, boxes, nodes[n].first & BB_INDEX_MASK, &prims));
 }
 
-/* Boxes of the inner nodes of a part from those of its leaves. */
+/* Computes the boxes of a part's inner nodes from those of its leaves. */
 void join_up(global bb_node *nodes, global const uint *own, global bb_part *part)
 {
     float cost = 0.0f;
@@ -133,7 +133,8 @@ void join_up(global bb_node *nodes, global const uint *own, global bb_part *part
     part->area = bb_extent_area(bb_load_box(nodes, part->root));
 }
 
-/* Parts `from` to before `to`; the last of `count` is the top, whose leaves have been here. */
+/* Handles parts `from` to before `to`. The last of `count` is the top, whose leaves must be
+ * finished. */
 kernel void parts_fit(global bb_node *nodes, global const uint *refs, global const bb_box *boxes,
                       global bb_part *parts, uint from, uint to, uint count,
                       global const uint *order)
@@ -158,7 +159,7 @@ kernel void parts_fit(global bb_node *nodes, global const uint *refs, global con
 
 /* ---- rebuild ---- */
 
-/* What a rebuild works on: the tree, and a part's slices of the scratch. */
+/* The data of a rebuild: the tree, and a part's slices of the scratch. */
 typedef struct part_job {
     global bb_node *nodes;
     global uint *part_of;
@@ -166,9 +167,9 @@ typedef struct part_job {
     global uint *order;
     uint p, inner;
     global uint *own;
-    global bb_node *leaves; /* copies; their skips say which part they are the root of */
-    global uint4 *ranges;   /* per inner node: its leaves begin, end, and are divided */
-    global uint2 *pairs;    /* per inner node: places of two children */
+    global bb_node *leaves; /* copies; `skip` is the part whose root the leaf is, or BB_NONE */
+    global uint4 *ranges;   /* per inner node: its leaves' begin and end, and their division */
+    global uint2 *pairs;    /* per inner node: places for two children */
 } part_job;
 
 void take_apart(const part_job *job)
@@ -185,7 +186,7 @@ void take_apart(const part_job *job)
     }
 }
 
-/* Divides all ranges, and returns what the inner nodes would cost. */
+/* Divides all ranges; returns what the inner nodes would cost. */
 float divide(const part_job *job)
 {
     uint listed = 1;
@@ -204,7 +205,8 @@ float divide(const part_job *job)
     return cost;
 }
 
-/* A part's root has come to n: whatever leads to it, and the skips of the last nodes below. */
+/* Updates everything that refers to a part's root, which has moved to n, and the skips of the last
+ * nodes below it. */
 void move_part(const part_job *job, uint part, uint n)
 {
     job->parts[part].root = n;
@@ -216,7 +218,7 @@ void move_part(const part_job *job, uint part, uint n)
     }
 }
 
-/* Leaves begin .. end go below, or to, place n, whose skip is right. */
+/* Puts leaves begin .. end at or below place n, whose skip is final. */
 void put_range(const part_job *job, uint n, uint begin, uint end, uint *listed)
 {
     job->part_of[n] = BB_NONE;
@@ -232,7 +234,7 @@ void put_range(const part_job *job, uint n, uint begin, uint end, uint *listed)
         move_part(job, part, n);
 }
 
-/* Links inner nodes as the ranges say. */
+/* Links the inner nodes as the ranges say. */
 void put_together(const part_job *job)
 {
     uint listed = 1;
@@ -247,7 +249,7 @@ void put_together(const part_job *job)
     }
 }
 
-/* The parts chosen[from] to chosen[to - 1]. */
+/* Rebuilds the parts chosen[from] to chosen[to - 1]. */
 kernel void parts_rebuild(global bb_node *nodes, global uint *part_of, global bb_part *parts,
                           global const uint *chosen, uint from, uint to, global uint *order,
                           global bb_node *leaves, global uint4 *ranges, global uint2 *pairs)
@@ -256,7 +258,7 @@ kernel void parts_rebuild(global bb_node *nodes, global uint *part_of, global bb
     if (i >= to)
         return;
     uint p = chosen[i], begin = parts[p].begin;
-    /* each part before has one leaf more than inner nodes */
+    /* each earlier part has one leaf more than inner nodes */
     const part_job job = {nodes,          part_of,       parts,
                           order,          p,             parts[p].inner,
                           order + begin,  leaves + begin + p,
@@ -270,7 +272,7 @@ kernel void parts_rebuild(global bb_node *nodes, global uint *part_of, global bb
     parts[p].height = height_of(nodes, part_of, parts, job.own, job.inner);
 }
 
-/* Of the whole tree, by its top, parts[top]. */
+/* Computes the depth of the whole tree from its top, parts[top]. */
 kernel void parts_depth(global const bb_node *nodes, global const uint *part_of,
                         global bb_part *parts, uint top, global const uint *order,
                         global bb_tree_info *info)

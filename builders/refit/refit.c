@@ -1,18 +1,18 @@
 /* refit: keeps another builder's tree while primitives move: `lbvh+refit`, `sah+refit:rotate=yes`.
  *
- * build() takes the tree as it is. update() gives its nodes new boxes, from the bottom up, on the
- * device (builders/common/refit.h); with rotate=yes it also turns each node once on the way
- * (turns.cl), in all updates or, with pause=N, in every (N + 1)-th. With a trigger it gives up when
- * the tree has become too bad; then the harness builds it again:
+ * build() copies the tree. update() gives its nodes new boxes, bottom-up, on the device
+ * (builders/common/refit.h). With rotate=yes it also applies at most one rotation per node on the
+ * way up (turns.cl), in every update or, with pause=N, in every (N + 1)-th. With a trigger update()
+ * gives up when the tree has become too bad, and the harness builds it again:
  *
- *   sah:F    the tree's SAH is more than F times what it was when it was built: never, if that was
- *            the worst, with all at one place
+ *   sah:F    the tree's SAH is more than F times its SAH when built: never, if that was the worst
+ *            possible, with everything at one place
  *   ratio:F  the mean over all inner nodes of area / (area of both children) has risen by more than
  *            F: Lauterbach, Yoon, Tuft, Manocha 2006 (RT-DEFORM)
- *   every:N  with each N-th update
+ *   every:N  at each N-th update
  *
- * What a trigger needs is summed up in the pass of the refit. With partial=F parts of the tree that
- * have become F times worse are built again, in place (parts.h).
+ * The values for a trigger are summed up in the refit's pass. With partial=F parts of the tree that
+ * have become F times worse are rebuilt in place (parts.h).
  */
 #include "builders/common/refit.h"
 #include "framework/builder/builder.h"
@@ -47,8 +47,8 @@ typedef struct refit {
     bb_turner turner;      /* with books */
     bb_parts parts;        /* if its factor is not 0 */
     bb_turn_totals built;
-    uint64_t pause;   /* updates between those that rotate */
-    uint32_t updates; /* since the build */
+    uint64_t pause;   /* updates between two that rotate */
+    uint32_t updates; /* number since the build */
 } refit;
 
 static void destroy(void *opaque)
@@ -62,7 +62,7 @@ static void destroy(void *opaque)
     free(self);
 }
 
-/* ---- what was asked for ---- */
+/* ---- options ---- */
 
 static bb_status read_trigger(const bb_spec *spec, refit *self)
 {
@@ -93,7 +93,7 @@ static bb_status read_trigger(const bb_spec *spec, refit *self)
                    "builder refit: trigger '%s' is none of none, sah:F, ratio:F, every:N", text);
 }
 
-/* Books are kept of the tree for a trigger by what they say, and by rotations. */
+/* Books of the tree are kept for rotations, and for a trigger that reads them. */
 static bool keeps_books(const refit *self)
 {
     return self->turner.rotates || self->trigger == BY_SAH || self->trigger == BY_RATIO;
@@ -191,7 +191,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     return bb_phase(phases, NULL);
 }
 
-/* Whether the tree has become so bad that it had better be built again. */
+/* Returns whether the trigger says to build the tree again. */
 static bool is_worn(const refit *self, const bb_tree *tree)
 {
     const bb_turn_totals *now = &self->turner.totals;

@@ -1,4 +1,4 @@
-/* The host side of turns.cl. */
+/* Host side of turns.cl. */
 #include "turns.h"
 
 #include <stdio.h>
@@ -62,7 +62,7 @@ static bb_status reserve(bb_turner *turner, const bb_tree *tree)
                              "refit: totals", &turner->totals_there));
     if (!by_levels(turner))
         return BB_OK;
-    /* rotations may make the tree deeper, and a binary tree has no more levels than leaves */
+    /* rotations may deepen the tree; a binary tree has at most as many levels as leaves */
     return bb_levels_reserve(&turner->levels, turner->device, turner->account, nodes,
                              turner->rotates ? tree->info.leaf_count : tree->info.depth,
                              "refit: levels");
@@ -75,7 +75,7 @@ bb_status bb_turner_plan(bb_turner *turner, const bb_tree *tree)
     BB_TRY(bb_subtrees_plan(&turner->subtrees, tree));
     if (!turner->rotates)
         return BB_OK;
-    /* where there is a leaf now, another node may come */
+    /* a leaf may be replaced by an inner node later */
     BB_TRY(bb_buffer_fill(&turner->subtrees.missing, bytes, 2));
     return bb_buffer_fill(&turner->heights, bytes, 0);
 }
@@ -132,8 +132,8 @@ static bb_status go_up(bb_turner *turner, const bb_buffer *boxes, uint32_t may_t
 
 /* ---- afterwards ---- */
 
-/* The roots of the pass that comes are those that this one has put on the list; ascending, since
- * neighbours share memory pages and lines. */
+/* The pass has listed the roots for the next one. They are sorted, since neighbours share memory
+ * pages and cache lines. */
 static bb_status take_roots(bb_turner *turner, uint32_t nodes)
 {
     bb_subtrees *subtrees = &turner->subtrees;
@@ -144,7 +144,7 @@ static bb_status take_roots(bb_turner *turner, uint32_t nodes)
     subtrees->roots = turner->next;
     turner->next = roots;
     subtrees->found = turner->totals.roots;
-    /* the values that are sorted along are of no use */
+    /* the values that the sort moves along are not used */
     return bb_sort_u32(subtrees->primitives, &subtrees->roots, &subtrees->marks, subtrees->found,
                        bits);
 }

@@ -1,24 +1,24 @@
-/* Refit of a binary tree that also keeps its books: what the tree costs, and, if asked for, one
+/* Refit of a binary tree that also keeps books of its cost and, if enabled, applies at most one
  * rotation per node on the way up (rotation.clh).
  *
- *   each subtree below a root of the cut (subtrees.h):                         (turn_subtrees)
+ *   each subtree below a root of the cut (subtrees.h):                            (turn_subtrees)
  *       each leaf: union of its primitives' boxes
- *       each inner node, from the lowest level up: turn it
- *   above the cut: the last of two children to come goes on with the parent
- *   roots of the next cut: a node's children are final once its parent has been turned; those of a
- *       node with many nodes below that have few themselves are put on the list      (put_roots)
- * Where work-groups hand over by levels, all of it goes up by them       (turn_leaves, turn_level).
+ *       each inner node, from the lowest level up: turn_pair()
+ *   above the cut: the last of two children to finish goes on with the parent
+ *   roots of the next cut: a node's children are final once its parent is finished; small children
+ *       of a node with many nodes below are listed                                    (put_roots)
+ * Where work-groups hand over by levels, everything goes up by levels  (turn_leaves, turn_level).
  *
- * Rotations in the pass of a refit: Kopta, Ize, Spjut, Brunvand, Davis, Kensler 2012 (Fast,
- * Effective BVH Updates for Animated Scenes). The order of the list of roots is that of
- * the work-groups; nothing but the order of work depends on it.
+ * Rotations during a refit: Kopta, Ize, Spjut, Brunvand, Davis, Kensler 2012 (Fast, Effective BVH
+ * Updates for Animated Scenes). The order of the list of roots depends on the work-groups; only the
+ * order of work depends on it.
  */
 #include "bb_device.h"
 #include "handover.clh"
 #include "rotation.clh"
 #include "turns_shared.h"
 
-/* The root is done. */
+/* Finishes the root. */
 void finish(const turn_tree *tree, uint root, global bb_turn_totals *totals,
             global bb_tree_info *info)
 {
@@ -41,7 +41,7 @@ void finish(const turn_tree *tree, uint root, global bb_turn_totals *totals,
 
 #if BB_HANDOVER
 #if BB_TURN_ROTATES
-/* The children of n, which stay where they are from now on, that are roots of subtrees. */
+/* Lists the children of n, which do not move any more, that are roots of subtrees. */
 void put_roots(const turn_tree *tree, uint n, global uint *next,
                volatile global bb_turn_totals *totals)
 {
@@ -65,9 +65,8 @@ void fit_or_queue(const turn_tree *tree, global const uint *refs, global const b
         queue[(*count)++] = n;
 }
 
-/* From the root down, level by level, the leaves, and back: in that order no node waits for the one
- * before it, so that nodes and primitives come from memory many at a time. Returns how many
- * rotations were made. */
+/* Goes from the root down level by level, computing the leaves' boxes, and back up. In this order
+ * no node waits for the previous one, so many loads overlap. Returns the number of rotations. */
 uint turn_below(const turn_tree *tree, global const uint *refs, global const bb_box *boxes,
                 uint root, uint may_turn)
 {
@@ -83,7 +82,7 @@ uint turn_below(const turn_tree *tree, global const uint *refs, global const bb_
     return turned;
 }
 
-/* The books that are not kept are not touched. */
+/* Books that are not kept are not accessed. */
 kernel void turn_subtrees(volatile global bb_node *nodes, global const uint *refs,
                           global const bb_box *boxes, global const uint *roots, uint root_count,
                           uint may_turn, global uint *parents,
@@ -103,7 +102,7 @@ kernel void turn_subtrees(volatile global bb_node *nodes, global const uint *ref
         if (atomic_dec(&missing[p]) != 1u)
             break;
         BB_DEVICE_FENCE();
-        missing[p] = 2u; /* for the next time */
+        missing[p] = 2u; /* for the next pass */
         uint moved = turn_pair(&tree, p, may_turn);
         turned += moved != BB_NONE ? 1u : 0u;
 #if BB_TURN_ROTATES
@@ -145,7 +144,7 @@ kernel void turn_leaves(volatile global bb_node *nodes, global const uint *refs,
         bb_put_on_list(p, 0u, counts, next);
 }
 
-/* Returns how many rotations were made. */
+/* Returns the number of rotations. */
 uint turn_listed(const turn_tree *tree, uint n, uint may_turn, volatile global uint *missing,
                  uint number, volatile global uint *counts, global uint *next,
                  global bb_turn_totals *totals, global bb_tree_info *info)

@@ -1,4 +1,4 @@
-/* What host and device know of a tree when it has been refitted. */
+/* The totals of a refit, shared by host and device. */
 #ifndef BB_TURNS_SHARED_H
 #define BB_TURNS_SHARED_H
 
@@ -9,11 +9,11 @@
 #endif
 
 typedef struct bb_turn_totals {
-    float area;    /* half that of the root's box */
-    float cost;    /* Ct times the half areas of inner nodes, Ci times those of references */
-    float spread;  /* sum over inner nodes: half area over that of both children */
-    bb_u32 turned; /* rotations made */
-    bb_u32 roots;  /* of subtrees, for the next pass */
+    float area;    /* half area of the root's box */
+    float cost;    /* Ct times the half areas of inner nodes plus Ci times those of references */
+    float spread;  /* sum over inner nodes: area / (area of both children) */
+    bb_u32 turned; /* number of rotations */
+    bb_u32 roots;  /* number of roots of subtrees, for the next pass */
 } bb_turn_totals;
 
 #ifndef __OPENCL_VERSION__

@@ -1,4 +1,4 @@
-/* The host side of reinsert_families.cl. */
+/* Host side of reinsert_families.cl. */
 #include "families.h"
 #include "builders/common/scene_unit.h"
 #include "framework/base/arithmetic.h"

@@ -1,4 +1,4 @@
-/* The host side of reinsert_moves.cl. */
+/* Host side of reinsert_moves.cl. */
 #include "moves.h"
 
 BB_DEVICE_SOURCE(reinsert_moves);
@@ -76,7 +76,7 @@ static uint32_t count_of(bb_moves moves)
     return moves.end - moves.begin;
 }
 
-/* One round; *made: how many there are now, with those of earlier rounds. */
+/* Runs one round. *made: number of moves chosen so far, including earlier rounds. */
 static bb_status choose_more(bb_mover *mover, bb_moves m, uint32_t *made)
 {
     bb_device *device = mover->device;

@@ -1,30 +1,30 @@
-/* reinsert: takes subtrees out and puts them back where they cost least, on the device; an
- * optimiser of binary trees.
+/* reinsert: an optimiser of binary trees that removes subtrees and reinserts them where they cost
+ * least, on the device.
  *
- *   families of the tree: inner nodes with both children's boxes          (reinsert_families.cl)
+ *   make families: inner nodes with both children's boxes                 (reinsert_families.cl)
  *   for each pass, until one gains next to nothing:
- *       of the subtrees, the share that is largest, in some parts; for each part:
- *           each subtree: the place in the tree where it would cost least     (reinsert_search.cl)
- *           moves that do not meet, the best first; they are made              (reinsert_moves.cl)
- *       if the tree has become worse: the pass is taken back
- *   nodes of the families                                                   (reinsert_families.cl)
+ *       take a share of the subtrees, the largest ones, in some parts; for each part:
+ *           for each subtree: find the place where it would cost least      (reinsert_search.cl)
+ *           make the moves that do not conflict, the best first              (reinsert_moves.cl)
+ *       if the tree has become worse: undo the pass
+ *   convert the families back to nodes                                    (reinsert_families.cl)
  *
  * Meister and Bittner 2018 (Parallel Reinsertion for Bounding Volume Hierarchy Optimization), after
  * Bittner, Hapala and Havran 2013 (Fast Insertion-Based Optimization of Bounding Volume
- * Hierarchies). The papers' texts were not at hand: made from their abstracts and the authors'
- * code, and derived again. The cost is the sum of all inner nodes' areas: leaves stay as they are,
- * whatever they reference, and so does what they cost.
+ * Hierarchies). The papers' texts were not at hand: this was made from their abstracts and the
+ * authors' code, and derived again. The cost is the sum of the areas of all inner nodes: leaves,
+ * and so their cost, stay the same.
  *
  * Where this knowingly departs from that code, and what was added:
  *
- * - Their "every n-th node" is one part here.
- * - With `share` only the largest subtrees are considered: they have most of what can be gained.
- * - A search looks at `visits` nodes at most.
- * - Moves are chosen in several rounds (reinsert_moves.cl), and rings of moves are impossible
+ * - Their "every n-th node" corresponds to one part here.
+ * - With `share` only the largest subtrees are considered; they offer most of the possible gain.
+ * - A search visits at most `visits` nodes.
+ * - Moves are chosen in several rounds (reinsert_moves.cl), and cycles of moves are impossible
  *   (reinsert_search.cl).
  *
- * Bounded: passes, parts and rounds are counted, a search looks at `visits` nodes at most, and
- * nothing recurses. Depth is not: boxes around each other cost least as a chain, and become one.
+ * Bounds: passes, parts and rounds are limited, a search visits at most `visits` nodes, and nothing
+ * recurses. The depth has no bound: nested boxes cost least as a chain, and become one.
  */
 #include "families.h"
 #include "framework/builder/builder.h"
@@ -58,9 +58,9 @@ typedef struct reinsert {
     bb_family_tree tree;
     bb_reinsert_search search;
     bb_mover mover;
-    uint32_t passes_made; /* of the last build */
+    uint32_t passes_made; /* by the last build */
     uint64_t searched, moved;
-    double before, after; /* cost */
+    double before, after; /* cost of the inner nodes */
 } reinsert;
 
 static void destroy(void *opaque)
@@ -97,7 +97,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     return bb_mover_create(device, account, &self->mover);
 }
 
-/* Searches for one part of the list, and makes what it finds: moves[*begin .. *end). */
+/* Searches for one part of the list and makes the moves found: moves[*begin .. *end). */
 static bb_status make_step(reinsert *self, uint32_t part, bb_moves *moves, uint32_t *made,
                            bb_phases *phases)
 {
@@ -121,7 +121,7 @@ static bb_status undo_pass(reinsert *self, const bb_moves moves[PARTS_MAX])
     return BB_OK;
 }
 
-/* A pass over a share of the subtrees; *gains: whether there is to be another one. */
+/* Runs a pass over a share of the subtrees. *gains: whether another pass is worthwhile. */
 static bb_status make_pass(reinsert *self, bb_phases *phases, bool *gains)
 {
     bb_moves moves[PARTS_MAX];
@@ -179,7 +179,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     }
     BB_TRY(bb_buffer_copy(&input->d_refs, &tree->d_refs, info->ref_count * sizeof(uint32_t)));
     tree->duplicated = input->duplicated;
-    tree->disjoint = false; /* the children of other nodes than before */
+    tree->disjoint = false; /* siblings are other nodes than before */
     BB_TRY(bb_family_tree_gather(&self->tree, input));
     BB_TRY(bb_reinsert_search_reserve(&self->search, self->tree.count));
     BB_TRY(bb_mover_reserve(&self->mover, self->tree.count));

@@ -1,13 +1,13 @@
-/* From the common tree to families (reinsert_shared.h) and back.
+/* Converts the common tree to families (reinsert_shared.h) and back.
  *
- *   which nodes are inner ones; their prefix sums number the families        (families_mark)
- *   a family of each inner node                                            (families_gather)
- *   cost: half areas of all inner nodes, added up in chunks                  (families_cost)
- *   nodes: the children of family f are 2 f + 1 and 2 f + 2, the root is 0
- *       CPUs: down the tree, a subtree per work-item                (families_top, families_walk)
- *       GPUs: in any order; who has no sibling behind it gets its skip later     (families_write)
+ *   mark the inner nodes; the prefix sum of the marks numbers the families     (families_mark)
+ *   make the family of each inner node                                       (families_gather)
+ *   cost: half areas of all inner nodes, added up in chunks                    (families_cost)
+ *   write nodes: the children of family f are 2 f + 1 and 2 f + 2, the root is 0
+ *       CPUs: down the tree, a subtree per work-item             (families_top, families_walk)
+ *       GPUs: in any order; skips of last siblings are set later              (families_write)
  *
- * Numbers follow from the tree that comes in, and siblings lie side by side.
+ * Numbers depend only on the input tree, and siblings are adjacent.
  */
 #include "families.clh"
 
@@ -18,14 +18,14 @@ kernel void families_mark(global const bb_node *nodes, uint count, global uint *
         marks[n] = is_leaf_link(nodes[n].first) ? 0u : 1u;
 }
 
-/* What node n is called at its place. */
+/* Returns the link to node n. */
 uint link_of(global const bb_node *nodes, global const uint *numbers, uint n)
 {
     uint first = nodes[n].first;
     return is_leaf_link(first) ? first : numbers[n];
 }
 
-/* Puts node n at a place. */
+/* Stores node n at a place. */
 void place_node(global const bb_node *nodes, global const uint *numbers, uint n, uint place,
                 global bb_family *families)
 {
@@ -46,7 +46,7 @@ kernel void families_gather(global const bb_node *nodes, uint count, uint root,
     uint n = get_global_id(0);
     if (n >= count)
         return;
-    if (n == root) { /* the other side of the family above it stays empty */
+    if (n == root) { /* the other side of the family above the root stays empty */
         for (uint k = 0; k < 12u; k++)
             families[top].planes[k] = -INFINITY;
         families[top].links[1] = BB_NONE;
@@ -62,7 +62,7 @@ kernel void families_gather(global const bb_node *nodes, uint count, uint root,
     place_node(nodes, numbers, nodes[first].skip, 2u * numbers[n] + 1u, families);
 }
 
-/* sums[]: of BB_COST_CHUNK families each. */
+/* sums[]: one per BB_COST_CHUNK families. */
 kernel void families_cost(global const bb_family *families, uint count, float unit,
                           global ulong *sums)
 {
@@ -92,24 +92,24 @@ void write_node(global const bb_family *families, uint place, uint skip, global 
     node->skip = skip;
 }
 
-/* ---- CPUs: nodes with their skips, in walks down the tree ---- */
+/* ---- CPUs: nodes with their skips, top-down ---- */
 
-/* The children of family f, whose node's skip is known. */
+/* Writes the children of family f, whose node's skip is known. */
 void open_node(global const bb_family *families, uint f, uint skip, global bb_node *nodes)
 {
     write_node(families, 2u * f, 2u * f + 2u, &nodes[2u * f + 1u]);
     write_node(families, 2u * f + 1u, skip, &nodes[2u * f + 2u]);
 }
 
-/* Node of family f: its place, counted from 1, or the root. */
+/* Returns the node of family f: its place plus 1, or 0 for the root. */
 uint node_of(global const bb_family *families, uint f, uint top)
 {
     uint place = families[f].place;
     return place >> 1 == top ? 0u : place + 1u;
 }
 
-/* One work-item: opens nodes from the root until there are `most` subtrees, or nothing to open;
- * tasks[]: family and depth of each; total[0]: how many there are. */
+/* Runs in one work-item. Opens nodes from the root until there are `most` subtrees or nothing left
+ * to open. tasks[]: family and depth of each subtree. total[0]: their number. */
 kernel void families_top(global const bb_family *families, uint top, uint most,
                          global bb_node *nodes, global uint2 *tasks, global uint *total,
                          global bb_tree_info *info)
@@ -117,7 +117,7 @@ kernel void families_top(global const bb_family *families, uint top, uint most,
     uint begin = 0, end = 1, deepest = 0;
     write_node(families, 2u * top, BB_NONE, &nodes[0]);
     tasks[0] = (uint2)(families[top].links[0], 0u);
-    /* first in, first out, in a ring: larger subtrees come first */
+    /* a ring buffer used as a queue, so that larger subtrees come first */
     for (uint waiting = 1; waiting > 0u && waiting + 1u < most; waiting = end - begin) {
         uint2 task = tasks[begin++ % most];
         open_node(families, task.x, nodes[node_of(families, task.x, top)].skip, nodes);
@@ -134,7 +134,8 @@ kernel void families_top(global const bb_family *families, uint top, uint most,
     info->depth = deepest;
 }
 
-/* A work-item per task: the subtree in preorder, left children first; the way back is by places. */
+/* One work-item per task. Traverses the subtree in preorder, left children first, and returns by
+ * way of places. */
 kernel void families_walk(global const bb_family *families, uint top, uint most,
                           global bb_node *nodes, global const uint2 *tasks,
                           global const uint *total, volatile global bb_tree_info *info)
@@ -167,7 +168,7 @@ kernel void families_walk(global const bb_family *families, uint top, uint most,
 
 /* ---- GPUs ---- */
 
-/* skip: the next sibling, as bb_links_finish_device() wants it. */
+/* skip: the next sibling, as bb_links_finish_device() expects. */
 kernel void families_write(global const bb_family *families, uint count, global bb_node *nodes)
 {
     uint f = get_global_id(0);

@@ -1,27 +1,28 @@
-/* Which of the moves that were found are made, and how (reinsert_search.cl finds them).
+/* Chooses which of the moves that reinsert_search.cl found are made, and makes them.
  *
  *   a move from place (p, side) to place (o, side'), with g the family above p's node, rewrites
- *   places of p, g and o, and no others: it needs these three families for itself
- *   rounds: of the moves that are still open
- *       a move that needs a family already taken is dropped                     (moves_clear)
- *       each bids its gain for its families                                       (moves_bid)
- *       of those with the largest bid the least place holds a family              (moves_tie)
- *       who holds all three is made, and takes them                            (moves_settle)
- *   all that were chosen are made at once                                        (moves_make)
- *   or taken back, should the tree have become worse                             (moves_undo)
- *   boxes: families that moves have rewritten, and all above them; each is joined by the last one
- *       below it to come                                             (moves_arrive, moves_refit)
+ *   places of p, g and o, and no others: it must own these three families
+ *   rounds: for the moves that are still open:
+ *       drop moves that need a family that is already taken                      (moves_clear)
+ *       each move bids its gain for its families                                   (moves_bid)
+ *       among the largest bids for a family the lowest place holds it              (moves_tie)
+ *       moves that hold all three of their families are chosen, and take them   (moves_settle)
+ *   make all chosen moves at once                                                 (moves_make)
+ *   or undo them, if the tree has become worse                                    (moves_undo)
+ *   refit boxes of rewritten families and all above them; each family is joined by the last of
+ *       its children to finish                                     (moves_arrive, moves_refit)
  *
- * Meister and Bittner 2018, whose code locks six nodes, for the larger gain and, where gains are
- * equal, by the node. Here three families stand for the six, and gain and place take an atomic of
- * 32 bits each, since OpenCL 1.2 has none of 64. Further rounds are our addition: they find more
- * moves for the same search. Only integers are compared, and a claim is won by the same move in
- * whatever order they come.
+ * Meister and Bittner 2018. Their code locks six nodes for the larger gain, with ties decided by
+ * the node. Here three families stand for the six nodes, and gain and place take one 32-bit atomic
+ * each, since OpenCL 1.2 has no 64-bit ones. Further rounds are our addition: they find more moves
+ * for the same search. Only integers are compared, so the same moves win in whatever order they
+ * run.
  *
- * No ring: follow the moved tree upwards from a node. A step goes to what was above before, or with
- * a moved x to the parent of what it was put beside: which is above x, too, or was larger than x in
- * floats, as the search makes sure of. So no way up leads to where it began: areas never fall on
- * it, and where they stay the same it goes up the old tree.
+ * Why there are no cycles: go upwards from a node in the tree after the moves. Each step leads to
+ * the old parent or, from a moved x, to the parent of the node that x was put beside. That parent
+ * either was above x, too, or was larger than x in floats, as the search ensures. So no way up
+ * returns to its start: areas never fall along it, and where they stay the same it follows the old
+ * tree.
  */
 #include "families.clh"
 #include "handover.clh"
@@ -49,7 +50,7 @@ kernel void moves_open(global const bb_move *moves, uint begin, uint end, global
     taken[f.x] = taken[f.y] = taken[f.z] = 0u;
 }
 
-/* Of families that are claimed; all others are asked by nobody. */
+/* Resets the bids and holders of families that open moves need; no others are read. */
 kernel void moves_clear(global const bb_move *moves, uint begin, uint end, global uint *states,
                         global const uint *taken, global uint *bids, global uint *holders)
 {
@@ -65,7 +66,7 @@ kernel void moves_clear(global const bb_move *moves, uint begin, uint end, globa
     holders[f.x] = holders[f.y] = holders[f.z] = BB_NONE;
 }
 
-/* Gains are positive, and so compare as integers do. */
+/* Gains are positive floats, so they compare like integers. */
 kernel void moves_bid(global const bb_move *moves, uint begin, uint end, global const uint *states,
                       volatile global uint *bids)
 {
@@ -95,7 +96,7 @@ kernel void moves_tie(global const bb_move *moves, uint begin, uint end, global 
         atomic_min(&holders[f.z], from);
 }
 
-/* made[0]: how many, with those of earlier rounds. */
+/* made[0]: number of moves chosen so far, including earlier rounds. */
 kernel void moves_settle(global const bb_move *moves, uint begin, uint end, global uint *states,
                          global const uint *holders, global uint *taken,
                          volatile global uint *made)
@@ -114,7 +115,7 @@ kernel void moves_settle(global const bb_move *moves, uint begin, uint end, glob
 
 /* ---- the moves ---- */
 
-/* What is at a place: a box, in both lanes, and a link. */
+/* The content of a place: a box, in both lanes, and a link. */
 typedef struct place_content {
     bb_two_boxes box;
     uint link;
@@ -135,8 +136,8 @@ void put(global bb_family *families, uint place, const place_content *content)
         families[content->link].place = place;
 }
 
-/* x's sibling goes to where their parent is, the parent between `to` and what is there, which
- * becomes x's sibling. Boxes above are out of date then. */
+/* Puts x's sibling in their parent's place, and the parent between `to` and the node there, which
+ * becomes x's sibling. The boxes above are out of date afterwards. */
 kernel void moves_make(global const bb_move *moves, uint begin, uint end, global const uint *states,
                        global bb_family *families)
 {
@@ -154,7 +155,7 @@ kernel void moves_make(global const bb_move *moves, uint begin, uint end, global
     put(families, move.to, &moved);
 }
 
-/* The same backwards. */
+/* The inverse of moves_make. */
 kernel void moves_undo(global const bb_move *moves, uint begin, uint end, global const uint *states,
                        global bb_family *families)
 {
@@ -174,8 +175,8 @@ kernel void moves_undo(global const bb_move *moves, uint begin, uint end, global
 
 /* ---- boxes ---- */
 
-/* missing[f]: how many will come to f, of those below it and the moves themselves; 0 before. A move
- * comes to all that it has rewritten, or would if it were undone. */
+/* missing[f], 0 before: how many arrivals f waits for, from families below it and from moves. A
+ * move arrives at all three of its families, which it has rewritten or would rewrite if undone. */
 void arrive(global const bb_family *families, uint f, uint top, volatile global uint *missing)
 {
     while (f != top && atomic_inc(&missing[f]) == 0u)
@@ -195,7 +196,7 @@ kernel void moves_arrive(global const bb_move *moves, uint begin, uint end,
     arrive(families, f.z, top, missing);
 }
 
-/* Joins both children of f; returns what is above it. */
+/* Joins the boxes of f's children; returns the family above f. */
 uint fit_family(volatile global bb_family *families, uint f)
 {
     uint place = families[f].place;

@@ -1,27 +1,27 @@
-/* Finds the best new position for each subtree: the search of reinsertion.
+/* Finds the best new position for each subtree: the search of the reinsertion.
  *
- *   some subtrees' areas, evenly spaced: the host takes a threshold from them  (search_sample)
- *   the subtrees above it: the larger a subtree, the more there is to gain       (search_mark)
- *   for each of those, x, with parent p and sibling s:                           (search_find)
- *       saved = A(p)                                              x taken out, s in p's place
+ *   sample some subtrees' areas, evenly spaced; the host derives a threshold  (search_sample)
+ *   list the subtrees above it: larger subtrees offer more gain                 (search_mark)
+ *   for each of these, x, with parent p and sibling s:                          (search_find)
+ *       saved = A(p)                                              x removed, s in p's place
  *       search below s
  *       for each pivot q above p, up to the root, with c its other child:
  *           gain of x beside c: saved - A(c u x); search below c
  *           saved += A(q) - A(q without x)
  *           gain of x beside q without x: saved - A(q)
- *   search below y: grown = sum of A(.) with x - A(.) without, from the pivot's child down to y
+ *   search below y: grown = sum of A(.) with x - A(.) without x, from the pivot's child down to y
  *       gain of x beside a child c of y: saved - grown - A(c u x)
- *       go on below the child that grows less, the other one waits; no gain below a child can be
- *       larger than saved - grown - A(x)
+ *       go on below the child that grows less and put the other one on a stack; no gain below a
+ *       child can exceed saved - grown - A(x)
  *
  * Meister and Bittner 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization" (see
- * reinsert.c): the tree is not changed. Our addition: x is never moved below a child that is not
- * larger than itself (beside that child is as good), which is also what makes rings of moves
- * impossible (reinsert_moves.cl). Ties go to what is met first, in the order of sides.
+ * reinsert.c). The search does not change the tree. Our addition: x is never moved below a child
+ * that is not larger than x (beside that child is as good), which also makes cycles of moves
+ * impossible (reinsert_moves.cl). Ties go to the first candidate found, in the order of sides.
  *
- * Limits: a search ends when it has looked at BB_SEARCH_MOST families, with the best place until
- * then; and of children that wait at most BB_SEARCH_WAITING are remembered, the rest is left out.
- * Either only makes the result less good, and the same on every device.
+ * Limits: a search ends after visiting BB_SEARCH_MOST families, with the best place so far; the
+ * stack holds at most BB_SEARCH_WAITING children, others are skipped. Either can only make the
+ * result worse, and does so alike on every device.
  */
 #include "families.clh"
 #include "lanes.clh"
@@ -29,12 +29,12 @@
 #define BB_SEARCH_WAITING 32u
 
 typedef struct subtree_search {
-    bb_two_boxes box; /* of x, in both lanes */
+    bb_two_boxes box; /* x's box, in both lanes */
     float area;
     float unit;
     float best;
     uint to;
-    uint left; /* families that may be looked at */
+    uint left; /* families that may still be visited */
 } subtree_search;
 
 void try_place(subtree_search *search, uint place, float gain)
@@ -45,7 +45,7 @@ void try_place(subtree_search *search, uint place, float gain)
     }
 }
 
-/* Below the inner node `f`, which has taken x in; `saved` without what has grown. */
+/* Searches below the inner node `f`, whose box has grown by x; `saved` is net of that growth. */
 void search_below(global const bb_family *families, subtree_search *search, uint f, float saved)
 {
     uint waiting_families[BB_SEARCH_WAITING];
@@ -89,13 +89,14 @@ void search_below(global const bb_family *families, subtree_search *search, uint
     }
 }
 
-/* From the place of x's parent up; `path`: the boxes of what is there without x, and with it. */
+/* Searches from the place of x's parent up. `path`: the box of the subtree there without x, and
+ * with x. */
 void search_above(global const bb_family *families, subtree_search *search, uint top, uint place,
                   bb_two_boxes *path, float saved)
 {
     bb_two_boxes taken_in = search->box;
     drop_second(&taken_in);
-    bool touches = true; /* x a side of the pivots' boxes; if not, nothing is saved above */
+    bool touches = true; /* x a side of the pivots' boxes; if not, no more is saved above */
     while (place >> 1 != top && search->left > 0u) {
         search->left--;
         uint f = place >> 1, side = 1u - (place & 1u), c = families[f].links[side];
@@ -125,7 +126,8 @@ void search_above(global const bb_family *families, subtree_search *search, uint
     }
 }
 
-/* A part of the list: every `step`-th from `first` on; into moves[begin], ... */
+/* Searches for a part of the list, every `step`-th entry from `first` on; writes moves[begin],
+ * ... */
 kernel void search_find(global const bb_family *families, uint top, float unit,
                         global const uint *list, uint first, uint step, uint begin,
                         uint count, global bb_move *moves)
@@ -137,7 +139,7 @@ kernel void search_find(global const bb_family *families, uint top, float unit,
     uint s = families[p].links[1u - side];
     bb_two_boxes boxes;
     load_family(families, p, &boxes);
-    bb_two_boxes path = boxes; /* the sibling, and both */
+    bb_two_boxes path = boxes; /* the sibling's box, and the union of both */
     spread_box(&path, 1u - side);
     float sibling = areas_of(&path, unit).x;
     subtree_search search = {boxes, 0, unit, 0, BB_NONE, BB_SEARCH_MOST};
@@ -153,9 +155,9 @@ kernel void search_find(global const bb_family *families, uint top, float unit,
     moves[begin + i] = move;
 }
 
-/* ---- which ---- */
+/* ---- which subtrees ---- */
 
-/* Areas of both children of each `step`-th family. */
+/* areas[]: areas of both children of each `step`-th family. */
 kernel void search_sample(global const bb_family *families, uint step, uint count, float unit,
                           global float2 *areas)
 {

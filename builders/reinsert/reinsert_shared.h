@@ -1,4 +1,4 @@
-/* What host and device know of a tree while subtrees are reinserted. */
+/* Types and constants that host and device share for reinsertion. */
 #ifndef BB_REINSERT_SHARED_H
 #define BB_REINSERT_SHARED_H
 
@@ -8,10 +8,10 @@
 #include "kernels/bb_shared.h"
 #endif
 
-/* An inner node, as what it has below it: both children's boxes and links. Planes of axis k, from
- * planes[4k]: lo of both children with the sign changed, then their hi; so unions are maxima alone.
- * A link is a family, or BB_LEAF_BIT | first reference. `place`: where the node itself is, 2 *
- * family + side; what is above the root is one family more, behind all others. 64 bytes. */
+/* An inner node, stored as the boxes and links of its two children. Planes of axis k begin at
+ * planes[4k]: lo of both children with the sign changed, then their hi, so that unions are maxima.
+ * A link is a family, or BB_LEAF_BIT | first reference. `place`: where the node itself is, as 2 *
+ * family + side; one more family, the last, is above the root. 64 bytes. */
 typedef struct bb_family {
     float planes[12];
     bb_u32 links[2];
@@ -19,16 +19,16 @@ typedef struct bb_family {
     bb_u32 pad;
 } bb_family;
 
-/* A subtree that was searched for: it is at place `from`, and would go beside what is at `to`.
- * `above`: the place of its parent, before it moves. 16 bytes. */
+/* A found move: the subtree at place `from` would go beside the node at `to`. `above`: place of its
+ * parent before the move. 16 bytes. */
 typedef struct bb_move {
     bb_u32 from;
-    bb_u32 to; /* BB_NONE: it stays */
+    bb_u32 to; /* BB_NONE: no move */
     bb_u32 above;
-    float gain; /* half area saved, in units of the scene's */
+    float gain; /* half area saved, in the scene's unit */
 } bb_move;
 
-/* Families whose areas are added up by one work-item. */
+/* Families whose areas one work-item adds up. */
 #define BB_COST_CHUNK 512u
 /* Half areas are added up as integers, in units of 1 / BB_COST_ONE. */
 #define BB_COST_ONE 0x1p40f

@@ -1,4 +1,4 @@
-/* The host side of reinsert_search.cl. */
+/* Host side of reinsert_search.cl. */
 #include "search.h"
 
 #include <stdio.h>
@@ -8,7 +8,7 @@ BB_DEVICE_SOURCE(reinsert_search);
 
 enum {
     GROUP_SIZE = 64,
-    SAMPLES_MAX = 8192, /* families; the threshold of a share of 1 % is that of 164 subtrees */
+    SAMPLES_MAX = 8192, /* families; at a share of 1 %, 164 subtrees set the threshold */
 };
 
 bb_status bb_reinsert_search_create(bb_device *device, bb_account *account,
@@ -68,7 +68,7 @@ static int falling(const void *a, const void *b)
     return x < y ? 1 : x > y ? -1 : 0;
 }
 
-/* The area that about `share` of the subtrees have at least. */
+/* Finds the area that about `share` of the subtrees reach. */
 static bb_status find_threshold(bb_reinsert_search *search, const bb_family_tree *tree,
                                 double share, float *least)
 {

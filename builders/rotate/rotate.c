@@ -1,17 +1,19 @@
-/* rotate: tree rotations by the surface area heuristic, on the host; an optimiser of binary trees.
+/* rotate: an optimiser of binary trees by rotations that lower the surface area heuristic, on the
+ * host.
  *
  *   for each pass, until one changes nothing:
  *       for each inner node n with children a, b:
- *           of the exchanges of a with a child of b, of b with a child of a, and of a child of
- *           a with one of b: take the one that shrinks the boxes of a and b most, if one does
+ *           candidates: exchange a with a child of b, b with a child of a, or a child of a with
+ *           a child of b; apply the one that shrinks the boxes of a and b most, if any does
  *
  * Kensler 2008 (Tree Rotations for Improving Bounding Volume Hierarchies), hill climbing. The
- * paper's text was not at hand: made from what others say of the method, and derived again. A
- * rotation changes no box but those of a and b, which stay inside of n's; so nodes may come in any
- * order, and the cost never rises: what follows the boxes' areas alone. Leaves stay as they are,
- * whatever they reference. Takes nodes of one child, which it leaves, but no wider ones than two.
+ * paper's text was not at hand: this was made from what others say of the method, and derived
+ * again. A rotation changes only the boxes of a and b, which stay inside of n's. So nodes may be
+ * visited in any order, and the cost, which follows from the areas alone, never rises. Leaves stay
+ * as they are. Nodes with one child are accepted and left alone; nodes with more than two are
+ * refused.
  *
- * Nothing recurses: nodes are kept in the preorder of the tree that came in.
+ * Nothing recurses: nodes are visited in the preorder of the input tree.
  */
 #include "builders/common/links.h"
 #include "framework/base/random.h"
@@ -36,11 +38,11 @@ typedef struct rotate {
     uint32_t passes;
     rotate_order order;
     size_t capacity;         /* nodes that the scratch below has room for */
-    uint32_t (*children)[2]; /* of each node; BB_NONE where there is none */
-    uint32_t *visits;        /* nodes in the order of a pass */
+    uint32_t (*children)[2]; /* of each node; BB_NONE if absent */
+    uint32_t *visits;        /* nodes in the order of the passes */
     uint32_t *depths;
-    uint32_t rotations, passes_made; /* of the last build */
-    double saved;                    /* half areas, in those of the root */
+    uint32_t rotations, passes_made; /* by the last build */
+    double saved;                    /* half areas, relative to the root's */
 } rotate;
 
 static void destroy(void *opaque)
@@ -89,7 +91,7 @@ static bb_status reserve(rotate *self, const bb_tree *input, bb_tree *tree)
 
 /* ---- the tree as child pointers ---- */
 
-/* Copies boxes and references, and takes down each node's children and the preorder. */
+/* Copies boxes and references, and records each node's children and the preorder. */
 static void read_tree(rotate *self, const bb_tree *input, bb_tree *tree)
 {
     const bb_tree_info *info = &input->info;
@@ -98,7 +100,7 @@ static void read_tree(rotate *self, const bb_tree *input, bb_tree *tree)
     memcpy(tree->refs, input->refs, info->ref_count * sizeof *tree->refs);
     tree->info = *info;
     tree->duplicated = input->duplicated;
-    tree->disjoint = false; /* the children of other nodes than before */
+    tree->disjoint = false; /* siblings are other nodes than before */
     for (uint32_t n = info->root; n != BB_NONE; at++) {
         const bb_node *node = &input->nodes[n];
         uint32_t *children = self->children[n];
@@ -156,7 +158,7 @@ static double area_with(const bb_tree *tree, uint32_t a, uint32_t b)
     return bb_half_area(u.lo, u.hi);
 }
 
-/* Two subtrees change places: child `from` of node a, and child `to` of node b. */
+/* Exchanges child `from` of node a with child `to` of node b. */
 typedef struct rotation {
     uint32_t a, from, b, to;
     double saved;
@@ -167,7 +169,8 @@ static bool has_two(const rotate *self, uint32_t n)
     return self->children[n][1] != BB_NONE;
 }
 
-/* Child `s` of n with a child of its sibling: only the sibling's box changes. */
+/* Tries to exchange child `s` of n with each child of its sibling: only the sibling's box
+ * changes. */
 static void try_uncle(const rotate *self, const bb_tree *tree, uint32_t n, uint32_t s,
                       rotation *best)
 {
@@ -182,8 +185,8 @@ static void try_uncle(const rotate *self, const bb_tree *tree, uint32_t n, uint3
     }
 }
 
-/* A child of one child with a child of the other: both their boxes change. There are two ways to
- * pair off four. */
+/* Tries to exchange a child of one child with a child of the other: both children's boxes change.
+ * Two such exchanges lead to different pairs. */
 static void try_cousins(const rotate *self, const bb_tree *tree, uint32_t n, rotation *best)
 {
     uint32_t a = self->children[n][0], b = self->children[n][1];
@@ -206,7 +209,7 @@ static void set_box(const rotate *self, bb_tree *tree, uint32_t n)
     memcpy(tree->nodes[n].hi, u.hi, sizeof u.hi);
 }
 
-/* The rotation at n that saves most, if one does. */
+/* Applies the best rotation at n, if one saves area; returns whether it did. */
 static bool rotate_node(rotate *self, bb_tree *tree, uint32_t n)
 {
     rotation best = {.saved = 0};
@@ -230,7 +233,7 @@ static bool rotate_node(rotate *self, bb_tree *tree, uint32_t n)
 
 /* ---- passes ---- */
 
-/* From the preorder to the order of the passes. */
+/* Turns the preorder into the order of the passes. */
 static void order_visits(rotate *self, uint32_t count)
 {
     uint32_t *visits = self->visits;

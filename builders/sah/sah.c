@@ -1,11 +1,11 @@
-/* sah: top-down builder by the surface area heuristic, on the host; the readable reference.
+/* sah: a top-down builder by the surface area heuristic, on the host; the readable reference.
  *
- *   take a range of primitives off the stack, make its node
- *   if it has one primitive, or at most `leaf` and no split is cheaper than a leaf: it is a leaf
- *   else find the cheapest split (sah_binned.c or sah_sweep.c), reorder the range and push both
+ *   pop a range of primitives off the stack and make its node
+ *   if it has one primitive, or at most `leaf` and no split is cheaper than a leaf: make it a leaf
+ *   else find the cheapest split (sah_binned.c or sah_sweep.c), partition the range, and push both
  *   halves, the left one on top: nodes come out in preorder
  *
- * A range whose centroids are all equal is halved by index, so that its depth stays logarithmic.
+ * A range whose centroids are all equal is halved by index, so that the depth stays logarithmic.
  * Nothing recurses.
  */
 #include "builders/common/links.h"
@@ -115,8 +115,8 @@ static bb_status push(sah *self, range item)
     return BB_OK;
 }
 
-/* Makes the node of a range and links it to its left sibling; returns its number. A left child is
- * its parent's next node. */
+/* Makes the node of a range and links it to its left sibling; returns its number. A left child
+ * directly follows its parent. */
 static uint32_t make_node(const bb_sah_state *state, const range *item, bb_tree *tree)
 {
     uint32_t index = tree->info.node_count++;
@@ -146,7 +146,7 @@ static void make_leaf(const bb_sah_state *state, const range *item, uint32_t ind
     info->depth = item->depth > info->depth ? item->depth : info->depth;
 }
 
-/* Splits the range of node `index`; *middle = begin if it is to be a leaf. */
+/* Finds the split for the range of node `index` and partitions it; *middle = begin: make a leaf. */
 static void divide(sah *self, const range *item, const bb_node *node, uint32_t *middle)
 {
     bb_sah_state *state = &self->state;

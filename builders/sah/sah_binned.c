@@ -1,10 +1,10 @@
-/* Binned SAH (Wald: On fast construction of SAH-based bounding volume hierarchies, RT 2007):
- * on each axis, the centroids are counted into K bins of equal width over the
- * centroids' extent; the K - 1 planes between bins are the candidates.
+/* Binned SAH (Wald: On fast construction of SAH-based bounding volume hierarchies, RT 2007): on
+ * each axis, the centroids are counted into K bins of equal width over their extent; the K - 1
+ * planes between bins are the candidates.
  *
  *   for each primitive: bin k = K (c - low) / extent; count[k]++; box[k] grows
  *   from the right: area times count of the bins k ... K - 1
- *   from the left:  the same of 0 ... k - 1; their sum is the cost of plane k
+ *   from the left:  the same for bins 0 ... k - 1; the cost of plane k is the sum of both
  */
 #include "sah_split.h"
 
@@ -22,10 +22,10 @@ typedef struct bin {
 static uint32_t bin_of(float centroid, float low, double scale, uint32_t bins)
 {
     uint32_t index = (uint32_t)(((double)centroid - low) * scale);
-    return index < bins ? index : bins - 1; /* the highest centroid is on the last bin's border */
+    return index < bins ? index : bins - 1; /* the highest centroid is on the last border */
 }
 
-/* Adds a box of `count` primitives; the box of an empty bin is not set. */
+/* Adds a box of `count` primitives. The box of an empty bin is undefined. */
 static void add(bin *into, const float lo[3], const float hi[3], uint32_t count)
 {
     if (into->count == 0) {
@@ -38,7 +38,8 @@ static void add(bin *into, const float lo[3], const float hi[3], uint32_t count)
 }
 
 /* Compares the planes between the bins of one axis with the best so far. A plane beside an empty
- * bin separates what its neighbour separates, so only the planes right of full bins are tried. */
+ * bin separates the same primitives as its neighbour, so only planes right of non-empty bins are
+ * tried. */
 static void try_axis(const bin *bins, uint32_t bin_count, uint32_t count, bb_sah_split candidate,
                      bb_sah_split *best)
 {

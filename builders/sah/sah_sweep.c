@@ -1,10 +1,10 @@
-/* Full-sweep SAH (Goldsmith and Salmon 1987's cost; MacDonald and Booth 1990): along each axis, in
- * the order of the centroids, every position between two primitives is a candidate. The three
- * orders are sorted once and split stably (Wald and Havran 2006), which makes it n log n
- * altogether.
+/* Full-sweep SAH (with the cost of Goldsmith and Salmon 1987; MacDonald and Booth 1990): along each
+ * axis, in the order of the centroids, every position between two primitives is a candidate. The
+ * three orders are sorted once and split stably (Wald and Havran 2006), so the build takes n log n
+ * steps in all.
  *
  *   from the right: area times count of the primitives i ... end
- *   from the left:  the same of begin ... i - 1; their sum is the cost of splitting before i
+ *   from the left:  the same for begin ... i - 1; the cost of a split before i is the sum of both
  */
 #include "sah_split.h"
 
@@ -20,7 +20,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* An integer that sorts like the float; -0 and 0 are the same. */
+/* Returns an integer of the same order as the float; -0 and 0 are equal. */
 static uint32_t sortable(float value)
 {
     uint32_t bits;

@@ -1,23 +1,24 @@
-/* sbvh: top-down builder with spatial splits, on the host.
+/* sbvh: a top-down builder with spatial splits, on the host.
  *
- *   take a node off the stack: its references are the last ones of the list
- *   if it has one, or at most `leaf` and no split is cheaper than a leaf: it is a leaf
- *   else the best object split (sbvh_object.c)
- *   if the boxes of its sides overlap by more than alpha of the root's area: the best spatial split
- *       (sbvh_spatial.c), which is taken if it is cheaper
- *   references of the right side stay where they were, those of the left one behind them; push both
+ *   pop a node off the stack: its references are the last ones in the list
+ *   if it has one, or at most `leaf` and no split is cheaper than a leaf: make it a leaf
+ *   else find the best object split (sbvh_object.c)
+ *   if the boxes of its sides overlap by more than alpha of the root's area: find the best spatial
+ *       split (sbvh_spatial.c), and take it if it is cheaper
+ *   the right side's references stay in place, the left side's go behind them; push both
  *
  * Stich, Friedrich, Dietrich 2009, "Spatial Splits in Bounding Volume Hierarchies". The paper's
- * text was not at hand: made from published code, and derived again. Where this knowingly departs
- * from that, and what was added:
+ * text was not at hand: this was made from published code, and derived again. Where this knowingly
+ * departs from that code, and what was added:
  *
  * - Object splits are binned, not swept.
- * - References are at most `budget` times as many as primitives, so that memory is known before.
- *   Each node has its part of what may be added: in proportion to its share of its parent's
- *   references, and what the nodes before it left over. Else the first nodes would take it all.
- * - Spatial splits end at a depth of SPATIAL_DEPTH, which is that of published code.
+ * - There are at most `budget` times as many references as primitives, so that memory is known
+ *   beforehand. Each node may add a number of references: its parent's allowance in proportion to
+ *   its share of the parent's references, and what the nodes before it left over. Otherwise the
+ *   first nodes would use it all.
+ * - Spatial splits end at a depth of SPATIAL_DEPTH, as in published code.
  *
- * A node never has two references of one primitive, since the two parts go to different sides. If
+ * A node never has two references to one primitive, since the two parts go to different sides. If
  * nothing separates the centroids, the references are halved by their order. Nothing recurses.
  */
 #include "builders/common/links.h"
@@ -41,7 +42,7 @@ static const bb_option options[] = {
 
 typedef struct task {
     uint32_t begin, end;   /* references */
-    uint32_t spare;        /* how many may be added below it */
+    uint32_t spare;        /* references that may be added below it */
     uint32_t left_sibling; /* node; BB_NONE for the root and for left children */
     uint32_t depth;
 } task;
@@ -54,8 +55,8 @@ typedef struct sbvh {
     size_t ref_capacity, scratch_capacity;
     task *stack;
     size_t stack_count, stack_capacity;
-    uint32_t left_over; /* what finished nodes did not add */
-    uint32_t spatial;   /* splits of the last build */
+    uint32_t left_over; /* references that finished nodes did not add */
+    uint32_t spatial;   /* spatial splits in the last build */
     uint32_t prims, references;
 } sbvh;
 
@@ -132,8 +133,8 @@ static bb_status push(sbvh *self, task item)
     return BB_OK;
 }
 
-/* Makes the node of a task and links it to its left sibling; returns its number. A left child is
- * its parent's next node. */
+/* Makes the node of a task and links it to its left sibling; returns its number. A left child
+ * directly follows its parent. */
 static uint32_t make_node(const sbvh *self, const task *item, bb_tree *tree, sb_bounds *box)
 {
     uint32_t index = tree->info.node_count++;
@@ -173,7 +174,7 @@ static double overlap(const sb_split *split)
     return bb_half_area(both.lo, both.hi);
 }
 
-/* Splits the references of a node: how many are then on its sides. left = 0: it is to be a leaf. */
+/* Splits the references of a node; returns their numbers on both sides. left = 0: make a leaf. */
 static sb_split divide(sbvh *self, const bb_scene *scene, const task *item, const sb_bounds *box,
                        double root_area)
 {
@@ -206,7 +207,8 @@ static sb_split divide(sbvh *self, const bb_scene *scene, const task *item, cons
     return object;
 }
 
-/* What may still be added goes to the sides by their numbers. */
+/* Divides the remaining allowance between the sides by their numbers of references, and pushes
+ * both. */
 static bb_status push_sides(sbvh *self, const task *item, const sb_split *split, uint32_t node)
 {
     const uint32_t sum = split->left + split->right;

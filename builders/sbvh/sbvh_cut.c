@@ -1,13 +1,12 @@
-/* A reference cut in two by a plane.
+/* Cuts a reference in two by a plane.
  *
- *   triangle, tetrahedron: on either side the convex hull of the corners there and of the points
- *                          where edges cross the plane; its box, in the box that is cut
- *   box:                   on either side the box's part
+ *   triangle, tetrahedron: on each side, the box of the corners there and of the points where
+ *                          edges cross the plane, within the box that is cut
+ *   box:                   on each side, the box's part
  *
- * Crossings are computed in double: they are off by less than 2^-50 of the edge's largest
- * coordinate, M, and rounding to a float adds half of its last place, 2^-24 M, or 2^-150 where
- * floats are denormal. So with 2^-23 M + 2^-149 on either side no point of the primitive is in
- * neither half.
+ * Crossings are computed in double, with an error below 2^-50 of the edge's largest coordinate M.
+ * Rounding to a float adds half of its last place, 2^-24 M, or 2^-150 where floats are denormal. So
+ * with a margin of 2^-23 M + 2^-149 on each side no point of the primitive is lost.
  */
 #include "sbvh_split.h"
 
@@ -23,7 +22,7 @@ static float most(float a, float b)
     return a > b ? a : b;
 }
 
-/* Where the edge from a to b crosses the plane, which is strictly between its ends. */
+/* Returns where the edge from a to b crosses the plane, which is strictly between its ends. */
 static inline sb_bounds cross(const float *a, const float *b, int axis, float plane)
 {
     sb_bounds box;
@@ -60,7 +59,7 @@ static void cut_corners(const float *const *corners, int count, int axis, float 
     }
 }
 
-/* What of a side is in `box`; +0 for -0. */
+/* Intersects a side with `box`; turns -0 into +0. */
 static void keep_within(sb_bounds *side, const sb_bounds *box)
 {
     bool some = true;

@@ -17,10 +17,11 @@ typedef struct bin {
 static uint32_t bin_of(float centroid, float low, double scale, uint32_t bins)
 {
     uint32_t index = (uint32_t)(((double)centroid - low) * scale);
-    return index < bins ? index : bins - 1; /* the highest centroid is on the last bin's border */
+    return index < bins ? index : bins - 1; /* the highest centroid is on the last border */
 }
 
-/* Cheaper, or as cheap and more balanced: boxes of area 0 would make a chain. */
+/* Returns whether a split is cheaper, or equally cheap and more balanced: otherwise boxes of area 0
+ * would make a chain. */
 static bool is_better(double cost, uint32_t left, uint32_t count, const sb_split *best)
 {
     if (best->left == 0 || cost != best->cost)
@@ -41,7 +42,7 @@ static void try_axis(const bin *bins, uint32_t bin_count, uint32_t count, sb_spl
     }
     bin left = {sb_nothing(), 0};
     for (uint32_t k = 1; k < bin_count; k++) {
-        if (bins[k - 1].count == 0) /* the plane separates what the one before does */
+        if (bins[k - 1].count == 0) /* separates the same references as the plane before */
             continue;
         sb_grow(&left.box, &bins[k - 1].box);
         left.count += bins[k - 1].count;

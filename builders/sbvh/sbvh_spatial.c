@@ -1,14 +1,13 @@
-/* Spatial splits: binned references (Stich, Friedrich, Dietrich 2009; see sbvh.c).
+/* Spatial splits: bins references (Stich, Friedrich, Dietrich 2009; see sbvh.c).
  *
- *   K slabs of equal width cut the node's box; each reference is cut into those that it reaches:
+ *   K slabs of equal width cut the node's box; each reference is cut by the slabs it reaches:
  *       box[k] grows by its part there; enter[first slab]++, leave[last slab]++
  *   cost of plane k = A(boxes below) sum of enter below + A(boxes above) sum of leave above
  *
  *   a reference across the chosen plane is cut in two, or goes to one side whole ("unsplit"),
- *   whichever costs the least as the sides are by then
+ *   whichever costs least given the sides so far
  *
- * Slabs that are thinner than floats resolve are none: an axis on which two planes are at one place
- * is left out.
+ * An axis on which two planes coincide, since slabs are thinner than floats resolve, is skipped.
  */
 #include "sbvh_split.h"
 
@@ -42,7 +41,7 @@ static bool make_ruler(ruler *r, float low, float high, uint32_t bins)
     return true;
 }
 
-/* planes[k] <= x < planes[k + 1], as far as there are slabs. */
+/* Returns k with planes[k] <= x < planes[k + 1], clamped to the slabs. */
 static uint32_t slab_from(const ruler *r, float x)
 {
     double place = ((double)x - r->planes[0]) * r->scale;
@@ -54,7 +53,7 @@ static uint32_t slab_from(const ruler *r, float x)
     return k;
 }
 
-/* planes[k] < x <= planes[k + 1]. */
+/* Returns k with planes[k] < x <= planes[k + 1], clamped to the slabs. */
 static uint32_t slab_to(const ruler *r, float x)
 {
     uint32_t k = slab_from(r, x);
@@ -75,7 +74,7 @@ static void bin_one(const bb_scene *scene, const sb_ref *ref, int axis, const ru
     for (uint32_t k = first; k < last && rest.box.lo[0] <= rest.box.hi[0]; k++) {
         const float plane = r->planes[k + 1];
         sb_bounds sides[2];
-        if (rest.box.lo[axis] >= plane) /* the cut before left nothing of this slab */
+        if (rest.box.lo[axis] >= plane) /* the previous cut left nothing in this slab */
             continue;
         if (rest.box.hi[axis] <= plane) {
             last = k;
@@ -95,7 +94,7 @@ static void bin_one(const bb_scene *scene, const sb_ref *ref, int axis, const ru
         entered = entered == BB_NONE ? last : entered;
         left = last;
     }
-    if (entered == BB_NONE) { /* nothing of the primitive is in its box, which is a little large */
+    if (entered == BB_NONE) { /* the primitive is not in its box, which is slightly too large */
         sb_grow(&slabs[first].box, &ref->box);
         entered = left = first;
     }
@@ -160,7 +159,7 @@ static int side_of(const bb_scene *scene, const sb_ref *ref, const sb_split *spl
     return lo >= split->plane ? RIGHT : hi <= split->plane ? LEFT : ACROSS;
 }
 
-/* Both sides as they are so far. */
+/* Both sides, as far as they are filled. */
 typedef struct growing {
     sb_bounds box[2];
     uint32_t count[2];
@@ -179,7 +178,8 @@ static void put(growing *g, int side, const sb_bounds *box)
     g->count[side]++;
 }
 
-/* Where a reference across the plane goes; ACROSS, if it may be cut: `parts` go to both sides. */
+/* Returns the side of a reference across the plane, or ACROSS if it is best cut: `parts` then go to
+ * both sides. */
 static int choose(growing *g, const sb_bounds *whole, const sb_bounds parts[2], bool may_cut)
 {
     if (parts[0].lo[0] > parts[0].hi[0])
@@ -197,8 +197,8 @@ static int choose(growing *g, const sb_bounds *whole, const sb_bounds parts[2], 
     return all_left <= all_right ? LEFT : RIGHT;
 }
 
-/* The slabs have cut a reference at several planes, here it is cut at one: their numbers need not
- * be the same to the last float, hence `spare`. */
+/* The slabs cut a reference at several planes, this function at one. Floats may round differently,
+ * and so the numbers of references may differ, hence `spare`. */
 void sb_part_spatial(const bb_scene *scene, sb_ref *refs, uint32_t count, uint32_t spare,
                      sb_split *split, sb_ref *scratch)
 {

@@ -1,19 +1,19 @@
-/* The LBVH of a sparse volume: of the bricks in which a transfer function sees something, on the
+/* The LBVH of a sparse volume: of the bricks that a transfer function makes visible. Runs on the
  * device.
  *
  * Zellmann, Hellmann, Lang 2019 (A Linear Time BVH Construction Algorithm for Sparse Volumes),
- * section 3.2: vote, compact, Morton codes of 30 bits, sort, Karras' radix tree, boxes. What is
- * done differently, or left open there:
- * - The paper votes on voxels: a brick is left out if none of its 8^3 is seen. But values are
- *   interpolated between voxels, also between those of two bricks, and a transfer function may see
- *   what lies between two values that it does not see. So the vote is on the range of values of all
- *   the voxels that a brick's cells have; vote=voxels reads them in each build, as the paper does,
- *   vote=ranges the range, which was found when the volume was loaded. Both give the same tree.
- * - Boxes are made in the scene's units before the tree and not after it: boxes of nodes are unions
- *   of these, to the last bit, either way round.
- * - prune=P, which section 4 suggests and does not try: leaves are the cubes of 2^P bricks a side
- *   in the codes' octree, or what of them is seen; the tree has P levels of the octree fewer.
- * - Codes are sorted by those of their bits that the volume's bricks need.
+ * section 3.2: vote, compact, Morton codes of 30 bits, sort, Karras' radix tree, boxes. What
+ * differs, or is left open there:
+ * - The paper votes on voxels: a brick is left out if none of its 8^3 voxels is visible. But values
+ *   are interpolated between voxels, also of two bricks, and a transfer function may be visible
+ *   between two values at which it is not. So the vote is on the range of values of all voxels of a
+ *   brick's cells. vote=voxels reads them in each build, as the paper does; vote=ranges reads the
+ *   range, which was computed when the volume was loaded. Both give the same tree.
+ * - Boxes in the scene's units are made before the tree, not after it: nodes' boxes are unions of
+ *   these, bit for bit the same either way.
+ * - prune=P, which section 4 suggests but does not try: leaves are cubes of 2^P bricks a side in
+ *   the codes' octree, or their visible part; the tree lacks P levels of the octree.
+ * - The sort only uses the bits of the codes that the volume's bricks need.
  */
 #include "builders/common/compact.h"
 #include "builders/common/radix_tree.h"
@@ -41,16 +41,16 @@ typedef struct vlbvh {
     bb_account *account;
     bool by_ranges;
     uint32_t prune;
-    uint32_t bytes;        /* of a voxel, for which it is compiled; 0: not yet */
-    uint32_t bricks, seen; /* of the last build */
+    uint32_t bytes;        /* bytes per voxel that the kernels are compiled for; 0: not compiled */
+    uint32_t bricks, seen; /* in the last build */
     bb_primitives *primitives;
     bb_compaction *compaction;
     bb_radix_tree *radix;
     cl_program program;
     cl_kernel vote, codes, boxes_of, heads, end;
-    bb_buffer marks;  /* of bricks, then of heads */
-    bb_buffer active; /* numbers of bricks */
-    bb_buffer kept;   /* their count */
+    bb_buffer marks;  /* of bricks, then of the first ones of leaves */
+    bb_buffer active; /* numbers of visible bricks */
+    bb_buffer kept;   /* their number */
     bb_buffer keys;
     bb_buffer values;    /* numbers of primitives: places in `active` */
     bb_buffer boxes;     /* of primitives */
@@ -176,7 +176,7 @@ static bb_status vote(vlbvh *self, const bb_scene *scene)
                      BB_VALUE(chunk), BB_MEM(there->seen), BB_MEM(self->marks));
 }
 
-/* What the harness found of the same bricks is how many there is room for. */
+/* Room is reserved for as many bricks as the harness found visible. */
 static bb_status compact(vlbvh *self, const bb_scene *scene, uint32_t *count)
 {
     BB_TRY(bb_compact_u32(self->compaction, &self->marks, NULL, scene->volume->brick_count,
@@ -188,7 +188,7 @@ static bb_status compact(vlbvh *self, const bb_scene *scene, uint32_t *count)
     return BB_OK;
 }
 
-/* Bits of the code of the last brick's place, three for each bit of its largest coordinate. */
+/* Returns the number of bits of the last brick's code: three per bit of its largest coordinate. */
 static uint32_t code_bits(const bb_volume_grid *grid)
 {
     uint32_t last = 0, bits = 0;
@@ -199,7 +199,7 @@ static uint32_t code_bits(const bb_volume_grid *grid)
     return 3 * bits;
 }
 
-/* Runs of equal codes become leaves. */
+/* Turns runs of equal codes into leaves. */
 static bb_status merge(vlbvh *self, uint32_t count)
 {
     BB_TRY(bb_launch(self->device, self->heads, count, GROUP_SIZE, BB_MEM(self->keys),

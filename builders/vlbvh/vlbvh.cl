@@ -1,11 +1,11 @@
-/* The phases of the sparse-volume LBVH that are its own (vlbvh.c):
+/* The sparse-volume LBVH's own phases (vlbvh.c):
  *
- *   vote: brick i is marked if the transfer function sees anything between its smallest and its
- *         largest value: of all its voxels (vote_voxels, vote_voxels_group), or of ranges that were
- *         found when the volume was loaded (vote_ranges)
- *   codes: Morton code of each marked brick's place, without its lowest bits where leaves are
+ *   vote: mark brick i if the transfer function is visible anywhere between the brick's smallest
+ *         and largest value. These come from its voxels (vote_voxels, vote_voxels_group), or were
+ *         computed when the volume was loaded (vote_ranges)
+ *   codes: Morton code of each marked brick's position, without its lowest bits if leaves are
  *          larger than a brick
- *   boxes: of each, in scene units
+ *   boxes: of each marked brick, in scene units
  *   heads: where one code ends and the next begins
  *
  *   -DBB_VOXEL=uchar|ushort; -DBB_GROUP: work-items of a group that votes on a brick
@@ -28,7 +28,7 @@ uint brick_is_seen(uint lo, uint hi, uint white, global const uint *seen)
 
 /* ---- votes ---- */
 
-/* One work-item per chunk of bricks: vectors of their voxels, for CPUs. */
+/* For CPUs: one work-item per chunk of bricks; voxels are read as vectors. */
 kernel void vote_voxels(global const BB_VOXEL *bricks, bb_volume_grid grid, uint count, uint chunk,
                         global const uint *seen, global uint *marks)
 {
@@ -37,7 +37,7 @@ kernel void vote_voxels(global const BB_VOXEL *bricks, bb_volume_grid grid, uint
     for (uint brick = first; brick < end; brick++) {
         global const BB_VOXEL *values = bricks + (ulong)brick * voxels;
         bb_voxels16 least = vload16(0, values), most = least;
-        /* the last vector overlaps the one before */
+        /* the last vector overlaps the previous one */
         for (uint i = 16; i < voxels; i += 16) {
             bb_voxels16 v = vload16(0, values + min(i, voxels - 16u));
             least = min(least, v);
@@ -54,7 +54,7 @@ kernel void vote_voxels(global const BB_VOXEL *bricks, bb_volume_grid grid, uint
     }
 }
 
-/* One work-group per brick, for GPUs: what its items found is joined in local memory, as in the
+/* For GPUs: one work-group per brick; its items join their results in local memory, as in the
  * paper. */
 kernel __attribute__((reqd_work_group_size(BB_GROUP, 1, 1)))
 void vote_voxels_group(global const BB_VOXEL *bricks, bb_volume_grid grid, uint count,
@@ -90,7 +90,7 @@ kernel void vote_ranges(global const uint *ranges, bb_volume_grid grid, uint cou
             brick_is_seen(ranges[brick] & 0xFFFFu, ranges[brick] >> 16, grid.white, seen);
 }
 
-/* ---- what is left ---- */
+/* ---- visible bricks ---- */
 
 uint4 brick_place(uint brick, const bb_volume_grid *grid)
 {
@@ -133,7 +133,7 @@ kernel void brick_heads(global const uint *keys, uint count, global uint *marks)
         marks[i] = i == 0 || keys[i] != keys[i - 1u] ? 1u : 0u;
 }
 
-/* Where the last run ends. */
+/* Writes the end of the last run. */
 kernel void brick_end(global const uint *total, uint count, global uint *starts)
 {
     starts[total[0]] = count;
