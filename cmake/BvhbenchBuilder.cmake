@@ -194,17 +194,21 @@ function(bvhbench_embed_report target)
     bvhbench_incbin(${output} bb_text_chart_js ${CHART_JS})
     target_sources(${target} PRIVATE ${output})
     # Scripts in parts, in this order: what a part uses stands in it or before it.
+    set(shown ../../show/page)
     set(report_html report.html)
-    set(report_css report.css)
-    set(report_js dom.js data.js series.js draw.js tables.js charts.js verdict.js predict.js page.js)
+    set(report_js ${shown}/dom.js data.js series.js draw.js tables.js charts.js verdict.js predict.js page.js)
     set(report_history_html history.html) # a page of its own
-    set(report_history_js dom.js history.js)
+    set(report_history_js ${shown}/dom.js history.js)
     set(atlas_html atlas.html) # another
-    set(atlas_js dom.js atlas.js)
+    set(atlas_js ${shown}/dom.js atlas.js)
     set(contest_html contest.html) # and another
-    set(contest_js dom.js contest.js)
-    set(animate_js dom.js animate.js)
-    foreach(part report_html report_css report_js report_history_html report_history_js atlas_html
+    set(contest_js ${shown}/dom.js contest.js)
+    set(animate_js ${shown}/dom.js animate.js)
+    set(style_css ${shown}/style.css)
+    set(page_html ${shown}/page.html) # of framework/show
+    set(page_js dom.js figure.js grid.js plot.js blocks.js)
+    list(TRANSFORM page_js PREPEND ${shown}/)
+    foreach(part style_css page_html page_js report_html report_js report_history_html report_history_js atlas_html
                  atlas_js contest_html contest_js animate_js)
         list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/)
         set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${part}.c)

@@ -7,7 +7,7 @@
 #include "framework/base/json.h"
 #include "framework/chart/chart.h"
 #include "framework/record/schema.h"
-#include "framework/report/template.h"
+#include "framework/show/template.h"
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary.h"
 
@@ -17,7 +17,7 @@
 #include <string.h>
 
 /* Embedded at build time. */
-extern const char bb_text_report_html[], bb_text_report_css[], bb_text_report_js[],
+extern const char bb_text_report_html[], bb_text_style_css[], bb_text_report_js[],
     bb_text_chart_js[];
 
 enum { PICTURE_BYTES_MAX = 16 << 20 };
@@ -124,7 +124,7 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         goto out;
     }
     const bb_page_part parts[] = {
-        {"@BB_CSS@", bb_text_report_css, false},
+        {"@BB_CSS@", bb_text_style_css, false},
         {"@BB_DATA@", records, true},
         {"@BB_SCHEMA@", schema, true},
         {"@BB_SUMMARY@", summary, true},

@@ -1,7 +1,7 @@
 /* The page of the atlas: a template into which style, chart library, script, figures and pictures
  * are put. */
 #include "framework/report/report.h"
-#include "framework/report/template.h"
+#include "framework/show/template.h"
 
 #include "framework/base/file.h"
 #include "framework/base/json.h"
@@ -10,16 +10,15 @@
 #include <stdlib.h>
 
 /* Embedded at build time. */
-extern const char bb_text_atlas_html[], bb_text_report_css[], bb_text_atlas_js[],
-    bb_text_chart_js[];
+extern const char bb_text_atlas_html[], bb_text_style_css[], bb_text_atlas_js[], bb_text_chart_js[];
 
 /* A picture of the axis as a data URI, the member "src"; none where there is no picture. False if
  * there is no memory. */
 static bool add_picture(cJSON *axis, const char *folder)
 {
     char *source;
-    if (!bb_page_picture(folder, cJSON_GetStringValue(cJSON_GetObjectItem(axis, "picture")),
-                         &source))
+    if (!bb_page_source(folder, cJSON_GetStringValue(cJSON_GetObjectItem(axis, "picture")),
+                        &source))
         return false;
     bool ok = source == NULL || cJSON_AddStringToObject(axis, "src", source) != NULL;
     free(source);
@@ -44,7 +43,7 @@ bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *pa
     if (figures == NULL)
         return bb_fail(BB_FAILED, "report %s: no memory", path);
     const bb_page_part parts[] = {
-        {"@BB_CSS@", bb_text_report_css, false},
+        {"@BB_CSS@", bb_text_style_css, false},
         {"@BB_DATA@", figures, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
         {"@BB_SCRIPT@", bb_text_atlas_js, false},

@@ -1,7 +1,7 @@
 /* The pages of contests and of moving scenes: a template into which style, chart library, script,
  * figures and pictures are put. */
 #include "framework/report/report.h"
-#include "framework/report/template.h"
+#include "framework/show/template.h"
 
 #include "framework/base/file.h"
 #include "framework/base/json.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 
 /* Embedded at build time. */
-extern const char bb_text_contest_html[], bb_text_report_css[], bb_text_contest_js[],
+extern const char bb_text_contest_html[], bb_text_style_css[], bb_text_contest_js[],
     bb_text_animate_js[], bb_text_chart_js[];
 
 enum { PICTURES_MAX = 32 }; /* of a result; the others are named */
@@ -28,7 +28,7 @@ static bool add_pictures(cJSON *result, const char *folder)
         char *source;
         if (!ok || count++ == PICTURES_MAX)
             break;
-        ok = bb_page_picture(folder, cJSON_GetStringValue(name), &source);
+        ok = bb_page_source(folder, cJSON_GetStringValue(name), &source);
         if (!ok)
             break;
         ok = cJSON_AddItemToArray(sources, cJSON_CreateString(source != NULL ? source : ""));
@@ -56,7 +56,7 @@ static bb_status write_page(const cJSON *document, const char *folder, const cha
     if (figures == NULL)
         return bb_fail(BB_FAILED, "report %s: no memory", path);
     const bb_page_part parts[] = {
-        {"@BB_CSS@", bb_text_report_css, false},
+        {"@BB_CSS@", bb_text_style_css, false},
         {"@BB_DATA@", figures, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
         {"@BB_SCRIPT@", script, false},

@@ -4,14 +4,14 @@
 #include "framework/base/file.h"
 #include "framework/base/json.h"
 #include "framework/report/columns.h"
-#include "framework/report/template.h"
+#include "framework/show/template.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Embedded at build time. */
-extern const char bb_text_report_css[], bb_text_chart_js[], bb_text_report_history_html[],
+extern const char bb_text_style_css[], bb_text_chart_js[], bb_text_report_history_html[],
     bb_text_report_history_js[];
 
 /* ---- a cell ---- */
@@ -165,7 +165,7 @@ bb_status bb_report_history(const bb_trend *trends, uint32_t count, const char *
     if (json == NULL)
         return bb_fail(BB_FAILED, "report %s: no memory", path);
     const bb_page_part parts[] = {
-        {"@BB_CSS@", bb_text_report_css, false},
+        {"@BB_CSS@", bb_text_style_css, false},
         {"@BB_HISTORY@", json, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
         {"@BB_SCRIPT@", bb_text_report_history_js, false},

@@ -21,7 +21,7 @@ void bb_page_append_base64(bb_page_text *out, const unsigned char *data, size_t 
 
 /* The PNG file `name` in a folder as a data URI, for free(); NULL if there is no such picture.
  * False if there is no memory. */
-bool bb_page_picture(const char *folder, const char *name, char **source);
+bool bb_page_source(const char *folder, const char *name, char **source);
 
 typedef struct bb_page_part {
     const char *mark; /* in the template */

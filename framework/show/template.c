@@ -1,4 +1,4 @@
-#include "framework/report/template.h"
+#include "framework/show/template.h"
 
 #include "framework/base/file.h"
 
@@ -61,7 +61,7 @@ void bb_page_append_base64(bb_page_text *out, const unsigned char *data, size_t 
     }
 }
 
-bool bb_page_picture(const char *folder, const char *name, char **source)
+bool bb_page_source(const char *folder, const char *name, char **source)
 {
     char path[1400], *data = NULL;
     size_t size;

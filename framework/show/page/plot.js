@@ -1,0 +1,44 @@
+/* Charts of Chart.js: bars, lines or points. */
+const colours = ['#4e79a7', '#f28e2b', '#59a14f', '#e15759', '#76b7b2', '#edc948', '#b07aa1', '#9c755f'];
+const colourOf = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+const axisOf = (text, log) => ({
+  type: log ? 'logarithmic' : 'linear', title: { display: true, text, color: colourOf('--text') },
+  grid: { color: colourOf('--line') },
+  ticks: { color: colourOf('--muted'), maxTicksLimit: 8, callback: value => figure(value, -1) },
+});
+
+const nameOf = row => row.filter(isText).join(', ');
+const valueOf = item => isNumber(item.value) ? item.value : null;
+
+/* The columns of numbers, by their places. */
+const seriesOf = block => block.columns.map((column, i) => i).filter(i => block.rows.some(row => !isText(row[i])));
+
+function datasetsOf(block) {
+  const all = seriesOf(block), bars = block.drawing === 'bars', x = all[0];
+  const point = (row, i) => ({ x: valueOf(row[x]), y: valueOf(row[i]), name: nameOf(row) });
+  return (bars ? all : all.slice(1)).map((i, n) => ({
+    label: block.columns[i].heading, backgroundColor: colours[n % colours.length], borderColor: colours[n % colours.length],
+    borderWidth: bars ? 0 : 1.5, pointRadius: 3, showLine: block.drawing === 'lines',
+    data: bars ? block.rows.map(row => valueOf(row[i])) : block.rows.map(row => point(row, i)).filter(p => p.x !== null && p.y !== null),
+  }));
+}
+
+const plotOf = block => el('figure', { class: 'card' }, block.text ? el('h3', {}, block.text) : null,
+  el('div', { class: 'plot' }, el('canvas', { role: 'img', 'aria-label': block.text || block.y })));
+
+/* Once it is on the page. */
+function draw(block, canvas) {
+  const bars = block.drawing === 'bars';
+  if (bars) canvas.parentElement.style.height = `${5 + 2 * block.rows.length}rem`;
+  const names = { stacked: true, grid: { display: false }, ticks: { color: colourOf('--muted'), autoSkip: false } };
+  new Chart(canvas, {
+    type: bars ? 'bar' : 'scatter', data: { labels: bars ? block.rows.map(nameOf) : undefined, datasets: datasetsOf(block) },
+    options: {
+      indexAxis: bars ? 'y' : 'x', animation: false, responsive: true, maintainAspectRatio: false,
+      scales: bars ? { x: { ...axisOf(block.x, block.xLog), stacked: true }, y: names }
+        : { x: axisOf(block.x, block.xLog), y: axisOf(block.y, block.yLog) },
+      plugins: { legend: { labels: { color: colourOf('--text') } } },
+    },
+  });
+}

@@ -1,0 +1,42 @@
+/* Views: which rows and columns of a table make a grid or a plot, as constant data. */
+#ifndef BB_VIEW_H
+#define BB_VIEW_H
+
+#include "framework/show/page.h"
+#include "framework/table/table.h"
+
+enum { BB_VIEW_COLUMNS = 20, BB_VIEW_PARTS = 4 };
+
+/* A set of dimensions: BB_SET(BB_SCENE) | BB_SET(BB_BUILDER). */
+#define BB_SET(dimension) (1u << (dimension))
+
+/* Columns of the table, by name, added up round by round; those that a row lacks are left out.
+ * Columns of the grid without a value in any row are left out, too. */
+typedef struct bb_view_column {
+    const char *parts[BB_VIEW_PARTS];
+    const char *heading; /* NULL: that of the first part */
+    bool ratio; /* to the base: the first row of the same scene, frame and question that has this
+                 * figure; rounds are paired, and the interval is that of the ratios' median */
+} bb_view_column;
+
+typedef struct bb_table_view {
+    const char *caption;
+    unsigned with, without; /* sets of dimensions which rows of the table have, or do not have */
+    /* rows of the grid: which dimensions tell them apart, and are its first columns; of several
+     * rows of the table in one of the grid, figures are geometric means, texts the first's */
+    unsigned rows;
+    bb_view_column columns[BB_VIEW_COLUMNS]; /* ended by one without parts */
+    const char *order;   /* a column of the table: rows by its value, the best first; NULL: as they
+                          * are. Rows without it are last. */
+    const bb_axes *axes; /* a plot; NULL: a grid */
+} bb_table_view;
+
+/* Appends the grid or plot to the page; nothing, if there are no rows. `within`: names that rows
+ * must have. The best of a column are marked, if it says which are: the best value, and those whose
+ * interval includes it. */
+void bb_view_show(const bb_table_view *view, const bb_table *table, bb_cell within, bb_page *page);
+
+/* All values of one row, by their headings, as a paragraph. */
+void bb_view_say(const bb_table *table, bb_cell cell, bb_page *page);
+
+#endif

@@ -1,0 +1,379 @@
+/* Pages of results: blocks on the terminal, as Markdown and as HTML; views of tables.
+ *
+ *   test_page --write FOLDER      writes page.html, which is looked at in a browser
+ */
+#include "framework/base/file.h"
+#include "framework/base/steering.h"
+#include "framework/show/view.h"
+#include "framework/table/figure.h"
+#include "tests/program_fixture.h"
+
+#include <limits.h>
+#include <math.h>
+
+static const bb_column column_build = {
+    "build_ms",       "build",        "ms",           "Building the tree.",
+    BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_LESS, 2};
+static const bb_column column_answer = {
+    "answer_ms", "answer", "ms", "Answering.", BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_LESS, 2};
+static const bb_column column_note = {"refused",      "refused",         "", "Why.", BB_COLUMN_TEXT,
+                                      BB_SENSE_EXACT, BB_BETTER_NEITHER, 0};
+static const bb_column column_side = {
+    "side", "side", "", "Of the mesh.", BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER, 0};
+
+static const char hostile[] = "</script><b>|`*x*\x1b[31m\xff";
+
+/* ---- what is tested ---- */
+
+/* Answers of `first`, then of twice, three times that: 7 rounds that count. */
+static void add_way(bb_table *table, const char *scene, const char *builder, double first,
+                    bool tree)
+{
+    const bb_cell cell = {{[BB_SCENE] = scene, [BB_BUILDER] = builder, [BB_INTERSECTOR] = "skip"}};
+    const uint32_t row = bb_table_row(table, cell);
+    bb_samples rounds = {0};
+    for (int i = 0; i < 8; i++)
+        bb_samples_add(&rounds, first * (1 + i));
+    bb_table_set_rounds(table, row, &column_answer, &rounds);
+    if (tree)
+        bb_table_set_rounds(table, row, &column_build, &rounds);
+}
+
+static bb_table *sample_table(void)
+{
+    bb_table *table;
+    ASSERT_OK(bb_table_create("slice", &table));
+    for (int s = 0; s < 2; s++) {
+        const char *scene = s == 0 ? "a" : "b";
+        const uint32_t row = bb_table_row(table, (bb_cell){{[BB_SCENE] = scene}});
+        bb_table_set_number(table, row, &column_side, 4 + s);
+        add_way(table, scene, "lbvh", 1 + s, false);
+        add_way(table, scene, "sah", s == 0 ? 2 : 16, true);
+    }
+    const bb_cell refused = {{[BB_SCENE] = "b", [BB_BUILDER] = hostile, [BB_INTERSECTOR] = "skip"}};
+    bb_table_set_text(table, bb_table_row(table, refused), &column_note, "has no octree");
+    ASSERT_OK(bb_table_status(table));
+    return table;
+}
+
+static const bb_table_view ways = {
+    .caption = "Ways",
+    .with = BB_SET(BB_INTERSECTOR),
+    .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
+    .columns = {{{"build_ms"}, NULL, false},
+                {{"answer_ms"}, NULL, false},
+                {{"answer_ms"}, "answer / first", true},
+                {{"build_ms", "answer_ms"}, "all / first", true},
+                {{"nodes"}, NULL, false},
+                {{"refused"}, NULL, false}},
+};
+
+static bb_page *new_page(void)
+{
+    bb_page *page;
+    ASSERT_OK(bb_page_create("bvhbench: a title", &page));
+    return page;
+}
+
+static bb_page *view_page(const bb_table_view *view, bb_table *table, const char *scene)
+{
+    bb_page *page = new_page();
+    bb_view_show(view, table, (bb_cell){{[BB_SCENE] = scene}}, page);
+    ASSERT_OK(bb_page_status(page));
+    return page;
+}
+
+static char *text_of(const bb_page *page, void (*print)(const bb_page *, FILE *))
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    print(page, out);
+    assert_int_equal(fclose(out), 0);
+    return text;
+}
+
+static void expect_text(bb_page *page, void (*print)(const bb_page *, FILE *), const char *expected)
+{
+    char *text = text_of(page, print);
+    assert_string_equal(text, expected);
+    free(text);
+    bb_page_free(page);
+}
+
+/* Entry (row, column) of the grid that is the page's first block. */
+static const bb_item *item_of(const bb_page *page, uint32_t row, const char *heading)
+{
+    const bb_block *block = bb_page_block(page, 0);
+    for (uint32_t i = 0; i < block->head_count; i++)
+        if (strcmp(block->heads[i].heading, heading) == 0)
+            return &block->items[row * block->head_count + i];
+    fail_msg("there is no column '%s'", heading);
+    return NULL;
+}
+
+static void assert_figure(const bb_page *page, uint32_t row, const char *heading, double expected)
+{
+    const bb_item *item = item_of(page, row, heading);
+    assert_null(item->text);
+    assert_true(isnan(expected) ? isnan(item->figure.value)
+                                : fabs(item->figure.value - expected) < 1e-12 * fabs(expected));
+}
+
+/* ---- views ---- */
+
+static void ratios_are_to_the_first_row(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    bb_page *page = view_page(&ways, table, "a");
+    assert_figure(page, 0, "answer ms", 5);
+    assert_figure(page, 0, "answer / first", 1);
+    assert_figure(page, 1, "answer / first", 2);
+    assert_figure(page, 1, "all / first", 4); /* the first has no build */
+    assert_true(isfinite(item_of(page, 1, "all / first")->figure.low));
+    assert_figure(page, 0, "build ms", NAN);
+    assert_string_equal(item_of(page, 1, "builder")->text, "sah");
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+/* No column for nodes, which nobody has; of scene b one for refusals. */
+static void empty_columns_are_left_out(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    bb_page *page = view_page(&ways, table, "a");
+    assert_int_equal(bb_page_block(page, 0)->head_count, 6);
+    bb_page_free(page);
+    page = view_page(&ways, table, "b");
+    assert_int_equal(bb_page_block(page, 0)->head_count, 7);
+    assert_string_equal(item_of(page, 2, "refused")->text, "has no octree");
+    assert_figure(page, 2, "answer ms", NAN);
+    bb_page_free(page);
+    page = view_page(&ways, table, "c");
+    assert_int_equal(bb_page_block_count(page), 0);
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+static void rows_of_several_scenes_are_geometric_means(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    bb_page *page = view_page(&ways, table, NULL);
+    assert_figure(page, 0, "answer ms", 5 * sqrt(2));
+    assert_figure(page, 1, "answer / first", 4); /* of 2 and 8 */
+    assert_figure(page, 2, "answer / first", NAN);
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+static void rows_are_ordered_the_best_first(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    bb_table_view view = ways;
+    view.rows |= BB_SET(BB_SCENE);
+    view.order = "answer_ms";
+    bb_page *page = view_page(&view, table, NULL);
+    static const char *const scenes[] = {"a", "a", "b", "b", "b"};
+    static const double answers[] = {5, 10, 10, 80, NAN};
+    for (uint32_t i = 0; i < 5; i++) {
+        assert_string_equal(item_of(page, i, "scene")->text, scenes[i]);
+        assert_figure(page, i, "answer ms", answers[i]);
+    }
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+/* Those whose interval includes the best value are best, too. */
+static void ties_are_marked(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    add_way(table, "a", "tied", 1.1, false);
+    bb_page *page = view_page(&ways, table, "a");
+    assert_true(item_of(page, 0, "answer ms")->best);
+    assert_true(item_of(page, 2, "answer ms")->best);
+    assert_false(item_of(page, 1, "answer / first")->best);
+    assert_false(item_of(page, 1, "build ms")->best); /* nobody else has it */
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+static void dimensions_choose_rows(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    bb_table_view view = {.caption = "Scenes",
+                          .with = BB_SET(BB_SCENE),
+                          .without = BB_SET(BB_BUILDER),
+                          .rows = BB_SET(BB_SCENE),
+                          .columns = {{{"side"}, NULL, false}}};
+    expect_text(view_page(&view, table, NULL), bb_page_print,
+                "Scenes\nscene  side\na         4\nb         5\n\n");
+    bb_page *page = new_page();
+    bb_view_say(table, (bb_cell){{[BB_SCENE] = "b"}}, page);
+    bb_view_say(table, (bb_cell){{[BB_SCENE] = "c"}}, page);
+    expect_text(page, bb_page_print, "side 5\n\n");
+    bb_table_free(table);
+}
+
+/* ---- renderers ---- */
+
+static bb_page *sample_page(void)
+{
+    bb_page *page = new_page();
+    static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
+    bb_page_heading(page, "Scene *a*");
+    bb_page_say(page, "%d words: %s", 3, "one two three");
+    bb_page_grid(page, "A grid");
+    bb_page_column(page, "name", "", "", 0);
+    bb_page_column(page, "time", "ms", "How long.", 2);
+    bb_page_put_text(page, hostile);
+    bb_page_put_figure(page, (bb_estimate){.value = 1.5, .low = 1, .high = 2}, true);
+    bb_page_put_text(page, "\xc3\xa9");
+    bb_page_put_figure(page, bb_not_measured, false);
+    bb_page_plot(page, "A plot", &axes);
+    bb_page_column(page, "name", "", "", 0);
+    bb_page_column(page, "time", "ms", "", 2);
+    bb_page_put_text(page, "b");
+    bb_page_put_figure(page, (bb_estimate){.value = 3, .low = NAN, .high = NAN}, false);
+    bb_page_picture(page, "none.png", "A picture");
+    bb_page_verdict(page, false, "2 answers differ.");
+    ASSERT_OK(bb_page_status(page));
+    return page;
+}
+
+static void a_page_is_text(void **state)
+{
+    (void)state;
+    expect_text(sample_page(), bb_page_print,
+                "Scene *a*\n"
+                "3 words: one two three\n\n"
+                "A grid\n"
+                "name                                  time ms\n"
+                "</script><b>|`*x*?[31m%FF  1.50 [1.00, 2.00]*\n"
+                "\xc3\xa9                                          - \n\n"
+                "2 answers differ.\n\n");
+}
+
+static void a_page_is_markdown(void **state)
+{
+    (void)state;
+    expect_text(sample_page(), bb_page_markdown,
+                "# bvhbench: a title\n\n"
+                "## Scene \\*a\\*\n\n"
+                "3 words: one two three\n\n"
+                "A grid\n\n"
+                "| name | time ms |\n"
+                "|---|--:|\n"
+                "| \\</script\\>\\<b\\>\\|\\`\\*x\\*?\\[31m%FF | **1.50 \\[1.00, 2.00\\]** |\n"
+                "| \xc3\xa9 | \\- |\n\n"
+                "**2 answers differ.**\n");
+}
+
+static void paragraphs_end_at_100_columns(void **state)
+{
+    (void)state;
+    char word[100], expected[320];
+    bb_page *page = new_page();
+    memset(word, 'x', 99);
+    word[99] = '\0';
+    bb_page_say(page, "ab %s c  d\ne", word);
+    snprintf(expected, sizeof expected, "ab\n%s\nc d e\n\n", word);
+    expect_text(page, bb_page_print, expected);
+}
+
+static void pages_are_utf8_that_no_name_ends(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    bb_page *page = sample_page();
+    char path[PATH_MAX], *text;
+    size_t size;
+    snprintf(path, sizeof path, "%s/page.html", folder);
+    ASSERT_OK(bb_page_html(page, table, folder, path));
+    ASSERT_OK(bb_file_read(path, 1 << 24, "page", &text, &size));
+    char *utf8 = bb_utf8_text(text);
+    assert_string_equal(utf8, text);
+    assert_null(strstr(text, "</script><b>"));
+    assert_non_null(strstr(text, "\\u003c/script>\\u003cb>|`*x*\\u001b[31m%FF"));
+    assert_non_null(strstr(text, "\"schema\":\"bvhbench-table/1\""));
+    free(utf8);
+    free(text);
+    assert_int_equal(bb_page_html(page, NULL, ".", "/nowhere/all.html"), BB_INVALID);
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+/* ---- for the browser ---- */
+
+/* Numbers as C writes them beside what the page makes of the same. */
+static void add_figures(bb_page *page)
+{
+    static const double values[] = {
+        0,      -0.0,  0.5,     1.5,    2.5,         -2.5,     0.125,    0.375,
+        0.15,   1.005, 999.5,   1234.5, 1e6 / 3,     -1e6,     9.995,    0.0095,
+        0.0125, 1e-4,  1.25e-5, 1e7,    12250000,    12350000, 1e15,     1.5e300,
+        1e-300, 99.95, 99.949,  1e14,   123456789.5, NAN,      INFINITY, 2.0 / 3};
+    bb_page_grid(page, "Figures");
+    bb_page_column(page, "C", "", "", 0);
+    for (int decimals = -1; decimals < 4; decimals++)
+        bb_page_column(page, "page", "", "", decimals);
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+        char all[1024] = "";
+        const bb_estimate e = {.value = values[i], .low = values[i] * 0.9, .high = 1 / values[i]};
+        for (int decimals = -1; decimals < 4; decimals++) {
+            char one[BB_FIGURE_MAX];
+            strcat(all, bb_figure_interval(one, e, decimals));
+            strcat(all, ";");
+        }
+        bb_page_put_text(page, all);
+        for (int decimals = -1; decimals < 4; decimals++)
+            bb_page_put_figure(page, e, false);
+    }
+}
+
+static int write_page(const char *to)
+{
+    static const bb_axes axes = {BB_DRAW_LINES, "nodes", "ms", true, true};
+    char path[PATH_MAX];
+    bb_page *page = sample_page();
+    bb_table *table = sample_table();
+    bb_page_plot(page, "Lines", &axes);
+    bb_page_column(page, "nodes", "", "", 0);
+    bb_page_column(page, "time", "ms", "", 2);
+    for (int i = 1; i < 5; i++) {
+        bb_page_put_figure(page, (bb_estimate){.value = i, .low = NAN, .high = NAN}, false);
+        bb_page_put_figure(page, (bb_estimate){.value = i * i, .low = NAN, .high = NAN}, false);
+    }
+    bb_view_show(&ways, table, (bb_cell){{[BB_SCENE] = "a"}}, page);
+    add_figures(page);
+    snprintf(path, sizeof path, "%s/page.html", to);
+    const bb_status status = bb_page_html(page, table, to, path);
+    bb_page_free(page);
+    bb_table_free(table);
+    return status == BB_OK ? 0 : 1;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 3 && strcmp(argv[1], "--write") == 0)
+        return write_page(argv[2]);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ratios_are_to_the_first_row),
+        cmocka_unit_test(empty_columns_are_left_out),
+        cmocka_unit_test(rows_of_several_scenes_are_geometric_means),
+        cmocka_unit_test(rows_are_ordered_the_best_first),
+        cmocka_unit_test(ties_are_marked),
+        cmocka_unit_test(dimensions_choose_rows),
+        cmocka_unit_test(a_page_is_text),
+        cmocka_unit_test(a_page_is_markdown),
+        cmocka_unit_test(paragraphs_end_at_100_columns),
+        cmocka_unit_test(pages_are_utf8_that_no_name_ends),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
