@@ -36,7 +36,7 @@ typedef struct bb_item {
     bool best; /* in its column */
 } bb_item;
 
-typedef enum bb_plot_kind { BB_DRAW_BARS, BB_DRAW_LINES, BB_DRAW_SCATTER } bb_drawing;
+typedef enum bb_plot_kind { BB_DRAW_BARS, BB_DRAW_LINES, BB_DRAW_SCATTER } bb_plot_kind;
 
 /* How a plot is drawn. Bars lie one behind the other: their sum is the length. */
 typedef struct bb_axes {
