@@ -1,6 +1,7 @@
 /* `bvhbench stress` from outside: a builder that goes wrong beyond 100 primitives, in every manner;
  * what is found of it, what becomes of the run, and that it goes on where it was cut off. All of it
  * only with BVHBENCH_SLOW_TESTS=1, a third of them with BVHBENCH_TEST_PART. */
+#include "framework/table/table.h"
 #include "tests/program_fixture.h"
 
 #include <math.h>
@@ -22,39 +23,63 @@ static void start(void)
     assert_int_equal(system(command), 0);
 }
 
-/* The one threshold of this manner. */
-static const cJSON *threshold_of(const cJSON *atlas, const char *manner)
+static bb_table *read_atlas(void)
 {
-    const cJSON *axis = cJSON_GetObjectItem(atlas, "axes")->child, *t, *found = NULL;
-    cJSON_ArrayForEach(t, cJSON_GetObjectItem(axis, "thresholds"))
-    {
-        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(t, "manner")), manner) == 0)
-            found = t;
-    }
-    if (found == NULL)
-        fail_msg("there is no threshold '%s': %s", manner, cJSON_Print(atlas));
+    char path[600];
+    bb_table *atlas;
+    snprintf(path, sizeof path, "%s/o/stress.json", folder);
+    ASSERT_OK(bb_table_read(path, &atlas));
+    return atlas;
+}
+
+static bool has_text(const bb_table *atlas, uint32_t row, const char *column, const char *text)
+{
+    return strcmp(bb_table_get_text(atlas, row, column), text) == 0;
+}
+
+/* The row of the one failure in this manner. */
+static uint32_t failure_of(const bb_table *atlas, const char *manner)
+{
+    uint32_t found = BB_NO_ROW;
+    for (uint32_t row = 0; row < bb_table_row_count(atlas); row++)
+        if (strcmp(bb_table_name(atlas, row, BB_MAKER), manner) == 0)
+            found = row;
+    if (found == BB_NO_ROW)
+        fail_msg("there is no failure '%s': %s", manner, bb_table_json(atlas));
     return found;
 }
 
-static double number(const cJSON *object, const char *name)
+/* The row of a method at a value: both by their order. */
+static uint32_t row_of(const bb_table *atlas, uint32_t value, uint32_t method)
 {
-    const cJSON *item = cJSON_GetObjectItem(object, name);
-    return cJSON_IsNumber(item) ? item->valuedouble : (double)NAN;
+    const char *known = "";
+    uint32_t values = 0, methods = 0;
+    for (uint32_t row = 0; row < bb_table_row_count(atlas); row++) {
+        const char *name = bb_table_name(atlas, row, BB_FRAME);
+        if (name[0] == '\0')
+            continue;
+        methods = strcmp(name, known) == 0 ? methods + 1 : 0;
+        values += strcmp(name, known) != 0;
+        known = name;
+        if (values == value + 1 && methods == method)
+            return row;
+    }
+    return BB_NO_ROW;
 }
 
 /* What was not measured has no figures: no method has anything but a scene with primitives. */
-static bool has_false_zeros(const cJSON *atlas)
+static bool has_false_zeros(const bb_table *atlas)
 {
-    const cJSON *axis, *value, *method;
-    cJSON_ArrayForEach(axis, cJSON_GetObjectItem(atlas, "axes"))
-        cJSON_ArrayForEach(value, cJSON_GetObjectItem(axis, "values"))
-            cJSON_ArrayForEach(method, cJSON_GetObjectItem(value, "methods"))
-    {
-        const cJSON *prims = cJSON_GetObjectItem(method, "prims");
-        if (prims != NULL && !(prims->valuedouble > 0))
+    for (uint32_t row = 0; row < bb_table_row_count(atlas); row++)
+        if (bb_table_get_number(atlas, row, "prims") <= 0)
             return true;
-    }
     return false;
+}
+
+/* Of the row without names. */
+static double of_run(const bb_table *atlas, const char *column)
+{
+    return bb_table_get_number(atlas, bb_table_find(atlas, (bb_cell){{NULL}}), column);
 }
 
 static void finds_every_manner(void **state)
@@ -82,12 +107,13 @@ static void finds_every_manner(void **state)
         if (o->exit_status != (cases[i].words != NULL) ||
             (cases[i].words != NULL && strstr(o->err, cases[i].words) == NULL))
             fail_msg("%s: exit %d\n%s%s", cases[i].how, o->exit_status, o->out, o->err);
-        cJSON *atlas = read_results("o/stress.json");
-        const cJSON *t = threshold_of(atlas, cases[i].manner);
-        assert_true(number(t, "at") == 1000 && number(t, "below") == 100);
-        assert_int_equal((int)number(atlas, "bugs"), cases[i].words != NULL);
+        bb_table *atlas = read_atlas();
+        const uint32_t t = failure_of(atlas, cases[i].manner);
+        assert_true(bb_table_get_number(atlas, t, "at") == 1000 &&
+                    bb_table_get_number(atlas, t, "below") == 100);
+        assert_int_equal((int)of_run(atlas, "bugs"), cases[i].words != NULL);
         assert_false(has_false_zeros(atlas));
-        cJSON_Delete(atlas);
+        bb_table_free(atlas);
     }
 }
 
@@ -114,10 +140,10 @@ static void blames_who_is_wrong(void **state)
     if (o->exit_status != 0 || o->err[0] != '\0')
         fail_msg("exit %d: %s", o->exit_status, o->err);
     assert_non_null(strstr(o->out, "stack overflow caught    stack:stack=4"));
-    cJSON *atlas = read_results("o/stress.json");
-    const cJSON *t = threshold_of(atlas, "wrong");
-    assert_true(number(t, "method") == 0);
-    cJSON_Delete(atlas);
+    bb_table *atlas = read_atlas();
+    const uint32_t t = failure_of(atlas, "wrong");
+    assert_string_equal(bb_table_name(atlas, t, BB_INTERSECTOR), "stack:stack=4");
+    bb_table_free(atlas);
 }
 
 /* Alone, since it takes its time: what hangs is killed, and the others that were in its process
@@ -132,14 +158,11 @@ static void kills_what_hangs(void **state)
     assert_non_null(
         strstr(o->err, "wreck:how=hang,above=500 hangs on crowd at 1000: killed after"));
     assert_null(strstr(o->err, "null"));
-    cJSON *atlas = read_results("o/stress.json"), *value;
-    cJSON_ArrayForEach(value,
-                       cJSON_GetObjectItem(cJSON_GetObjectItem(atlas, "axes")->child, "values"))
-    {
-        const cJSON *null = cJSON_GetArrayItem(cJSON_GetObjectItem(value, "methods"), 1);
-        assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(null, "outcome")), "ok");
-    }
-    cJSON_Delete(atlas);
+    bb_table *atlas = read_atlas();
+    assert_int_not_equal(row_of(atlas, 1, 1), BB_NO_ROW);
+    for (uint32_t value = 0; row_of(atlas, value, 1) != BB_NO_ROW; value++)
+        assert_true(has_text(atlas, row_of(atlas, value, 1), "outcome", "ok"));
+    bb_table_free(atlas);
 }
 
 static void judges_times_twice(void **state)
@@ -148,10 +171,12 @@ static void judges_times_twice(void **state)
     start();
     const outcome *o = run(STRESS WRECK "wreck:how=slow,above=500");
     assert_int_equal(o->exit_status, 0);
-    cJSON *atlas = read_results("o/stress.json");
-    const cJSON *t = threshold_of(atlas, "slow-build");
-    assert_true(number(t, "below") < 501 && number(t, "at") > 500 && number(t, "at") < 600);
-    cJSON_Delete(atlas);
+    bb_table *atlas = read_atlas();
+    const uint32_t t = failure_of(atlas, "slow-build");
+    assert_true(bb_table_get_number(atlas, t, "below") < 501 &&
+                bb_table_get_number(atlas, t, "at") > 500 &&
+                bb_table_get_number(atlas, t, "at") < 600);
+    bb_table_free(atlas);
 }
 
 static void bisects_and_repeats(void **state)
@@ -163,26 +188,30 @@ static void bisects_and_repeats(void **state)
         const outcome *o = run(STRESS WRECK "wreck:how=refuse");
         assert_int_equal(o->exit_status, 0);
         assert_non_null(strstr(o->out, "wreck: more than 100 are too many for it"));
-        cJSON *atlas = read_results("o/stress.json");
-        const cJSON *t = threshold_of(atlas, "refused");
-        at[i] = number(t, "at");
-        below[i] = number(t, "below");
-        cJSON_Delete(atlas);
+        bb_table *atlas = read_atlas();
+        const uint32_t t = failure_of(atlas, "refused");
+        at[i] = bb_table_get_number(atlas, t, "at");
+        below[i] = bb_table_get_number(atlas, t, "below");
+        bb_table_free(atlas);
     }
     assert_true(below[0] == 100 && at[0] > 100 && at[0] < 110);
     assert_true(at[0] == at[1] && below[0] == below[1]);
 }
 
-/* The figures without the times of the run itself. */
-static char *without_clock(const char *name)
+/* The figures without those of the run itself, which the clock and the date decide. */
+static char *without_run(void)
 {
-    cJSON *atlas = read_results(name);
-    cJSON_DeleteItemFromObject(atlas, "ms");
-    cJSON_DeleteItemFromObject(atlas, "context");
-    char *text = cJSON_Print(atlas);
+    cJSON *atlas = read_results("o/stress.json"), *row;
+    for (row = cJSON_GetObjectItem(atlas, "rows")->child; row != NULL;) {
+        cJSON *next = row->next;
+        if (cJSON_GetObjectItem(row, "revision") != NULL)
+            cJSON_Delete(cJSON_DetachItemViaPointer(cJSON_GetObjectItem(atlas, "rows"), row));
+        row = next;
+    }
+    char *all = cJSON_Print(atlas);
     cJSON_Delete(atlas);
-    assert_non_null(text);
-    return text;
+    assert_non_null(all);
+    return all;
 }
 
 /* Killed at some moment, it goes on; finished, it measures nothing again: even the times are the
@@ -194,11 +223,11 @@ static void goes_on(void **state)
     run_with("timeout --signal=KILL 2", STRESS "--builder lbvh,sah");
     const outcome *o = run(STRESS "--builder lbvh,sah");
     assert_int_equal(o->exit_status, 0);
-    char *before = without_clock("o/stress.json");
+    char *before = without_run();
     o = run(STRESS "--builder lbvh,sah");
     assert_int_equal(o->exit_status, 0);
     assert_non_null(strstr(o->out, "of an earlier run"));
-    char *after = without_clock("o/stress.json");
+    char *after = without_run();
     assert_string_equal(before, after);
     /* another seed is another run */
     o = run(STRESS "--builder lbvh,sah --seed 2");
@@ -225,32 +254,24 @@ static void compares_parts(void **state)
     start();
     const outcome *o = run(STRESS "--quick --kernel all --intersector exact,fast");
     assert_int_equal(o->exit_status, 0);
-    cJSON *atlas = read_results("o/stress.json"), *method;
+    bb_table *atlas = read_atlas();
     uint32_t kernels = 0, others = 0;
-    cJSON_ArrayForEach(method, cJSON_GetObjectItem(atlas, "methods"))
-    {
-        const char *part = cJSON_GetStringValue(cJSON_GetObjectItem(method, "part"));
+    for (uint32_t row = 0; row < bb_table_row_count(atlas); row++) {
+        const char *part = bb_table_get_text(atlas, row, "part");
         kernels += strcmp(part, "kernel") == 0;
-        others += strcmp(part, "kernel") != 0;
+        others += part[0] != '\0' && strcmp(part, "kernel") != 0;
     }
     assert_true(kernels > 5);
     assert_int_equal(others, 2);
-    const cJSON *value = cJSON_GetObjectItem(cJSON_GetObjectItem(atlas, "axes")->child, "values");
-    cJSON_ArrayForEach(method, cJSON_GetObjectItem(value->child, "methods"))
-    {
-        assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(method, "outcome")), "ok");
-        assert_true(number(method, "checked") == 1024 && number(method, "trace_ms") > 0 &&
-                    number(method, "tests_per_ray") > 0);
-        assert_true(isnan(number(method, "bytes"))); /* the tree is not theirs */
+    for (uint32_t m = 0; m < kernels + others; m++) {
+        const uint32_t row = row_of(atlas, 0, m);
+        assert_true(has_text(atlas, row, "outcome", "ok"));
+        assert_true(bb_table_get_number(atlas, row, "checked") == 1024);
+        assert_true(bb_table_get_number(atlas, row, "trace_ms") > 0);
+        assert_true(bb_table_get_number(atlas, row, "tests_per_ray") > 0);
+        assert_true(isnan(bb_table_get_number(atlas, row, "bytes"))); /* the tree is not theirs */
     }
-    cJSON_Delete(atlas);
-}
-
-static const cJSON *figures_of(const cJSON *atlas, int value, int method)
-{
-    const cJSON *axis = cJSON_GetObjectItem(atlas, "axes")->child;
-    const cJSON *at = cJSON_GetArrayItem(cJSON_GetObjectItem(axis, "values"), value);
-    return cJSON_GetArrayItem(cJSON_GetObjectItem(at, "methods"), method);
+    bb_table_free(atlas);
 }
 
 /* Methods go through frames: those that follow a motion are built again where things come and go;
@@ -272,26 +293,28 @@ static void goes_through_frames(void **state)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     assert_non_null(
         strstr(o->out, "no update: built again   gs (from 0.2), lbvh+refit (from 0.2)"));
-    cJSON *atlas = read_results("o/stress.json");
-    const cJSON *axis = cJSON_GetObjectItem(atlas, "axes")->child;
-    assert_int_equal((int)number(axis, "frames"), 3);
-    assert_true(number(threshold_of(atlas, "rebuilt"), "at") == 0.2);
+    bb_table *atlas = read_atlas();
+    const uint32_t axis = bb_table_find(atlas, (bb_cell){{[BB_QUESTION] = "growing"}});
+    assert_true(bb_table_get_number(atlas, axis, "frames") == 3);
+    assert_true(bb_table_get_number(atlas, failure_of(atlas, "rebuilt"), "at") == 0.2);
     for (int value = 0; value < 2; value++)
         for (int m = 0; m < 10; m++) {
-            const cJSON *f = figures_of(atlas, value, m);
-            const char *end = cJSON_GetStringValue(cJSON_GetObjectItem(f, "outcome"));
-            assert_string_equal(end, m == 3 ? "unsupported" : "ok");
+            const uint32_t f = row_of(atlas, (uint32_t)value, (uint32_t)m);
+            assert_true(has_text(atlas, f, "outcome", m == 3 ? "unsupported" : "ok"));
             if (m == 3)
                 continue;
-            assert_true(number(f, "checked") == 3 * 64 && number(f, "rays") == 2 * 64);
-            assert_true(number(f, "wrong") == 0 && number(f, "tests_per_ray") > 0);
-            assert_true(number(f, "prims") == (value == 0 ? 800 : 1040));
+            assert_true(bb_table_get_number(atlas, f, "checked") == 3 * 64 &&
+                        bb_table_get_number(atlas, f, "rays") == 2 * 64);
+            assert_true(bb_table_get_number(atlas, f, "wrong") == 0 &&
+                        bb_table_get_number(atlas, f, "tests_per_ray") > 0);
+            assert_true(bb_table_get_number(atlas, f, "prims") == (value == 0 ? 800 : 1040));
             if (m > 3) /* the tree is not its own */
-                assert_true(isnan(number(f, "build_ms")) && isnan(number(f, "rebuilt")));
+                assert_true(isnan(bb_table_get_number(atlas, f, "build_ms")) &&
+                            isnan(bb_table_get_number(atlas, f, "rebuilt")));
             else
-                assert_true(number(f, "rebuilt") == (m == 0 || value == 1));
+                assert_true(bb_table_get_number(atlas, f, "rebuilt") == (m == 0 || value == 1));
         }
-    cJSON_Delete(atlas);
+    bb_table_free(atlas);
     /* a scene that stays has no frames to go through */
     char text[1024];
     snprintf(text, sizeof text, "%s", growing);

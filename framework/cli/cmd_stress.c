@@ -11,7 +11,6 @@
 #include "framework/stress/stress.h"
 #include "traversal/traversal.h"
 
-#include <cjson/cJSON.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -202,17 +201,15 @@ static bb_status write_all(const bb_cli *cli, const bb_stress *stress)
 {
     char path[1200];
     char *command = bb_cli_command_line(cli);
-    cJSON *json = bb_atlas_json(stress, command);
-    char *text = bb_json_print(json, true);
-    bb_status status = text == NULL ? bb_fail(BB_FAILED, "stress: no memory for the atlas") : BB_OK;
+    bb_table *atlas;
+    bb_status status = bb_atlas_table(stress, command, &atlas);
     snprintf(path, sizeof path, "%s/stress.json", stress->request->folder);
     if (status == BB_OK)
-        status = bb_file_write(path, text, strlen(text), "atlas");
+        status = bb_table_write(atlas, path);
     snprintf(path, sizeof path, "%s/stress.html", stress->request->folder);
     if (status == BB_OK)
-        status = bb_report_atlas(json, stress->request->folder, path);
-    cJSON_free(text);
-    cJSON_Delete(json);
+        status = bb_report_atlas(atlas, stress->request->folder, path);
+    bb_table_free(atlas);
     free(command);
     return status;
 }

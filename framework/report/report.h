@@ -3,6 +3,7 @@
 #define BB_REPORT_H
 
 #include "framework/record/record.h"
+#include "framework/table/table.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -38,7 +39,7 @@ bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pi
 
 /* The page of an atlas (bvhbench-stress/1, framework/stress/) as one HTML file, with the pictures
  * that lie in `folder`. */
-bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *path);
+bb_status bb_report_atlas(const bb_table *atlas, const char *folder, const char *path);
 
 /* The page of what `volume`, `slice` or `overlap` measured (framework/dvr/, slice/, overlap/), in
  * the same way. */

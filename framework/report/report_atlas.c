@@ -6,46 +6,46 @@
 #include "framework/base/file.h"
 #include "framework/base/json.h"
 
-#include <cjson/cJSON.h>
 #include <stdlib.h>
 
 /* Embedded at build time. */
 extern const char bb_text_atlas_html[], bb_text_style_css[], bb_text_atlas_js[], bb_text_chart_js[];
 
-/* A picture of the axis as a data URI, the member "src"; none where there is no picture. False if
- * there is no memory. */
-static bool add_picture(cJSON *axis, const char *folder)
+/* The pictures of the table as data URIs, by their names: {"point.png":"data:..."}. NULL after
+ * bb_fail(). */
+static char *pictures_json(const bb_table *atlas, const char *folder)
 {
-    char *source;
-    if (!bb_page_source(folder, cJSON_GetStringValue(cJSON_GetObjectItem(axis, "picture")),
-                        &source))
-        return false;
-    bool ok = source == NULL || cJSON_AddStringToObject(axis, "src", source) != NULL;
-    free(source);
-    return ok;
+    bb_json json = {0};
+    bool ok = true;
+    bb_json_object(&json, NULL);
+    for (uint32_t row = 0; row < bb_table_row_count(atlas) && ok; row++) {
+        const char *name = bb_table_get_text(atlas, row, "picture");
+        char *source = NULL;
+        ok = name[0] == '\0' || bb_page_source(folder, name, &source);
+        if (source != NULL)
+            bb_json_add_text(&json, name, source);
+        free(source);
+    }
+    bb_json_end_object(&json);
+    char *text = bb_json_take(&json);
+    if (ok && text != NULL)
+        return text;
+    free(text);
+    return NULL;
 }
 
-static char *with_pictures(const cJSON *atlas, const char *folder)
-{
-    cJSON *copy = cJSON_Duplicate(atlas, 1), *axis;
-    bool ok = copy != NULL;
-    cJSON_ArrayForEach(axis, cJSON_GetObjectItem(copy, "axes")) ok =
-        ok && add_picture(axis, folder);
-    char *text = ok ? bb_json_print(copy, false) : NULL;
-    cJSON_Delete(copy);
-    return text;
-}
-
-bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *path)
+bb_status bb_report_atlas(const bb_table *atlas, const char *folder, const char *path)
 {
     bb_page_text page = {0};
-    char *figures = with_pictures(atlas, folder);
-    if (figures == NULL)
+    char *figures = bb_table_json(atlas), *pictures = pictures_json(atlas, folder);
+    if (figures == NULL || pictures == NULL) {
+        free(figures);
+        free(pictures);
         return bb_fail(BB_FAILED, "report %s: no memory", path);
+    }
     const bb_page_part parts[] = {
-        {"@BB_CSS@", bb_text_style_css, false},
-        {"@BB_DATA@", figures, true},
-        {"@BB_CHART_JS@", bb_text_chart_js, false},
+        {"@BB_CSS@", bb_text_style_css, false},   {"@BB_DATA@", figures, true},
+        {"@BB_PICTURES@", pictures, true},        {"@BB_CHART_JS@", bb_text_chart_js, false},
         {"@BB_SCRIPT@", bb_text_atlas_js, false},
     };
     bb_status status =
@@ -53,6 +53,7 @@ bb_status bb_report_atlas(const cJSON *atlas, const char *folder, const char *pa
     if (status == BB_OK)
         status = bb_file_write(path, page.data, page.size, "report");
     free(page.data);
-    cJSON_free(figures);
+    free(figures);
+    free(pictures);
     return status;
 }

@@ -1,16 +1,11 @@
-/* The atlas as text and as JSON. */
+/* The atlas as text. */
 #include "framework/stress/stress.h"
-
-#include "framework/record/put.h"
-#include "framework/record/record.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { COLUMNS = 100, INDENT = 27 };
-
-/* ---- as text ---- */
 
 /* Words with commas between them, in lines that begin at INDENT. */
 typedef struct writer {
@@ -203,122 +198,4 @@ bb_status bb_atlas_print(const bb_stress *s, FILE *out)
     for (uint32_t i = 0; i < s->axis_count; i++)
         print_axis(s, &s->axes[i], out);
     return BB_OK;
-}
-
-/* ---- as JSON ---- */
-
-static bool put_threshold(cJSON *list, uint32_t method, uint32_t manner, const bb_threshold *t)
-{
-    cJSON *entry = cJSON_CreateObject();
-    return cJSON_AddItemToArray(list, entry) && bb_put_number(entry, "method", method) &&
-           bb_put_text(entry, "manner", bb_manners[manner].name) &&
-           bb_put_text(entry, "word", bb_manners[manner].word) &&
-           cJSON_AddBoolToObject(entry, "from_start", t->from_start) != NULL &&
-           cJSON_AddBoolToObject(entry, "timed", bb_manners[manner].timed) != NULL &&
-           bb_put_number(entry, "below", t->below) && bb_put_number(entry, "at", t->at) &&
-           bb_put_number(entry, "ratio", t->ratio) &&
-           cJSON_AddBoolToObject(entry, "returns", t->returns) != NULL;
-}
-
-static bool put_values(cJSON *axis, const bb_stress *s, const bb_search *search)
-{
-    cJSON *values = cJSON_AddArrayToObject(axis, "values");
-    bool ok = values != NULL;
-    for (uint32_t i = 0; i < search->probe_count && ok; i++) {
-        cJSON *value = cJSON_CreateObject();
-        ok = cJSON_AddItemToArray(values, value) && bb_put_number(value, "x", search->probes[i].x);
-        cJSON *methods = cJSON_AddArrayToObject(value, "methods");
-        for (uint32_t m = 0; m < s->request->method_count && ok; m++) {
-            const bb_point_figures *f = &search->probes[i].figures[m];
-            ok = cJSON_AddItemToArray(methods, f->outcome == BB_NOT_MEASURED ? cJSON_CreateNull()
-                                                                             : bb_figures_json(f));
-        }
-    }
-    return ok;
-}
-
-static bool put_axis(cJSON *list, const bb_stress *s, const bb_stress_axis *a)
-{
-    static const char *const steps[] = {"log", "linear", "whole", "count"};
-    const bb_axis *axis = &a->axis;
-    cJSON *entry = cJSON_CreateObject();
-    bool ok =
-        cJSON_AddItemToArray(list, entry) && bb_put_text(entry, "name", axis->name) &&
-        bb_put_text(entry, "title", axis->title) &&
-        bb_put_text(entry, "parameter", axis->parameter) && bb_put_text(entry, "why", axis->why) &&
-        bb_put_text(entry, "known", axis->known) && bb_put_text(entry, "scene", axis->scene) &&
-        bb_put_text(entry, "builder", axis->builder) &&
-        bb_put_text(entry, "kernel", axis->kernel) && bb_put_number(entry, "from", axis->from) &&
-        bb_put_number(entry, "to", axis->to) && bb_put_number(entry, "n", (double)a->n) &&
-        bb_put_number(entry, "frames", axis->frames) &&
-        bb_put_text(entry, "steps", steps[axis->steps]) &&
-        bb_put_text(entry, "picture", a->picture) &&
-        bb_put_number(entry, "picture_at", a->picture_at) &&
-        cJSON_AddBoolToObject(entry, "complete", a->complete) != NULL;
-    cJSON *rays = cJSON_AddArrayToObject(entry, "rays");
-    for (uint32_t i = 0; i < axis->ray_count && ok; i++)
-        ok = cJSON_AddItemToArray(rays, cJSON_CreateString(axis->rays[i]));
-    ok = ok && put_values(entry, s, &a->search);
-    cJSON *thresholds = cJSON_AddArrayToObject(entry, "thresholds");
-    for (uint32_t m = 0; m < s->request->method_count && ok; m++)
-        for (uint32_t f = 0; f < BB_MANNERS && ok; f++)
-            if (a->search.thresholds[m][f].found)
-                ok = put_threshold(thresholds, m, f, &a->search.thresholds[m][f]);
-    return ok;
-}
-
-/* The metric that figures have as `metric`. */
-static bool put_metric(cJSON *root)
-{
-    const bb_metric *metric = bb_metrics[bb_metric_of_layouts()];
-    cJSON *entry = cJSON_AddObjectToObject(root, "metric");
-    return bb_put_text(entry, "name", metric->name) && bb_put_text(entry, "title", metric->title);
-}
-
-static bool put_methods(cJSON *root, const bb_stress *s)
-{
-    cJSON *methods = cJSON_AddArrayToObject(root, "methods");
-    bool ok = methods != NULL;
-    for (uint32_t m = 0; m < s->request->method_count && ok; m++) {
-        const bb_method *method = &s->request->methods[m];
-        cJSON *entry = cJSON_CreateObject();
-        ok = cJSON_AddItemToArray(methods, entry) &&
-             bb_put_text(entry, "part", bb_method_part_word(method->part)) &&
-             bb_put_text(entry, "name", method->text) &&
-             cJSON_AddBoolToObject(entry, "exact", method->exact) != NULL;
-    }
-    return ok;
-}
-
-/* That of a result file, with the device as the points' children saw it. */
-static bool put_context(cJSON *root, const bb_stress *s, const char *command)
-{
-    bb_results *results = NULL;
-    if (bb_results_create(&(bb_context){NULL, s->request->seed, command}, &results) != BB_OK)
-        return false;
-    cJSON *context = cJSON_DetachItemFromObject(bb_results_json(results), "context");
-    bb_results_destroy(results);
-    cJSON_DeleteItemFromObject(context, "device");
-    cJSON_DeleteItemFromObject(context, "driver");
-    return bb_put(root, "context", context) && bb_put_text(context, "device", s->device) &&
-           bb_put_text(context, "driver", s->driver);
-}
-
-cJSON *bb_atlas_json(const bb_stress *s, const char *command)
-{
-    cJSON *root = cJSON_CreateObject();
-    bool ok = bb_put_text(root, "schema", "bvhbench-stress/1") && put_context(root, s, command) &&
-              cJSON_AddBoolToObject(root, "quick", s->request->quick) != NULL &&
-              bb_put_number(root, "rays_per_set", s->max_rays) &&
-              bb_put_number(root, "rounds", s->repeats) && bb_put_number(root, "ms", s->ms) &&
-              bb_put_number(root, "factor", BB_STRESS_FACTOR) &&
-              bb_put_number(root, "bugs", bb_stress_blame(s, NULL)) && put_metric(root) &&
-              put_methods(root, s);
-    cJSON *axes = cJSON_AddArrayToObject(root, "axes");
-    for (uint32_t i = 0; i < s->axis_count && ok; i++)
-        ok = put_axis(axes, s, &s->axes[i]);
-    if (ok)
-        return root;
-    cJSON_Delete(root);
-    return NULL;
 }

@@ -269,6 +269,11 @@ bool bb_axis_middle(const bb_axis *axis, double a, double b, double *middle)
     return *middle > fmin(a, b) && *middle < fmax(a, b);
 }
 
+void bb_axis_value(double x, char out[BB_AXIS_VALUE])
+{
+    snprintf(out, BB_AXIS_VALUE, "%.9g", x);
+}
+
 bb_status bb_axis_fill(const char *text, double x, uint64_t n, char *out, size_t capacity)
 {
     size_t used = 0;

@@ -68,6 +68,10 @@ uint32_t bb_axis_values(const bb_axis *axis, uint32_t intervals, double *values)
  * none between them. */
 bool bb_axis_middle(const bb_axis *axis, double a, double b, double *middle);
 
+/* x as names of rows and scenes have it. */
+enum { BB_AXIS_VALUE = 32 };
+void bb_axis_value(double x, char out[BB_AXIS_VALUE]);
+
 /* `text` with {x} and {n} replaced. BB_INVALID if it has no room. */
 bb_status bb_axis_fill(const char *text, double x, uint64_t n, char *out, size_t capacity);
 

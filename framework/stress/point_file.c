@@ -1,146 +1,146 @@
-/* The file of a point: what its child measured. */
+/* Figures as rows of a table and back: for the atlas, and for the file of a point, which its child
+ * writes. */
 #include "framework/stress/point_private.h"
+#include "framework/stress/stress.h"
 
-#include "framework/base/file.h"
-#include "framework/base/json.h"
-#include "framework/device/device_private.h"
+#include "framework/device/run_row.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum { FILE_BYTES_MAX = 1 << 24 };
+static const bb_column outcome = {"outcome",
+                                  "outcome",
+                                  "",
+                                  "How the measurement ended: ok, refused, crashed ...",
+                                  BB_COLUMN_TEXT,
+                                  BB_SENSE_EXACT,
+                                  BB_BETTER_NEITHER,
+                                  0};
+static const bb_column reason = {
+    "reason",       "reason",          "", "Why it ended so.", BB_COLUMN_TEXT,
+    BB_SENSE_EXACT, BB_BETTER_NEITHER, 0};
 
+#define FIGURE(name, heading, unit, help, sense, better, member)                                   \
+    {                                                                                              \
+        {name, heading, unit, help, BB_COLUMN_NUMBER, BB_SENSE_##sense, BB_BETTER_##better, -1},   \
+            offsetof(bb_point_figures, member)                                                     \
+    }
 static const struct {
-    const char *name;
+    bb_column column;
     size_t offset;
-} numbers[] = {
-    {"prims", offsetof(bb_point_figures, prims)},
-    {"build_ms", offsetof(bb_point_figures, build_ms)},
-    {"ray_sets", offsetof(bb_point_figures, ray_sets)},
-    {"trace_ms", offsetof(bb_point_figures, trace_ms)},
-    {"rays", offsetof(bb_point_figures, rays)},
-    {"tests_per_ray", offsetof(bb_point_figures, tests)},
-    {"metric", offsetof(bb_point_figures, metric)},
-    {"bytes", offsetof(bb_point_figures, bytes)},
-    {"wrong", offsetof(bb_point_figures, wrong)},
-    {"checked", offsetof(bb_point_figures, checked)},
-    {"unlike", offsetof(bb_point_figures, unlike)},
-    {"overflowed", offsetof(bb_point_figures, overflowed)},
-    {"rebuilt", offsetof(bb_point_figures, rebuilt)},
+} figures[] = {
+    FIGURE("prims", "primitives", "", "Of the scene.", EXACT, NEITHER, prims),
+    FIGURE("build_ms", "build", "ms", "The least of the rounds.", TIMED, LESS, build_ms),
+    FIGURE("ray_sets", "ray sets", "", "Those that were traced, as bits in the axis's order.",
+           EXACT, NEITHER, ray_sets),
+    FIGURE("trace_ms", "trace", "ms", "The least of the rounds, summed over the sets.", TIMED, LESS,
+           trace_ms),
+    FIGURE("rays", "rays", "", "Of all these sets.", EXACT, NEITHER, rays),
+    FIGURE("tests_per_ray", "tests", "per ray", "Of boxes and primitives.", EXACT, LESS, tests),
+    FIGURE("metric", "cost", "", "The tree's cost; the row of the run names the metric.", EXACT,
+           LESS, metric),
+    FIGURE("bytes", "memory", "bytes", "The tree with all scratch, at the peak.", EXACT, LESS,
+           bytes),
+    FIGURE("wrong", "wrong", "rays", "Wrong answers.", EXACT, LESS, wrong),
+    FIGURE("checked", "checked", "rays", "Answers that were judged.", EXACT, NEITHER, checked),
+    FIGURE("unlike", "unlike", "rays", "Answers unlike those of another exact cell.", EXACT, LESS,
+           unlike),
+    FIGURE("overflowed", "overflowed", "rays", "Counted rays whose stack was too small.", EXACT,
+           LESS, overflowed),
+    FIGURE("rebuilt", "rebuilt", "", "Share of frames in which the tree was built again.", EXACT,
+           LESS, rebuilt),
 };
 
-enum { NUMBERS = sizeof numbers / sizeof numbers[0] };
+enum { FIGURES = sizeof figures / sizeof figures[0] };
 
-static const double *number_of(const bb_point_figures *f, size_t i)
+void bb_figures_put(bb_table *table, uint32_t row, const bb_point_figures *f)
 {
-    return (const double *)(const void *)((const char *)f + numbers[i].offset);
+    bb_table_set_text(table, row, &outcome, bb_outcome_word(f->outcome));
+    bb_table_set_text(table, row, &reason, f->outcome != BB_MEASURED ? f->reason : NULL);
+    for (size_t i = 0; i < FIGURES; i++)
+        bb_table_set_number(table, row, &figures[i].column,
+                            *(const double *)(const void *)((const char *)f + figures[i].offset));
 }
 
-cJSON *bb_figures_json(const bb_point_figures *f)
+/* False if the row has no outcome. */
+static bool get_figures(const bb_table *table, uint32_t row, bb_point_figures *f)
 {
-    cJSON *object = cJSON_CreateObject();
-    bool ok = cJSON_AddStringToObject(object, "outcome", bb_outcome_word(f->outcome)) != NULL;
-    if (f->outcome != BB_MEASURED)
-        ok = ok && cJSON_AddStringToObject(object, "reason", f->reason) != NULL;
-    for (size_t i = 0; i < NUMBERS; i++)
-        if (isfinite(*number_of(f, i)))
-            ok = ok && cJSON_AddNumberToObject(object, numbers[i].name, *number_of(f, i)) != NULL;
-    if (ok)
-        return object;
-    cJSON_Delete(object);
-    return NULL;
-}
-
-static bool figures_of(const cJSON *object, bb_point_figures *f)
-{
-    const char *word = cJSON_GetStringValue(cJSON_GetObjectItem(object, "outcome"));
-    const char *reason = cJSON_GetStringValue(cJSON_GetObjectItem(object, "reason"));
+    const char *word = bb_table_get_text(table, row, outcome.name);
     *f = bb_no_figures(BB_NOT_MEASURED);
-    for (uint32_t i = 0; i < BB_OUTCOMES && word != NULL; i++)
+    for (uint32_t i = 0; i < BB_OUTCOMES; i++)
         if (strcmp(word, bb_outcome_word((bb_outcome)i)) == 0)
             f->outcome = (bb_outcome)i;
-    snprintf(f->reason, sizeof f->reason, "%s", reason != NULL ? reason : "");
-    for (size_t i = 0; i < NUMBERS; i++) {
-        const cJSON *item = cJSON_GetObjectItem(object, numbers[i].name);
-        *(double *)(void *)((char *)f + numbers[i].offset) =
-            cJSON_IsNumber(item) ? item->valuedouble : (double)NAN;
-    }
+    snprintf(f->reason, sizeof f->reason, "%s", bb_table_get_text(table, row, reason.name));
+    for (size_t i = 0; i < FIGURES; i++)
+        *(double *)(void *)((char *)f + figures[i].offset) =
+            bb_table_get_number(table, row, figures[i].column.name);
     return f->outcome != BB_NOT_MEASURED;
 }
 
-static cJSON *point_json(const bb_point_work *work, const bb_device *device)
+bb_cell bb_method_row(const bb_method *method, const char *axis, const char *value)
 {
-    cJSON *root = cJSON_CreateObject();
-    bool ok = cJSON_AddStringToObject(root, "device", device != NULL ? device->name : "") != NULL &&
-              cJSON_AddStringToObject(root, "driver", device != NULL ? device->driver : "") != NULL;
-    cJSON *values = cJSON_AddArrayToObject(root, "values");
-    for (uint32_t i = 0; i < work->count && ok; i++) {
-        const bb_wish *wish = &work->wishes[i];
-        cJSON *methods = cJSON_CreateArray();
-        ok = cJSON_AddItemToArray(values, methods);
-        for (uint32_t m = 0; m < work->points->method_count && ok; m++)
-            if (wish->wanted[m])
-                ok = cJSON_AddItemToArray(methods, bb_figures_json(&wish->figures[m]));
-    }
-    if (ok)
-        return root;
-    cJSON_Delete(root);
-    return NULL;
+    const bb_dimension part = method->part == BB_A_BUILDER ? BB_BUILDER : BB_INTERSECTOR;
+    bb_cell cell = {.names = {[BB_QUESTION] = axis, [BB_FRAME] = value}};
+    cell.names[part] = method->text;
+    return cell;
 }
 
 bb_status bb_point_write(const bb_point_work *work, const bb_device *device)
 {
-    cJSON *root = point_json(work, device);
-    char *text = bb_json_print(root, false);
-    bb_status status = text == NULL ? bb_fail(BB_FAILED, "point: no memory")
-                                    : bb_file_write(work->path, text, strlen(text), "point");
-    cJSON_free(text);
-    cJSON_Delete(root);
+    const bb_points *p = work->points;
+    bb_table *table;
+    BB_TRY(bb_table_create("stress", &table));
+    if (device != NULL) {
+        const uint32_t run = bb_table_row(table, (bb_cell){{NULL}});
+        bb_table_set_text(table, run, &bb_run_device, device->name);
+        bb_table_set_text(table, run, &bb_run_driver, device->driver);
+    }
+    for (uint32_t i = 0; i < work->count; i++) {
+        char value[BB_AXIS_VALUE];
+        bb_axis_value(work->wishes[i].x, value);
+        for (uint32_t m = 0; m < p->method_count; m++)
+            if (work->wishes[i].wanted[m])
+                bb_figures_put(
+                    table, bb_table_row(table, bb_method_row(&p->methods[m], p->axis->name, value)),
+                    &work->wishes[i].figures[m]);
+    }
+    bb_status status = bb_table_write(table, work->path);
+    bb_table_free(table);
     return status;
 }
 
-static bool read_values(const bb_point_work *work, const cJSON *root)
+static bool read_values(const bb_point_work *work, const bb_table *table)
 {
-    const cJSON *values = cJSON_GetObjectItem(root, "values");
-    if (cJSON_GetArraySize(values) != (int)work->count)
-        return false;
+    const bb_points *p = work->points;
     for (uint32_t i = 0; i < work->count; i++) {
-        const bb_wish *wish = &work->wishes[i];
-        const cJSON *item = cJSON_GetArrayItem(values, (int)i);
-        item = item != NULL ? item->child : NULL;
-        for (uint32_t m = 0; m < work->points->method_count; m++) {
-            if (!wish->wanted[m])
-                continue;
-            if (item == NULL || !figures_of(item, &wish->figures[m]))
+        char value[BB_AXIS_VALUE];
+        bb_axis_value(work->wishes[i].x, value);
+        for (uint32_t m = 0; m < p->method_count; m++) {
+            const bb_cell cell = bb_method_row(&p->methods[m], p->axis->name, value);
+            if (work->wishes[i].wanted[m] &&
+                !get_figures(table, bb_table_find(table, cell), &work->wishes[i].figures[m]))
                 return false;
-            item = item->next;
         }
-        if (item != NULL)
-            return false;
     }
     return true;
 }
 
 bb_status bb_point_read(const bb_point_work *work)
 {
-    char *text;
-    size_t size;
     bb_points *p = work->points;
-    BB_TRY(bb_file_read(work->path, FILE_BYTES_MAX, "point", &text, &size));
-    cJSON *root = cJSON_Parse(text);
-    bool whole = read_values(work, root);
-    const char *device = cJSON_GetStringValue(cJSON_GetObjectItem(root, "device"));
-    const char *driver = cJSON_GetStringValue(cJSON_GetObjectItem(root, "driver"));
-    if (whole && device != NULL && driver != NULL && device[0] != '\0') {
+    bb_table *table;
+    BB_TRY(bb_table_read(work->path, &table));
+    const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
+    const char *device = bb_table_get_text(table, run, bb_run_device.name);
+    const bool whole = read_values(work, table);
+    if (whole && device[0] != '\0') {
         snprintf(p->device, sizeof p->device, "%s", device);
-        snprintf(p->driver, sizeof p->driver, "%s", driver);
+        snprintf(p->driver, sizeof p->driver, "%s",
+                 bb_table_get_text(table, run, bb_run_driver.name));
     }
-    cJSON_Delete(root);
-    free(text);
+    bb_table_free(table);
     return whole ? BB_OK
                  : bb_fail(BB_INVALID, "point %s: it is damaged: remove it, or its folder",
                            work->path);

@@ -4,6 +4,7 @@
 
 #include "framework/bench/bench.h"
 #include "framework/stress/point.h"
+#include "framework/table/table.h"
 
 /* What the child is to do. */
 typedef struct bb_point_work {
@@ -43,7 +44,11 @@ void bb_point_frames(const bb_points *points, bb_device *device, bb_wish *wish);
 /* What went wrong, as a verdict on one method. */
 void bb_point_end(bb_point_figures *figures, bb_outcome outcome, const char *reason);
 
-/* The file: one object with the figures of each wish and method; `device` may be NULL. */
+/* The row of a method at a value of an axis; NULL: of no axis, or of no value. */
+bb_cell bb_method_row(const bb_method *method, const char *axis, const char *value);
+void bb_figures_put(bb_table *table, uint32_t row, const bb_point_figures *figures);
+
+/* The file: a table with a row for each wish and method; `device` may be NULL. */
 bb_status bb_point_write(const bb_point_work *work, const bb_device *device);
 /* Fills the wishes. BB_INVALID if it is no file that bb_point_write() has written for these. */
 bb_status bb_point_read(const bb_point_work *work);

@@ -5,8 +5,8 @@
 
 #include "framework/stress/point.h"
 #include "framework/stress/search.h"
+#include "framework/table/table.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 
 enum { BB_STRESS_AXES_MAX = 64 };
@@ -67,11 +67,8 @@ uint32_t bb_stress_blame(const bb_stress *stress, FILE *out);
 /* Axis by axis, manner by manner, which methods fail from where on. */
 bb_status bb_atlas_print(const bb_stress *stress, FILE *out);
 
-/* The same with all figures, schema bvhbench-stress/1 (framework/stress/README.md); `command` is
- * the command line. NULL if there is no memory. */
-cJSON *bb_atlas_json(const bb_stress *stress, const char *command);
-
-/* The figures of a point; NULL if there is no memory. */
-cJSON *bb_figures_json(const bb_point_figures *figures);
+/* The same with all figures (framework/stress/README.md); `command` is the command line. The table
+ * is the caller's. BB_REFUSED without memory. */
+bb_status bb_atlas_table(const bb_stress *stress, const char *command, bb_table **out);
 
 #endif

@@ -1,5 +1,25 @@
 /* The atlas: a table of thresholds, axis by method, and the figures along an axis. All text of the figures goes through textContent. */
-const atlas = JSON.parse(document.getElementById('data').textContent);
+const read = id => JSON.parse(document.getElementById(id).textContent);
+
+/* The table's rows: the run, methods, axes, values of axes, failures. */
+function atlasOf(rows) {
+  const nameOf = row => row.builder ?? row.intersector, run = rows.find(r => !nameOf(r) && !r.question);
+  const methods = rows.filter(r => r.part).map(r => ({ part: r.part, name: nameOf(r) }));
+  const index = row => methods.findIndex(m => m.name === nameOf(row) && (m.part === 'builder') === (row.builder !== undefined));
+  const axes = rows.filter(r => r.title).map(axis => ({ ...axis, name: axis.question, values: [], thresholds: [] }));
+  for (const row of rows.filter(r => r.question && nameOf(r))) {
+    const axis = axes.find(a => a.name === row.question);
+    if (row.maker) {
+      axis.thresholds.push({ ...row, method: index(row), manner: row.maker });
+      continue;
+    }
+    if (!axis.values.some(v => v.x === row.x)) axis.values.push({ x: row.x, methods: [] });
+    axis.values.find(v => v.x === row.x).methods[index(row)] = row;
+  }
+  return { run, methods, axes };
+}
+
+const atlas = atlasOf(read('data').rows), run = atlas.run, pictures = read('pictures');
 const parts = { builder: 'Builders', kernel: 'Kernels', intersector: 'Intersectors' };
 const charts = {}, hidden = new Set();
 
@@ -68,7 +88,7 @@ function placeOf(axis) {
 
 function drawOne(id, axis, methods) {
   const value = figures[id], { log, at } = placeOf(axis);
-  const floor = 1e6 / atlas.rays_per_set / 4;
+  const floor = 1e6 / run.rays_per_set / 4;
   const datasets = methods.filter(m => !hidden.has(m.name)).map(m => {
     const own = colour(methods.indexOf(m), methods.length);
     const points = axis.values.filter(v => v.methods[m.index]).map(v => ({ x: at(v.x), true_x: v.x, y: value(v.methods[m.index]) }))
@@ -123,17 +143,18 @@ function showFailures(axis, methods) {
 
 function showAxis() {
   const axis = axisNamed($('pick-axis').value), methods = methodsOf($('pick-part').value);
-  const scene = axis.scene.replaceAll('{n}', String(axis.n));
+  const scene = axis.family.replaceAll('{n}', String(axis.n));
   $('axis-title').textContent = axis.title;
   $('axis-why').textContent = axis.why;
   $('axis-known').textContent = axis.known || '';
   $('axis-known').hidden = !axis.known;
   $('axis-what').textContent = `x is the ${axis.parameter}, from ${brief(axis.from)} to ${brief(axis.to)}, in scene ${scene} and rays ` +
-    `${axis.rays.join(', ')}. Kernels and intersectors trace the trees of ${axis.builder}; builders and intersectors are traced by ` +
-    `${axis.kernel}.`;
-  $('axis-figure').hidden = !axis.src;
-  if (axis.src) {
-    $('axis-picture').src = axis.src;
+    `${axis.ray_families}. Kernels and intersectors trace the trees of ${axis.traced_tree}; builders and intersectors are traced by ` +
+    `${axis.traced_by}.`;
+  const picture = pictures[axis.picture];
+  $('axis-figure').hidden = !picture;
+  if (picture) {
+    $('axis-picture').src = picture;
     $('axis-picture').alt = `The scene at ${brief(axis.picture_at)}`;
     $('axis-caption').textContent = `The scene at ${brief(axis.picture_at)}`;
   }
@@ -149,21 +170,21 @@ function fill(id, options) {
 }
 
 function start() {
-  const c = atlas.context, used = [...new Set(atlas.methods.map(m => m.part))];
-  $('where').textContent = `${c.revision}, ${c.device || 'no device'}: ${atlas.methods.length} methods on ${atlas.axes.length} axes, up to ` +
-    `${atlas.rays_per_set} rays a set, ${Math.round(atlas.ms / 1000)} s${atlas.quick ? ' (--quick: few values, small scenes, times not judged)' : ''}`;
-  const cut = atlas.axes.length === 0 || atlas.axes.some(a => !a.complete);
-  $('bugs').textContent = cut ? `Interrupted: not all was measured. ${atlas.bugs} bugs so far.` : atlas.bugs === 0 ? 'No crash, no hang, no failure, and no wrong answer of what must be exact.'
-    : `${atlas.bugs} bugs: a crash, a hang, a failure, or wrong answers of what must be exact.`;
-  if (atlas.bugs > 0) $('bugs').firstChild.replaceWith(el('b', { class: 'bad' }, $('bugs').textContent));
-  $('metric-title').textContent = atlas.metric.title;
+  const used = [...new Set(atlas.methods.map(m => m.part))];
+  $('where').textContent = `${run.revision}, ${run.device || 'no device'}: ${atlas.methods.length} methods on ${atlas.axes.length} axes, up to ` +
+    `${run.rays_per_set} rays a set, ${Math.round(run.total_ms / 1000)} s${run.quick ? ' (--quick: few values, small scenes, times not judged)' : ''}`;
+  const cut = atlas.axes.length === 0 || atlas.axes.some(a => a.complete !== 'yes');
+  $('bugs').textContent = cut ? `Interrupted: not all was measured. ${run.bugs} bugs so far.` : run.bugs === 0 ? 'No crash, no hang, no failure, and no wrong answer of what must be exact.'
+    : `${run.bugs} bugs: a crash, a hang, a failure, or wrong answers of what must be exact.`;
+  if (run.bugs > 0) $('bugs').firstChild.replaceWith(el('b', { class: 'bad' }, $('bugs').textContent));
+  $('metric-title').textContent = run.metric_of_trees;
   fill('pick-part', used.map(part => [part, parts[part]]));
   const manners = [...new Map(atlas.axes.flatMap(a => a.thresholds.map(t => [t.manner, t.word])))];
   fill('pick-manner', [['', 'all'], ...manners]);
   fill('pick-axis', atlas.axes.map(a => [a.name, `${a.name}: ${a.title}`]));
   const facts = ['date', 'revision', 'host', 'cpu', 'device', 'driver', 'build_flags', 'seed', 'command'];
-  $('context').replaceChildren(...facts.filter(name => (c[name] ?? '') !== '').map(name =>
-    el('div', {}, el('dt', {}, name), el('dd', {}, String(c[name])))));
+  $('context').replaceChildren(...facts.filter(name => (run[name] ?? '') !== '').map(name =>
+    el('div', {}, el('dt', {}, name), el('dd', {}, String(run[name])))));
   for (const id of ['pick-part', 'pick-manner', 'pick-axis'])
     $(id).addEventListener('change', () => { showTable(); showAxis(); });
   if (atlas.axes.length === 0) return;
