@@ -11,6 +11,7 @@
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static char flat[] = "flat", cubic[] = "cubic";
@@ -97,13 +98,38 @@ static inline void add_trace(bb_results *results, uint32_t build, const char *vi
     add_trace_by(results, build, "stack", view, ms, boxes);
 }
 
+/* Tables of the findings below, which live until the program ends. */
+static bb_table *paper_tables[512];
+static size_t paper_table_count;
+
+static void free_paper_tables(void)
+{
+    while (paper_table_count > 0)
+        bb_table_free(paper_tables[--paper_table_count]);
+}
+
 static inline bb_findings findings_of(bb_results *results, uint32_t first)
 {
-    return (bb_findings){.results = results,
-                         .first = first,
-                         .end = bb_results_next_build(results),
-                         .scenes = scenes,
-                         .scene_count = 2};
+    bb_findings f = {.scenes = scenes, .scene_count = 2};
+    if (paper_table_count == 0)
+        atexit(free_paper_tables);
+    ASSERT_OK(bb_paper_measured(results, first, bb_results_next_build(results), &f));
+    assert_true(paper_table_count < sizeof paper_tables / sizeof paper_tables[0]);
+    return paper_tables[paper_table_count++] = f.table, f;
+}
+
+/* A figure on a scene, or (NULL) the mean of all. */
+static inline bb_estimate figure_at(const bb_findings *f, const char *scene, int view,
+                                    bb_figure figure)
+{
+    bool timed;
+    const bb_paper_place at = {.all = f, .scene = scene, .view = view};
+    return bb_figure_at(at, &figure, &timed);
+}
+
+static inline double value_at(const bb_findings *f, const char *scene, bb_figure figure)
+{
+    return figure_at(f, scene, -1, figure).value;
 }
 
 /* ---- claims ---- */

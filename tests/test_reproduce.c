@@ -23,56 +23,75 @@ static void what_was_measured_is_found(void **state)
     add_trace(results, b, "back", 1, 9);
     bb_findings f = findings_of(results, first);
 
-    assert_true(bb_found_sah(&f, flat, "emc:code=mc64") == 100);
-    assert_true(isnan(bb_found_sah(&f, cubic, "emc:code=mc64")));
-    assert_true(isnan(bb_found_sah(&f, flat, "emc")));
-    bb_selection base = {flat, "emc:code=mc64", "stack", NULL};
-    bb_selection var = {flat, "emc:code=emc64-var", "stack", NULL},
-                 nowhere = {cubic, "emc", "stack", NULL};
-    bb_estimate build = bb_found_ratio(&f, BB_BUILD_TIME, var, base);
-    assert_true(build.value == 1.5 && build.low == 1.5 && build.high == 1.5);
-    assert_true(isnan(bb_found_ratio(&f, BB_BUILD_TIME, nowhere, base).value));
+    const char *mc64_spec = "emc:code=mc64", *var = "emc:code=emc64-var";
+    bb_figure sah = {.what = "sah", .builder = mc64_spec};
+    assert_true(value_at(&f, flat, sah) == 100);
+    assert_true(isnan(value_at(&f, cubic, sah)));
+    sah.builder = "emc";
+    assert_true(isnan(value_at(&f, flat, sah)));
+    bb_figure build = {.what = "build_ms", .builder = var, .base = mc64_spec};
+    const bb_estimate e = figure_at(&f, flat, -1, build);
+    assert_true(e.value == 1.5 && e.low == 1.5 && e.high == 1.5);
+    assert_true(isnan(value_at(&f, cubic, build)));
 
     /* both views together, round by round: 12, 24, 12, 24; the first round is left out */
-    assert_true(bb_found_trace_ms(&f, base) == 24);
-    assert_true(bb_found_mrays(&f, base) == 2000 / 24e3);
-    assert_true(bb_found_ratio(&f, BB_TRACE_TIME, base, var).value == 4);
-    assert_true(bb_found_tests(&f, base, BB_F_TRACE_NODE_TESTS) == 15);
+    bb_figure trace = {.what = "trace_ms", .builder = mc64_spec, .kernel = "stack"};
+    assert_true(value_at(&f, flat, trace) == 24);
+    bb_figure rate = trace, boxes = trace;
+    rate.what = "rays";
+    rate.per = "trace_ms";
+    rate.scale = 1e-3;
+    assert_true(fabs(value_at(&f, flat, rate) - 2000 / 24e3) < 1e-12);
+    boxes.what = "node_tests";
+    assert_true(value_at(&f, flat, boxes) == 15);
+    trace.base = var;
+    assert_true(value_at(&f, flat, trace) == 4);
     /* build and both views: 3 + 2 + 1 over 2 + 4 + 8 */
-    assert_true(bb_found_ratio(&f, BB_FRAME_TIME, var, base).value == 6.0 / 14);
-    base.view = var.view = "back";
-    assert_true(bb_found_ratio(&f, BB_TRACE_TIME, base, var).value == 8);
-    assert_true(bb_found_tests(&f, var, BB_F_TRACE_NODE_TESTS) == 9);
-    var.kernel = "other";
-    assert_true(isnan(bb_found_trace_ms(&f, var)));
-    assert_true(isnan(bb_found_ratio(&f, BB_TRACE_TIME, base, var).value));
+    build.what = "build_ms+trace_ms";
+    assert_true(value_at(&f, flat, build) == 6.0 / 14);
+    assert_true(figure_at(&f, flat, 1, trace).value == 8);
+    boxes.builder = var;
+    assert_true(figure_at(&f, flat, 1, boxes).value == 9);
+    trace.base_kernel = "other";
+    assert_true(isnan(value_at(&f, flat, trace)));
+    trace.base = NULL;
+    trace.kernel = "other";
+    assert_true(isnan(value_at(&f, flat, trace)));
 
-    assert_true(bb_found_scene(&f, flat, BB_F_SCENE_PRIMS) == 1000);
-    assert_true(bb_found_scene(&f, flat, BB_F_PROFILE_FLATNESS) == 0.01);
-    assert_true(isnan(bb_found_scene(&f, "nowhere", BB_F_SCENE_PRIMS)));
-    assert_string_equal(bb_found_view(&f, flat, 1), "back");
-    assert_string_equal(bb_found_view(&f, flat, 3), "");
+    assert_true(value_at(&f, flat, (bb_figure){.what = "prims"}) == 1000);
+    assert_true(value_at(&f, flat, (bb_figure){.what = "flatness"}) == 0.01);
+    assert_true(isnan(value_at(&f, "nowhere", (bb_figure){.what = "prims"})));
+    assert_string_equal(bb_view_name(&f, flat, 1), "back");
+    assert_string_equal(bb_view_name(&f, flat, 3), "");
     bb_results_destroy(results);
 }
 
 static void means_leave_out_what_is_missing(void **state)
 {
     (void)state;
-    const double values[] = {1, NAN, 3};
-    assert_true(bb_mean(values, 3) == 2);
-    assert_true(isnan(bb_mean(values + 1, 1)));
-    bb_findings f = {.scenes = scenes, .scene_count = 2};
-    bb_paper_figures s = {.f = &f, .values = {NAN, 0.5}};
-    assert_true(bb_figures_mean(&s) == 0.5 && bb_figures_least(&s) == 0.5);
+    bb_results *results = new_results();
+    add_build(results, flat, "emc", 1, 1);
+    add_build(results, cubic, "emc", 3, 1);
+    add_build(results, cubic, "lbvh", 0.5, 1);
+    bb_findings f = findings_of(results, 0);
+    const bb_figure both = {.what = "sah", .builder = "emc"},
+                    one = {.what = "sah", .builder = "lbvh"},
+                    none = {.what = "sah", .builder = "sah"};
+    const bb_figure *const figures[] = {&one, &none};
+    const bb_paper_place at = {.all = &f, .view = -1};
+    assert_true(value_at(&f, NULL, both) == 2 && value_at(&f, NULL, one) == 0.5);
+    assert_true(isnan(value_at(&f, NULL, none)));
+    bb_series s = bb_figure_series(at, &one);
+    assert_true(bb_series_mean(&s) == 0.5 && bb_series_least(&s) == 0.5);
     bb_words words = {0};
-    bb_say_range(&words, "cost", &s);
+    bb_say_text(&words, "cost {0~}", at, figures);
     assert_string_equal(words.text, "cost 0.5 on average, 0.5 (cubic) to 0.5 (cubic)");
-    s.values[1] = NAN;
-    bb_say_range(&words, "speed", &s);
+    bb_say_text(&words, "; speed {1~}", at, figures);
     assert_non_null(strstr(words.text, "; speed not measured"));
     for (int i = 0; i < 2000; i++) /* what does not fit is left out */
         bb_say(&words, "%d ", i);
     assert_true(words.length == strlen(words.text) && words.length < sizeof words.text);
+    bb_results_destroy(results);
 }
 
 /* ---- claims ---- */

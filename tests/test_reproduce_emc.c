@@ -1,6 +1,6 @@
 /* Extended Morton codes inside other builders: tables and claims on made-up results whose answers
  * are known, and builders that are not there. */
-#include "framework/papers/emc_methods.h"
+#include "framework/papers/emc.h"
 #include "tests/paper_fixture.h"
 
 #include <math.h>
@@ -8,17 +8,30 @@
 /* With EMC-64-var, of one method: costs and times as ratios to those with MC-64, and boxes per ray,
  * where MC-64 has 40. */
 typedef struct made_up {
-    double cost[2], centred[2], build, time[EMC_INSIDE_KINDS], boxes;
+    double cost[2], centred[2], build, time[EMC_KINDS], boxes;
 } made_up;
+
+/* The builder of a method, with the code and box for its '$'; till four calls later. */
+static const char *spec_of(int id, const char *fill)
+{
+    static const bb_figure any = {.what = "sah"};
+    static char names[4][256];
+    static int at;
+    char chosen[32];
+    const bb_paper_place place = {.row = &bb_emc_methods[id], .view = -1};
+    at = (at + 1) % 4;
+    bb_figure_builder(&place, &any, fill, NULL, names[at], chosen);
+    return names[at];
+}
 
 /* Both codes of a method on both scenes. */
 static void add_method(bb_results *results, int id, const made_up *m)
 {
-    const bb_emc_method *method = &bb_emc_methods[id];
     for (int s = 0; s < 2; s++) {
-        uint32_t plain = add_build(results, scenes[s], method->plain, 100, 10);
-        uint32_t var = add_build(results, scenes[s], method->var, 100 * m->cost[s], 10 * m->build);
-        for (int k = 0; k < EMC_INSIDE_KINDS; k++) {
+        uint32_t plain = add_build(results, scenes[s], spec_of(id, "$" EMC_PLAIN), 100, 10);
+        uint32_t var = add_build(results, scenes[s], spec_of(id, "$" EMC_VAR), 100 * m->cost[s],
+                                 10 * m->build);
+        for (int k = 0; k < EMC_KINDS; k++) {
             add_trace_of(results, plain, "stack", "", bb_emc_rays[k], 6, 40);
             add_trace_of(results, var, "stack", "", bb_emc_rays[k], 6 * m->time[k], m->boxes);
         }
@@ -28,34 +41,33 @@ static void add_method(bb_results *results, int id, const made_up *m)
 /* The same in the box of the centroids, where MC-64 costs 90. */
 static void add_centred(bb_results *results, int id, const made_up *m)
 {
-    const bb_emc_method *method = &bb_emc_methods[id];
     for (int s = 0; s < 2; s++) {
-        add_build(results, scenes[s], method->centred_plain, 90, 10);
-        add_build(results, scenes[s], method->centred_var, 90 * m->centred[s], 10);
+        add_build(results, scenes[s], spec_of(id, "$" EMC_PLAIN_CENTRED), 90, 10);
+        add_build(results, scenes[s], spec_of(id, "$" EMC_VAR_CENTRED), 90 * m->centred[s], 10);
     }
 }
 
 /* All methods, and in the box of the centroids a sweep that costs 80 everywhere, and PLOC with
  * wider radii, which costs 89 and 85. */
-static const cJSON *reproduce_with(bb_results *results, const made_up methods[EMC_METHOD_COUNT])
+static const cJSON *reproduce_with(bb_results *results, const made_up methods[EMC_METHODS])
 {
     const bb_paper *paper = NULL;
     bb_findings all[BB_EXPERIMENTS_MAX];
     assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
         all[e] = findings_of(results, 0);
-    for (int i = 0; i < EMC_METHOD_COUNT; i++)
+    for (int i = 0; i < EMC_METHODS; i++)
         add_method(results, i, &methods[i]);
     for (int s = 0; s < 2; s++)
-        add_build(results, scenes[s], EMC_ATRBVH_SORT64, 95, 10.2);
+        add_build(results, scenes[s], EMC_ATRBVH_OF("emc64-sort"), 95, 10.2);
     all[EMC_INSIDE] = findings_of(results, 0);
     uint32_t first = bb_results_next_build(results);
-    for (int i = 0; i < EMC_METHOD_COUNT; i++)
+    for (int i = 0; i < EMC_METHODS; i++)
         add_centred(results, i, &methods[i]);
     for (int s = 0; s < 2; s++) {
         add_build(results, scenes[s], EMC_SWEEP, 80, 100);
-        add_build(results, scenes[s], EMC_PLOC_RADIUS("16"), 89, 10);
-        add_build(results, scenes[s], EMC_PLOC_RADIUS("32"), 85, 10);
+        add_build(results, scenes[s], bb_emc_radii[0].builder, 89, 10);
+        add_build(results, scenes[s], bb_emc_radii[1].builder, 85, 10);
     }
     all[EMC_CENTRED] = findings_of(results, first);
     assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
@@ -63,9 +75,9 @@ static const cJSON *reproduce_with(bb_results *results, const made_up methods[EM
     return cJSON_GetArrayItem(list, cJSON_GetArraySize(list) - 1);
 }
 
-static void all_better(made_up methods[EMC_METHOD_COUNT])
+static void all_better(made_up methods[EMC_METHODS])
 {
-    for (int i = 0; i < EMC_METHOD_COUNT; i++)
+    for (int i = 0; i < EMC_METHODS; i++)
         methods[i] = (made_up){{.7, .9}, {.9, .9}, 1.01, {.8, .9, .9, .9}, 30};
 }
 
@@ -77,7 +89,7 @@ static double number(const cJSON *table, const char *row, int column)
 static void better_everywhere_is_held(void **state)
 {
     (void)state;
-    made_up methods[EMC_METHOD_COUNT];
+    made_up methods[EMC_METHODS];
     bb_results *results = new_results();
     all_better(methods);
     const cJSON *r = reproduce_with(results, methods);
@@ -126,7 +138,7 @@ static void better_everywhere_is_held(void **state)
 static void what_is_worse_is_not_held(void **state)
 {
     (void)state;
-    made_up methods[EMC_METHOD_COUNT];
+    made_up methods[EMC_METHODS];
     bb_results *results = new_results();
     all_better(methods);
     methods[EMC_HPLOC].cost[1] = 1.4;
@@ -161,7 +173,7 @@ static void what_is_worse_is_not_held(void **state)
 static void few_rounds_decide_costs_alone(void **state)
 {
     (void)state;
-    made_up methods[EMC_METHOD_COUNT];
+    made_up methods[EMC_METHODS];
     bb_results *results = new_results();
     all_better(methods);
     rounds = 3;
@@ -178,7 +190,7 @@ static void few_rounds_decide_costs_alone(void **state)
 static void atrbvh_has_both_sides(void **state)
 {
     (void)state;
-    made_up methods[EMC_METHOD_COUNT];
+    made_up methods[EMC_METHODS];
     bb_results *results = new_results();
     all_better(methods);
     const cJSON *r = reproduce_with(results, methods);
@@ -186,7 +198,7 @@ static void atrbvh_has_both_sides(void **state)
     assert_true(number(table, "pompeii (paper)", 5) == 0.75);
     assert_true(number(table, "average (paper)", 3) == 0.66);
     bb_words missing = {0};
-    if (bb_emc_missing(bb_emc_methods[EMC_ATRBVH].plain, &missing)) {
+    if (bb_say_missing(bb_emc_methods[EMC_ATRBVH].builder, &missing)) {
         assert_string_equal(missing.text, "no such builder: atrbvh");
         assert_string_equal(cJSON_GetStringValue(cell_of(table, "average (here)", 6)),
                             missing.text);
@@ -211,16 +223,17 @@ static void builders_are_set_beside_lbvh(void **state)
     const bb_paper *paper = NULL;
     bb_findings all[BB_EXPERIMENTS_MAX];
     assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
-    for (int i = 0; i < 2 * EMC_METHOD_COUNT; i++) {
+    for (int i = 0; i < 2 * EMC_METHODS; i++) {
         int id = i / 2;
         bool more = id == EMC_AAC_HQ || id == EMC_AAC_FAST || id == EMC_PLOC || id == EMC_HPLOC;
-        uint32_t build = add_build(results, scenes[i % 2], bb_emc_methods[id].plain, 100 + id, 10);
-        for (int k = 0; k < EMC_INSIDE_KINDS; k++)
+        uint32_t build =
+            add_build(results, scenes[i % 2], spec_of(id, "$" EMC_PLAIN), 100 + id, 10);
+        for (int k = 0; k < EMC_KINDS; k++)
             add_trace_of(results, build, "stack", "", bb_emc_rays[k], 6 + id, more ? 60 : 40);
     }
-    add_build(results, flat, EMC_PLOC_RADIUS("16"), 89, 10);
-    add_build(results, flat, EMC_PLOC_RADIUS("32"), 85, 10);
-    add_build(results, flat, bb_emc_methods[EMC_PLOC].centred_plain, 90, 10);
+    add_build(results, flat, bb_emc_radii[0].builder, 89, 10);
+    add_build(results, flat, bb_emc_radii[1].builder, 85, 10);
+    add_build(results, flat, spec_of(EMC_PLOC, "$" EMC_PLAIN_CENTRED), 90, 10);
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
         all[e] = findings_of(results, 0);
     assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
@@ -243,20 +256,20 @@ static void means_of_times_are_geometric(void **state)
     (void)state;
     bb_results *results = new_results();
     bb_findings all[BB_EXPERIMENTS_MAX];
-    const bb_emc_method *m = &bb_emc_methods[EMC_PLOC];
     for (int s = 0; s < 2; s++) {
-        uint32_t plain = add_build(results, scenes[s], m->plain, 100, 10),
-                 var = add_build(results, scenes[s], m->var, 100, s == 0 ? 20 : 5);
+        uint32_t plain = add_build(results, scenes[s], spec_of(EMC_PLOC, "$" EMC_PLAIN), 100, 10),
+                 var = add_build(results, scenes[s], spec_of(EMC_PLOC, "$" EMC_VAR), 100,
+                                 s == 0 ? 20 : 5);
         add_trace_of(results, plain, "stack", "", "shadow", 6, 40);
         add_trace_of(results, var, "stack", "", "shadow", s == 0 ? 24 : 1.5, 40);
     }
     all[EMC_INSIDE] = findings_of(results, 0);
-    bb_estimate time = bb_emc_mean(all, (bb_emc_figure){EMC_TIME, "shadow"}, m->var, m->plain),
-                build = bb_emc_mean(all, (bb_emc_figure){EMC_BUILD, NULL}, m->var, m->plain);
-    assert_float_equal(time.value, 1, 1e-12);
-    assert_float_equal(build.value, 1, 1e-12);
-    assert_true(
-        isnan(bb_emc_mean(all, (bb_emc_figure){EMC_TIME, "primary"}, m->var, m->plain).value));
+    const bb_paper_place at = {
+        .all = &all[EMC_INSIDE], .row = &bb_emc_methods[EMC_PLOC], .view = -1};
+    bool timed;
+    assert_float_equal(bb_figure_at(at, &bb_emc_inside[EMC_TIME + 2], &timed).value, 1, 1e-12);
+    assert_float_equal(bb_figure_at(at, &bb_emc_inside[EMC_BUILD], &timed).value, 1, 1e-12);
+    assert_true(isnan(bb_figure_at(at, &bb_emc_inside[EMC_TIME], &timed).value));
     bb_results_destroy(results);
 }
 
@@ -274,7 +287,7 @@ static void missing_stages_are_named(void **state)
     assert_true(bb_missing_stage("emc:code=mc64+nowhere:rounds=2", name, sizeof name));
     assert_string_equal(name, "nowhere");
     bb_words words = {0};
-    assert_true(bb_emc_missing("emc+nobody", &words) && !bb_emc_missing("emc", &words));
+    assert_true(bb_say_missing("emc+nobody", &words) && !bb_say_missing("emc", &words));
     assert_string_equal(words.text, "no such builder: nobody");
 }
 
@@ -320,15 +333,21 @@ static void kinds_of_rays_are_told_apart(void **state)
     add_trace_of(results, build, "stack", "", "primary", 4, 10);
     add_trace_of(results, build, "stack", "", "shadow", 8, 30);
     bb_findings f = findings_of(results, 0);
-    bb_selection cell = {flat, "emc", "stack", NULL};
-    assert_true(bb_found_work(&f, cell) == 13);
+    bb_figure work = {.what = "work", .builder = "emc", .kernel = "stack"}, trace = work;
+    trace.what = "trace_ms";
+    assert_true(value_at(&f, flat, work) == 13);
     /* rounds take 1, 2, 1, 2 ... times as long; the first is left out */
-    f.rays = "primary";
-    assert_true(bb_found_trace_ms(&f, cell) == 8 && bb_found_work(&f, cell) == 7);
-    f.rays = "shadow";
-    assert_true(bb_found_trace_ms(&f, cell) == 16 && bb_found_work(&f, cell) == 19);
-    f.rays = "random";
-    assert_true(isnan(bb_found_trace_ms(&f, cell)) && isnan(bb_found_work(&f, cell)));
+    static const struct {
+        const char *rays;
+        double ms, work;
+    } kinds[] = {{"primary", 8, 7}, {"shadow", 16, 19}};
+    for (int k = 0; k < 2; k++) {
+        work.rays = trace.rays = kinds[k].rays;
+        assert_true(value_at(&f, flat, trace) == kinds[k].ms);
+        assert_true(value_at(&f, flat, work) == kinds[k].work);
+    }
+    work.rays = trace.rays = "random";
+    assert_true(isnan(value_at(&f, flat, trace)) && isnan(value_at(&f, flat, work)));
     bb_results_destroy(results);
 }
 

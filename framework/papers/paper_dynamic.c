@@ -273,7 +273,7 @@ static void add_table_1(const bb_dynamic *d, bb_reproduction *r)
         "here",        "95 % from", "to",          "trace, paper",
         "here",        "95 % from", "to",          "both, paper",
         "here",        "95 % from", "to",          NULL};
-    bb_paper_table(
+    bb_paper_table_begin(
         r,
         "Table 1: how many times as fast as a rebuild: update, tracing, and both (first the "
         "paper's pairing, then both shuffled, or neither)",
@@ -322,7 +322,7 @@ static void add_methods(const bb_dynamic *d, bb_reproduction *r)
                                           "both ms",     "transfer ms", "layout ms", "SAH/best",
                                           "at worst",    "inserted",    "thinned",   "judged",
                                           "wrong",       "refused",     NULL};
-    bb_paper_table(
+    bb_paper_table_begin(
         r,
         "A frame of each method, and its tree's cost over the least of one made for the frame "
         "(transfer and layout are of this bench; the paper has none); small: in pictures of an "
@@ -342,7 +342,7 @@ static void add_scenes(const bb_dynamic *d, bb_reproduction *r)
     static const char *const columns[] = {"in place of", "scene",  "triangles", "paper",
                                           "frames",      "moved",  "picture",   "primary",
                                           "diffuse",     "rounds", "s",         NULL};
-    bb_paper_table(r, "What was traced: means per frame", columns);
+    bb_paper_table_begin(r, "What was traced: means per frame", columns);
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++) {
         const bb_animate_result *result = &d->scenes[s];
         char picture[48];

@@ -237,7 +237,7 @@ static void add_memory(const measured *m, bb_reproduction *r)
                                           "alpha 1",  "alpha 2",    "/LBVH, 0", "/LBVH, 1",
                                           "/LBVH, 2", NULL};
     const double mib = 1 << 20;
-    bb_paper_table(r, "Memory of the tree, MiB and over that of LBVH (table 2)", columns);
+    bb_paper_table_begin(r, "Memory of the tree, MiB and over that of LBVH (table 2)", columns);
     for (uint32_t i = 0; i < m->count; i++) {
         const mesh_figures *mesh = &m->meshes[i];
         bb_paper_row(r);
@@ -268,7 +268,7 @@ static void add_builds(const measured *m, bb_reproduction *r)
     static const char *const columns[] = {"mesh",      "builder",   "references/tet", "nodes",
                                           "build ms",  "over LBVH", "95 % from",      "to",
                                           "layout ms", NULL};
-    bb_paper_table(r, "Build (figure 6)", columns);
+    bb_paper_table_begin(r, "Build (figure 6)", columns);
     for (uint32_t i = 0; i < m->count; i++)
         for (int a = -1; a < ALPHAS; a++) {
             const mesh_figures *mesh = &m->meshes[i];
@@ -300,7 +300,7 @@ static void add_task(const measured *m, int task, const char *const *paper, bb_r
              task == 0   ? "figure 7"
              : task == 1 ? "figure 8"
                          : "figure 10");
-    bb_paper_table(r, title, columns);
+    bb_paper_table_begin(r, title, columns);
     for (uint32_t i = 0; i < m->count; i++)
         for (uint32_t w = 0; w < BUILDERS * SEARCHES; w++) {
             const bb_contest_way *ways = ways_of(&m->meshes[i], task), *way = &ways[w];

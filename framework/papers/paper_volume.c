@@ -116,7 +116,7 @@ static void add_phases(const measured *m, bb_reproduction *r)
                                           "codes",       "boxes",    "sort", "link",
                                           "vote, share", "ns/voxel", NULL};
     static const char *const phases[] = {"vote", "compact", "codes", "boxes", "sort", "link"};
-    bb_paper_table(r, "Phases of the build, ms (figure 3)", columns);
+    bb_paper_table_begin(r, "Phases of the build, ms (figure 3)", columns);
     for (uint32_t i = 0; i < m->count; i++) {
         const bb_contest_way *way = way_of(&m->results[i]);
         const double voxels = pow(m->sides[i], 3), build = bb_samples_median(&way->build);
@@ -156,7 +156,7 @@ static void add_frames(const measured *m, bb_reproduction *r)
     static const char *const columns[] = {"volume",  "kernel",  "build ms",     "picture ms",
                                           "both ms", "picture", "both",         "95 % from",
                                           "to",      "samples", "wrong pixels", NULL};
-    bb_paper_table(
+    bb_paper_table_begin(
         r,
         "Build and picture against a march without a tree, ratios (table 1, figure 4); the "
         "last volume has nothing to skip",

@@ -56,7 +56,7 @@ static bb_status add_list(names *n, const char *list)
 static bb_status add_name(names *n, const char *name)
 {
     if (n->count == NAMES_MAX)
-        return bb_fail(BB_INVALID, "more than %d scenes", NAMES_MAX);
+        return bb_fail(BB_INVALID, "more than %d scenes, or builders", NAMES_MAX);
     n->items[n->count] = strdup(name);
     return n->items[n->count++] != NULL ? BB_OK : bb_fail(BB_FAILED, "out of memory");
 }
@@ -73,6 +73,33 @@ static bb_status add_sizes(names *n, const char *list, uint64_t max_prims)
                  (unsigned long long)size, mark + 1);
         BB_TRY(add_list(n, text));
         size = i % 2 == 0 ? 3 * size : size / 3 * 10;
+    }
+    return BB_OK;
+}
+
+static bool is_there(const names *n, const char *name)
+{
+    for (size_t i = 0; i < n->count; i++)
+        if (strcmp(n->items[i], name) == 0)
+            return true;
+    return false;
+}
+
+/* Each builder of the rows with each of the fills for its '$'. */
+static bb_status add_entrants(const bb_experiment *e, names *n)
+{
+    for (const bb_entrant *row = e->entrants; row != NULL && row->name != NULL; row++) {
+        const char *fill = e->fills != NULL ? e->fills : "", *pattern = row->builder;
+        const int before = (int)strcspn(pattern, "$");
+        do {
+            const int length = (int)strcspn(fill, " ");
+            char name[256];
+            snprintf(name, sizeof name, "%.*s%.*s%s", before, pattern, length, fill,
+                     pattern + before + (pattern[before] == '$'));
+            if (!is_there(n, name))
+                BB_TRY(add_name(n, name));
+            fill += length + (fill[length] == ' ');
+        } while (*fill != '\0');
     }
     return BB_OK;
 }
@@ -120,6 +147,7 @@ static bb_status make_plan(const bb_reproduce_request *request, const bb_experim
     static char *const intersectors[] = {exact};
     *p = (plan){0};
     BB_TRY(add_list(&p->builders, e->builders));
+    BB_TRY(add_entrants(e, &p->builders));
     if (e->optional_builders)
         leave_out_missing(&p->builders);
     BB_TRY(add_list(&p->kernels, e->kernels));
@@ -227,19 +255,19 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
         status = make_plan(request, e, p);
         if (status == BB_OK)
             status = run_experiment(p, results, outcome);
-        findings[count] = (bb_findings){.experiment = e,
-                                        .results = results,
-                                        .first = first,
-                                        .end = bb_results_next_build(results),
-                                        .scenes = p->scenes.items,
-                                        .scene_count = p->scenes.count};
+        findings[count] = (bb_findings){.scenes = p->scenes.items, .scene_count = p->scenes.count};
+        if (status == BB_OK)
+            status =
+                bb_paper_measured(results, first, bb_results_next_build(results), &findings[count]);
         if (status != BB_OK)
             status = blame(request->paper, e, status);
     }
     if (status == BB_OK)
         status = conclude(request, findings, results, outcome);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
+        bb_table_free(findings[i].table);
         free_plan(&plans[i]);
+    }
     free(plans);
     return status;
 }

@@ -4,7 +4,6 @@
 
 #include <cjson/cJSON.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,7 +26,7 @@ static void append(bb_reproduction *r, cJSON *array, cJSON *item)
     r->no_memory = true;
 }
 
-void bb_paper_table(bb_reproduction *r, const char *title, const char *const *columns)
+void bb_paper_table_begin(bb_reproduction *r, const char *title, const char *const *columns)
 {
     cJSON *table = cJSON_CreateObject();
     append(r, r->tables, table);
@@ -57,29 +56,6 @@ void bb_paper_number(bb_reproduction *r, double value, int decimals)
            isfinite(value) ? cJSON_CreateNumber(round(value * scale) / scale) : cJSON_CreateNull());
 }
 
-void bb_say(bb_words *words, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    size_t room = sizeof words->text - words->length;
-    int length = vsnprintf(words->text + words->length, room, format, arguments);
-    va_end(arguments);
-    if (length > 0)
-        words->length += (size_t)length < room ? (size_t)length : room - 1;
-}
-
-void bb_say_estimate(bb_words *words, bb_estimate e)
-{
-    if (isnan(e.value))
-        bb_say(words, "not measured");
-    else if (!isnan(e.low))
-        bb_say(words, "%.3f [95 %%: %.3f to %.3f]", e.value, e.low, e.high);
-    else if (!isnan(e.least))
-        bb_say(words, "%.3f [range: %.3f to %.3f]", e.value, e.least, e.most);
-    else
-        bb_say(words, "%.3f", e.value);
-}
-
 void bb_claim(bb_reproduction *r, bb_claim_verdict verdict, const char *claim, const char *paper,
               const bb_words *ours, const bb_words *why)
 {
@@ -107,7 +83,12 @@ bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings
                       cJSON_AddStringToObject(r.root, "title", paper->title) == NULL;
         r.tables = cJSON_AddArrayToObject(r.root, "tables");
         r.claims = cJSON_AddArrayToObject(r.root, "claims");
-        paper->evaluate(findings, measured, &r);
+        if (paper->tables != NULL)
+            bb_paper_add_tables(paper->tables, findings, &r);
+        for (int i = 0; i < 2; i++)
+            bb_paper_add_claims(paper->claims[i], findings, &r);
+        if (paper->evaluate != NULL)
+            paper->evaluate(findings, measured, &r);
     }
     return r.no_memory ? bb_fail(BB_FAILED, "reproduce %s: no memory", paper->name) : BB_OK;
 }

@@ -35,6 +35,25 @@ bb_claim_verdict bb_within(bb_estimate e, double least, double most)
     return by_interval(e, e.low > least && e.high < most, e.high <= least || e.low >= most);
 }
 
+bb_claim_verdict bb_verdict_at(bb_estimate e, bool timed, bb_test_side side, double bound,
+                               double most)
+{
+    const double low = timed ? e.low : e.value, high = timed ? e.high : e.value;
+    const bb_estimate range = {.value = e.value + 0 * bound, .low = low, .high = high};
+    switch (side) {
+    case BB_BELOW:
+        return by_interval(range, high < bound, low >= bound);
+    case BB_ABOVE:
+        return by_interval(range, low > bound, high <= bound);
+    case BB_AT_MOST:
+        return by_interval(range, high <= bound, low > bound);
+    case BB_AT_LEAST:
+        return by_interval(range, low >= bound, high < bound);
+    default:
+        return by_interval(range, low > bound && high < most, high <= bound || low >= most);
+    }
+}
+
 bb_claim_verdict bb_all(const bb_claim_verdict *each, size_t count)
 {
     bb_claim_verdict worst = count > 0 ? BB_HELD : BB_NOT_TESTED;

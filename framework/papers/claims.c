@@ -1,0 +1,193 @@
+/* Claims of papers, judged by figures. */
+#include "framework/papers/reproduce.h"
+
+#include <math.h>
+
+/* A claim at work: what it is said of, and what its tests say. */
+typedef struct trial {
+    const bb_paper_claim *claim;
+    bb_paper_place at;
+    bb_claim_verdict verdict;
+} trial;
+
+static bool is_meant(const bb_paper_claim *claim, uint32_t row)
+{
+    return claim->which == 0 || (claim->which >> row & 1) != 0;
+}
+
+/* What stands for scenes: those of a figure, or the rows of a claim on all of them together. */
+static bb_series elements_of(const trial *t, const bb_figure *figure)
+{
+    if (!t->claim->together)
+        return bb_figure_series(t->at, figure);
+    bb_series s = {.count = 0, .mean = bb_not_measured};
+    for (uint32_t i = 0; t->claim->rows[i].name != NULL; i++) {
+        bool timed;
+        if (!is_meant(t->claim, i))
+            continue;
+        s.places[s.count] = t->at;
+        s.places[s.count].row = &t->claim->rows[i];
+        s.each[s.count] = bb_figure_at(s.places[s.count], figure, &timed);
+        s.count++;
+        s.timed = s.timed || timed;
+    }
+    return s;
+}
+
+/* ---- tests ---- */
+
+/* The number of scene i in `bounds`, if there are any. */
+static double bound_of(const trial *t, const bb_test *test, bb_paper_place at, size_t i)
+{
+    bool timed;
+    if (test->than != 0) {
+        at.scene = NULL;
+        return bb_figure_at(at, t->claim->figures[test->than - 1], &timed).value;
+    }
+    return test->bounds != NULL ? test->bound * test->bounds[i] : test->bound;
+}
+
+static bb_claim_verdict test_at(const trial *t, const bb_test *test, bb_paper_place at, size_t i,
+                                bb_estimate e, bool timed)
+{
+    return bb_verdict_at(e, timed && !test->untimed, test->side, bound_of(t, test, at, i),
+                         test->most);
+}
+
+static bb_claim_verdict test_each(const trial *t, const bb_test *test, const bb_series *s)
+{
+    bb_claim_verdict each[BB_SERIES_MAX];
+    for (size_t i = 0; i < s->count; i++)
+        each[i] = test_at(t, test, s->places[i], i, s->each[i], s->timed);
+    return test->over == BB_EACH ? bb_all(each, s->count) : bb_most(each, s->count);
+}
+
+static bb_claim_verdict test_more(const bb_test *test, const bb_series *s)
+{
+    uint32_t lower = 0, higher = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        lower += s->each[i].value < test->bound;
+        higher += s->each[i].value > 2 - test->bound;
+    }
+    return isnan(bb_series_mean(s)) ? BB_NOT_TESTED : lower > higher ? BB_HELD : BB_NOT_HELD;
+}
+
+static bb_claim_verdict run_test(const trial *t, const bb_test *test)
+{
+    const bb_series s = elements_of(t, t->claim->figures[test->figure]);
+    bb_estimate e = s.mean;
+    if (test->over == BB_EACH || test->over == BB_MOST_OF)
+        return test_each(t, test, &s);
+    if (test->over == BB_MORE)
+        return test_more(test, &s);
+    if (test->over != BB_OVER_MEAN)
+        e = bb_not_measured;
+    if (test->over == BB_LEAST)
+        e.value = bb_series_least(&s);
+    if (test->over == BB_MOST)
+        e.value = bb_series_most(&s);
+    return test_at(t, test, t->at, 0, e, s.timed && test->over == BB_OVER_MEAN);
+}
+
+static uint32_t count_of(const bb_paper_claim *claim)
+{
+    return claim->test_count > 0 ? claim->test_count : 1;
+}
+
+static bb_claim_verdict run_tests(const trial *t)
+{
+    bb_claim_verdict each[BB_CLAIM_TESTS];
+    const uint32_t count = count_of(t->claim);
+    if (t->at.all[t->claim->figures[0]->of].scene_count < t->claim->scenes)
+        return BB_NOT_TESTED;
+    for (uint32_t i = 0; i < count; i++)
+        each[i] = run_test(t, &t->claim->tests[i]);
+    return bb_all(each, count);
+}
+
+/* ---- words ---- */
+
+/* Whether the test holds there; a claim's own figure if `at` has no scene. */
+static bool holds_at(const trial *t, const bb_test *test, bb_paper_place at, size_t i)
+{
+    bool timed;
+    const bb_estimate e = bb_figure_at(at, t->claim->figures[test->figure], &timed);
+    return test_at(t, test, at, i, e, timed) == BB_HELD;
+}
+
+/* Nothing, or what is asked of the place. */
+static bool is_to_say(const trial *t, const bb_saying *saying, bb_paper_place at, size_t i)
+{
+    const bb_test *tests = t->claim->tests;
+    bool all = true;
+    for (uint32_t k = 0; saying->unless && k < count_of(t->claim); k++)
+        all = all && holds_at(t, &tests[k], at, i);
+    if ((saying->unless && all) ||
+        (saying->unless_test > 0 && holds_at(t, &tests[saying->unless_test - 1], at, i)))
+        return false;
+    return saying->when == NULL || holds_at(t, saying->when, at, i);
+}
+
+static void say_one(const trial *t, const bb_saying *saying, bb_paper_place at, size_t i,
+                    bb_words *words)
+{
+    if (!is_to_say(t, saying, at, i))
+        return;
+    const char *before = saying->before != NULL ? saying->before : "; ";
+    const char *first = saying->first != NULL ? saying->first : "";
+    bb_say(words, "%s", words->length > 0 ? before : first);
+    bb_say_text(words, saying->text, at, t->claim->figures);
+    if (saying->also != NULL && holds_at(t, saying->also_when, at, i))
+        bb_say_text(words, saying->also, at, t->claim->figures);
+}
+
+static void say(const trial *t, const bb_saying *sayings, bool why, bb_words *words)
+{
+    for (const bb_saying *s = sayings; s->text != NULL; s++) {
+        if ((why && !s->always && t->verdict == BB_HELD) ||
+            (s->verdict != 0 && t->verdict != (bb_claim_verdict)(s->verdict - 1)))
+            continue;
+        if (!s->each) {
+            say_one(t, s, t->at, 0, words);
+            continue;
+        }
+        const bb_series elements = elements_of(t, t->claim->figures[s->of]);
+        for (size_t i = 0; i < elements.count; i++)
+            say_one(t, s, elements.places[i], i, words);
+    }
+}
+
+/* ---- claims ---- */
+
+static void add_claim(const bb_paper_claim *claim, bb_paper_place at, bb_reproduction *r)
+{
+    bb_words text = {0};
+    bb_said said = {.verdict = BB_NOT_TESTED};
+    trial t = {claim, at, BB_NOT_TESTED};
+    if (claim->figures[0] != NULL)
+        said.verdict = t.verdict = run_tests(&t);
+    if (at.row == NULL || !bb_say_missing(at.row->builder, &said.why)) {
+        say(&t, claim->ours, false, &said.ours);
+        say(&t, claim->why, true, &said.why);
+    }
+    if (claim->judge != NULL)
+        claim->judge(at, &said);
+    bb_say_text(&text, claim->text, at, claim->figures);
+    bb_claim(r, said.verdict, text.text, claim->paper, &said.ours, &said.why);
+}
+
+void bb_paper_add_claims(const bb_paper_claim *claims, const bb_findings *all, bb_reproduction *r)
+{
+    for (const bb_paper_claim *claim = claims; claim != NULL && claim->text != NULL; claim++) {
+        bb_paper_place at = {.all = &all[claim->of], .view = -1};
+        if (claim->rows == NULL || claim->together)
+            add_claim(claim, at, r);
+        for (uint32_t i = 0; claim->rows != NULL && !claim->together; i++) {
+            at.row = &claim->rows[i];
+            if (at.row->name == NULL)
+                break;
+            if (is_meant(claim, i))
+                add_claim(claim, at, r);
+        }
+    }
+}

@@ -1,0 +1,35 @@
+/* What the tables and the claims of the loose octrees share. */
+#ifndef BB_LOOSE_OCTREE_H
+#define BB_LOOSE_OCTREE_H
+
+#include "framework/papers/reproduce.h"
+
+#define STACK "stack"
+#define STACKLESS "stackless"
+#define LBVH30 "lbvh:bits=30"
+#define LLBVH30 "llbvh:bits=30"
+/* The paper's LOBVH is ordered by the view that is traced, always. */
+#define LOBVH(levels) "lobvh:levels=" levels ",view=0"
+#define LOBVH_BEST LOBVH("{6,7,8}")
+#define LOBVH_VIEWLESS "lobvh:levels=auto"
+#define SMALLEST LLBVH30 ",side=smallest"
+
+/* Experiments, in order. */
+enum { OF_SPHERES, OF_TRIANGLES, OF_SIZES, OF_VIEWS };
+enum { VIEWS = 3 };
+
+#define FRAME "build_ms+trace_ms"
+#define MIB (1.0 / (1 << 20))
+
+/* LLBVH by the size that a box's level is taken from. */
+enum { OTHER_SIDES = 7 << 1, EVEN = 1 << 5 };
+extern const bb_entrant bb_box_sizes[];
+
+/* By the view that orders their children. */
+enum { BINARY_BY_STACK = 1 << 0 | 1 << 2, LOBVH_STACKLESS = 1 << 5 };
+extern const bb_entrant bb_view_ordered[];
+extern const bb_figure bb_order_factor;
+
+extern const bb_paper_claim bb_loose_octree_claims[];
+
+#endif

@@ -1,0 +1,159 @@
+/* What an ordinary comparison measured, as a table: the only reader of the result document here. */
+#include "framework/papers/reproduce.h"
+#include "framework/record/record.h"
+#include "framework/tree/metric.h"
+
+#include <cjson/cJSON.h>
+
+typedef struct number {
+    bb_field_id field;
+    bb_column column;
+} number;
+
+static const number of_scenes[] = {
+    {BB_F_SCENE_PRIMS, {.name = "prims", .heading = "prims", .unit = "", .help = "Primitives."}},
+    {BB_F_PROFILE_FLATNESS,
+     {.name = "flatness",
+      .heading = "flatness",
+      .unit = "",
+      .help = "Shortest side over the longest."}},
+    {BB_F_PROFILE_SIZE_MAX,
+     {.name = "size_max", .heading = "size_max", .unit = "", .help = "The largest primitive."}},
+    {BB_F_PROFILE_SIZE_MEDIAN,
+     {.name = "size_median",
+      .heading = "size_median",
+      .unit = "",
+      .help = "The median primitive."}},
+    {BB_F_PROFILE_OVERLAP,
+     {.name = "overlap", .heading = "overlap", .unit = "", .help = "Mean overlap of boxes."}},
+};
+static const number of_builds[] = {
+    {BB_F_TREE_NODES,
+     {.name = "nodes", .heading = "nodes", .unit = "", .help = "Nodes of the tree."}},
+    {BB_F_TREE_LEAVES,
+     {.name = "leaves", .heading = "leaves", .unit = "", .help = "Leaves of the tree."}},
+    {BB_F_TREE_BYTES,
+     {.name = "bytes", .heading = "bytes", .unit = "", .help = "Bytes of the tree."}},
+    {BB_F_TREE_BYTES_PEAK,
+     {.name = "bytes_peak",
+      .heading = "bytes_peak",
+      .unit = "",
+      .help = "Most bytes during the build."}},
+};
+static const number of_traces[] = {
+    {BB_F_TRACE_COUNT, {.name = "rays", .heading = "rays", .unit = "", .help = "Rays of the set."}},
+    {BB_F_TRACE_NODE_TESTS,
+     {.name = "node_tests",
+      .heading = "node_tests",
+      .unit = "",
+      .help = "Boxes that a ray tests."}},
+    {BB_F_TRACE_PRIM_TESTS,
+     {.name = "prim_tests",
+      .heading = "prim_tests",
+      .unit = "",
+      .help = "Primitives that a ray tests."}},
+};
+enum { OF_SCENES = 5, OF_BUILDS = 4, OF_TRACES = 3 };
+
+static const bb_column sah = {
+    .name = "sah", .heading = "SAH", .unit = "", .help = "Cost of the tree."};
+static const bb_column work = {.name = "work",
+                               .heading = "work",
+                               .unit = "",
+                               .help = "Counted work per ray, in units of the cost."};
+static const bb_column about = {.name = "about",
+                                .heading = "about",
+                                .unit = "",
+                                .help = "The builder's words on its tree.",
+                                .kind = BB_COLUMN_TEXT};
+static const bb_column phase_ms = {.name = "phase_ms",
+                                   .heading = "phase",
+                                   .unit = "ms",
+                                   .help = "Median of a phase of the build."};
+static const bb_column build_ms = {.name = "build_ms",
+                                   .heading = "build",
+                                   .unit = "ms",
+                                   .help = "Building the tree.",
+                                   .kind = BB_COLUMN_ROUNDS,
+                                   .sense = BB_SENSE_TIMED};
+static const bb_column trace_ms = {.name = "trace_ms",
+                                   .heading = "trace",
+                                   .unit = "ms",
+                                   .help = "Tracing all rays of the set.",
+                                   .kind = BB_COLUMN_ROUNDS,
+                                   .sense = BB_SENSE_TIMED};
+
+static void put_numbers(bb_table *table, uint32_t row, const bb_entry *entry, const number *numbers,
+                        size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        bb_table_set_number(table, row, &numbers[i].column, bb_get_number(entry, numbers[i].field));
+}
+
+static void add_scene(bb_table *table, const bb_entry *scene, const char *name)
+{
+    const cJSON *view;
+    put_numbers(table, bb_table_row(table, (bb_cell){{[BB_SCENE] = name}}), scene, of_scenes,
+                OF_SCENES);
+    cJSON_ArrayForEach(view, bb_get(scene, BB_F_SCENE_VIEWS))
+    {
+        bb_table_row(table,
+                     (bb_cell){{[BB_SCENE] = name, [BB_FRAME] = cJSON_GetStringValue(view)}});
+    }
+}
+
+static void add_build(bb_table *table, const bb_entry *build)
+{
+    bb_samples rounds;
+    bb_cell cell = {{[BB_SCENE] = bb_get_text(build, BB_F_BUILD_SCENE),
+                     [BB_BUILDER] = bb_get_text(build, BB_F_BUILD_BUILDER)}};
+    const uint32_t row = bb_table_row(table, cell);
+    put_numbers(table, row, build, of_builds, OF_BUILDS);
+    bb_table_set_number(table, row, &sah, bb_get_metric(build, &bb_metric_sah));
+    bb_table_set_text(table, row, &about, bb_get_text(build, BB_F_BUILD_ABOUT));
+    if (bb_get_samples(build, BB_F_BUILD_MS, &rounds))
+        bb_table_set_rounds(table, row, &build_ms, &rounds);
+    bb_each_part(phase, build, BB_F_BUILD_PHASES)
+    {
+        cell.names[BB_MAKER] = bb_part_name(phase);
+        bb_table_set_number(table, bb_table_row(table, cell), &phase_ms, bb_part_number(phase));
+    }
+}
+
+static void add_trace(bb_table *table, const bb_entry *trace)
+{
+    bb_samples rounds;
+    const bb_cell cell = {{[BB_SCENE] = bb_get_text(trace, BB_F_TRACE_SCENE),
+                           [BB_BUILDER] = bb_get_text(trace, BB_F_TRACE_BUILDER),
+                           [BB_INTERSECTOR] = bb_get_text(trace, BB_F_TRACE_KERNEL),
+                           [BB_QUESTION] = bb_get_text(trace, BB_F_TRACE_RAYS),
+                           [BB_FRAME] = bb_get_text(trace, BB_F_TRACE_VIEW)}};
+    const uint32_t row = bb_table_row(table, cell);
+    put_numbers(table, row, trace, of_traces, OF_TRACES);
+    /* of kernels on binary nodes, which test the boxes of both children of a node they visit */
+    bb_table_set_number(table, row, &work,
+                        BB_COST_TRAVERSAL * bb_get_number(trace, BB_F_TRACE_NODE_TESTS) / 2 +
+                            bb_get_number(trace, BB_F_TRACE_PRIM_TESTS));
+    if (bb_get_samples(trace, BB_F_TRACE_MS, &rounds))
+        bb_table_set_rounds(table, row, &trace_ms, &rounds);
+}
+
+static bool is_between(const bb_entry *entry, bb_field_id id, uint32_t first, uint32_t end)
+{
+    const double number = bb_get_number(entry, id);
+    return number >= first && number < end && bb_is_ok(entry);
+}
+
+bb_status bb_paper_measured(const bb_results *results, uint32_t first, uint32_t end, bb_findings *f)
+{
+    BB_TRY(bb_table_create("reproduce", &f->table));
+    for (size_t s = 0; s < f->scene_count; s++)
+        add_scene(f->table, bb_results_scene(results, f->scenes[s]), f->scenes[s]);
+    bb_each(build, bb_results_section(results, BB_BUILDS)) if (is_between(build, BB_F_BUILD_ID,
+                                                                          first, end))
+        add_build(f->table, build);
+    bb_each(trace, bb_results_section(results, BB_TRACES)) if (is_between(trace, BB_F_TRACE_BUILD,
+                                                                          first, end))
+        add_trace(f->table, trace);
+    return bb_table_status(f->table);
+}
