@@ -1,7 +1,7 @@
-/* What every kernel includes first: no contraction, the shared types, small helpers.
+/* Included first by every kernel: no contraction, the shared types, small helpers.
  *
- * Contraction (a*b+c fused behind the writer's back) loses hits at box and triangle edges, so it is
- * off everywhere; where fusion is meant, fma() is written.
+ * Contraction (fusing a*b+c) loses hits at edges of boxes and triangles, so it is off everywhere;
+ * where fusion is wanted, fma() is written.
  */
 #ifndef BB_DEVICE_CL_H
 #define BB_DEVICE_CL_H
@@ -12,14 +12,14 @@
 
 #include "bb_shared.h"
 
-/* 1: the form for GPUs, in which nodes and primitives are fetched 16 bytes at a time and chosen
- * from; on a CPU addresses are chosen, which costs less there. */
+/* 1: the form for GPUs, which loads nodes and primitives 16 bytes at a time and selects from these.
+ * On CPUs computing the address costs less. */
 #ifndef BB_GPU_FORM
 #define BB_GPU_FORM 0
 #endif
 
-/* Word i, which the compiler knows, of words that begin at a multiple of 16 bytes, out of a load of
- * 16. */
+/* Returns word i, a compile-time constant, of words that begin at a multiple of 16 bytes, by a load
+ * of 16 bytes. */
 uint bb_word(global const float *words, uint i)
 {
     uint4 four = ((global const uint4 *)words)[i / 4u];
@@ -28,24 +28,24 @@ uint bb_word(global const float *words, uint i)
 }
 
 /* OpenCL's fmin and fmax must handle NaN in both arguments, which costs three instructions on CPUs.
- * These are one, and return the second argument when the first is NaN. */
+ * These take one, and return the second argument if the first is NaN. */
 #define BB_MIN(a, b) ((a) < (b) ? (a) : (b))
 #define BB_MAX(a, b) ((a) > (b) ? (a) : (b))
 
-/* Half the surface area of a box of these sides. */
+/* Returns half the surface area of a box with these sides. */
 float bb_half_area(float x, float y, float z)
 {
     return x * y + y * z + z * x;
 }
 
-/* The same of sides that may be infinite, whose product with 0 would have no order. */
+/* The same for sides that may be infinite, whose product with 0 would be NaN. */
 float bb_finite_half_area(float x, float y, float z)
 {
     return bb_half_area(BB_MIN(x, FLT_MAX), BB_MIN(y, FLT_MAX), BB_MIN(z, FLT_MAX));
 }
 
-/* OpenCL allows a quotient to be off by 2.5 ulp. What the `exact` intersector divides goes through
- * here, so that a test can be as far off on a device that is not. */
+/* OpenCL allows an error of 2.5 ulp in a quotient. All divisions of the `exact` intersector go
+ * through this macro, so that a test can add that error on a device that divides exactly. */
 #ifndef BB_DIVIDE
 #define BB_DIVIDE(a, b) ((a) / (b))
 #endif

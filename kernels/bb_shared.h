@@ -18,22 +18,23 @@ typedef uint8_t bb_u8;
 /* "No node", "no primitive": the skip of the last node, the primitive of a miss. */
 #define BB_NONE 0xFFFFFFFFu
 
-/* Primitive of an any-hit answer that does not say which it was (Embree's). */
+/* Primitive of an any-hit answer that does not name it (Embree's). */
 #define BB_UNNAMED 0x7FFFFFFFu
 
-/* bb_node.first of a leaf: this bit and an index into refs[]. */
+/* Set in bb_node.first of a leaf; the other bits are an index into refs[]. */
 #define BB_LEAF_BIT 0x80000000u
-/* refs[] entry: this bit closes the leaf; the other 31 are the primitive. */
+/* Set in the last refs[] entry of a leaf; the other 31 bits are the primitive. */
 #define BB_LAST_BIT 0x80000000u
 #define BB_INDEX_MASK 0x7FFFFFFFu
 
-/* What a hit buffer is filled with before each launch. A miss is (BB_NONE, +inf): what still reads
- * as poison after a launch was never written. */
+/* Hit buffers are filled with this before each launch. A miss is (BB_NONE, +inf), so a value that
+ * is still poison after a launch was never written. */
 #define BB_POISON 0xDEADBEEFu
 
-/* Kinds of primitives, in the order in which a scene numbers them, with the 32-bit words of one: of
- * its data in the scene, and of what a layout keeps of it (of meshes: vertices). A kind is a
- * row here, framework/scene/prim_NAME.c and, named in prims.clh, kernels/prim_NAME.clh. */
+/* Kinds of primitives, in the order in which a scene numbers them, each with two numbers of 32-bit
+ * words per primitive: of its data in the scene, and of its copy in a layout (for meshes: of
+ * vertices). A kind is a row here, framework/scene/prim_NAME.c and, named in prims.clh,
+ * kernels/prim_NAME.clh. */
 #define BB_PRIM_KINDS(X)                                                                           \
     X(TRIANGLE, triangle, 3, 9)                                                                    \
     X(SPHERE, sphere, 4, 4)                                                                        \
@@ -46,8 +47,8 @@ enum {
 #undef BB_KIND_NUMBER
 };
 
-/* Primitives are numbered through: those of kind k end before end[k] and begin where the kind
- * before ends. */
+/* Primitives are numbered consecutively: those of kind k end before end[k] and begin where the
+ * previous kind ends. */
 typedef struct bb_prim_ends {
     bb_u32 end[BB_KIND_COUNT];
 } bb_prim_ends;
@@ -70,25 +71,25 @@ typedef struct bb_node {
     bb_u32 skip;
 } bb_node;
 
-/* What a tree says of itself. A builder on the device writes it there; the harness reads it back
- * outside the clock and the checker verifies it. */
+/* Properties of a tree. A builder on the device writes them there; the harness reads them back
+ * outside the clock, and the checker verifies them. */
 typedef struct bb_tree_info {
     bb_u32 root;
-    bb_u32 node_count; /* all of them reachable from the root */
+    bb_u32 node_count; /* all of them must be reachable from the root */
     bb_u32 leaf_count;
     bb_u32 ref_count;
-    bb_u32 arity; /* the largest number of children of a node; 0 for a single leaf */
+    bb_u32 arity; /* largest number of children of a node; 0 for a single leaf */
     bb_u32 depth; /* edges from the root to the deepest leaf */
 } bb_tree_info;
 
-/* The most references that leaf collapse gathers in a leaf. */
+/* Most references that leaf collapse puts in a leaf. */
 #define BB_LEAF_MAX 64
 
-/* What leaf collapse knows of the subtree below a node. 24 bytes. */
+/* The result of leaf collapse for the subtree below a node. 24 bytes. */
 typedef struct bb_subtree {
-    float cost;    /* at best, times area */
-    bb_u32 refs;   /* counted up to BB_LEAF_MAX + 1, but for those of a leaf of the tree */
-    bb_u32 leaves; /* of the result, as are the others below */
+    float cost;    /* least possible, times area */
+    bb_u32 refs;   /* saturates at BB_LEAF_MAX + 1, except for a leaf of the input tree */
+    bb_u32 leaves; /* of the result, like the members below */
     bb_u32 height;
     bb_u32 arity;
     bb_u32 leaf; /* 1: the node is a leaf */
@@ -110,33 +111,33 @@ typedef struct bb_hit {
     bb_u32 prim;
 } bb_hit;
 
-/* First and last hit: distances as in bb_hit, and primitives. A miss is t = (+inf, -inf) and prims
- * = BB_NONE. 16 bytes. */
+/* First and last hit: distances as in bb_hit, and primitives. A miss has t = (+inf, -inf) and both
+ * primitives BB_NONE. 16 bytes. */
 typedef struct bb_interval {
     float t[2];
     bb_u32 prims[2];
 } bb_interval;
 
-/* Node of the `pair` layout: both children's boxes side by side, each plane of both as a pair, so
- * that the planes of either sign of a direction are two words apart. Axis a: planes[4a] lo and
- * planes[4a + 2] hi, of child 0, then child 1. A link is a pair node or BB_LEAF_BIT | first leaf
+/* Node of the `pair` layout: the boxes of both children, with each plane of both as a pair, so that
+ * the planes for either sign of a direction are two words apart. Axis a: lo at planes[4a], hi at
+ * planes[4a + 2], child 0, then child 1. A link is a pair node or BB_LEAF_BIT | first leaf
  * primitive. 64 bytes. */
 typedef struct bb_pair {
     float planes[12];
     bb_u32 links[2];
-    float area; /* half that of the box around both, before padding: for plans of wide nodes */
+    float area; /* half area of the box around both, before padding: for plans of wide nodes */
     bb_u32 pad;
 } bb_pair;
 
-/* What layouts hold of a triangle, as the intersector wants it: its vertices, or the affine map
- * from the scene to where it is (0, 0), (1, 0), (0, 1) in the plane z = 0: three rows of four, that
- * of z first. */
+/* Format of triangles in layouts, as the intersector needs it: vertices, or the affine map from the
+ * scene to the space in which the triangle is (0, 0), (1, 0), (0, 1) in the plane z = 0. The map is
+ * three rows of four, the row for z first. */
 #define BB_FORMAT_VERTICES 0u
 #define BB_FORMAT_AFFINE 1u
 #define BB_FORMAT_COUNT 2
 
-/* Words that a leaf primitive has besides its number, as many as the largest of these kinds (bits)
- * needs. Then comes its number, with BB_LAST_BIT on the last of a leaf. */
+/* Words of a leaf primitive before its number, enough for the largest of these kinds (bits). The
+ * number follows, with BB_LAST_BIT if it is the last of its leaf. */
 static inline bb_u32 bb_leaf_prim_payload(bb_u32 kinds, bb_u32 format)
 {
     bb_u32 most = 0;
@@ -148,15 +149,16 @@ static inline bb_u32 bb_leaf_prim_payload(bb_u32 kinds, bb_u32 format)
     return format == BB_FORMAT_AFFINE && (kinds & 1u << BB_TRIANGLE) != 0 ? 12 : most;
 }
 
-/* Words of a record: whole vectors of four. */
+/* Words of a leaf primitive: whole vectors of four. */
 static inline bb_u32 bb_leaf_prim_words(bb_u32 kinds, bb_u32 format)
 {
     return bb_leaf_prim_payload(kinds, format) / 4 * 4 + 4;
 }
 
-/* Block of the wide layouts: BB_BLOCK_LANES primitives of one kind, each word of the record above
- * for all of them side by side, then their numbers. Lanes without a primitive come last; they have
- * the number BB_NONE and nothing can hit them. BB_LAST_BIT on the first number closes the leaf. */
+/* Block of the wide layouts: BB_BLOCK_LANES primitives of one kind, with each word of the record
+ * above for all of them side by side, then their numbers. Lanes without a primitive come last; they
+ * have the number BB_NONE, and nothing can hit them. BB_LAST_BIT on the first number closes the
+ * leaf. */
 #define BB_BLOCK_LANES 4
 
 static inline bb_u32 bb_block_words(bb_u32 kinds, bb_u32 format)
@@ -164,14 +166,14 @@ static inline bb_u32 bb_block_words(bb_u32 kinds, bb_u32 format)
     return (bb_leaf_prim_payload(kinds, format) + 1) * BB_BLOCK_LANES;
 }
 
-/* Nodes of the wide layouts: the boxes of up to 4 or 8 children side by side. Axis a: planes[2aW
- * ..] lo and planes[(2a + 1)W ..] hi, of child 0 to W - 1. A link is a node or BB_LEAF_BIT | first
- * block. A place without a child has an empty box and, since a ray of NaNs meets that too, a link
- * to a block without primitives. 128 and 256 bytes. */
+/* Nodes of the wide layouts: the boxes of up to 4 or 8 children side by side. Axis a: lo from
+ * planes[2aW] on, hi from planes[(2a + 1)W] on, for children 0 to W - 1. A link is a node or
+ * BB_LEAF_BIT | first block. A place without a child has an empty box and, since a ray of NaNs
+ * meets even that, a link to a block without primitives. 128 and 256 bytes. */
 typedef struct bb_wide4 {
     float planes[24];
     bb_u32 links[4];
-    bb_u32 count; /* children */
+    bb_u32 count; /* number of children */
     bb_u32 pad[3];
 } bb_wide4;
 
@@ -182,9 +184,9 @@ typedef struct bb_wide8 {
     bb_u32 pad[7];
 } bb_wide8;
 
-/* The same with 8 bits per plane: plane p of axis a is base[a] + p * scale[a], scale a power of
- * two. The boxes hold the exact ones. From far away even a box turned inside out is met, since
- * distances are padded: so places without a child are told apart by a bit. 128 bytes. */
+/* The same with 8 bits per plane: plane p of axis a is base[a] + p * scale[a], where scale is a
+ * power of two. The boxes contain the exact ones. Since distances are padded, rays from far away
+ * may meet even an inverted box, so a bit marks the places that have a child. 128 bytes. */
 typedef struct bb_quant8 {
     bb_u8 planes[48];
     float base[3];
@@ -197,13 +199,13 @@ typedef struct bb_quant8 {
 
 /* Compressed node of up to 8 children: plane q of axis a is origin[a] + q * 2^(exponents[a] - 127).
  * Children that are nodes lie one after the other from `nodes` on, in the order of their places;
- * primitives, at most 3 of a child, from `prims` on. meta[s], of the child at place s:
+ * primitives, at most 3 per child, from `prims` on. meta[s] describes the child at place s:
  *
- *   0                      there is none
- *   32 | 24 + s            it is a node
+ *   0                      no child
+ *   32 | 24 + s            a node
  *   2^k - 1 << 5 | first   a leaf of k primitives, the first of which is prims + first
  *
- * Five vectors of 16 bytes. */
+ * Size: five vectors of 16 bytes. */
 typedef struct bb_cwbvh {
     float origin[3];
     bb_u8 exponents[3];
@@ -211,24 +213,24 @@ typedef struct bb_cwbvh {
     bb_u32 nodes;
     bb_u32 prims;
     bb_u8 meta[8];
-    bb_u8 planes[48]; /* 16a .. lo, 16a + 8 .. hi, of places 0 to 7 */
+    bb_u8 planes[48]; /* lo from 16a on, hi from 16a + 8 on, for places 0 to 7 */
 } bb_cwbvh;
 
-/* Most primitives of a leaf in such a node. */
+/* Most primitives of a leaf in a compressed node. */
 #define BB_CWBVH_LEAF_MAX 3
 
-/* How a pair is best made part of wide nodes: its cost as up to 1, 2, ... children, times area,
- * and, 4 bits each, how many of these its left side gets; 0: one less is as good. 32 bytes. */
+/* How best to merge a pair into wide nodes: its cost as up to 1, 2, ... children, times area, and,
+ * in 4 bits each, how many of these its left side gets; 0: one child fewer is as good. 32 bytes. */
 typedef struct bb_wide_plan {
     float cost[7];
     bb_u32 splits;
 } bb_wide_plan;
 
-/* What the counting variant of a kernel counts, per ray. */
+/* Counts of a kernel's counting variant, per ray. */
 typedef struct bb_count {
     bb_u32 nodes;    /* boxes tested */
     bb_u32 prims;    /* primitives tested */
-    bb_u32 overflow; /* 1: the stack was too small, the hit is not to be trusted */
+    bb_u32 overflow; /* 1: the stack was too small, so the hit is not valid */
 } bb_count;
 
 #ifndef __OPENCL_VERSION__

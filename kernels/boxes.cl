@@ -1,6 +1,6 @@
 /* The boxes of a scene's primitives, from its geometry: the input of most builders.
  *
- * Limits: none of its own. The host makes the same boxes, bit for bit, when it loads a scene.
+ * Limits: none. The host computes the same boxes, bit for bit, when it loads a scene.
  */
 #include "bb_device.h"
 

@@ -1,23 +1,23 @@
-/* A grid of 2^bits cells along each axis of a box. Structs that host and device share. */
+/* A grid of 2^bits cells along each axis of a box, shared by host and device. */
 #ifndef BB_CELL_GRID_SHARED_H
 #define BB_CELL_GRID_SHARED_H
 
 #include "bb_shared.h"
 
-#define BB_CELL_BITS_MAX 10 /* codes of three times as many bits fit into 32 */
+#define BB_CELL_BITS_MAX 10 /* Morton codes with three times as many bits fit into 32 */
 
 typedef struct bb_cell_grid {
     float lo[3];
     bb_u32 bits;
     float hi[3];
     bb_u32 cells;  /* 2^bits */
-    float step[3]; /* 0 of an axis that is flat, or as good as */
+    float step[3]; /* 0 for a flat, or nearly flat, axis */
     bb_u32 pad;
 } bb_cell_grid;
 
-/* What a node of an octree of cells says of itself, in the tree's side array "cells". Children of a
- * node lie one after the other, by ascending octant. */
-#define BB_CELL_OCTANT 7u   /* its place among the eight of its parent: x highest */
+/* A node of an octree of cells, in the tree's side array "cells". Children of a node are adjacent,
+ * by ascending octant. */
+#define BB_CELL_OCTANT 7u   /* its octant in its parent; x is the highest bit */
 #define BB_CELL_BOUNDARY 8u /* a primitive of the boundary is listed below it */
 
 #ifndef __OPENCL_VERSION__

@@ -1,22 +1,22 @@
-/* Leaf collapse by the surface area heuristic, one pass for all builders and layouts, from tree to
- * tree.
+/* Leaf collapse by the surface area heuristic: one pass, from tree to tree, for all builders and
+ * layouts.
  *
- *   parent of each node                                                       (collapse_parents)
- *   for each node, bottom-up; the last of its children to come goes on with it (handover.clh):
- *       cost of a leaf = Ci A per block of references that it begins
- *       cost of an inner node = Ct children/2 A, and what its children cost
- *       if its subtree has at most max_leaf references and a leaf of them costs no more: collapse
+ *   find the parent of each node                                              (collapse_parents)
+ *   for each node, bottom-up; the last child to finish goes on with its parent (handover.clh):
+ *       cost of a leaf = Ci A per started block of references
+ *       cost of an inner node = Ct children/2 A plus its children's costs
+ *       if the subtree has at most max_leaf references and a leaf of them costs no more: collapse
  *                                       (collapse_decide, or collapse_leaves and collapse_level)
  *   mark the nodes without a collapsed ancestor, and their references, each once (collapse_mark)
  *   places = exclusive scans of both marks
- *   write what is marked at its place                                           (collapse_write)
+ *   write the marked ones to their places                                       (collapse_write)
  *
- * Leaves of more than `most` references become balanced binary trees of parts of that many.
+ * Leaves of more than `most` references become balanced binary trees of leaves of that many.
  *
  * MacDonald and Booth 1990 (the heuristic); Wald, Benthin and Boulos 2008 (leaves in blocks of the
- * vector's length). Nodes and references keep their order in memory. Reads any tree. A primitive
- * that several leaves of a collapsed subtree reference is referenced once. Costs are floats: they
- * decide between two trees that are both right.
+ * vector's length). Nodes and references keep their order in memory. Accepts any tree. A primitive
+ * that several leaves of a collapsed subtree reference is referenced once. Costs are floats, but
+ * rounding can only decide between two valid trees.
  */
 #include "bb_device.h"
 #include "collapse_cost.clh"
@@ -31,7 +31,7 @@ kernel void collapse_parents(global const bb_node *nodes, uint count, uint root,
         missing[n] = bb_make_parent(nodes, n, root, parents);
 }
 
-/* References from `first` to the end of the leaf. */
+/* Returns the number of references from `first` to the end of the leaf. */
 uint run_length(global const uint *refs, uint first)
 {
     uint length = 1;
@@ -40,7 +40,7 @@ uint run_length(global const uint *refs, uint first)
     return length;
 }
 
-/* What inner node n is worth, from its children's. */
+/* Computes the result for inner node n from its children's. */
 bb_subtree join(global const bb_node *nodes, volatile global const bb_subtree *subtrees, uint n,
                 const bb_cost_model *model)
 {
@@ -76,7 +76,7 @@ void put(volatile global bb_subtree *at, const bb_subtree *s)
     at->leaf = s->leaf;
 }
 
-/* Leaves that one of this many references becomes. */
+/* Returns how many leaves a leaf of this many references is divided into. */
 uint parts_of(uint refs, uint most)
 {
     return (refs - 1u) / most + 1u;
@@ -154,13 +154,13 @@ kernel void collapse_level(global const bb_node *nodes, float scale, float trave
     BB_FOR_LISTS(DECIDE, 1u)
 }
 
-/* The references below node n, each once if `duplicated`: counted, and written to `out` unless that
- * is NULL, as leaves of `most`. */
+/* Counts the references below node n, each once if `duplicated`, and writes them to `out`, unless
+ * it is NULL, as leaves of `most`. */
 uint gather(global const bb_node *nodes, global const uint *refs, uint n, uint duplicated,
             uint most, global uint *out)
 {
     uint end = nodes[n].skip, written = 0;
-    /* those found so far: needed only where a collapsed node has several leaves */
+    /* those found so far: needed only if a collapsed node has several leaves */
     uint own[BB_LEAF_MAX];
     bool several = (nodes[n].first & BB_LEAF_BIT) == 0;
     for (uint c = n; c != end;
@@ -209,13 +209,13 @@ kernel void collapse_mark(global const bb_node *nodes, global const uint *refs, 
     places[n] = 2u * parts_of(firsts[n], most) - 1u;
 }
 
-/* What becomes of leaf `node`, whose first reference is `first`: a balanced binary tree of `parts`
- * leaves of `most` references, in preorder from `at` on. */
+/* Writes leaf `node`, whose first reference is `first`, as a balanced binary tree of `parts` leaves
+ * of `most` references, in preorder from `at` on. */
 void write_parts(bb_node node, uint first, uint parts, uint most, uint at, global bb_node *out)
 {
     const uint skip = node.skip;
     for (uint i = 0; i < 2u * parts - 1u; i++) {
-        /* down to the i-th, which has the parts from `begin` to `end` */
+        /* descend to the i-th node, which has the parts from `begin` to `end` */
         uint begin = 0, end = parts, n = 0;
         node.skip = skip;
         while (n < i) {
@@ -245,7 +245,7 @@ kernel void collapse_write(global const bb_node *nodes, global const uint *refs,
     if (n >= count || places[n] == places[n + 1u])
         return;
     bb_node node = nodes[n];
-    /* what follows a kept node has that node's ancestors above it, so it is kept too */
+    /* the node that follows a kept node shares its ancestors, so it is kept too */
     node.skip = node.skip == BB_NONE ? BB_NONE : places[node.skip];
     if (subtrees[n].leaf != 0u) {
         uint length = gather(nodes, refs, n, duplicated, most, out_refs + firsts[n]);

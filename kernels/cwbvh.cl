@@ -1,17 +1,17 @@
-/* Stack traversal of compressed nodes (bb_cwbvh): a node's children in the order of the octant, one
- * entry of the stack for all that are left of them.
+/* Stack traversal of compressed nodes (bb_cwbvh): visits a node's children in the order of the
+ * ray's octant, with a single stack entry for all remaining children of a node.
  *
  *   group = the root
  *   loop: if the group has a node left:
- *             take the first; push the group, if it has more
- *             test its boxes: the nodes met are the group, and the primitives met are
- *             tested, one by one
+ *             take the first; push the group if it has more
+ *             test its boxes: the nodes met become the group; the primitives met are
+ *             tested one by one
  *         if the group has no node left: pop one
  *
  * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
- * BVHs", whose text was not at hand. What is left out: primitives are not put off until enough rays
- * of a group have some, which takes votes in it. Pro: 80 bytes for 8 boxes, little private memory.
- * Con: children come only roughly from near to far, and what was pushed is not dropped by its
+ * BVHs", whose text was not at hand. Not implemented: postponing primitives until enough rays of a
+ * group have some, which needs votes within the group. Pro: 80 bytes for 8 boxes, little private
+ * memory. Con: children come only roughly from near to far, and stack entries are not culled by
  * distance. Overflow and equal distances as in stack.cl.
  *
  *   BB_STACK_SIZE   entries
@@ -28,11 +28,11 @@
 #define BB_STACK_SIZE 16
 #endif
 
-/* Nodes met, of a group (the first node, bits): the bits are as bb_cwbvh_meet() gives them, and the
- * lowest eight say which places have nodes. */
+/* A group of nodes met: the first node, and bits as bb_cwbvh_meet() returns them, the lowest eight
+ * of which say which places have nodes. */
 #define BB_GROUP_NODES 0xFF000000u
 
-/* Takes the first node of the group. */
+/* Takes the first node out of the group. */
 static uint take_node(uint2 *group, uint turn)
 {
     uint bit = 31u - clz((*group).y), place = (bit - 24u) ^ turn;
@@ -56,7 +56,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
     uint top = 0;
     const float3 d = setup->d;
     const uint turn = (d.x < 0.0f ? 0u : 1u) | (d.y < 0.0f ? 0u : 2u) | (d.z < 0.0f ? 0u : 4u);
-    /* of a tree that is one leaf the link has the number of its primitives */
+    /* if the tree is a single leaf the link contains its number of primitives */
     const bool leaf = (root & BB_LEAF_BIT) != 0;
     uint2 group = leaf ? (uint2)(0u) : (uint2)(root, 1u << (24u + turn));
     uint prims = leaf ? (1u << (root & BB_INDEX_MASK)) - 1u : 0u, first_prim = 0;

@@ -1,25 +1,25 @@
-/* The `cwbvh` layout: compressed nodes (bb_cwbvh) of the pairs that layout_wide.cl has opened, and
- * the order in which their primitives lie.
+/* The `cwbvh` layout: compressed nodes (bb_cwbvh) made from the pairs that layout_wide.cl has
+ * opened, and the order of their primitives.
  *
- *   for each opened pair: how many of its children are nodes, how many primitives its leaves have
+ *   for each opened pair: count its children that are nodes and the primitives of its leaves
  *                                                                                  (cwbvh_count)
- *   exclusive scans of both: a node's children, and its primitives, lie together
+ *   exclusive scans of both: a node's children, and its primitives, are adjacent
  *   for each opened pair:                                                          (cwbvh_place)
- *       children take places by octant (bb_wide_arrange())
- *       those that are nodes are numbered in the order of their places; the root is number 0
- *       references of leaves are put one after the other
- *   for each node: boxes in 8 bits (cwbvh_boxes.clh), and what its places have      (cwbvh_nodes)
+ *       assign children to places by octant (bb_wide_arrange())
+ *       number those that are nodes in the order of their places; the root is 0
+ *       put references of leaves one after the other
+ *   for each node: boxes in 8 bits (cwbvh_boxes.clh), and the contents of its places (cwbvh_nodes)
  *
  * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
  * BVHs", whose text was not at hand: the format of a node and its places by octant. They assign
- * places by an auction; here the pair of child and place that fits best comes first. Limits: trees
- * whose leaves have up to BB_CWBVH_LEAF_MAX references (collapse.cl divides larger ones).
+ * places by an auction; here the best-fitting pair of child and place is assigned first. Limits:
+ * trees whose leaves have up to BB_CWBVH_LEAF_MAX references (collapse.cl divides larger ones).
  */
 #include "bb_device.h"
 
 #include "wide_boxes.clh"
 
-/* What a side leads to: a pair, or with BB_LEAF_BIT the first reference of a leaf. */
+/* Returns the link of a side: a pair, or with BB_LEAF_BIT the first reference of a leaf. */
 uint link_of(global const bb_pair *pairs, uint side)
 {
     return pairs[side >> 1].links[side & 1u];
@@ -54,9 +54,9 @@ kernel void cwbvh_count(global const bb_pair *pairs, uint count, global const ui
     prims[p] = own_prims;
 }
 
-/* nodes[] and prims[] are the scans. Places come back in opened[]; pair_of[]: the pair of each
- * node; order[]: references in the order of the nodes, each of which closes a leaf, since kernels
- * take them one by one. */
+/* nodes[], prims[]: the scans. Places are returned in opened[]. pair_of[]: the pair of each node.
+ * order[]: references in the order of the nodes, each marked as the last of a leaf, since kernels
+ * test them one by one. */
 kernel void cwbvh_place(global const bb_pair *pairs, uint count, uint root, global uint *opened,
                         global const uint *marks, global const uint *refs,
                         global const uint *nodes, global const uint *prims, global uint *pair_of,
@@ -87,7 +87,7 @@ kernel void cwbvh_place(global const bb_pair *pairs, uint count, uint root, glob
         pair_of[0] = root;
 }
 
-/* sides: of each place of each node, for layouts that follow. */
+/* sides: the side at each place of each node, for layouts that follow. */
 kernel void cwbvh_nodes(global const bb_pair *pairs, uint count, global const uint *pair_of,
                         global const uint *opened, global const uint *refs,
                         global const uint *nodes, global const uint *prims,

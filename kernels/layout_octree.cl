@@ -1,10 +1,10 @@
-/* The `octree` layout: of an octree of cells, what a walk down by octants needs.
+/* The `octree` layout: the part of an octree of cells that a descent by octants needs.
  *
  *   node n: x = first(n), a node or BB_LEAF_BIT | first leaf primitive
- *           y = which octants have a child (bits 0 to 7), BB_OCTREE_BOUNDARY
- *   and the grid that the cells are of: its box is the root's
+ *           y = bits 0 to 7: octants with a child; BB_OCTREE_BOUNDARY
+ *   and the grid of the cells, whose box is the root's
  *
- * The k-th of a node's children is that of the k-th of its octants, so no box is needed.
+ * The k-th child of a node is in the k-th of its octants, so no boxes are needed.
  */
 #include "bb_device.h"
 #include "octree.clh"

@@ -1,16 +1,16 @@
-/* The `pair` layout: from the common tree to pair nodes. (The primitives: leaf_prims.cl.)
+/* The `pair` layout: converts the common tree to pair nodes. (leaf_prims.cl has the primitives.)
  *
  *   extra[n] = children(n) - 1 for inner nodes, 0 for leaves                         (pair_extra)
  *   base = exclusive scan of extra
  *   for each inner node n, of k children:                                            (pair_nodes)
  *       pair nodes base[n] .. base[n] + k - 2, one per gap between two children, form a balanced
  *           binary tree over them, whose root is the gap in the middle
- *       write each, its boxes scaled and padded (padding.clh)
+ *       write each with its boxes scaled and padded (padding.clh)
  *
- * Aila and Laine 2009 (both children's boxes in the parent). Reads any tree of any arity; a binary
- * tree keeps its shape and its order in memory; a node with one child is passed through. Limits:
- * 2^31 - 1 pair nodes; one work-item writes all pair nodes of a node, in time that grows with the
- * square of its children, so the host refuses more than 4096.
+ * Aila and Laine 2009 (both children's boxes in the parent). Accepts any tree of any arity; a
+ * binary tree keeps its shape and its order in memory; a node with one child is skipped. Limits:
+ * 2^31 - 1 pair nodes; one work-item writes all pair nodes of a node, in time quadratic in its
+ * children, so the host refuses more than 4096.
  */
 #include "bb_device.h"
 #include "padding.clh"
@@ -28,11 +28,11 @@ kernel void pair_extra(global const bb_node *nodes, uint count, global uint *ext
         for (uint c = nodes[n].first; c != end; c = nodes[c].skip)
             children++;
     }
-    extra[n] = children - 1u; /* extra[count] is 0: its place in the scan is the total */
+    extra[n] = children - 1u; /* extra[count] is 0, so the total is at its place in the scan */
 }
 
-/* Link to node n: a leaf, or the pair node in the middle of its children. A node with one child is
- * passed through. */
+/* Returns the link to node n: a leaf, or the pair node in the middle of its children. A node with
+ * one child is skipped. */
 uint pair_link(global const bb_node *nodes, global const uint *base, uint n)
 {
     for (;;) {
@@ -46,7 +46,7 @@ uint pair_link(global const bb_node *nodes, global const uint *base, uint n)
     }
 }
 
-/* Children [from, to) of node n. */
+/* Returns children [from, to) of node n. */
 bb_siblings pair_siblings(global const bb_node *nodes, uint n, uint from, uint to)
 {
     bb_siblings siblings = {nodes[n].first, to - from};
@@ -55,7 +55,7 @@ bb_siblings pair_siblings(global const bb_node *nodes, uint n, uint from, uint t
     return siblings;
 }
 
-/* The children that the pair node of gap `gap` of `children` covers: [*from, *to). */
+/* Computes which of `children` the pair node of gap `gap` covers: [*from, *to). */
 void pair_range(uint gap, uint children, uint *from, uint *to)
 {
     *from = 0;
@@ -68,7 +68,7 @@ void pair_range(uint gap, uint children, uint *from, uint *to)
     }
 }
 
-/* `reach` per node, used if has_reach: else a box's own longest side. */
+/* `reach`: per node, used if has_reach; otherwise a box's own longest side is used. */
 kernel void pair_nodes(global const bb_node *nodes, uint count, global const uint *base,
                        float scale, global const float *reach, uint has_reach,
                        global bb_pair *pairs)
@@ -106,7 +106,7 @@ kernel void pair_nodes(global const bb_node *nodes, uint count, global const uin
     }
 }
 
-/* What each side of a pair node was made of: 2 * pair + side. */
+/* sides[2 * pair + side]: the children that the side was made of. */
 kernel void pair_sides(global const bb_node *nodes, uint count, global const uint *base,
                        global bb_siblings *sides)
 {
@@ -123,7 +123,7 @@ kernel void pair_sides(global const bb_node *nodes, uint count, global const uin
     }
 }
 
-/* The link to start from, and the number of pair nodes. */
+/* Writes the link to start from, and the number of pair nodes. */
 kernel void pair_root(global const bb_node *nodes, uint count, uint root, global const uint *base,
                       global uint *out)
 {

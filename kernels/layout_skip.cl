@@ -1,25 +1,24 @@
-/* The `skip` layout: the common tree's nodes in preorder, the order in which the stackless
- * traversal reads them.
+/* The `skip` layout: the common tree's nodes in preorder, in which the stackless traversal reads
+ * them.
  *
  *   next(n) = first(n) of an inner node, skip(n) of a leaf: a list of all nodes, in preorder
  *   position(n) = place of n in that list:
- *       every stride-th node, and the root, is a splitter: it walks to the next one and counts
+ *       every stride-th node, and the root, is a splitter: walks to the next one and counts
  *                                                                                   (skip_walk)
- *       the splitters' own places, one after the other                              (skip_rank)
- *       each splitter walks again and numbers the nodes that it passes             (skip_place)
- *   out[position(n)] = node n, its links renumbered, its box scaled and padded (padding.clh)
+ *       the splitters' own positions, one after the other                          (skip_rank)
+ *       each splitter walks again and numbers the nodes on its way                 (skip_place)
+ *   out[position(n)] = node n with renumbered links and its box scaled and padded (padding.clh)
  *                                                                                  (skip_nodes)
  *
  * Smits 1998, "Efficiency Issues for Ray Tracing" (the order); Helman, JaJa 1999, "Designing
- * Practical Efficient Algorithms for Symmetric Multiprocessors" (the ranking of the list). Takes
- * any tree of any arity; nodes with one child stay. Limits: the work is that of two walks over the
- * list, whatever its order, but a numbering made to keep all splitters together leaves it to one
- * work-item.
+ * Practical Efficient Algorithms for Symmetric Multiprocessors" (list ranking). Accepts any tree of
+ * any arity; nodes with one child stay. Limits: the work is always two walks over the list, but a
+ * numbering that keeps all splitters together leaves it to one work-item.
  */
 #include "bb_device.h"
 #include "padding.clh"
 
-/* The splitter at node n, BB_NONE if there is none. The one past the strides is the root's. */
+/* Returns the splitter at node n, BB_NONE if there is none. The last one is the root's. */
 uint skip_splitter(uint n, uint root, uint stride, uint splitters)
 {
     return n == root ? splitters - 1u : n % stride == 0 ? n / stride : BB_NONE;
@@ -40,15 +39,15 @@ kernel void skip_walk(global const bb_node *nodes,
                       uint root,
                       uint stride,
                       uint splitters,
-                      global uint *lengths, /* nodes from the splitter to the one after it */
-                      global uint *after)   /* the splitter after it */
+                      global uint *lengths, /* nodes from the splitter to the next one */
+                      global uint *after)   /* the next splitter */
 {
     uint s = get_global_id(0);
     if (s >= splitters)
         return;
     uint n = skip_start(s, root, stride, splitters);
     uint length = 0, next = BB_NONE;
-    /* else it is the root, which has a splitter of its own */
+    /* otherwise it is the root, which has its own splitter */
     if (skip_splitter(n, root, stride, splitters) == s)
         do {
             length++;
@@ -88,7 +87,7 @@ kernel void skip_place(global const bb_node *nodes,
         } while (n != BB_NONE && skip_splitter(n, root, stride, splitters) == BB_NONE);
 }
 
-/* `reach` as in layout_pair.cl. */
+/* `reach`: see layout_pair.cl. */
 kernel void skip_nodes(global const bb_node *nodes, uint count, global const uint *positions,
                        float scale, global const float *reach, uint has_reach,
                        global bb_node *out)

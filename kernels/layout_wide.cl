@@ -1,24 +1,24 @@
-/* The wide layouts: from pair nodes (layout_pair.cl) to nodes of up to BB_WIDTH children, and from
+/* The wide layouts: converts pair nodes (layout_pair.cl) to nodes of up to BB_WIDTH children, and
  * references to blocks of primitives.
  *
- *   for each pair, bottom-up; the last of its two sides to come goes on with it (handover.clh):
- *       its costs as 1, 2, ... children, and its splits (wide_plan.clh); none if it is greedy
+ *   for each pair, bottom-up; the last of its two sides to finish goes on with it (handover.clh):
+ *       its costs as 1, 2, ... children, and its splits (wide_plan.clh); not for the greedy plan
  *                                  (wide_parents, then wide_plan, or plan_leaves and plan_level)
  *   for each pair of the level, from the root down:                                   (wide_open)
  *       open it by its plan, and mark it
- *       keep the sides of the pairs that it takes in, in place of its plan
- *       those of its children that are pairs are the next level's
+ *       store the sides of the pairs that it absorbs, in place of its plan
+ *       its children that are pairs form the next level
  *   index = exclusive scan of the marks: nodes keep the order of the tree in memory
  *   for each marked pair: write the node of its sides                                (wide_nodes)
  *   first[i] = exclusive scan of the blocks that the leaf at reference i needs       (wide_count)
  *   for each leaf: write its blocks                                                 (wide_blocks)
  *
- * When only boxes and positions have changed: layout_wide_follow.cl, and wide_blocks again.
+ * If only boxes and positions have changed: layout_wide_follow.cl, and wide_blocks again.
  *
  * Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
- * BVHs": the plan (of all collapses the one with the least area, leaves being given) and places by
- * octant. The paper's text was not at hand (wide_plan.clh). Their node is layout_cwbvh.cl's; 8 bits
- * per plane in nodes of 128 bytes are our own. Reads any tree.
+ * BVHs": the plan (the collapse with the least area for given leaves) and places by octant. The
+ * paper's text was not at hand (wide_plan.clh). Their node is made by layout_cwbvh.cl; nodes of 128
+ * bytes with 8 bits per plane are our own. Accepts any tree.
  */
 #include "bb_device.h"
 
@@ -49,7 +49,7 @@ kernel void wide_parents(global const bb_pair *pairs, uint count, global uint *p
     missing[p] = inner;
 }
 
-/* Costs of what `link` leads to. */
+/* Returns the costs of the subtree at `link`. */
 bb_costs plan_costs(volatile global const bb_wide_plan *plans, uint link)
 {
     float costs[BB_WIDTH];
@@ -124,7 +124,7 @@ kernel void plan_level(global const bb_pair *pairs, uint root, global const uint
     BB_FOR_LISTS(PLAN, 1u)
 }
 
-/* ---- what a wide node takes in: sides of pairs, 2 * pair + side ---- */
+/* ---- what a wide node absorbs: sides of pairs, 2 * pair + side ---- */
 
 typedef struct bb_side_source {
     global const bb_pair *pairs;
@@ -153,15 +153,15 @@ int bb_node_size(const bb_side_source *source, uint pair)
     return bb_greedy_size(source->pairs[pair].area);
 }
 
-/* Pairs that one work-item has still to open. */
+/* Pairs that one work-item still has to open. */
 typedef struct open_list {
     uint2 items[OPEN_LATER]; /* pair, stack need above */
     uint count;
-    uint need; /* the largest stack need met */
+    uint need; /* largest stack need found */
 } open_list;
 
-/* The most entries of the stack that are of one node: one for each child but the first, or, of a
- * compressed node, one for all of them. */
+/* Returns the most stack entries for one node: one for each child but the first or, for a
+ * compressed node, one for all. */
 uint stack_need(global const bb_pair *pairs, const uint sides[BB_WIDTH], uint children)
 {
 #if BB_COMPRESSED
@@ -174,9 +174,8 @@ uint stack_need(global const bb_pair *pairs, const uint sides[BB_WIDTH], uint ch
 #endif
 }
 
-/* Opens a pair. Those of its children that are pairs go on the list, the last first, or, where it
- * is full, to the next level. An opened pair's plan is not needed any more: `opened` is in its
- * place. */
+/* Opens a pair. Its children that are pairs go on the list, the last first, or, if it is full, to
+ * the next level. The pair's plan is no longer needed: `opened` takes its place. */
 void open_pair(global const bb_pair *pairs, global const bb_wide_plan *plans, uint greedy,
                uint2 item, open_list *list, global uint *marks, global uint *opened,
                volatile global uint *next_count, global uint2 *next)
@@ -201,9 +200,9 @@ void open_pair(global const bb_pair *pairs, global const bb_wide_plan *plans, ui
     }
 }
 
-/* One level, and from level `deeper` on all that is below it, as long as the list has room: what
- * lies together is then opened one after the other. state[0]: the largest stack need so far;
- * state[1 + level]: items of the level. */
+/* Opens one level and, from level `deeper` on, everything below it as long as the list has room, so
+ * that neighbours are opened one after the other. state[0]: largest stack need so far. state[1 +
+ * level]: number of items of the level. */
 kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *plans, uint greedy,
                       global const uint2 *level, uint number, uint deeper,
                       volatile global uint *state, global uint *marks, global uint *opened,
@@ -224,14 +223,16 @@ kernel void wide_open(global const bb_pair *pairs, global const bb_wide_plan *pl
         atomic_max(&state[0], list.need);
 }
 
-#if !BB_COMPRESSED /* whose nodes are written by layout_cwbvh.cl */
-/* What a leaf's link becomes. `single`: primitives are records in the order of the references. */
+#if !BB_COMPRESSED /* layout_cwbvh.cl writes compressed nodes */
+/* Returns a leaf's link in the layout. `single`: primitives are records in the order of the
+ * references. */
 uint leaf_link(global const uint *first, uint ref, uint single)
 {
     return BB_LEAF_BIT | (single != 0u ? ref : first[ref]);
 }
 
-/* first[] and index[] are the scans. sides: of each place of each node, for layouts that follow. */
+/* first[], index[]: the scans. sides: the side at each place of each node, for layouts that
+ * follow. */
 kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uint *opened,
                        global const uint *index, global const uint *first, uint ref_count,
                        uint single, uint octants, global bb_wide *nodes, global uint *sides)
@@ -268,7 +269,7 @@ kernel void wide_nodes(global const bb_pair *pairs, uint count, global const uin
 
 /* ---- primitives ---- */
 
-/* Primitives of each kind in the leaf that starts at reference i. */
+/* Counts the primitives of each kind in the leaf that starts at reference i. */
 void leaf_kinds(global const uint *refs, uint i, const bb_prim_ends *ends,
                 uint counts[BB_KIND_COUNT])
 {
@@ -293,14 +294,15 @@ kernel void wide_count(global const uint *refs, uint count, bb_prim_ends ends, g
     blocks[i] = bb_blocks_of(counts);
 }
 
-/* fresh = 0: the blocks have held the same primitives before, so that empty lanes are empty. */
+/* fresh = 0: the blocks have held the same primitives before, so that empty lanes are already
+ * empty. */
 kernel void wide_blocks(global const uint *refs, uint count, global const float *vertices,
                         global const uint *data, bb_prim_ends ends, float scale, uint format,
                         uint words, global const uint *first, uint fresh, global uint *blocks)
 {
     uint i = get_global_id(0);
     const bb_block_writer writer = {vertices, data, ends, scale, format, words, fresh, blocks};
-    /* what the links of places without a child lead to, whatever the scene's kinds */
+    /* the target of links at places without a child, for any kinds in the scene */
     if (i == count)
         bb_block_empty(&writer, first[i], BB_KIND_COUNT);
     if (i >= count || (i > 0u && (refs[i - 1u] & BB_LAST_BIT) == 0))

@@ -1,17 +1,17 @@
-/* The wide layouts straight from a binary tree whose leaves have one reference each, without pairs:
- * the same nodes and blocks as layout_wide.cl makes by way of them, bit for bit, for CPUs. Leaf
- * collapse is part of it.
+/* The wide layouts made directly from a binary tree whose leaves have one reference each, without
+ * pairs: the same nodes and blocks as by layout_wide.cl, bit for bit, for CPUs. Includes leaf
+ * collapse.
  *
- *   one work-item cuts the tree into subtrees enough for all cores                    (direct_cut)
- *   for each subtree: bottom-up on a private stack, leaf or not (collapse_cost.clh), and the plan
- *     (wide_plan.clh), or the area that greedy goes by; kept is a word per node      (direct_plan)
+ *   one work-item cuts the tree into enough subtrees for all cores                     (direct_cut)
+ *   for each subtree: bottom-up with a private stack, leaf collapse (collapse_cost.clh) and the
+ *     plan (wide_plan.clh), or the area for greedy; one word is kept per node         (direct_plan)
  *   one work-item: the same above the subtrees; then opens nodes there, from the root (direct_top)
- *   for each node below that is to be opened: it and all below it; marks              (direct_open)
- *   marks as bits, counted, and scanned: nodes keep the order of the tree in memory (direct_count)
+ *   for each node below that is to be opened: opens it and all below it; marks        (direct_open)
+ *   pack the marks into bits, count and scan them: nodes keep their order in memory  (direct_count)
  *   blocks of leaves and wide nodes: layout_wide_direct_write.cl
  *
- * What a work-item needs is in its cache while it works, but for the tree itself, which is read
- * twice. No atomics but for the stack's need, no fence.
+ * Data of a work-item stays in its cache, except for the tree itself, which is read twice. The only
+ * atomic is for the stack's need; there is no fence.
  */
 #include "bb_device.h"
 
@@ -21,7 +21,7 @@
 
 /* ---- the cut ---- */
 
-/* The first reference below a node. */
+/* Returns the first reference below a node. */
 uint leftmost(global const bb_node *nodes, uint n)
 {
     uint first = nodes[n].first;
@@ -30,9 +30,9 @@ uint leftmost(global const bb_node *nodes, uint n)
     return first & BB_INDEX_MASK;
 }
 
-/* One work-item. Opens what has more than `share` references, breadth first, until there are `most`
- * pieces. In trees whose references are in another order than their leaves the sizes are wrong, and
- * so is only the balance. */
+/* Runs in one work-item. Opens nodes with more than `share` references, breadth first, until there
+ * are `most` pieces. If the references are in another order than the leaves the sizes are wrong,
+ * which only affects the balance. */
 kernel void direct_cut(global const bb_node *nodes, uint root, uint ref_count, uint share,
                        uint most, global bb_direct_piece *pieces, global bb_direct_state *state)
 {
@@ -60,7 +60,7 @@ kernel void direct_cut(global const bb_node *nodes, uint root, uint ref_count, u
 
 /* ---- the plan ---- */
 
-/* `refs`: how many, and BB_SCATTERED if they do not lie together. */
+/* `refs`: number of references, and BB_SCATTERED if they are not adjacent. */
 typedef struct done {
     bb_costs costs;
     float cost;
@@ -68,7 +68,7 @@ typedef struct done {
     bool leaf;
 } done;
 
-/* What all of the plan needs. */
+/* Arguments that the whole plan needs. */
 typedef struct planner {
     global const bb_node *nodes;
     global uint2 *words;
@@ -76,7 +76,7 @@ typedef struct planner {
     uint greedy;
 } planner;
 
-/* Always: with the results in registers a node takes half the time. */
+/* Always inlined: with the results in registers a node takes half the time. */
 #define BB_INLINED static inline __attribute__((always_inline))
 
 BB_INLINED void plan_leaf(const planner *p, uint n, done *d)
@@ -92,7 +92,8 @@ BB_INLINED void plan_leaf(const planner *p, uint n, done *d)
     }
 }
 
-/* Collapse of node n, from its children: sets all but the costs of the plan. */
+/* Decides on the collapse of node n from its children's results: sets all of *d but the plan's
+ * costs. */
 BB_INLINED void collapse_node(const planner *p, uint n, const done *left, const done *right,
                               done *d)
 {
@@ -111,7 +112,7 @@ BB_INLINED void collapse_node(const planner *p, uint n, const done *left, const 
         p->words[n] = (uint2)(d->refs, d->begin);
 }
 
-/* Inner node n, whose children are planned. *d may be one of theirs. */
+/* Handles inner node n, whose children are planned. *d may be one of theirs. */
 BB_INLINED void plan_node(const planner *p, uint n, uint left, uint right, const done *l,
                           const done *r, uint flags, done *d)
 {
@@ -134,7 +135,7 @@ BB_INLINED void plan_node(const planner *p, uint n, uint left, uint right, const
     if (p->greedy != 0u) {
         splits = (uint)bb_greedy_size(area);
     } else if ((flags & (BB_LEFT_LEAF | BB_RIGHT_LEAF)) == (BB_LEFT_LEAF | BB_RIGHT_LEAF)) {
-        /* what bb_plan_pair() says of leaves */
+        /* the result of bb_plan_pair() for leaves */
         splits = (area > 0.0f ? 1u << 4u : 0u) | 1u << 4u * (BB_WIDTH - 1u);
         d->costs.s0 = area;
     } else {
@@ -143,17 +144,17 @@ BB_INLINED void plan_node(const planner *p, uint n, uint left, uint right, const
     p->words[n] = (uint2)(splits | flags, left);
 }
 
-/* Inner nodes whose left children are being planned, or have been. */
+/* Inner nodes whose left children are being planned, or are planned. */
 typedef struct waiting {
     done left;
     uint node, first;
     bool has_left;
 } waiting;
 
-/* How many nodes ahead of a leaf memory is asked for: in most trees leaves lie in order. */
+/* How many nodes ahead of a leaf memory is prefetched: in most trees leaves are in order. */
 #define BB_AHEAD 96u
 
-/* All below node n, and itself. */
+/* Plans node n and all below it. */
 BB_INLINED void plan_subtree(const planner *p, uint n, done *d)
 {
     waiting stack[BB_DIRECT_DEPTH];
@@ -209,7 +210,8 @@ kernel void direct_plan(global const bb_node *nodes, float scale, float traversa
                         global const bb_direct_piece *pieces, global const bb_direct_state *state,
                         global uint2 *words, global bb_direct_done *results)
 {
-    /* every 32nd: drivers give neighbours to one core, and the subtrees are the last pieces */
+    /* every 32nd piece: drivers give neighbours to one core, and the subtrees are the last
+     * pieces */
     uint i = get_global_id(0) % 32u * (BB_DIRECT_PIECES / 32u) + get_global_id(0) / 32u;
     if (i >= state->pieces || pieces[i].child != BB_NONE)
         return;
@@ -222,8 +224,8 @@ kernel void direct_plan(global const bb_node *nodes, float scale, float traversa
 
 /* ---- which nodes become wide nodes ---- */
 
-/* What opening nodes needs. `collapsed`: leaves have blocks; one_kind: of a scene of one kind of
- * primitives. */
+/* Arguments for opening nodes. `collapsed`: leaves have blocks. one_kind: the scene has primitives
+ * of one kind. */
 typedef struct opener {
     global const bb_node *nodes;
     global const uint *refs;
@@ -233,7 +235,7 @@ typedef struct opener {
     uint collapsed, one_kind, greedy;
 } opener;
 
-/* Sides are nodes, with BB_LEAF_BIT if they are leaves. */
+/* Sides are nodes, with BB_LEAF_BIT for leaves. */
 typedef struct bb_side_source {
     global const bb_node *nodes;
     global const uint2 *words;
@@ -263,7 +265,7 @@ int bb_node_size(const bb_side_source *source, uint n)
     return (int)(source->words[n].x & ~15u);
 }
 
-/* Of the leaf that node n became. */
+/* Returns the number of blocks of the leaf that node n became. */
 uint blocks_of_leaf(const opener *o, uint n)
 {
     uint2 word = o->words[n];
@@ -274,8 +276,8 @@ uint blocks_of_leaf(const opener *o, uint n)
     return bb_blocks_of(counts);
 }
 
-/* Marks node n and the leaves that its wide node has. Children that are nodes come back in
- * sides[]; how many, and *need: entries of the stack. */
+/* Marks node n and the leaves of its wide node. Puts children that are nodes into sides[] and
+ * returns their number. *need: entries of the stack. */
 uint open_node(const opener *o, uint n, uint sides[BB_WIDTH], uint *need)
 {
     uint own[BB_WIDTH], inner = 0;
@@ -294,8 +296,8 @@ uint open_node(const opener *o, uint n, uint sides[BB_WIDTH], uint *need)
     return inner;
 }
 
-/* One work-item. Plans what is above the subtrees and opens it. What lies in subtrees stays on the
- * queue: a node, and the stack's need above it. */
+/* Runs in one work-item. Plans the nodes above the subtrees and opens them. Nodes in subtrees stay
+ * on the queue, each with the stack's need above it. */
 kernel void direct_top(global const bb_node *nodes, global const uint *refs, bb_prim_ends ends,
                        float scale, float traversal, float intersection, uint max_leaf, uint greedy,
                        uint root, global const bb_direct_piece *pieces,
@@ -363,7 +365,7 @@ kernel void direct_open(global const bb_node *nodes, global const uint *refs, bb
 
 /* ---- numbers ---- */
 
-/* Of each word of marks: bits[], wide nodes, and blocks of leaves. */
+/* For each word of marks: bits[], and its numbers of wide nodes and of blocks of leaves. */
 kernel void direct_count(global const ulong *marks, uint words, global ulong *bits,
                          global uint *nodes, global uint *blocks)
 {
@@ -375,7 +377,7 @@ kernel void direct_count(global const ulong *marks, uint words, global ulong *bi
     for (uint k = 0; k < BB_DIRECT_WORD / 8 && w < words; k++) {
         ulong eight = marks[(ulong)w * (BB_DIRECT_WORD / 8) + k];
         ulong nodes_of = eight >> 7 & 0x0101010101010101ul;
-        /* a bit of each byte; the sum of the bytes */
+        /* one bit per byte; the sum of the bytes */
         all |= (nodes_of * 0x0102040810204080ul >> 56) << 8u * k;
         sum += (uint)((eight & 0x7F7F7F7F7F7F7F7Ful) * 0x0101010101010101ul >> 56);
     }

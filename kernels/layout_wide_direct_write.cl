@@ -1,5 +1,5 @@
-/* The wide layouts straight from a binary tree (layout_wide_direct.cl): blocks of the leaves that
- * collapse made, and wide nodes, for each chunk of the tree's nodes, in their order.
+/* The wide layouts made directly from a binary tree (layout_wide_direct.cl): writes blocks of
+ * collapsed leaves and wide nodes, for each chunk of the tree's nodes, in their order.
  */
 #include "bb_device.h"
 
@@ -7,7 +7,7 @@
 #include "wide_boxes.clh"
 #include "wide_direct.clh"
 
-/* The blocks of the leaf that node n became, from block `at` on. */
+/* Writes the blocks of the leaf that node n became, from block `at` on. */
 void write_prims(const bb_block_writer *writer, global const bb_node *nodes,
                  global const uint *refs, uint n, uint2 word, uint ref_count, uint at)
 {
@@ -21,7 +21,7 @@ void write_prims(const bb_block_writer *writer, global const bb_node *nodes,
         bb_blocks_put(writer, prims[i], next);
 }
 
-/* The same where there are triangles only, as vertices. */
+/* The same for scenes of triangles only, as vertices. */
 void write_triangles(const bb_block_writer *writer, global const bb_node *nodes,
                      global const uint *refs, uint n, uint2 word, uint ref_count, uint at)
 {
@@ -32,8 +32,8 @@ void write_triangles(const bb_block_writer *writer, global const bb_node *nodes,
     bb_blocks_of_triangles(writer, at, prims, many);
 }
 
-/* Blocks of the leaves that collapse made, and firsts[n]: where those of leaf n begin. before[]:
- * the blocks before each word of marks. */
+/* Writes the blocks of collapsed leaves. firsts[n]: first block of leaf n. before[]: number of
+ * blocks before each word of marks. */
 kernel void direct_blocks(global const bb_node *nodes, global const uint *refs,
                           global const uint2 *words, global const ulong *marks, uint count,
                           uint ref_count, global const uint *before,
@@ -65,12 +65,13 @@ kernel void direct_blocks(global const bb_node *nodes, global const uint *refs,
             bb_blocks_end(&writer, at);
         }
     }
-    if (end == count) /* what the links of places without a child lead to */
+    if (end == count) /* the target of links at places without a child */
         bb_block_empty(&writer, at, BB_KIND_COUNT);
 }
 
-/* From boxes, as nodes have them, to planes of axes: four by four. Pointers, not arrays: an array
- * parameter is __private, and where the address space is generic a member of *boxes is not. */
+/* Transposes boxes, as nodes store them, to planes of axes, four by four. Takes pointers, not
+ * arrays: an array parameter is __private, and where the address space is generic a member of
+ * *boxes is not. */
 void transpose(const float8 *box, float *planes)
 {
     for (uint c = 0; c < BB_WIDTH; c += 4u) {
@@ -88,7 +89,7 @@ void transpose(const float8 *box, float *planes)
     }
 }
 
-/* Boxes of the nodes that have the places, as the tree has them. */
+/* Gathers the boxes, as in the tree, of the nodes at the places. */
 void gather_boxes(global const bb_node *nodes, const uint sides[BB_WIDTH], bb_wide_boxes *boxes)
 {
     float8 box[BB_WIDTH];
@@ -104,7 +105,7 @@ void gather_boxes(global const bb_node *nodes, const uint sides[BB_WIDTH], bb_wi
     transpose(box, boxes->planes);
 }
 
-/* What writing a node needs; `none`: the record that nothing hits. */
+/* Arguments for writing a node. `none`: the record that nothing hits. */
 typedef struct node_writer {
     global const bb_node *nodes;
     global const uint2 *words;
@@ -124,7 +125,7 @@ uint link_of(const node_writer *w, uint side)
     return w->collapsed != 0u ? BB_LEAF_BIT | w->firsts[n] : w->nodes[n].first;
 }
 
-/* `own`: what the node of node n takes in, `children` of it. */
+/* `own`: the sides that the node of node n absorbs, `children` of them. */
 void write_node(const node_writer *w, uint own[BB_WIDTH], uint children, global bb_wide *node,
                 global uint *sides)
 {
@@ -150,8 +151,8 @@ void write_node(const node_writer *w, uint own[BB_WIDTH], uint children, global 
         node->pad[p] = 0;
 }
 
-/* Nodes that a work-item has found and not written: it asks for all their children's boxes at once,
- * which lie anywhere, and so waits for memory once, not once per node. */
+/* Nodes that a work-item has found but not written. It prefetches all their children's boxes, which
+ * are scattered, and so waits for memory once, not once per node. */
 #define BATCH 32
 typedef struct batch {
     uint sides[BATCH][BB_WIDTH];
@@ -186,7 +187,7 @@ kernel void direct_nodes(global const bb_node *nodes, global const uint2 *words,
     batch b;
     b.count = 0;
     for (uint n = begin; n < end; n += BB_DIRECT_WORD) {
-        for (uint k = 0; k < BB_DIRECT_WORD; k += 8u) /* words, a cache line each */
+        for (uint k = 0; k < BB_DIRECT_WORD; k += 8u) /* one cache line of words */
             BB_PREFETCH(words + n + 4u * BB_DIRECT_WORD + k);
         for (ulong left = bits[n / BB_DIRECT_WORD]; left != 0ul; left &= left - 1ul) {
             add_to_batch(&w, n + (uint)popcount((left & (0ul - left)) - 1ul), &b);

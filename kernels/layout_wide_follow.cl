@@ -1,12 +1,12 @@
-/* Wide nodes whose tree has kept its links and has other boxes: new boxes for the places that
- * children have (layout_wide.cl gave them), without the way over pair nodes.
+/* Gives wide nodes new boxes when the tree has kept its links: children keep the places that
+ * layout_wide.cl gave them, and no pair nodes are needed.
  *
- *   once: what each place is made of: from its side of a pair                     (wide_sources)
- *                                     or from its node of the tree          (wide_nodes_sources)
- *   then: the union of those boxes of the tree, scaled and padded                  (wide_follow)
+ *   once: find the source of each place: from its side of a pair               (wide_sources)
+ *                                     or from its node of the tree       (wide_nodes_sources)
+ *   then: the union of the sources' boxes, scaled and padded                    (wide_follow)
  *
- * Which pairs a node was made of, and which place has which child, stay as they were best for the
- * boxes of the time when the layout was made.
+ * The choice of pairs that a node absorbs and of children's places remains the best one for the
+ * boxes at the time the layout was made.
  */
 #include "bb_device.h"
 
@@ -14,7 +14,7 @@
 #include "siblings.clh"
 #include "wide_boxes.clh"
 
-/* of_sides: per side of a pair (pair_sides); sides, sources: per place of a node. */
+/* of_sides: per side of a pair (pair_sides). sides, sources: per place of a node. */
 kernel void wide_sources(global const uint *sides, uint count,
                          global const bb_siblings *of_sides, global bb_siblings *sources)
 {
@@ -25,7 +25,7 @@ kernel void wide_sources(global const uint *sides, uint count,
     sources[i] = sides[i] != BB_NONE ? of_sides[sides[i]] : none;
 }
 
-/* The same where `sides` has nodes of the tree (layout_wide_direct_write.cl). */
+/* The same if `sides` has nodes of the tree (layout_wide_direct_write.cl). */
 kernel void wide_nodes_sources(global const uint *sides, uint count, global bb_siblings *sources)
 {
     uint i = get_global_id(0);
@@ -35,7 +35,7 @@ kernel void wide_nodes_sources(global const uint *sides, uint count, global bb_s
     sources[i] = siblings;
 }
 
-/* `reach` per node of the tree, used if has_reach: else a box's own longest side. */
+/* `reach`: per node of the tree, used if has_reach; otherwise a box's own longest side is used. */
 kernel void wide_follow(global const bb_node *tree, global const bb_siblings *sources, uint count,
                         float scale, global const float *reach, uint has_reach,
                         global bb_wide *nodes)

@@ -1,13 +1,13 @@
-/* Leaf primitives, for the layouts: what a kernel needs of a leaf's primitives lies in one place,
+/* Leaf primitives for the layouts: stores what a kernel needs of a leaf's primitives contiguously,
  * in the order of the leaves.
  *
- *   leaf_prims[i] = what its kind keeps of primitive refs[i] (prims.clh), in the layout's units;
- *                   then refs[i] itself, with its last-bit
+ *   leaf_prims[i] = the data that its kind keeps of primitive refs[i] (prims.clh), in the layout's
+ *                   units; then refs[i] itself, with its last-bit
  *
- * and, if asked for, one more that nothing can hit, of the primitive BB_NONE.
+ * and, on request, one more with the primitive BB_NONE, which nothing can hit.
  *
- * Pro: one stream of memory per leaf, no indirection. Con: a primitive that several leaves
- * reference is stored that often. Limits: 2^31 - 1 leaf primitives.
+ * Pro: one stream of memory per leaf, no indirection. Con: a primitive is stored once per leaf that
+ * references it. Limits: 2^31 - 1 leaf primitives.
  */
 #include "bb_device.h"
 

@@ -1,13 +1,13 @@
-/* Does a fence of this device do what it promises? Message passing between work-groups, as the
- * bottom-up passes do it (handover.clh).
+/* Tests whether a fence of this device does what it promises: message passing between work-groups,
+ * as in the bottom-up passes (handover.clh).
  *
  *   for each slot, two work-items of different groups, each:
  *       write a message
- *       go through the slot's atomic
- *       if it is the second: read the other's message, count the words that are not there yet
+ *       increment the slot's atomic
+ *       if second: read the other's message and count the words that have not arrived
  *
- * A count of 0 proves nothing, any other count proves that the device can't be used this way. The
- * messages of a slot lie apart, so that they are in different cache lines.
+ * A count of 0 proves nothing; any other count proves that the device cannot be used this way. The
+ * messages of a slot are far apart, so that they are in different cache lines.
  */
 #include "bb_device.h"
 #include "handover.clh"
@@ -20,7 +20,7 @@ kernel void litmus(uint slots, uint stamp, global uint *messages, volatile globa
     uint item = get_global_id(0), side = item / slots, slot = item % slots;
     if (side > 1u)
         return;
-    /* the other end of the array comes first, so that the two are seldom in step */
+    /* the other side starts at the other end, so that the two seldom run in step */
     slot = side == 0u ? slot : slots - 1u - slot;
     global uint *mine = messages + (ulong)(2u * slot + side) * WORDS;
     volatile global uint *other = messages + (ulong)(2u * slot + 1u - side) * WORDS;

@@ -1,4 +1,4 @@
-/* Finds the tetrahedra of many points, and the scalar field there.
+/* Finds the tetrahedra that contain many points, and the scalar field at these points.
  *
  *   -D: those of locate.clh and tet_point.clh, and BB_COUNTING
  */

@@ -1,5 +1,5 @@
-/* The march through the whole of a volume, without a tree: every sample from where a ray enters it
- * to where it leaves. What trees are compared with.
+/* The march through all of a volume without a tree: every sample from the ray's entry to its exit.
+ * The baseline for trees.
  *
  *   -D: those of march.clh, and BB_COUNTING
  */
@@ -7,7 +7,7 @@
 #define BB_QUERY_MARCH
 #include "search.clh"
 
-/* Between the planes of one axis. */
+/* Clips the interval to the planes of one axis. */
 void march_slab(const bb_march_args *march, uint axis, float scale, float o, float d, float *entry,
                 float *exit)
 {

@@ -1,15 +1,16 @@
-/* Which cells of the `octree` layout that list no primitive of the boundary lie inside of the mesh,
- * and which outside.
+/* Finds which cells of the `octree` layout that list no boundary primitive are inside of the mesh,
+ * and which are outside.
  *
- * No part of the mesh's boundary is in such a cell, so all of it is where any of its points is:
- * inside if a tetrahedron holds that for sure, outside if none does. (Such cells may well be
- * outside: they list primitives by their boxes.) Where rounding leaves that open, neither is said;
- * so the point is not the centre, which in regular meshes is on the faces of tetrahedra.
+ * No part of the mesh's boundary is in such a cell, so the whole cell is on the same side as any of
+ * its points: inside if a tetrahedron certainly contains the point, outside if none does. (Such
+ * cells can be outside, since cells list primitives by their boxes.) If rounding leaves the answer
+ * open, the cell is marked as neither; therefore the point is not the centre, which in regular
+ * meshes is on faces of tetrahedra.
  *
- * Launched for all cells of a grid of 2^part a side, or of the tree's grid where that has fewer;
- * each walks to the leaves within.
+ * Launched for all cells of a grid of 2^part a side, or of the tree's grid if that is coarser; each
+ * work-item walks to the leaves within its cell.
  *
- *   those of locate_points.cl, with BB_LOCATE_OCTREE
+ *   -D: those of locate_points.cl, with BB_LOCATE_OCTREE
  */
 #include "bb_device.h"
 #include "locate.clh"

@@ -1,15 +1,15 @@
-/* Which tetrahedra of one mesh share a point with one of another: those without a volume are left
- * out, touching is sharing (Stroeter, Mueller-Roemer, Stork, Fellner 2020, section 4.4).
+/* Finds the tetrahedra of one mesh that share a point with one of another. Those without volume are
+ * left out; touching counts (Stroeter, Mueller-Roemer, Stork, Fellner 2020, section 4.4).
  *
- *   for each tetrahedron of the one mesh:
+ *   for each tetrahedron of the first mesh:
  *       for each of the other mesh whose box meets its box: do they meet (solids.clh)?
- *           yes: done, one is enough
+ *           yes: done, one suffices
  *   with BB_OVERLAP_FLAGS:
- *       in a cell that is all inside of the other mesh (octree_inside.cl) it is enough to have a
- *           corner, which is looked at first, or to hold the cell's centre
- *       in one that is all outside there is nothing to look for
+ *       in a cell that is entirely inside of the other mesh (octree_inside.cl) it suffices to have
+ *           a corner there, which is tested first, or to contain the cell's centre
+ *       in a cell that is entirely outside there is nothing to find
  *
- *   BB_OVERLAP_FLAGS   1, or 0; 1 with BB_LOCATE_OCTREE only
+ *   BB_OVERLAP_FLAGS   1 or 0; 1 only with BB_LOCATE_OCTREE
  *   and those of locate_points.cl, and BB_LOCATE_ALL
  */
 #include "bb_device.h"
@@ -22,7 +22,7 @@
 #endif
 
 typedef struct bb_visitor {
-    float3 lo, hi;     /* of the tetrahedron that asks, in the unit of leaf primitives */
+    float3 lo, hi;     /* of the first mesh's tetrahedron, in the unit of leaf primitives */
     float3 corners[4]; /* the same */
     uint flags;
     uint tests;
@@ -37,7 +37,7 @@ typedef struct bb_visitor {
 #define BB_LOCATE_NODE float
 #endif
 
-/* Whether one has a corner of the other for sure, which most that meet do. */
+/* Returns whether one certainly contains a corner of the other, as in most pairs that meet. */
 bool bb_overlap_corner(const bb_visitor *visitor, uint flags, const float3 corners[4])
 {
     bb_tet_weights weights;
@@ -69,7 +69,7 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
 
 #if BB_LOCATE_OCTREE
 #if BB_OVERLAP_FLAGS
-/* Whether it holds the centre of a cell for sure. */
+/* Returns whether it certainly contains the centre of a cell. */
 bool bb_overlap_cell(const bb_visitor *visitor, uint3 cell)
 {
     const bb_cell_grid *grid = &visitor->tree->grid;
@@ -100,7 +100,7 @@ bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
 }
 #endif
 
-/* `own_...`: of the mesh whose tetrahedra ask; all else is of the other. */
+/* `own_...`: of the first mesh; everything else is of the other. */
 kernel void overlap_tets(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
 #if BB_LOCATE_OCTREE
                          global const bb_cell_grid *grid,

@@ -1,16 +1,16 @@
-/* The longest side of the primitives below each node of a tree whose leaves hold parts of
- * primitives.
+/* Computes the longest side of the primitives below each node, for trees whose leaves contain parts
+ * of primitives.
  *
- *   parent of each node                                                       (reach_parents)
+ *   find the parent of each node                                              (reach_parents)
  *   for each leaf:                                                              (reach_climb)
  *       r = longest side of the boxes of its primitives
- *       for the leaf and its ancestors: reach = max(reach, r); stop where it was not less
+ *       for the leaf and its ancestors: reach = max(reach, r); stop where it was not smaller
  *
- * Layouts pad boxes in proportion to the primitives in them (padding.clh). Where a leaf's box holds
- * its primitives whole, the box itself says how long they may be; a box that was cut does not.
- * Lengths are not negative, so their bits are ordered as they are, and atomic_max needs no order
- * among work-items: the one that stops leaves the rest of the way to the one that was there before
- * with no less. Limits: none of its own.
+ * Layouts pad boxes in proportion to the primitives in them (padding.clh). If a leaf's box contains
+ * its primitives whole, the box itself bounds their length; a cut box does not. Lengths are not
+ * negative, so their bits have the same order, and atomic_max needs no order among work-items: one
+ * that stops leaves the rest of the way to the one that was there before with no smaller value.
+ * Limits: none.
  */
 #include "bb_device.h"
 #include "parents.clh"

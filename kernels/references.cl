@@ -1,4 +1,4 @@
-/* A tree over references becomes one over primitives.
+/* Converts a tree over references into one over primitives.
  *
  *   refs[i] = prims[refs[i]], the last-bit kept
  *
@@ -13,6 +13,6 @@ kernel void map_references(global uint *refs, uint count, uint references, globa
     if (i >= count)
         return;
     uint ref = refs[i], at = ref & BB_INDEX_MASK;
-    /* what is no reference becomes what is no primitive: the tree's check will say so */
+    /* an invalid reference becomes an invalid primitive, which the tree's check reports */
     refs[i] = (at < references ? prims[at] : BB_INDEX_MASK) | (ref & BB_LAST_BIT);
 }

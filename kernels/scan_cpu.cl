@@ -9,8 +9,7 @@
  *     scan_chunks:  for each chunk: running = sums[chunk]; for i in chunk: out[i] = running,
  *                   running += in[i]
  *
- * Short inputs take scan_serial alone.
- * Limits: in and out may be the same buffer; sums wrap modulo 2^32; the input is read twice.
+ * Short inputs use scan_serial alone.
  */
 #include "bb_device.h"
 

@@ -4,7 +4,7 @@
  * (CMU-CS-90-190, 1990); Sengupta, Harris, Zhang, Owens, Scan Primitives for GPU Computing
  * (Graphics Hardware 2007).
  *
- *     scan_tiles:  for each tile (one group; of a short scan one group for all of them, in order):
+ *     scan_tiles:  for each tile (one group; in a short scan one group for all tiles, in order):
  *                  load it; each item sums its SCAN_ITEMS neighbours; scan those sums over the
  *                  group; out[tile] = prefix sums inside the group's tiles; sums[group] = their sum
  *     the host:    sums = exclusive prefix sum of sums, by the same kernels, until there is one
@@ -32,7 +32,7 @@ void scan_tiles(__global const uint *in,
     __local uint tile[TILE];
     __local uint item_sums[BB_GROUP];
     const uint item = get_local_id(0);
-    uint before = 0; /* the sum of the group's tiles before this one */
+    uint before = 0; /* sum of the group's earlier tiles */
 
     for (uint t = 0; t < tiles; t++) {
         const uint base = (get_group_id(0) * tiles + t) * TILE;

@@ -1,4 +1,4 @@
-/* Traversal with a short stack, or none, and a bit trail (trail.clh) to find the way again.
+/* Traversal with a short stack, or none, and a bit trail (trail.clh) to find the way back.
  *
  *   node = root, level = 0, retrace = 0
  *   loop: while node is inner:
@@ -6,19 +6,19 @@
  *             at = level < retrace ? place(level) : 0
  *             at is past the last of them: go to next
  *             push met[at + 1 ...], the farthest first
- *             place(level) = at, open(level) = is there one after it?
+ *             place(level) = at, open(level) = whether there is one after it
  *             node = met[at], level = level + 1
  *         test the primitives of the leaf
- *   next: l = the deepest open level, its place moved on by one; none: done
+ *   next: l = the deepest open level, its place advanced by one; none: done
  *         the stack is empty: node = root, level = 0, retrace = l + 1
- *         else: node = what it has, level = l + 1, retrace = 0
+ *         else: node = popped entry, level = l + 1, retrace = 0
  *               node is farther than the hit: go to next
  *
  * Vaidyanathan, Woop, Benthin 2019, "Wide BVH Traversal with a Short Stack"; without entries Laine
  * 2010, "Restart Trail for Stackless BVH Traversal". Pro: children in order, with a few words of
- * state per ray. Con: what the stack has dropped is found again by a walk from the root, whose
- * boxes are tested again. Limits: trees of up to BB_LEVELS levels; in a deeper one the hit is left
- * poisoned and counted as overflown, as the full stack does.
+ * state per ray. Con: dropped entries are found again by a walk from the root, which tests its
+ * boxes again. Limits: trees of up to BB_LEVELS levels; in a deeper one the hit is left poisoned
+ * and counted as an overflow, as with the full stack.
  *
  *   -D: those of wide.clh, trail.clh and trace.clh
  */
@@ -34,7 +34,8 @@
 #define BB_CHILDREN BB_WIDTH
 #include "trail.clh"
 
-/* The children of a node that the ray meets, nearest first, the first of equals first; how many. */
+/* Finds the children of a node that the ray meets, nearest first, ties in order; returns their
+ * number. */
 uint short_children(const bb_search *search, const bb_slab *slab, global const bb_wide *node,
                     uint *met,
                     float *distances)
@@ -62,7 +63,7 @@ uint short_children(const bb_search *search, const bb_slab *slab, global const b
 
 static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_slab *slab,
                       global const bb_wide *nodes,
-                      global const float *leaf_prims, /* of primitives, or blocks of them */
+                      global const float *leaf_prims, /* primitives, or blocks of them */
                       uint root, const bb_prim_ends *ends)
 {
     bb_trail trail;

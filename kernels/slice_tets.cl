@@ -1,16 +1,15 @@
-/* A slice of a mesh of tetrahedra, as a printer would fill it: material in each voxel that a
- * tetrahedron with a volume shares a point with (Stroeter, Mueller-Roemer, Stork, Fellner 2020,
- * section 4.3).
+/* A slice of a mesh of tetrahedra, as for a 3D printer: material in each voxel that shares a point
+ * with a tetrahedron with a volume (Stroeter, Mueller-Roemer, Stork, Fellner 2020, section 4.3).
  *
- *   a tetrahedron holds the voxel's centre?           the field there
- *   else the nearest to the centre of those that      its field, which is linear, continued to the
- *   lie on the mesh's boundary and meet the voxel     centre, but not beyond all of the field's
+ *   a tetrahedron contains the voxel's centre         the field there
+ *   else the nearest to the centre of those that      its linear field extrapolated to the centre,
+ *   lie on the mesh's boundary and meet the voxel     clamped to the range of the whole field
  *   no such tetrahedron                               no material
  *
- * A voxel whose centre is outside meets the mesh only if it meets a tetrahedron of the boundary, in
- * a cell that lists it. Of tetrahedra at one distance the lowest is taken.
+ * A voxel whose centre is outside meets the mesh only if it meets a boundary tetrahedron, in a cell
+ * that lists it. Among tetrahedra at the same distance the lowest is taken.
  *
- *   BB_WALK_BOUNDARY   1: the second search goes to cells of the boundary only; 0: to all
+ *   BB_WALK_BOUNDARY   1: the second search visits only boundary cells; 0: all
  *   and those of locate_points.cl, and BB_LOCATE_ALL
  */
 #include "bb_device.h"
@@ -20,7 +19,7 @@
 
 typedef struct bb_visitor {
     float3 lo, hi, centre; /* of the voxel */
-    bb_real least;         /* squared distance so far */
+    bb_real least;         /* smallest squared distance so far */
     uint nearest, tests;
     const bb_locate_tree *tree;
 } bb_visitor;
@@ -34,7 +33,8 @@ typedef struct bb_visitor {
 #endif
 
 #if BB_HAS_DOUBLES
-/* Squared, of the tetrahedron's box from the centre: but for rounding, not more than its own. */
+/* Returns the squared distance of the tetrahedron's box from the centre: except for rounding, not
+ * more than the tetrahedron's own. */
 bb_real bb_box_distance(const bb_visitor *visitor, const float3 corners[4])
 {
     bb_real3 lo = BB_REAL3(BB_MIN(BB_MIN(corners[0], corners[1]), BB_MIN(corners[2], corners[3])));
@@ -54,7 +54,7 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
         side = BB_MAX(side, fabs(corners[c] - visitor->centre));
     bb_real unit = bb_solid_unit(side);
 #if BB_HAS_DOUBLES
-    /* What is further away for sure need not be looked at. Floats do not tell for sure. */
+    /* Tetrahedra that are certainly farther away are skipped. Floats are never certain. */
     if (bb_box_distance(visitor, corners) * 0.999 > visitor->least)
         return false;
 #endif
@@ -93,7 +93,7 @@ float3 bb_slice_point(const bb_slice_args *args, float u, float v, float n)
                               : (float3)(u, v, n);
 }
 
-/* The tetrahedron's field at a point that need not be in it, by its weights. */
+/* Returns the tetrahedron's field at a point, which may be outside of it, by its weights. */
 float bb_slice_field(global const uint *corners, global const float *vertices,
                      global const float *field, float3 point, const bb_slice_args *args)
 {

@@ -5,41 +5,42 @@
  * passes over all keys; McIlroy, Bostic, McIlroy, Engineering Radix Sort (Computing Systems 6(1),
  * 1993), for buckets by the highest digit first.
  *
- *     sort_count:    for each chunk: counts[digit value][chunk] = how many of the chunk's keys have
+ *     sort_count:    for each chunk: counts[digit value][chunk] = number of the chunk's keys with
  *                    it
- *     the scan:      counts = exclusive prefix sum of counts, digit-major: where each chunk's keys
- *                    of a value go
+ *     the scan:      counts = exclusive prefix sum of counts, digit-major: the place of each
+ *                    chunk's first key of a value
  *     sort_scatter:  for each chunk, in order: place = counts[digit value of key]++; out[place] =
  *                    key, value
  *
  *     by buckets: these three, once, by the highest digit, with, before the last,
  *     sort_choose:   one item: are all buckets small enough? else by passes; and then
- *     sort_buckets:  for each tile of places: of the keys of the buckets that begin in it, the bits
- *                    that differ; by these bits, a digit at a time from the lowest up: scatter as
- *                    above, and count the next digit on the way; of many bits only by the highest,
- *                    which leave hardly a pair out of order: then each is moved back to its place
+ *     sort_buckets:  for each tile of places: find the bits that differ among the keys of the
+ *                    buckets that begin in it; sort by these bits, a digit at a time from the
+ *                    lowest up: scatter as above, and count the next digit on the way. If the
+ *                    bits are many, sort only by the highest ones, which leave hardly a pair out
+ *                    of order, and move these back to their places
  *
  *     by passes: these three, for each digit of 8 bits from the lowest up
  *
  * Both ways are launched, since only the device knows which one is taken: way[0]. A kernel of the
- * other one, SORT_..., has nothing to do.
+ * other way, SORT_..., does nothing.
  *
- * Limits: BB_KEY is uint or ulong. 8 bits in passes over all keys because the 2 x 256 lines being
- * written then fit the nearest cache; 12 bits in buckets, which the next cache holds as a whole,
- * and 14 in those with more keys than such digits have values; 12 bits for the highest digit, since
- * keys come in the order of the scene and few lines are being written at a time.
+ * Limits: BB_KEY is uint or ulong. Passes over all keys use 8 bits because the 2 x 256 cache lines
+ * being written then fit the first-level cache; buckets use 12 bits, since the next cache holds a
+ * whole bucket, and 14 if they have more keys than such digits have values. The highest digit has
+ * 12 bits, since keys come in the order of the scene and few lines are being written at a time.
  */
 #include "bb_device.h"
 
 #include "sort_shared.h"
 
 #define BUCKETS_MAX 4096
-#define SMALL 1024u  /* keys of a bucket that are not worth the clearing of wide digits ... */
-#define LARGE 24576u /* ... and that are worth the clearing of the widest ones */
+#define SMALL 1024u  /* keys of a bucket too small to clear wide digits for ... */
+#define LARGE 24576u /* ... and large enough to clear the widest ones for */
 #define WIDEST_DIGIT (sizeof(BB_KEY) == 8 ? 14u : 12u)
-#define LONG 32u      /* bits; from shorter keys insertion takes longer than a digit */
-#define LEFT_OVER 12u /* bits, the lowest, in which few keys differ that agree in the others ... */
-#define MOVES 2u      /* ... and the moves per pair that may find out that many do */
+#define LONG 32u      /* bits; for shorter keys insertion takes longer than a digit */
+#define LEFT_OVER 12u /* lowest bits, in which few keys differ that agree in the others ... */
+#define MOVES 2u      /* ... and most moves per pair before insertion is given up */
 #define DIGIT(key) ((uint)((key) >> shift) & mask)
 
 /* Launched on one work-item per chunk, in groups of one; the last chunk may be shorter. */
@@ -48,7 +49,7 @@ __kernel void sort_count(__global const BB_KEY *keys,
                          const uint chunk,      /* keys in a chunk */
                          const uint shift,      /* where the digit begins */
                          const uint mask,       /* its values are 0 to mask */
-                         const uint only,       /* the way that it is of; SORT_ANY: both */
+                         const uint only,       /* the way it belongs to; SORT_ANY: both */
                          __global const uint *way,
                          __global uint *counts) /* (mask + 1) * chunks */
 {
@@ -113,7 +114,8 @@ __kernel void sort_choose(__global const uint *places, /* the scanned counts */
     way[0] = most > small_enough ? SORT_PASSES : SORT_BUCKETS;
 }
 
-/* The first place from `least` on where a bucket begins; `count` if none does. Place 0 is one. */
+/* Returns the first place from `least` on where a bucket begins; `count` if none does. Place 0
+ * always begins one. */
 static uint first_bucket(__global const uint *places, uint chunks, uint buckets, uint count,
                          uint least)
 {
@@ -130,13 +132,13 @@ static uint first_bucket(__global const uint *places, uint chunks, uint buckets,
     return low < buckets ? places[low * chunks] : count;
 }
 
-/* A digit of the bits that differ. */
+/* A digit of the differing bits. */
 typedef struct digit {
     uint shift;
     uint mask;
 } digit;
 
-/* The `which`-th of `digits` that share the bits `low` to `low + span - 1`. */
+/* Returns the `which`-th of `digits` digits that share the bits `low` to `low + span - 1`. */
 static digit digit_of(uint which, uint digits, uint low, uint span)
 {
     const uint begin = span * which / digits, end = span * (which + 1) / digits;
@@ -157,7 +159,7 @@ static void count_digit(__global const BB_KEY *keys, uint count, digit by, uint 
         buckets[DIGIT(keys[i])]++;
 }
 
-/* Counts become places. */
+/* Turns counts into places. */
 static void sum_up(uint *buckets, uint mask)
 {
     uint running = 0;
@@ -184,7 +186,7 @@ static void scatter(pairs from, pairs to, uint count, digit by, uint *places)
     }
 }
 
-/* The same, and counts another digit: the order of keys does not matter to their number. */
+/* The same, and counts the next digit: the order of keys does not matter to counts. */
 static void scatter_counting(pairs from, pairs to, uint count, digit by, uint *places, digit next,
                              uint *buckets)
 {
@@ -199,7 +201,7 @@ static void scatter_counting(pairs from, pairs to, uint count, digit by, uint *p
     }
 }
 
-/* Bits in which any two of the keys differ. */
+/* Returns the bits in which any two of the keys differ. */
 static BB_KEY differing_bits(__global const BB_KEY *keys, uint count)
 {
     const BB_KEY first = keys[0];
@@ -209,8 +211,8 @@ static BB_KEY differing_bits(__global const BB_KEY *keys, uint count)
     return differ;
 }
 
-/* Sorts `a` by `digits` digits of the bits `low` to `low + span - 1`, with `b` as scratch; true if
- * the result is in b. Not inlined: it has large arrays. */
+/* Sorts `a` by `digits` digits of the bits `low` to `low + span - 1`, with `b` as scratch; returns
+ * whether the result is in b. Not inlined, since it has large arrays. */
 __attribute__((noinline)) static bool sort_digits(pairs a, pairs b, uint count, uint low, uint span,
                                                   uint digits)
 {
@@ -224,7 +226,7 @@ __attribute__((noinline)) static bool sort_digits(pairs a, pairs b, uint count, 
         const bool last = d + 1u == digits;
         const digit next = digit_of(last ? d : d + 1u, digits, low, span);
         if (here[(uint)(from.keys[0] >> by.shift) & by.mask] == count) {
-            if (!last) /* all have this value */
+            if (!last) /* all keys have this value */
                 count_digit(from.keys, count, next, there);
         } else {
             sum_up(here, by.mask);
@@ -239,8 +241,8 @@ __attribute__((noinline)) static bool sort_digits(pairs a, pairs b, uint count, 
     return swapped;
 }
 
-/* Sorts what is nearly in order; `to` may be `from`. False, with all pairs still in `from`, if that
- * takes too many moves. */
+/* Sorts pairs that are nearly in order; `to` may be `from`. Returns false, with all pairs still in
+ * `from`, if that takes too many moves. */
 static bool insert_pairs(pairs from, pairs to, uint count)
 {
     uint moves = MOVES * count;
@@ -265,7 +267,7 @@ static bool insert_pairs(pairs from, pairs to, uint count)
     return true;
 }
 
-/* Sorts `a`, with `b` as scratch; true if the result is in b. */
+/* Sorts `a`, with `b` as scratch; returns whether the result is in b. */
 static bool sort_pairs(pairs a, pairs b, uint count)
 {
     const BB_KEY differ = differing_bits(a.keys, count);
@@ -287,8 +289,8 @@ static bool sort_pairs(pairs a, pairs b, uint count)
     return swapped != sort_digits(from, to, count, low, span, (span + widest - 1u) / widest);
 }
 
-/* Launched on one work-item per tile of places, in groups of one. The pairs come in order of their
- * buckets, or are one bucket, at place 0, if `buckets` is 0. */
+/* Launched on one work-item per tile of places, in groups of one. The pairs come in the order of
+ * their buckets, or are all in one bucket at place 0 if `buckets` is 0. */
 __kernel void sort_buckets(__global BB_KEY *keys, /* overwritten, as are the values */
                            __global uint *values,
                            const uint count,

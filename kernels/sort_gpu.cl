@@ -7,9 +7,9 @@
  *
  *     for each digit:
  *         sort_count:    for each tile (one group):
- *                            counts[digit value][tile] = how many of the tile's keys have it
- *         the scan:      counts = exclusive prefix sum of counts, digit-major: where each tile's
- *                            keys of a value go
+ *                            counts[digit value][tile] = number of the tile's keys with it
+ *         the scan:      counts = exclusive prefix sum of counts, digit-major: the place of each
+ *                            tile's first key of a value
  *         sort_scatter:  for each tile (one group):
  *                            each item counts the digit values of its SORT_ITEMS neighbours
  *                            ranks = exclusive prefix sum of those counts, digit-major: places
@@ -23,7 +23,7 @@
 #include "bb_device.h"
 #include "group_scan.clh"
 
-/* Pairs of a work-item; the host knows the number too. */
+/* Pairs per work-item; the host uses the same number. */
 #define SORT_ITEMS 4
 #define TILE (BB_GROUP * SORT_ITEMS)
 #define BUCKETS_MAX 16

@@ -7,10 +7,10 @@
  *         test the primitives of the leaf
  *         pop until an entry is nearer than the hit
  *
- * Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs", the per-ray
- * while-while loop, without speculation. Pro: few steps, children in order. Con: a stack per ray,
- * of BB_STACK_SIZE entries; the host sizes it from what the tree needs, up to a limit, and an
- * overflow leaves the hit poisoned, so that it can't pass for an answer.
+ * Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs": the per-ray
+ * while-while loop, without speculation. Pro: few steps, children in order. Con: a stack per ray of
+ * BB_STACK_SIZE entries. The host sizes it by the tree's need, up to a limit; an overflow leaves
+ * the hit poisoned, so that it cannot pass for an answer.
  *
  *   BB_STACK_SIZE   entries
  *   and those of trace.clh

@@ -1,30 +1,31 @@
-/* Stack traversal of nodes of 8 children, with many rays in flight per work-item, a step of each by
- * turns.
+/* Stack traversal of nodes of 8 children with many rays in flight per work-item, which advance by
+ * one step each in turn.
  *
  *   take BB_RAYS rays of the batch
- *   loop: each ray that is at a node: test its boxes; sort the children met, the farthest first;
- *         push all; pop; ask for what is popped
- *         each ray that is at a block of a leaf: test it; go on to the leaf's next one, or pop
- *         a ray whose stack is empty: write what it has found; take the next ray of the batch
+ *   loop: each ray at a node: test its boxes; sort the children met, the farthest first;
+ *         push all; pop; prefetch what is popped
+ *         each ray at a block of a leaf: test it; go on to the leaf's next one, or pop
+ *         a ray whose stack is empty: write its result; take the next ray of the batch
  *
- * With one ray after the other, as in stack_wide.cl, a CPU stalls: for the node, and, more often,
- * on mispredicted branches (how many children are met, node or leaf, hit or not). Here the rays of
- * a turn do not depend on each other, what they read next is asked for a turn ahead, and steps have
- * no branches: children are sorted by a network, the stack takes a whole vector, of which what was
- * not met lies above its top, and rays go on the list of those at nodes or at leaves by counting up
- * one or the other. What remains is a branch to predict per turn, one per ray, and one where a hit
- * makes entries of the stack obsolete.
+ * With one ray after the other, as in stack_wide.cl, a CPU stalls: on loads of nodes and, more
+ * often, on mispredicted branches (how many children are met, node or leaf, hit or not). Here the
+ * rays of a turn do not depend on each other, loads are prefetched a turn ahead, and steps have no
+ * branches: a network sorts the children; the stack takes a whole vector, whose missed children end
+ * up above its top; and rays are listed as at nodes or at leaves by incrementing one of two
+ * counters. What remains is one branch per turn, one per ray, and one where a hit makes stack
+ * entries obsolete.
  *
  * Kocberber, Falsafi, Grot 2015, "Asynchronous Memory Access Chaining" (VLDB 9), whose searches in
- * hash tables and trees are these rays; Batcher 1968, "Sorting Networks and their Applications"
- * (bitonic). Con: the state of all rays in flight is in memory, which GPUs have too little of.
+ * hash tables and trees correspond to these rays; Batcher 1968, "Sorting Networks and their
+ * Applications" (bitonic). Con: the state of all rays in flight is in memory, of which GPUs have
+ * too little.
  *
  *   BB_RAYS         rays in flight
  *   BB_STACK_SIZE   entries
  *   and those of trace.clh
  *
- * Entries of the stack are distances without their last 3 bits, which are the child's place while
- * it is sorted: rounded down, so that nothing is left out that a hit could still be in.
+ * Stack entries are distances without their last 3 bits, which hold the child's place during
+ * sorting. They are rounded down, so that nothing is culled that could still contain a hit.
  */
 #define BB_STEADY 1
 #include "bb_device.h"
@@ -42,25 +43,25 @@
 #ifndef BB_STACK_SIZE
 #define BB_STACK_SIZE 64
 #endif
-#define BB_PLACE_BITS 7u /* of an entry: which child */
+#define BB_PLACE_BITS 7u /* the bits of an entry that hold its child */
 
 typedef struct bb_flight {
     bb_slab slab;
     bb_search search;
     bb_ray_setup setup;
     uint id;
-    uint link; /* where the ray is; BB_NONE: at its end */
-    bool enough; /* stack, for all that was met */
-    uint top; /* of the stack: entries 0 to top - 1; the first one is BB_NONE, and never obsolete */
-    uint links[BB_STACK_SIZE + 9]; /* 8 above the top are written */
+    uint link; /* the ray's position; BB_NONE: it has ended */
+    bool enough; /* whether the stack had room for all children met */
+    uint top; /* of the stack: entries 0 to top - 1; the first is BB_NONE and never obsolete */
+    uint links[BB_STACK_SIZE + 9]; /* up to 8 above the top are written */
     uint entries[BB_STACK_SIZE + 9];
 } bb_flight;
 
-/* Compares each lane of k with that of `swizzle`; lanes in `lower` keep the lower of the two. */
+/* Compares each lane of k with that of `swizzle`; the lanes in `lower` keep the smaller one. */
 #define BB_EXCHANGE(k, swizzle, lower)                                                             \
     k = select(max(k, k.swizzle), min(k, k.swizzle), (uint8)lower)
 
-/* Sorts lanes, the highest first. */
+/* Sorts lanes in descending order. */
 uint8 bb_sort_lanes(uint8 k)
 {
     const uint L = ~0u;
@@ -73,7 +74,7 @@ uint8 bb_sort_lanes(uint8 k)
     return k;
 }
 
-/* The highest entry that a hit nearer than tmax could be in, of those below `top`. */
+/* Returns the highest entry below `top` that can contain a hit nearer than tmax. */
 uint bb_stack_pop(const bb_flight *f, uint top, float tmax)
 {
     do {
@@ -82,7 +83,7 @@ uint bb_stack_pop(const bb_flight *f, uint top, float tmax)
     return top;
 }
 
-/* Sends the ray to what entry `top` of its stack leads to, if `pop`, else to `link`. */
+/* Sends the ray to entry `top` of its stack if `pop`, else to `link`. */
 void bb_flight_go(bb_flight *f, bool pop, uint top, uint link, global const bb_wide *nodes,
                   global const float *blocks)
 {
@@ -97,7 +98,7 @@ void bb_flight_go(bb_flight *f, bool pop, uint top, uint link, global const bb_w
         BB_PREFETCH(next + 64u * line);
 }
 
-/* Static: with one caller it is inlined, as is the next one. */
+/* Static: with one caller it is inlined, and so is the next one. */
 static void bb_flight_at_node(bb_flight *f, global const bb_wide *nodes, global const float *blocks)
 {
     global const bb_wide *node = nodes + f->link;
@@ -113,8 +114,7 @@ static void bb_flight_at_node(bb_flight *f, global const bb_wide *nodes, global 
         f->link = BB_NONE;
         return;
     }
-    /* distances are above 0, so that their bits are ordered as they are, and what is not met comes
-     * last */
+    /* distances are above 0, so their bits have the same order, and children not met come last */
     uint8 places = (uint8)(0, 1, 2, 3, 4, 5, 6, 7);
     uint8 sorted = bb_sort_lanes(((as_uint8(entry) & ~BB_PLACE_BITS) | places) & met);
     vstore8(sorted & ~BB_PLACE_BITS, 0, f->entries + top);
@@ -141,7 +141,7 @@ static void bb_flight_at_leaf(bb_flight *f, global const bb_wide *nodes, global 
 void bb_flight_to_root(bb_flight *f, uint root)
 {
     f->links[0] = BB_NONE;
-    f->entries[0] = as_uint(-INFINITY); /* however little there is of the ray */
+    f->entries[0] = as_uint(-INFINITY); /* never obsolete, however short the ray becomes */
     f->top = 1;
     f->link = root;
 }
@@ -158,7 +158,7 @@ void bb_flight_start(bb_flight *f, uint id, uint root, float scale,
     bb_flight_to_root(f, root);
 }
 
-/* At the end of the stack: true if the ray begins again. */
+/* At the end of the stack: returns true if the ray starts again. */
 bool bb_flight_end(bb_flight *f, uint root, global bb_result *results BB_COUNTS_ARGUMENT)
 {
     if (f->enough && BB_QUERY_AGAIN(&f->search)) {
@@ -173,14 +173,14 @@ bool bb_flight_end(bb_flight *f, uint root, global bb_result *results BB_COUNTS_
     return false;
 }
 
-/* Not inlined: a driver that runs a group's work-items in a loop may keep the flights of each. */
+/* Not inlined: a driver that runs a group's work-items in a loop might keep the flights of each. */
 __attribute__((noinline)) static void
 trace_batch(uint first, uint count, global const bb_wide *nodes, global const float *blocks,
             uint root, const bb_prim_ends *ends, float scale, global const bb_ray *rays,
             global bb_result *results BB_COUNTS_ARGUMENT BB_QUERY_ARGUMENTS)
 {
     bb_flight flights[BB_RAYS];
-    uint at_node[BB_RAYS + 1], at_leaf[BB_RAYS + 1]; /* which; one more is written */
+    uint at_node[BB_RAYS + 1], at_leaf[BB_RAYS + 1]; /* numbers of rays; one more is written */
     uint nodes_left = 0, leaves_left = 0, next = 0;
     for (; next < BB_RAYS && next < count; next++) {
         bb_flight_start(&flights[next], first + next, root, scale, rays BB_QUERY_VALUES);

@@ -1,4 +1,4 @@
-/* Stack traversal of wide nodes: all children's boxes at once, primitives in blocks of
+/* Stack traversal of wide nodes: tests all children's boxes at once, and primitives in blocks of
  * BB_LANES.
  *
  *   link = root
@@ -11,13 +11,13 @@
  *
  * Wald, Benthin, Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
  * Multi-Branching BVHs"; Dammertz, Hanika, Keller 2008, "Shallow Bounding Volume Hierarchies for
- * Fast SIMD Ray Tracing of Incoherent Rays". Pro: vector units are busy with one ray, so rays need
+ * Fast SIMD Ray Tracing of Incoherent Rays". Pro: one ray keeps the vector units busy, so rays need
  * not be coherent. Con: on devices that run work-items in lockstep the vectors are unrolled.
  * Overflow and equal distances as in stack.cl.
  *
  *   BB_WIDTH, BB_QUANTISED  the node: wide.clh
- *   BB_ORDER        sorted: children by distance; octant: by their places, which the layout gives
- *                   them for this, which saves the sorting but is only roughly right (nodes of 8)
+ *   BB_ORDER        sorted: children by distance; octant: by their places, which the layout assigns
+ *                   for this: saves the sorting but is only roughly right (nodes of 8)
  *   BB_STACK_SIZE   entries
  *   and those of trace.clh
  */
@@ -31,7 +31,7 @@
 #define BB_ABREAST 2
 #define BB_PLANES(node, axis, plane, part)                                                         \
     BB_DEQUANTISE(node, axis, quantised_planes(node, axis, plane, part))
-/* All planes of an axis are 16 bytes, so that all callers share one load. */
+/* All planes of an axis are 16 bytes, so all calls share one load. */
 float2 quantised_planes(global const bb_wide *node, uint axis, uint plane, uint part)
 {
     uint4 planes = ((global const uint4 *)node->planes)[axis];
@@ -57,12 +57,12 @@ float2 quantised_planes(global const bb_wide *node, uint axis, uint plane, uint 
 #ifndef BB_STACK_SIZE
 #define BB_STACK_SIZE 64
 #endif
-/* A child that will be visited later. */
+/* Prefetches a child that will be visited later. */
 #define BB_PREFETCH_CHILD(link)                                                                    \
     BB_PREFETCH(((link)&BB_LEAF_BIT) != 0 ? blocks + (ulong)BB_WORDS * ((link)&BB_INDEX_MASK)      \
                                           : (global const float *)(nodes + (link)))
 
-/* Option `order`, whose words reach here as they are. */
+/* Option `order`; its words arrive here unchanged. */
 #define BB_ORDER_sorted 0
 #define BB_ORDER_octant 1
 #ifndef BB_ORDER
@@ -71,7 +71,7 @@ float2 quantised_planes(global const bb_wide *node, uint axis, uint plane, uint 
 #define BB_BY_OCTANT BB_JOIN(BB_ORDER_, BB_ORDER)
 
 #if BB_BY_OCTANT
-/* Bit p of the result: bit p ^ octant of `met`. */
+/* Returns the bits of `met`, with bit p ^ octant moved to bit p. */
 uint places_of(uint met, uint octant)
 {
     if ((octant & 1u) != 0u)
@@ -127,7 +127,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
             }
             link = node->links[(31u - clz(met)) ^ octant];
 #else
-            /* insertion into the sorted entries of this node; the nearest stays in hand */
+            /* insertion sort into this node's entries; the nearest child is kept out */
             float nearest = entries[child];
             uint bottom = top;
             do {

@@ -2,15 +2,15 @@
  *
  *   node = root
  *   while there is a node:
- *       the ray meets its box?  no: node = skip(node)
- *                               yes, inner: node = first(node)
- *                               yes, leaf: test its primitives; node = skip(node)
+ *       if the ray misses its box:  node = skip(node)
+ *       if it is an inner node:     node = first(node)
+ *       if it is a leaf:            test its primitives; node = skip(node)
  *
  * Smits 1998, "Efficiency Issues for Ray Tracing" (skip pointers); Gu, Jendersie, Grosch 2018,
  * "Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees" (first and
- * next pointers, nodes of any number of children). Pro: no state but one link, any arity, any
- * depth. Con: children come in the tree's order, not the ray's, so that a far hit culls little of
- * what comes before the near one; one box at a time.
+ * next pointers, nodes of any number of children). Pro: a single link as state, any arity, any
+ * depth. Con: children come in the tree's order, not the ray's, so a hit found late culls little;
+ * one box at a time.
  *
  *   -D: those of trace.clh
  */

@@ -1,17 +1,17 @@
-/* The light along rays through tetrahedra with a scalar field: absorption and emission, from front
- * to back, as in march.clh.
+/* Integrates the light along rays through tetrahedra with a scalar field: absorption and emission,
+ * from front to back, as in march.clh.
  *
- *   sample k is at t = (k + 1/2) step on each ray, whatever tree is used
- *   for each between where the ray enters and leaves: which tetrahedron holds it (locate.clh)?
- *       none: it is outside and counts for nothing
+ *   sample k is at t = (k + 1/2) step on each ray, for any tree
+ *   for each sample between the ray's entry and exit: which tetrahedron contains it (locate.clh)?
+ *       none: it is outside and does not count
  *   value of the field there; entry of the transfer function's table; a = 1 - exp(-extinction step)
  *   light += left a rgb;  left *= 1 - a
  *
- * Samples are the same for all ways of finding them, bit for bit, and so are the pictures of meshes
- * that do not overlap themselves.
+ * Samples are the same, bit for bit, for all ways of finding them, and so are the pictures of
+ * meshes that do not overlap themselves.
  *
- *   BB_TET_INTERVAL   1: only where the ray may be inside, by cells of the boundary
- *                     (octree_interval.clh; BB_LOCATE_OCTREE); 0: between the bounds of all
+ *   BB_TET_INTERVAL   1: only where the ray may be inside, by boundary cells
+ *                     (octree_interval.clh; BB_LOCATE_OCTREE); 0: between the bounds of the mesh
  *   and those of locate_points.cl
  */
 #include "bb_device.h"
@@ -67,7 +67,7 @@ kernel void tet_march(global const BB_LOCATE_NODE *nodes, global const float *le
 #endif
     float3 light = (float3)(0.0f);
     float left = 1.0f;
-    /* rather one sample too many on either side */
+    /* rather one sample too many at either end */
     float from = entry / dt - 1.5f, to = exit / dt + 0.5f;
     uint k = from > 0.0f ? (uint)from : 0u, end = entry <= exit && to > 0.0f ? (uint)to + 1u : 0u;
     for (; k < end; k++) {

@@ -1,57 +1,58 @@
-/* What host and device say of tetrahedra alike. */
+/* Types and constants of tetrahedra that host and device share. */
 #ifndef BB_TET_SHARED_H
 #define BB_TET_SHARED_H
 
 #include "bb_shared.h"
 
-/* Flags of a tetrahedron. The first four: of face f, which has all corners but the f-th, not both
- * sides have a tetrahedron with a volume that has the same face, by its indices. So those beside
- * one without a volume, or beside vertices that only lie at one place, are flagged too. */
+/* Flags of a tetrahedron. Bit f of the first four: face f, which has all corners but the f-th, is
+ * on the boundary: there is not a tetrahedron with a volume on both sides that has the same face,
+ * by its indices. So faces beside a tetrahedron without volume, or beside vertices that are only at
+ * the same position, are flagged too. */
 #define BB_TET_BOUNDARY 0xFu
-#define BB_TET_FLAT 0x10u     /* its volume is exactly 0: no point is in it */
-#define BB_TET_NEGATIVE 0x20u /* its corners are listed the other way round */
+#define BB_TET_FLAT 0x10u     /* its volume is exactly 0: it contains no point */
+#define BB_TET_NEGATIVE 0x20u /* its corners have negative orientation */
 
-/* Where a point is: the tetrahedron's number as a primitive, BB_NONE if none holds it, and the
- * scalar field there, else 0. */
+/* The location of a point: number of the tetrahedron as a primitive, BB_NONE if none contains it,
+ * and the scalar field there, else 0. */
 typedef struct bb_located {
     bb_u32 prim;
     float value;
 } bb_located;
 
-/* A layout, as a search for points wants it. */
+/* A layout, in the form for a search for points. */
 typedef struct bb_locate_args {
     bb_u32 root;
-    bb_u32 first;   /* tetrahedra are numbered from it on */
-    bb_u32 words;   /* of a leaf primitive */
-    bb_u32 id_word; /* the one with its number */
+    bb_u32 first;   /* number of the first tetrahedron */
+    bb_u32 words;   /* words of a leaf primitive */
+    bb_u32 id_word; /* the word with its number */
     float scale;
 } bb_locate_args;
 
-/* A slice: voxels between planes lo + i * step on two axes, the last being hi; and between two
- * planes on the third. */
+/* A slice: voxels between planes lo + i * step on two axes, the last plane being hi, and between
+ * two planes on the third axis. */
 typedef struct bb_slice_args {
     float lo[2], hi[2], step[2]; /* of the two other axes, in ascending order */
-    bb_u32 size[2];              /* voxels along them */
-    bb_u32 axis;                 /* across the slice */
+    bb_u32 size[2];              /* number of voxels along them */
+    bb_u32 axis;                 /* perpendicular to the slice */
     float below, above;
     float field_lo, field_hi; /* of the mesh */
 } bb_slice_args;
 
 /* A voxel of a slice. */
 typedef struct bb_sliced {
-    bb_u32 prim; /* the tetrahedron whose field it has; BB_NONE: no material */
+    bb_u32 prim; /* tetrahedron whose field it has; BB_NONE: no material */
     float value;
-    bb_u32 inside; /* 1: the tetrahedron holds its centre */
+    bb_u32 inside; /* 1: the tetrahedron contains its centre */
 } bb_sliced;
 
-/* What a march along a ray through tetrahedra is told. */
+/* Parameters of a march through tetrahedra. */
 typedef struct bb_tet_march_args {
-    float lo[3]; /* of all of them */
+    float lo[3]; /* bounds of all tetrahedra */
     float hi[3];
     float field_lo;
     float per_field; /* entries of the transfer function's table per unit of the field */
-    float step;      /* distance of samples, in scene units */
-    float cutoff;    /* it ends where less than this is left of the light behind; 0: never */
+    float step;      /* distance between samples, in scene units */
+    float cutoff;    /* the march ends when less light from behind than this is left; 0: never */
 } bb_tet_march_args;
 
 #ifndef __OPENCL_VERSION__

@@ -1,9 +1,10 @@
-/* Volumes, as host and device share them: where voxels and bricks are, and what a transfer function
- * does not see.
+/* Volumes, shared by host and device: the positions of voxels and bricks, and the range of a
+ * transfer function that values can reach.
  *
- * A volume is a lattice of values, the voxels; in between, values are interpolated. Voxel (0, 0, 0)
- * lies at the origin. A cell has eight voxels at its corners. Bricks are cubes of cells; a brick
- * keeps all the voxels of its cells, those on its upper faces too, which its neighbours also have.
+ * A volume is a lattice of values, the voxels; values in between are interpolated. Voxel (0, 0, 0)
+ * is at the origin. A cell has eight voxels at its corners. Bricks are cubes of cells; a brick
+ * stores all voxels of its cells, including those on its upper faces, which its neighbours also
+ * store.
  */
 #ifndef BB_VOLUME_SHARED_H
 #define BB_VOLUME_SHARED_H
@@ -21,39 +22,40 @@
 typedef struct bb_volume_grid {
     float cell[3];     /* sides of a cell, in scene units */
     float per_cell[3]; /* the reciprocals */
-    float margin;      /* by which boxes of bricks are larger on each side */
+    float margin;      /* by which the boxes of bricks are enlarged on each side */
     bb_u32 cells[3];   /* along x, y, z: one less than voxels */
     bb_u32 bricks[3];
     bb_u32 side;  /* cells along a brick: a power of two */
-    bb_u32 white; /* the largest value that a voxel can have: 255 or 65535 */
+    bb_u32 white; /* largest value that a voxel can have: 255 or 65535 */
 } bb_volume_grid;
 
-/* What a table has at one value. 16 bytes. */
+/* An entry of a transfer function's table. 16 bytes. */
 typedef struct bb_transfer_entry {
-    float rgb[3];     /* emitted by what absorbs, 0 to 1 */
+    float rgb[3];     /* emitted in proportion to absorption, 0 to 1 */
     float extinction; /* per unit of length */
 } bb_transfer_entry;
 
-/* What a march along a ray is told. */
+/* Parameters of a march along a ray. */
 typedef struct bb_march_args {
     bb_volume_grid grid;
-    float step;   /* distance of samples, in scene units */
-    float cutoff; /* it ends where less than this is left of the light behind; 0: never */
+    float step;   /* distance between samples, in scene units */
+    float cutoff; /* the march ends when less light from behind than this is left; 0: never */
 } bb_march_args;
 
-/* What it gives: light that reaches the eye, and the share of what comes from behind. 16 bytes. */
+/* Result of a march: light that reaches the eye, and the share of the light from behind. 16
+ * bytes. */
 typedef struct bb_light {
     float rgb[3];
     float left;
 } bb_light;
 
-/* Voxels that a brick keeps. */
+/* Returns the number of voxels that a brick stores. */
 static inline bb_u32 bb_brick_voxels(bb_u32 side)
 {
     return (side + 1) * (side + 1) * (side + 1);
 }
 
-/* Planes of the box of a brick at `place` along an axis, which has `cells`. */
+/* Return the planes of the box of a brick at `place` along an axis that has `cells` cells. */
 static inline float bb_brick_lo(bb_u32 place, bb_u32 side, float cell, float margin)
 {
     return (float)(place * side) * cell - margin;
@@ -65,8 +67,8 @@ static inline float bb_brick_hi(bb_u32 place, bb_u32 side, bb_u32 cells, float c
     return (float)(end < cells ? end : cells) * cell + margin;
 }
 
-/* The first and the last entry of the table on which what is interpolated between values from `lo`
- * to `hi` may depend: one more on either side than in exact arithmetic, for rounding. */
+/* Return the first and the last entry of the table on which values interpolated between `lo` and
+ * `hi` may depend: one more at either end than in exact arithmetic, for rounding. */
 static inline bb_u32 bb_transfer_first(bb_u32 lo, bb_u32 white)
 {
     bb_u32 step = lo * (BB_TRANSFER_STEPS - 1) / white;
