@@ -1,4 +1,4 @@
-/* Leaf collapse by SAH: the host side of kernels/collapse.cl. */
+/* Leaf collapse by SAH: host side of kernels/collapse.cl. */
 #include "traversal/collapse.h"
 
 #include "framework/device/levels.h"
@@ -14,15 +14,15 @@ struct bb_collapse {
     bb_account *account;
     cl_program program;
     cl_kernel parents_kernel, mark, write;
-    cl_kernel decide;        /* by a fence */
-    cl_kernel leaves, level; /* by levels */
+    cl_kernel decide;        /* hand-over by a fence */
+    cl_kernel leaves, level; /* hand-over by levels */
     bb_levels levels;
     bb_primitives *primitives;
-    bb_buffer parents, missing; /* u32 per node: its parent; children that have not come yet */
+    bb_buffer parents, missing; /* u32 per node: its parent; children that are not finished */
     bb_buffer subtrees;         /* bb_subtree per node */
     bb_buffer places,
-        firsts;    /* u32 per node, and the total: its place, and its first reference's */
-    uint32_t most; /* references of a leaf of the result: of the last making */
+        firsts;    /* u32 per node, and the total: places of nodes, and of first references */
+    uint32_t most; /* most references per leaf in the last result */
     bb_tree tree;
 };
 
@@ -108,7 +108,7 @@ static bb_status reserve(bb_collapse *self, size_t count)
     return BB_OK;
 }
 
-/* What the decisions depend on: the kernels' cost_model. */
+/* Parameters of the decisions: the kernels' cost_model. */
 typedef struct decision {
     bb_collapse *self;
     const bb_tree *tree;

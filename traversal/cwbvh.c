@@ -1,4 +1,4 @@
-/* Compressed nodes: the host side of kernels/layout_cwbvh.cl. */
+/* Compressed nodes: host side of kernels/layout_cwbvh.cl. */
 #include "traversal/cwbvh.h"
 
 #include <assert.h>

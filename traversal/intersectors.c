@@ -1,4 +1,4 @@
-/* The named intersectors, and their choices as -D for kernels/intersect.clh. */
+/* The named intersectors, and their options as -D for kernels/intersect.clh. */
 #include "traversal/traversal.h"
 
 #include "framework/base/suggest.h"
@@ -24,7 +24,7 @@ const bb_intersector bb_intersectors[] = {
     {.name = NULL},
 };
 
-/* In the words of BB_TRIANGLE_..., BB_SLAB_... */
+/* Named like BB_TRIANGLE_..., BB_SLAB_... */
 const bb_option bb_intersector_options[] = {
     {"triangle", NULL, "exact|watertight|pluecker|moeller|woop",
      "triangle test: see kernels/triangle_*.clh"},
@@ -41,7 +41,8 @@ const bb_intersector *bb_intersector_find(const char *name)
     return NULL;
 }
 
-/* What the specification, which has been validated, says of `key`. */
+/* Overrides `value` by the specification's `key`, if it has one; the specification has been
+ * validated. */
 static void change(const bb_spec *spec, const char *key, char *value, size_t capacity)
 {
     const char *given = bb_spec_value(spec, NULL, key);

@@ -1,11 +1,11 @@
 /* The short stack: kernels/short.cl. */
 #include "traversal/short.h"
 
-/* With 4 entries 2 to 14 % more boxes are tested than with a full stack; 8 save most of these, but
- * no time that could be measured. */
+/* With 4 entries 2 to 14 % more boxes are tested than with a full stack; 8 entries avoid most of
+ * these tests, but save no measurable time. */
 static const bb_option options[] = {BB_ENTRIES_OPTION("4"), {.name = NULL}};
 
-/* On GPUs a full stack is private memory of every ray in flight; on CPUs it is in the cache, and
+/* On GPUs a full stack is private memory of every ray in flight. On CPUs it is in the cache, and
  * faster. */
 static const bb_variants variants[] = {
     {BB_FOR_GPU, BB_ROLE_COMPARED, "short"},

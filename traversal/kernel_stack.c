@@ -1,7 +1,7 @@
 /* The stack kernel: kernels/stack.cl. */
 #include "traversal/traversal.h"
 
-/* The persistent form is Aila and Laine's; on CPUs the driver deals out work as well as it does. */
+/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well. */
 static const bb_variants variants[] = {
     {BB_FOR_ALL, BB_ROLE_COMPARED, "stack"},
     {BB_FOR_GPU, BB_ROLE_COMPARED, "stack:persistent=yes"},

@@ -6,8 +6,8 @@ static const bb_option options[] = {
     {.name = NULL},
 };
 
-/* For CPUs alone: a work-item that traces a whole group has 26 KB or more of private memory, and
- * leaves a GPU with a group of work for each of its items. */
+/* For CPUs only: a work-item that traces a whole group has at least 26 KB of private memory, and on
+ * a GPU each work-item would have a group's work. */
 static const bb_variants variants[] = {
     {BB_FOR_CPU, BB_ROLE_COMPARED, "stack8i:leaf=8,group=256"},
     {BB_FOR_CPU, BB_ROLE_TRIED, "stack8i:leaf=4,group=256"},

@@ -1,5 +1,5 @@
-/* The restart trail: kernels/short.cl without a stack. It visits what the stack does, and what its
- * restarts do. */
+/* The restart trail: kernels/short.cl without a stack. It visits the same nodes as the stack, plus
+ * those of its restarts. */
 #include "traversal/short.h"
 
 const bb_kernel bb_kernel_trail = {

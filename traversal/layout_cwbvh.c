@@ -1,5 +1,5 @@
-/* The `cwbvh` layout: compressed nodes of 8 children, in places by octant, and primitives one by
- * one (kernels/layout_cwbvh.cl). */
+/* The `cwbvh` layout: compressed nodes of 8 children, placed by octant, and single primitives
+ * (kernels/layout_cwbvh.cl). */
 #include "traversal/wide.h"
 
 static bb_status create(bb_device *device, bb_account *account, void **self)

@@ -1,5 +1,5 @@
-/* The `octree` layout (kernels/layout_octree.cl), of trees that have cells: for queries that go to
- * one cell. */
+/* The `octree` layout (kernels/layout_octree.cl) of trees with cells, for queries that go to one
+ * cell. */
 #include "traversal/traversal.h"
 
 #include "kernels/cell_grid_shared.h"

@@ -1,5 +1,5 @@
 /* The `pair` layout: both children's boxes in the parent (kernels/layout_pair.cl). Binary trees
- * keep their shape; wider ones are made binary over the order of their children. */
+ * keep their shape; wider nodes become binary trees over their children in order. */
 #include "traversal/leaf_prims.h"
 #include "traversal/pairs.h"
 
@@ -37,7 +37,7 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
     uint32_t count;
     data->buffer_count = 2;
     data->levels = bb_pairs_stack_need(&tree->info);
-    data->stack_need = data->levels; /* one per pair node on the way */
+    data->stack_need = data->levels; /* one per pair node on the path */
     data->keeps_shape = bb_pairs_keep_shape(&tree->info);
     BB_TRY(bb_pairs_make(&self->pairs, source, &data->buffers[0], &count, &data->root));
     data->bytes += count * sizeof(bb_pair);

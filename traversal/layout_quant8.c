@@ -1,4 +1,4 @@
-/* The `quant8` layout: as wide8, with boxes in 8 bits per plane, which contain the exact ones. */
+/* The `quant8` layout: like wide8, with boxes in 8 bits per plane that contain the exact ones. */
 #include "traversal/wide.h"
 
 static bb_status create(bb_device *device, bb_account *account, void **self)

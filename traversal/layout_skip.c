@@ -1,5 +1,4 @@
-/* The `skip` layout: the tree's own nodes in preorder (kernels/layout_skip.cl), whatever their
- * arity. */
+/* The `skip` layout: the tree's own nodes of any arity in preorder (kernels/layout_skip.cl). */
 #include "traversal/traversal.h"
 
 #include "traversal/leaf_prims.h"
@@ -8,7 +7,7 @@
 
 enum {
     GROUP_SIZE = 64,
-    SPLITTERS = 1 << 14, /* about so many: one work-item goes through them all */
+    SPLITTERS = 1 << 14, /* approximate number; one work-item goes through them all */
     STRIDE_MIN = 32,
 };
 
@@ -61,7 +60,7 @@ static bb_status number_nodes(skip_layout *self, const bb_tree *tree)
     uint32_t count = tree->info.node_count, root = tree->info.root, stride = STRIDE_MIN;
     while (count / stride > SPLITTERS)
         stride *= 2;
-    uint32_t splitters = (count - 1) / stride + 2; /* and the root's */
+    uint32_t splitters = (count - 1) / stride + 2; /* plus the root's */
     size_t bytes = splitters * sizeof(uint32_t);
     BB_TRY(bb_buffer_reserve(device, self->account, bytes, "skip: lengths", &self->lengths));
     BB_TRY(bb_buffer_reserve(device, self->account, bytes, "skip: links", &self->after));

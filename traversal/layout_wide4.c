@@ -1,4 +1,4 @@
-/* The `wide4` layout: nodes of up to 4 children, their boxes side by side, and blocks of
+/* The `wide4` layout: nodes of up to 4 children with their boxes side by side, and blocks of
  * primitives. */
 #include "traversal/wide.h"
 

@@ -1,4 +1,4 @@
-/* The `wide8` layout: nodes of up to 8 children, their boxes side by side, and blocks of
+/* The `wide8` layout: nodes of up to 8 children with their boxes side by side, and blocks of
  * primitives. */
 #include "traversal/wide.h"
 

@@ -1,4 +1,4 @@
-/* What is the same for all layouts: leaf collapse, the clock, the name. */
+/* Common to all layouts: leaf collapse, the clock, the name. */
 #include "traversal/traversal.h"
 
 #include "traversal/collapse.h"
@@ -39,7 +39,7 @@ void bb_layout_maker_destroy(bb_layout_maker *maker)
     *maker = (bb_layout_maker){0};
 }
 
-/* As recorded: what differs from the layout of the tree's own leaves and of vertices. */
+/* Sets the name, as recorded: lists what differs from the tree's own leaves and vertices. */
 static void name(const bb_layout_maker *maker, uint32_t leaf, uint32_t format, bool more_kinds,
                  bb_layout_data *data)
 {
@@ -66,7 +66,7 @@ static void name(const bb_layout_maker *maker, uint32_t leaf, uint32_t format, b
         }
 }
 
-/* The side array that the layout asks for; NULL if it asks for none. */
+/* Finds the side array that the layout reads; NULL if it reads none. */
 static bb_status find_array(const bb_layout *layout, const bb_tree *tree, const bb_buffer **array)
 {
     const char *name = layout->array.name;
@@ -89,8 +89,7 @@ static bb_status find_array(const bb_layout *layout, const bb_tree *tree, const 
     return BB_OK;
 }
 
-/* Whether leaves of the tree are to be collapsed, or large ones divided, before the layout is
- * made. */
+/* Returns whether leaves are collapsed, or large ones divided, before the layout is made. */
 static bool collapses_first(const bb_layout_maker *maker, const bb_tree *tree, uint32_t leaf)
 {
     const bb_layout *layout = maker->layout;
@@ -99,7 +98,7 @@ static bool collapses_first(const bb_layout_maker *maker, const bb_tree *tree, u
     return leaf > 1 && !(layout->collapses != NULL && layout->collapses(maker->self, tree));
 }
 
-/* Ct of a pair of children. */
+/* Returns Ct of a pair of children. */
 static float traversal_of(const bb_layout_maker *maker)
 {
     uint32_t width = maker->layout->width;
@@ -107,7 +106,8 @@ static float traversal_of(const bb_layout_maker *maker)
     return bb_collapse_traversal(wish > 0 ? wish : bb_collapse_node_cost(width), width);
 }
 
-/* What is timed. *traced is the tree whose leaves the layout has: collapsed, or `tree` itself. */
+/* The part that is timed. *traced: the tree with the layout's leaves: the collapsed one, or
+ * `tree`. */
 static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
                       bool same_links, bb_layout_data *data, bb_tree **traced)
 {

@@ -1,9 +1,9 @@
-/* Pair nodes of a tree: the host side of kernels/layout_pair.cl. */
+/* Pair nodes of a tree: host side of kernels/layout_pair.cl. */
 #include "traversal/pairs.h"
 
 enum {
     GROUP_SIZE = 64,
-    ARITY_MAX = 4096, /* one work-item does all the children of a node */
+    ARITY_MAX = 4096, /* one work-item handles all children of a node */
 };
 
 bb_status bb_pairs_create(bb_device *device, bb_account *account, bb_pairs *pairs)
@@ -31,7 +31,7 @@ void bb_pairs_destroy(bb_pairs *pairs)
     bb_program_release(pairs->program);
 }
 
-/* The number of each node's first pair, how many there are, and which is the root. */
+/* Finds the number of each node's first pair, the number of pairs, and the root. */
 static bb_status number_pairs(bb_pairs *pairs, const bb_tree *tree)
 {
     bb_device *device = pairs->device;
@@ -77,8 +77,8 @@ bb_status bb_pairs_sides(const bb_pairs *pairs, const bb_tree *tree, bb_buffer *
                      BB_VALUE(node_count), BB_MEM(pairs->base), BB_MEM(*sides));
 }
 
-/* Those of a balanced binary tree over up to `arity` children at each of `depth` levels: an upper
- * bound that needs no walk. */
+/* Returns the levels of a balanced binary tree over up to `arity` children at each of `depth`
+ * levels: an upper bound that needs no walk. */
 uint64_t bb_pairs_levels(const bb_tree_info *info)
 {
     uint64_t levels = 0;

@@ -1,23 +1,22 @@
-/* The one way to trace: rays, a tracer and a layout give answers. Everything that traces goes
- * through here, including what is timed. */
+/* Traces rays: a tracer and a layout give answers. All tracing, timed or not, goes through here. */
 #ifndef BB_PASS_H
 #define BB_PASS_H
 
 #include "traversal/traversal.h"
 
-/* Everything here is owned by others and already on the device. */
+/* All objects are owned by others and already on the device. */
 typedef struct bb_pass {
     const bb_query *query;
-    bb_tracer *tracer; /* NULL if only poisoned */
+    bb_tracer *tracer; /* NULL if the pass only poisons */
     const bb_layout_data *layout;
     const bb_buffer *rays; /* bb_ray[count] */
-    bb_buffer *results;    /* as the query has them: bb_hit[count] of closest and any hits */
-    bb_buffer *counts;     /* bb_count[count], if the tracer counts; else NULL */
-    const bb_arg *more;    /* what the query's kernels take besides */
+    bb_buffer *results;    /* type as the query says: bb_hit[count] for closest and any hits */
+    bb_buffer *counts;     /* bb_count[count] if the tracer counts, else NULL */
+    const bb_arg *more;    /* additional arguments of the query's kernels */
     uint32_t more_count;
 } bb_pass;
 
-/* Fills the results with BB_POISON, so that unwritten ones are detected; waits. */
+/* Fills the results with BB_POISON, so that unwritten ones are detected. Waits for the device. */
 bb_status bb_pass_poison(const bb_pass *pass, uint32_t count);
 
 /* Enqueues the first `count` rays; does not wait. Only this is timed. */

@@ -1,4 +1,4 @@
-/* Reach of nodes: the host side of kernels/reach.cl. */
+/* Reach of nodes: host side of kernels/reach.cl. */
 #include "traversal/reach.h"
 
 #include <stdlib.h>

@@ -8,12 +8,12 @@
 
 typedef struct bb_reach bb_reach;
 
-/* Compiles; scratch is booked on `account`. Owned by the caller. */
+/* Compiles. Scratch is booked on `account`. The caller owns *out. */
 bb_status bb_reach_create(bb_device *device, bb_account *account, bb_reach **out);
 void bb_reach_destroy(bb_reach *reach); /* NULL is allowed */
 
-/* One float per node of `tree`, which is on the device, in the scene's units. Enqueued, not waited
- * for. The object keeps owning *out. */
+/* Computes one float per node of `tree`, which is on the device, in the scene's units. Enqueued,
+ * not waited for. The object owns *out. */
 bb_status bb_reach_make(bb_reach *reach, const bb_scene *scene, const bb_tree *tree,
                         const bb_buffer **out);
 

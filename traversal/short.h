@@ -1,15 +1,15 @@
-/* What the kernels of kernels/short.cl share: each is declared in its own kernel_NAME.c. */
+/* Shared by the kernels of kernels/short.cl, each of which is declared in its own kernel_NAME.c. */
 #ifndef BB_SHORT_H
 #define BB_SHORT_H
 
 #include "traversal/traversal.h"
 
-/* Its file, and what follows from the trail. */
+/* The file, and the properties that the trail implies. */
 #define BB_SHORT_KERNEL                                                                            \
     .source = "short.cl", .queries = BB_ALONG_RAYS, .ordered = true, .stackless = true,            \
     .trail_max = BB_TRAIL_MAX
 
-/* The option of those with a stack. */
+/* Option of kernels with a stack. */
 #define BB_ENTRIES_OPTION(preset)                                                                  \
     {                                                                                              \
         "entries", preset, "1|2|4|8|16",                                                           \

@@ -1,8 +1,8 @@
-/* A stack is private memory. A GPU keeps that of all work-items in flight at once, in its global
- * memory, and drivers that have no room for it end the launch or the process. OpenCL does not tell
- * how many are in flight: up to 2048 on a compute unit of the GPUs there are (NVIDIA since Kepler
- * 1024 to 2048, AMD's GCN 2560, RDNA 1024 to 2048). A quarter of the memory leaves the rest to
- * scenes and trees.
+/* A stack is private memory. A GPU keeps the private memory of all work-items in flight in its
+ * global memory, and drivers without room for it abort the launch or the process. OpenCL does not
+ * say how many work-items are in flight; on current GPUs there are up to 2048 per compute unit
+ * (NVIDIA since Kepler 1024 to 2048, AMD's GCN 2560, RDNA 1024 to 2048). A quarter of the memory is
+ * used for stacks, the rest is left to scenes and trees.
  */
 #include "traversal/stack_room.h"
 
@@ -13,7 +13,7 @@ uint32_t bb_stacks_of_item(const bb_kernel *kernel, const bb_spec *spec)
     uint64_t rays = 1;
     if (kernel->batched &&
         bb_spec_u64(spec, kernel->options, "rays", 1, UINT32_MAX, &rays) != BB_OK)
-        rays = 1; /* not among its options */
+        rays = 1; /* the kernel has no such option */
     return (uint32_t)rays;
 }
 

@@ -1,4 +1,5 @@
-/* What the kernels of kernels/stack_wide.cl share: each is declared in its own kernel_NAME.c. */
+/* Shared by the kernels of kernels/stack_wide.cl, each of which is declared in its own
+ * kernel_NAME.c. */
 #ifndef BB_STACK_WIDE_H
 #define BB_STACK_WIDE_H
 
@@ -6,7 +7,7 @@
 
 #define BB_STACK_WIDE_KERNEL .source = "stack_wide.cl", .queries = BB_ALONG_RAYS, .ordered = true
 
-/* The option of those with 8 children. */
+/* Option of kernels with 8 children. */
 #define BB_ORDER_OPTION                                                                            \
     {                                                                                              \
         "order", "sorted", "sorted|octant",                                                        \

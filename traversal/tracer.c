@@ -1,4 +1,4 @@
-/* Kernels compiled for what a scene needs, and their launches. */
+/* Compiles kernels for what a scene needs, and launches them. */
 #include "traversal/stack_room.h"
 
 #include "framework/base/number.h"
@@ -16,7 +16,7 @@ const bb_option bb_kernel_common_options[] = {
     {"leaf", "1", NULL,
      "collapse subtrees of up to this many references into a leaf where that lowers SAH"},
     {"group", "64", NULL, "work-group size, in rays"},
-    /* no defaults: keys of cells that were measured before there were these stay as they are */
+    /* no defaults, so that keys of earlier cells stay the same */
     {"stack", NULL, "auto|4|8|16|32|64|128|256|512|1024",
      "entries of the stack; auto, or not given: what the tree needs, rounded up, 16 at least"},
     {"kinds", NULL, "scene|all", "kinds of primitives compiled in; default: the scene's"},
@@ -24,7 +24,7 @@ const bb_option bb_kernel_common_options[] = {
      "nodes of more than two children: of least area in all, or by opening the largest child; "
      "default: optimal"},
     {"node", NULL, NULL,
-     "what leaf=N takes a node to cost, a block of primitives being 1; default: "
+     "cost of a node for leaf=N, relative to a block of primitives; default: "
      "1.2 per pair of children"},
     {"persistent", "no", "no|yes",
      "as many groups as fit the device, which fetch rays from a counter: for GPUs"},
@@ -36,22 +36,22 @@ struct bb_tracer {
     bb_device *device;
     char key[1024]; /* source and defines */
     uint32_t group;
-    uint32_t stack_size, stacks; /* of a work-item */
+    uint32_t stack_size, stacks; /* entries; stacks per work-item */
     uint64_t launched;
     bool counting;
     bool persistent;
     bool batched;
-    bb_buffer taken; /* u32: rays that groups have taken; of the persistent form */
+    bb_buffer taken; /* u32: rays that groups have taken; persistent form only */
     bb_u32 format;   /* of the triangles that it reads */
-    uint32_t lanes;  /* and primitives side by side */
+    uint32_t lanes;  /* primitives side by side */
     cl_program program;
     cl_kernel kernel;
 };
 
 static bb_tracer *cache;
 
-/* Groups of the persistent form per compute unit: enough to hide memory on the GPUs there are; more
- * only find no rays left. */
+/* Groups of the persistent form per compute unit: enough to hide latency on current GPUs; further
+ * groups would find no rays left. */
 enum { GROUPS_PER_UNIT = 16 };
 
 static const double NODE_COST_LEAST = 0.001, NODE_COST_MOST = 1000;
@@ -145,7 +145,7 @@ bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **ker
                    spec->name, bb_suggested(&meant));
 }
 
-/* Rays that one work-item of a batched kernel traces: the device does not bound them. */
+/* Rays that one work-item of a batched kernel traces; the device sets no bound. */
 enum { BATCH_MAX = 4096 };
 
 bb_status bb_kernel_group_of(const bb_kernel *kernel, const bb_spec *spec, const bb_device *device,
@@ -180,9 +180,9 @@ static uint32_t round_levels(uint32_t levels)
     return size;
 }
 
-/* What the layout asks for, unless a parameter says otherwise. */
+/* The layout's needs, unless a parameter says otherwise. */
 typedef struct variant {
-    uint32_t stack_size; /* 0: none of the tree's size */
+    uint32_t stack_size; /* 0: no stack of the tree's size */
     uint32_t kinds, levels;
     bool stack_given, stack_capped, kinds_given;
 } variant;
@@ -259,8 +259,8 @@ static void release(bb_tracer *tracer)
 
 /* ---- the compiler's options ---- */
 
-/* The definitions are what a cached program is found by: those that were cut off could be another
- * variant's. */
+/* The definitions are the key of a cached program: truncated ones could belong to another
+ * variant. */
 __attribute__((format(printf, 3, 4))) static bb_status append(char *text, size_t capacity,
                                                               const char *format, ...)
 {
@@ -275,7 +275,7 @@ __attribute__((format(printf, 3, 4))) static bb_status append(char *text, size_t
                          capacity - 1);
 }
 
-/* The kernel's own options as -DBB_NAME=value, '-' as '_'. */
+/* Appends the kernel's own options as -DBB_NAME=value, with '-' replaced by '_'. */
 static bb_status append_options(const bb_kernel *kernel, const bb_spec *spec, char *text,
                                 size_t capacity)
 {
@@ -305,7 +305,7 @@ static bb_status write_defines(const bb_device *device, const bb_tracer_request 
 {
     const bb_kernel *kernel = request->kernel;
     bb_intersector_defines(request->intersector, text, capacity);
-    /* so that all kernels get the same bits from the same steps */
+    /* so that the same steps give all kernels the same bits */
     if (bb_intersector_is_exact(request->intersector) && bb_device_divides_exactly(device))
         BB_TRY(append(text, capacity, " -cl-fp32-correctly-rounded-divide-sqrt"));
     BB_TRY(append(text, capacity,
@@ -326,7 +326,7 @@ static bb_status write_defines(const bb_device *device, const bb_tracer_request 
 
 /* ---- tracers ---- */
 
-/* Whether the kernel answers the query for these primitives, and its trail takes the tree. */
+/* Checks that the kernel answers the query for these primitives, and that its trail suffices. */
 static bb_status check_request(const bb_tracer_request *request, const bb_layout_data *layout)
 {
     const bb_kernel *kernel = request->kernel;
@@ -348,7 +348,7 @@ static bb_status check_request(const bb_tracer_request *request, const bb_layout
     return BB_OK;
 }
 
-/* What depends on the device: the program, its kernel, the counter of the persistent form. */
+/* Makes what depends on the device: the program, its kernel, the counter of the persistent form. */
 static bb_status compile(bb_tracer *tracer, const bb_kernel *kernel, const char *defines)
 {
     const bb_source *source = bb_source_find(kernel->source);
@@ -444,7 +444,7 @@ bool bb_tracer_private_bytes(const bb_tracer *tracer, uint64_t *bytes)
                                  sizeof private_bytes, &private_bytes, NULL) != CL_SUCCESS)
         return false;
     *bytes = private_bytes;
-    return private_bytes > 0; /* of PoCL and others that do not know */
+    return private_bytes > 0; /* PoCL and others report 0 instead */
 }
 
 uint64_t bb_tracer_launched(const bb_tracer *tracer)

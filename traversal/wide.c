@@ -1,4 +1,4 @@
-/* The wide layouts: the host side of kernels/layout_wide.cl. */
+/* The wide layouts: host side of kernels/layout_wide.cl. */
 #include "traversal/wide.h"
 
 #include "framework/device/levels.h"
@@ -12,10 +12,10 @@
 enum {
     GROUP_SIZE = 64,
     LEVEL_ITEMS =
-        4096, /* work-items per level, which share its nodes: how many is not known here */
+        4096, /* work-items per level, which share its nodes; their number is not known here */
     LEVELS_MAX = 1 << 20,
-    LEVELS_AT_ONCE = 32, /* enqueued before asking whether there is another one */
-    DEEPER = 4,          /* level of which a work-item opens all that is below */
+    LEVELS_AT_ONCE = 32, /* launches enqueued before asking whether there is a further level */
+    DEEPER = 4,          /* level from which on a work-item opens everything below */
 };
 
 typedef struct wide_layout {
@@ -27,22 +27,22 @@ typedef struct wide_layout {
     bb_pairs pairs;
     cl_program program;
     cl_kernel parents_kernel, open, nodes, count, blocks;
-    cl_kernel plan;               /* by a fence */
-    cl_kernel plan_leaves, level; /* by levels */
+    cl_kernel plan;               /* hand-over by a fence */
+    cl_kernel plan_leaves, level; /* hand-over by levels */
     bb_levels plan_levels;
     bb_buffer pair_nodes;
-    bb_buffer parents, missing; /* u32 per pair: the pair above; sides that have not come yet */
+    bb_buffer parents, missing; /* u32 per pair: the pair above; sides that are not finished */
     bb_buffer plans;            /* bb_wide_plan per pair */
-    bb_buffer levels[2];        /* uint2 per pair: nodes of one level, and of the next */
-    bb_buffer state;            /* the largest stack need; then nodes per level */
+    bb_buffer levels[2];        /* uint2 per pair: nodes of the current level, and of the next */
+    bb_buffer state;            /* largest stack need; then number of nodes per level */
     bb_buffer index;            /* u32 per pair, and the total: its wide node */
     bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
     bb_wide_follow follow;
-    bb_wide_direct direct;     /* for the trees that it takes; zeroed in the form for GPUs */
-    bb_cwbvh_maker cwbvh;      /* of compressed nodes; else zeroed */
-    bb_leaf_prims *leaf_prims; /* of leaves of one primitive each */
-    char defines[160];         /* of the programs */
-    /* of the last making */
+    bb_wide_direct direct;     /* for trees that it accepts; zeroed in the form for GPUs */
+    bb_cwbvh_maker cwbvh;      /* for compressed nodes; otherwise zeroed */
+    bb_leaf_prims *leaf_prims; /* for leaves of one primitive each */
+    char defines[160];         /* for the programs */
+    /* of the last layout */
     uint32_t block_count, node_count, root, stack_need;
 } wide_layout;
 
@@ -123,13 +123,13 @@ static bb_status reserve(wide_layout *self, size_t bytes, const char *what, bb_b
     return bb_buffer_reserve(self->device, self->account, bytes, what, buffer);
 }
 
-/* Last element of a scan over `count` elements. */
+/* Reads the last element of a scan over `count` elements. */
 static bb_status read_total(const bb_buffer *scan, uint32_t count, uint32_t *total)
 {
     return bb_buffer_read(scan, count * sizeof *total, sizeof *total, total);
 }
 
-/* What a launch over one level of pairs needs. */
+/* Arguments of a launch over one level of pairs. */
 typedef struct plan_job {
     wide_layout *self;
     uint32_t root;
@@ -158,7 +158,8 @@ static bb_status plan_by_levels(wide_layout *self, uint32_t count, uint32_t root
     return bb_levels_run(&self->plan_levels, plan_level, &job);
 }
 
-/* How each pair is best collapsed: self->plans. Clears the marks. `most`: levels of pairs. */
+/* Computes how best to collapse each pair: self->plans. Clears the marks. `most`: levels of
+ * pairs. */
 static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root, uint32_t most)
 {
     BB_TRY(reserve(self, count * sizeof(uint32_t), "wide: parents", &self->parents));
@@ -173,7 +174,7 @@ static bb_status make_plans(wide_layout *self, uint32_t count, uint32_t root, ui
                      BB_MEM(self->plans));
 }
 
-/* Level by level from the root: marks in self->index the pairs that become nodes. */
+/* Marks the pairs that become nodes in self->index, level by level from the root. */
 static bb_status open_levels(wide_layout *self, const bb_layout_source *source, uint32_t pair_count,
                              uint32_t root)
 {
@@ -211,7 +212,7 @@ static bool has_records(const bb_layout_source *source)
     return source->leaf == 1 && info->leaf_count == info->ref_count;
 }
 
-/* Where the blocks of each leaf begin: self->first. */
+/* Computes the first block of each leaf: self->first. */
 static bb_status number_blocks(wide_layout *self, const bb_layout_source *source)
 {
     const bb_tree *tree = source->tree;
@@ -225,7 +226,7 @@ static bb_status number_blocks(wide_layout *self, const bb_layout_source *source
     return read_total(&self->first, count, &self->block_count);
 }
 
-/* From references to blocks: data->buffers[1]. */
+/* Makes blocks from references: data->buffers[1]. */
 static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
                              bb_layout_data *data)
 {
@@ -253,13 +254,13 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
                      BB_MEM(self->first), BB_VALUE(fresh), BB_MEM(data->buffers[1]));
 }
 
-/* What was opened, for compressed nodes, whose children lie together: the root is number 0. */
+/* The opened pairs, for compressed nodes, in which siblings are adjacent: the root is number 0. */
 static bb_opened opened_of(const wide_layout *self, uint32_t pair_count, uint32_t root)
 {
     return (bb_opened){&self->pair_nodes, &self->index, &self->plans, pair_count, root};
 }
 
-/* Which pairs become nodes, and their numbers: self->plans, self->index. */
+/* Finds the pairs that become nodes, and their numbers: self->plans, self->index. */
 static bb_status number_nodes(wide_layout *self, const bb_layout_source *source,
                               uint32_t pair_count, uint32_t root)
 {
@@ -282,13 +283,13 @@ static bb_status number_nodes(wide_layout *self, const bb_layout_source *source,
     return read_total(&self->index, root, &self->root);
 }
 
-/* From pairs to nodes, whose sides are kept for nodes that follow. */
+/* Writes nodes from pairs, and their sides for layouts that follow. */
 static bb_status write_nodes(wide_layout *self, const bb_layout_source *source, uint32_t pair_count,
                              uint32_t root, const bb_buffer *nodes)
 {
     uint32_t ref_count = source->tree->info.ref_count, octants = source->octants;
     uint32_t single = has_records(source);
-    /* not read if single: any will do */
+    /* not read if single: any buffer will do */
     const bb_buffer *first = single ? &self->index : &self->first;
     BB_TRY(bb_wide_follow_reserve(&self->follow, self->node_count));
     if (self->compressed) {
@@ -301,13 +302,14 @@ static bb_status write_nodes(wide_layout *self, const bb_layout_source *source, 
                      BB_MEM(self->follow.sides));
 }
 
-/* No node at all: the root is the tree's only leaf, which starts at reference `ref`. */
+/* Makes a layout without nodes: the root is the tree's only leaf, which starts at reference
+ * `ref`. */
 static bb_status make_root_leaf(wide_layout *self, const bb_layout_source *source, uint32_t ref,
                                 bb_layout_data *data)
 {
     data->stack_need = 0;
     BB_TRY(reserve(self, self->node_bytes, "wide: nodes", &data->buffers[0]));
-    if (self->compressed) { /* whose kernel wants to know how many primitives there are */
+    if (self->compressed) { /* its kernel needs the number of primitives */
         data->root = BB_LEAF_BIT | source->tree->info.ref_count;
         return bb_cwbvh_order_leaf(&self->cwbvh, source->tree);
     }
@@ -318,8 +320,8 @@ static bb_status make_root_leaf(wide_layout *self, const bb_layout_source *sourc
     return BB_OK;
 }
 
-/* data->buffers[0], root and stack need. After the blocks, but of compressed nodes before the
- * primitives. */
+/* Makes data->buffers[0], root and stack need. Called after the blocks, but for compressed nodes
+ * before the primitives. */
 static bb_status make_nodes(wide_layout *self, const bb_layout_source *source, bb_layout_data *data)
 {
     const bb_tree *tree = source->tree;
@@ -346,7 +348,7 @@ bool bb_wide_collapses(const void *opaque, const bb_tree *tree)
     return bb_wide_direct_takes(self->device, tree);
 }
 
-/* Without pairs: layout_wide_direct.cl. */
+/* Makes the layout without pairs: layout_wide_direct.cl. */
 static bb_status make_direct(wide_layout *self, const bb_layout_source *source,
                              bb_layout_data *data)
 {

@@ -1,4 +1,4 @@
-/* Wide layouts straight from binary trees: the host side of kernels/layout_wide_direct.cl. */
+/* Wide layouts directly from binary trees: host side of kernels/layout_wide_direct.cl. */
 #include "traversal/wide_direct.h"
 
 #include "framework/base/arithmetic.h"
@@ -8,8 +8,8 @@
 enum {
     GROUP_SIZE = 64,
     PIECES_MAX = BB_DIRECT_PIECES,
-    PIECES_PER_UNIT = 32,           /* subtrees, at least: none is then much of the work */
-    QUEUE_MAX = 4 * PIECES_MAX + 1, /* half of the pieces are opened, into 8 at most */
+    PIECES_PER_UNIT = 32,           /* fewest subtrees, so that none is much of the work */
+    QUEUE_MAX = 4 * PIECES_MAX + 1, /* at most half of the pieces are opened, into up to 8 each */
     OPENERS_PER_UNIT = 32,          /* work-items that share the queue */
 };
 
@@ -85,7 +85,7 @@ static bb_status reserve(bb_wide_direct *d, const bb_layout_source *source)
     return BB_OK;
 }
 
-/* Cut, plan, marks. */
+/* Cuts the tree, plans, and marks. */
 static bb_status mark(bb_wide_direct *d, const bb_layout_source *source)
 {
     const bb_tree *tree = source->tree;
@@ -120,7 +120,7 @@ static bb_status read_u32(const bb_buffer *buffer, size_t at, uint32_t *value)
     return bb_buffer_read(buffer, at * sizeof *value, sizeof *value, value);
 }
 
-/* The number of the root's wide node. */
+/* Finds the number of the root's wide node. */
 static bb_status find_root(bb_wide_direct *d, uint32_t root)
 {
     uint32_t word = root / BB_DIRECT_WORD;

@@ -1,4 +1,4 @@
-/* Wide nodes that get new boxes in place: the host side of kernels/layout_wide_follow.cl. */
+/* Updates boxes of wide nodes in place: host side of kernels/layout_wide_follow.cl. */
 #include "traversal/wide_follow.h"
 
 enum { GROUP_SIZE = 64, SIBLINGS_BYTES = 2 * sizeof(uint32_t) };
@@ -37,7 +37,7 @@ static bb_status compile(bb_wide_follow *self, const char *defines)
     return bb_kernel_get(self->program, "wide_follow", &self->follow);
 }
 
-/* Needs the sides of pairs for a moment only. */
+/* Needs the sides of pairs only temporarily. */
 static bb_status find_sources(bb_wide_follow *self, const bb_pairs *pairs,
                               const bb_layout_source *source, uint32_t node_count)
 {
