@@ -13,7 +13,7 @@ bb_status bb_finish(bb_device *device)
 }
 
 /* Large buffers of devices that share memory with the host are put on huge pages: traversal jumps
- * through them, and a build touches them whole. */
+ * through them, and a build touches all of them. */
 static const size_t huge_page = (size_t)2 << 20;
 
 static void CL_CALLBACK free_host_pages(cl_mem mem, void *pages)
@@ -32,7 +32,7 @@ static cl_mem create_buffer(bb_device *device, size_t bytes, cl_int *error)
         *error = CL_MEM_OBJECT_ALLOCATION_FAILURE;
         return NULL;
     }
-    madvise(pages, whole, MADV_HUGEPAGE); /* a hint: its failure changes nothing but speed */
+    madvise(pages, whole, MADV_HUGEPAGE); /* a hint: if it fails, only speed suffers */
     cl_mem mem = clCreateBuffer(device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes,
                                 pages, error);
     if (*error != CL_SUCCESS)
@@ -161,8 +161,8 @@ bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes)
     return device->profile_events ? bb_device_add_event(device, event) : BB_OK;
 }
 
-/* On devices with memory of their own: pinned memory that a driver maps is scarce, and slow to read
- * on some. The copy begins behind this. */
+/* Used on devices with memory of their own: mapped pinned memory is scarce, and on some slow to
+ * read. The copy itself follows this header. */
 typedef struct map_copy {
     _Alignas(64) bool write;
 } map_copy;

@@ -40,7 +40,7 @@ const char *bb_cl_error(cl_int error)
     }
 }
 
-/* What to do about errors that are neither ours nor in what was asked for. */
+/* Returns what to do about errors that neither the program nor its user has caused. */
 static const char *advice(cl_int error)
 {
     switch (error) {

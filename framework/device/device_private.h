@@ -1,47 +1,48 @@
-/* What the harness alone asks of a device: opening and closing it, the time of its events. */
+/* Device functions for the harness only: opening, closing, event times. */
 #ifndef BB_DEVICE_PRIVATE_H
 #define BB_DEVICE_PRIVATE_H
 
 #include "framework/base/variants.h"
 #include "framework/device/device.h"
 
-/* BB_INVALID where there is no `folder`, in which Linux describes its processors
- * (/sys/devices/system/cpu): PoCL ends the process without it. */
+/* BB_INVALID if there is no `folder`, in which Linux describes its processors
+ * (/sys/devices/system/cpu): without it PoCL aborts the process. */
 bb_status bb_device_check_system(const char *folder);
 
-/* Number of OpenCL devices of all platforms, and description of the i-th for `list devices`: GPUs
- * come first, then accelerators, then processors. */
+/* Number of OpenCL devices of all platforms, and description of the i-th one for `list devices`.
+ * GPUs come first, then accelerators, then processors. */
 bb_status bb_device_count(uint32_t *count);
 bb_status bb_device_describe(uint32_t index, char *text, size_t capacity);
-/* If there are none: why, or what to do. */
+/* Writes why there is no device, or what to do. */
 void bb_device_say_none(char *text, size_t capacity);
 
-/* What variants suit: BB_FOR_CPU or BB_FOR_GPU, which is any device that is no CPU. */
+/* Returns the kind of variants for it: BB_FOR_CPU or BB_FOR_GPU, which is any device that is not a
+ * CPU. */
 static inline uint32_t bb_device_kind(const bb_device *device)
 {
     return device->is_cpu ? BB_FOR_CPU : BB_FOR_GPU;
 }
 
-/* The same of the device that `selector` names, which stays unopened. BB_FOR_CPU if there is none:
- * opening it will say so. */
+/* The same for the device that `selector` names, without opening it. BB_FOR_CPU if there is none:
+ * opening it then reports that. */
 uint32_t bb_device_find_kind(const char *selector);
 
-/* Opens the device that `selector` names: NULL (the first of them), an index, or part of a device
- * or platform name. `form` as above; the hand-over is chosen (framework/device/handover.c).
- * BB_INVALID when there is none: the message says what to install. Close with bb_device_close(). */
+/* Opens the device that `selector` names: NULL (the first), an index, or part of a device or
+ * platform name. `form` as above; the hand-over is chosen (framework/device/handover.c). BB_INVALID
+ * if there is none: the message says what to install. Close with bb_device_close(). */
 bb_status bb_device_open(const char *selector, bb_form form, const char *kernel_folder,
                          bb_device **device);
 void bb_device_close(bb_device *device);
 
-/* Moves a word there and back: BB_FAILED, and what to do, if the device answers no more. */
+/* Sends a word to the device and back: BB_FAILED, with what to do, if it no longer answers. */
 bb_status bb_device_check(bb_device *device);
 
-/* Another hand-over than the one chosen, for what is created from now on. BB_INVALID for a fence
- * that the device has not, or that failed the litmus test. */
+/* Changes the hand-over for objects created from now on. BB_INVALID for a fence that the device
+ * lacks, or that failed the litmus test. */
 bb_status bb_device_set_handover(bb_device *device, bb_handover handover);
 
-/* Threads for the host's share of the work on this device: all cores; for a device that is the
- * host's own processor no more than its compute units. */
+/* Returns the number of threads for the host's share of the work: all cores, but if the device is
+ * the host's own processor at most its compute units. */
 uint32_t bb_host_threads(const bb_device *device);
 
 /* ---- programs and launches ---- */
@@ -50,25 +51,26 @@ uint32_t bb_host_threads(const bb_device *device);
  * CMake. */
 extern const bb_source bb_embedded_sources[];
 
-/* Forgets all compiled programs (those in use live on). */
+/* Forgets all compiled programs; those in use live on. */
 void bb_programs_clear(bb_device *device);
 
-/* What compiling took since the device was opened or its programs forgotten. Not in it is what a
- * driver leaves for a kernel's first launch. */
+/* Compile times since the device was opened or its programs were forgotten. Work that a driver
+ * defers to a kernel's first launch is not included. */
 typedef struct bb_compiling {
-    uint32_t programs; /* those that did not compile among them */
+    uint32_t programs; /* including those that failed */
     double ms;         /* wall */
-    const char *cache; /* the driver's cache of kernels, for the program that took longest: "cold":
-                          compiled again it takes less than a third of the time; "warm": it does
-                          not, so it came from the cache, or there is none; or "not known" */
+    const char *cache; /* the driver's cache of kernels, judged by the program that took longest:
+                        * "cold": a second compilation takes less than a third of the time; "warm":
+                        * it does not, so the first came from the cache, or there is no cache; or
+                        * "not known" */
 } bb_compiling;
 
-/* Compiles one program once more, to tell. */
+/* Compiles one program a second time to find out. */
 void bb_programs_measure(bb_device *device, bb_compiling *found);
 
-/* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read
- * device->event_ms. While profile_events is set, whatever the device does by itself is added:
- * launches, copies from buffer to buffer, fills. It then owns the event. */
+/* Event times, for stopwatch.c: clear, set profile_events, launch, collect, read device->event_ms.
+ * While profile_events is set, the times of launches, copies between buffers and fills are added.
+ * The device then owns the event. */
 void bb_device_clear_events(bb_device *device);
 bb_status bb_device_add_event(bb_device *device, cl_event event);
 bb_status bb_device_collect_events(bb_device *device);

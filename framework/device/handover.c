@@ -1,5 +1,5 @@
-/* A fence is used where the device documents one (OpenCL C 3.0 with the features for it, or 2.x,
- * where they are required) and passes the litmus test (kernels/litmus.cl); else launches by levels.
+/* A fence is used if the device documents one (OpenCL C 3.0 with its features, or 2.x, where they
+ * are required) and passes the litmus test (kernels/litmus.cl); otherwise launches by levels.
  */
 #define CL_TARGET_OPENCL_VERSION 300
 #include "framework/device/handover.h"
@@ -41,7 +41,7 @@ const char *bb_fence_option(const bb_driver_names *versions, const bb_driver_nam
     return "";
 }
 
-/* Empty if the device has no such list, or one that can't be. */
+/* Leaves the list empty if the device has none, or an impossible one. */
 static bb_status read_names(const bb_device *device, cl_device_info what, bb_driver_names *list)
 {
     const size_t one = sizeof(bb_named_version);
@@ -148,8 +148,8 @@ const char *bb_handover_word(const bb_device *device)
     return device->handover == BB_HANDOVER_FENCE ? "fence" : "levels";
 }
 
-/* On what is a CPU and nothing else, lists go without barriers in either form. oclgrind is a device
- * of all types: there the form for GPUs has them, and they are checked. */
+/* On a device that is only a CPU, lists are handled without barriers in both forms. oclgrind is a
+ * device of all types: there the form for GPUs has barriers, which are checked. */
 static bool lists_are_serial(const bb_device *device)
 {
     cl_device_type type = 0;

@@ -24,7 +24,7 @@ bb_status bb_device_add_event(bb_device *device, cl_event event)
     return BB_OK;
 }
 
-/* The name that a message needs; asked for only when there is one to write. */
+/* Gets a kernel's name for a message. */
 static const char *name_of(cl_kernel kernel, char *name, size_t capacity)
 {
     if (clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, capacity, name, NULL) != CL_SUCCESS)
@@ -32,7 +32,8 @@ static const char *name_of(cl_kernel kernel, char *name, size_t capacity)
     return name;
 }
 
-/* A driver that is given too few takes those of the launch before: the count is looked at here. */
+/* A driver that gets too few arguments uses those of the previous launch, so the count is
+ * checked. */
 static bb_status set_args(cl_kernel kernel, const bb_arg *args, uint32_t count)
 {
     char name[128];

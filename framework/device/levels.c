@@ -2,9 +2,9 @@
 
 enum {
     ITEMS_MAX = 1 << 16,
-    ALONE = 256,        /* nodes of a level that one work-group does by itself */
-    ALONE_BY_GROUP = 4, /* if all of the group share a node */
-    LAUNCHES_MIN = 17,  /* of more: those that handover.clh counts on, and the last */
+    ALONE = 256,        /* nodes of a level that one work-group handles alone */
+    ALONE_BY_GROUP = 4, /* the same, if the whole group shares a node */
+    LAUNCHES_MIN = 17,  /* of longer passes: those that handover.clh relies on, and the last */
 };
 
 bb_status bb_levels_reserve(bb_levels *levels, bb_device *device, bb_account *account,
@@ -41,7 +41,7 @@ uint32_t bb_levels_items(const bb_levels *levels)
     return levels->last ? 1 : nodes < ITEMS_MAX ? nodes : ITEMS_MAX;
 }
 
-/* Levels of a tree shrink by a half or so; twice as many launches are enough for most. */
+/* Levels of a tree shrink by about a half; twice as many launches suffice for most trees. */
 uint32_t bb_levels_launches(const bb_levels *levels)
 {
     uint32_t launches = 1, nodes = most_nodes(levels);

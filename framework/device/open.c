@@ -20,8 +20,7 @@ typedef struct found_device {
     uint32_t rank; /* among the kinds of devices below */
 } found_device;
 
-/* In the order in which they are preferred: who has a GPU wants it measured, not the driver for the
- * processor beside it. */
+/* In order of preference: with a GPU present, it is to be measured, not the CPU driver. */
 static const struct {
     cl_device_type type;
     const char *name;
@@ -62,7 +61,7 @@ static uint32_t rank_of(cl_device_id id)
     return rank;
 }
 
-/* Behind those of its rank. */
+/* Inserts after the devices of the same rank. */
 static void insert(found_device *found, uint32_t count, found_device device)
 {
     uint32_t at = count;
@@ -71,12 +70,12 @@ static void insert(found_device *found, uint32_t count, found_device device)
     found[at] = device;
 }
 
-/* The preferred first; of one kind, in the order of the drivers. */
+/* Finds all devices, in order of preference, then in the order of the drivers. */
 static bb_status find_devices(found_device *found, uint32_t *count)
 {
     cl_platform_id platforms[PLATFORMS_MAX];
     *count = 0;
-    BB_TRY(bb_device_check_system("/sys/devices/system/cpu")); /* PoCL aborts without */
+    BB_TRY(bb_device_check_system("/sys/devices/system/cpu")); /* PoCL aborts without it */
     cl_uint platform_count = find_platforms(platforms);
     for (cl_uint p = 0; p < platform_count; p++) {
         cl_device_id ids[DEVICES_MAX];
@@ -172,7 +171,7 @@ static bb_status select_device(const char *selector, found_device *selected)
                    selector, count);
 }
 
-/* A device without memory or groups does not exist; a driver that says so, does. */
+/* Refuses a driver that reports no memory or no work-group size. */
 static bb_status check_limits(const bb_device *device, cl_ulong global, cl_ulong largest,
                               cl_ulong local)
 {
@@ -192,8 +191,8 @@ static bb_status check_limits(const bb_device *device, cl_ulong global, cl_ulong
     return BB_OK;
 }
 
-/* All of it, or the device is of no use: without its type, say, a processor would be given code
- * that is made for others. */
+/* Queries everything or fails: without its type, for instance, a CPU would get code for other
+ * devices. */
 static bb_status query_device(bb_device *device)
 {
     cl_device_type type = 0;
@@ -222,7 +221,7 @@ static bb_status query_device(bb_device *device)
     BB_TRY(check_limits(device, global, largest, local));
     device->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     device->compute_units =
-        units > 0 ? units : 1; /* some drivers do not know: work is divided by it */
+        units > 0 ? units : 1; /* some drivers report 0; work is divided by it */
     device->global_bytes = global;
     device->largest_allocation = largest;
     device->local_bytes = local;
@@ -289,7 +288,7 @@ void bb_device_close(bb_device *device)
     bb_programs_clear(device);
     free(device->events);
     if (device->queue != NULL) {
-        /* A driver's thread that still compiles or runs when the process ends can crash there. */
+        /* A driver's thread that still compiles or runs when the process ends can crash. */
         clFinish(device->queue);
         clReleaseCommandQueue(device->queue);
     }

@@ -12,8 +12,8 @@
 #include <stdio.h>
 
 enum {
-    CHUNKS_PER_UNIT = 4,     /* enough for one slow core not to hold up the others */
-    CHUNK_SMALLEST = 2048,   /* elements: below, a chunk is not worth a work-item */
+    CHUNKS_PER_UNIT = 4,     /* enough that one slow core does not delay the others */
+    CHUNK_SMALLEST = 2048,   /* elements: fewer are not worth a work-item */
     CHUNK_ALIGNMENT = 64,    /* elements: chunks don't share cache lines */
     SCAN_SERIAL_MAX = 32768, /* elements that one work-item scans faster than two more launches */
     SCAN_ITEMS = 8,          /* of scan_gpu.cl */
@@ -35,7 +35,7 @@ chunking bb_primitives_cut(const bb_primitives *self, uint32_t count)
     return (chunking){size, bb_divide_up(count, size)};
 }
 
-/* Chunks or groups of a reduction, which leave a partial result each. */
+/* Returns the number of chunks or groups of a reduction, each of which leaves a partial result. */
 static uint32_t reduce_groups_max(const bb_primitives *self)
 {
     return (self->gpu ? REDUCE_GROUPS_PER_UNIT : CHUNKS_PER_UNIT) * self->device->compute_units;
@@ -57,10 +57,11 @@ bb_status bb_primitives_scratch(bb_primitives *self, uint64_t bytes, const char 
 
 /* ---- create, destroy ---- */
 
-/* The largest power of two that the device's groups and local memory have room for. */
+/* Returns the largest power of two that fits the device's groups and local memory. */
 static uint32_t choose_group(const bb_device *device)
 {
-    /* The hungriest kernel, sort_scatter with 64-bit keys: pairs, ranks and sums per item, moves.
+    /* The kernel with the highest demand is sort_scatter with 64-bit keys: pairs, ranks and sums
+     * per item, moves.
      */
     const uint64_t bytes_per_item = SORT_ITEMS * 12 + (1 << DIGIT_BITS_GPU) * 2 + 4;
     const uint64_t bytes_fixed = (1 << DIGIT_BITS_GPU) * 4;
@@ -189,7 +190,7 @@ static bb_status scan_by_chunks(bb_primitives *self, const bb_buffer *in, bb_buf
                      BB_VALUE(count), BB_VALUE(chunks.size), BB_MEM(*sums));
 }
 
-/* Down the levels until a level is one tile, whose sum is the total; then back up. */
+/* Scans down the levels until a level is one tile, whose sum is the total, then adds back up. */
 static bb_status scan_by_tiles(bb_primitives *self, const bb_buffer *in, bb_buffer *out,
                                uint32_t count, bb_buffer *total)
 {

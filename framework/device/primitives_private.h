@@ -1,4 +1,4 @@
-/* What primitives.c (scan, reduction, creation) and sort.c share. */
+/* Shared by primitives.c (scan, reduction, creation) and sort.c. */
 #ifndef BB_PRIMITIVES_PRIVATE_H
 #define BB_PRIMITIVES_PRIVATE_H
 
@@ -37,12 +37,12 @@ struct bb_primitives {
     sort_kernels sort32;
     sort_kernels sort64;
 
-    bb_buffer unwanted;                    /* where a total goes that nobody asked for */
+    bb_buffer unwanted;                    /* receives totals that the caller does not want */
     bb_buffer scan_level[SCAN_LEVELS_MAX]; /* sums of chunks (level 0), of tiles */
     bb_buffer partials;                    /* two bb_box per chunk or group */
     bb_buffer counts;                      /* per digit value and chunk or tile */
-    bb_buffer way;                         /* CPU form: u32, how the last sort was done */
-    bb_buffer keys;                        /* the other half of the ping-pong */
+    bb_buffer way;                         /* CPU form: u32, the way of the last sort */
+    bb_buffer keys;                        /* the second buffer for ping-pong */
     bb_buffer values;
 };
 
@@ -65,7 +65,7 @@ bb_status bb_primitives_scratch(bb_primitives *self, uint64_t bytes, const char 
 /* The sums of every level that a scan of `count` (at least 1) needs. */
 bb_status bb_primitives_reserve_scan(bb_primitives *self, uint32_t count);
 
-/* The kernels of one width of keys, in self's form; `key` is their type on the device. */
+/* Creates the kernels for one width of keys, in self's form; `key` is their type on the device. */
 bb_status bb_primitives_create_sort(bb_primitives *self, const char *key, sort_kernels *sort);
 void bb_primitives_destroy_sort(sort_kernels *sort);
 

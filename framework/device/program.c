@@ -1,4 +1,4 @@
-/* Programs: compiling with the embedded headers, and what was compiled before. */
+/* Programs: compiles with the embedded headers, and caches the result. */
 #include "framework/base/clock.h"
 #include "framework/base/uncounted.h"
 #include "framework/device/cl_error.h"
@@ -23,8 +23,8 @@ static bool has_ending(const char *name, const char *ending)
     return length >= size && strcmp(name + length - size, ending) == 0;
 }
 
-/* Text of FOLDER/NAME if the device has an edit-and-run folder and the file is there; else NULL.
- * Freed by the caller. */
+/* Returns the text of FOLDER/NAME if the device has an edit-and-run folder with this file;
+ * otherwise NULL. The caller frees it. */
 static char *read_override(bb_device *device, const char *name)
 {
     if (device->kernel_folder == NULL)
@@ -58,7 +58,8 @@ static uint32_t count_errors(const char *log)
     return count;
 }
 
-/* " (N errors: FILE)" with the whole log in the file, or "" if it can't be written. */
+/* Writes " (N errors: FILE)", with the whole log in the file, or "" if the file cannot be
+ * written. */
 static void keep_log(const char *name, const char *log, char *text, size_t capacity)
 {
     static const char ending[] = ".log";
@@ -80,8 +81,8 @@ static void keep_log(const char *name, const char *log, char *text, size_t capac
         snprintf(text, capacity, " (%u errors: %s)", count_errors(log), path);
 }
 
-/* The first error of a build log, as the one line that the message has room for; where there are
- * more, the log is left in a file. */
+/* Fails with the first error of a build log, for which the message has room; if there are more, the
+ * log is left in a file. */
 static bb_status fail_with_log(bb_device *device, cl_program program, const char *name,
                                cl_int error)
 {
@@ -107,7 +108,7 @@ static bb_status fail_with_log(bb_device *device, cl_program program, const char
     return status;
 }
 
-/* ---- one text of a source and what it includes ---- */
+/* ---- one text of a source and its includes ---- */
 
 typedef struct text {
     char *chars;
@@ -146,7 +147,7 @@ static const char *skip_blanks(const char *at)
     return at + strspn(at, " \t");
 }
 
-/* NAME, and its length, of a line `#include "NAME"`; NULL of any other line. */
+/* Returns NAME, and its length, if the line is `#include "NAME"`; otherwise NULL. */
 static const char *included_name(const char *line, size_t *length)
 {
     line = skip_blanks(line);
@@ -164,7 +165,7 @@ static const char *included_name(const char *line, size_t *length)
 
 enum { DEPTH_MAX = 32 };
 
-/* What the compiler says of the lines that follow. */
+/* Appends a #line that tells the compiler where the following lines come from. */
 static bb_status append_mark(text *whole, uint32_t line, const char *name)
 {
     char mark[300];
@@ -172,8 +173,8 @@ static bb_status append_mark(text *whole, uint32_t line, const char *name)
     return append(whole, mark, (size_t)length);
 }
 
-/* Appends a file, and in place of each `#include "NAME"` the file NAME: headers guard themselves.
- * A NAME that there is not stays, for the compiler to complain of. */
+/* Appends a file, replacing each `#include "NAME"` by the file NAME: headers guard themselves. If
+ * there is no such file the line stays, so that the compiler reports it. */
 static bb_status append_file(bb_device *device, const bb_source *source, const bb_source *file,
                              uint32_t depth, text *whole)
 {
@@ -212,7 +213,7 @@ static cl_int build(bb_device *device, cl_program program, const char *options, 
     return error;
 }
 
-/* All in one text, not clCompileProgram and clLinkProgram with a program for each header: of that,
+/* Everything is one text, since with clCompileProgram, clLinkProgram and one program per header
  * PoCL 3.1 finds only the kernels in its cache, and compiles and links the rest each time. */
 static bb_status compile(bb_device *device, const bb_source *source, const char *options,
                          cl_program *program, double *ms)
@@ -241,19 +242,19 @@ static bb_status compile(bb_device *device, const bb_source *source, const char 
     return status;
 }
 
-/* Objects of builders and layouts come and go; what they compile stays with the device, and what
- * does not compile is tried once. */
+/* Builders and layouts come and go; the programs that they compile stay with the device, and a
+ * failed compilation is not repeated. */
 struct bb_program_cache {
     struct bb_program_cache *next;
-    const char *text; /* these two tell sources of one name apart */
+    const char *text; /* text and options tell sources of the same name apart */
     const bb_source *folder;
     cl_program program;
-    double ms;     /* that compiling took */
-    char *failure; /* the message, if there is no program */
+    double ms;     /* compile time */
+    char *failure; /* the error message if there is no program */
     char options[2048];
 };
 
-/* What there is of `program` is the entry's. */
+/* Adds an entry, which takes over `program`, if there is one. */
 static bb_status remember(bb_device *device, const bb_source *source, const char *options,
                           cl_program program, double ms, const char *failure)
 {
@@ -303,8 +304,9 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
     char options[sizeof device->programs->options];
     double ms;
     const char *standard = strstr(defines, "-cl-std=") == NULL ? "-cl-std=CL1.2 " : "";
-    /* Without warnings (-w): nobody is shown the log of what compiles, but clang within PoCL counts
-     * its warnings on stderr, such as those on vectors wider than the processor's registers. */
+    /* -w disables warnings: the log of a successful compilation is shown to nobody, but clang
+     * inside PoCL prints the number of warnings on stderr, such as those on vectors wider than the
+     * processor's registers. */
     if (snprintf(options, sizeof options, "-w %s%s", standard, defines) >= (int)sizeof options)
         return bb_fail(BB_INVALID, "%s: the build options are too long", source->name);
     for (const struct bb_program_cache *entry = device->programs; entry != NULL;
@@ -317,8 +319,8 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
     return take(device->programs, source, program);
 }
 
-/* The wall time of compiling the entry's text once more, as a program of its own; 0 if that cannot
- * be found out. */
+/* Returns the wall time of compiling the entry's text once more, as a separate program; 0 if it
+ * cannot be measured. */
 static double compile_again(bb_device *device, const struct bb_program_cache *entry)
 {
     size_t size = 0;
@@ -338,7 +340,7 @@ static double compile_again(bb_device *device, const struct bb_program_cache *en
     return ms;
 }
 
-/* Times of one program differ by less than this when both come from a cache. */
+/* The times of one program differ by less than this factor if both come from a cache. */
 static const double cold_ratio = 3;
 
 void bb_programs_measure(bb_device *device, bb_compiling *found)

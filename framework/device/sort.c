@@ -1,23 +1,23 @@
 /* Radix sort on the device: planning, scratch and launches of the kernels in
  * kernels/sort_{cpu,gpu}.cl, which name their sources.
  *
- * GPU form: from the lowest digit up (LSD), everything enqueued at once.
- * CPU form: into buckets by the highest digit, then each bucket from its lowest digit up, in the
- * cache of one compute unit. What a pass over all keys costs is waiting for memory; a bucket's
- * passes have none, and leave out the digits in which its keys do not differ. Where a bucket is so
- * large that the units would wait for the one that sorts it (a small dense thing in a large scene),
- * the sort is LSD over all keys. The result of a stable sort does not depend on the way. The device
- * decides, and both are enqueued: launches that have nothing to do cost less than to ask.
+ * GPU form: from the lowest digit up (LSD), everything enqueued at once. CPU form: into buckets by
+ * the highest digit, then each bucket from its lowest digit up, in the cache of one compute unit. A
+ * pass over all keys mostly waits for memory; passes over a bucket do not, and skip digits in which
+ * its keys do not differ. If a bucket is so large that the other units would wait for the one that
+ * sorts it (a small dense object in a large scene), the sort is LSD over all keys. The result of a
+ * stable sort is the same either way. The device decides, and both ways are enqueued: launches
+ * without work cost less than a query.
  */
 #include "framework/device/primitives_private.h"
 
 #include "kernels/sort_shared.h"
 
 enum {
-    DIGIT_BITS_CPU = 8, /* of passes over all keys */
+    DIGIT_BITS_CPU = 8, /* for passes over all keys */
     TOP_BITS = 12,      /* of the highest digit */
     TILE = 8192, /* places whose buckets one work-item sorts: many fit the second-level cache */
-    BUCKET_SMALL = 16384, /* pairs that one unit sorts faster than several are told to */
+    BUCKET_SMALL = 16384, /* pairs that one unit sorts faster than several units start */
     PASSES_MAX = 16,
 };
 
@@ -47,7 +47,8 @@ typedef struct sort_pass {
     uint32_t only; /* CPU form: SORT_... */
 } sort_pass;
 
-/* An even number of passes, so that the result is in place, with digits as equal as can be. */
+/* Plans an even number of passes, so that the result ends in place, with digits as equal as
+ * possible. */
 static uint32_t plan_passes(uint32_t bits, uint32_t widest, sort_pass passes[PASSES_MAX])
 {
     uint32_t count = bb_divide_up(bits, widest);
@@ -94,7 +95,7 @@ typedef struct pairs {
     const bb_buffer *values;
 } pairs;
 
-/* Where each chunk's or tile's keys of each value of the digit go, into self->counts. */
+/* Computes the places of each chunk's or tile's keys for each digit value: self->counts. */
 static bb_status count_digit(bb_primitives *self, const sort_kernels *kernels, sort_pass pass,
                              uint32_t count, const bb_buffer *keys)
 {
@@ -112,7 +113,7 @@ static bb_status count_digit(bb_primitives *self, const sort_kernels *kernels, s
     return bb_scan_u32(self, &self->counts, &self->counts, chunks.count * (pass.mask + 1), NULL);
 }
 
-/* To these places. */
+/* Moves the pairs to these places. */
 static bb_status scatter(bb_primitives *self, const sort_kernels *kernels, sort_pass pass,
                          uint32_t count, pairs from, pairs to)
 {
@@ -142,7 +143,7 @@ static bb_status sort_by_passes(bb_primitives *self, const sort_kernels *kernels
     return BB_OK;
 }
 
-/* From `scratch`, which is in order of its `buckets` buckets, to `place`. */
+/* Sorts `scratch`, which is in the order of its `buckets` buckets, into `place`. */
 static bb_status sort_buckets(bb_primitives *self, const sort_kernels *kernels, pairs place,
                               pairs scratch, uint32_t count, uint32_t buckets, uint32_t only)
 {

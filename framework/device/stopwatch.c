@@ -16,7 +16,7 @@ bb_status bb_stopwatch_start(bb_device *device, bb_stopwatch *watch)
 bb_status bb_stopwatch_stop(bb_stopwatch *watch, bb_timing *timing)
 {
     bb_device *device = watch->device;
-    timing->waits = device->waits - watch->waits; /* without the one that follows */
+    timing->waits = device->waits - watch->waits; /* before the wait below */
     bb_status status = bb_finish(device);
     timing->ms = bb_wall_ms() - watch->wall;
     timing->cpu_ms = bb_cpu_ms() - watch->cpu;

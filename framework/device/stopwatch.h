@@ -1,9 +1,9 @@
 /* Times a span of work on a device, by three clocks: wall, process CPU, and the device's own
  * events.
  *
- * The three check each other: in an in-order queue the kernels' own times can't add up to more than
- * the wall time around them. A wall clock that stops before the queue is finished, or starts after
- * the first launch, breaks that (audit.h).
+ * The clocks check each other: in an in-order queue the kernels' own times cannot exceed the wall
+ * time around them. A wall clock that stops before the queue is finished, or starts after the first
+ * launch, violates that (audit.h).
  */
 #ifndef BB_STOPWATCH_H
 #define BB_STOPWATCH_H
@@ -23,10 +23,11 @@ typedef struct bb_timing {
     uint64_t launches, waits; /* of them; see bb_device */
 } bb_timing;
 
-/* From a finished queue; BB_FAILED if the device fails. No other watch may run on the device. */
+/* Starts with a finished queue; BB_FAILED if the device fails. No other watch may run on the
+ * device. */
 bb_status bb_stopwatch_start(bb_device *device, bb_stopwatch *watch);
 
-/* To a finished queue. */
+/* Stops with a finished queue. */
 bb_status bb_stopwatch_stop(bb_stopwatch *watch, bb_timing *timing);
 
 #endif

@@ -2,9 +2,9 @@
  * with rtcIntersect1 / rtcOccluded1.
  *
  * Spheres are RTC_GEOMETRY_TYPE_SPHERE_POINT: the nearest root in the interval counts, so a ray
- * from inside hits the far side. Kinds that Embree does not know are its user geometry, met in
- * exact arithmetic. Embree counts hits in the closed interval [tmin, tmax], bb_ray's
- * is open; the difference is one value of t, within the margin of the arbiter.
+ * from inside hits the far side. Kinds that Embree does not have are user geometries, intersected
+ * in exact arithmetic. Embree counts hits in the closed interval [tmin, tmax], bb_ray's is open;
+ * the difference is a single t, within the margin of the arbiter.
  */
 #include "framework/embree/embree.h"
 
@@ -24,7 +24,7 @@
 
 enum { CHUNK = 2048 }; /* rays that a thread takes at once */
 
-/* What Embree's calls back into a kind that it does not know get. */
+/* Argument of Embree's callbacks for a user geometry, one per kind. */
 typedef struct user_kind {
     const bb_scene *scene;
     uint32_t kind;
@@ -35,11 +35,11 @@ struct bb_embree {
     RTCDevice device;
     RTCScene scene;
     bb_pool *pool;
-    uint32_t first_prim[BB_KIND_COUNT]; /* of each geometry, in the scene's numbering */
+    uint32_t first_prim[BB_KIND_COUNT]; /* per geometry, in the scene's numbering */
     uint32_t geometries;
     user_kind users[BB_KIND_COUNT];
     atomic_llong bytes;
-    _Atomic int error; /* the first that Embree reported since the last check */
+    _Atomic int error; /* first error that Embree reported since the last check */
     char text[200];
 };
 
@@ -50,7 +50,7 @@ const bb_option bb_embree_options[] = {
     {NULL, NULL, NULL, NULL},
 };
 
-/* ---- what Embree tells ---- */
+/* ---- Embree's errors and version ---- */
 
 static bool count_bytes(void *user, ssize_t bytes, bool post)
 {
@@ -110,7 +110,7 @@ static void attach(bb_embree *embree, RTCGeometry geometry, unsigned int id, uin
     embree->geometries = id + 1;
 }
 
-/* Vertices are copied, since Embree reads 16 bytes at the last one; the other arrays are shared. */
+/* Copies the vertices, since Embree reads 16 bytes at the last one; shares the other arrays. */
 static RTCGeometry triangles_of(bb_embree *embree, const bb_scene *scene)
 {
     RTCGeometry triangles = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -134,9 +134,9 @@ static RTCGeometry spheres_of(bb_embree *embree, const bb_scene *scene)
     return spheres;
 }
 
-/* ---- kinds that Embree does not know ---- */
+/* ---- user geometries: kinds that Embree does not have ---- */
 
-/* A few units in the last place larger: Embree's own traversal of such boxes rounds. */
+/* Enlarges the box by a few units in the last place: Embree's traversal of such boxes rounds. */
 static void user_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const user_kind *user = arguments->geometryUserPtr;
@@ -151,7 +151,8 @@ static void user_bounds(const struct RTCBoundsFunctionArguments *arguments)
     *arguments->bounds_o = (struct RTCBounds){lo[0], lo[1], lo[2], 0, hi[0], hi[1], hi[2], 0};
 }
 
-/* The first t in the ray's interval at which it meets the primitive; INFINITY for none. */
+/* Returns the first t in the ray's interval at which it meets the primitive; INFINITY if it does
+ * not. */
 static float user_t(const user_kind *user, const struct RTCRay *ray, uint32_t prim)
 {
     const double o[3] = {ray->org_x, ray->org_y, ray->org_z};
@@ -164,7 +165,7 @@ static float user_t(const user_kind *user, const struct RTCRay *ray, uint32_t pr
     return INFINITY;
 }
 
-/* Only ever called for one ray: by rtcIntersect1() and rtcOccluded1(). */
+/* Called for one ray only: by rtcIntersect1() and rtcOccluded1(). */
 static void user_intersect(const struct RTCIntersectFunctionNArguments *arguments)
 {
     struct RTCRayHit *hit = (struct RTCRayHit *)arguments->rayhit;
@@ -231,7 +232,7 @@ static bb_status build(bb_embree *embree, const bb_scene *scene, const bb_spec *
     return check(embree, "geometry");
 }
 
-/* Geometry and scene; the wall time of both. */
+/* Commits geometry and scene; *ms: wall time of both. */
 static void commit(bb_embree *embree, double *ms)
 {
     double start = bb_wall_ms();
@@ -244,7 +245,7 @@ static void commit(bb_embree *embree, double *ms)
 
 bb_status bb_embree_rebuild(bb_embree *embree, double *ms)
 {
-    /* what is not said to have changed is not built again */
+    /* Embree does not rebuild geometries that are not marked as changed */
     for (uint32_t id = 0; id < embree->geometries; id++)
         rtcUpdateGeometryBuffer(rtcGetGeometry(embree->scene, id), RTC_BUFFER_TYPE_VERTEX, 0);
     commit(embree, ms);
@@ -328,8 +329,8 @@ static inline struct RTCRay convert(const bb_ray *ray)
                            .mask = 0xFFFFFFFFu};
 }
 
-/* Embree takes no larger numbers of a ray (FLT_LARGE of its source), and some builds of it
- * abort. */
+/* Returns whether a number of the ray exceeds Embree's limit (FLT_LARGE in its source), beyond
+ * which some builds of it abort. */
 static bool is_too_large(const bb_ray *ray)
 {
     float largest = 0.0f;
@@ -369,7 +370,8 @@ static void trace_any(trace_job *job, size_t begin, size_t end)
     }
 }
 
-/* Embree asks for flush-to-zero; it is set here only, so that nobody else's arithmetic changes. */
+/* Traces with flush-to-zero, as Embree requests; it is set here only, so that no other arithmetic
+ * changes. */
 static void trace_chunk(trace_job *job, size_t begin, size_t end,
                         void (*trace)(trace_job *, size_t, size_t))
 {

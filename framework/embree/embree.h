@@ -1,5 +1,5 @@
-/* The only door to Embree, version 3 or 4: as oracle, and as the reference that traces with its own
- * trees. (builders/embree uses rtcBuildBVH itself.)
+/* The interface to Embree, version 3 or 4: as oracle, and as the reference that traces with its own
+ * trees. (Only builders/embree calls Embree elsewhere, for rtcBuildBVH.)
  */
 #ifndef BB_EMBREE_H
 #define BB_EMBREE_H
@@ -11,36 +11,37 @@ typedef struct bb_embree bb_embree;
 
 extern const bb_option bb_embree_options[]; /* quality=low|medium|high, mode=fast|robust */
 
-/* The calls that trace, as the record names them: one ray at a time, no packets. */
+/* The calls that trace, as named in the record: one ray at a time, no packets. */
 #define BB_EMBREE_API "rtcIntersect1/rtcOccluded1"
 
-/* What the record names in place of a kernel: a reference traces by itself. */
+/* Named in the record in place of a kernel, since the reference traces by itself. */
 #define BB_EMBREE_KERNEL "embree"
 
-/* Version of the Embree that is loaded, such as "3.13.5". BB_FAILED if it gives no device. */
+/* Writes the version of the loaded Embree, such as "3.13.5". BB_FAILED if it cannot open a
+ * device. */
 bb_status bb_embree_version(char *text, size_t capacity);
 
 /* Builds Embree's own scene; `threads` threads build and trace. `spec` gives quality and mode;
- * NULL: medium, robust. *build_ms gets the wall time of the first build on fresh memory (may be
- * NULL). A build is rtcCommitGeometry and rtcCommitScene: from geometry in Embree's buffers to a
- * scene that can be traced, primitive boxes and leaf data included. Threads sleep between calls. */
+ * NULL: medium, robust. *build_ms: wall time of the first build on fresh memory (may be NULL). A
+ * build is rtcCommitGeometry and rtcCommitScene: from geometry in Embree's buffers to a scene that
+ * can be traced, including primitive boxes and leaf data. Threads sleep between calls. */
 bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t threads,
                            bb_embree **out, double *build_ms);
 void bb_embree_destroy(bb_embree *embree);
 
-/* Builds again from the same geometry, with the memory that is there; *ms as above. */
+/* Builds again from the same geometry, reusing memory; *ms as above. */
 bb_status bb_embree_rebuild(bb_embree *embree, double *ms);
 
-/* What Embree has booked at present, in bytes. */
+/* Returns the bytes that Embree has currently allocated. */
 uint64_t bb_embree_bytes(const bb_embree *embree);
 
 /* Wall time of the last bb_embree_trace(), as its threads saw it, in ms. */
 double bb_embree_span_ms(const bb_embree *embree);
 
-/* Traces with rtcIntersect1 / rtcOccluded1 on all threads, which take chunks from one counter. A
- * ray that hits has t and primitive of the scene's numbering. For any-hit queries a hit is (0,
- * BB_UNNAMED): Embree does not say which. A ray with a number beyond 1.8e18 is one that Embree does
- * not take: it misses, and is judged so. */
+/* Traces with rtcIntersect1 / rtcOccluded1 on all threads, which take chunks from one counter. Hits
+ * have t and the primitive in the scene's numbering. For any-hit queries a hit is (0, BB_UNNAMED):
+ * Embree does not name the primitive. A ray with a number beyond 1.8e18 is not passed to Embree: it
+ * misses, and is judged so. */
 bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count,
                           const bb_query *query, bb_hit *hits);
 

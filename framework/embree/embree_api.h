@@ -1,12 +1,12 @@
 /* Embree's own header, for the two files that call it, framework/embree/embree.c and
- * builders/embree; and the few calls whose form Embree 4 changed, by names of our own. CMake says
- * which of the two it found (BB_EMBREE_MAJOR).
+ * builders/embree, and our own names for the few calls that Embree 4 changed. CMake sets which
+ * version it found (BB_EMBREE_MAJOR).
  */
 #ifndef BB_EMBREE_API_H
 #define BB_EMBREE_API_H
 
-/* What the calls below take beside scene and ray: how it is made, and whether it comes before the
- * ray or after it. */
+/* The argument of the calls below besides scene and ray: its type, and whether it precedes or
+ * follows the ray. */
 #if BB_EMBREE_MAJOR == 3
 #include <embree3/rtcore.h>
 typedef struct RTCIntersectContext bb_intersect_arguments, bb_occluded_arguments;
@@ -24,7 +24,7 @@ typedef struct RTCOccludedArguments bb_occluded_arguments;
 #error "bvhbench needs Embree 3 or 4: CMake sets BB_EMBREE_MAJOR"
 #endif
 
-/* Arguments that say: incoherent rays, no filters. Made once for many rays. */
+/* Initialises arguments for incoherent rays without filters, once for many rays. */
 static inline void bb_intersect_arguments_init(bb_intersect_arguments *arguments)
 {
     BB_INIT_INTERSECT(arguments);

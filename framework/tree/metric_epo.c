@@ -15,26 +15,27 @@
 #include <math.h>
 #include <string.h>
 
-/* Points whose costs are added up together, so that the number of threads does not change the sum.
+/* Points whose costs are added up together, so that the sum does not depend on the number of
+ * threads.
  */
 enum { BLOCK = 4096 };
 
-/* Points that say how many nodes one visits. */
+/* Points that determine how many nodes one visits. */
 enum { PILOT = 256 };
 
 typedef struct epo {
     const bb_scene *scene;
     bb_tree tree;    /* preorder: the subtree of n is [n, skip(n)) */
-    uint32_t *start; /* leaves[start[p] .. start[p + 1]) hold primitive p, in ascending order */
+    uint32_t *start; /* leaves[start[p] .. start[p + 1]) contain primitive p, in ascending order */
     uint32_t *leaves;
     double *node_cost;
     double *area; /* inclusive prefix sums over the primitives */
-    double *sum;  /* per block: of the costs, of their squares */
+    double *sum;  /* per block: sums of the costs, of their squares */
     double *square;
     uint64_t samples, seed;
 } epo;
 
-/* First primitive whose prefix sum exceeds `area`. */
+/* Returns the first primitive whose prefix sum exceeds `area`. */
 static uint32_t pick(const epo *e, double area)
 {
     uint32_t low = 0, high = e->scene->prim_count - 1;
@@ -48,7 +49,7 @@ static uint32_t pick(const epo *e, double area)
     return low;
 }
 
-/* Whether a leaf of primitive `prim` is among the nodes [begin, end). */
+/* Returns whether a leaf of primitive `prim` is among the nodes [begin, end). */
 static bool holds_prim(const epo *e, uint32_t prim, uint32_t begin, uint32_t end)
 {
     uint32_t low = e->start[prim], high = e->start[prim + 1], last = high;
@@ -78,7 +79,7 @@ static double point_cost(const epo *e, uint32_t prim, const double p[3], uint64_
     return cost;
 }
 
-/* Cost of point `sample`; adds the nodes that it visits. */
+/* Returns the cost of point `sample`; adds the number of nodes that it visits. */
 static double sample_cost(const epo *e, uint64_t sample, uint64_t *visits)
 {
     double total = e->area[e->scene->prim_count - 1], p[3], normal[3];
@@ -181,7 +182,8 @@ static void summarise(const epo *e, size_t blocks, double *mean, double *half)
     *half = 1.959963985 * sqrt(variance / n);
 }
 
-/* As many points as `visits` nodes suffice for, by what the first ones need. */
+/* Reduces the number of points so that they visit about `visits` nodes, judged by the first
+ * points. */
 static void limit_samples(epo *e, uint64_t visits)
 {
     uint64_t pilot = e->samples < PILOT ? e->samples : PILOT, seen = 0;

@@ -1,5 +1,5 @@
-/* End-point overlap from so few points that it can be had of every tree: metric_epo.c says what it
- * is, and gives it with an eighth of the error and in fifteen times the time.
+/* End-point overlap from so few points that every tree gets it. metric_epo.c defines it, and
+ * computes it with an eighth of the error in fifteen times the time.
  */
 #include "framework/tree/metric_epo.h"
 

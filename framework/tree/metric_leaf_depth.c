@@ -3,10 +3,10 @@
  *   sum over leaves d(l) A(l) / sum over leaves A(l)
  *
  * with d(l) the number of edges from the root to leaf l and A its surface area. A random line that
- * meets the root's box meets a box within it with probability A(l) / A(root) (Goldsmith and Salmon
- * 1987; MacDonald and Booth 1990), so this is the depth of a leaf drawn from all meetings of random
- * rays with leaves. It says how far down the work lies, which a sum of costs does not: two trees of
- * one SAH may differ in it. A tree of one leaf has depth 0.
+ * meets the root's box meets a box inside it with probability A(l) / A(root) (Goldsmith and Salmon
+ * 1987; MacDonald and Booth 1990), so this is the mean depth over all meetings of random rays with
+ * leaves. It says how deep the work is, which a sum of costs does not: two trees of equal SAH may
+ * differ in it. A tree of one leaf has depth 0.
  */
 #include "framework/tree/metric.h"
 #include "framework/tree/tree_walk.h"

@@ -21,8 +21,8 @@ double bb_tree_sah(const bb_tree *tree)
         double area = bb_half_area(node->lo, node->hi);
         if (i == 0)
             root = area;
-        /* Neumaier 1974: all terms are >= 0, and what a sum of millions of them loses is added up
-         * apart. */
+        /* Neumaier 1974: all terms are >= 0, and rounding errors of the sum are added up
+         * separately. */
         double term = bb_node_cost(node, walk.width[i]) * area, next = sum + term;
         lost += sum >= term ? (sum - next) + term : (term - next) + sum;
         sum = next;

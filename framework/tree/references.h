@@ -1,6 +1,5 @@
-/* References: boxes that stand for a primitive or a part of it. A splitter makes them, and a
- * builder then builds its tree over them instead of the primitives' boxes; on the host or on the
- * device.
+/* References: boxes that stand for a primitive or a part of it. A splitter makes them, on the host
+ * or on the device, and a builder builds its tree over them instead of the primitives' boxes.
  */
 #ifndef BB_REFERENCES_H
 #define BB_REFERENCES_H

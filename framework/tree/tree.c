@@ -89,7 +89,7 @@ bb_status bb_tree_reserve(bb_tree *tree, bb_device *device, bb_place place, size
         return bb_fail(BB_REFUSED,
                        "a tree of %zu nodes and %zu references: at most %d of each can be linked",
                        nodes, refs, TREE_ENTRIES_MAX);
-    /* What lies on the other side is a copy, or of an earlier life of this tree. */
+    /* The other side holds a copy, or data of an earlier use of this tree. */
     if (place != tree->place)
         bb_tree_release(tree);
     tree->place = place;
@@ -126,7 +126,7 @@ const bb_tree_array *bb_tree_find_array(const bb_tree *tree, const char *name)
     return NULL;
 }
 
-/* Where an array of that name was before, or a place that is free; NULL if there is none. */
+/* Returns the slot of an earlier array of that name, or a free one; NULL if there is none. */
 static bb_tree_array *array_place(bb_tree *tree, const char *name)
 {
     for (uint32_t i = 0; i < tree->array_count; i++)
@@ -173,7 +173,7 @@ bb_status bb_tree_reserve_array(bb_tree *tree, bb_device *device, const char *na
     return BB_OK;
 }
 
-/* Bytes in use of side array `array`; 0 if the tree does not have it any more. */
+/* Returns the bytes in use of side array `array`; 0 if the tree does not have it any more. */
 static size_t array_bytes(const bb_tree *tree, const bb_tree_array *array)
 {
     uint32_t count = array->per_reference ? tree->info.ref_count : tree->info.node_count;
@@ -204,7 +204,7 @@ static bb_status upload_arrays(bb_tree *tree)
 
 /* ---- copies ---- */
 
-/* Refuses an info that claims more than there is room for: what follows copies by these counts. */
+/* Refuses an info that claims more than there is room for, since copies rely on these counts. */
 static bb_status check_room(const bb_tree *tree, size_t nodes, size_t refs)
 {
     const bb_tree_info *info = &tree->info;

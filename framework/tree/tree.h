@@ -1,7 +1,7 @@
 /* The common tree: one node format for all builders, of any arity (bb_node in kernels/bb_shared.h).
  *
- * The harness owns it. A builder reserves room, fills in nodes and references, on the host or on
- * the device, and describes the tree in bb_tree_info and the flags.
+ * The harness owns the tree. A builder reserves room, fills in nodes and references, on the host or
+ * on the device, and describes the tree by bb_tree_info and the flags.
  */
 #ifndef BB_TREE_H
 #define BB_TREE_H
@@ -20,14 +20,14 @@ typedef enum bb_place { BB_ON_HOST, BB_ON_DEVICE } bb_place;
 
 enum { BB_TREE_ARRAYS_MAX = 4 };
 
-/* A named side array: data per node or per reference that a layout asks for (boundary flags,
- * offsets ...). Its elements must not be indices of nodes or references, since these change when
- * the tree is renumbered. */
+/* A named side array: data per node or per reference that a layout reads (boundary flags, offsets
+ * ...). Its elements must not be indices of nodes or references, since these change when the tree
+ * is renumbered. */
 typedef struct bb_tree_array {
     const char *name;
     bool per_reference; /* else per node */
     uint32_t stride;    /* bytes per element, a multiple of 4 */
-    bool current;       /* the tree has it; the next bb_tree_reserve() makes this false */
+    bool current;       /* the tree has it; the next bb_tree_reserve() clears this */
     bb_buffer buffer;
     void *host;
     size_t host_bytes; /* room there */
@@ -42,10 +42,10 @@ typedef struct bb_tree {
     bool disjoint;            /* boxes of siblings share no volume */
 
     bool copied; /* the other side holds an up-to-date copy */
-    /* Another number whenever nodes or references were linked anew: two states of the same number
-     * differ in boxes alone. 0: there is no tree yet. */
+    /* Changes whenever nodes or references are linked anew: two states with the same number differ
+     * only in boxes. 0: there is no tree yet. */
     uint64_t links;
-    bool refitted; /* since the harness last asked, bb_tree_boxes_changed() was called */
+    bool refitted; /* bb_tree_boxes_changed() was called since the harness last checked */
 
     bb_node *nodes;       /* host side; NULL until reserved there or downloaded */
     uint32_t *refs;       /* primitive, with BB_LAST_BIT on the last of each leaf */
@@ -61,54 +61,54 @@ typedef struct bb_tree {
 } bb_tree;
 
 void bb_tree_init(bb_tree *tree, bb_account *account);
-void bb_tree_release(bb_tree *tree); /* frees all; the tree is empty and may be used again */
+void bb_tree_release(bb_tree *tree); /* frees everything; the tree is then empty and may be used
+                                      * again */
 
-/* Makes room for this many nodes and references at `place`, which becomes the tree's place.
- * Contents are lost if it grows; copies on the other side become stale, and side arrays have to be
+/* Reserves room for this many nodes and references at `place`, which becomes the tree's place.
+ * Contents are lost if it grows; copies on the other side become stale, and side arrays must be
  * reserved again. On the device, d_info is reserved too. Booked on tree->account; refused if there
  * is not enough memory. A tree has at most 2^31 - 1 nodes and references. */
 bb_status bb_tree_reserve(bb_tree *tree, bb_device *device, bb_place place, size_t nodes,
                           size_t refs);
 
-/* Makes room for a side array, one element for each node or reference that the tree has room for,
- * at the tree's place and on its account; the builder fills `host` or `buffer` of `*array`. `name`
- * is a string constant. To be called after each bb_tree_reserve(); reuses earlier memory. BB_FAILED
- * if there is no tree, or there are BB_TREE_ARRAYS_MAX others. */
+/* Reserves room for a side array, one element for each node or reference that the tree has room
+ * for, at the tree's place and on its account; the builder fills `host` or `buffer` of `*array`.
+ * `name` is a string constant. Call it after each bb_tree_reserve(); memory is reused. BB_FAILED if
+ * there is no tree, or there are already BB_TREE_ARRAYS_MAX others. */
 bb_status bb_tree_reserve_array(bb_tree *tree, bb_device *device, const char *name,
                                 bool per_reference, uint32_t stride, bb_tree_array **array);
 
-/* The tree's side array of that name; NULL if it has none. */
+/* Returns the tree's side array of that name; NULL if it has none. */
 const bb_tree_array *bb_tree_find_array(const bb_tree *tree, const char *name);
 
 /* Declares that nodes, references or side arrays were rewritten in place: a copy on the other side
- * is stale, and so is whatever was made of the links. For update() hooks, and builds that do not
- * reserve. */
+ * becomes stale, and so does everything derived from the links. For update() hooks, and for builds
+ * that do not reserve. */
 void bb_tree_changed(bb_tree *tree);
 
-/* The same of a tree of which nothing but boxes of nodes was rewritten: what was made of the links
- * stays good, so that layouts need not be numbered anew. An update() that declares nothing is taken
- * to have changed all. */
+/* The same if only boxes of nodes were rewritten: everything derived from the links stays valid, so
+ * layouts need not be numbered anew. An update() that declares nothing is assumed to have changed
+ * everything. */
 void bb_tree_boxes_changed(bb_tree *tree);
 
 /* Reads d_info of a tree built on the device; BB_FAILED if it claims more nodes or references than
  * there is room for. Does nothing for a tree on the host. */
 bb_status bb_tree_fetch_info(bb_tree *tree);
 
-/* device -> host and host -> device copies of what the tree holds, side arrays included; `ms` gets
- * the wall time (may be NULL). They do nothing if the copy is up to date. Booked on
- * tree->copy_account. */
+/* Copies device -> host and host -> device, including side arrays; `ms` gets the wall time (may be
+ * NULL). They do nothing if the copy is up to date. Booked on tree->copy_account. */
 bb_status bb_tree_download(bb_tree *tree, double *ms);
 bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms);
 
 /* Frees the copy on the other side, if there is one. */
 void bb_tree_drop_copy(bb_tree *tree);
 
-/* Makes `to` the tree that `from` is, for optimisers that leave it as it was: nodes, references,
- * info and flags. Both are on the device, from->info is fetched, and there is room in `to`. Side
- * arrays are not copied. */
+/* Copies `from` to `to`, for optimisers that leave a tree unchanged: nodes, references, info and
+ * flags. Both are on the device, from->info has been fetched, and `to` has room. Side arrays are
+ * not copied. */
 bb_status bb_tree_copy(const bb_tree *from, bb_tree *to);
 
-/* Bytes of the nodes, references and side arrays in use. */
+/* Returns the bytes of the nodes, references and side arrays in use. */
 uint64_t bb_tree_bytes(const bb_tree *tree);
 
 /* ---- on the host side (downloaded or built there) ---- */
@@ -118,26 +118,26 @@ static inline bool bb_node_is_leaf(const bb_node *node)
     return (node->first & BB_LEAF_BIT) != 0;
 }
 
-/* Ct (per pair of children) and Ci (per reference) of all costs. */
+/* Ct (per pair of children) and Ci (per reference) in all costs. */
 #define BB_COST_TRAVERSAL 1.2
 #define BB_COST_INTERSECTION 1.0
 
-/* Half the surface area of a box; 0 for one that is flat on two axes. */
+/* Returns half the surface area of a box; 0 if it is flat on two axes. */
 static inline double bb_half_area(const float lo[3], const float hi[3])
 {
     double x = (double)hi[0] - lo[0], y = (double)hi[1] - lo[1], z = (double)hi[2] - lo[2];
     return x * y + y * z + z * x;
 }
 
-/* The functions below need the tree on the host (built there or downloaded) and fail with a message
- * if it is not, or if its links are corrupt. */
+/* The functions below need the tree on the host (built there or downloaded), and fail with a
+ * message if it is not there, or if its links are corrupt. */
 
 /* Renumbers into preorder: nodes 0, 1, 2 ... as visited by first/skip, references in the order of
  * the leaves, side arrays with them. `out` is another tree, initialised; it ends up on the host.
  * Two equal trees give equal bytes. */
 bb_status bb_tree_preorder(const bb_tree *tree, bb_tree *out);
 
-/* XXH3 of the preorder form, side arrays included. */
+/* Computes the XXH3 hash of the preorder form, including side arrays. */
 bb_status bb_tree_hash(const bb_tree *tree, uint64_t *hash);
 
 /* Checks everything that "The common tree" in framework/README.md requires; BB_FAILED describes the

@@ -1,6 +1,6 @@
-/* The checker: holds a tree to what framework/README.md, "The common tree", promises. Linear time,
- * but for the two declared properties (duplicated, disjoint), which look at the leaves of one
- * primitive and the children of one node together.
+/* The checker: verifies what "The common tree" in framework/README.md requires. Linear time, except
+ * for the two declared properties (duplicated, disjoint), which compare the leaves of one primitive
+ * and the children of one node.
  *
  * Links and references are verified by the walk (tree_walk.c), boxes here, coverage by several
  * leaves in tree_cover.c.
@@ -12,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* First axis on which `inner` is not inside of `outer`, 3 if it is inside; comparisons are exact.
+/* Returns the first axis on which `inner` is not inside of `outer`, 3 if it is inside; comparisons
+ * are exact.
  */
 static int outside_axis(const float outer_lo[3], const float outer_hi[3], const float inner_lo[3],
                         const float inner_hi[3])
@@ -47,7 +48,8 @@ static bb_status check_child(const bb_tree *tree, uint32_t parent, uint32_t chil
                    (double)b->hi[axis], "xyz"[axis]);
 }
 
-/* The references of leaf `index`: in range, counted in uses[], boxes inside of the leaf's. */
+/* Checks the references of leaf `index`: in range, counted in uses[], boxes inside of the
+ * leaf's. */
 static bb_status check_leaf(const bb_tree *tree, const bb_scene *scene, uint32_t index,
                             uint32_t width, uint32_t *uses)
 {

@@ -1,20 +1,20 @@
-/* Coverage of a primitive by several boxes, by subtracting the boxes from it.
+/* Checks the coverage of a primitive by several boxes, by subtracting the boxes from it.
  *
  *   regions = { box of the primitive }
  *   while there is a region R:
  *       shrink R to the part of the primitive's surface in it; drop R if there is none
- *       if a box holds R: it is covered
+ *       if a box contains R: it is covered
  *       else if a box overlaps R: cut R along the box, keep the up to six pieces outside
- *       else: what is left of the primitive in R is covered by nobody
+ *       else: the part of the primitive in R is not covered
  *
- * Where many boxes have to do with a region, it is halved first, and each half asks those alone
- * that overlap it: else a large primitive among small ones, in m leaves of an octree, would take
- * m^2. Halves that share too many boxes are not made, and not more than a few for each box.
+ * If many boxes overlap a region, it is halved first, and each half is only compared with the boxes
+ * that overlap it: otherwise a large primitive among small ones, in m leaves of an octree, would
+ * take m^2. Halves that share too many boxes are not made, and at most a few per box.
  *
- * What of a primitive is in R its kind knows (shrink() of prim.h). All in double; the boxes are
- * grown by 2^-40 of the largest coordinate, so that rounding here (2^-53) can't open a gap between
- * boxes that abut. A gap of a float between boxes is 2^-24 of its coordinate; where that is less
- * than 2^-16 of the primitive's largest, a gap of a few floats is not found.
+ * The kind of the primitive computes its part in R (shrink() of prim.h). All in double; the boxes
+ * are grown by 2^-40 of the largest coordinate, so that rounding here (2^-53) cannot open a gap
+ * between adjacent boxes. A gap of one float between boxes is 2^-24 of its coordinate; where that
+ * is less than 2^-16 of the primitive's largest coordinate, a gap of a few floats is not found.
  */
 #include "framework/tree/tree_cover.h"
 
@@ -48,7 +48,7 @@ static bb_status push(region_stack *stack, const region *item)
     return BB_OK;
 }
 
-/* A primitive, its boxes, and lists of them, one behind the other. */
+/* A primitive, its boxes, and lists of boxes, one after the other. */
 typedef struct cover {
     const bb_scene *scene;
     uint32_t prim;
@@ -56,8 +56,8 @@ typedef struct cover {
     double margin;
     uint32_t *list;
     size_t top, capacity;
-    uint64_t halvings; /* that may still be made */
-    region left;       /* covered by nobody */
+    uint64_t halvings; /* halvings that may still be made */
+    region left;       /* the part that is not covered */
 } cover;
 
 static bool shrink(const bb_scene *scene, uint32_t prim, region *r)
@@ -87,7 +87,8 @@ static bool holds(const region *box, const region *r)
     return inside;
 }
 
-/* Overlap that a cut makes use of: more than a touch, unless the region is flat there. */
+/* Returns whether they overlap enough for a cut: more than touching, unless the region is flat
+ * there. */
 static bool overlaps(const region *box, const region *r)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -118,7 +119,7 @@ static bb_status cut(region_stack *stack, const region *box, const region *r)
     return BB_OK;
 }
 
-/* Takes one region apart; *covered is false if a part of it is covered by no box. */
+/* Handles one region; *covered is false if a part of it is covered by no box. */
 static bb_status cover_region(const cover *c, region_stack *stack, const region *r, size_t first,
                               uint32_t count, bool *covered)
 {
@@ -139,7 +140,7 @@ static bb_status cover_region(const cover *c, region_stack *stack, const region 
     return cut(stack, &box, r);
 }
 
-/* By the boxes of a list, which are few. */
+/* Checks coverage by the boxes of a short list. */
 static bb_status cover_by_few(cover *c, const region *whole, size_t first, uint32_t count,
                               bool *covered)
 {
@@ -155,7 +156,7 @@ static bb_status cover_by_few(cover *c, const region *whole, size_t first, uint3
     return status;
 }
 
-/* Appends those of a list that overlap the region; how many. */
+/* Appends those boxes of a list that overlap the region; *chosen: their number. */
 static bb_status choose(cover *c, const region *r, size_t first, uint32_t count, uint32_t *chosen)
 {
     *chosen = 0;
@@ -178,8 +179,8 @@ static bb_status choose(cover *c, const region *r, size_t first, uint32_t count,
 
 enum { FEW = 24, HALVINGS_PER_BOX = 4 };
 
-/* By halves, as long as that pays: boxes that lie over each other, or are thinner than the margin,
- * come into both halves again and again. */
+/* Checks coverage by halving, as long as that pays: boxes that coincide, or are thinner than the
+ * margin, would come into both halves again and again. */
 static bb_status cover_by_list(cover *c, region r, size_t first, uint32_t count, bool *covered)
 {
     const size_t top = c->top;

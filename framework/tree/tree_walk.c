@@ -1,10 +1,11 @@
-/* The walk along first/skip, and what follows from it directly: preorder form, hash, stack need.
+/* The walk along first/skip, and functions that follow directly from it: preorder form, hash, stack
+ * need.
  *
  *   visit n
  *   if n is inner: go to first(n), a child of n
  *   else: next = skip(n)
- *         while the parent has the same skip: it is done too, climb to its parent
- *         next is the next child of the parent that is left; the walk ends when none is
+ *         while the parent has the same skip: it is finished too, climb to its parent
+ *         next is the next child of the remaining parent; the walk ends when none remains
  *
  * Parents are kept as positions in an array, so climbing needs no stack.
  */
@@ -46,7 +47,7 @@ static bb_status make_bits(uint32_t count, uint64_t **bits)
     return BB_OK;
 }
 
-/* Number of references of leaf `index`, each of which must be in no other leaf. */
+/* Finds the number of references of leaf `index`, each of which must be in no other leaf. */
 static bb_status leaf_width(const bb_tree *tree, uint32_t index, uint64_t *used, uint32_t *width)
 {
     uint32_t first = tree->nodes[index].first & BB_INDEX_MASK, count = tree->info.ref_count;
@@ -68,7 +69,8 @@ static bb_status leaf_width(const bb_tree *tree, uint32_t index, uint64_t *used,
     }
 }
 
-/* Position of the parent of the node that follows the leaf `index`; BB_NONE when the walk is done.
+/* Finds the position of the parent of the node that follows the leaf `index`; BB_NONE at the end of
+ * the walk.
  */
 static bb_status climb(const bb_tree *tree, const bb_walk *walk, uint32_t index, uint32_t parent,
                        uint32_t *depth, uint32_t *out)
@@ -192,7 +194,7 @@ double bb_node_cost(const bb_node *node, uint32_t width)
     return bb_node_is_leaf(node) ? BB_COST_INTERSECTION * width : BB_COST_TRAVERSAL * 0.5 * width;
 }
 
-/* The side arrays in the order of the walk. */
+/* Copies the side arrays in the order of the walk. */
 static bb_status copy_arrays(const bb_tree *tree, const bb_walk *walk, bb_tree *out)
 {
     for (uint32_t a = 0; a < tree->array_count; a++) {

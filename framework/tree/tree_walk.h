@@ -1,9 +1,9 @@
-/* The walk that all passes over a tree share: once along first/skip, which verifies the links on
- * the way.
+/* The walk that all passes over a tree share: once along first/skip, verifying the links on the
+ * way.
  *
- * A walk turns the links into three arrays by preorder position, so that top-down passes are loops
- * forwards, bottom-up passes loops backwards, and no pass recurses: a tree may be a chain of a
- * million nodes.
+ * A walk turns the links into three arrays by preorder position. So top-down passes are loops
+ * forwards, bottom-up passes loops backwards, and no pass recurses, even if the tree is a chain of
+ * a million nodes.
  */
 #ifndef BB_TREE_WALK_H
 #define BB_TREE_WALK_H
@@ -22,10 +22,10 @@ typedef struct bb_walk {
 bb_status bb_walk_tree(const bb_tree *tree, bb_walk *walk);
 void bb_walk_release(bb_walk *walk);
 
-/* Position after the subtree at each position, into end[info.node_count]. */
+/* Writes the position after the subtree at each position into end[info.node_count]. */
 void bb_walk_ends(const bb_walk *walk, uint32_t *end);
 
-/* Cost of a node without its descendants, per unit of area. */
+/* Returns the cost of a node without its descendants, per unit of area. */
 double bb_node_cost(const bb_node *node, uint32_t width);
 
 #endif

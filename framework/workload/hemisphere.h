@@ -4,7 +4,7 @@
 
 #include "framework/workload/job.h"
 
-/* As many per point as the option per_hit says, up to tmax. */
+/* Makes as many rays per point as the option per_hit says, up to tmax. */
 bb_status bb_hemisphere_rays(bb_rays_job *job, float tmax);
 
 #endif

@@ -1,4 +1,4 @@
-/* A request for rays on its way, and options that several workloads have. */
+/* A request for rays in progress, and options that several workloads have. */
 #ifndef BB_JOB_H
 #define BB_JOB_H
 
@@ -13,7 +13,7 @@ typedef struct bb_rays_request {
     uint64_t seed;
 } bb_rays_request;
 
-/* One request on its way. */
+/* A request in progress. */
 typedef struct bb_rays_job {
     const bb_scene *scene;
     bb_oracle *oracle;
@@ -50,7 +50,7 @@ typedef struct bb_rays_job {
         NULL, NULL, NULL, NULL                                                                     \
     }
 
-/* What BB_COUNT_OPTION says, at most the run's limit. */
+/* Gets the number from BB_COUNT_OPTION, at most the run's limit. */
 bb_status bb_job_count(const bb_rays_job *job, uint64_t *count);
 
 #endif

@@ -1,16 +1,16 @@
 /* Rays that start on surfaces.
  *
- *   for each view: trace its primary rays with the oracle, keep the hits; if more rays are asked
- *                  for than they give, those of another picture, and so on
+ *   for each view: trace its primary rays with the oracle, keep the hits; if more rays are
+ *                  requested than they give, trace another picture, and so on
  *   share the hits that fit among the views, equally
  *   for each view: take its share by selection sampling (Knuth, The Art of Computer Programming
  *                  3.4.2, algorithm S), which keeps the order of the pixels
  *   for each hit:  move off the surface, make its rays one after the other
  *
- * The point of a hit is computed anew in doubles from the exact t, so that it lies on the surface
- * also where Embree's t is rough. It is moved along the geometric normal that faces the incoming
- * ray, by the larger of `offset` scene diagonals and 2^-20 of the point's largest coordinate: nine
- * times what rounding to float can move it back.
+ * The point of a hit is recomputed in doubles from the exact t, so that it lies on the surface even
+ * where Embree's t is rough. It is moved along the geometric normal that faces the incoming ray, by
+ * the larger of `offset` scene diagonals and 2^-20 of the point's largest coordinate: nine times
+ * the distance that rounding to float can move it back.
  */
 #include "framework/workload/surface.h"
 #include "framework/judge/queries.h"
@@ -25,7 +25,7 @@
 
 enum {
     BATCH = 1 << 18,    /* primary rays traced at once */
-    PICTURES_MAX = 256, /* of a view: one that sees next to nothing gives fewer rays than asked */
+    PICTURES_MAX = 256, /* per view: one that sees almost nothing gives fewer rays than requested */
 };
 
 /* A primary hit. */
@@ -37,16 +37,16 @@ typedef struct first_hit {
 typedef struct sampled_view {
     bb_camera camera;
     first_hit *hits;
-    uint32_t count; /* of the hits */
-    uint32_t room;  /* for so many */
-    uint32_t share; /* how many of them are taken */
+    uint32_t count; /* number of hits */
+    uint32_t room;  /* capacity */
+    uint32_t share; /* number of hits taken */
 } sampled_view;
 
 typedef struct sampler {
     bb_rays_job *job;
     double offset; /* in scene units */
     uint32_t per_hit;
-    bool counts; /* a number of rays was asked for: hits without a point are not even collected */
+    bool counts; /* a number of rays was requested: hits without a point are not even collected */
     uint32_t view_count;
     sampled_view views[BB_VIEWS_MAX];
     bb_ray *rays; /* one batch */
@@ -55,7 +55,7 @@ typedef struct sampler {
 
 /* ---- points on surfaces ---- */
 
-/* False where the surface has no normal, or no exact hit where Embree has one. */
+/* Returns false where the surface has no normal, or no exact hit where Embree has one. */
 static bool find_point(const sampler *sampler, const bb_ray *ray, const bb_hit *hit,
                        bb_surface_point *point)
 {
@@ -90,7 +90,7 @@ static bool find_point(const sampler *sampler, const bb_ray *ray, const bb_hit *
 
 /* ---- primary hits ---- */
 
-/* Appends the hits of rays [begin, end) of its pictures. */
+/* Appends the hits of rays [begin, end) of the view's pictures. */
 static bb_status collect_batch(sampler *sampler, sampled_view *view, uint64_t begin, uint64_t end)
 {
     const uint32_t count = (uint32_t)(end - begin);
@@ -108,7 +108,7 @@ static bb_status collect_batch(sampler *sampler, sampled_view *view, uint64_t be
     return BB_OK;
 }
 
-/* Room for the hits of one more picture. */
+/* Makes room for the hits of one more picture. */
 static bb_status make_room(sampled_view *view, uint32_t pixels)
 {
     if (view->room - view->count >= pixels)
@@ -136,7 +136,7 @@ static bb_status collect_picture(sampler *sampler, sampled_view *view, uint32_t 
     return BB_OK;
 }
 
-/* The hits of so many pictures that they give `wanted` samples, or of PICTURES_MAX. */
+/* Collects the hits of as many pictures as give `wanted` samples, at most PICTURES_MAX. */
 static bb_status collect_views(sampler *sampler, uint64_t wanted, uint64_t *hits)
 {
     *hits = 0;
@@ -153,7 +153,7 @@ static bb_status collect_views(sampler *sampler, uint64_t wanted, uint64_t *hits
     return BB_OK;
 }
 
-/* Deals `wanted` samples out equally; what a view with few hits leaves goes to the others. */
+/* Distributes `wanted` samples equally; views with few hits leave theirs to the others. */
 static void deal(sampler *sampler, uint32_t wanted)
 {
     while (wanted > 0) {
@@ -213,7 +213,7 @@ static void end_sampling(sampler *sampler)
     bb_host_free(sampler->hits);
 }
 
-/* The few hits without a point on the surface are left out. */
+/* Skips the few hits without a point on the surface. */
 static bb_status for_each_sample(sampler *sampler, bb_surface_maker *make, void *context)
 {
     bb_rays_job *job = sampler->job;

@@ -5,18 +5,18 @@
 #include "framework/base/random.h"
 #include "framework/workload/job.h"
 
-/* Where secondary rays start. */
+/* The start of secondary rays. */
 typedef struct bb_surface_point {
     double o[3]; /* moved off the surface, rounded to float */
     double normal[3];
 } bb_surface_point;
 
-/* Makes the rays of one point, with random numbers of its own. */
+/* Makes the rays of one point, with its own random numbers. */
 typedef bb_status bb_surface_maker(void *context, const bb_surface_point *point, bb_random *random,
                                    bb_ray *rays);
 
 /* Makes `per_hit` rays for each of as many primary hits as the request allows. BB_UNSUPPORTED if
- * there is none. */
+ * there are none. */
 bb_status bb_surface_rays(bb_rays_job *job, uint32_t per_hit, bb_surface_maker *make,
                           void *context);
 

@@ -1,5 +1,5 @@
-/* From a specification to a ray set. Rays are made in doubles and rounded to float once. They
- * depend on scene, view, picture size, options and seed only, secondary ones also on Embree's
+/* Makes a ray set from a specification. Rays are computed in doubles and rounded to float once.
+ * They only depend on scene, view, picture size, options and seed; secondary ones also on Embree's
  * primary hits. */
 #include "framework/workload/workload.h"
 
@@ -62,7 +62,7 @@ bb_status bb_workload_check(const char *text, uint32_t max_rays)
     while (option != NULL && option->name != NULL && strcmp(option->name, "count") != 0)
         option++;
     if (option == NULL || option->name == NULL)
-        return BB_OK; /* picture, or its hits, say how many rays there are */
+        return BB_OK; /* the picture, or its hits, determine the number of rays */
     if (bb_spec_value(&spec, workload->options, "count") != NULL)
         BB_TRY(bb_spec_u64(&spec, workload->options, "count", 1, INT32_MAX, &count));
     return bb_rays_check_room(text, count < max_rays ? count : max_rays);

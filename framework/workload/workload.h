@@ -1,5 +1,5 @@
-/* Workloads: the ray sets that can be asked for. Each is one file, workload_NAME.c, which CMake
- * finds: its options, and how its rays are made. */
+/* Workloads: the available ray sets. Each is one file, workload_NAME.c, which CMake finds: its
+ * options, and the code that makes its rays. */
 #ifndef BB_WORKLOAD_H
 #define BB_WORKLOAD_H
 
@@ -13,30 +13,32 @@ typedef struct bb_workload {
     const bb_option *options; /* length, count, offset, tmin ... with their defaults */
     /* Fills job->rays (framework/workload/job.h). BB_UNSUPPORTED if the scene has no such rays. */
     bb_status (*make)(bb_rays_job *job);
-    /* With these parameters in this scene, must each ray hit something? NULL: none must. */
+    /* Returns whether, with these parameters in this scene, each ray must hit something. NULL:
+     * never. */
     bool (*must_hit)(const bb_scene *scene, const bb_spec *spec);
 } bb_workload;
 
 extern const bb_workload *const bb_workloads[]; /* generated table; ends with NULL */
 const bb_workload *bb_workload_find(const char *name);
-/* The workload that `text` names, and its specification, checked. */
+/* Finds the workload that `text` names and checks its specification. */
 bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload **workload);
 
-/* The same before a run: BB_REFUSED if the rays that it would make of `text`, with `max_rays` at
- * most and as far as is known without a scene, are more than the host has room for. */
+/* Checks a specification before a run: BB_REFUSED if its rays, at most `max_rays` and as far as is
+ * known without a scene, need more memory than the host has. */
 bb_status bb_workload_check(const char *text, uint32_t max_rays);
 
-/* Into `more` the same rays, but at least so many: `text` with least=, unless it says that itself,
- * or its kind has no pictures and thus as many as the run's limit anyway. BB_INVALID without room
- * for it. */
+/* Writes to `more` a specification of the same rays, but at least `least` of them: `text` with
+ * least=, unless it has that itself, or its kind has no pictures and thus as many rays as the run's
+ * limit anyway. BB_INVALID if `capacity` is too small. */
 bb_status bb_workload_at_least(const char *text, uint32_t least, char *more, size_t capacity);
 
-/* Whether each of these rays must hit something: they are aimed at a closed mesh from inside. */
+/* Returns whether each of these rays must hit something: they are aimed at a closed mesh from
+ * inside. */
 bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, const bb_spec *spec);
 
-/* Makes the rays of `request`. Secondary rays start at primary hits of the oracle, so that they do
- * not depend on any builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges`
- * without triangles). Owned by the caller. */
+/* Makes the rays of `request`. Secondary rays start at primary hits of the oracle, so they do not
+ * depend on any builder. BB_UNSUPPORTED if the scene has no such rays (no primary hit; `edges`
+ * without triangles). The caller owns *rays. */
 bb_status bb_rays_make(const bb_scene *scene, bb_oracle *oracle, const bb_rays_request *request,
                        bb_rays **rays);
 

@@ -1,4 +1,4 @@
-/* Ambient occlusion: is anything near? */
+/* Ambient occlusion: any hit within a short distance. */
 #include "framework/judge/queries.h"
 #include "framework/workload/hemisphere.h"
 #include "framework/workload/workload.h"

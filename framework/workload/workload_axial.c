@@ -1,9 +1,10 @@
-/* Rays along the axes, in the very planes of the primitives' boxes: the direction has zeros, the
- * origin two coordinates of a box's corner, and a slab test multiplies 0 by infinity. Zeros have
- * both signs. With `tilt` the zeros become as small as one likes.
+/* Rays along the axes, exactly in the planes of the primitives' boxes: the direction has zeros, the
+ * origin shares two coordinates with a box's corner, and a slab test multiplies 0 by infinity.
+ * Zeros have both signs. With `tilt` random numbers of up to that size
+ * replace the zeros.
  *
- * A random corner of a random primitive's box; an axis and a way along it; the ray starts outside
- * of the scene's box and goes through the corner.
+ * A random corner of a random primitive's box, and a random axis and sense; the ray starts outside
+ * of the scene's box and passes through the corner.
  */
 #include "framework/base/random.h"
 #include "framework/judge/queries.h"

@@ -1,4 +1,4 @@
-/* Diffuse rays: a bounce without end. */
+/* Diffuse rays: one unbounded bounce. */
 #include "framework/judge/queries.h"
 #include "framework/workload/hemisphere.h"
 #include "framework/workload/workload.h"

@@ -36,11 +36,11 @@ static const bb_option options_table[] = {
     BB_END_OPTION,
 };
 
-/* What is aimed at. */
+/* The kind of target. */
 typedef enum target {
     VERTEX,
     ALONG, /* uniform on an edge */
-    SEEN,  /* uniform in the angle that the edge takes up, seen from the origin */
+    SEEN,  /* uniform in the angle at which the origin sees the edge */
 } target;
 
 typedef enum from {
@@ -53,16 +53,17 @@ typedef struct aimer {
     const bb_scene *scene;
     from from;
     bb_random random;
-    double radius; /* inside: of the ball of origins */
+    double radius; /* inside: radius of the ball of origins */
     double lo[3];  /* around: the box of origins */
     double hi[3];
     double jitter;   /* in 2^-24 of the triangle's extent from the origin */
-    double *lengths; /* [i]: of the edges of triangles 0 .. i; NULL: none is preferred */
+    double *lengths; /* [i]: total length of the edges of triangles 0 .. i; NULL: all edges are
+                      * equally likely */
 } aimer;
 
 /* ---- origins ---- */
 
-/* Distance from p to the plane of the triangle; INFINITY if it has none. */
+/* Returns the distance from p to the plane of the triangle; INFINITY if it has none. */
 static double distance_to_plane(const bb_scene *scene, uint32_t triangle, const double p[3])
 {
     const float *a = bb_scene_vertex(scene, triangle, 0), *b = bb_scene_vertex(scene, triangle, 1),
@@ -78,9 +79,9 @@ static double distance_to_plane(const bb_scene *scene, uint32_t triangle, const 
     return length > 0.0 ? fabs(along) / length : INFINITY;
 }
 
-/* Half the distance from the inside point to the nearest plane of a triangle: such a ball is
- * inside. (Triangles of zero area have no plane; in a closed mesh they lie on the edges of
- * others.) */
+/* Sets *radius to half the distance from the inside point to the nearest plane of a triangle: a
+ * ball of this radius is inside. (Triangles of zero area have no plane; in a closed mesh they lie
+ * on the edges of others.) */
 static bb_status find_inner_radius(const bb_scene *scene, double *radius)
 {
     double nearest = INFINITY, largest = 0.0;
@@ -89,7 +90,7 @@ static bb_status find_inner_radius(const bb_scene *scene, double *radius)
     for (int k = 0; k < 3; k++)
         largest = fmax(largest, fabs(scene->inside_point[k]));
     *radius = 0.5 * nearest;
-    /* Rounding the origin to float must not carry it out. */
+    /* Rounding the origin to float must not move it outside. */
     if (!isfinite(nearest) || 0x1p-22 * largest >= 0.5 * nearest)
         return bb_fail(BB_UNSUPPORTED,
                        "rays edges: floats do not resolve the inside of scene '%s': scale it up or "
@@ -172,7 +173,8 @@ static bb_status measure_edges(aimer *aimer)
     return BB_OK;
 }
 
-/* An edge, in proportion to its length: the triangle by bisection, then the side. */
+/* Chooses an edge with a probability proportional to its length: the triangle by bisection, then
+ * the side. */
 static void choose_long(aimer *aimer, uint32_t *triangle, uint32_t *corner)
 {
     const bb_scene *scene = aimer->scene;
@@ -194,7 +196,7 @@ static void choose_long(aimer *aimer, uint32_t *triangle, uint32_t *corner)
         left -= sides[*corner];
 }
 
-/* Where on the edge from p to q: 0..1, uniform in the angle seen from the origin. */
+/* Returns a position on the edge from p to q, 0..1, uniform in the angle seen from the origin. */
 static double choose_seen(const float p[3], const float q[3], const float o[3], double unit)
 {
     double to_p[3], edge[3], square = 0.0, along = 0.0, height = 0.0;
@@ -204,7 +206,7 @@ static double choose_seen(const float p[3], const float q[3], const float o[3], 
         square += edge[k] * edge[k];
         along += to_p[k] * edge[k];
     }
-    double foot = -along / square; /* of the origin's perpendicular: 0 at p, 1 at q */
+    double foot = -along / square; /* foot of the origin's perpendicular: 0 at p, 1 at q */
     for (int k = 0; k < 3; k++)
         height = hypot(height, to_p[k] + foot * edge[k]);
     height /= sqrt(square);
@@ -229,7 +231,7 @@ static void move_target(aimer *aimer, uint32_t triangle, const bb_ray *ray, doub
         d[k] += by * direction[k];
 }
 
-/* False if the direction has no length. */
+/* Returns false if the direction has no length. */
 static bool aim(aimer *aimer, target target, bool at_long, bb_ray *ray)
 {
     const bb_scene *scene = aimer->scene;
@@ -274,7 +276,7 @@ static bb_status aim_all(aimer *aimer, bb_rays *rays)
     return BB_OK;
 }
 
-/* ---- the door ---- */
+/* ---- the workload ---- */
 
 static from choose_from(const bb_scene *scene, const bb_spec *spec)
 {

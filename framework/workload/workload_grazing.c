@@ -1,5 +1,5 @@
 /* Rays that graze triangles: through a point of one, almost in its plane. The smaller the angle,
- * the less is left of the determinant that tests divide by.
+ * the smaller the determinant that tests divide by.
  *
  * A uniform point of a random triangle; a direction in its plane; the normal times the sine of an
  * angle of up to `angle` is added. The ray starts a quarter to a half of the scene's diagonal
@@ -26,7 +26,7 @@ static double normalise(double v[3])
     return length;
 }
 
-/* False for a triangle without a plane. */
+/* Returns false for a triangle without a plane. */
 static bool make_ray(const bb_rays_job *job, double angle, bb_random *random, bb_ray *ray)
 {
     const bb_scene *scene = job->scene;
@@ -58,7 +58,7 @@ static bool make_ray(const bb_rays_job *job, double angle, bb_random *random, bb
         ray->o[k] = (float)(point[k] - back * d[k]);
     }
     for (int k = 0; k < 3; k++)
-        d[k] = point[k] - (double)ray->o[k]; /* to the point from where floats put the origin */
+        d[k] = point[k] - (double)ray->o[k]; /* to the point from the origin as rounded to float */
     return normalise(d) > 0 && bb_ray_set_direction(ray, d);
 }
 

@@ -1,8 +1,8 @@
-/* Lines: uniform in position and direction through a ball around the scene's box, as integral
- * geometry takes them. The chance that such a line meets a convex body is in proportion to its area
- * (Crofton; Santalo 1976, Integral Geometry and Geometric Probability, section II.12.7), which is
- * what the surface area heuristic assumes of rays; that nothing stops them (MacDonald and Booth
- * 1990) is the query `interval`.
+/* Lines that are uniform in position and direction through a ball around the scene's box, as in
+ * integral geometry. The probability that such a line meets a convex body is proportional to its
+ * area (Crofton; Santalo 1976, Integral Geometry and Geometric Probability, section II.12.7), which
+ * is the assumption of the surface area heuristic about rays. Its other assumption, that nothing
+ * stops them (MacDonald and Booth 1990), corresponds to the query `interval`.
  *
  * A direction uniform on the sphere, then a point uniform in the disc across it through the ball's
  * centre; the ray starts on the ball and ends on it.
@@ -38,13 +38,13 @@ static void make_frame(const double d[3], double u[3], double v[3])
         v[i] = d[(i + 1) % 3] * u[(i + 2) % 3] - d[(i + 2) % 3] * u[(i + 1) % 3];
 }
 
-/* False where floats leave nothing of it. */
+/* Returns false if floats leave nothing of the line. */
 static bool make_line(const bb_rays_job *job, bb_random *random, bb_ray *ray)
 {
     const bb_box *bounds = &job->scene->bounds;
     double radius = 0.5 * job->diagonal, d[3], u[3], v[3], x, y;
     bb_random_direction(random, d);
-    do { /* no sine or cosine, whose last bit differs between machines */
+    do { /* without sine and cosine, whose last bit differs between machines */
         x = bb_random_range(random, -1, 1);
         y = bb_random_range(random, -1, 1);
     } while (x * x + y * y > 1);

@@ -1,5 +1,5 @@
-/* Random rays: from a uniform point of the scene's box through another; or from close to a
- * primitive to close to another, so that a far outlier does not hide the rest. */
+/* Random rays: from a uniform point of the scene's box through another; or from near one primitive
+ * to near another, so that a far outlier does not hide the rest. */
 #include "framework/base/random.h"
 #include "framework/judge/queries.h"
 #include "framework/workload/workload.h"
@@ -14,8 +14,8 @@ static const bb_option options_table[] = {
     BB_END_OPTION,
 };
 
-/* The box of a random primitive, grown by its longest side: where a scene has something, even if
- * that is all in one corner. */
+/* Returns the box of a random primitive, grown by its longest side: it is where the scene has
+ * something, even if everything is in one corner. */
 static bb_box box_near(const bb_scene *scene, bb_random *random)
 {
     bb_box box = scene->boxes[bb_random_below(random, scene->prim_count)];
@@ -29,7 +29,7 @@ static bb_box box_near(const bb_scene *scene, bb_random *random)
     return box;
 }
 
-/* From a point of one box through a point of the other. */
+/* Makes a ray from a point of one box through a point of the other. */
 static bool random_ray(const bb_box *from, const bb_box *to, bb_random *random, bb_ray *ray)
 {
     double d[3], length = 0.0;
@@ -45,8 +45,8 @@ static bool random_ray(const bb_box *from, const bb_box *to, bb_random *random, 
     return bb_ray_set_direction(ray, d);
 }
 
-/* Two points fall together at most where a box has next to no floats inside, or is that of a
- * primitive which is a point. */
+/* Two points coincide only if a box has almost no floats inside, or is that of a primitive which is
+ * a point. */
 static bb_status make_random_ray(const bb_rays_job *job, double near, bb_random *random,
                                  bb_ray *ray)
 {

@@ -1,4 +1,5 @@
-/* Shadow rays: from what is seen to a point of a square light under the top of the scene's box. */
+/* Shadow rays: from visible surfaces to points of a square light under the top of the scene's
+ * box. */
 #include "framework/judge/queries.h"
 #include "framework/workload/surface.h"
 #include "framework/workload/workload.h"
