@@ -16,7 +16,7 @@ static void cross(const double a[3], const double b[3], double out[3])
     }
 }
 
-/* False for a vector of no usable length. */
+/* Returns false if the vector has no usable length. */
 static bool normalise(double v[3])
 {
     double length = length_of(v);

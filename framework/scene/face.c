@@ -1,4 +1,4 @@
-/* One triangle's plane geometry. */
+/* Plane geometry of one triangle. */
 #include "framework/scene/face.h"
 
 #include <math.h>
@@ -21,8 +21,8 @@ double bb_face_twice_area(const bb_face *face)
     return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
-/* Is a * b equal to c * d? Exact unless a product underflows; the differences that come in are
- * exact doubles unless their operands are 2^29 apart in size. */
+/* Returns whether a * b equals c * d, exactly unless a product underflows; the differences passed
+ * in are exact doubles unless their operands are 2^29 apart in size. */
 static bool equal_products(double a, double b, double c, double d)
 {
     double left = a * b, right = c * d;
@@ -58,7 +58,7 @@ void bb_face_sample(const bb_face *face, bb_random *random, double point[3], dou
     }
 }
 
-/* ---- what of it is in a box ---- */
+/* ---- the part in a box ---- */
 
 enum { POLYGON_MAX = 16 }; /* a triangle cut by six planes has at most nine corners */
 
@@ -84,7 +84,7 @@ static int clip(double (*polygon)[3], int count, int axis, double plane, double 
     return kept_count;
 }
 
-/* As a polygon (Sutherland and Hodgman 1974). */
+/* Clips the face as a polygon (Sutherland and Hodgman 1974). */
 bool bb_face_shrink(const bb_face *face, double lo[3], double hi[3])
 {
     double polygon[POLYGON_MAX][3];
@@ -103,7 +103,7 @@ bool bb_face_shrink(const bb_face *face, double lo[3], double hi[3])
             least = fmin(least, polygon[k][axis]);
             most = fmax(most, polygon[k][axis]);
         }
-        /* An interpolated corner may have been rounded out of the box, which must never grow. */
+        /* Rounding may have moved an interpolated corner out of the box, which must never grow. */
         double low = lo[axis], high = hi[axis];
         lo[axis] = fmin(fmax(least, low), high);
         hi[axis] = fmin(fmax(most, low), high);

@@ -1,4 +1,4 @@
-/* From the profile to what is needed. */
+/* Derives a scene's needs from its profile. */
 #include "framework/scene/needs.h"
 
 #include "framework/scene/prim.h"
@@ -33,7 +33,7 @@ static double diagonal(const bb_box *box)
     return sqrt(square);
 }
 
-/* Sizes that differ by less than this are one size to a code that counts octaves. */
+/* Returns whether sizes differ by at least an octave, the unit in which codes count them. */
 static bool sizes_differ(const bb_profile *p)
 {
     return p->size_high > 2 * p->size_low;
@@ -91,7 +91,7 @@ static void need_kinds(const bb_scene *scene, bb_decisions *needs)
     bb_decide_word(needs, BB_DECIDED_KINDS, kinds, BB_BY_SCENE, "%s", figure);
 }
 
-/* Why it is 32 everywhere: framework/advise/README.md has the measurement. */
+/* The index has 32 bits for every scene: framework/advise/README.md has the measurement. */
 static void need_index(const bb_scene *scene, bb_decisions *needs)
 {
     const bool fits = scene->prim_count <= UINT16_MAX;
@@ -101,7 +101,7 @@ static void need_index(const bb_scene *scene, bb_decisions *needs)
                      scene->prim_count);
 }
 
-/* Nothing above asks for another state than the first. */
+/* All decisions above only need the first frame. */
 static void need_frames(const bb_scene *scene, bb_decisions *needs)
 {
     if (scene->frame_count > 1)

@@ -1,11 +1,11 @@
-/* Axis-aligned boxes: lower and upper corner. What rays meet is the surface; a box may be flat. */
+/* Axis-aligned boxes: lower and upper corner. Rays meet the surface; a box may be flat. */
 #include "framework/exact/expansion.h"
 #include "framework/scene/prim.h"
 
 #include <float.h>
 #include <math.h>
 
-enum { FACES = 6 }; /* face f lies across axis f / 2, at its lower end if f is even */
+enum { FACES = 6 }; /* face f is perpendicular to axis f / 2, at its lower end if f is even */
 
 static const float *aabb_of(const bb_scene *scene, uint32_t i)
 {
@@ -35,7 +35,7 @@ static bb_status bounds(const bb_scene *scene, uint32_t i, bb_box *box)
     return BB_OK;
 }
 
-/* The test has quotients of lengths only. */
+/* The device's test only has quotients of lengths. */
 static double product(const bb_scene *scene, uint32_t i)
 {
     (void)scene, (void)i;
@@ -77,7 +77,7 @@ static void sample(const bb_scene *scene, uint32_t i, bb_random *random, double 
         out[axis] = upper ? 1.0 : -1.0;
 }
 
-/* That of the face which is nearest. */
+/* Returns the normal of the nearest face. */
 static void normal(const bb_scene *scene, uint32_t i, const double point[3], double out[3])
 {
     const float *b = aabb_of(scene, i);
@@ -94,7 +94,7 @@ static void normal(const bb_scene *scene, uint32_t i, const double point[3], dou
     }
 }
 
-/* To the part of the solid box; none of the surface is in a region that lies inside. */
+/* Shrinks towards the part of the solid box; a region inside of it contains no surface. */
 static bool shrink(const bb_scene *scene, uint32_t i, double lo[3], double hi[3])
 {
     const float *b = aabb_of(scene, i);
@@ -120,7 +120,7 @@ static double reach(const bb_scene *scene, uint32_t i, const double o[3])
     return largest;
 }
 
-/* A box without thickness is a rectangle. */
+/* A box without thickness counts as a rectangle. */
 static float height(const bb_scene *scene, uint32_t i)
 {
     const float *b = aabb_of(scene, i);
@@ -131,8 +131,8 @@ static float height(const bb_scene *scene, uint32_t i)
     return is_flat(scene, i) ? 0.0f : (float)least;
 }
 
-/* The sign of (p - o_j) |d_k| sign(d_j) - (q - o_k) |d_j| sign(d_k): of the time at which plane p
- * of axis j is crossed less that of plane q of axis k. */
+/* Returns the sign of (p - o_j) |d_k| sign(d_j) - (q - o_k) |d_j| sign(d_k): of the time of
+ * crossing plane p of axis j minus that of crossing plane q of axis k. */
 static double order(const double o[3], const float d[3], int j, float p, int k, float q)
 {
     double a = d[j] < 0 ? -fabs((double)d[k]) : fabs((double)d[k]);
@@ -150,8 +150,8 @@ static double order(const double o[3], const float d[3], int j, float p, int k, 
     return value_of(&sum);
 }
 
-/* The line meets the box if it enters no pair of planes after it has left another. Of t itself each
- * step rounds once: differences, then quotients. */
+/* The line meets the box if it enters no pair of planes after leaving another. t itself is rounded
+ * once per step: differences, then quotients. */
 static int hits(const bb_scene *scene, uint32_t i, const double o[3], const float d[3], double t[2])
 {
     const float *aabb = aabb_of(scene, i);
@@ -176,7 +176,7 @@ static int hits(const bb_scene *scene, uint32_t i, const double o[3], const floa
     return 2;
 }
 
-/* As if it were larger by eps; rounded, as all that is compared with a margin. */
+/* The box is enlarged by eps; rounded, like everything that is compared with a margin. */
 static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
                   double eps, double t[2])
 {
@@ -195,7 +195,7 @@ static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const fl
     return t[0] <= t[1] ? 2 : 0;
 }
 
-/* The corners of a face, around it. */
+/* Gets the corners of a face, in order around it. */
 static void face_of(const float b[6], int face, float corners[4][3])
 {
     int axis = face / 2, j = (axis + 1) % 3, k = (axis + 2) % 3;
@@ -222,7 +222,7 @@ static bb_passing pass(const bb_scene *scene, uint32_t i, const bb_frame *frame,
     return all;
 }
 
-/* The faces turned towards the line's beginning; all of them, if that is inside. */
+/* Gets the faces turned towards the line's start; all faces if that is inside. */
 static uint32_t outlines(const bb_scene *scene, uint32_t i, const bb_frame *frame, double from,
                          double to, bb_outline out[BB_OUTLINES_MAX])
 {

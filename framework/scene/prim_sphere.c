@@ -9,8 +9,8 @@ static const float *sphere_of(const bb_scene *scene, uint32_t i)
     return bb_scene_floats(scene, BB_SPHERE) + 4 * (size_t)i;
 }
 
-/* The largest float that is not above a + b. The double sum and its error are exact together
- * (Knuth's two-sum), so the result bounds the true sum, however far apart the two are. */
+/* Returns the largest float not above a + b. The double sum plus its error is exact (Knuth's
+ * two-sum), so the result bounds the true sum, however far apart the two are. */
 static float sum_down(float a, float b)
 {
     double x = a, y = b;
@@ -72,8 +72,8 @@ static void sample(const bb_scene *scene, uint32_t i, bb_random *random, double 
         point[k] = (double)s[k] + (double)s[3] * out[k];
 }
 
-/* Whether the distances from the centre to the nearest and the farthest point of the box say so; it
- * is left as it is. */
+/* Decides by the distances from the centre to the nearest and the farthest point of the box; the
+ * box stays as it is. */
 static bool shrink(const bb_scene *scene, uint32_t i, double lo[3], double hi[3])
 {
     const float *s = sphere_of(scene, i);
@@ -114,7 +114,7 @@ static int hits(const bb_scene *scene, uint32_t i, const double o[3], const floa
     return bb_exact_meets_sphere(o, d, sphere_of(scene, i)) ? extended(scene, i, o, d, t) : 0;
 }
 
-/* At the point that is nearest to the line. */
+/* At the point nearest to the line. */
 static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
                   double eps, double t[2])
 {

@@ -1,5 +1,5 @@
-/* Tetrahedra: four indices of vertices, in either orientation; all on one plane is allowed. What
- * rays meet is the surface. */
+/* Tetrahedra: four indices of vertices, in either orientation; all may be on one plane. Rays meet
+ * the surface. */
 #include "framework/exact/exact.h"
 #include "framework/scene/face.h"
 #include "framework/scene/prim.h"
@@ -45,7 +45,7 @@ static bb_status bounds(const bb_scene *scene, uint32_t i, bb_box *box)
     return BB_OK;
 }
 
-/* Of the smallest face that has an area. */
+/* Of the smallest face with an area. */
 static double product(const bb_scene *scene, uint32_t i)
 {
     bb_face faces[FACES];
@@ -79,8 +79,8 @@ static double area(const bb_scene *scene, uint32_t i)
     return sum;
 }
 
-/* How far a point lies on the outer side of a face's plane, times the length of `normal`, which is
- * turned to that side: away from the corner opposite. */
+/* Returns how far a point is on the outer side of a face's plane, times the length of `normal`,
+ * which is turned to that side: away from the opposite corner. */
 static double beyond(const float *const v[4], int f, const bb_face *face, const double point[3],
                      double normal[3])
 {
@@ -115,7 +115,7 @@ static void sample(const bb_scene *scene, uint32_t i, bb_random *random, double 
         out[k] = -out[k];
 }
 
-/* That of the face whose plane is nearest, outwards. */
+/* Returns the outward normal of the face with the nearest plane. */
 static void normal(const bb_scene *scene, uint32_t i, const double point[3], double out[3])
 {
     bb_face faces[FACES];
@@ -135,8 +135,8 @@ static void normal(const bb_scene *scene, uint32_t i, const double point[3], dou
     }
 }
 
-/* Of the solid, not of its surface alone: queries for points look for what is inside. That is the
- * faces' parts, and corners of the region that lie inside. */
+/* Shrinks towards the solid, not only its surface, since queries for points look for the inside:
+ * the parts of the faces, and corners of the region that are inside. */
 static bool shrink(const bb_scene *scene, uint32_t i, double lo[3], double hi[3])
 {
     bb_face faces[FACES];
@@ -193,8 +193,8 @@ static float height(const bb_scene *scene, uint32_t i)
     return least;
 }
 
-/* The first and the last of the faces that the line meets; a line within a face's plane meets the
- * others at its edges. */
+/* Finds the first and the last of the faces that the line meets; a line within a face's plane meets
+ * the other faces at its edges. */
 static int hits(const bb_scene *scene, uint32_t i, const double o[3], const float d[3], double t[2])
 {
     bb_face faces[FACES];
@@ -213,7 +213,7 @@ static int hits(const bb_scene *scene, uint32_t i, const double o[3], const floa
     return count;
 }
 
-/* From the first corner along the line to the last, and a bit more. */
+/* Gets the interval from the first corner along the line to the last, slightly enlarged. */
 static void extent(const float *const v[4], const double o[3], const float d[3], double eps,
                    double t[2])
 {
@@ -233,8 +233,8 @@ static void extent(const float *const v[4], const double o[3], const float d[3],
     t[1] += 2.0 * eps / sqrt(square);
 }
 
-/* As if its faces were moved outwards by eps, within its extent along the line; rounded, as all
- * that is compared with a margin. One without a volume has no outside, and a line along a face may
+/* The faces are moved outwards by eps, within the extent along the line; rounded, like everything
+ * that is compared with a margin. Without a volume there is no outside, and a line along a face may
  * be near all of it: 0. */
 static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
                   double eps, double t[2])
@@ -277,7 +277,7 @@ static bb_passing pass(const bb_scene *scene, uint32_t i, const bb_frame *frame,
     return all;
 }
 
-/* All faces: each that is seen hides what is behind it. */
+/* Gets all faces: each visible one hides what is behind it. */
 static uint32_t outlines(const bb_scene *scene, uint32_t i, const bb_frame *frame, double from,
                          double to, bb_outline out[BB_OUTLINES_MAX])
 {

@@ -1,4 +1,4 @@
-/* What makes a filled scene complete: its checks, its boxes and its hash. */
+/* Completes a filled scene: checks, boxes and hash. */
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
 #include "framework/scene/tets.h"
@@ -11,7 +11,7 @@ enum { PRIM_LIMIT = 0x7FFFFFFF };
 
 /* ---- boxes ---- */
 
-/* -0 equals +0, so which of them is the minimum would depend on who comes first. */
+/* -0 equals +0, so the minimum of both would depend on their order. */
 static void drop_negative_zeros(float *values, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -62,8 +62,8 @@ static bb_status make_boxes(bb_scene *scene)
 
 /* ---- finishing ---- */
 
-/* Of the counts and the arrays. Kinds that came after spheres are left out where there are none, so
- * that a scene keeps its hash as kinds are added. */
+/* Hashes the counts and the arrays. Kinds after spheres are only hashed if present, so that a scene
+ * keeps its hash when kinds are added. */
 static bb_status hash_geometry(bb_scene *scene)
 {
     XXH3_state_t *state = XXH3_createState();

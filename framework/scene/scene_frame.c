@@ -1,4 +1,4 @@
-/* Frames of a moving scene: the same primitives, elsewhere. */
+/* Frames of a moving scene: the same primitives at other positions. */
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
 
@@ -25,10 +25,10 @@ void bb_scene_free_motion(bb_scene *scene)
     bb_host_free(scene->motion);
 }
 
-/* What generated a scene, and of what. */
+/* The generator of a scene, and its specification. */
 typedef struct generated {
     const bb_generator *generator;
-    bb_spec spec; /* its strings lie in it: it does not move */
+    bb_spec spec; /* contains its strings, so it must not move in memory */
 } generated;
 
 static bb_status pose_generated(void *data, bb_scene *scene, uint32_t frame)
@@ -67,7 +67,7 @@ static bb_status check_frame(const bb_scene *scene, uint32_t frame)
                    scene->frame_count - 1);
 }
 
-/* What is said to be there now. */
+/* Takes the counts that the current frame has. */
 static bb_status take_counts(bb_scene *scene)
 {
     bool fits = scene->vertex_count <= scene->vertex_room;
@@ -98,7 +98,7 @@ bb_status bb_scene_set_frame(bb_scene *scene, uint32_t frame, uint32_t *changed)
     if (!known || scene->hash != before) {
         BB_TRY(bb_scene_upload_again(scene));
         *changed = BB_CHANGED_POSITIONS;
-        /* after a failure the counts of the last frame that was there are not known */
+        /* after a failure the counts of the last valid frame are unknown */
         if (!known || scene->prim_count != prims || scene->vertex_count != vertices)
             *changed |= BB_CHANGED_TOPOLOGY;
     }

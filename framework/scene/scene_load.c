@@ -1,4 +1,4 @@
-/* From a specification to a finished scene: a file, a shipped scene, or a generator. */
+/* Loads a scene from a specification: a file, a shipped scene, or a generator. */
 #include "framework/base/clock.h"
 #include "framework/scene/scene_private.h"
 
@@ -27,8 +27,7 @@ static bool exists(const char *path)
     return stat(path, &info) == 0;
 }
 
-/* The share folder of the installation that the loaded library belongs to, wherever that was
- * moved. */
+/* The share folder of the loaded library's installation, even if that was moved. */
 static char installed[PATH_MAX + 64];
 
 static void find_installed(void)
@@ -58,7 +57,7 @@ static bool has_ending(const char *path, const char *ending)
     return length > size && strcasecmp(path + length - size, ending) == 0;
 }
 
-/* By its ending; NULL: none is read. */
+/* Finds the format by the file's ending; NULL: not supported. */
 static const bb_scene_format *find_format(const char *path)
 {
     for (size_t i = 0; bb_scene_formats[i] != NULL; i++)
@@ -68,7 +67,7 @@ static const bb_scene_format *find_format(const char *path)
     return NULL;
 }
 
-/* The endings that are read, as ".a, .b". */
+/* Writes the supported endings, as ".a, .b". */
 static const char *list_endings(char *text, size_t capacity)
 {
     size_t used = 0;
@@ -88,7 +87,7 @@ static bool looks_like_file(const char *text)
 
 /* ---- files ---- */
 
-/* NAME.views beside NAME.glb, if there is one, in place of the file's own cameras. */
+/* Reads NAME.views beside NAME.glb, if it exists; it replaces the file's own cameras. */
 static bb_status read_views_beside(const char *path, bb_scene *scene, bool *given)
 {
     const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
@@ -102,7 +101,7 @@ static bb_status read_views_beside(const char *path, bb_scene *scene, bool *give
     return bb_views_read(views, scene->views, BB_VIEWS_MAX, &scene->view_count);
 }
 
-/* *given: its views are all that it shall have. */
+/* *given: the scene has all views that it shall have. */
 static bb_status load_file(const char *path, const char *parameters, bb_scene *scene, bool *given)
 {
     if (!exists(path))
@@ -184,14 +183,14 @@ static bb_status load_named(const char *text, bb_scene *scene, bool *given)
     return bb_scene_remember_motion(generator, text, scene);
 }
 
-/* A path that is too long for the name keeps its end, which tells scenes apart. */
+/* Sets the name; a path that is too long keeps its end, which distinguishes scenes. */
 static void set_name(bb_scene *scene, const char *text)
 {
     size_t length = strlen(text), room = sizeof scene->name - 1;
     snprintf(scene->name, sizeof scene->name, "%s", length > room ? text + (length - room) : text);
 }
 
-/* FILE:key=value... where FILE is there: *parameters begins at the colon. */
+/* Splits FILE:key=value... if FILE exists: *parameters begins at the colon. */
 static bool split_parameters(const char *text, char path[PATH_MAX], const char **parameters)
 {
     for (const char *at = strchr(text, ':'); at != NULL; at = strchr(at + 1, ':')) {
@@ -207,7 +206,7 @@ static bool split_parameters(const char *text, char path[PATH_MAX], const char *
     return false;
 }
 
-/* Whether what stands before the parameters is one that needs no file. */
+/* Returns whether the part before the parameters names a scene without a file. */
 static bool is_name(const char *text)
 {
     char name[64];

@@ -8,8 +8,8 @@
 
 enum { PRIM_LIMIT = 0x7FFFFFFF };
 
-/* Bytes that a scene of these counts takes on the host, or on the device. At most 2^38 or so: the
- * counts are bounded. */
+/* Returns the bytes of a scene with these counts on the host, or on the device. At most about 2^38,
+ * since the counts are bounded. */
 static uint64_t scene_bytes(uint64_t vertices, const bb_prim_counts *counts)
 {
     uint64_t bytes = vertices * 3 * sizeof(float);

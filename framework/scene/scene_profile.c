@@ -1,5 +1,5 @@
-/* What the harness measures of a scene once, to take no more than it needs (code length, octree
- * depth, kinds).
+/* Measures the properties of a scene once, so that no more is used than it needs (code length,
+ * octree depth, kinds).
  *
  * Linear passes over the boxes, two hash tables, one radix sort, and for the overlap a kd-tree over
  * sampled points; ten million primitives take seconds. Everything is deterministic; the seeds are
@@ -34,7 +34,7 @@
 
 enum {
     OVERLAP_POINTS = 1024,     /* centroids for which the overlap is counted */
-    OVERLAP_BOXES = 1 << 20,   /* boxes that are looked at */
+    OVERLAP_BOXES = 1 << 20,   /* boxes compared with them */
     KD_LEAF = 8,               /* points in a leaf of the kd-tree */
     KD_NODES = OVERLAP_POINTS, /* enough: a node splits only above KD_LEAF points */
     LEVELS = 21,
@@ -43,7 +43,7 @@ enum {
 static void centroid(const bb_box *box, float out[3])
 {
     for (int axis = 0; axis < 3; axis++)
-        out[axis] = 0.5f * box->lo[axis] + 0.5f * box->hi[axis] + 0.0f; /* + 0 makes -0 0 */
+        out[axis] = 0.5f * box->lo[axis] + 0.5f * box->hi[axis] + 0.0f; /* + 0 turns -0 into 0 */
 }
 
 /* ---- sizes ---- */
@@ -103,7 +103,7 @@ typedef struct key {
     float value[6];
 } key;
 
-/* An open-addressing table of primitives, at most half full. */
+/* An open-addressing hash table of primitives, at most half full. */
 typedef struct table {
     uint32_t *slots; /* BB_NONE: free */
     uint64_t mask;
@@ -120,8 +120,8 @@ static bb_status table_make(uint32_t count, table *table)
     return BB_OK;
 }
 
-/* Puts primitive `prim` in, unless one with an equal key is there, which is returned (else
- * BB_NONE). Keys hold no -0, so that equal values have equal bytes. */
+/* Inserts primitive `prim`, unless one with an equal key is there; returns that one, else BB_NONE.
+ * Keys contain no -0, so that equal values have equal bytes. */
 static uint32_t table_insert(table *table, const bb_scene *scene, uint32_t prim,
                              key (*make_key)(const bb_box *))
 {
@@ -153,12 +153,12 @@ static key box_key(const bb_box *box)
     return out;
 }
 
-/* Equal boxes have equal centroids, so only the primitives that share a centroid are compared by
- * box: one bit each says that a later one has the same. */
+/* Equal boxes have equal centroids, so only primitives that share a centroid are compared by box:
+ * one bit per primitive marks that a later one has the same box. */
 static bb_status count_duplicates(bb_scene *scene)
 {
     table centroids = {0}, boxes = {0};
-    uint32_t *twins = NULL; /* pairs: primitive, the first one with its centroid */
+    uint32_t *twins = NULL; /* pairs: primitive, first primitive with its centroid */
     uint32_t count = 0, capacity = 0;
     bb_status status = table_make(scene->prim_count, &centroids);
     for (uint32_t i = 0; i < scene->prim_count && status == BB_OK; i++) {
@@ -195,7 +195,7 @@ static bb_status count_duplicates(bb_scene *scene)
 
 /* ---- codes ---- */
 
-/* The centroids' box, and the axes by falling extent. */
+/* The centroids' box, and the axes by decreasing extent. */
 typedef struct frame {
     float lo[3];
     double extent[3];
@@ -226,7 +226,7 @@ static frame make_frame(const bb_scene *scene)
     return out;
 }
 
-/* Puts two zero bits between the lowest 22 bits. */
+/* Inserts two zero bits between each of the lowest 22 bits. */
 static uint64_t spread(uint64_t v)
 {
     v &= 0x3FFFFF;
@@ -237,7 +237,8 @@ static uint64_t spread(uint64_t v)
     return (v | v << 2) & 0x9249249249249249u;
 }
 
-/* 64 bits: 22 of the longest axis, 21 of the others, interleaved; every shorter code is a prefix.
+/* Returns a code of 64 bits: 22 of the longest axis, 21 of the others, interleaved; every shorter
+ * code is a prefix.
  */
 static uint64_t code_of(const frame *frame, const bb_box *box)
 {
@@ -254,7 +255,8 @@ static uint64_t code_of(const frame *frame, const bb_box *box)
     return spread(cell[0]) | spread(cell[1]) << 2 | spread(cell[2]) << 1;
 }
 
-/* Least significant digit first, 11 bits a time; returns where the result is. */
+/* Sorts by the least significant digit first, 11 bits at a time; returns which array has the
+ * result. */
 static uint64_t *radix_sort(uint64_t *keys, uint64_t *other, size_t count)
 {
     for (unsigned shift = 0; shift < 64; shift += 11) {
@@ -276,17 +278,17 @@ static uint64_t *radix_sort(uint64_t *keys, uint64_t *other, size_t count)
     return keys;
 }
 
-/* Bit by which two neighbours differ first; 64: none. */
+/* Returns the first bit in which two neighbours differ; 64: none. */
 static int split_bit(const uint64_t *sorted, uint32_t i)
 {
     uint64_t difference = sorted[i] ^ sorted[i - 1];
     return difference != 0 ? __builtin_clzll(difference) : 64;
 }
 
-/* a(m) of the definition. */
+/* Computes a(m) of the definition. */
 static void cell_areas(const bb_scene *scene, const frame *frame, double area[65])
 {
-    const double more = scene->profile.size_median / sqrt(3); /* a side of a cube of that size */
+    const double more = scene->profile.size_median / sqrt(3); /* side of a cube of that size */
     double side[3];
     for (int k = 0; k < 3; k++)
         side[k] = frame->extent[frame->axis[k]];
@@ -297,7 +299,7 @@ static void cell_areas(const bb_scene *scene, const frame *frame, double area[65
     }
 }
 
-/* The excess of groups that the first `bits` bits leave together. */
+/* Returns the excess of groups that the first `bits` bits do not separate. */
 static double excess(const uint64_t *sorted, uint32_t count, int bits, const double area[65])
 {
     double all = 0;
@@ -314,11 +316,11 @@ static double excess(const uint64_t *sorted, uint32_t count, int bits, const dou
     return all;
 }
 
-/* Falls with the number of bits: found by halving. */
+/* The loss falls with the number of bits, so the least number is found by bisection. */
 static uint32_t useful_bits(const bb_scene *scene, const frame *frame, const uint64_t *sorted,
                             const uint32_t first_bit[65])
 {
-    const double inner = 1.2, tolerated = 0.02; /* Ct, with Ci = 1; of the cost */
+    const double inner = 1.2, tolerated = 0.02; /* Ct, with Ci = 1; share of the cost */
     double area[65], nodes = 0;
     cell_areas(scene, frame, area);
     for (int m = 0; m <= 64; m++)
@@ -338,7 +340,7 @@ static uint32_t useful_bits(const bb_scene *scene, const frame *frame, const uin
 static void choose_bits(bb_profile *profile, const uint32_t first_bit[65], uint32_t distinct)
 {
     static const uint32_t lengths[] = {30, 32, 63, 64};
-    uint32_t codes[65]; /* codes[n]: how many distinct prefixes of n bits there are */
+    uint32_t codes[65]; /* codes[n]: number of distinct prefixes of n bits */
     codes[0] = 1;
     for (uint32_t n = 0; n < 64; n++)
         codes[n + 1] = codes[n] + first_bit[n];
@@ -366,8 +368,7 @@ static bb_status measure_codes(bb_scene *scene)
         for (uint32_t i = 0; i < scene->prim_count; i++)
             keys[i] = code_of(&frame, &scene->boxes[i]);
         const uint64_t *sorted = radix_sort(keys, other, scene->prim_count);
-        uint32_t first_bit[65] = {
-            0}; /* of neighbours: the first bit in which they differ; 64: none */
+        uint32_t first_bit[65] = {0}; /* first bit in which neighbours differ; 64: none */
         for (uint32_t i = 1; i < scene->prim_count; i++) {
             first_bit[split_bit(sorted, i)]++;
         }
@@ -388,9 +389,9 @@ static void position(const bb_scene *scene, uint32_t triangle, uint32_t corner, 
         out[axis] = bb_scene_vertex(scene, triangle, corner)[axis] + 0.0f;
 }
 
-/* Edges that occur an even number of times cancel in an exclusive or of their 128-bit hashes; what
- * is left over is zero by chance once in 2^128. No table, and the same for positions that several
- * vertices share. */
+/* Edges that occur an even number of times cancel in an exclusive or of their 128-bit hashes; the
+ * remainder is zero by chance once in 2^128. This needs no table, and treats vertices at the same
+ * position as one. */
 static void measure_closed(bb_scene *scene)
 {
     if (scene->prims[BB_TRIANGLE].count == 0) {
@@ -422,14 +423,14 @@ static void measure_closed(bb_scene *scene)
 
 /* ---- overlap ---- */
 
-/* A node of the kd-tree over the sampled centroids: points first .. first + count - 1, in their
+/* A node of the kd-tree over the sampled centroids: points first .. first + count - 1, and their
  * box. */
 typedef struct kd_node {
     float lo[3];
     float hi[3];
     uint32_t first;
     uint32_t count;
-    uint32_t left; /* and left + 1; 0: a leaf */
+    uint32_t left; /* left child; the right one is left + 1; 0: a leaf */
 } kd_node;
 
 typedef struct kd_tree {
@@ -495,7 +496,7 @@ static bool inside(const bb_box *box, const float point[3])
            point[1] <= box->hi[1] && point[2] >= box->lo[2] && point[2] <= box->hi[2];
 }
 
-/* Points that the box holds; nodes that it holds whole are counted without going down. */
+/* Counts the points in the box; nodes entirely inside are counted without descending. */
 static uint32_t kd_count(const kd_tree *tree, uint32_t number, const bb_box *box)
 {
     const kd_node *node = &tree->nodes[number];
@@ -512,8 +513,8 @@ static uint32_t kd_count(const kd_tree *tree, uint32_t number, const bb_box *box
     return count;
 }
 
-/* For sampled centroids, how many of (a sample of) the other boxes hold them. Exact up to 1024
- * primitives. */
+/* Estimates, for sampled centroids, how many of (a sample of) the other boxes contain them. Exact
+ * up to 1024 primitives. */
 static double estimate_overlap(const bb_scene *scene, kd_tree *tree)
 {
     bb_random random = bb_random_make(10, 0);
@@ -535,7 +536,7 @@ static double estimate_overlap(const bb_scene *scene, kd_tree *tree)
         uint32_t prim = boxes == n ? i : bb_random_below(&random, n);
         inside_count += kd_count(tree, 0, &scene->boxes[prim]);
     }
-    /* Each point's own box is in a sample of the boxes with the chance boxes / n. */
+    /* Each point's own box is in a sample of the boxes with probability boxes / n. */
     double all = (double)inside_count * ((double)n / (double)boxes) - (double)own;
     return all > 0 ? all / (double)points : 0;
 }

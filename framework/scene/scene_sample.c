@@ -1,11 +1,12 @@
-/* A scene of some of another one's primitives. */
+/* A scene made of some of another scene's primitives. */
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Number of the k-th of `count` that are taken of `of`: evenly spaced, the first one first. */
+/* Returns the number of the k-th of `count` items taken from `of`: evenly spaced, starting with the
+ * first. */
 static size_t place(uint32_t k, uint32_t count, uint32_t of)
 {
     return (size_t)((uint64_t)k * of / count);

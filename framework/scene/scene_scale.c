@@ -1,4 +1,4 @@
-/* The units in which layouts and kernels reckon: kernels/ERROR_BUDGET.md, section "Domain". */
+/* The units in which layouts and kernels compute: kernels/ERROR_BUDGET.md, section "Domain". */
 #include "framework/scene/prim.h"
 
 #include <math.h>
@@ -6,8 +6,8 @@
 enum {
     USUAL = 32,      /* exponent of the largest coordinate in the layout's units */
     HIGHEST = 58,    /* differences of coordinates, and then products of two, must not overflow */
-    SCALE_MAX = 120, /* exponent of the scale: a float, also times a direction's */
-    LARGEST_MIN = -100, /* below, floats that a device flushes to 0 would show */
+    SCALE_MAX = 120, /* exponent of the scale: it must be a float, also times a direction's scale */
+    LARGEST_MIN = -100, /* below, effects of flushing floats to 0 would show */
 };
 
 static const double least_product = 0x1p-100; /* in the layout's units */
@@ -19,7 +19,7 @@ static double product_of(const bb_scene *scene, uint32_t prim)
     return kind->product(scene, i);
 }
 
-/* The smallest that is not 0; INFINITY if there is none. */
+/* Returns the smallest that is not 0; INFINITY if there is none. */
 static double smallest_product(const bb_scene *scene)
 {
     double smallest = INFINITY;

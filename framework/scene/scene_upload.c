@@ -11,7 +11,8 @@ typedef struct part {
     uint64_t bytes;
 } part;
 
-/* Asks for all of it before any of it, so that a refusal names the whole and leaves nothing behind.
+/* Checks the room for all parts before allocating any, so that a refusal names the total and leaves
+ * nothing behind.
  */
 static bb_status check_room(const bb_scene *scene, const bb_device *device, const part *parts,
                             size_t count)
@@ -56,7 +57,7 @@ static uint64_t prim_bytes(const bb_scene *scene)
     return bytes;
 }
 
-/* The data of all kinds, one after the other. */
+/* Writes the data of all kinds, one after the other. */
 static bb_status write_prims(bb_scene *scene)
 {
     size_t at = 0;
@@ -69,7 +70,7 @@ static bb_status write_prims(bb_scene *scene)
     return BB_OK;
 }
 
-/* What of a volume stays as it is. */
+/* Writes the parts of a volume that never change. */
 static bb_status write_bricks(bb_scene *scene)
 {
     bb_scene_device *there = &scene->on_device;
@@ -89,7 +90,8 @@ static bb_status write_tets(bb_scene *scene)
                            tets->field);
 }
 
-/* What may change, where there is room for it. After a failure the scene is on no device. */
+/* Writes the parts that may change, into existing room. After a failure the scene is on no
+ * device. */
 static bb_status fill(bb_scene *scene)
 {
     bb_scene_device *there = &scene->on_device;
@@ -130,11 +132,11 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
     };
     enum { PARTS = sizeof parts / sizeof parts[0] };
     for (size_t i = 0; i < PARTS; i++)
-        bb_buffer_release(parts[i].buffer); /* of another device */
+        bb_buffer_release(parts[i].buffer); /* on another device */
     there->device = NULL;
     BB_TRY(check_room(scene, device, parts, PARTS));
     for (size_t i = 0; i < PARTS; i++) {
-        /* Kernels take a buffer for each part, so none of them stays without one. */
+        /* Kernels have an argument for each part, so each needs a buffer. */
         size_t bytes = parts[i].bytes > 0 ? (size_t)parts[i].bytes : sizeof(bb_box);
         BB_TRY(bb_buffer_reserve(device, &there->account, bytes, parts[i].what, parts[i].buffer));
     }

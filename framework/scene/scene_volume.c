@@ -1,4 +1,4 @@
-/* Scenes made of a volume: the bricks in which something is seen are its boxes. */
+/* Scenes made of a volume: their boxes are the visible bricks. */
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
 

@@ -44,13 +44,13 @@ bool bb_tet_holds(const bb_scene *scene, uint32_t i, const double point[3])
 /* ---- the boundary ---- */
 
 typedef struct face_use {
-    uint32_t b, c; /* the second and the third of its vertices, in ascending order */
-    uint32_t tet;  /* times 4, plus the face */
-    int side;      /* on which of the face the tetrahedron lies; 0: it has no volume */
+    uint32_t b, c; /* its second and third vertex, in ascending order */
+    uint32_t tet;  /* number of the tetrahedron times 4, plus the face */
+    int side;      /* side of the face on which the tetrahedron lies; 0: it has no volume */
 } face_use;
 
 typedef struct face_table {
-    uint64_t *starts; /* by the first of the vertices; one more than there are vertices */
+    uint64_t *starts; /* by the first vertex; one entry more than vertices */
     face_use *uses;
 } face_table;
 
@@ -82,7 +82,7 @@ static face_use use_of(const bb_scene *scene, uint32_t i, int f, const uint32_t 
     return (face_use){v[1], v[2], 4 * i + (uint32_t)f, side};
 }
 
-/* Faces by their first vertex: a counting sort. */
+/* Sorts faces by their first vertex: a counting sort. */
 static void fill_table(const bb_scene *scene, face_table *table)
 {
     const uint32_t count = scene->prims[BB_TETRAHEDRON].count;
@@ -113,8 +113,8 @@ static int by_vertices(const void *a, const void *b)
     return x->c < y->c ? -1 : x->c > y->c;
 }
 
-/* A face lies inside if there are tetrahedra on both of its sides, however many; copies of one are
- * on the same. */
+/* A face is inside if there are tetrahedra on both of its sides, however many; copies of a
+ * tetrahedron are on the same side. */
 static void flag_faces(bb_tets *tets, face_use *uses, uint64_t count)
 {
     qsort(uses, count, sizeof *uses, by_vertices);
@@ -182,8 +182,8 @@ bb_status bb_scene_reserve_field(bb_scene *scene, const char *name, float **fiel
     return BB_OK;
 }
 
-/* Shells about the middle, four of them to the corners, dented along the axes: smooth, from 0 to 1,
- * and nowhere constant. */
+/* Shells around the centre, four of them out to the corners, dented along the axes: smooth, from 0
+ * to 1, and nowhere constant. */
 static float made_value(const bb_box *bounds, const float v[3])
 {
     double square = 0, dents = 0;
@@ -194,7 +194,7 @@ static float made_value(const bb_box *bounds, const float v[3])
         dents += cos(2.0 * M_PI * at) / 12;
     }
     double value = 0.5 - 0.5 * cos(4.0 * M_PI * (sqrt(square) + dents));
-    return isfinite(value) ? (float)value : 0; /* of a vertex that no tetrahedron has */
+    return isfinite(value) ? (float)value : 0; /* of a vertex without tetrahedron */
 }
 
 static bb_status finish_field(bb_scene *scene)

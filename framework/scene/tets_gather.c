@@ -17,7 +17,7 @@ static bool is_taken(const bb_tets_part *part, uint32_t i)
     return part->left_out == NULL || part->left_out[i] == 0;
 }
 
-/* Appends a part after so many vertices and tetrahedra; its field too. */
+/* Appends a part after the given vertices and tetrahedra, with its field. */
 static void add(const bb_tets_part *part, bb_scene *scene, float *field, uint32_t *vertices,
                 uint32_t *tets)
 {

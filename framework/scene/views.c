@@ -1,5 +1,5 @@
-/* Views from a text file: one per line, `name key=value ...` (format: scenes/README.md); and names
- * of those from elsewhere. */
+/* Reads views from a text file, one per line, `name key=value ...` (format: scenes/README.md), and
+ * makes names of views from elsewhere valid. */
 #include "framework/scene/scene.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@ enum { LINE_LIMIT = 1024 };
 
 enum { HAS_EYE = 1, HAS_TARGET = 2, HAS_UP = 4, HAS_FOV = 8, HAS_PARALLEL = 16 };
 
-/* One finite number; *end gets what follows it. */
+/* Reads one finite number; *end: the rest of the text. */
 static bool read_number(const char *text, char **end, double *out)
 {
     *out = strtod(text, end);
@@ -36,7 +36,7 @@ static bool read_single(const char *text, double *out)
     return read_number(text, &end, out) && *end == '\0';
 }
 
-/* Takes one key=value; returns the bit of the key, 0 if it is not understood. */
+/* Reads one key=value; returns the bit of the key, 0 if it is invalid. */
 static unsigned read_item(const char *key, const char *value, bb_view *view)
 {
     if (strcmp(key, "eye") == 0)
@@ -57,7 +57,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* What makes a line no camera; NULL if it is one. */
+/* Returns why a line is no camera; NULL if it is one. */
 static const char *find_fault(unsigned seen, const bb_view *view)
 {
     if ((seen & HAS_EYE) == 0 || (seen & HAS_TARGET) == 0 || (seen & HAS_UP) == 0)
@@ -156,7 +156,7 @@ bb_status bb_views_read(const char *path, bb_view *views, uint32_t capacity, uin
 
 /* ---- names ---- */
 
-/* What keys, options and names of files can hold. */
+/* Replaces characters that keys, options and file names cannot have. */
 static void make_safe(const char *name, char *out, size_t capacity)
 {
     size_t used = 0;

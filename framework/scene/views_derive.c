@@ -1,17 +1,16 @@
-/* Views for a scene that brings none: deterministic, from the geometry alone.
+/* Derives views for a scene without any, deterministically, from the geometry alone.
  *
- * The scene is stood in for by a few thousand discs: points sampled on its surface by area
- * (seeded), each with its normal and with the same share of the whole area, somewhat enlarged so
- * that they overlap. Against them a handful of rays can be traced by brute force, cheaply and
- * without a tree.
+ * A few thousand discs represent the scene: points sampled on its surface by area (seeded), each
+ * with its normal and with the same share of the total area, slightly enlarged so that they
+ * overlap. A handful of rays can be traced against them by brute force, cheaply and without a tree.
  *
- * A scene is taken for a room if from enough places inside its box nearly all directions meet a
- * disc, most of them far away, and its triangles have a boundary somewhere (closed meshes and
- * spheres are bodies, to be seen from outside). In a room the eye stands where it sees far, and
- * looks where many primitives are in sight and little is close or empty; further pictures are
- * chosen to differ from those that are taken. Otherwise the camera stands outside: three-quarter,
- * back, above, and a close-up, as near as the sampled points fit into the picture. Up is y, glTF's
- * convention, unless the scene is flat: then its shortest axis.
+ * A scene counts as a room if from enough places inside its box nearly all directions meet a disc,
+ * most of them far away, and its triangles have a boundary somewhere (closed meshes and spheres are
+ * bodies, to be seen from outside). In a room the eye is where it sees far, and looks where many
+ * primitives are visible and little is close or empty; further pictures are chosen to differ from
+ * the earlier ones. Otherwise the camera is outside: three-quarter, back, above, and a close-up, as
+ * near as the sampled points fit into the picture. Up is y, glTF's convention, unless the scene is
+ * flat: then its shortest axis.
  */
 #include "framework/base/random.h"
 #include "framework/scene/prim.h"
@@ -23,15 +22,15 @@
 
 enum {
     DISCS = 2048,
-    DETAILS = 512, /* primitives that are looked for */
-    AROUND = 128,  /* directions that are tried from a place */
-    GRID = 12,     /* rays of a candidate picture: GRID * GRID */
+    DETAILS = 512, /* primitives searched for in pictures */
+    AROUND = 128,  /* directions tried from a place */
+    GRID = 12,     /* a candidate picture has GRID * GRID rays */
     AZIMUTHS = 12,
     PLACES_X = 5,
     PLACES_UP = 3,
     PLACES = PLACES_X * PLACES_X * PLACES_UP,
-    PLACES_LOOKED = 24,       /* whose pictures are tried */
-    ROOM_PLACES = PLACES / 8, /* a room has this many at least */
+    PLACES_LOOKED = 24,       /* places whose pictures are tried */
+    ROOM_PLACES = PLACES / 8, /* a room has at least this many */
     ROOM_VIEWS = 3,
 };
 
@@ -40,7 +39,7 @@ static const double enlarge =
 static const double room_share = 0.9;     /* of the directions must meet something */
 static const double room_openness = 0.15; /* mean distance seen / diagonal, at the best place */
 static const double fov_room = 65, fov_body = 40; /* degrees */
-/* tan(fov / 2), written down so that no machine's tangent enters: 65 and 40 degrees. */
+/* tan(fov / 2) as constants, so that no machine's tangent matters: 65 and 40 degrees. */
 static const double tan_room = 0.6370702608, tan_body = 0.3639702343;
 
 typedef struct disc {
@@ -96,7 +95,7 @@ static void sample_prim(const bb_scene *scene, uint32_t prim, bb_random *random,
     kind->sample(scene, i, random, out->at, out->normal);
 }
 
-/* Systematic sampling by area: one walk over the primitives, a disc each time the sum passes a
+/* Systematic sampling by area: one walk over the primitives, with a disc each time the sum passes a
  * step. */
 static void sample_discs(const bb_scene *scene, double area, sketch *sketch)
 {
@@ -110,7 +109,7 @@ static void sample_discs(const bb_scene *scene, double area, sketch *sketch)
     sketch->radius2 = enlarge * enlarge * step / 3.14159265358979;
 }
 
-/* Without area (all triangles are needles) the corners of the box stand in, and no ray meets them.
+/* Without area (all triangles are needles) the corners of the box are used, which no ray meets.
  */
 static void sample_corners(const bb_scene *scene, sketch *sketch)
 {
@@ -146,7 +145,7 @@ static void make_sketch(const bb_scene *scene, sketch *sketch)
         sample_corners(scene, sketch);
 }
 
-/* Distance to the nearest disc, INFINITY for none. */
+/* Returns the distance to the nearest disc, INFINITY if none is met. */
 static double trace(const sketch *sketch, const double eye[3], const double direction[3])
 {
     double nearest = INFINITY;
@@ -177,7 +176,8 @@ static void set_view(const sketch *sketch, const char *name, const double eye[3]
     bb_scene_add_view(scene, name, &view);
 }
 
-/* Right and upward in the picture of a camera that looks along `ahead` (not along up). */
+/* Computes the directions right and up in the picture of a camera that looks along `ahead` (not
+ * along up). */
 static void make_axes(const sketch *sketch, const double ahead[3], double right[3], double above[3])
 {
     double up[3] = {0, 0, 0};
@@ -189,8 +189,8 @@ static void make_axes(const sketch *sketch, const double ahead[3], double right[
 
 /* ---- outside ---- */
 
-/* Moves the target to the middle of what is seen, and the eye back until all fits into a square
- * picture. */
+/* Moves the target to the centre of the visible points, and the eye back until all fit into a
+ * square picture. */
 static void frame_body(const sketch *sketch, const double back[3], double target[3],
                        double *distance)
 {
@@ -216,14 +216,14 @@ static void frame_body(const sketch *sketch, const double back[3], double target
         double aside = fmax(fabs(dot(to, right)), fabs(dot(to, above)));
         *distance = fmax(*distance, 1.04 * aside / tan_body + dot(to, back));
     }
-    /* A scene of one point is looked at from some distance all the same. */
+    /* A scene of one point is still viewed from some distance. */
     if (!(*distance > 0))
         *distance = 1 + 0.001 * sqrt(dot(target, target));
 }
 
 static void look_from_outside(const sketch *sketch, bb_scene *scene)
 {
-    /* In the frame (side, up, other side); the last is the first one, closer. */
+    /* In the frame (side, up, other side); the last one is the first, closer. */
     static const struct {
         const char *name;
         double back[3];
@@ -249,7 +249,7 @@ static void look_from_outside(const sketch *sketch, bb_scene *scene)
 
 /* ---- inside ---- */
 
-/* A place and what is seen from it. */
+/* A place and what is visible from it. */
 typedef struct place {
     double eye[3];
     double openness;
@@ -262,7 +262,7 @@ typedef struct picture {
     double score;
 } picture;
 
-/* Points of evenly spaced primitives: where they are many, there is detail. */
+/* Takes points of evenly spaced primitives: dense primitives mean detail. */
 static uint32_t find_details(const bb_scene *scene, double details[DETAILS][3])
 {
     uint32_t count = scene->prim_count < DETAILS ? scene->prim_count : DETAILS;
@@ -281,7 +281,7 @@ static double distance_to(const double eye[3], const double at[3], double to[3])
     return normalise(to);
 }
 
-/* How far a place sees; 0 if it is no place in a room. */
+/* Returns how far a place sees; 0 if it is not in a room. */
 static double openness(const sketch *sketch, const double eye[3])
 {
     bb_random random = bb_random_make(21, 0);
@@ -301,7 +301,7 @@ static double openness(const sketch *sketch, const double eye[3])
     return sum / AROUND;
 }
 
-/* Discs are coarse: what lies less than a disc behind one is seen all the same. */
+/* Discs are coarse: points less than a disc's size behind one count as visible. */
 static void find_seen(const sketch *sketch, double (*details)[3], uint32_t count, place *place)
 {
     double slack = 2 * sqrt(sketch->radius2);
@@ -312,7 +312,7 @@ static void find_seen(const sketch *sketch, double (*details)[3], uint32_t count
     }
 }
 
-/* Share of the details that the picture shows. */
+/* Returns the share of the details that the picture shows. */
 static double detail_score(const place *place, const double ahead[3], const double right[3],
                            const double above[3], double (*details)[3], uint32_t count)
 {
@@ -326,7 +326,7 @@ static double detail_score(const place *place, const double ahead[3], const doub
     return (double)shown / count;
 }
 
-/* Share of the picture that is at a moderate distance. */
+/* Returns the share of the picture at a moderate distance. */
 static double depth_score(const sketch *sketch, const double eye[3], const double ahead[3],
                           const double right[3], const double above[3])
 {
@@ -355,7 +355,7 @@ static void azimuth(uint32_t step, double *x, double *y)
     *y = quarter == 0 ? s : quarter == 1 ? c : quarter == 2 ? -s : -c;
 }
 
-/* All pictures that are tried from a place. */
+/* Makes all pictures that are tried from a place. */
 static void try_pictures(const sketch *sketch, const place *place, double (*details)[3],
                          uint32_t count, picture pictures[AZIMUTHS])
 {
@@ -373,8 +373,8 @@ static void try_pictures(const sketch *sketch, const place *place, double (*deta
     }
 }
 
-/* Places on a grid in the box, at three heights; returns how many lie in a room, the most open
- * first. */
+/* Finds places on a grid in the box, at three heights; returns how many are in a room, the most
+ * open first. */
 static uint32_t find_places(const sketch *sketch, place places[PLACES])
 {
     static const double heights[PLACES_UP] = {0.4, 0.55, 0.7};
@@ -398,7 +398,7 @@ static uint32_t find_places(const sketch *sketch, place places[PLACES])
     return count;
 }
 
-/* 1 for pictures that have nothing in common, near 0 for the same one. */
+/* Returns 1 for pictures with nothing in common, near 0 for equal ones. */
 static double difference(const sketch *sketch, const picture *a, const picture *b)
 {
     double apart[3];
@@ -407,7 +407,7 @@ static double difference(const sketch *sketch, const picture *a, const picture *
     return fmin(1, 0.05 + 0.6 * turned + away);
 }
 
-/* Takes the best picture, then each time the best of those that differ from the taken ones. */
+/* Takes the best picture, then repeatedly the best of those that differ from the ones taken. */
 static void choose_pictures(const sketch *sketch, const picture *pictures, uint32_t count,
                             bb_scene *scene)
 {
