@@ -56,10 +56,10 @@ _bvhbench_options()
         -e 's/^  \(--[a-z-]\{1,\}\( [^ ]\{1,\}\)\{0,1\}\)  *[^ ].*/\1/p'
 }
 
-# Values that the help of an option begins with: `text, or github: ...`.
+# Words that an option takes: `--format text|github`.
 _bvhbench_choices()
 {
-    "$1" "$2" --help 2>/dev/null | sed -n "s/^  $3 [A-Z]*  *\([a-z]*\), or \([a-z]*\):.*/\1 \2/p"
+    "$1" "$2" --help 2>/dev/null | sed -n "s/^  $3 \([a-z|]*|[a-z|]*\) .*/\1/p" | tr '|' ' '
 }
 
 _bvhbench_commands()
@@ -69,16 +69,21 @@ _bvhbench_commands()
 
 _bvhbench_value()
 {
+    local choices
+    choices=$(_bvhbench_choices "$1" "$2" "$3")
+    if [[ -n $choices ]]; then
+        compgen -W "$choices" -- "$4"
+        return
+    fi
     case $3 in
     --scene | --builder | --kernel | --intersector) _bvhbench_specs "$1" "${3#--}s" "$4" ;;
     --rays | --metrics) _bvhbench_specs "$1" "${3#--}" "$4" ;;
     --axis) _bvhbench_names "$1" axes ;;
     --transfer) _bvhbench_names "$1" transfers ;;
     --device) _bvhbench_names "$1" devices ;;
-    --format) compgen -W "$(_bvhbench_choices "$1" "$2" "$3")" -- "$4" ;;
     esac
     case $3 in
-    --builder | --kernel | --intersector | --rays | --metrics | --device | --format | --shard | --threshold | --rounds) ;;
+    --builder | --kernel | --intersector | --rays | --metrics | --device | --shard | --threshold | --rounds) ;;
     *) compgen -f -- "$4" ;;
     esac
 }

@@ -406,7 +406,7 @@ static void bad_requests_get_one_line(void **state)
 {
     (void)state;
     static const char *const bad[][2] = {
-        {"animate", "give a scene that moves"},
+        {"animate", "animate needs --scene"},
         {"animate --scene cube", "does not move"},
         {"animate --scene twist:n=100 --frames 5", "is none of A..B"},
         {"animate --scene twist:n=100 --frames 5..2", "is none of A..B"},

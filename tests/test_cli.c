@@ -70,7 +70,8 @@ static void bad_options_are_refused(void **state)
     refuses("", "render --scene cube", "--out");
     refuses("", "render --scene cube --out x.gif", "gif");
     refuses("", "render --scene cube --view taste --out x.png", "taste");
-    refuses("", "render --scene cube --camera behind --out x.png", "behind");
+    refuses("", "render --scene cube --view behind --out x.png", "behind");
+    refuses("", "render --scene cube --camera behind --out x.png", "unknown option '--camera'");
     refuses("", "check --builder nobody", "nobody");
     refuses("", "report", "report");
     refuses("", "report missing.json", "missing.json");
@@ -176,16 +177,16 @@ static void a_scene_too_big_is_refused_with_its_bytes(void **state)
 static void pictures_are_made(void **state)
 {
     (void)state;
-    static const char *const views[] = {"depth", "normal", "heat", "diff"};
-    for (size_t i = 0; i < sizeof views / sizeof views[0]; i++) {
+    static const char *const shown[] = {"depth", "normal", "heat", "diff"};
+    for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
         char arguments[256], path[512];
         struct stat info;
         snprintf(arguments, sizeof arguments,
-                 "render --scene cube --view %s --size 64x48 --out %s.png", views[i], views[i]);
+                 "render --scene cube --show %s --size 64x48 --out %s.png", shown[i], shown[i]);
         const outcome *o = run(arguments);
         if (o->exit_status != 0)
             fail_msg("%s: %s", arguments, o->err);
-        snprintf(path, sizeof path, "%s/%s.png", folder, views[i]);
+        snprintf(path, sizeof path, "%s/%s.png", folder, shown[i]);
         assert_int_equal(stat(path, &info), 0);
         assert_true(info.st_size > 100);
     }

@@ -330,24 +330,23 @@ static void closed_files_do_not_come_back(void **state)
     assert_memory_equal(rays[0] + size - 64, rays[1] + size - 64, 64);
 }
 
-/* On a device. The old names of what is shown, and from where, are still taken. */
+/* On a device: a view of its own gives another picture. */
 static void pictures_have_a_view_and_what_is_shown(void **state)
 {
     (void)state;
-    static const char *const same[] = {"--show depth --view back", "--view depth --camera back"};
+    static const char *const views[] = {"--show depth --view back", "--show depth"};
     static char pictures[2][65536];
     size_t sizes[2];
     for (size_t i = 0; i < 2; i++) {
         char arguments[256];
         snprintf(arguments, sizeof arguments, "render --scene cube --size 16x16 --out x.png %s",
-                 same[i]);
+                 views[i]);
         assert_int_equal(run(arguments)->exit_status, 0);
         sizes[i] = read_file("x.png", pictures[i], sizeof pictures[i]);
     }
-    assert_int_equal(sizes[0], sizes[1]);
-    assert_memory_equal(pictures[0], pictures[1], sizes[0]);
+    assert_true(sizes[0] != sizes[1] || memcmp(pictures[0], pictures[1], sizes[0]) != 0);
     refuses("", "render --scene cube --show taste --out x.png", "--show is 'taste'");
-    assert_null(strstr(run("render --help")->out, "--camera"));
+    refuses("", "render --scene cube --camera back --out x.png", "unknown option '--camera'");
 }
 
 /* On a device: `all` of everything that has it. */

@@ -223,7 +223,8 @@ static void what_makes_no_sense_is_refused(void **state)
     refuses("", "volume --scene nbody:n=1", "n=1");
     refuses("", "volume --scene nbody:n=20 --transfer rmp", "unknown transfer function 'rmp'");
     refuses("", "volume --scene nbody:n=20 --view side", "no view 'side'");
-    refuses("", "volume --scene nbody:n=20 --view front --turns 2", "drop --view");
+    refuses("", "volume --scene nbody:n=20 --view front --turns 2",
+            "--view and --turns do not go together");
     refuses("", "volume --scene nbody:n=20 --turns 181", "turns");
     refuses("", "volume --scene nbody:n=20 --step 0", "step");
     refuses("", "volume --scene nbody:n=20 --cutoff 2", "cutoff");

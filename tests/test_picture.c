@@ -374,13 +374,13 @@ static void exr_holds_the_numbers(void **state)
         print_message("skipped: %s\n", bb_message());
         skip();
     }
-    float *depth = render_exr("--view depth", "depth.exr", "Z");
-    float *other = render_exr("--view depth --builder lbvh --kernel stackless", "other.exr", "Z");
-    float *fast = render_exr("--view depth --intersector fast", "fast.exr", "Z");
-    float *normals = render_exr("--view normal", "normal.exr", "RGB");
-    float *tests = render_exr("--view heat", "heat.exr", "Y");
+    float *depth = render_exr("--show depth", "depth.exr", "Z");
+    float *other = render_exr("--show depth --builder lbvh --kernel stackless", "other.exr", "Z");
+    float *fast = render_exr("--show depth --intersector fast", "fast.exr", "Z");
+    float *normals = render_exr("--show normal", "normal.exr", "RGB");
+    float *tests = render_exr("--show heat", "heat.exr", "Y");
     const double mean = printed_tests();
-    float *apart = render_exr("--view diff", "diff.exr", "Y");
+    float *apart = render_exr("--show diff", "diff.exr", "Y");
     float most = 0;
     double sum = 0;
     for (size_t i = 0; i < SIDE * SIDE; i++) {

@@ -132,7 +132,7 @@ static void cells_that_cannot_be_are_refused(void **state)
     for (size_t i = 0; i < sizeof beside / sizeof beside[0]; i++) {
         char command[400];
         snprintf(command, sizeof command, "run --cell " CELL " --%s", beside[i]);
-        refuses("", command, "the key already says that");
+        refuses("", command, "do not go together: drop one of them");
     }
     static const char *const cases[][2] = {
         {"coffee", "its parts are scene="},

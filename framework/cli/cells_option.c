@@ -7,15 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bb_status check_alone(const bb_cli *cli)
+void bb_entrants_request(const bb_entrants *entrants, bb_bench_request *request)
 {
-    static const char *const replaced[] = {"scene",       "builder", "kernel",   "rays",
-                                           "intersector", "size",    "max-rays", "seed"};
-    for (size_t i = 0; i < sizeof replaced / sizeof replaced[0]; i++)
-        if (bb_cli_value(cli, replaced[i]) != NULL)
-            return bb_fail(BB_INVALID, "--cell and --%s: the key already says that: drop --%s",
-                           replaced[i], replaced[i]);
-    return BB_OK;
+    request->scenes = entrants->scenes.items;
+    request->scene_count = (uint32_t)entrants->scenes.count;
+    request->builders = entrants->builders.items;
+    request->builder_count = (uint32_t)entrants->builders.count;
+    request->kernels = entrants->kernels.items;
+    request->kernel_count = (uint32_t)entrants->kernels.count;
+    request->workloads = entrants->workloads.items;
+    request->workload_count = (uint32_t)entrants->workloads.count;
+    request->intersectors = entrants->intersectors.items;
+    request->intersector_count = (uint32_t)entrants->intersectors.count;
 }
 
 /* What no key's grammar tells: whether the rays can be made, from this view. */
@@ -51,13 +54,7 @@ static bb_status add_once(bb_names *names, const char *text)
     for (size_t i = 0; i < names->count; i++)
         if (strcmp(names->items[i], text) == 0)
             return BB_OK;
-    if (names->count == BB_NAMES_MAX)
-        return bb_fail(BB_INVALID, "--cell: more than %d names, up to '%.80s'", BB_NAMES_MAX, text);
-    names->items[names->count] = strdup(text);
-    if (names->items[names->count] == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
-    names->count++;
-    return BB_OK;
+    return bb_names_add_item(names, text);
 }
 
 /* The names as tables show them: without defaults. */
@@ -65,11 +62,12 @@ static bb_status add_names(bb_cells_group *group, const bb_cell_parts *cell)
 {
     bb_cell_parts brief = *cell;
     bb_cell_short(&brief);
-    BB_TRY(add_once(&group->scenes, brief.scene));
-    BB_TRY(add_once(&group->builders, brief.builder));
-    BB_TRY(add_once(&group->kernels, brief.kernel));
-    BB_TRY(add_once(&group->workloads, brief.rays));
-    return add_once(&group->intersectors, brief.intersector);
+    bb_entrants *all = &group->entrants;
+    BB_TRY(add_once(&all->scenes, brief.scene));
+    BB_TRY(add_once(&all->builders, brief.builder));
+    BB_TRY(add_once(&all->kernels, brief.kernel));
+    BB_TRY(add_once(&all->workloads, brief.rays));
+    return add_once(&all->intersectors, brief.intersector);
 }
 
 /* Cells of one comparison are equal; a build without rays has no size. */
@@ -99,23 +97,20 @@ static bb_status form_groups(bb_cells *cells, uint32_t count)
     return BB_OK;
 }
 
-bb_status bb_cells_read(const bb_cli *cli, bb_cells *cells)
+bb_status bb_cells_read(const bb_names *keys, bb_cells *cells)
 {
-    uint32_t count;
-    char *const *keys = bb_cli_values(cli, "cell", &count);
-    *cells = (bb_cells){.group_count = 0};
+    const uint32_t count = (uint32_t)keys->count;
     if (count == 0)
         return BB_OK;
-    BB_TRY(check_alone(cli));
     cells->cells = calloc(count, sizeof *cells->cells);
     cells->groups = calloc(count, sizeof *cells->groups);
     if (cells->cells == NULL || cells->groups == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     for (uint32_t i = 0; i < count; i++) {
-        BB_TRY(bb_cell_key_parse(keys[i], &cells->cells[i]));
+        BB_TRY(bb_cell_key_parse(keys->items[i], &cells->cells[i]));
         bb_cell_canonical(&cells->cells[i]);
         BB_TRY(bb_check_scene(cells->cells[i].scene));
-        BB_TRY(check_rays(keys[i], &cells->cells[i]));
+        BB_TRY(check_rays(keys->items[i], &cells->cells[i]));
     }
     BB_TRY(form_groups(cells, count));
     for (uint32_t i = 0; i < cells->group_count; i++) {
@@ -131,17 +126,8 @@ void bb_cells_request(const bb_cells_group *group, bb_bench_request *request)
     const bb_cell_parts *first = &group->cells[0];
     request->cells = group->cells;
     request->cell_count = group->count;
-    request->scenes = group->scenes.items;
-    request->scene_count = (uint32_t)group->scenes.count;
-    request->builders = group->builders.items;
-    request->builder_count = (uint32_t)group->builders.count;
-    request->kernels = group->kernels.items;
-    request->kernel_count = (uint32_t)group->kernels.count;
+    bb_entrants_request(&group->entrants, request);
     request->native = false;
-    request->workloads = group->workloads.items;
-    request->workload_count = (uint32_t)group->workloads.count;
-    request->intersectors = group->intersectors.items;
-    request->intersector_count = (uint32_t)group->intersectors.count;
     request->seed = first->seed;
     if (first->width == 0)
         return; /* builds alone: there are no rays to be of a size */
@@ -153,9 +139,9 @@ void bb_cells_request(const bb_cells_group *group, bb_bench_request *request)
 void bb_cells_free(bb_cells *cells)
 {
     for (uint32_t i = 0; i < cells->group_count; i++) {
-        bb_cells_group *group = &cells->groups[i];
-        bb_names *const names[] = {&group->scenes, &group->builders, &group->kernels,
-                                   &group->workloads, &group->intersectors};
+        bb_entrants *all = &cells->groups[i].entrants;
+        bb_names *const names[] = {&all->scenes, &all->builders, &all->kernels, &all->workloads,
+                                   &all->intersectors};
         for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
             bb_names_free(names[k]);
     }

@@ -5,11 +5,19 @@
 #include "framework/bench/bench.h"
 #include "framework/cli/choice.h"
 
+/* What is compared with what: lists of specifications. */
+typedef struct bb_entrants {
+    bb_names scenes, builders, kernels, workloads, intersectors;
+} bb_entrants;
+
+/* Makes these the lists of `request`, which points into them. */
+void bb_entrants_request(const bb_entrants *entrants, bb_bench_request *request);
+
 /* Cells of one size, number of rays and seed: one comparison, in which they are interleaved. */
 typedef struct bb_cells_group {
     bb_cell_parts *cells; /* canonical */
     uint32_t count;
-    bb_names scenes, builders, kernels, workloads, intersectors; /* all that they name, once each */
+    bb_entrants entrants; /* all that the cells name, once each */
 } bb_cells_group;
 
 typedef struct bb_cells {
@@ -18,10 +26,9 @@ typedef struct bb_cells {
     uint32_t group_count; /* 0: the option is not given */
 } bb_cells;
 
-/* Reads the keys, and checks what can be checked without a scene. BB_INVALID, in one line, for a
- * key that is none, for one that names what there is not, and beside options that a key replaces.
- * Release with bb_cells_free(), also after a failure. */
-bb_status bb_cells_read(const bb_cli *cli, bb_cells *cells);
+/* Reads the keys, and checks what can be checked without a scene. BB_INVALID: a text is no key, or
+ * names something that does not exist. Release with bb_cells_free(), also after a failure. */
+bb_status bb_cells_read(const bb_names *keys, bb_cells *cells);
 void bb_cells_free(bb_cells *cells);
 
 /* Makes `request` that of a group; the rest of it stays. It points into the group. */

@@ -3,6 +3,7 @@
 #include "framework/base/progress.h"
 #include "framework/builder/registry.h"
 #include "framework/device/device_private.h"
+#include "framework/report/report.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -12,18 +13,25 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static bb_status parse_handover(const bb_cli *cli, bb_handover *handover)
-{
-    const char *word = bb_cli_value(cli, "handover");
-    *handover = BB_HANDOVER_AUTO;
-    if (word != NULL && strcmp(word, "fence") == 0)
-        *handover = BB_HANDOVER_FENCE;
-    else if (word != NULL && strcmp(word, "levels") == 0)
-        *handover = BB_HANDOVER_LEVELS;
-    else if (word != NULL && strcmp(word, "auto") != 0)
-        return bb_fail(BB_INVALID, "--handover is '%s', must be auto, fence or levels", word);
-    return BB_OK;
-}
+const bb_cli_option bb_plugin_options[] = {
+    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS",
+     BB_INTO(bb_device_choice, plugins)},
+    {.name = NULL},
+};
+
+const bb_cli_option bb_device_options[] = {
+    {"device", "D",
+     "index of an OpenCL device, or part of its name; default: the first of `list devices`",
+     BB_INTO(bb_device_choice, name)},
+    {"form", NULL, BB_FORM_HELP, BB_INTO(bb_device_choice, form), .words = "auto|cpu|gpu",
+     .fallback = "auto"},
+    {"handover", NULL, "how work-groups hand over data", BB_INTO(bb_device_choice, handover),
+     .words = "auto|fence|levels", .fallback = "auto"},
+    {.kind = BB_CLI_GROUP, .group = bb_plugin_options},
+    {"kernels-from", "DIR", "take device code from here first (edit and run)",
+     BB_INTO(bb_device_choice, kernels_from)},
+    {.name = NULL},
+};
 
 /* A misspelt name would leave the embedded text in place, and what was to be tried untried. */
 static bb_status check_folder(const char *path)
@@ -52,34 +60,12 @@ static bb_status check_folder(const char *path)
     return status;
 }
 
-static bb_status parse_form(const bb_cli *cli, bb_form *form)
+bb_status bb_open_device(const bb_device_choice *choice, bb_device **device)
 {
-    const char *word = bb_cli_value(cli, "form");
-    *form = BB_FORM_AUTO;
-    if (word != NULL && strcmp(word, "cpu") == 0)
-        *form = BB_FORM_CPU;
-    else if (word != NULL && strcmp(word, "gpu") == 0)
-        *form = BB_FORM_GPU;
-    else if (word != NULL && strcmp(word, "auto") != 0)
-        return bb_fail(BB_INVALID, "--form is '%s', must be auto, cpu or gpu", word);
-    return BB_OK;
-}
-
-bb_status bb_open_device(const bb_cli *cli, bb_device **device)
-{
-    bb_form form;
-    BB_TRY(parse_form(cli, &form));
-    return bb_open_device_as(cli, form, device);
-}
-
-bb_status bb_open_device_as(const bb_cli *cli, bb_form form, bb_device **device)
-{
-    bb_handover handover;
-    const char *folder = bb_cli_value(cli, "kernels-from");
-    BB_TRY(parse_handover(cli, &handover));
+    const char *folder = choice->kernels_from;
     if (folder != NULL)
         BB_TRY(check_folder(folder));
-    BB_TRY(bb_device_open(bb_cli_value(cli, "device"), form, folder, device));
+    BB_TRY(bb_device_open(choice->name, (bb_form)choice->form, folder, device));
     if ((*device)->litmus_stale > 0)
         fprintf(stderr,
                 "bvhbench: the fence of %s is unreliable: %u words of %u messages between "
@@ -87,7 +73,7 @@ bb_status bb_open_device_as(const bb_cli *cli, bb_form form, bb_device **device)
                 (*device)->name, (*device)->litmus_stale, (*device)->litmus_pairs);
     bb_progress_head("device: %s (%s, driver %s)", (*device)->name, (*device)->version,
                      (*device)->driver);
-    bb_status status = bb_device_set_handover(*device, handover);
+    bb_status status = bb_device_set_handover(*device, (bb_handover)choice->handover);
     if (status == BB_OK)
         return BB_OK;
     bb_device_close(*device);
@@ -114,13 +100,11 @@ static bb_status load_from_environment(void)
     return BB_OK;
 }
 
-bb_status bb_load_plugins(const bb_cli *cli)
+bb_status bb_load_plugins(const bb_names *plugins)
 {
-    uint32_t count;
-    char *const *paths = bb_cli_values(cli, "plugin", &count);
     BB_TRY(load_from_environment());
-    for (uint32_t i = 0; i < count; i++)
-        BB_TRY(bb_plugin_load(paths[i]));
+    for (size_t i = 0; i < plugins->count; i++)
+        BB_TRY(bb_plugin_load(plugins->items[i]));
     return BB_OK;
 }
 
@@ -135,4 +119,22 @@ bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view 
                  scene->views[i].name);
     }
     return bb_fail(BB_INVALID, "%s has no view '%s': it has %s", scene->name, name, known);
+}
+
+static const char advice[] =
+    "gnuplot is not installed: apt-get install gnuplot-nox, or --charts no";
+
+bb_status bb_charts_decide(uint32_t *charts)
+{
+    if (*charts == BB_CHARTS_AUTO && bb_report_can_draw())
+        *charts = BB_CHARTS_YES;
+    if (*charts == BB_CHARTS_YES && !bb_report_can_draw())
+        return bb_fail(BB_INVALID, "--charts yes: %s", advice);
+    return BB_OK;
+}
+
+void bb_charts_note(uint32_t charts)
+{
+    if (charts == BB_CHARTS_AUTO)
+        fprintf(stderr, "bvhbench: charts were not written as SVG and PNG: %s\n", advice);
 }

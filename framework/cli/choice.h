@@ -1,5 +1,4 @@
-/* What the commands share: the device that was asked for, plug-ins, scenes, views, output folders.
- */
+/* Options that several commands share: the device with its plug-ins, and charts. */
 #ifndef BB_CHOICE_H
 #define BB_CHOICE_H
 
@@ -8,30 +7,43 @@
 #include "framework/device/device.h"
 #include "framework/scene/scene.h"
 
-/* --form: what it is, and the option as all commands have it that open a device in one form. */
 #define BB_FORM_HELP "which variant of device code to use where there are two"
-#define BB_FORM_OPTION                                                                             \
-    {                                                                                              \
-        "form", "F", BB_FORM_HELP ": auto, cpu or gpu; default: auto", BB_CLI_ONCE                 \
-    }
 
-#define BB_DEVICE_OPTION                                                                           \
-    {                                                                                              \
-        "device", "D",                                                                             \
-            "index of an OpenCL device, or part of its name; default: the first of "               \
-            "`list devices`",                                                                      \
-            BB_CLI_ONCE                                                                            \
-    }
+/* The values of --device, --form, --handover, --plugin and --kernels-from. */
+typedef struct bb_device_choice {
+    const char *name; /* index or part of the name; NULL: the first device */
+    const char *kernels_from;
+    uint32_t form;     /* bb_form */
+    uint32_t handover; /* bb_handover */
+    bb_names plugins;
+} bb_device_choice;
 
-/* By --device, --form and --kernels-from. Progress then begins with the device's name. */
-bb_status bb_open_device(const bb_cli *cli, bb_device **device);
-/* The same in a form of the caller's. */
-bb_status bb_open_device_as(const bb_cli *cli, bb_form form, bb_device **device);
+/* Groups of rows for a bb_device_choice; the second has --plugin alone. */
+extern const bb_cli_option bb_device_options[], bb_plugin_options[];
 
-/* Those of BVHBENCH_PLUGINS in the environment, then all of --plugin. */
-bb_status bb_load_plugins(const bb_cli *cli);
+/* Opens the device. Progress then begins with the device's name. */
+bb_status bb_open_device(const bb_device_choice *choice, bb_device **device);
 
-/* The scene's view of that name, its first for NULL. */
+/* Loads the plug-ins of BVHBENCH_PLUGINS in the environment, then all of --plugin. */
+bb_status bb_load_plugins(const bb_names *plugins);
+
+/* Finds the scene's view of that name; NULL: its first view. */
 bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view);
+
+/* The value of --charts. */
+enum { BB_CHARTS_AUTO, BB_CHARTS_YES, BB_CHARTS_NO };
+
+#define BB_CHARTS_OPTION(type, member)                                                             \
+    {                                                                                              \
+        "charts", NULL, "also as SVG and PNG; auto: if gnuplot is installed",                      \
+            BB_INTO(type, member), .words = "auto|yes|no", .fallback = "auto"                      \
+    }
+
+/* Makes BB_CHARTS_YES of BB_CHARTS_AUTO if gnuplot is installed. BB_INVALID: charts are asked for
+ * and it is not. To be called before the work. */
+bb_status bb_charts_decide(uint32_t *charts);
+/* After the work: says on standard error that no charts were drawn, and why, unless that was asked
+ * for. */
+void bb_charts_note(uint32_t charts);
 
 #endif

@@ -1,14 +1,12 @@
-/* Parsing of the command line and its help. */
+/* The program: help, and the command that is run. */
 #include "framework/cli/cli.h"
 
 #include "framework/base/interrupt.h"
-#include "framework/base/options.h"
 #include "framework/base/suggest.h"
 #include "framework/cli/out_option.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <getopt.h>
 #include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,24 +17,41 @@ extern const char bb_build_version[], bb_build_revision[];
 
 /* ---- help ---- */
 
-static void print_help(const bb_command *command)
+static void print_row(FILE *out, const bb_cli_option *o)
 {
-    printf("usage: bvhbench %s [options]%s%s\n\n%s\n\noptions:\n", command->name,
-           command->arguments != NULL ? " " : "",
-           command->arguments != NULL ? command->arguments : "", command->summary);
-    for (const bb_cli_option *o = command->options; o->name != NULL; o++) {
-        char left[48];
-        if (o->help == NULL)
-            continue;
-        snprintf(left, sizeof left, "--%s%s%s", o->name, o->argument != NULL ? " " : "",
-                 o->argument != NULL ? o->argument : "");
-        printf("  %-24s %s%s\n", left, o->help, o->list ? " (may be repeated)" : "");
+    char left[64];
+    const char *value = o->words != NULL ? o->words : o->argument;
+    const bool list = o->kind == BB_CLI_LIST || o->kind == BB_CLI_EACH;
+    snprintf(left, sizeof left, "--%s%s%s", o->name, value != NULL ? " " : "",
+             value != NULL ? value : "");
+    fprintf(out, "  %-30s %s", left, o->help);
+    for (const char *const *p = o->presets; p != NULL && *p != NULL; p += 2)
+        fprintf(out, "%s --%s %s", p == o->presets ? "; changes defaults to" : "", p[0], p[1]);
+    if (o->fallback != NULL)
+        fprintf(out, "; default: %s", o->fallback);
+    fputs(list ? " (may be repeated)\n" : "\n", out);
+}
+
+bb_status bb_cli_help(const bb_command *command, FILE *out)
+{
+    static bb_cli cli;
+    char *no_words[] = {"bvhbench", NULL};
+    bool help = true;
+    bb_status status = bb_cli_parse(&cli, command, 1, no_words, &help);
+    if (status == BB_OK) {
+        fprintf(out, "usage: bvhbench %s [options]%s%s\n\n%s\n\noptions:\n", command->name,
+                command->arguments != NULL ? " " : "",
+                command->arguments != NULL ? command->arguments : "", command->summary);
+        for (uint32_t i = 0; i < cli.row_count; i++)
+            print_row(out, cli.rows[i].option);
+        fprintf(out, "  %-30s %s\n", "-h, --help", "this text");
+        if (command->details != NULL)
+            fprintf(out, "\n%s\n", command->details);
+        if (command->more_help != NULL)
+            command->more_help(out);
     }
-    printf("  %-24s %s\n", "-h, --help", "this text");
-    if (command->details != NULL)
-        printf("\n%s\n", command->details);
-    if (command->more_help != NULL)
-        command->more_help(stdout);
+    bb_cli_free(&cli);
+    return status;
 }
 
 static void print_overview(FILE *out)
@@ -57,112 +72,6 @@ static void print_overview(FILE *out)
           "environment: BVHBENCH_PLUGINS=A.so:B.so loads builders for every command;\n"
           "BVHBENCH_SCENES=DIR is the folder of the shipped scenes\n",
           out);
-}
-
-/* ---- parsing ---- */
-
-static bb_status add_value(bb_cli *cli, int option, const char *text)
-{
-    const bb_cli_option *declared = &cli->command->options[option];
-    if (declared->argument != NULL && text[0] == '\0')
-        return bb_fail(BB_INVALID, "--%s is empty: give it a value, or leave it out",
-                       declared->name);
-    if (declared->list == BB_CLI_LIST) {
-        size_t count = cli->counts[option];
-        bb_status status = bb_spec_list(text, cli->values[option], BB_CLI_VALUES_MAX, &count);
-        cli->counts[option] = (uint32_t)count;
-        return status == BB_OK ? BB_OK : bb_fail(status, "--%s: %s", declared->name, bb_message());
-    }
-    if (cli->counts[option] > 0 && declared->list == BB_CLI_ONCE)
-        return bb_fail(BB_INVALID, "--%s is given twice", declared->name);
-    if (cli->counts[option] == BB_CLI_VALUES_MAX)
-        return bb_fail(BB_INVALID, "--%s is given more than %d times", declared->name,
-                       BB_CLI_VALUES_MAX);
-    char *value = strdup(text);
-    if (value == NULL)
-        return bb_fail(BB_FAILED, "--%s: no memory", declared->name);
-    cli->values[option][cli->counts[option]++] = value;
-    return BB_OK;
-}
-
-/* `given` begins with two dashes. */
-static bb_status unknown_option(const bb_command *command, const char *given)
-{
-    char word[64];
-    snprintf(word, sizeof word, "%.*s", (int)strcspn(given + 2, "="), given + 2);
-    bb_suggestion meant = {.word = word, .prefix = "--"};
-    for (const bb_cli_option *o = command->options; o->name != NULL; o++)
-        if (o->help != NULL)
-            bb_suggest(&meant, o->name);
-    bb_suggest(&meant, "help");
-    return bb_fail(BB_INVALID, "%s: unknown option '%s'%s: see `bvhbench %s --help`", command->name,
-                   given, bb_suggested(&meant), command->name);
-}
-
-/* getopt_long() also takes a beginning of a name, which would mean another option, or none, as soon
- * as there is one more. */
-static bool is_cut(const char *given, const char *name)
-{
-    return strcspn(given + 2, "=") < strlen(name);
-}
-
-static bb_status parse(bb_cli *cli, int argc, char **argv, bool *help)
-{
-    const bb_command *command = cli->command;
-    struct option table[BB_CLI_OPTIONS_MAX + 2] = {0};
-    int count = 0;
-    for (; command->options[count].name != NULL; count++)
-        table[count] = (struct option){
-            command->options[count].name,
-            command->options[count].argument != NULL ? required_argument : no_argument, NULL, 256};
-    table[count] = (struct option){"help", no_argument, NULL, 256};
-
-    opterr = 0;
-    optind = 0; /* from the beginning, wherever a call before this one has stopped */
-    int index, got;
-    while ((got = getopt_long(argc, argv, ":h", table, &index)) != -1) {
-        const char *given = argv[optind - 1];
-        if (got == 'h') {
-            *help = true;
-            return BB_OK;
-        }
-        if (got == ':')
-            return bb_fail(BB_INVALID, "%s: %s needs a value: see `bvhbench %s --help`",
-                           command->name, given, command->name);
-        if (got == '?' && optopt > 0 && given[0] == '-' && given[1] == '-')
-            return bb_fail(BB_INVALID,
-                           "%s: '%s': this option does not take a value: see `bvhbench %s --help`",
-                           command->name, given, command->name);
-        if (got == '?' && optopt > 0)
-            return bb_fail(BB_INVALID, "%s: unknown option '-%c': see `bvhbench %s --help`",
-                           command->name, optopt, command->name);
-        if (got == '?')
-            return unknown_option(command, given);
-        if (optarg == given)
-            given = argv[optind - 2];
-        if (is_cut(given, table[index].name))
-            return unknown_option(command, given);
-        if (index == count) {
-            *help = true;
-            return BB_OK;
-        }
-        BB_TRY(add_value(cli, index, optarg != NULL ? optarg : ""));
-    }
-    cli->positional = argv + optind;
-    cli->positional_count = (uint32_t)(argc - optind);
-    if (command->arguments == NULL && cli->positional_count > 0)
-        return bb_fail(BB_INVALID, "%s: unexpected argument '%s': see `bvhbench %s --help`",
-                       command->name, cli->positional[0], command->name);
-    return BB_OK;
-}
-
-static void free_values(bb_cli *cli)
-{
-    for (uint32_t i = 0; i < BB_CLI_OPTIONS_MAX; i++) {
-        for (uint32_t k = 0; k < cli->counts[i]; k++)
-            free(cli->values[i][k]);
-        cli->counts[i] = 0;
-    }
 }
 
 /* ---- the program ---- */
@@ -196,15 +105,15 @@ static int run_command(const bb_command *command, int argc, char **argv)
     static bb_cli cli;
     bool help = false;
     int exit_status = BB_EXIT_OK;
-    cli.command = command;
-    cli.argc = argc;
-    cli.argv = argv;
-    bb_status status = parse(&cli, argc - 1, argv + 1, &help);
-    if (status == BB_OK && help)
-        print_help(command);
-    else if (status == BB_OK)
-        status = command->run(&cli, &exit_status);
-    free_values(&cli);
+    bb_status status = bb_cli_parse(&cli, command, argc, argv, &help);
+    if (status == BB_OK && help) {
+        status = bb_cli_help(command, stdout);
+    } else if (status == BB_OK) {
+        status = command->run(&cli, cli.values, &exit_status);
+        if (command->release != NULL)
+            command->release(cli.values);
+    }
+    bb_cli_free(&cli);
     bb_out_tidy();
     return end(status, exit_status);
 }
@@ -239,7 +148,7 @@ static int help(const char *name)
     }
     bb_status status = find_command(name, &command);
     if (status == BB_OK)
-        print_help(command);
+        status = bb_cli_help(command, stdout);
     return end(status, BB_EXIT_OK);
 }
 

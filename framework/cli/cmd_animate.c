@@ -11,49 +11,48 @@
 #include "framework/report/report.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+
+typedef struct job {
+    bb_contest_choice choice;
+    bb_names scenes, builders, kernels, rays;
+    const char *frames;
+    bb_animate_request request;
+    bb_animate_result result;
+    cJSON *document, *results;
+    bool wrong;
+} job;
 
 static const bb_cli_option options[] = {
     {"scene", "S", "a scene that moves: `list scenes` shows which have frames; FILE.glb:clip=NAME",
-     BB_CLI_REPEATED},
-    {"builder", "B", "the methods; default: what builders name for it, see below", BB_CLI_LIST},
-    {"kernel", "K", "default: stack,stack8", BB_CLI_LIST},
-    {"rays", "R", "default: primary,diffuse", BB_CLI_LIST},
-    {"intersector", "I", "default: exact", BB_CLI_ONCE},
-    {"view", "V", "view of the scene; default: its first", BB_CLI_ONCE},
-    {"frames", "A..B", "from frame A to frame B; default: all", BB_CLI_ONCE},
-    {"size", "WxH", "of the picture that primary rays make; default: 256x256", BB_CLI_ONCE},
-    {"max-rays", "N", "most rays of another kind; default: 65536", BB_CLI_ONCE},
-    {"repeats", "N", "rounds over the whole sequence that count; default: 3", BB_CLI_ONCE},
-    {"seed", "N", "random seed; default: 1", BB_CLI_ONCE},
-    {"json", NULL, "print JSON", BB_CLI_ONCE},
-    {"quiet", NULL, "do not show progress", BB_CLI_ONCE},
-    {"device", "D", "index of an OpenCL device, or part of its name; default: the first",
-     BB_CLI_ONCE},
-    BB_FORM_OPTION,
-    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
-     BB_CLI_ONCE},
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", BB_CLI_LIST},
-    {"kernels-from", "DIR", "take device code from here first (edit and run)", BB_CLI_ONCE},
+     BB_INTO_EACH(job, scenes), .needed = true},
+    {"builder", "B", "the methods; default: what builders name for it, see below",
+     BB_INTO(job, builders)},
+    {"kernel", "K", "kernels", BB_INTO(job, kernels), .fallback = "stack,stack8"},
+    {"rays", "R", "workloads", BB_INTO(job, rays), .fallback = "primary,diffuse"},
+    {"intersector", "I", "intersection tests: see `list intersectors`",
+     BB_INTO(job, request.intersector), .fallback = "exact"},
+    {"view", "V", "view of the scene; default: its first", BB_INTO(job, request.view)},
+    {"frames", "A..B", "from frame A to frame B; default: all", BB_INTO(job, frames)},
+    {"size", "WxH", "of the picture that primary rays make", BB_INTO_SIZE(job, request.width),
+     .fallback = "256x256"},
+    {"max-rays", "N", "most rays of another kind", BB_INTO(job, request.max_rays), .low = 1,
+     .high = 1 << 24, .fallback = "65536"},
+    {"repeats", "N", "rounds over the whole sequence that count", BB_INTO(job, request.repeats),
+     .low = 1, .high = BB_ANIMATE_ROUNDS_MAX - 1, .fallback = "3"},
+    BB_SEED_OPTION(job, request.seed),
+    BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR", "folder for animate.json, animate.html and a strip of frames; default: none",
-     BB_CLI_ONCE},
+     BB_INTO(job, choice.out)},
+    BB_QUIET_OPTION(job, request.quiet),
     {.name = NULL},
 };
-
-typedef struct job {
-    const bb_cli *cli;
-    bb_animate_request request;
-    cJSON *document, *results;
-    bool wrong;
-    bb_names builders, kernels, rays;
-} job;
 
 /* ---- what was asked for ---- */
 
 static bb_status read_frames(job *j)
 {
-    const char *text = bb_cli_value(j->cli, "frames");
+    const char *text = j->frames;
     uint64_t first, last;
     j->request.last = UINT32_MAX;
     if (text == NULL)
@@ -79,16 +78,10 @@ static bb_status check_count(const char *option, size_t count, size_t most)
 static bb_status read_names(job *j)
 {
     bb_animate_request *request = &j->request;
-    uint32_t count;
-    bb_cli_values(j->cli, "builder", &count);
-    BB_TRY(count > 0 ? bb_choose_builders(j->cli, true, &j->builders)
-                     : bb_names_add_role(&j->builders, BB_ROLE_MOVING));
-    bb_cli_values(j->cli, "kernel", &count);
-    BB_TRY(count > 0 ? bb_choose_kernels(j->cli, &j->kernels)
-                     : bb_names_add(&j->kernels, "stack,stack8"));
-    bb_cli_values(j->cli, "rays", &count);
-    BB_TRY(count > 0 ? bb_choose_rays(j->cli, &j->rays)
-                     : bb_names_add(&j->rays, "primary,diffuse"));
+    BB_TRY(j->builders.count > 0 ? bb_choose_builders(&j->builders, true)
+                                 : bb_names_add_role(&j->builders, BB_ROLE_MOVING));
+    BB_TRY(bb_choose_kernels(&j->kernels, j->choice.device.name));
+    BB_TRY(bb_choose_rays(&j->rays));
     BB_TRY(check_count("builder", j->builders.count, BB_ANIMATE_METHODS_MAX));
     BB_TRY(check_count("kernel", j->kernels.count, BB_ANIMATE_KERNELS_MAX));
     BB_TRY(check_count("rays", j->rays.count, BB_ANIMATE_RAYS_MAX));
@@ -101,27 +94,6 @@ static bb_status read_names(job *j)
     return BB_OK;
 }
 
-static bb_status read_request(job *j)
-{
-    uint64_t repeats, most;
-    bb_animate_request *request = &j->request;
-    const char *intersector = bb_cli_value(j->cli, "intersector");
-    request->width = request->height = 256;
-    if (bb_cli_value(j->cli, "size") != NULL)
-        BB_TRY(bb_cli_size(j->cli, "size", &request->width, &request->height));
-    BB_TRY(bb_cli_u64(j->cli, "repeats", 3, 1, BB_ANIMATE_ROUNDS_MAX - 1, &repeats));
-    BB_TRY(bb_cli_u64(j->cli, "max-rays", 65536, 1, 1 << 24, &most));
-    BB_TRY(bb_cli_u64(j->cli, "seed", 1, 0, UINT64_MAX, &request->seed));
-    request->repeats = (uint32_t)repeats;
-    request->max_rays = (uint32_t)most;
-    request->intersector = intersector != NULL ? intersector : "exact";
-    request->view = bb_cli_value(j->cli, "view");
-    request->quiet = bb_cli_value(j->cli, "quiet") != NULL;
-    request->strip = bb_cli_value(j->cli, "out") != NULL;
-    BB_TRY(read_frames(j));
-    return read_names(j);
-}
-
 /* ---- the work ---- */
 
 /* FOLDER/animate-N.png, whose name is added to `files`. */
@@ -131,15 +103,16 @@ static bb_status write_strip(const job *j, const bb_animate_result *result, cJSO
     if (result->strip.rgb == NULL)
         return BB_OK;
     snprintf(name, sizeof name, "animate-%d.png", cJSON_GetArraySize(j->results) + 1);
-    BB_TRY(bb_join_path(path, bb_cli_value(j->cli, "out"), name));
+    BB_TRY(bb_join_path(path, j->choice.out, name));
     BB_TRY(bb_image_write(path, result->strip.rgb, result->strip.width, result->strip.height));
     return bb_contest_add_file(files, path);
 }
 
-static bb_status add_result(job *j, const bb_animate_result *result)
+static bb_status add_result(job *j)
 {
+    const bb_animate_result *result = &j->result;
     cJSON *files = cJSON_CreateArray();
-    if (bb_contest_prints(j->cli, j->request.device, j->results))
+    if (bb_contest_prints(&j->choice, j->request.device, j->results))
         bb_animate_print(result);
     bb_status status = write_strip(j, result, files);
     if (status == BB_OK)
@@ -148,8 +121,9 @@ static bb_status add_result(job *j, const bb_animate_result *result)
     return status;
 }
 
-static bb_status animate(job *j, const char *name, bb_animate_result *result)
+static bb_status animate(job *j, const char *name)
 {
+    bb_animate_result *result = &j->result;
     bb_scene *scene;
     BB_TRY(bb_scene_load(name, &scene));
     bb_status status = bb_scene_upload(scene, j->request.device);
@@ -157,58 +131,53 @@ static bb_status animate(job *j, const char *name, bb_animate_result *result)
         status = bb_animate_run(&j->request, scene, result);
     if (status == BB_OK) {
         j->wrong = j->wrong || bb_animate_wrong(result) > 0 || bb_animate_failed(result) > 0;
-        status = add_result(j, result);
+        status = add_result(j);
     }
     bb_animate_release(result);
     bb_scene_free(scene);
     return status;
 }
 
-static bb_status animate_all(job *j, char *const *scenes, uint32_t count)
+static bb_status animate_all(job *j)
 {
-    bb_animate_result *result = calloc(1, sizeof *result);
-    if (result == NULL ||
-        !bb_contest_document("bvhbench-animate/1", j->request.device, &j->document, &j->results)) {
-        free(result);
+    if (!bb_contest_document("bvhbench-animate/1", j->request.device, &j->document, &j->results))
         return bb_fail(BB_REFUSED, "no memory for the results");
-    }
     bb_status status = BB_OK;
-    for (uint32_t i = 0; i < count && status == BB_OK && !bb_interrupted(); i++)
-        status = animate(j, scenes[i], result);
+    for (size_t i = 0; i < j->scenes.count && status == BB_OK && !bb_interrupted(); i++)
+        status = animate(j, j->scenes.items[i]);
     /* what was measured before a failure is kept */
     char why[1024];
     snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
     bb_status written = BB_OK;
     if (cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(j->cli, j->document, "animate", bb_report_animate);
-    free(result);
+        written = bb_contest_write(&j->choice, j->document, "animate", bb_report_animate);
     return status != BB_OK ? bb_fail(status, "%s", why) : written;
 }
 
 static bb_status work(job *j)
 {
-    uint32_t count;
-    char *const *scenes = bb_cli_values(j->cli, "scene", &count);
-    if (count == 0)
-        return bb_fail(BB_INVALID, "animate: give a scene that moves, such as --scene twist");
-    BB_TRY(bb_contest_begin(j->cli, scenes, count));
-    BB_TRY(read_request(j));
-    BB_TRY(bb_open_device(j->cli, &j->request.device));
+    BB_TRY(bb_contest_begin(&j->choice, j->scenes.items, j->scenes.count));
+    BB_TRY(read_frames(j));
+    BB_TRY(read_names(j));
+    j->request.strip = j->choice.out != NULL;
+    BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
     bb_interrupt_catch();
-    bb_status status = animate_all(j, scenes, count);
-    bb_device_close(j->request.device);
-    return status;
+    return animate_all(j);
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    job j = {.cli = cli};
-    bb_status status = work(&j);
-    cJSON_Delete(j.document);
-    bb_names_free(&j.builders);
-    bb_names_free(&j.kernels);
-    bb_names_free(&j.rays);
-    return bb_contest_end(status, j.wrong, exit_status);
+    (void)cli;
+    job *j = values;
+    bb_status status = work(j);
+    return bb_contest_end(status, j->wrong, exit_status);
+}
+
+static void release(void *values)
+{
+    job *j = values;
+    cJSON_Delete(j->document);
+    bb_device_close(j->request.device);
 }
 
 static void more_help(FILE *out)
@@ -235,5 +204,7 @@ const bb_command bb_command_animate = {
                "Exit status 1: an answer is wrong, or a tree does not hold.",
     .more_help = more_help,
     .options = options,
+    .bytes = sizeof(job),
     .run = run,
+    .release = release,
 };

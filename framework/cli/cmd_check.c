@@ -13,26 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const bb_cli_option options[] = {
-    {"builder", "B", "name:key=value,...; A+B; `all`; default: all, in the variants to compare",
-     true},
-    {"scene", "S", "`all` and default: small procedural scenes, then the shipped ones", true},
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
-    BB_DEVICE_OPTION,
-    {"form", "F", BB_FORM_HELP ": auto, cpu, gpu, or both (must give equal trees)", false},
-    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
-     false},
-    {"kernels-from", "DIR", "take device code from here first", false},
-    {"seed", "N", "random seed of the rays; default: 1", false},
-    {"side", "N", "N x N rays of each kind, from 6 (for slow tools); default: 64", false},
-    {"limit", "SECONDS",
-     "most that a builder may take on a scene, checks included, compiling not; then it hangs, and "
-     "`check` ends; 0: any time; default: 900",
-     false},
-    {"quiet", NULL, "do not show progress", false},
-    {.name = NULL},
-};
-
 /* Small scenes, each with something that builders trip over. */
 static const char *const procedural_scenes[] = {
     "single",
@@ -86,18 +66,43 @@ typedef struct pace {
 typedef struct check {
     bb_device *devices[FORMS_MAX]; /* one, or both forms of one */
     uint32_t device_count;
-    bb_names builders;
+    bb_names builders, scenes;
+    bb_device_choice choice;
+    uint32_t form; /* a word of --form: bb_form, or BOTH_FORMS */
+    bool quiet;
     bool beside[BB_NAMES_MAX];    /* given alone, and put beside a default builder */
     uint32_t taken[BB_NAMES_MAX]; /* scenes that each took */
     char *refusals[BB_NAMES_MAX]; /* the first scene that each did not take, and why; from malloc */
-    uint64_t seed, side;          /* of the ray sets: a set has the square of `side` */
-    uint64_t limit;               /* seconds that each line of the table may take; 0: any */
+    uint64_t seed;                /* of the ray sets */
+    uint32_t side;                /* a ray set has the square of it */
+    uint32_t limit;               /* seconds that each line of the table may take; 0: any */
     bb_progress progress;
     uint32_t checked, failed;
     pace paces[BB_NAMES_MAX];
     bb_conformed found[FORMS_MAX][BB_NAMES_MAX]; /* on the scene at hand */
     bool conforms[FORMS_MAX][BB_NAMES_MAX];
 } check;
+
+enum { BOTH_FORMS = BB_FORM_GPU + 1 };
+
+static const bb_cli_option options[] = {
+    {"builder", "B", "name:key=value,...; A+B; `all`; default: all, in the variants to compare",
+     BB_INTO(check, builders)},
+    {"scene", "S", "`all` and default: small procedural scenes, then the shipped ones",
+     BB_INTO(check, scenes)},
+    BB_GROUP(bb_device_options, check, choice),
+    {"form", NULL, BB_FORM_HELP "; both: they must give equal trees", BB_INTO(check, form),
+     .words = "auto|cpu|gpu|both", .fallback = "auto"},
+    {"seed", "N", "random seed of the rays", BB_INTO(check, seed), .fallback = "1"},
+    {"side", "N", "N x N rays of each kind, from 6 (for slow tools)", BB_INTO(check, side),
+     .low = 6, .high = 1024, .fallback = "64"},
+    {"limit", "SECONDS",
+     "most that a builder may take on a scene, checks included, compiling not; then it hangs, and "
+     "`check` ends; 0: any time",
+     BB_INTO(check, limit), .high = 1000000, .fallback = "900"},
+    BB_QUIET_OPTION(check, quiet),
+    {.name = NULL},
+};
 
 /* Of the table: what was found, of which scene and builder. */
 #define TABLE_LINE "%-11s %-36s %-34s %s\n"
@@ -115,10 +120,10 @@ static void watch(const check *c, const char *scene, const char *builder)
 {
     char line[2048], text[160];
     snprintf(text, sizeof text,
-             "not done after %llu s (--limit): given up, and what would have come after it",
-             (unsigned long long)c->limit);
+             "not done after %u s (--limit): given up, and what would have come after it",
+             c->limit);
     snprintf(line, sizeof line, TABLE_LINE, "HUNG", scene, builder, text);
-    bb_watchdog_start((uint32_t)c->limit, line);
+    bb_watchdog_start(c->limit, line);
 }
 
 /* What was given of a splitter or an optimiser alone is no builder yet. */
@@ -224,7 +229,7 @@ static bb_status check_scene(check *c, uint32_t form, const char *name)
                           : device->form == BB_FORM_CPU ? ", form cpu"
                                                         : ", form gpu");
     if (status == BB_OK)
-        status = bb_conformance_create(device, scene, (uint32_t)c->side, c->seed, &conformance);
+        status = bb_conformance_create(device, scene, c->side, c->seed, &conformance);
     if (status == BB_OK)
         say_of_scene(c, scene, conformance);
     if (status == BB_OK)
@@ -282,16 +287,14 @@ static void say_paces(check *c)
     }
 }
 
-static bb_status open_devices(check *c, const bb_cli *cli)
+static bb_status open_devices(check *c)
 {
-    const char *form = bb_cli_value(cli, "form");
-    bool both = form != NULL && strcmp(form, "both") == 0;
-    c->device_count = 1;
-    if (!both)
-        return bb_open_device(cli, &c->devices[0]);
-    c->device_count = 2;
-    BB_TRY(bb_open_device_as(cli, BB_FORM_CPU, &c->devices[0]));
-    return bb_open_device_as(cli, BB_FORM_GPU, &c->devices[1]);
+    const bool both = c->form == BOTH_FORMS;
+    c->device_count = both ? 2 : 1;
+    c->choice.form = both ? BB_FORM_CPU : c->form;
+    BB_TRY(bb_open_device(&c->choice, &c->devices[0]));
+    c->choice.form = BB_FORM_GPU;
+    return both ? bb_open_device(&c->choice, &c->devices[1]) : BB_OK;
 }
 
 /* Parameters out of range are bad input, and no failure of a builder. */
@@ -317,13 +320,13 @@ static void say_compiling(const check *c)
     }
 }
 
-static bb_status check_all(check *c, const bb_names *scenes)
+static bb_status check_all(check *c)
 {
-    for (size_t s = 0; s < scenes->count; s++) {
+    for (size_t s = 0; s < c->scenes.count; s++) {
         for (uint32_t form = 0; form < c->device_count; form++)
-            BB_TRY(check_scene(c, form, scenes->items[s]));
+            BB_TRY(check_scene(c, form, c->scenes.items[s]));
         if (c->device_count == FORMS_MAX)
-            compare_forms(c, scenes->items[s]);
+            compare_forms(c, c->scenes.items[s]);
     }
     say_paces(c);
     find_unchecked(c);
@@ -331,46 +334,35 @@ static bb_status check_all(check *c, const bb_names *scenes)
     return BB_OK;
 }
 
-static bb_status run_check(check *c, const bb_cli *cli, bb_names *scenes)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    BB_TRY(bb_load_plugins(cli));
-    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &c->seed));
-    BB_TRY(bb_cli_u64(cli, "side", 64, 6, 1024, &c->side));
-    BB_TRY(bb_cli_u64(cli, "limit", 900, 0, 1000000, &c->limit));
-    BB_TRY(bb_choose_builders(cli, true, &c->builders));
+    (void)cli;
+    check *c = values;
+    BB_TRY(bb_load_plugins(&c->choice.plugins));
+    BB_TRY(bb_choose_builders(&c->builders, true));
     BB_TRY(complete(c));
-    BB_TRY(bb_choose_scenes(cli, default_scenes, scenes));
-    BB_TRY(open_devices(c, cli));
+    BB_TRY(bb_choose_scenes(&c->scenes, default_scenes));
+    BB_TRY(open_devices(c));
     BB_TRY(try_builders(c));
     printf("%s\n", c->devices[0]->name); /* before all else */
-    bb_progress_start(&c->progress, bb_cli_value(cli, "quiet") != NULL);
-    return check_all(c, scenes);
+    bb_progress_start(&c->progress, c->quiet);
+    BB_TRY(check_all(c));
+    say_compiling(c);
+    printf("builders: %zu, scenes: %zu; %u trees checked, %u checks failed\n", c->builders.count,
+           c->scenes.count, c->checked, c->failed);
+    if (c->checked == 0)
+        fprintf(stderr, "bvhbench: no builder supports any of the scenes: nothing was checked\n");
+    *exit_status = c->failed > 0 || c->checked == 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
+    return BB_OK;
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+static void release(void *values)
 {
-    bb_names scenes = {0};
-    check *c = calloc(1, sizeof *c);
-    if (c == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
-    bb_status status = run_check(c, cli, &scenes);
-    if (status == BB_OK) {
-        say_compiling(c);
-        printf("builders: %zu, scenes: %zu; %u trees checked, %u checks failed\n",
-               c->builders.count, scenes.count, c->checked, c->failed);
-        if (c->checked == 0)
-            fprintf(stderr,
-                    "bvhbench: no builder supports any of the scenes: nothing was checked\n");
-        *exit_status = c->failed > 0 || c->checked == 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
-    }
+    check *c = values;
     for (uint32_t form = 0; form < FORMS_MAX; form++)
         bb_device_close(c->devices[form]);
     for (size_t i = 0; i < c->builders.count; i++)
         free(c->refusals[i]);
-    bb_names_free(&c->builders);
-    bb_names_free(&scenes);
-    free(c);
-    return status;
 }
 
 extern const bb_command bb_command_check;
@@ -378,5 +370,7 @@ const bb_command bb_command_check = {
     .name = "check",
     .summary = "check that builders make valid, repeatable trees that trace correctly",
     .options = options,
+    .bytes = sizeof(check),
     .run = run,
+    .release = release,
 };

@@ -1,5 +1,4 @@
 /* bvhbench compare: what moved from one run, revision or program to another. */
-#include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/interleave.h"
@@ -15,28 +14,37 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const bb_cli_option options[] = {
-    {"run", NULL, "OLD and NEW are programs: run both in turns, in pairs, and compare", false},
-    {"rounds", "N", "with --run: pairs that count, after a discarded one; default: 10", false},
-    {"seed", "N", "with --run: decides which program begins a pair; default: 1", false},
-    {"out", "DIR", "with --run: keep all result files there; default: they are removed", false},
-    {"history", "DB", "OLD and NEW may be revisions in this database; floors are kept there",
-     false},
-    {"threshold", "PERCENT", "the least change of a time that counts; default: as measured by A/A",
-     false},
-    {"format", "F", "text, or github: Markdown for a comment; default: text", false},
-    {"quiet", NULL, "with --run: do not show progress", false},
-    {NULL, NULL, NULL, false},
-};
-
 /* What is compared, of whatever origin. */
 typedef struct inputs {
+    bool programs, quiet;
+    uint32_t rounds, format;
+    uint64_t seed;
+    const char *out, *database;
+    double percent;
     bb_cell_set *sets[2];
     uint32_t counts[2];
     bb_history *history;
     double threshold; /* a share; NAN: not given */
-    bool github;
 } inputs;
+
+static const bb_cli_option options[] = {
+    {"run", NULL, "OLD and NEW are programs: run both in turns, in pairs, and compare",
+     BB_INTO(inputs, programs)},
+    {"rounds", "N", "with --run: pairs that count, after a discarded one", BB_INTO(inputs, rounds),
+     .high = BB_SAMPLES_MAX - 1, .fallback = "10", .with = "run"},
+    {"seed", "N", "with --run: decides which program begins a pair", BB_INTO(inputs, seed),
+     .fallback = "1", .with = "run"},
+    {"out", "DIR", "with --run: keep all result files there; default: they are removed",
+     BB_INTO(inputs, out), .with = "run"},
+    {"history", "DB", "OLD and NEW may be revisions in this database; floors are kept there",
+     BB_INTO(inputs, database)},
+    {"threshold", "PERCENT", "the least change of a time that counts; default: as measured by A/A",
+     BB_INTO(inputs, percent), .high = 1000},
+    {"format", NULL, "github: Markdown for a comment", BB_INTO(inputs, format),
+     .words = "text|github", .fallback = "text"},
+    {"quiet", NULL, "with --run: do not show progress", BB_INTO(inputs, quiet), .with = "run"},
+    {.name = NULL},
+};
 
 static bb_status allocate(inputs *in, uint32_t count)
 {
@@ -47,16 +55,6 @@ static bb_status allocate(inputs *in, uint32_t count)
         in->counts[k] = count;
     }
     return BB_OK;
-}
-
-static void free_inputs(inputs *in)
-{
-    for (int k = 0; k < 2; k++) {
-        for (uint32_t i = 0; in->sets[k] != NULL && i < in->counts[k]; i++)
-            bb_cell_set_free(&in->sets[k][i]);
-        free(in->sets[k]);
-    }
-    bb_history_close(in->history);
 }
 
 /* Whoever asked for a comparison must not take none for one in which nothing is worse. */
@@ -79,7 +77,7 @@ static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
     if (status == BB_OK)
         status = check_compared(&result);
     if (status == BB_OK)
-        status = bb_report_compare(&result, in->github, stdout);
+        status = bb_report_compare(&result, in->format != 0, stdout);
     *exit_status = result.worse > 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
     bb_compare_free(&result);
     return status;
@@ -213,7 +211,7 @@ static bb_status keep_floor(inputs *in)
 
 static bb_status compare_programs(const bb_cli *cli, inputs *in, int *exit_status)
 {
-    uint64_t rounds, seed;
+    const uint32_t least = bb_family_pairs_needed(BB_COMPARE_LEVEL);
     bool interrupted = false;
     if (cli->positional_count < 2)
         return bb_fail(BB_INVALID, "compare --run: give two programs, and the arguments of run "
@@ -221,16 +219,16 @@ static bb_status compare_programs(const bb_cli *cli, inputs *in, int *exit_statu
     bb_interleaving wanted = {.programs = {cli->positional[0], cli->positional[1]},
                               .arguments = cli->positional + 2,
                               .argument_count = cli->positional_count - 2,
-                              .folder = bb_cli_value(cli, "out"),
-                              .quiet = bb_cli_value(cli, "quiet") != NULL};
-    BB_TRY(bb_cli_u64(cli, "rounds", 10, bb_family_pairs_needed(BB_COMPARE_LEVEL),
-                      BB_SAMPLES_MAX - 1, &rounds));
-    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &seed));
+                              .rounds = in->rounds,
+                              .seed = in->seed,
+                              .folder = in->out,
+                              .quiet = in->quiet};
+    if (in->rounds < least)
+        return bb_fail(BB_INVALID, "--rounds is '%u', must be a whole number from %u to %d",
+                       in->rounds, least, BB_SAMPLES_MAX - 1);
     BB_TRY(check_arguments(wanted.arguments, wanted.argument_count));
     if (wanted.folder != NULL)
         BB_TRY(bb_out_folder(wanted.folder));
-    wanted.rounds = (uint32_t)rounds;
-    wanted.seed = seed;
     BB_TRY(allocate(in, wanted.rounds + 1));
     BB_TRY(bb_interleave(&wanted, in->sets, &interrupted));
     if (interrupted) {
@@ -244,32 +242,25 @@ static bb_status compare_programs(const bb_cli *cli, inputs *in, int *exit_statu
 
 /* ---- the command ---- */
 
-static bb_status read_options(const bb_cli *cli, bool programs, inputs *in)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    static const char *const of_programs[] = {"rounds", "seed", "out", "quiet"};
-    const char *format = bb_cli_value(cli, "format"), *history = bb_cli_value(cli, "history");
-    double percent;
-    for (size_t i = 0; i < sizeof of_programs / sizeof of_programs[0] && !programs; i++)
-        if (bb_cli_value(cli, of_programs[i]) != NULL)
-            return bb_fail(BB_INVALID, "compare: --%s needs --run", of_programs[i]);
-    if (format != NULL && strcmp(format, "text") != 0 && strcmp(format, "github") != 0)
-        return bb_fail(BB_INVALID, "--format is '%s', must be text or github", format);
-    in->github = format != NULL && strcmp(format, "github") == 0;
-    BB_TRY(bb_cli_double(cli, "threshold", NAN, 0, 1000, &percent));
-    in->threshold = percent / 100;
-    return history != NULL ? bb_history_open(history, programs, &in->history) : BB_OK;
+    inputs *in = values;
+    in->threshold = bb_cli_given(cli, &in->percent) ? in->percent / 100 : (double)NAN;
+    if (in->database != NULL)
+        BB_TRY(bb_history_open(in->database, in->programs, &in->history));
+    return in->programs ? compare_programs(cli, in, exit_status)
+                        : compare_files(cli, in, exit_status);
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+static void release(void *values)
 {
-    const bool programs = bb_cli_value(cli, "run") != NULL;
-    inputs in = {.history = NULL};
-    bb_status status = read_options(cli, programs, &in);
-    if (status == BB_OK)
-        status = programs ? compare_programs(cli, &in, exit_status)
-                          : compare_files(cli, &in, exit_status);
-    free_inputs(&in);
-    return status;
+    inputs *in = values;
+    for (int k = 0; k < 2; k++) {
+        for (uint32_t i = 0; in->sets[k] != NULL && i < in->counts[k]; i++)
+            bb_cell_set_free(&in->sets[k][i]);
+        free(in->sets[k]);
+    }
+    bb_history_close(in->history);
 }
 
 extern const bb_command bb_command_compare;
@@ -293,5 +284,7 @@ const bb_command bb_command_compare = {
         "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, a cell now fails,\n"
         "or its answers are not judged any more.",
     .options = options,
+    .bytes = sizeof(inputs),
     .run = run,
+    .release = release,
 };

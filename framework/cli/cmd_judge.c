@@ -1,9 +1,11 @@
 /* bvhbench judge: classifies the hits of a tracer that is no plug-in, by the oracle and the arbiter
  * of `run`. */
 #include "framework/base/clock.h"
+#include "framework/base/number.h"
 #include "framework/base/statistics.h"
 #include "framework/base/threads.h"
 #include "framework/cli/choice.h"
+#include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/judge.h"
@@ -11,25 +13,11 @@
 #include "framework/report/report.h"
 #include "framework/workload/workload.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-static const bb_cli_option options[] = {
-    {"scene", "S", "scene of the rays", false},
-    {"rays-file", "FILE", "file written by `bvhbench rays`", true},
-    {"hits", "FILE", "the tracer's answers to it", true},
-    {"mrays-s", "X", "its speed in million rays per second, for the record", true},
-    {"name", "TEXT", "its name; default: the one in the hits file, else `outside`", false},
-    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated; default: 0", false},
-    {"verify", "yes|no", "generate the rays again and compare; no: rays made by hand; default: yes",
-     false},
-    {"out", "DIR", "folder for results.json and report.html; default: not written", false},
-    {.name = NULL},
-};
 
 /* A rays file and the answers to it. */
 typedef struct ray_set {
@@ -44,8 +32,10 @@ typedef struct ray_set {
 enum { SETS_MAX = 64 };
 
 typedef struct job {
+    bb_names rays, hits, speeds;
+    const char *scene_name, *tracer;
     const char *folder; /* NULL: no results are written */
-    bool by_hand;       /* --verify no: the rays are of no workload */
+    uint32_t by_hand;   /* --verify no: the rays are of no workload */
     double max_wrong_ppm;
     double start;
     bb_spec name;
@@ -55,57 +45,51 @@ typedef struct job {
     uint32_t set_count;
 } job;
 
-static bb_status read_speeds(const bb_cli *cli, job *j)
+static const bb_cli_option options[] = {
+    {"scene", "S", "scene of the rays", BB_INTO(job, scene_name), .needed = true},
+    {"rays-file", "FILE", "file written by `bvhbench rays`", BB_INTO(job, rays), .needed = true},
+    {"hits", "FILE", "the tracer's answers to it", BB_INTO(job, hits), .needed = true},
+    {"mrays-s", "X", "its speed in million rays per second, for the record", BB_INTO(job, speeds)},
+    {"name", "TEXT", "its name; default: the one in the hits file, else `outside`",
+     BB_INTO(job, tracer)},
+    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated", BB_INTO(job, max_wrong_ppm),
+     .high = 1e6, .fallback = "0"},
+    {"verify", NULL, "generate the rays again and compare; no: rays made by hand",
+     BB_INTO(job, by_hand), .words = "yes|no", .fallback = "yes"},
+    {"out", "DIR", "folder for results.json and report.html; default: not written",
+     BB_INTO(job, folder)},
+    {.name = NULL},
+};
+
+static bb_status read_speeds(job *j)
 {
-    uint32_t count;
-    char *const *speeds = bb_cli_values(cli, "mrays-s", &count);
-    if (count > 0 && count != j->set_count)
-        return bb_fail(BB_INVALID, "%u --mrays-s for %u files: give one per file, or none", count,
-                       j->set_count);
-    for (uint32_t i = 0; i < count; i++) {
-        char *end;
-        double speed = strtod(speeds[i], &end);
-        if (end == speeds[i] || *end != '\0' || !(speed >= 1e-9 && speed <= 1e9))
+    const bb_names *speeds = &j->speeds;
+    if (speeds->count > 0 && speeds->count != j->set_count)
+        return bb_fail(BB_INVALID, "%zu --mrays-s for %u files: give one per file, or none",
+                       speeds->count, j->set_count);
+    for (size_t i = 0; i < speeds->count; i++) {
+        double *speed = &j->sets[i].mrays_s;
+        if (!bb_read_real(speeds->items[i], speed) || *speed < 1e-9 || *speed > 1e9)
             return bb_fail(BB_INVALID, "--mrays-s is '%s', must be a number from 1e-9 to 1e9",
-                           speeds[i]);
-        j->sets[i].mrays_s = speed;
+                           speeds->items[i]);
     }
     return BB_OK;
 }
 
-static bb_status read_verify(const bb_cli *cli, job *j)
+static bb_status read_options(job *j)
 {
-    const char *verify = bb_cli_value(cli, "verify");
-    j->by_hand = verify != NULL && strcmp(verify, "no") == 0;
-    if (verify != NULL && !j->by_hand && strcmp(verify, "yes") != 0)
-        return bb_fail(BB_INVALID, "--verify is '%s', must be yes or no", verify);
-    return BB_OK;
-}
-
-static bb_status read_options(const bb_cli *cli, job *j)
-{
-    uint32_t rays_count, hits_count;
-    char *const *rays = bb_cli_values(cli, "rays-file", &rays_count);
-    char *const *hits = bb_cli_values(cli, "hits", &hits_count);
-    if (bb_cli_value(cli, "scene") == NULL || rays_count == 0 || hits_count == 0)
-        return bb_fail(BB_INVALID, "judge needs --scene, --rays-file and --hits: see `bvhbench "
-                                   "judge --help`");
-    if (rays_count != hits_count || rays_count > SETS_MAX)
+    if (j->rays.count != j->hits.count || j->rays.count > SETS_MAX)
         return bb_fail(BB_INVALID,
-                       "%u --rays-file but %u --hits: give the same number of both, at most %d",
-                       rays_count, hits_count, SETS_MAX);
-    BB_TRY(bb_check_scene(bb_cli_value(cli, "scene")));
-    j->set_count = rays_count;
-    for (uint32_t i = 0; i < rays_count; i++) {
-        j->sets[i].rays_path = rays[i];
-        j->sets[i].hits_path = hits[i];
+                       "%zu --rays-file but %zu --hits: give the same number of both, at most %d",
+                       j->rays.count, j->hits.count, SETS_MAX);
+    BB_TRY(bb_check_scene(j->scene_name));
+    j->set_count = (uint32_t)j->rays.count;
+    for (uint32_t i = 0; i < j->set_count; i++) {
+        j->sets[i].rays_path = j->rays.items[i];
+        j->sets[i].hits_path = j->hits.items[i];
     }
-    j->folder = bb_cli_value(cli, "out");
-    BB_TRY(read_speeds(cli, j));
-    BB_TRY(read_verify(cli, j));
-    BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &j->max_wrong_ppm));
-    const char *name = bb_cli_value(cli, "name");
-    return name != NULL ? bb_spec_parse(name, &j->name) : BB_OK;
+    BB_TRY(read_speeds(j));
+    return j->tracer != NULL ? bb_spec_parse(j->tracer, &j->name) : BB_OK;
 }
 
 /* One ray set twice would be two records of one measurement. */
@@ -120,12 +104,12 @@ static bb_status check_new(const job *j, uint32_t set)
 
 /* All files are read, and all rays verified, before anything is judged: what is refused shall be
  * refused at once. */
-static bb_status read_files(const bb_cli *cli, job *j)
+static bb_status read_files(job *j)
 {
-    BB_TRY(bb_scene_load(bb_cli_value(cli, "scene"), &j->scene));
+    BB_TRY(bb_scene_load(j->scene_name, &j->scene));
     for (uint32_t i = 0; i < j->set_count; i++) {
         ray_set *set = &j->sets[i];
-        BB_TRY(bb_exchange_read_rays(set->rays_path, j->scene, j->by_hand, &set->rays));
+        BB_TRY(bb_exchange_read_rays(set->rays_path, j->scene, j->by_hand != 0, &set->rays));
         BB_TRY(check_new(j, i));
         BB_TRY(bb_exchange_read_hits(set->hits_path, j->scene, set->rays, &set->outside));
     }
@@ -277,21 +261,13 @@ static bb_status add_trace(const job *j, const ray_set *set, bb_results *results
     return status;
 }
 
-static bb_status path_in(const char *folder, const char *name, char path[PATH_MAX])
-{
-    if (snprintf(path, PATH_MAX, "%s/%s", folder, name) >= PATH_MAX)
-        return bb_fail(BB_INVALID, "%.80s...: the path is too long", folder);
-    return BB_OK;
-}
-
 static bb_status write_results(const bb_cli *cli, const job *j)
 {
     char json[PATH_MAX], html[PATH_MAX];
-    BB_TRY(path_in(j->folder, "results.json", json));
-    BB_TRY(path_in(j->folder, "report.html", html));
-    char *command = bb_cli_command_line(cli);
+    BB_TRY(bb_join_path(json, j->folder, "results.json"));
+    BB_TRY(bb_join_path(html, j->folder, "report.html"));
     bb_results *results = NULL;
-    bb_status status = bb_results_create(&(bb_context){.command = command}, &results);
+    bb_status status = bb_results_create(&(bb_context){.command = cli->command_line}, &results);
     if (status == BB_OK)
         status = bb_results_add_scene(results, j->scene, NULL);
     if (status == BB_OK)
@@ -309,12 +285,29 @@ static bb_status write_results(const bb_cli *cli, const job *j)
     if (status == BB_OK)
         fprintf(stderr, "wrote %s and %s\n", json, html);
     bb_results_destroy(results);
-    free(command);
     return status;
 }
 
-static void release(job *j)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
+    job *j = values;
+    j->start = bb_wall_ms();
+    BB_TRY(read_options(j));
+    if (j->folder != NULL)
+        BB_TRY(bb_out_folder(j->folder));
+    BB_TRY(read_files(j));
+    BB_TRY(judge(j));
+    for (uint32_t i = 0; i < j->set_count; i++) {
+        print_classes(j, &j->sets[i]);
+        if (j->sets[i].accuracy.wrong_ppm > j->max_wrong_ppm)
+            *exit_status = BB_EXIT_WRONG;
+    }
+    return j->folder != NULL ? write_results(cli, j) : BB_OK;
+}
+
+static void release(void *values)
+{
+    job *j = values;
     for (uint32_t i = 0; i < j->set_count; i++) {
         bb_answers_release(&j->sets[i].answers);
         bb_outside_hits_release(&j->sets[i].outside);
@@ -322,29 +315,6 @@ static void release(job *j)
     }
     bb_oracle_destroy(j->oracle);
     bb_scene_free(j->scene);
-}
-
-static bb_status run(const bb_cli *cli, int *exit_status)
-{
-    static job j; /* a parsed name must not move */
-    memset(&j, 0, sizeof j);
-    j.start = bb_wall_ms();
-    bb_status status = read_options(cli, &j);
-    if (status == BB_OK && j.folder != NULL)
-        status = bb_out_folder(j.folder);
-    if (status == BB_OK)
-        status = read_files(cli, &j);
-    if (status == BB_OK)
-        status = judge(&j);
-    for (uint32_t i = 0; i < j.set_count && status == BB_OK; i++) {
-        print_classes(&j, &j.sets[i]);
-        if (j.sets[i].accuracy.wrong_ppm > j.max_wrong_ppm)
-            *exit_status = BB_EXIT_WRONG;
-    }
-    if (status == BB_OK && j.folder != NULL)
-        status = write_results(cli, &j);
-    release(&j);
-    return status;
 }
 
 extern const bb_command bb_command_judge;
@@ -364,5 +334,7 @@ const bb_command bb_command_judge = {
         "results. Exit status 1: more wrong rays than --max-wrong-ppm; 2: a file is damaged,\n"
         "belongs to another scene or other rays, or holds something that is not an answer.",
     .options = options,
+    .bytes = sizeof(job),
     .run = run,
+    .release = release,
 };

@@ -16,11 +16,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+typedef struct wanted {
+    bool json, isa;
+    bb_device_choice device; /* plug-ins alone */
+} wanted;
+
 static const bb_cli_option options[] = {
-    {"json", NULL, "as JSON", false},
+    {"json", NULL, "as JSON", BB_INTO(wanted, json)},
     {"isa", NULL, "of kernels: the registers, memory and loads that GPUs' compilers make of them",
-     false},
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
+     BB_INTO(wanted, isa), .apart = "json"},
+    BB_GROUP(bb_plugin_options, wanted, device),
     {.name = NULL},
 };
 
@@ -307,27 +312,24 @@ static bb_status unknown_kind(const char *kind)
                    kind, bb_suggested(&meant));
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     (void)exit_status;
-    BB_TRY(bb_load_plugins(cli));
-    const char *wanted = cli->positional_count > 0 ? cli->positional[0] : NULL;
+    const wanted *w = values;
+    BB_TRY(bb_load_plugins(&w->device.plugins));
+    const char *kind = cli->positional_count > 0 ? cli->positional[0] : NULL;
     if (cli->positional_count > 1)
         return bb_fail(BB_INVALID, "list takes one kind: drop '%s'", cli->positional[1]);
-    if (bb_cli_value(cli, "isa") != NULL) {
-        if (wanted == NULL || strcmp(wanted, "kernels") != 0)
-            return bb_fail(BB_INVALID, "--isa is of kernels: list kernels --isa");
-        if (bb_cli_value(cli, "json") != NULL)
-            return bb_fail(BB_INVALID, "--isa is a table of text: drop --json");
+    if (w->isa && (kind == NULL || strcmp(kind, "kernels") != 0))
+        return bb_fail(BB_INVALID, "--isa is of kernels: list kernels --isa");
+    if (w->isa) {
         print_isa();
         return BB_OK;
     }
-    bool found = wanted == NULL;
+    bool found = kind == NULL;
     for (uint32_t i = 0; i < KIND_COUNT; i++)
-        found = found || strcmp(wanted, kinds[i].name) == 0;
-    if (!found)
-        return unknown_kind(wanted);
-    return print(wanted, bb_cli_value(cli, "json") != NULL);
+        found = found || strcmp(kind, kinds[i].name) == 0;
+    return found ? print(kind, w->json) : unknown_kind(kind);
 }
 
 extern const bb_command bb_command_list;
@@ -338,5 +340,6 @@ const bb_command bb_command_list = {
     .arguments =
         "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|transfers|devices]",
     .options = options,
+    .bytes = sizeof(wanted),
     .run = run,
 };

@@ -1,6 +1,5 @@
 /* bvhbench merge: shards of a run become that run. */
 #include "framework/base/file.h"
-#include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/earlier.h"
 #include "framework/cli/inputs.h"
@@ -14,13 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const bb_cli_option options[] = {
-    {"out", "DIR", "folder for results.json, report.html and pictures; with several files: needed",
-     false},
-    {"history", "DB", "append the run to this database (SQLite; made if there is none)", false},
-    {NULL, NULL, NULL, false},
-};
-
 enum { PICTURE_BYTES_MAX = 64 << 20 };
 
 /* A file, and what it says it is part of. */
@@ -29,6 +21,20 @@ typedef struct part {
     bb_results *results;
     bb_shard shard; /* count 0: a whole run */
 } part;
+
+typedef struct merging {
+    const char *out, *history;
+    part *parts;
+    uint32_t count;
+} merging;
+
+static const bb_cli_option options[] = {
+    {"out", "DIR", "folder for results.json, report.html and pictures; with several files: needed",
+     BB_INTO(merging, out)},
+    {"history", "DB", "append the run to this database (SQLite; made if there is none)",
+     BB_INTO(merging, history)},
+    {.name = NULL},
+};
 
 static const bb_entry *context_of(const bb_results *results)
 {
@@ -148,13 +154,13 @@ static bb_status append(const bb_results *results, const char *path)
 /* ---- the command ---- */
 
 /* The others into the first. The pictures are copied from where each part's were. */
-static bb_status merge(const bb_cli *cli, part *parts, uint32_t count)
+static bb_status merge(const bb_cli *cli, merging *m)
 {
-    const char *folder = bb_cli_value(cli, "out"), *history = bb_cli_value(cli, "history");
-    for (uint32_t i = 0; i < count; i++)
+    part *parts = m->parts;
+    for (uint32_t i = 0; i < m->count; i++)
         BB_TRY(read_part(cli->positional[i], &parts[i]));
-    BB_TRY(check_parts(parts, count));
-    for (uint32_t i = 1; i < count; i++) {
+    BB_TRY(check_parts(parts, m->count));
+    for (uint32_t i = 1; i < m->count; i++) {
         bb_status status = bb_results_join(parts[0].results, parts[i].results);
         if (status != BB_OK) {
             char reason[900];
@@ -162,35 +168,41 @@ static bb_status merge(const bb_cli *cli, part *parts, uint32_t count)
             return bb_fail(status, "merge: %.200s: %s", parts[i].argument, reason);
         }
     }
-    if (count > 1 && count == parts[0].shard.count)
+    if (m->count > 1 && m->count == parts[0].shard.count)
         bb_results_end_join(parts[0].results);
     BB_TRY(bb_report_verdict(parts[0].results, stdout));
-    if (folder != NULL)
-        BB_TRY(write_folder(parts, count, folder));
-    return history != NULL ? append(parts[0].results, history) : BB_OK;
+    if (m->out != NULL)
+        BB_TRY(write_folder(parts, m->count, m->out));
+    return m->history != NULL ? append(parts[0].results, m->history) : BB_OK;
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
+    merging *m = values;
     const uint32_t count = cli->positional_count;
-    const char *folder = bb_cli_value(cli, "out");
     if (count == 0)
         return bb_fail(BB_INVALID, "merge: give the result files of shards, or their folders");
-    if (folder == NULL && (count > 1 || bb_cli_value(cli, "history") == NULL))
+    if (m->out == NULL && (count > 1 || m->history == NULL))
         return bb_fail(BB_INVALID, "merge: --out DIR says where the merged run goes");
-    BB_TRY(bb_inputs_once(cli, 0));
-    part *parts = calloc(count, sizeof *parts);
-    bb_status status = parts != NULL ? BB_OK : bb_fail(BB_FAILED, "merge: no memory");
-    if (status == BB_OK && folder != NULL)
-        status = bb_out_folder(folder);
-    if (status == BB_OK)
-        status = merge(cli, parts, count);
-    if (status == BB_OK && say_missing(parts, count))
+    BB_TRY(bb_inputs_once(cli));
+    m->parts = calloc(count, sizeof *m->parts);
+    if (m->parts == NULL)
+        return bb_fail(BB_FAILED, "merge: no memory");
+    m->count = count;
+    if (m->out != NULL)
+        BB_TRY(bb_out_folder(m->out));
+    BB_TRY(merge(cli, m));
+    if (say_missing(m->parts, count))
         *exit_status = BB_EXIT_WRONG;
-    for (uint32_t i = 0; i < count && parts != NULL; i++)
-        bb_results_destroy(parts[i].results);
-    free(parts);
-    return status;
+    return BB_OK;
+}
+
+static void release(void *values)
+{
+    merging *m = values;
+    for (uint32_t i = 0; i < m->count; i++)
+        bb_results_destroy(m->parts[i].results);
+    free(m->parts);
 }
 
 extern const bb_command bb_command_merge;
@@ -214,5 +226,7 @@ const bb_command bb_command_merge = {
         "Then:\n"
         "  bvhbench merge out/shard-* --out out/merged --history bench.db",
     .options = options,
+    .bytes = sizeof(merging),
     .run = run,
+    .release = release,
 };

@@ -8,52 +8,42 @@
 #include "framework/scene/tets_gather.h"
 
 #include <stdio.h>
-#include <stdlib.h>
+
+typedef struct job {
+    bb_contest_choice choice;
+    bb_names builders, searches;
+    double fit; /* 0: mesh B stays as it is */
+    bb_overlap_request request;
+    bb_overlap_result result;
+    bb_scene *scenes[2];
+    bool wrong;
+} job;
 
 static const bb_cli_option options[] = {
-    {"builder", "B", "default: what builders name for it, see below", BB_CLI_LIST},
-    {"search", "S", "skip, octree, octree:boundary=no; default: skip,octree", BB_CLI_LIST},
-    {"no-tree", NULL, "also by all pairs, which others are compared with", false},
+    {"builder", "B", "default: what builders name for it, see below", BB_INTO(job, builders)},
+    BB_SEARCH_OPTION(job, searches, ""),
+    {"no-tree", NULL, "also by all pairs, which others are compared with",
+     BB_INTO(job, request.without)},
     {"fit", "X",
      "scale and move mesh B: its box's longest side becomes X times A's, its middle A's middle; "
      "default: as it is",
-     false},
-    {"repeats", "N", "measured rounds; default: 10 (the paper: 50)", false},
-    {"seed", "N", "random seed; default: 1", false},
-    {"json", NULL, "print JSON", false},
-    BB_DEVICE_OPTION,
-    BB_FORM_OPTION,
-    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
-     false},
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
-    {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
+     BB_INTO(job, fit), .low = 1e-6, .high = 1e6},
+    {"repeats", "N", "measured rounds (the paper: 50)", BB_INTO(job, request.repeats), .low = 1,
+     .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
+    BB_SEED_OPTION(job, request.seed),
+    BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR",
      "folder for overlap.json, overlap.html and pictures of what does not overlap; default: none",
-     false},
-    {"quiet", NULL, "do not show progress", false},
+     BB_INTO(job, choice.out)},
+    BB_QUIET_OPTION(job, request.quiet),
     {.name = NULL},
 };
 
-typedef struct job {
-    const bb_cli *cli;
-    bb_overlap_request request;
-    bb_overlap_result *result;
-    bb_scene *scenes[2];
-    bool wrong;
-    bb_names builders, searches;
-} job;
-
 static bb_status read_request(job *j)
 {
-    uint64_t repeats;
     bb_overlap_request *request = &j->request;
-    BB_TRY(bb_cli_u64(j->cli, "repeats", 10, 1, BB_SAMPLES_MAX - 1, &repeats));
-    BB_TRY(bb_cli_u64(j->cli, "seed", 1, 0, UINT64_MAX, &request->seed));
-    request->quiet = bb_cli_value(j->cli, "quiet") != NULL;
-    request->repeats = (uint32_t)repeats;
-    request->without = bb_cli_value(j->cli, "no-tree") != NULL;
-    BB_TRY(bb_choose_tree_builders(j->cli, BB_OF_MESHES, &j->builders));
-    BB_TRY(bb_choose_searches(j->cli, &j->searches));
+    BB_TRY(bb_choose_tree_builders(&j->builders, BB_OF_MESHES));
+    BB_TRY(bb_check_searches(&j->searches));
     request->builders = (const char *const *)j->builders.items;
     request->builder_count = (uint32_t)j->builders.count;
     request->searches = (const char *const *)j->searches.items;
@@ -72,29 +62,26 @@ static bb_status fit(const bb_scene *a, double times, bb_scene **b)
     return BB_OK;
 }
 
-static bb_status load(job *j)
+static bb_status load(job *j, char *const *names)
 {
-    double times;
-    BB_TRY(bb_cli_double(j->cli, "fit", 0, 1e-6, 1e6, &times));
     for (uint32_t s = 0; s < 2; s++) {
-        const char *name = j->cli->positional[s];
-        BB_TRY(bb_scene_load(name, &j->scenes[s]));
+        BB_TRY(bb_scene_load(names[s], &j->scenes[s]));
         if (j->scenes[s]->tets == NULL)
-            return bb_fail(BB_INVALID, "%s: has no tetrahedra that could overlap", name);
+            return bb_fail(BB_INVALID, "%s: has no tetrahedra that could overlap", names[s]);
     }
-    return times > 0 ? fit(j->scenes[0], times, &j->scenes[1]) : BB_OK;
+    return j->fit > 0 ? fit(j->scenes[0], j->fit, &j->scenes[1]) : BB_OK;
 }
 
 /* ---- the work ---- */
 
 static bb_status paint(const job *j, cJSON *files)
 {
-    const char *out = bb_cli_value(j->cli, "out");
+    const char *out = j->choice.out;
     char path[PATH_MAX];
     if (out == NULL)
         return BB_OK;
     BB_TRY(bb_join_path(path, out, "apart"));
-    return bb_overlap_paint(j->scenes, j->result, path, files);
+    return bb_overlap_paint(j->scenes, &j->result, path, files);
 }
 
 /* With the pictures that there are: a failure of theirs loses nothing else. */
@@ -108,9 +95,9 @@ static bb_status write(const job *j)
     }
     char why[1024];
     snprintf(why, sizeof why, "%s", painted != BB_OK ? bb_message() : "");
-    bb_status status = bb_contest_add(results, bb_overlap_json(j->result), files);
+    bb_status status = bb_contest_add(results, bb_overlap_json(&j->result), files);
     if (status == BB_OK)
-        status = bb_contest_write(j->cli, document, "overlap", bb_report_contest);
+        status = bb_contest_write(&j->choice, document, "overlap", bb_report_contest);
     cJSON_Delete(document);
     return status == BB_OK && painted != BB_OK ? bb_fail(painted, "%s", why) : status;
 }
@@ -119,45 +106,40 @@ static bb_status overlap(job *j)
 {
     for (int s = 0; s < 2; s++)
         BB_TRY(bb_scene_upload(j->scenes[s], j->request.device));
-    BB_TRY(bb_overlap_run(&j->request, j->scenes, j->result));
-    for (uint32_t w = 0; w < j->result->way_count; w++)
-        j->wrong = j->wrong || j->result->ways[w].differ > 0;
-    if (bb_contest_prints(j->cli, j->request.device, NULL))
-        bb_overlap_print(j->result);
+    BB_TRY(bb_overlap_run(&j->request, j->scenes, &j->result));
+    for (uint32_t w = 0; w < j->result.way_count; w++)
+        j->wrong = j->wrong || j->result.ways[w].differ > 0;
+    if (bb_contest_prints(&j->choice, j->request.device, NULL))
+        bb_overlap_print(&j->result);
     return write(j);
 }
 
-static bb_status work(job *j)
+static bb_status work(job *j, char *const *names)
 {
-    BB_TRY(bb_contest_begin(j->cli, j->cli->positional, 2));
+    BB_TRY(bb_contest_begin(&j->choice, names, 2));
     BB_TRY(read_request(j));
-    j->result = calloc(1, sizeof *j->result);
-    if (j->result == NULL)
-        return bb_fail(BB_REFUSED, "no memory for the results");
-    bb_status status = load(j);
-    if (status == BB_OK)
-        status = bb_open_device(j->cli, &j->request.device);
-    if (status == BB_OK) {
-        bb_interrupt_catch();
-        status = overlap(j);
-    }
-    bb_overlap_release(j->result);
+    BB_TRY(load(j, names));
+    BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
+    bb_interrupt_catch();
+    return overlap(j);
+}
+
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
+{
+    job *j = values;
+    if (cli->positional_count != 2)
+        return bb_fail(BB_INVALID, "overlap takes two meshes: see `bvhbench overlap --help`");
+    bb_status status = work(j, cli->positional);
+    return bb_contest_end(status, j->wrong, exit_status);
+}
+
+static void release(void *values)
+{
+    job *j = values;
+    bb_overlap_release(&j->result);
     for (int s = 0; s < 2; s++)
         bb_scene_free(j->scenes[s]);
     bb_device_close(j->request.device);
-    return status;
-}
-
-static bb_status run(const bb_cli *cli, int *exit_status)
-{
-    job j = {.cli = cli};
-    if (cli->positional_count != 2)
-        return bb_fail(BB_INVALID, "overlap takes two meshes: see `bvhbench overlap --help`");
-    bb_status status = work(&j);
-    free(j.result);
-    bb_names_free(&j.builders);
-    bb_names_free(&j.searches);
-    return bb_contest_end(status, j.wrong, exit_status);
 }
 
 extern const bb_command bb_command_overlap;
@@ -175,5 +157,7 @@ const bb_command bb_command_overlap = {
         "Exit status 1: an answer differs from the first way's.",
     .more_help = bb_print_mesh_builders,
     .options = options,
+    .bytes = sizeof(job),
     .run = run,
+    .release = release,
 };

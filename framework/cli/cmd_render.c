@@ -14,30 +14,12 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
-
-static const bb_cli_option options[] = {
-    {"scene", "S", "file, shipped or procedural scene", false},
-    {"builder", "B", "default: the usual one, which takes all kinds of primitives", false},
-    {"kernel", "K", "default: the first in `list kernels` without a limit of leaf=", false},
-    {"intersector", "I", "default: exact", false},
-    {"show", "P", "depth, normal, heat (tests per ray) or diff (wrong rays); default: normal",
-     false},
-    {"view", "V", "view of the scene; default: the first", false},
-    {"camera", "V", NULL, false},
-    {"size", "WxH", "image size, to which heat and diff add a legend; default: 512x512", false},
-    BB_DEVICE_OPTION,
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
-    {"kernels-from", "DIR", "take device code from here first", false},
-    BB_FORM_OPTION,
-    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
-     false},
-    {"out", "FILE", "FILE.png: a picture; FILE.exr: the numbers behind it", false},
-    {.name = NULL},
-};
 
 typedef struct rendering {
-    const char *show, *view; /* which picture; NULL: the scene's first view */
+    bb_device_choice choice;
+    const char *scene_name, *builder, *kernel_text, *intersector_text, *view, *out;
+    uint32_t show; /* a word of --show */
+    uint32_t width, height;
     bb_device *device;
     bb_scene *scene;
     bb_oracle *oracle;
@@ -57,72 +39,61 @@ typedef struct rendering {
     float *values;
 } rendering;
 
-/* `whole` has room for a specification. */
-static bb_status choose_builder(const bb_cli *cli, char *whole, size_t capacity)
+enum { DEPTH, NORMAL, HEAT, DIFF };
+
+static const bb_cli_option options[] = {
+    {"scene", "S", "file, shipped or procedural scene", BB_INTO(rendering, scene_name),
+     .needed = true},
+    {"builder", "B", "default: the usual one, which takes all kinds of primitives",
+     BB_INTO(rendering, builder)},
+    {"kernel", "K", "default: the first in `list kernels` without a limit of leaf=",
+     BB_INTO(rendering, kernel_text)},
+    {"intersector", "I", "intersection tests: see `list intersectors`",
+     BB_INTO(rendering, intersector_text), .fallback = "exact"},
+    {"show", NULL, "heat: tests per ray; diff: wrong rays", BB_INTO(rendering, show),
+     .words = "depth|normal|heat|diff", .fallback = "normal"},
+    {"view", "V", "view of the scene; default: the first", BB_INTO(rendering, view)},
+    {"size", "WxH", "image size, to which heat and diff add a legend",
+     BB_INTO_SIZE(rendering, width), .fallback = "512x512"},
+    BB_GROUP(bb_device_options, rendering, choice),
+    {"out", "FILE", "FILE.png: a picture; FILE.exr: the numbers behind it", BB_INTO(rendering, out),
+     .needed = true},
+    {.name = NULL},
+};
+
+static bb_status choose_builder(rendering *r)
 {
-    const char *given = bb_cli_value(cli, "builder");
-    if (given != NULL) {
-        snprintf(whole, capacity, "%s", given);
-        return bb_instance_check(given);
-    }
     const bb_builder *usual = bb_usual_builder(BB_ALL_KINDS);
+    if (r->builder != NULL)
+        return bb_instance_check(r->builder);
     if (usual == NULL)
         return bb_fail(BB_INVALID, "`run` compares no builder by default: give --builder");
-    snprintf(whole, capacity, "%s", usual->name);
+    r->builder = usual->name;
     return BB_OK;
 }
 
-static bb_status choose_kernel(const bb_cli *cli, rendering *r)
+static bb_status choose_kernel(rendering *r)
 {
-    const char *kernel = bb_cli_value(cli, "kernel");
-    BB_TRY(bb_kernel_parse(kernel != NULL ? kernel : bb_kernel_for_any_leaf()->name,
+    BB_TRY(bb_kernel_parse(r->kernel_text != NULL ? r->kernel_text : bb_kernel_for_any_leaf()->name,
                            &r->kernel_spec, &r->kernel));
-    const char *intersector = bb_cli_value(cli, "intersector");
-    return bb_intersector_parse(intersector != NULL ? intersector : bb_intersectors[0].name,
-                                &r->intersector);
+    return bb_intersector_parse(r->intersector_text, &r->intersector);
 }
 
-static bool is_picture(const char *word)
+static bb_status make_rays(rendering *r)
 {
-    return strcmp(word, "depth") == 0 || strcmp(word, "normal") == 0 || strcmp(word, "heat") == 0 ||
-           strcmp(word, "diff") == 0;
-}
-
-/* What is shown, and from where. Once --view said what, and --camera from where. */
-static bb_status choose_picture(const bb_cli *cli, rendering *r)
-{
-    r->show = bb_cli_value(cli, "show");
-    r->view = bb_cli_value(cli, "view");
-    if (r->show == NULL && r->view != NULL && is_picture(r->view)) {
-        r->show = r->view;
-        r->view = NULL;
-    }
-    if (r->view == NULL)
-        r->view = bb_cli_value(cli, "camera");
-    if (r->show == NULL)
-        r->show = "normal";
-    if (!is_picture(r->show))
-        return bb_fail(BB_INVALID, "--show is '%s', must be depth, normal, heat or diff", r->show);
-    return BB_OK;
-}
-
-static bb_status make_rays(rendering *r, const bb_cli *cli)
-{
-    uint32_t width = 512, height = 512;
     bb_spec spec;
     const bb_view *view = NULL;
-    BB_TRY(bb_cli_size(cli, "size", &width, &height));
     BB_TRY(bb_choose_view(r->scene, r->view, &view));
     BB_TRY(bb_spec_parse("primary", &spec));
-    bb_rays_request request = {&spec, view, width, height, width * height, 1};
+    bb_rays_request request = {&spec, view, r->width, r->height, r->width * r->height, 1};
     BB_TRY(bb_rays_make(r->scene, r->oracle, &request, &r->rays));
     return bb_rays_upload(r->rays, r->device);
 }
 
-static bb_status make_layout(rendering *r, const char *builder)
+static bb_status make_layout(rendering *r)
 {
     uint64_t leaf;
-    BB_TRY(bb_instance_create(r->device, builder, r->scene, 1, &r->instance));
+    BB_TRY(bb_instance_create(r->device, r->builder, r->scene, 1, &r->instance));
     BB_TRY(bb_instance_build(&r->instance, r->scene, false, NULL));
     BB_TRY(bb_tree_upload(&r->instance.tree, r->device, NULL));
     BB_TRY(bb_spec_u64(&r->kernel_spec, bb_kernel_common_options, "leaf", 1, 64, &leaf));
@@ -194,19 +165,19 @@ static bb_status shade_diff(rendering *r)
 
 static bb_status shade(rendering *r)
 {
-    if (strcmp(r->show, "heat") == 0)
+    if (r->show == HEAT)
         return shade_heat(r);
-    if (strcmp(r->show, "diff") == 0)
+    if (r->show == DIFF)
         return shade_diff(r);
     BB_TRY(bb_canvas_create(r->rays->width, r->rays->height, &r->canvas));
-    if (strcmp(r->show, "depth") == 0)
+    if (r->show == DEPTH)
         return bb_picture_depth(r->rays, r->hits, r->canvas.rgb);
     bb_picture_normals(r->scene, r->rays, r->hits, r->canvas.rgb);
     return BB_OK;
 }
 
 /* A miss has depth 0 here, so that it is a number that can be compared. */
-static bb_status write_depth_differences(rendering *r, const char *out)
+static bb_status write_depth_differences(rendering *r)
 {
     const size_t count = r->rays->count;
     const uint32_t width = r->rays->width, height = r->rays->height;
@@ -220,37 +191,55 @@ static bb_status write_depth_differences(rendering *r, const char *out)
     printf("depth beside the oracle's: %llu pixels differ, by %g on average, by %g at most, at "
            "%u,%u\n",
            (unsigned long long)found.pixels, found.mean, found.most, found.x, found.y);
-    return bb_exr_write(out, differences, "Y", width, height);
+    return bb_exr_write(r->out, differences, "Y", width, height);
 }
 
 /* EXR: not the picture, but what it was made of. */
-static bb_status write_values(rendering *r, const char *out)
+static bb_status write_values(rendering *r)
 {
     const uint32_t width = r->rays->width, height = r->rays->height;
     BB_TRY(bb_host_alloc(NULL, 3 * (size_t)r->rays->count * sizeof(float), "values", &r->values));
-    if (strcmp(r->show, "diff") == 0)
-        return write_depth_differences(r, out);
-    if (strcmp(r->show, "depth") == 0) {
+    if (r->show == DIFF)
+        return write_depth_differences(r);
+    if (r->show == DEPTH) {
         bb_values_depth(r->rays, r->hits, INFINITY, r->values);
-        return bb_exr_write(out, r->values, "Z", width, height);
+        return bb_exr_write(r->out, r->values, "Z", width, height);
     }
-    if (strcmp(r->show, "heat") == 0) {
+    if (r->show == HEAT) {
         bb_values_tests(r->rays, r->counts, r->values);
-        return bb_exr_write(out, r->values, "Y", width, height);
+        return bb_exr_write(r->out, r->values, "Y", width, height);
     }
     bb_values_normals(r->scene, r->rays, r->hits, r->values);
-    return bb_exr_write(out, r->values, "RGB", width, height);
+    return bb_exr_write(r->out, r->values, "RGB", width, height);
 }
 
-static bb_status write_out(rendering *r, const char *out)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    if (bb_image_is_exr(out))
-        return write_values(r, out);
-    return bb_image_write(out, r->canvas.rgb, r->canvas.width, r->canvas.height);
+    (void)cli;
+    (void)exit_status;
+    rendering *r = values;
+    BB_TRY(bb_check_scene(r->scene_name));
+    BB_TRY(bb_image_check(r->out));
+    BB_TRY(bb_out_file(r->out, "picture"));
+    BB_TRY(bb_load_plugins(&r->choice.plugins));
+    BB_TRY(choose_builder(r));
+    BB_TRY(choose_kernel(r));
+    BB_TRY(bb_open_device(&r->choice, &r->device));
+    BB_TRY(bb_scene_load(r->scene_name, &r->scene));
+    BB_TRY(bb_scene_upload(r->scene, r->device));
+    BB_TRY(bb_oracle_create(r->scene, bb_host_threads(r->device), &r->oracle));
+    BB_TRY(make_rays(r));
+    BB_TRY(make_layout(r));
+    BB_TRY(trace(r));
+    BB_TRY(shade(r));
+    return bb_image_is_exr(r->out)
+               ? write_values(r)
+               : bb_image_write(r->out, r->canvas.rgb, r->canvas.width, r->canvas.height);
 }
 
-static void release(rendering *r)
+static void release(void *values)
 {
+    rendering *r = values;
     bb_layout_data_release(&r->layout);
     bb_layout_maker_destroy(&r->maker);
     bb_instance_destroy(&r->instance);
@@ -269,43 +258,6 @@ static void release(rendering *r)
     bb_device_close(r->device);
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
-{
-    (void)exit_status;
-    static rendering r; /* an instance must not move */
-    memset(&r, 0, sizeof r);
-    char builder[sizeof r.instance.pipeline.text];
-    const char *scene = bb_cli_value(cli, "scene"), *out = bb_cli_value(cli, "out");
-    if (scene == NULL || out == NULL)
-        return bb_fail(BB_INVALID, "render needs --scene and --out: see `bvhbench render --help`");
-    BB_TRY(choose_picture(cli, &r));
-    BB_TRY(bb_check_scene(scene));
-    BB_TRY(bb_image_check(out));
-    BB_TRY(bb_out_file(out, "picture"));
-    BB_TRY(bb_load_plugins(cli));
-    BB_TRY(choose_builder(cli, builder, sizeof builder));
-    BB_TRY(choose_kernel(cli, &r));
-    bb_status status = bb_open_device(cli, &r.device);
-    if (status == BB_OK)
-        status = bb_scene_load(scene, &r.scene);
-    if (status == BB_OK)
-        status = bb_scene_upload(r.scene, r.device);
-    if (status == BB_OK)
-        status = bb_oracle_create(r.scene, bb_host_threads(r.device), &r.oracle);
-    if (status == BB_OK)
-        status = make_rays(&r, cli);
-    if (status == BB_OK)
-        status = make_layout(&r, builder);
-    if (status == BB_OK)
-        status = trace(&r);
-    if (status == BB_OK)
-        status = shade(&r);
-    if (status == BB_OK)
-        status = write_out(&r, out);
-    release(&r);
-    return status;
-}
-
 extern const bb_command bb_command_render;
 const bb_command bb_command_render = {
     .name = "render",
@@ -318,5 +270,7 @@ const bb_command bb_command_render = {
         "normals in R, G, B, number of tests in Y, and for diff the depth error in Y (against\n"
         "the oracle's depth; a miss has depth 0).",
     .options = options,
+    .bytes = sizeof(rendering),
     .run = run,
+    .release = release,
 };

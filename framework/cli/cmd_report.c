@@ -1,7 +1,6 @@
 /* bvhbench report: result files into one HTML page, and its charts as pictures. */
 #include "framework/base/file.h"
-#include "framework/cli/charts_option.h"
-#include "framework/cli/cli.h"
+#include "framework/cli/choice.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 #include "framework/history/history.h"
@@ -11,23 +10,30 @@
 #include "framework/report/report_history.h"
 
 #include <cjson/cJSON.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+typedef struct wanted {
+    const char *out, *history;
+    bool table, markdown, google_benchmark, csv;
+    uint32_t charts;
+} wanted;
+
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
-     false},
+     BB_INTO(wanted, out)},
     {"history", "DB", "instead of files: the page of a database of runs, each cell over revisions",
-     false},
-    {"table", NULL, "print the full tables; write no report unless --out is given", false},
-    {"markdown", NULL, "the same, with the summary as Markdown", false},
-    {"google-benchmark", NULL, "the same, with all rounds in the JSON of Google Benchmark", false},
-    {"csv", NULL, "the same, with all traces as comma-separated values", false},
-    BB_CHARTS_OPTION,
-    {NULL, NULL, NULL, false},
+     BB_INTO(wanted, history), .apart = "table|markdown|google-benchmark|csv|charts"},
+    {"table", NULL, "print the full tables; write no report unless --out is given",
+     BB_INTO(wanted, table)},
+    {"markdown", NULL, "the same, with the summary as Markdown", BB_INTO(wanted, markdown)},
+    {"google-benchmark", NULL, "the same, with all rounds in the JSON of Google Benchmark",
+     BB_INTO(wanted, google_benchmark)},
+    {"csv", NULL, "the same, with all traces as comma-separated values", BB_INTO(wanted, csv)},
+    BB_CHARTS_OPTION(wanted, charts),
+    {.name = NULL},
 };
 
 /* Pictures of several inputs lie in several folders: each is told its own. */
@@ -68,35 +74,24 @@ static bb_status write_charts(bb_results *results, const char *page, bool said)
 }
 
 /* The page, and its charts; what was written is said, unless a table is all that is wanted. */
-static bb_status write_page(const bb_cli *cli, bb_results *results, const char *page, bool said,
-                            bool charts)
+static bb_status write_page(bb_results *results, const char *page, bool said, uint32_t charts)
 {
     BB_TRY(bb_report_html(results, NULL, page));
-    if (said)
+    if (said) {
         printf("\n report  %s\n", page);
-    if (!charts && said)
-        bb_charts_note(cli);
-    return charts ? write_charts(results, page, said) : BB_OK;
+        bb_charts_note(charts);
+    }
+    return charts == BB_CHARTS_YES ? write_charts(results, page, said) : BB_OK;
 }
 
 /* What goes to standard output: the summary, if nothing else is asked for. */
-static bb_status print(const bb_cli *cli, bb_results *results, bool *only)
+static bb_status print(const wanted *w, bb_results *results)
 {
-    bb_status status = BB_OK;
-    *only = true;
-    if (bb_cli_value(cli, "table") != NULL)
-        status = bb_report_table(results, stdout);
-    else if (bb_cli_value(cli, "markdown") != NULL)
-        status = bb_report_markdown(results, stdout);
-    else if (bb_cli_value(cli, "csv") != NULL)
-        status = bb_report_csv(results, stdout);
-    else if (bb_cli_value(cli, "google-benchmark") != NULL)
-        status = bb_report_benchmark(results, stdout);
-    else {
-        *only = false;
-        status = bb_report_verdict(results, stdout);
-    }
-    return status;
+    return w->table              ? bb_report_table(results, stdout)
+           : w->markdown         ? bb_report_markdown(results, stdout)
+           : w->csv              ? bb_report_csv(results, stdout)
+           : w->google_benchmark ? bb_report_benchmark(results, stdout)
+                                 : bb_report_verdict(results, stdout);
 }
 
 /* "bench.html" for "bench.db": beside it. */
@@ -123,20 +118,15 @@ static bb_status check_page(const char *page, const char *database)
                 : BB_OK;
 }
 
-static bb_status report_history(const bb_cli *cli, const char *database)
+static bb_status report_history(const bb_cli *cli, const char *database, const char *out)
 {
-    static const char *const others[] = {"table", "markdown", "csv", "google-benchmark", "charts"};
     char beside[PATH_MAX];
     bb_history *history = NULL;
     bb_trend *trends = NULL;
     uint32_t count = 0;
-    const char *out = bb_cli_value(cli, "out");
     if (cli->positional_count > 0)
         return bb_fail(BB_INVALID, "report: --history is a report of its own: leave %s out",
                        cli->positional[0]);
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
-        if (bb_cli_value(cli, others[i]) != NULL)
-            return bb_fail(BB_INVALID, "report: --history and --%s do not go together", others[i]);
     BB_TRY(page_of_history(database, beside));
     BB_TRY(check_page(out != NULL ? out : beside, database));
     if (out != NULL)
@@ -154,43 +144,49 @@ static bb_status report_history(const bb_cli *cli, const char *database)
     return status;
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+/* All inputs as one; *folder is where the first lies, from malloc. */
+static bb_status read_inputs(const bb_cli *cli, bb_results **all, char **folder)
 {
-    if (bb_cli_value(cli, "history") != NULL)
-        return report_history(cli, bb_cli_value(cli, "history"));
-    if (cli->positional_count == 0)
-        return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
-    bb_results *all = NULL, *more = NULL;
-    char *folder = NULL, *other = NULL;
-    char beside[PATH_MAX];
-    const char *out = bb_cli_value(cli, "out");
-    bool charts;
-    BB_TRY(bb_charts_wanted(cli, &charts));
-    BB_TRY(bb_inputs_once(cli, 0));
-    if (out != NULL)
-        BB_TRY(bb_out_file(out, "report"));
-    bb_status status = read_input(cli->positional[0], &all, &folder);
-    for (uint32_t i = 1; status == BB_OK && i < cli->positional_count; i++) {
-        status = read_input(cli->positional[i], &more, &other);
+    BB_TRY(read_input(cli->positional[0], all, folder));
+    for (uint32_t i = 1; i < cli->positional_count; i++) {
+        bb_results *more = NULL;
+        char *other = NULL;
+        bb_status status = read_input(cli->positional[i], &more, &other);
         if (status == BB_OK)
-            status = bb_results_merge(all, more);
+            status = bb_results_merge(*all, more);
         bb_results_destroy(more);
         free(other);
-        more = NULL;
-        other = NULL;
+        BB_TRY(status);
     }
-    bool only = false;
+    return BB_OK;
+}
+
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
+{
+    (void)exit_status;
+    wanted *w = values;
+    if (w->history != NULL)
+        return report_history(cli, w->history, w->out);
+    if (cli->positional_count == 0)
+        return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
+    bb_results *all = NULL;
+    char *folder = NULL, beside[PATH_MAX];
+    const bool only = w->table || w->markdown || w->csv || w->google_benchmark;
+    BB_TRY(bb_charts_decide(&w->charts));
+    BB_TRY(bb_inputs_once(cli));
+    if (w->out != NULL)
+        BB_TRY(bb_out_file(w->out, "report"));
+    bb_status status = read_inputs(cli, &all, &folder);
     if (status == BB_OK)
-        status = print(cli, all, &only);
-    if (status == BB_OK && out == NULL && !only) {
+        status = print(w, all);
+    if (status == BB_OK && w->out == NULL && !only) {
         status = bb_join_path(beside, folder, "report.html");
-        out = beside;
+        w->out = beside;
     }
-    if (status == BB_OK && out != NULL)
-        status = write_page(cli, all, out, !only, charts);
+    if (status == BB_OK && w->out != NULL)
+        status = write_page(all, w->out, !only, w->charts);
     bb_results_destroy(all);
     free(folder);
-    *exit_status = BB_EXIT_OK;
     return status;
 }
 
@@ -203,5 +199,6 @@ const bb_command bb_command_report = {
                "the same\n"
                "name must have the same geometry.",
     .options = options,
+    .bytes = sizeof(wanted),
     .run = run,
 };

@@ -2,7 +2,6 @@
 #include "framework/base/interrupt.h"
 #include "framework/bench/bench.h"
 #include "framework/cli/cells_option.h"
-#include "framework/cli/charts_option.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/output.h"
@@ -16,51 +15,67 @@
 #include <stdlib.h>
 #include <string.h>
 
+typedef struct comparison {
+    bb_device_choice device;
+    bb_entrants entrants;
+    bb_names keys, metrics;
+    bb_bench_request request;
+    const char *folder, *history, *part;
+    uint32_t charts;
+    bool table, quick, no_pictures;
+    bb_shard shard; /* `part`, read */
+    bool telling;   /* nothing is chosen: accuracy is compared too */
+    bb_cells cells; /* if there are any, one run for each of their groups */
+} comparison;
+
 static const bb_cli_option options[] = {
     {"scene", "S",
      "file (.gltf, .glb, .obj, .ply), shipped or procedural scene; `all` and default: shipped",
-     true},
-    {"builder", "B", "name:key=value,...; A+B; `all`; default: the variants to compare", true},
+     BB_INTO(comparison, entrants.scenes)},
+    {"builder", "B", "name:key=value,...; A+B; `all`; default: the variants to compare",
+     BB_INTO(comparison, entrants.builders)},
     {"kernel", "K", "kernel; `all`; default: those to compare, and those that keep a tree's shape",
-     true},
-    {"rays", "R",
-     "workload; `all`; `none`: builds only; default: primary, ao, diffuse, shadow, random", true},
-    {"intersector", "I", "intersection tests: see `list intersectors`; `all`; default: exact",
-     true},
-    {"cell", "KEY", "measure exactly this cell, instead of all of the above", BB_CLI_REPEATED},
-    BB_DEVICE_OPTION,
-    BB_FORM_OPTION,
-    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
-     false},
+     BB_INTO(comparison, entrants.kernels)},
+    {"rays", "R", "workload; `all`; `none`: builds only", BB_INTO(comparison, entrants.workloads),
+     .fallback = "primary,ao,diffuse,shadow,random"},
+    {"intersector", "I", "intersection tests: see `list intersectors`; `all`",
+     BB_INTO(comparison, entrants.intersectors), .fallback = "exact"},
+    {"cell", "KEY", "measure exactly this cell, instead of all of the above",
+     BB_INTO_EACH(comparison, keys),
+     .apart = "scene|builder|kernel|rays|intersector|size|max-rays|seed"},
+    BB_GROUP(bb_device_options, comparison, device),
     {"size", "WxH",
-     "image size for primary rays; default: 512x512, or 256x256 if nothing is chosen", false},
+     "image size for primary rays; default: 512x512, or 256x256 if nothing is chosen",
+     BB_INTO_SIZE(comparison, request.width)},
     {"max-rays", "N",
      "most rays of a workload that samples, per scene; default: 1048576, or 65536 likewise; see "
      "below",
-     false},
-    {"repeats", "N",
-     "measured rounds, after a discarded one; default: 6, the fewest for a 95 % interval", false},
-    {"seed", "N", "random seed; default: 1", false},
-    {"metrics", "M", "additional metrics of trees: see below; `all`", true},
-    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated; default: 0", false},
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
-    {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
-    {"out", "DIR", "folder for results.json, report.html and pictures; default: out", false},
-    {"history", "DB", "append the run to this database (SQLite; made if there is none)", false},
-    {"shard", "I/N", "measure part I of N of the cells; see below", false},
-    {"table", NULL, "print the full tables instead of the summary", false},
-    {"quick", NULL, "a first look: one view, two rounds, and few rays except on a GPU", false},
-    {"no-pictures", NULL, "make no pictures", false},
-    BB_CHARTS_OPTION,
-    {"quiet", NULL, "do not show progress", false},
+     BB_INTO(comparison, request.max_rays), .low = 1, .high = 1u << 30},
+    {"repeats", "N", "measured rounds, after a discarded one; 6 are the fewest for a 95 % interval",
+     BB_INTO(comparison, request.repeats), .low = 1, .high = BB_SAMPLES_MAX - 1, .fallback = "6"},
+    BB_SEED_OPTION(comparison, request.seed),
+    {"metrics", "M", "additional metrics of trees: see below; `all`", BB_INTO(comparison, metrics)},
+    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated",
+     BB_INTO(comparison, request.max_wrong_ppm), .high = 1e6, .fallback = "0"},
+    {"out", "DIR", "folder for results.json, report.html and pictures", BB_INTO(comparison, folder),
+     .fallback = "out"},
+    {"history", "DB", "append the run to this database (SQLite; made if there is none)",
+     BB_INTO(comparison, history)},
+    {"shard", "I/N", "measure part I of N of the cells; see below", BB_INTO(comparison, part)},
+    {"table", NULL, "print the full tables instead of the summary", BB_INTO(comparison, table)},
+    {"quick", NULL, "a first look: one view, two rounds, and few rays except on a GPU",
+     BB_INTO(comparison, quick), .presets = (const char *const[]){"repeats", "2", NULL}},
+    {"no-pictures", NULL, "make no pictures", BB_INTO(comparison, no_pictures)},
+    BB_CHARTS_OPTION(comparison, charts),
+    BB_QUIET_OPTION(comparison, request.quiet),
     {.name = NULL},
 };
 
 /* The builders, and the reference rows, which are in every result. */
-static bb_status choose_builders(const bb_cli *cli, bb_names *names)
+static bb_status choose_builders(bb_names *names)
 {
     bool referenced = false;
-    BB_TRY(bb_choose_builders(cli, false, names));
+    BB_TRY(bb_choose_builders(names, false));
     for (size_t i = 0; i < names->count; i++)
         referenced = referenced || bb_is_reference(names->items[i]);
     if (referenced)
@@ -72,16 +87,14 @@ static bb_status choose_builders(const bb_cli *cli, bb_names *names)
 
 /* Nothing was chosen: the default comparison, which is to take two minutes, with fewer rays, and
  * which compares accuracy too. */
-static bool is_default(const bb_cli *cli)
+static bool is_default(const bb_cli *cli, const comparison *c)
 {
-    static const char *const choices[] = {"scene", "builder", "kernel",
-                                          "rays",  "cell",    "intersector"};
-    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
-        uint32_t count;
-        bb_cli_values(cli, choices[i], &count);
-        if (count > 0)
+    const bb_names *const choices[] = {&c->entrants.scenes,    &c->entrants.builders,
+                                       &c->entrants.kernels,   &c->keys,
+                                       &c->entrants.workloads, &c->entrants.intersectors};
+    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++)
+        if (bb_cli_given(cli, choices[i]))
             return false;
-    }
     return true;
 }
 
@@ -90,10 +103,9 @@ static bool is_default(const bb_cli *cli)
 enum { GPU_RAYS = 1 << 20 };
 
 /* Whether sets are to fill a GPU: the device is one, and nobody said how large they are to be. */
-static bool fills_gpu(const bb_cli *cli, uint32_t device)
+static bool fills_gpu(const comparison *c, uint32_t device)
 {
-    return device == BB_FOR_GPU && bb_cli_value(cli, "size") == NULL &&
-           bb_cli_value(cli, "max-rays") == NULL;
+    return device == BB_FOR_GPU && c->request.width == 0 && c->request.max_rays == 0;
 }
 
 static bb_status add_rays(bb_names *workloads)
@@ -111,11 +123,11 @@ static bb_status add_rays(bb_names *workloads)
 }
 
 /* As many as a GPU needs, or else a word on it. */
-static bb_status suit_device(const bb_cli *cli, uint32_t device, bb_names *workloads)
+static bb_status suit_device(const comparison *c, uint32_t device, bb_names *workloads)
 {
-    if (fills_gpu(cli, device))
+    if (fills_gpu(c, device))
         return add_rays(workloads);
-    if (device == BB_FOR_GPU && workloads->count > 0 && bb_cli_value(cli, "quiet") == NULL)
+    if (device == BB_FOR_GPU && workloads->count > 0 && !c->request.quiet)
         fprintf(stderr,
                 "bvhbench: --size or --max-rays is given: sets may have fewer than the %d rays "
                 "that a GPU takes to be busy\n",
@@ -123,72 +135,49 @@ static bb_status suit_device(const bb_cli *cli, uint32_t device, bb_names *workl
     return BB_OK;
 }
 
-static bb_status fill_request(const bb_cli *cli, uint32_t device, bb_bench_request *request)
+static void choose_sizes(comparison *c, uint32_t device)
 {
-    uint64_t max_rays, repeats;
-    const bool quick = bb_cli_value(cli, "quick") != NULL, few = quick || is_default(cli);
-    const bool many = !few || fills_gpu(cli, device);
-    request->width = request->height = few ? 256 : 512;
-    request->max_views = quick ? 1 : 0;
-    BB_TRY(bb_cli_size(cli, "size", &request->width, &request->height));
-    BB_TRY(bb_cli_u64(cli, "max-rays", many ? 1 << 20 : 1 << 16, 1, 1u << 30, &max_rays));
-    BB_TRY(bb_cli_u64(cli, "repeats", quick ? 2 : BB_INTERVAL_ROUNDS, 1, BB_SAMPLES_MAX - 1,
-                      &repeats));
-    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
-    BB_TRY(bb_cli_double(cli, "max-wrong-ppm", 0, 0, 1e6, &request->max_wrong_ppm));
-    request->max_rays = (uint32_t)max_rays;
-    request->repeats = (uint32_t)repeats;
-    request->quiet = bb_cli_value(cli, "quiet") != NULL;
-    return BB_OK;
+    bb_bench_request *request = &c->request;
+    const bool few = c->quick || c->telling, many = !few || fills_gpu(c, device);
+    if (request->max_rays == 0)
+        request->max_rays = many ? 1 << 20 : 1 << 16;
+    if (request->width == 0)
+        request->width = request->height = few ? 256 : 512;
+    request->max_views = c->quick ? 1 : 0;
 }
 
 /* `none` of the rays: no workloads, and no kernels but those that were asked for, whose layouts are
  * made. */
-static bb_status choose_traces(const bb_cli *cli, bb_names *kernels, bb_names *workloads)
+static bb_status choose_traces(comparison *c)
 {
-    uint32_t rays_given, kernels_given;
-    char *const *rays = bb_cli_values(cli, "rays", &rays_given);
-    bb_cli_values(cli, "kernel", &kernels_given);
+    bb_names *rays = &c->entrants.workloads, *kernels = &c->entrants.kernels;
     bool none = false;
-    for (uint32_t i = 0; i < rays_given; i++)
-        none = none || strcmp(rays[i], "none") == 0;
-    if (none && rays_given > 1)
+    for (size_t i = 0; i < rays->count; i++)
+        none = none || strcmp(rays->items[i], "none") == 0;
+    if (none && rays->count > 1)
         return bb_fail(BB_INVALID, "--rays none means no rays: it cannot be combined with others");
-    if (!none)
-        BB_TRY(bb_choose_rays(cli, workloads));
-    return none && kernels_given == 0 ? BB_OK : bb_choose_kernels(cli, kernels);
+    c->request.native = kernels->count == 0 && !none;
+    if (none)
+        bb_names_free(rays);
+    else
+        BB_TRY(bb_choose_rays(rays));
+    return none && kernels->count == 0 ? BB_OK : bb_choose_kernels(kernels, c->device.name);
 }
 
-/* What is compared: lists of the command line, or of what there is. */
-typedef struct lists {
-    bb_names scenes, builders, kernels, workloads, intersectors, metrics;
-} lists;
-
-static bb_status choose(const bb_cli *cli, lists *l, bb_bench_request *request)
+static bb_status choose(comparison *c)
 {
-    const uint32_t device = bb_device_find_kind(bb_cli_value(cli, "device"));
-    uint32_t kernels_given;
-    bb_cli_values(cli, "kernel", &kernels_given);
-    BB_TRY(bb_choose_scenes(cli, bb_add_shipped_scenes, &l->scenes));
-    BB_TRY(choose_builders(cli, &l->builders));
-    BB_TRY(choose_traces(cli, &l->kernels, &l->workloads));
-    BB_TRY(bb_choose_intersectors(cli, &l->intersectors));
-    BB_TRY(bb_choose_metrics(cli, &l->metrics));
-    BB_TRY(suit_device(cli, device, &l->workloads));
-    BB_TRY(fill_request(cli, device, request));
-    request->scenes = l->scenes.items;
-    request->scene_count = (uint32_t)l->scenes.count;
-    request->builders = l->builders.items;
-    request->builder_count = (uint32_t)l->builders.count;
-    request->kernels = l->kernels.items;
-    request->kernel_count = (uint32_t)l->kernels.count;
-    request->native = kernels_given == 0 && l->workloads.count > 0;
-    request->workloads = l->workloads.items;
-    request->workload_count = (uint32_t)l->workloads.count;
-    request->intersectors = l->intersectors.items;
-    request->intersector_count = (uint32_t)l->intersectors.count;
-    request->metrics = l->metrics.items;
-    request->metric_count = (uint32_t)l->metrics.count;
+    const uint32_t device = bb_device_find_kind(c->device.name);
+    bb_bench_request *request = &c->request;
+    BB_TRY(bb_choose_scenes(&c->entrants.scenes, bb_add_shipped_scenes));
+    BB_TRY(choose_builders(&c->entrants.builders));
+    BB_TRY(choose_traces(c));
+    BB_TRY(bb_choose_intersectors(&c->entrants.intersectors));
+    BB_TRY(bb_choose_metrics(&c->metrics));
+    BB_TRY(suit_device(c, device, &c->entrants.workloads));
+    choose_sizes(c, device);
+    bb_entrants_request(&c->entrants, request);
+    request->metrics = c->metrics.items;
+    request->metric_count = (uint32_t)c->metrics.count;
     return bb_bench_check(request);
 }
 
@@ -215,12 +204,6 @@ static bb_bench_request telling_request(const bb_bench_request *of, uint32_t dev
     request.picture_folder = NULL;
     return request;
 }
-
-typedef struct comparison {
-    bb_bench_request request;
-    bool telling;   /* accuracy is compared too */
-    bb_cells cells; /* if there are any, one run for each of their groups */
-} comparison;
 
 static bb_status compare(void *user, bb_device *device, bb_results *results,
                          bb_bench_outcome *outcome)
@@ -258,48 +241,42 @@ static uint64_t hash_of(const comparison *c)
     return hash;
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    const char *folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
-    lists chosen = {0};
-    comparison wanted = {.request.picture_folder =
-                             bb_cli_value(cli, "no-pictures") == NULL ? folder : NULL};
-    bool charts = false, sharded = false;
-    bb_shard shard;
-    BB_TRY(bb_shard_read(cli, &shard, &sharded));
-    wanted.request.shard = sharded ? &shard : NULL;
-    wanted.telling = is_default(cli);
-    BB_TRY(bb_charts_wanted(cli, &charts));
-    BB_TRY(bb_load_plugins(cli));
-    bb_status status = bb_cells_read(cli, &wanted.cells);
-    if (status == BB_OK)
-        status = choose(cli, &chosen, &wanted.request);
-    if (status == BB_OK && wanted.cells.group_count > 0)
-        bb_cells_request(&wanted.cells.groups[0], &wanted.request);
-    if (status == BB_OK) {
-        const bb_comparison all = {
-            .cli = cli,
-            .folder = folder,
-            .history = bb_cli_value(cli, "history"),
-            .shard = bb_cli_value(cli, "shard"),
-            .shard_of = hash_of(&wanted),
-            .seed = wanted.request.seed,
-            .charts = charts,
-            .quiet = wanted.request.quiet,
-            .compare = compare,
-            .request = &wanted,
-            .print = bb_cli_value(cli, "table") != NULL ? bb_report_table : bb_report_verdict,
-        };
-        status = bb_output_compare(&all, exit_status);
+    comparison *c = values;
+    bb_bench_request *request = &c->request;
+    c->telling = is_default(cli, c);
+    request->picture_folder = c->no_pictures ? NULL : c->folder;
+    if (c->part != NULL) {
+        BB_TRY(bb_shard_parse(c->part, "--shard", &c->shard));
+        request->shard = &c->shard;
     }
-    bb_cells_free(&wanted.cells);
-    bb_names_free(&chosen.scenes);
-    bb_names_free(&chosen.builders);
-    bb_names_free(&chosen.kernels);
-    bb_names_free(&chosen.workloads);
-    bb_names_free(&chosen.intersectors);
-    bb_names_free(&chosen.metrics);
-    return status;
+    BB_TRY(bb_charts_decide(&c->charts));
+    BB_TRY(bb_load_plugins(&c->device.plugins));
+    BB_TRY(bb_cells_read(&c->keys, &c->cells));
+    BB_TRY(choose(c));
+    if (c->cells.group_count > 0)
+        bb_cells_request(&c->cells.groups[0], request);
+    const bb_comparison all = {
+        .command = cli->command_line,
+        .device = &c->device,
+        .folder = c->folder,
+        .history = c->history,
+        .shard = c->part,
+        .shard_of = hash_of(c),
+        .seed = request->seed,
+        .charts = c->charts,
+        .quiet = request->quiet,
+        .compare = compare,
+        .request = c,
+        .print = c->table ? bb_report_table : bb_report_verdict,
+    };
+    return bb_output_compare(&all, exit_status);
+}
+
+static void release(void *values)
+{
+    bb_cells_free(&((comparison *)values)->cells);
 }
 
 static void list_metrics(FILE *out)
@@ -333,5 +310,7 @@ const bb_command bb_command_run = {
         "failed; no answer of a scene was judged; or figures of the run contradict each other.",
     .more_help = list_metrics,
     .options = options,
+    .bytes = sizeof(comparison),
     .run = run,
+    .release = release,
 };

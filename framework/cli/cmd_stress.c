@@ -5,7 +5,6 @@
 #include "framework/base/json.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
-#include "framework/cli/cli.h"
 #include "framework/cli/out_option.h"
 #include "framework/report/report.h"
 #include "framework/stress/stress.h"
@@ -17,84 +16,54 @@
 #include <string.h>
 #include <sys/stat.h>
 
+typedef struct wanted {
+    bb_device_choice device;
+    bb_names axes, builders, kernels, intersectors;
+    bb_stress_request request;
+    uint32_t seconds;
+    bool no_pictures;
+    bb_method methods[BB_METHODS_MAX];
+} wanted;
+
 static const bb_cli_option options[] = {
-    {"axis", "A", "an axis of `list axes`, or a file with one; default: all", true},
-    {"builder", "B", "name:key=value,...; `all`; default: all, and Embree's own trees", true},
-    {"kernel", "K", "kernel; default: all", true},
-    {"intersector", "I", "intersection tests; default: all", true},
+    {"axis", "A", "an axis of `list axes`, or a file with one", BB_INTO(wanted, axes),
+     .fallback = "all"},
+    {"builder", "B", "name:key=value,...; `all`; default: all, and Embree's own trees",
+     BB_INTO(wanted, builders)},
+    {"kernel", "K", "kernel; default: all", BB_INTO(wanted, kernels)},
+    {"intersector", "I", "intersection tests; default: all", BB_INTO(wanted, intersectors)},
     {"quick", NULL,
-     "minutes: small scenes, few rays and values; judges no times, misses what is rare", false},
-    {"limit", "SECONDS", "what takes longer, for one value of an axis, hangs; default: 120", false},
-    {"memory", "MIB", "what takes more floods the memory; default: 8192", false},
-    BB_DEVICE_OPTION,
-    BB_FORM_OPTION,
-    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
-     false},
-    {"seed", "N", "random seed; default: 1", false},
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
-    {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
-    {"out", "DIR", "folder for stress.json, stress.html and pictures; default: out", false},
-    {"no-pictures", NULL, "make no pictures", false},
-    {"quiet", NULL, "do not show progress", false},
+     "minutes: small scenes, few rays and values; judges no times, misses what is rare",
+     BB_INTO(wanted, request.quick)},
+    {"limit", "SECONDS", "what takes longer, for one value of an axis, hangs",
+     BB_INTO(wanted, seconds), .low = 1, .high = 86400, .fallback = "120"},
+    {"memory", "MIB", "what takes more floods the memory",
+     BB_INTO(wanted, request.limits.megabytes), .low = 64, .high = 1u << 30, .fallback = "8192"},
+    BB_GROUP(bb_device_options, wanted, device),
+    BB_SEED_OPTION(wanted, request.seed),
+    {"out", "DIR", "folder for stress.json, stress.html and pictures",
+     BB_INTO(wanted, request.folder), .fallback = "out"},
+    {"no-pictures", NULL, "make no pictures", BB_INTO(wanted, no_pictures)},
+    BB_QUIET_OPTION(wanted, request.quiet),
     {.name = NULL},
 };
 
 /* ---- methods ---- */
 
-typedef struct lists {
-    bb_names axes, builders, kernels, intersectors;
-    bb_method methods[BB_METHODS_MAX];
-    uint32_t method_count;
-} lists;
-
-static bool given(const bb_cli *cli, const char *option)
+static bb_status add_default_builders(bb_names *names)
 {
-    uint32_t count;
-    bb_cli_values(cli, option, &count);
-    return count > 0;
-}
-
-/* A choice among one part of the methods leaves the others out. */
-static bool takes_part(const bb_cli *cli, const char *option)
-{
-    return given(cli, option) ||
-           (!given(cli, "builder") && !given(cli, "kernel") && !given(cli, "intersector"));
-}
-
-static bb_status choose_builders(const bb_cli *cli, bb_names *names)
-{
-    BB_TRY(bb_choose_builders(cli, true, names));
-    if (given(cli, "builder"))
-        return BB_OK;
+    BB_TRY(bb_choose_builders(names, true));
     BB_TRY(bb_names_add_role(names, BB_ROLE_STRESSED));
     return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
                                "embree-native:quality=medium,mode=fast");
 }
 
-static bb_status choose_kernels(const bb_cli *cli, bb_names *names)
-{
-    if (given(cli, "kernel"))
-        return bb_choose_kernels(cli, names);
-    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
-        BB_TRY(bb_names_add(names, (*k)->name));
-    return BB_OK;
-}
-
-static bb_status choose_intersectors(const bb_cli *cli, bb_names *names)
-{
-    if (given(cli, "intersector"))
-        return bb_choose_intersectors(cli, names);
-    for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++)
-        BB_TRY(bb_names_add(names, i->name));
-    return BB_OK;
-}
-
-static bb_status add_methods(const bb_names *names, bb_method_part part, lists *l)
+static bb_status add_methods(const bb_names *names, bb_method_part part, wanted *w)
 {
     for (size_t i = 0; i < names->count; i++) {
-        bb_method *m = &l->methods[l->method_count];
+        bb_method *m = &w->methods[w->request.method_count];
         bb_intersector intersector;
-        if (l->method_count == BB_METHODS_MAX)
+        if (w->request.method_count == BB_METHODS_MAX)
             return bb_fail(BB_INVALID, "stress: more than %d methods: choose fewer",
                            BB_METHODS_MAX);
         *m = (bb_method){part, names->items[i], !bb_is_reference(names->items[i])};
@@ -102,35 +71,39 @@ static bb_status add_methods(const bb_names *names, bb_method_part part, lists *
             BB_TRY(bb_intersector_parse(m->text, &intersector));
             m->exact = bb_intersector_is_exact(&intersector);
         }
-        l->method_count++;
+        w->request.method_count++;
     }
     return BB_OK;
 }
 
-static bb_status choose_methods(const bb_cli *cli, lists *l)
+/* A choice among one part of the methods leaves the others out. */
+static bb_status choose_methods(wanted *w)
 {
-    if (takes_part(cli, "builder"))
-        BB_TRY(choose_builders(cli, &l->builders));
-    if (takes_part(cli, "kernel"))
-        BB_TRY(choose_kernels(cli, &l->kernels));
-    if (takes_part(cli, "intersector"))
-        BB_TRY(choose_intersectors(cli, &l->intersectors));
-    BB_TRY(add_methods(&l->builders, BB_A_BUILDER, l));
-    BB_TRY(add_methods(&l->kernels, BB_A_KERNEL, l));
-    return add_methods(&l->intersectors, BB_AN_INTERSECTOR, l);
+    if (w->builders.count + w->kernels.count + w->intersectors.count == 0) {
+        BB_TRY(add_default_builders(&w->builders));
+        BB_TRY(bb_names_add(&w->kernels, "all"));
+        BB_TRY(bb_names_add(&w->intersectors, "all"));
+    } else if (w->builders.count > 0) {
+        BB_TRY(bb_choose_builders(&w->builders, true));
+    }
+    if (w->kernels.count > 0)
+        BB_TRY(bb_choose_kernels(&w->kernels, w->device.name));
+    BB_TRY(bb_choose_intersectors(&w->intersectors));
+    BB_TRY(add_methods(&w->builders, BB_A_BUILDER, w));
+    BB_TRY(add_methods(&w->kernels, BB_A_KERNEL, w));
+    return add_methods(&w->intersectors, BB_AN_INTERSECTOR, w);
 }
 
-static bb_status choose_axes(const bb_cli *cli, bb_names *names)
+static bb_status choose_axes(bb_names *names)
 {
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, "axis", &count);
-    bool all = count == 0;
-    for (uint32_t i = 0; i < count; i++)
-        if (strcmp(values[i], "all") != 0)
-            BB_TRY(bb_names_add(names, values[i]));
+    const bb_names given = *names;
+    names->count = 0;
+    for (size_t i = 0; i < given.count; i++)
+        if (strcmp(given.items[i], "all") != 0)
+            names->items[names->count++] = given.items[i];
         else
-            all = true;
-    if (!all)
+            free(given.items[i]);
+    if (names->count == given.count)
         return BB_OK;
     for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++)
         BB_TRY(bb_names_add(names, s->name));
@@ -143,18 +116,15 @@ static const char here[] = "in the library's code";
 
 /* The library's code, the plug-ins', device code of a folder, and the options that choose a device.
  */
-static bb_status identify(const bb_cli *cli, uint64_t *hash)
+static bb_status identify(const bb_cli *cli, const bb_device_choice *device, uint64_t *hash)
 {
     static const char *const words[] = {"device", "form", "handover", "kernels-from"};
     bb_identity *identity = bb_identity_begin();
-    const char *folder = bb_cli_value(cli, "kernels-from");
     Dl_info info;
-    uint32_t count;
-    char *const *plugins = bb_cli_values(cli, "plugin", &count);
     if (dladdr(here, &info) != 0)
         bb_identity_add_file(identity, info.dli_fname);
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        bb_identity_add_text(identity, bb_cli_value(cli, words[i]));
+        bb_identity_add_text(identity, bb_cli_find(cli, words[i])->given[0]);
     for (const char *path = getenv("BVHBENCH_PLUGINS"); path != NULL && *path != '\0';) {
         char one[4096];
         size_t length = strcspn(path, ":");
@@ -162,10 +132,10 @@ static bb_status identify(const bb_cli *cli, uint64_t *hash)
         bb_identity_add_file(identity, one);
         path += length + (path[length] == ':');
     }
-    if (folder != NULL)
-        bb_identity_add_folder(identity, folder);
-    for (uint32_t i = 0; i < count; i++)
-        bb_identity_add_file(identity, plugins[i]);
+    if (device->kernels_from != NULL)
+        bb_identity_add_folder(identity, device->kernels_from);
+    for (size_t i = 0; i < device->plugins.count; i++)
+        bb_identity_add_file(identity, device->plugins.items[i]);
     return bb_identity_end(identity, "stress", hash);
 }
 
@@ -176,33 +146,11 @@ static bb_status open_device(void *user, bb_device **device)
     return bb_open_device(user, device);
 }
 
-static bb_status read_request(const bb_cli *cli, const lists *l, bb_stress_request *r)
-{
-    uint64_t seconds;
-    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &r->seed));
-    BB_TRY(bb_cli_u64(cli, "limit", 120, 1, 86400, &seconds));
-    BB_TRY(bb_cli_u64(cli, "memory", 8192, 64, 1u << 30, &r->limits.megabytes));
-    BB_TRY(identify(cli, &r->identity));
-    r->limits.seconds = (double)seconds;
-    r->axes = l->axes.items;
-    r->axis_count = (uint32_t)l->axes.count;
-    r->methods = l->methods;
-    r->method_count = l->method_count;
-    r->quick = bb_cli_value(cli, "quick") != NULL;
-    r->pictures = bb_cli_value(cli, "no-pictures") == NULL;
-    r->quiet = bb_cli_value(cli, "quiet") != NULL;
-    r->folder = bb_cli_value(cli, "out") != NULL ? bb_cli_value(cli, "out") : "out";
-    r->open_device = open_device;
-    r->user = (void *)cli;
-    return bb_stress_check(r);
-}
-
 static bb_status write_all(const bb_cli *cli, const bb_stress *stress)
 {
     char path[1200];
-    char *command = bb_cli_command_line(cli);
     bb_table *atlas;
-    bb_status status = bb_atlas_table(stress, command, &atlas);
+    bb_status status = bb_atlas_table(stress, cli->command_line, &atlas);
     snprintf(path, sizeof path, "%s/stress.json", stress->request->folder);
     if (status == BB_OK)
         status = bb_table_write(atlas, path);
@@ -210,7 +158,6 @@ static bb_status write_all(const bb_cli *cli, const bb_stress *stress)
     if (status == BB_OK)
         status = bb_report_atlas(atlas, stress->request->folder, path);
     bb_table_free(atlas);
-    free(command);
     return status;
 }
 
@@ -234,29 +181,24 @@ static bb_status stress(const bb_cli *cli, const bb_stress_request *request, int
     return status;
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    lists *l = calloc(1, sizeof *l);
-    bb_stress_request request = {0};
-    if (l == NULL)
-        return bb_fail(BB_FAILED, "stress: no memory");
-    bb_status status = bb_load_plugins(cli);
-    if (status == BB_OK)
-        status = choose_axes(cli, &l->axes);
-    if (status == BB_OK)
-        status = choose_methods(cli, l);
-    if (status == BB_OK)
-        status = read_request(cli, l, &request);
-    if (status == BB_OK)
-        status = bb_out_folder(request.folder);
-    if (status == BB_OK)
-        status = stress(cli, &request, exit_status);
-    bb_names_free(&l->axes);
-    bb_names_free(&l->builders);
-    bb_names_free(&l->kernels);
-    bb_names_free(&l->intersectors);
-    free(l);
-    return status;
+    wanted *w = values;
+    bb_stress_request *r = &w->request;
+    BB_TRY(bb_load_plugins(&w->device.plugins));
+    BB_TRY(choose_axes(&w->axes));
+    BB_TRY(choose_methods(w));
+    BB_TRY(identify(cli, &w->device, &r->identity));
+    r->limits.seconds = w->seconds;
+    r->axes = w->axes.items;
+    r->axis_count = (uint32_t)w->axes.count;
+    r->methods = w->methods;
+    r->pictures = !w->no_pictures;
+    r->open_device = open_device;
+    r->user = &w->device;
+    BB_TRY(bb_stress_check(r));
+    BB_TRY(bb_out_folder(r->folder));
+    return stress(cli, r, exit_status);
 }
 
 extern const bb_command bb_command_stress;
@@ -273,5 +215,6 @@ const bb_command bb_command_stress = {
         "Exit status 1: a crash, a hang, a flood of memory, a failure, no verdict, or wrong\n"
         "answers of what must be exact.",
     .options = options,
+    .bytes = sizeof(wanted),
     .run = run,
 };

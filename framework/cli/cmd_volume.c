@@ -12,138 +12,107 @@
 #include <stdlib.h>
 #include <string.h>
 
+typedef struct job {
+    bb_contest_choice choice;
+    bb_names scenes, transfers, builders, mesh_builders, kernels, searches, steps;
+    bb_dvr_request request;
+    uint32_t width, height, turns; /* 0: by the kind of scene */
+    bool paper, brief;
+    bb_dvr_result result;
+    cJSON *results; /* of the document */
+    bool wrong;
+    uint32_t pictures; /* sets of them, so far */
+} job;
+
 static const bb_cli_option options[] = {
     {"scene", "S",
      "volume: a file (.raw, .raw.zst, .nrrd, .vox) or `nbody:n=N`; or a mesh of tetrahedra: a file "
      "(.node, .ele, .msh, .mesh, .vtk) or `tets:side=N`",
-     BB_CLI_REPEATED},
+     BB_INTO_EACH(job, scenes), .needed = true},
     {"transfer", "T",
      "transfer function: of `list transfers`, or a file; several follow each other; default: the "
      "scene's; of a mesh, ramp",
-     BB_CLI_LIST},
-    {"builder", "B", "default: what builders name for it, see below", BB_CLI_LIST},
-    {"kernel", "K", "of a volume; default: stack,stack8", BB_CLI_LIST},
-    {"search", "S",
-     "of a mesh, how samples are found: skip, octree, octree:boundary=no; default: skip,octree",
-     BB_CLI_LIST},
-    {"view", "V", "view of the scene; default: all", false},
+     BB_INTO(job, transfers)},
+    {"builder", "B", "default: what builders name for it, see below", BB_INTO(job, builders)},
+    {"kernel", "K", "of a volume", BB_INTO(job, kernels), .fallback = "stack,stack8"},
+    BB_SEARCH_OPTION(job, searches, "of a mesh, how samples are found: "),
+    {"view", "V", "view of the scene; default: all", BB_INTO(job, request.view), .apart = "turns"},
     {"turns", "N",
      "instead: the volume turned about each axis by N times 2 degrees, in parallel projection",
-     false},
+     BB_INTO(job, turns), .low = 1, .high = 180},
     {"paper", NULL,
      "the papers' settings as defaults: --turns 180 --size 2160x2160 --repeats 50; of a mesh "
-     "--size "
-     "1024x1024 --repeats 50",
-     false},
-    {"size", "WxH", "of a picture; default: 256x256", false},
-    {"step", "X",
-     "distance of samples, in voxels; of a mesh in 1/128 of its longest side; default: 0.5", false},
-    {"cutoff", "X",
-     "a ray ends where less than this is left of the light behind; default: 0, never", false},
-    {"steps", "LIST", "for the accuracy: steps in voxels; default: 4,2,1,0.5,0.25; none: not",
-     BB_CLI_LIST},
-    {"repeats", "N", "measured rounds; default: 10", false},
-    {"seed", "N", "random seed; default: 1", false},
+     "--size 1024x1024 --repeats 50",
+     BB_INTO(job, paper), .presets = (const char *const[]){"repeats", "50", NULL}},
+    {"size", "WxH", "of a picture; default: 256x256", BB_INTO_SIZE(job, width)},
+    {"step", "X", "distance of samples, in voxels; of a mesh in 1/128 of its longest side",
+     BB_INTO(job, request.step), .low = 1e-3, .high = 1e3, .fallback = "0.5"},
+    {"cutoff", "X", "a ray ends where less than this is left of the light behind; 0: never",
+     BB_INTO(job, request.cutoff), .high = 1, .fallback = "0"},
+    {"steps", "LIST", "for the accuracy: steps in voxels; none: not", BB_INTO(job, steps),
+     .fallback = "4,2,1,0.5,0.25"},
+    {"repeats", "N", "measured rounds", BB_INTO(job, request.repeats), .low = 1,
+     .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
+    BB_SEED_OPTION(job, request.seed),
     {"brief", NULL,
-     "less: by default no builders that take long on meshes; no trees, phases and legends", false},
-    {"json", NULL, "print JSON", false},
-    BB_DEVICE_OPTION,
-    BB_FORM_OPTION,
-    {"handover", "H", "how work-groups hand over data: auto, fence or levels; default: auto",
-     false},
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS", true},
-    {"kernels-from", "DIR", "take device code from here first (edit and run)", false},
-    {"out", "DIR", "folder for volume.json, volume.html and PNG pictures; default: none", false},
-    {"quiet", NULL, "do not show progress", false},
+     "less: by default no builders that take long on meshes; no trees, phases and legends",
+     BB_INTO(job, brief)},
+    BB_GROUP(bb_contest_options, job, choice),
+    {"out", "DIR", "folder for volume.json, volume.html and PNG pictures; default: none",
+     BB_INTO(job, choice.out)},
+    BB_QUIET_OPTION(job, request.quiet),
     {.name = NULL},
 };
 
-typedef struct job {
-    const bb_cli *cli;
-    bb_dvr_request request;
-    bb_dvr_result *result;
-    cJSON *results; /* of the document */
-    bool wrong;
-    uint32_t pictures;                       /* sets of them, so far */
-    bb_names builders[2], kernels, searches; /* builders of volumes, of meshes */
-} job;
-
 /* ---- the request ---- */
 
-static bb_status read_steps(const bb_cli *cli, bb_dvr_request *request)
+static bb_status read_steps(job *j)
 {
-    static const double usual[] = {4, 2, 1, 0.5, 0.25};
-    uint32_t count;
-    char *const *given = bb_cli_values(cli, "steps", &count);
-    request->step_count = count;
-    if (count == 1 && strcmp(given[0], "none") == 0)
-        request->step_count = 0;
-    if (count == 0) {
-        request->step_count = sizeof usual / sizeof usual[0];
-        memcpy(request->steps, usual, sizeof usual);
+    const bb_names *given = &j->steps;
+    if (given->count == 1 && strcmp(given->items[0], "none") == 0)
         return BB_OK;
-    }
-    if (request->step_count > BB_DVR_STEPS_MAX)
-        return bb_fail(BB_INVALID, "--steps has %u, at most %d are taken", count, BB_DVR_STEPS_MAX);
-    for (uint32_t i = 0; i < request->step_count; i++) {
-        double *step = &request->steps[i];
-        if (!bb_read_real(given[i], step) || !(*step >= 1e-3 && *step <= 1e3))
-            return bb_fail(BB_INVALID, "--steps: '%s' is no number from 0.001 to 1000", given[i]);
+    if (given->count > BB_DVR_STEPS_MAX)
+        return bb_fail(BB_INVALID, "--steps has %zu, at most %d are taken", given->count,
+                       BB_DVR_STEPS_MAX);
+    for (size_t i = 0; i < given->count; i++) {
+        double *step = &j->request.steps[i];
+        if (!bb_read_real(given->items[i], step) || !(*step >= 1e-3 && *step <= 1e3))
+            return bb_fail(BB_INVALID, "--steps: '%s' is no number from 0.001 to 1000",
+                           given->items[i]);
         if (i > 0 && *step >= step[-1])
             return bb_fail(BB_INVALID, "--steps: %g comes after %g: they must descend", *step,
                            step[-1]);
     }
+    j->request.step_count = (uint32_t)given->count;
     return BB_OK;
-}
-
-static bb_status read_numbers(const bb_cli *cli, bb_dvr_request *request)
-{
-    uint64_t turns, repeats;
-    const bool paper = bb_cli_value(cli, "paper") != NULL;
-    BB_TRY(bb_cli_size(cli, "size", &request->width, &request->height));
-    BB_TRY(bb_cli_u64(cli, "turns", 0, 1, 180, &turns));
-    BB_TRY(bb_cli_u64(cli, "repeats", paper ? 50 : 10, 1, BB_SAMPLES_MAX - 1, &repeats));
-    BB_TRY(bb_cli_u64(cli, "seed", 1, 0, UINT64_MAX, &request->seed));
-    request->quiet = bb_cli_value(cli, "quiet") != NULL;
-    BB_TRY(bb_cli_double(cli, "step", 0.5, 1e-3, 1e3, &request->step));
-    BB_TRY(bb_cli_double(cli, "cutoff", 0, 0, 1, &request->cutoff));
-    request->turns = (uint32_t)turns;
-    request->repeats = (uint32_t)repeats;
-    request->view = bb_cli_value(cli, "view");
-    if (request->view != NULL && turns > 0)
-        return bb_fail(BB_INVALID, "--turns makes views of its own: drop --view");
-    return read_steps(cli, request);
 }
 
 static bb_status read_names(job *j)
 {
-    const bool brief = bb_cli_value(j->cli, "brief") != NULL;
-    uint32_t count;
-    BB_TRY(bb_choose_tree_builders(j->cli, BB_OF_VOLUMES, &j->builders[0]));
-    BB_TRY(bb_choose_tree_builders(j->cli, brief ? BB_OF_MESHES_BRIEFLY : BB_OF_MESHES,
-                                   &j->builders[1]));
-    BB_TRY(bb_choose_searches(j->cli, &j->searches));
-    bb_cli_values(j->cli, "kernel", &count);
-    return count > 0 ? bb_choose_kernels(j->cli, &j->kernels)
-                     : bb_names_add(&j->kernels, "stack,stack8");
+    for (size_t i = 0; i < j->builders.count; i++)
+        BB_TRY(bb_names_add_item(&j->mesh_builders, j->builders.items[i]));
+    BB_TRY(bb_choose_tree_builders(&j->builders, BB_OF_VOLUMES));
+    BB_TRY(
+        bb_choose_tree_builders(&j->mesh_builders, j->brief ? BB_OF_MESHES_BRIEFLY : BB_OF_MESHES));
+    BB_TRY(bb_check_searches(&j->searches));
+    return bb_choose_kernels(&j->kernels, j->choice.device.name);
 }
 
 /* What depends on whether it is a volume or a mesh. */
-static bb_status choose_pictures(job *j, bool mesh)
+static void choose_pictures(job *j, bool mesh)
 {
-    const bool paper = bb_cli_value(j->cli, "paper") != NULL;
     bb_dvr_request *request = &j->request;
-    request->width = request->height = !paper ? 256 : mesh ? 1024 : 2160;
-    if (paper && bb_cli_value(j->cli, "turns") == NULL && request->view == NULL)
+    const bb_names *builders = mesh ? &j->mesh_builders : &j->builders;
+    request->width = request->height = !j->paper ? 256 : mesh ? 1024 : 2160;
+    if (j->width > 0) {
+        request->width = j->width;
+        request->height = j->height;
+    }
+    request->turns = j->turns;
+    if (j->paper && j->turns == 0 && request->view == NULL)
         request->turns = mesh ? 0 : 180;
-    return bb_cli_size(j->cli, "size", &request->width, &request->height);
-}
-
-static void choose_names(job *j, bool mesh)
-{
-    bb_dvr_request *request = &j->request;
-    request->builders = (const char *const *)j->builders[mesh].items;
-    request->builder_count = (uint32_t)j->builders[mesh].count;
+    request->builders = (const char *const *)builders->items;
+    request->builder_count = (uint32_t)builders->count;
     request->kernels = (const char *const *)j->kernels.items;
     request->kernel_count = (uint32_t)j->kernels.count;
     request->searches = (const char *const *)j->searches.items;
@@ -155,7 +124,7 @@ static void choose_names(job *j, bool mesh)
 static bb_status compare(job *j, bb_scene *scene)
 {
     char folder[PATH_MAX], path[PATH_MAX];
-    const char *out = bb_cli_value(j->cli, "out");
+    const char *out = j->choice.out;
     j->pictures++;
     if (out != NULL) {
         snprintf(folder, sizeof folder, "volume-%u-%s", j->pictures,
@@ -164,31 +133,31 @@ static bb_status compare(job *j, bb_scene *scene)
         j->request.pictures = path;
     }
     j->request.picture_files = cJSON_CreateArray();
-    bb_status status = bb_dvr_run(&j->request, scene, j->result);
+    bb_status status = bb_dvr_run(&j->request, scene, &j->result);
     if (status != BB_OK) {
         cJSON_Delete(j->request.picture_files);
         return status;
     }
-    for (uint32_t w = 0; w < j->result->way_count; w++)
-        j->wrong = j->wrong || j->result->ways[w].differ > 0;
-    if (bb_contest_prints(j->cli, j->request.device, j->results))
-        (bb_cli_value(j->cli, "brief") != NULL ? bb_dvr_print_briefly : bb_dvr_print)(j->result);
-    return bb_contest_add(j->results, bb_dvr_json(j->result), j->request.picture_files);
+    for (uint32_t w = 0; w < j->result.way_count; w++)
+        j->wrong = j->wrong || j->result.ways[w].differ > 0;
+    if (bb_contest_prints(&j->choice, j->request.device, j->results))
+        (j->brief ? bb_dvr_print_briefly : bb_dvr_print)(&j->result);
+    return bb_contest_add(j->results, bb_dvr_json(&j->result), j->request.picture_files);
 }
 
 /* One transfer function after the other, of those given. */
 static bb_status compare_transfers(job *j, bb_scene *scene)
 {
-    uint32_t count, changed;
-    char *const *transfers = bb_cli_values(j->cli, "transfer", &count);
+    uint32_t changed;
+    const size_t count = j->transfers.count;
     const bool mesh = scene->volume == NULL;
     bb_status status = BB_OK;
     if (count == 0 && !mesh)
         return compare(j, scene);
-    for (uint32_t i = 0; (i < count || i == 0) && status == BB_OK && !bb_interrupted(); i++) {
+    for (size_t i = 0; (i < count || i == 0) && status == BB_OK && !bb_interrupted(); i++) {
         bb_transfer transfer;
-        status =
-            bb_transfer_load(count > 0 ? transfers[i] : bb_transfer_presets[0].name, &transfer);
+        status = bb_transfer_load(count > 0 ? j->transfers.items[i] : bb_transfer_presets[0].name,
+                                  &transfer);
         j->request.transfer = &transfer;
         if (status == BB_OK && !mesh)
             status = bb_scene_set_transfer(scene, &transfer, &changed);
@@ -209,9 +178,7 @@ static bb_status compare_scene(job *j, const char *name)
                          "%s: is neither a volume nor a mesh of tetrahedra: take nbody, tets, or a "
                          "file of such",
                          name);
-    choose_names(j, scene->volume == NULL);
-    if (status == BB_OK)
-        status = choose_pictures(j, scene->volume == NULL);
+    choose_pictures(j, scene->volume == NULL);
     if (status == BB_OK)
         status = bb_scene_upload(scene, j->request.device);
     if (status == BB_OK)
@@ -222,22 +189,18 @@ static bb_status compare_scene(job *j, const char *name)
 }
 
 /* Before anything is measured. */
-static bb_status check_transfers(const bb_cli *cli)
+static bb_status check_transfers(const bb_names *names)
 {
-    uint32_t count;
-    char *const *transfers = bb_cli_values(cli, "transfer", &count);
-    for (uint32_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < names->count; i++) {
         bb_transfer transfer;
-        BB_TRY(bb_transfer_load(transfers[i], &transfer));
+        BB_TRY(bb_transfer_load(names->items[i], &transfer));
     }
     return BB_OK;
 }
 
 static bb_status compare_all(job *j)
 {
-    uint32_t count;
     cJSON *document;
-    char *const *scenes = bb_cli_values(j->cli, "scene", &count);
     if (!bb_contest_document("bvhbench-volume/1", j->request.device, &document, &j->results) ||
         !bb_put_number(document, "step", j->request.step) ||
         !bb_put_number(document, "cutoff", j->request.cutoff)) {
@@ -245,44 +208,40 @@ static bb_status compare_all(job *j)
         return bb_fail(BB_REFUSED, "no memory for the results");
     }
     bb_status status = BB_OK;
-    for (uint32_t i = 0; i < count && status == BB_OK && !bb_interrupted(); i++)
-        status = compare_scene(j, scenes[i]);
+    for (size_t i = 0; i < j->scenes.count && status == BB_OK && !bb_interrupted(); i++)
+        status = compare_scene(j, j->scenes.items[i]);
     /* what was measured before a failure is kept */
     bb_status written = BB_OK;
     if (status == BB_OK || cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(j->cli, document, "volume", bb_report_contest);
+        written = bb_contest_write(&j->choice, document, "volume", bb_report_contest);
     cJSON_Delete(document);
     return status != BB_OK ? status : written;
 }
 
-static bb_status run(const bb_cli *cli, int *exit_status)
+static bb_status work(job *j)
 {
-    uint32_t scenes;
-    job j = {.cli = cli};
-    char *const *names = bb_cli_values(cli, "scene", &scenes);
-    if (scenes == 0)
-        return bb_fail(BB_INVALID, "volume needs --scene: see `bvhbench volume --help`");
-    BB_TRY(read_numbers(cli, &j.request));
-    BB_TRY(check_transfers(cli));
-    bb_status status = bb_contest_begin(cli, names, scenes);
-    if (status == BB_OK)
-        status = read_names(&j);
-    j.result = calloc(1, sizeof *j.result);
-    if (status == BB_OK && j.result == NULL)
-        status = bb_fail(BB_REFUSED, "no memory for the results");
-    if (status == BB_OK)
-        status = bb_open_device(cli, &j.request.device);
-    if (status == BB_OK) {
-        bb_interrupt_catch();
-        status = compare_all(&j);
-        bb_device_close(j.request.device);
-    }
-    free(j.result);
-    for (int mesh = 0; mesh < 2; mesh++)
-        bb_names_free(&j.builders[mesh]);
-    bb_names_free(&j.kernels);
-    bb_names_free(&j.searches);
-    return bb_contest_end(status, j.wrong, exit_status);
+    BB_TRY(read_steps(j));
+    BB_TRY(check_transfers(&j->transfers));
+    BB_TRY(bb_contest_begin(&j->choice, j->scenes.items, j->scenes.count));
+    BB_TRY(read_names(j));
+    BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
+    bb_interrupt_catch();
+    return compare_all(j);
+}
+
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
+{
+    (void)cli;
+    job *j = values;
+    bb_status status = work(j);
+    return bb_contest_end(status, j->wrong, exit_status);
+}
+
+static void release(void *values)
+{
+    job *j = values;
+    bb_names_free(&j->mesh_builders);
+    bb_device_close(j->request.device);
 }
 
 extern const bb_command bb_command_volume;
@@ -299,5 +258,7 @@ const bb_command bb_command_volume = {
         "Exit status 1: a picture differs from the one without a tree, or from the first.",
     .more_help = bb_print_volume_builders,
     .options = options,
+    .bytes = sizeof(job),
     .run = run,
+    .release = release,
 };

@@ -18,19 +18,22 @@
 
 extern const char bb_build_revision[];
 
-bb_status bb_choose_searches(const bb_cli *cli, bb_names *searches)
+const bb_cli_option bb_contest_options[] = {
+    {"json", NULL, "print JSON", BB_INTO(bb_contest_choice, json)},
+    BB_GROUP(bb_device_options, bb_contest_choice, device),
+    {.name = NULL},
+};
+
+bb_status bb_check_searches(const bb_names *searches)
 {
-    uint32_t count;
-    char *const *given = bb_cli_values(cli, "search", &count);
-    for (uint32_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < searches->count; i++) {
         bb_spec spec;
-        BB_TRY(bb_tet_search_parse(given[i], &spec));
-        for (uint32_t k = 0; k < i; k++)
-            if (strcmp(given[k], given[i]) == 0)
-                return bb_fail(BB_INVALID, "--search has %s twice", given[i]);
-        BB_TRY(bb_names_add(searches, given[i]));
+        BB_TRY(bb_tet_search_parse(searches->items[i], &spec));
+        for (size_t k = 0; k < i; k++)
+            if (strcmp(searches->items[k], searches->items[i]) == 0)
+                return bb_fail(BB_INVALID, "--search has %s twice", searches->items[i]);
     }
-    return count > 0 ? BB_OK : bb_names_add(searches, "skip,octree");
+    return BB_OK;
 }
 
 static const char *declared(const bb_builder *builder, bb_contest_kind kind)
@@ -51,11 +54,9 @@ static bb_status add_declared(bb_names *names, bb_contest_kind kind)
     return kind == BB_OF_MESHES ? bb_names_add_role(names, BB_ROLE_MESHES_LONG) : BB_OK;
 }
 
-bb_status bb_choose_tree_builders(const bb_cli *cli, bb_contest_kind kind, bb_names *builders)
+bb_status bb_choose_tree_builders(bb_names *builders, bb_contest_kind kind)
 {
-    uint32_t count;
-    bb_cli_values(cli, "builder", &count);
-    return count > 0 ? bb_choose_builders(cli, true, builders) : add_declared(builders, kind);
+    return builders->count > 0 ? bb_choose_builders(builders, true) : add_declared(builders, kind);
 }
 
 static void print_declared(FILE *out, bb_contest_kind kind, const char *what)
@@ -95,9 +96,10 @@ bool bb_contest_document(const char *schema, const bb_device *device, cJSON **do
     return false;
 }
 
-bool bb_contest_prints(const bb_cli *cli, const bb_device *device, const cJSON *results)
+bool bb_contest_prints(const bb_contest_choice *choice, const bb_device *device,
+                       const cJSON *results)
 {
-    if (bb_cli_value(cli, "json") != NULL)
+    if (choice->json)
         return false;
     if (cJSON_GetArraySize(results) == 0)
         printf("%s\n", device->name);
@@ -126,27 +128,26 @@ static bb_status write_files(const cJSON *document, const char *text, const char
     return page(document, folder, path);
 }
 
-bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name,
+bb_status bb_contest_write(const bb_contest_choice *choice, const cJSON *document, const char *name,
                            bb_page_writer *page)
 {
-    const char *out = bb_cli_value(cli, "out");
     char *text = bb_json_print(document, true);
     if (text == NULL)
         return bb_fail(BB_REFUSED, "no memory for the results");
-    if (bb_cli_value(cli, "json") != NULL)
+    if (choice->json)
         printf("%s\n", text);
-    bb_status status = out != NULL ? write_files(document, text, out, name, page) : BB_OK;
+    bb_status status =
+        choice->out != NULL ? write_files(document, text, choice->out, name, page) : BB_OK;
     free(text);
     return status;
 }
 
-bb_status bb_contest_begin(const bb_cli *cli, char *const *scenes, uint32_t count)
+bb_status bb_contest_begin(const bb_contest_choice *choice, char *const *scenes, size_t count)
 {
-    const char *out = bb_cli_value(cli, "out");
-    BB_TRY(bb_load_plugins(cli));
-    for (uint32_t i = 0; i < count; i++)
+    BB_TRY(bb_load_plugins(&choice->device.plugins));
+    for (size_t i = 0; i < count; i++)
         BB_TRY(bb_check_scene(scenes[i]));
-    return out != NULL ? bb_out_folder(out) : BB_OK;
+    return choice->out != NULL ? bb_out_folder(choice->out) : BB_OK;
 }
 
 bb_status bb_contest_end(bb_status status, bool wrong, int *exit_status)

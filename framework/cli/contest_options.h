@@ -7,15 +7,31 @@
 
 #include <cjson/cJSON.h>
 
-/* --search; "skip,octree" if there is none. */
-bb_status bb_choose_searches(const bb_cli *cli, bb_names *searches);
+/* The values that these commands share. */
+typedef struct bb_contest_choice {
+    bb_device_choice device;
+    const char *out; /* folder; NULL: nothing is written */
+    bool json;
+} bb_contest_choice;
+
+/* Rows for a bb_contest_choice: --json, and those of the device. */
+extern const bb_cli_option bb_contest_options[];
+
+#define BB_SEARCH_OPTION(type, member, start)                                                      \
+    {                                                                                              \
+        "search", "S", start "skip, octree, octree:boundary=no", BB_INTO(type, member),            \
+            .fallback = "skip,octree"                                                              \
+    }
+
+/* Checks the values of --search. */
+bb_status bb_check_searches(const bb_names *searches);
 
 /* What builders declare to be compared by default: on volumes, on meshes of tetrahedra, and on
  * meshes without those that take long. */
 typedef enum bb_contest_kind { BB_OF_VOLUMES, BB_OF_MESHES, BB_OF_MESHES_BRIEFLY } bb_contest_kind;
 
-/* --builder; if there is none, what builders declare for it. */
-bb_status bb_choose_tree_builders(const bb_cli *cli, bb_contest_kind kind, bb_names *builders);
+/* Completes --builder; the default: the variants that builders declare for this kind. */
+bb_status bb_choose_tree_builders(bb_names *builders, bb_contest_kind kind);
 
 /* The defaults as lines of help. */
 void bb_print_volume_builders(FILE *out);
@@ -28,7 +44,8 @@ bool bb_contest_document(const char *schema, const bb_device *device, cJSON **do
 
 /* Whether a result is to be printed as text, before it is added to the list (NULL: it is the only
  * one). Before the first one it prints the device's name. */
-bool bb_contest_prints(const bb_cli *cli, const bb_device *device, const cJSON *results);
+bool bb_contest_prints(const bb_contest_choice *choice, const bb_device *device,
+                       const cJSON *results);
 
 /* Adds a result (NULL: no memory) to the list, with the names of its pictures; takes both over. */
 bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files);
@@ -38,12 +55,12 @@ typedef bb_status bb_page_writer(const cJSON *document, const char *folder, cons
 
 /* Prints the document if --json was given, and writes NAME.json and, by `page`, NAME.html into the
  * folder --out. */
-bb_status bb_contest_write(const bb_cli *cli, const cJSON *document, const char *name,
+bb_status bb_contest_write(const bb_contest_choice *choice, const cJSON *document, const char *name,
                            bb_page_writer *page);
 
 /* What commands begin with: plug-ins, names of scenes (bb_check_scene()), the folder --out, if
  * there is to be one. */
-bb_status bb_contest_begin(const bb_cli *cli, char *const *scenes, uint32_t count);
+bb_status bb_contest_begin(const bb_contest_choice *choice, char *const *scenes, size_t count);
 
 /* What they end with: of the status of the work, whether answers differ, and whether it was
  * interrupted. */

@@ -1,7 +1,8 @@
 #include "framework/cli/earlier.h"
 
+#include "framework/cli/inputs.h"
+
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -9,13 +10,6 @@
 
 /* The results last: where the others cannot be moved, they are where they were. */
 static const char *const moved[] = {"report.html", "tables.txt", "report-charts", "results.json"};
-
-static bb_status join(char path[PATH_MAX], const char *folder, const char *name)
-{
-    if (snprintf(path, PATH_MAX, "%s/%s", folder, name) >= PATH_MAX)
-        return bb_fail(BB_INVALID, "%s/%s: the path is too long", folder, name);
-    return BB_OK;
-}
 
 static bb_status make(const char *path)
 {
@@ -30,14 +24,14 @@ static bb_status make_place(const char *folder, time_t written, char place[PATH_
 {
     char parent[PATH_MAX], name[64];
     struct tm date;
-    BB_TRY(join(parent, folder, "earlier"));
+    BB_TRY(bb_join_path(parent, folder, "earlier"));
     BB_TRY(make(parent));
     localtime_r(&written, &date);
     size_t length = strftime(name, sizeof name, "%Y%m%d-%H%M%S", &date);
     for (unsigned i = 1; i < 1000; i++) {
         if (i > 1)
             snprintf(name + length, sizeof name - length, "-%u", i);
-        BB_TRY(join(place, parent, name));
+        BB_TRY(bb_join_path(place, parent, name));
         if (mkdir(place, 0777) == 0)
             return BB_OK;
         if (errno != EEXIST)
@@ -52,13 +46,13 @@ bb_status bb_keep_earlier(const char *folder, char *kept, size_t capacity)
     char path[PATH_MAX], place[PATH_MAX], target[PATH_MAX];
     struct stat info;
     kept[0] = '\0';
-    BB_TRY(join(path, folder, "results.json"));
+    BB_TRY(bb_join_path(path, folder, "results.json"));
     if (stat(path, &info) != 0)
         return BB_OK;
     BB_TRY(make_place(folder, info.st_mtime, place));
     for (size_t i = 0; i < sizeof moved / sizeof moved[0]; i++) {
-        BB_TRY(join(path, folder, moved[i]));
-        BB_TRY(join(target, place, moved[i]));
+        BB_TRY(bb_join_path(path, folder, moved[i]));
+        BB_TRY(bb_join_path(target, place, moved[i]));
         if (rename(path, target) != 0 && errno != ENOENT)
             return bb_fail(BB_INVALID, "cannot move %s to %s: %s", path, target, strerror(errno));
     }

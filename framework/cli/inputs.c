@@ -20,10 +20,10 @@ bb_status bb_input_path(const char *argument, char path[PATH_MAX])
     return BB_OK;
 }
 
-bb_status bb_inputs_once(const bb_cli *cli, uint32_t first)
+bb_status bb_inputs_once(const bb_cli *cli)
 {
-    for (uint32_t i = first; i < cli->positional_count; i++)
-        for (uint32_t k = first; k < i; k++) {
+    for (uint32_t i = 0; i < cli->positional_count; i++)
+        for (uint32_t k = 0; k < i; k++) {
             char paths[2][PATH_MAX];
             struct stat files[2];
             BB_TRY(bb_input_path(cli->positional[k], paths[0]));

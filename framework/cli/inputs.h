@@ -10,8 +10,7 @@
 bb_status bb_join_path(char path[PATH_MAX], const char *folder, const char *name);
 /* The result file that an argument names. */
 bb_status bb_input_path(const char *argument, char path[PATH_MAX]);
-/* BB_INVALID if two of the arguments from number `first` on are the same file, which would count
- * twice. */
-bb_status bb_inputs_once(const bb_cli *cli, uint32_t first);
+/* BB_INVALID if two arguments are the same file, which would count twice. */
+bb_status bb_inputs_once(const bb_cli *cli);
 
 #endif

@@ -32,15 +32,7 @@ bb_status bb_names_add_role(bb_names *names, const char *role)
     return BB_OK;
 }
 
-void bb_names_free(bb_names *names)
-{
-    for (size_t i = 0; i < names->count; i++)
-        free(names->items[i]);
-    names->count = 0;
-}
-
-/* One item as it is: commas in it were seen to when the command line was parsed. */
-static bb_status add_item(bb_names *names, const char *item)
+bb_status bb_names_add_item(bb_names *names, const char *item)
 {
     if (names->count == BB_NAMES_MAX)
         return bb_fail(BB_INVALID, "more than %d names, up to '%.80s'", BB_NAMES_MAX, item);
@@ -63,7 +55,7 @@ typedef struct spelt {
 
 typedef struct list {
     const char *option;
-    adder *add_all, *add_default;
+    adder *add_all;
     size_t place; /* of such a name in `spelt` */
 } list;
 
@@ -101,20 +93,23 @@ static bb_status refuse_twins(const list *l, const bb_names *names)
     return status;
 }
 
-static bb_status choose(const bb_cli *cli, const list *l, bb_names *names)
+static bb_status expand(const list *l, const bb_names *given, bb_names *all)
 {
-    uint32_t count;
-    char *const *values = bb_cli_values(cli, l->option, &count);
-    if (count == 0)
-        return l->add_default != NULL ? l->add_default(names) : BB_OK;
-    for (uint32_t i = 0; i < count; i++) {
-        if (strcmp(values[i], "all") == 0) {
-            BB_TRY(l->add_all(names));
-            continue;
-        }
-        BB_TRY(add_item(names, values[i]));
-    }
-    return refuse_twins(l, names);
+    for (size_t i = 0; i < given->count; i++)
+        BB_TRY(strcmp(given->items[i], "all") == 0 ? l->add_all(all)
+                                                   : bb_names_add_item(all, given->items[i]));
+    return refuse_twins(l, all);
+}
+
+static bb_status choose(const list *l, adder *add_default, bb_names *names)
+{
+    bb_names all = {.count = 0};
+    if (names->count == 0)
+        return add_default != NULL ? add_default(names) : BB_OK;
+    bb_status status = expand(l, names, &all);
+    bb_names_free(names);
+    *names = all;
+    return status;
 }
 
 /* ---- scenes ---- */
@@ -122,7 +117,7 @@ static bb_status choose(const bb_cli *cli, const list *l, bb_names *names)
 bb_status bb_add_shipped_scenes(bb_names *names)
 {
     for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
-        BB_TRY(add_item(names, *name));
+        BB_TRY(bb_names_add_item(names, *name));
     return BB_OK;
 }
 
@@ -160,10 +155,10 @@ bb_status bb_check_scene(const char *text)
                    bb_suggested(&meant));
 }
 
-bb_status bb_choose_scenes(const bb_cli *cli, adder *add_all, bb_names *names)
+bb_status bb_choose_scenes(bb_names *names, adder *add_all)
 {
-    const list scenes = {"scene", add_all, add_all, offsetof(spelt, cell.scene)};
-    BB_TRY(choose(cli, &scenes, names));
+    const list scenes = {"scene", add_all, offsetof(spelt, cell.scene)};
+    BB_TRY(choose(&scenes, add_all, names));
     for (size_t i = 0; i < names->count; i++)
         BB_TRY(bb_check_scene(names->items[i]));
     return BB_OK;
@@ -176,7 +171,7 @@ static bb_status add_builder(bb_names *names, const bb_builder *builder)
 {
     char whole[sizeof((bb_pipeline *)NULL)->text];
     BB_TRY(bb_pipeline_complete(builder->name, whole, sizeof whole, NULL));
-    return add_item(names, whole);
+    return bb_names_add_item(names, whole);
 }
 
 static bb_status add_all_builders(bb_names *names)
@@ -207,12 +202,10 @@ static bb_status add_every_variant(bb_names *names)
     return add_variants(names, true);
 }
 
-bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names)
+bb_status bb_choose_builders(bb_names *names, bool every)
 {
-    const list builders = {"builder", add_all_builders,
-                           every ? add_every_variant : add_compared_variants,
-                           offsetof(spelt, cell.builder)};
-    return choose(cli, &builders, names);
+    static const list builders = {"builder", add_all_builders, offsetof(spelt, cell.builder)};
+    return choose(&builders, every ? add_every_variant : add_compared_variants, names);
 }
 
 /* ---- what traces, and what is traced and measured ---- */
@@ -220,7 +213,7 @@ bb_status bb_choose_builders(const bb_cli *cli, bool every, bb_names *names)
 static bb_status add_all_kernels(bb_names *names)
 {
     for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-        BB_TRY(add_item(names, (*kernel)->name));
+        BB_TRY(bb_names_add_item(names, (*kernel)->name));
     return BB_OK;
 }
 
@@ -233,63 +226,50 @@ static bb_status add_compared_kernels(bb_names *names, uint32_t device)
     return BB_OK;
 }
 
-bb_status bb_choose_kernels(const bb_cli *cli, bb_names *names)
+bb_status bb_choose_kernels(bb_names *names, const char *device)
 {
-    static const list kernels = {"kernel", add_all_kernels, NULL, offsetof(spelt, cell.kernel)};
-    uint32_t count;
-    bb_cli_values(cli, "kernel", &count);
-    if (count > 0)
-        return choose(cli, &kernels, names);
-    return add_compared_kernels(names, bb_device_find_kind(bb_cli_value(cli, "device")));
+    static const list kernels = {"kernel", add_all_kernels, offsetof(spelt, cell.kernel)};
+    return names->count > 0 ? choose(&kernels, NULL, names)
+                            : add_compared_kernels(names, bb_device_find_kind(device));
 }
 
 static bb_status add_all_rays(bb_names *names)
 {
     for (uint32_t i = 0; bb_workloads[i] != NULL; i++)
-        BB_TRY(add_item(names, bb_workloads[i]->name));
+        BB_TRY(bb_names_add_item(names, bb_workloads[i]->name));
     return BB_OK;
 }
 
-static bb_status add_default_rays(bb_names *names)
+bb_status bb_choose_rays(bb_names *names)
 {
-    return bb_names_add(names, "primary,ao,diffuse,shadow,random");
-}
-
-bb_status bb_choose_rays(const bb_cli *cli, bb_names *names)
-{
-    static const list rays = {"rays", add_all_rays, add_default_rays, offsetof(spelt, cell.rays)};
-    return choose(cli, &rays, names);
+    static const list rays = {"rays", add_all_rays, offsetof(spelt, cell.rays)};
+    return choose(&rays, NULL, names);
 }
 
 static bb_status add_all_intersectors(bb_names *names)
 {
     for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++)
-        BB_TRY(add_item(names, i->name));
+        BB_TRY(bb_names_add_item(names, i->name));
     return BB_OK;
 }
 
-static bb_status add_exact(bb_names *names)
+bb_status bb_choose_intersectors(bb_names *names)
 {
-    return add_item(names, "exact");
-}
-
-bb_status bb_choose_intersectors(const bb_cli *cli, bb_names *names)
-{
-    static const list intersectors = {"intersector", add_all_intersectors, add_exact,
+    static const list intersectors = {"intersector", add_all_intersectors,
                                       offsetof(spelt, cell.intersector)};
-    return choose(cli, &intersectors, names);
+    return choose(&intersectors, NULL, names);
 }
 
 static bb_status add_all_metrics(bb_names *names)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         if (bb_metrics[i]->on_request)
-            BB_TRY(add_item(names, bb_metrics[i]->name));
+            BB_TRY(bb_names_add_item(names, bb_metrics[i]->name));
     return BB_OK;
 }
 
-bb_status bb_choose_metrics(const bb_cli *cli, bb_names *names)
+bb_status bb_choose_metrics(bb_names *names)
 {
-    static const list metrics = {"metrics", add_all_metrics, NULL, offsetof(spelt, other)};
-    return choose(cli, &metrics, names);
+    static const list metrics = {"metrics", add_all_metrics, offsetof(spelt, other)};
+    return choose(&metrics, NULL, names);
 }

@@ -4,8 +4,6 @@
 #include "framework/base/clock.h"
 #include "framework/base/file.h"
 #include "framework/base/interrupt.h"
-#include "framework/cli/charts_option.h"
-#include "framework/cli/choice.h"
 #include "framework/cli/earlier.h"
 #include "framework/cli/out_option.h"
 #include "framework/device/device_private.h"
@@ -57,7 +55,7 @@ static bb_status write_views(const bb_comparison *c, bb_results *results, const 
         bb_status status = BB_OK;
         if (i == 0)
             status = bb_report_html(results, c->folder, p->html);
-        else if (c->charts && !bb_interrupted())
+        else if (c->charts == BB_CHARTS_YES && !bb_interrupted())
             status = bb_report_charts(results, p->pictures, charts);
         if (status != BB_OK && first == BB_OK) {
             first = status;
@@ -212,13 +210,12 @@ static bb_status keep(bb_results *results, const char *folder, bb_status status)
     return bb_fail(status, "%s (earlier measurements are in %s)", reason, json);
 }
 
-static bb_status compare(const bb_comparison *c, const char *command, bb_device *device,
-                         int *exit_status)
+static bb_status compare(const bb_comparison *c, bb_device *device, int *exit_status)
 {
     bb_bench_outcome outcome = {0};
     bb_results *results = NULL;
     bb_bystanders watch;
-    BB_TRY(bb_results_create(&(bb_context){device, c->seed, command}, &results));
+    BB_TRY(bb_results_create(&(bb_context){device, c->seed, c->command}, &results));
     bb_bystanders_start(&watch);
     bb_status status =
         c->shard != NULL ? bb_results_set_shard(results, c->shard, c->shard_of) : BB_OK;
@@ -239,8 +236,8 @@ static bb_status compare(const bb_comparison *c, const char *command, bb_device 
         }
     }
     status = status == BB_OK ? write_all(c, results, &outcome) : keep(results, c->folder, status);
-    if (status == BB_OK && !c->charts)
-        bb_charts_note(c->cli);
+    if (status == BB_OK)
+        bb_charts_note(c->charts);
     if (status == BB_OK && blame(&outcome) && *exit_status == BB_EXIT_OK)
         *exit_status = BB_EXIT_WRONG;
     bb_results_destroy(results);
@@ -261,17 +258,15 @@ bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
     bb_device *device = NULL;
     BB_TRY(bb_out_folder(comparison->folder)); /* which the history may lie in */
     BB_TRY(try_history(comparison->history));
-    char *command = bb_cli_command_line(comparison->cli);
     bb_interrupt_catch();
-    bb_status status = bb_open_device(comparison->cli, &device);
+    bb_status status = bb_open_device(comparison->device, &device);
     if (status == BB_OK) {
-        status = compare(comparison, command, device, exit_status);
+        status = compare(comparison, device, exit_status);
     } else if (bb_interrupted()) { /* a signal makes compilers fail */
         fprintf(stderr, "bvhbench: interrupted before anything was measured\n");
         *exit_status = BB_EXIT_INTERRUPTED;
         status = BB_OK;
     }
     bb_device_close(device);
-    free(command);
     return status;
 }

@@ -4,19 +4,20 @@
 #define BB_OUTPUT_H
 
 #include "framework/bench/bench.h"
-#include "framework/cli/cli.h"
+#include "framework/cli/choice.h"
 
 #include <stdio.h>
 
 typedef struct bb_comparison {
-    const bb_cli *cli;
+    const char *command; /* the command line */
+    const bb_device_choice *device;
     const char *folder;
     const char *history; /* database to which the run is appended; NULL: none */
     const char *shard;   /* "2/8"; NULL: all cells */
     uint64_t shard_of;   /* hash of what all shards of the run are asked for */
     uint64_t seed;
-    bool charts; /* as pictures too */
-    bool quiet;  /* does not say on standard error what was written */
+    uint32_t charts; /* after bb_charts_decide() */
+    bool quiet;      /* does not say on standard error what was written */
     /* Does the work of `request` on the device. */
     bb_status (*compare)(void *request, bb_device *device, bb_results *results,
                          bb_bench_outcome *outcome);

@@ -20,10 +20,3 @@ bb_status bb_shard_parse(const char *text, const char *what, bb_shard *shard)
     *shard = (bb_shard){.index = (uint32_t)index, .count = (uint32_t)count};
     return BB_OK;
 }
-
-bb_status bb_shard_read(const bb_cli *cli, bb_shard *shard, bool *given)
-{
-    const char *text = bb_cli_value(cli, "shard");
-    *given = text != NULL;
-    return *given ? bb_shard_parse(text, "--shard", shard) : BB_OK;
-}

@@ -1,16 +1,13 @@
-/* The option --shard I/N. */
+/* The value of --shard: I/N. */
 #ifndef BB_SHARD_OPTION_H
 #define BB_SHARD_OPTION_H
 
 #include "framework/bench/bench.h"
-#include "framework/cli/cli.h"
 
 /* Parts of a run at most. */
 enum { BB_SHARDS_MAX = 100000 };
 
 /* "2/8". BB_INVALID, with `what`, if it is not I/N with 1 <= I <= N. */
 bb_status bb_shard_parse(const char *text, const char *what, bb_shard *shard);
-/* *given: whether the option is. */
-bb_status bb_shard_read(const bb_cli *cli, bb_shard *shard, bool *given);
 
 #endif

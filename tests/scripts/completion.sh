@@ -64,6 +64,8 @@ expect 'bvhbench report roo' room.glb
 expect 'bvhbench compare --fo' --format
 expect 'bvhbench compare --format ' text github
 expect 'bvhbench compare --format=gi' github
+expect 'bvhbench run --handover l' levels
+expect 'bvhbench slice --axis ' x y z
 expect 'bvhbench compare roo' room.glb
 expect 'bvhbench run --hist' --history
 expect 'bvhbench run --sha' --shard
