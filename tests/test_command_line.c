@@ -197,8 +197,8 @@ static void out_where_a_file_is_in_the_way_is_refused_at_once(void **state)
     for (const bb_command *const *c = bb_commands; *c != NULL; c++) {
         size_t length = strlen((*c)->name);
         bool writes = false, known = false;
-        for (const bb_cli_option *o = (*c)->options; o->name != NULL; o++)
-            writes = writes || strcmp(o->name, "out") == 0;
+        for (const bb_cli_option *o = (*c)->options; o->kind != BB_CLI_END; o++)
+            writes = writes || (o->name != NULL && strcmp(o->name, "out") == 0);
         for (size_t i = 0; i < sizeof writers / sizeof writers[0]; i++)
             known = known ||
                     (strncmp(writers[i], (*c)->name, length) == 0 && writers[i][length] == ' ');

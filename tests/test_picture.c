@@ -302,7 +302,7 @@ static void pictures_come_from_the_program(void **state)
         char command[1024];
         const char *path = test_path("picture", v == 0 ? "heat.png" : "diff.png");
         snprintf(command, sizeof command,
-                 BB_TEST_PROGRAM " render --scene coffee --view %s --size 256x256 --out %s >%s",
+                 BB_TEST_PROGRAM " render --scene coffee --show %s --size 256x256 --out %s >%s",
                  views[v], path, test_path("picture", "log"));
         assert_int_equal(system(command), 0);
         float *rgb = NULL;

@@ -290,11 +290,9 @@ bb_status bb_cli_parse(bb_cli *cli, const bb_command *command, int argc, char **
     BB_TRY(take_words(cli, argc, argv, help));
     for (uint32_t i = 0; i < cli->row_count && !*help; i++)
         BB_TRY(check_others(cli, &cli->rows[i]));
-    if (!*help)
-        BB_TRY(check_needed(cli));
     for (uint32_t i = 0; i < cli->row_count && !*help; i++)
         BB_TRY(store(cli, &cli->rows[i]));
-    return BB_OK;
+    return *help ? BB_OK : check_needed(cli);
 }
 
 void bb_cli_free(bb_cli *cli)
