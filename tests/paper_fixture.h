@@ -113,6 +113,7 @@ static inline bb_findings findings_of(bb_results *results, uint32_t first)
     bb_findings f = {.scenes = scenes, .scene_count = 2};
     if (paper_table_count == 0)
         atexit(free_paper_tables);
+    ASSERT_OK(bb_table_create("reproduce", &f.table));
     ASSERT_OK(bb_paper_measured(results, first, bb_results_next_build(results), &f));
     assert_true(paper_table_count < sizeof paper_tables / sizeof paper_tables[0]);
     return paper_tables[paper_table_count++] = f.table, f;
@@ -164,7 +165,7 @@ static inline cJSON *reproduce_emc(bb_results *results, code_costs cost, const d
         }
         all[e] = findings_of(results, first);
     }
-    assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
+    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
     cJSON *reproductions = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
     return cJSON_GetArrayItem(reproductions, cJSON_GetArraySize(reproductions) - 1);
 }

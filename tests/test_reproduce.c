@@ -228,7 +228,8 @@ static void papers_are_sound(void **state)
         uint32_t count = 0;
         assert_int_equal(bb_paper_find((*p)->name, &found), BB_OK);
         assert_ptr_equal(found, *p);
-        for (const bb_experiment *e = (*p)->experiments; e->name != NULL; e++, count++) {
+        for (const bb_experiment *e = (*p)->experiments; e != NULL && e->name != NULL;
+             e++, count++) {
             /* by default claims on times can be decided; of a single round only costs are used */
             assert_true(e->repeats == 1 || e->repeats >= BB_INTERVAL_ROUNDS);
             assert_true(e->width > 0 && e->height > 0 && e->max_rays > 0);
@@ -248,7 +249,7 @@ static void nothing_measured_judges_nothing(void **state)
         bb_findings all[BB_EXPERIMENTS_MAX];
         for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
             all[e] = findings_of(results, 0);
-        assert_int_equal(bb_reproduction_add(*p, all, NULL, results), BB_OK);
+        assert_int_equal(bb_reproduction_add(*p, all, results), BB_OK);
         const cJSON *r =
             cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
         const cJSON *claim;

@@ -70,7 +70,7 @@ static const cJSON *reproduce_with(bb_results *results, const made_up methods[EM
         add_build(results, scenes[s], bb_emc_radii[1].builder, 85, 10);
     }
     all[EMC_CENTRED] = findings_of(results, first);
-    assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
+    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
     const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
     return cJSON_GetArrayItem(list, cJSON_GetArraySize(list) - 1);
 }
@@ -236,7 +236,7 @@ static void builders_are_set_beside_lbvh(void **state)
     add_build(results, flat, spec_of(EMC_PLOC, "$" EMC_PLAIN_CENTRED), 90, 10);
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
         all[e] = findings_of(results, 0);
-    assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
+    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
     const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
     const cJSON *r = cJSON_GetArrayItem(list, 0), *table = table_with(r, "Builders with MC-64");
     assert_true(number(table, "LBVH", 1) == 1 && number(table, "PLOC", 1) == 1.04);

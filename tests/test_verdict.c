@@ -148,7 +148,7 @@ static cJSON *reproduce_octrees(bb_results *results)
         }
         all[e] = findings_of(results, first);
     }
-    assert_int_equal(bb_reproduction_add(paper, all, NULL, results), BB_OK);
+    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
     return cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
 }
 

@@ -15,21 +15,31 @@ static bool is_meant(const bb_paper_claim *claim, uint32_t row)
     return claim->which == 0 || (claim->which >> row & 1) != 0;
 }
 
+static void add_element(bb_series *s, bb_paper_place at, const bb_figure *figure)
+{
+    bool timed;
+    s->places[s->count] = at;
+    s->each[s->count++] = bb_figure_at(at, figure, &timed);
+    s->timed = s->timed || timed;
+}
+
 /* What stands for scenes: those of a figure, or the rows of a claim on all of them together. */
 static bb_series elements_of(const trial *t, const bb_figure *figure)
 {
-    if (!t->claim->together)
-        return bb_figure_series(t->at, figure);
+    const bb_paper_claim *claim = t->claim;
+    const bb_findings *f = &t->at.all[figure->of];
     bb_series s = {.count = 0, .mean = bb_not_measured};
-    for (uint32_t i = 0; t->claim->rows[i].name != NULL; i++) {
-        bool timed;
-        if (!is_meant(t->claim, i))
-            continue;
-        s.places[s.count] = t->at;
-        s.places[s.count].row = &t->claim->rows[i];
-        s.each[s.count] = bb_figure_at(s.places[s.count], figure, &timed);
-        s.count++;
-        s.timed = s.timed || timed;
+    bb_paper_place at = t->at;
+    if (!claim->together)
+        return bb_figure_series(at, figure);
+    for (uint32_t i = 0; claim->rows[i].name != NULL; i++) {
+        at.row = &claim->rows[i];
+        if (is_meant(claim, i) && !claim->of_scenes)
+            add_element(&s, at, figure);
+        for (size_t k = 0; k < f->scene_count && is_meant(claim, i) && claim->of_scenes; k++) {
+            at.scene = f->scenes[k];
+            add_element(&s, at, figure);
+        }
     }
     return s;
 }
@@ -44,7 +54,7 @@ static double bound_of(const trial *t, const bb_test *test, bb_paper_place at, s
         at.scene = NULL;
         return bb_figure_at(at, t->claim->figures[test->than - 1], &timed).value;
     }
-    return test->bounds != NULL ? test->bound * test->bounds[i] : test->bound;
+    return test->paper != NULL ? test->bound * test->paper[i].numbers[0] : test->bound;
 }
 
 static bb_claim_verdict test_at(const trial *t, const bb_test *test, bb_paper_place at, size_t i,

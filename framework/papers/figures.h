@@ -173,9 +173,9 @@ typedef struct bb_test {
     bb_over over;
     bb_test_side side;
     double bound, most;
-    int than;             /* the bound is the mean of figure than - 1; 0: it is `bound` */
-    const double *bounds; /* one for each scene, times `bound` */
-    bool untimed;         /* the medians decide */
+    int than; /* the bound is the mean of figure than - 1; 0: it is `bound` */
+    const struct bb_paper_numbers *paper; /* `bound` times the first number of each scene's */
+    bool untimed;                         /* the medians decide */
 } bb_test;
 
 /* A piece of what is said of a claim, after "; " if there is something before it. */
@@ -208,6 +208,7 @@ typedef struct bb_paper_claim {
     const bb_entrant *rows; /* said of each of them; NULL: of none */
     uint32_t which;         /* of the rows, by bits; 0: all */
     bool together;          /* one claim on all rows, which stand for its scenes */
+    bool of_scenes;         /* on each of these rows with each scene */
     const bb_figure *figures[BB_CLAIM_FIGURES];
     bb_test tests[BB_CLAIM_TESTS];
     uint32_t test_count; /* 0: 1 */

@@ -144,9 +144,9 @@ static bool is_between(const bb_entry *entry, bb_field_id id, uint32_t first, ui
     return number >= first && number < end && bb_is_ok(entry);
 }
 
-bb_status bb_paper_measured(const bb_results *results, uint32_t first, uint32_t end, bb_findings *f)
+bb_status bb_paper_measured(const bb_results *results, uint32_t first, uint32_t end,
+                            const bb_findings *f)
 {
-    BB_TRY(bb_table_create("reproduce", &f->table));
     for (size_t s = 0; s < f->scene_count; s++)
         add_scene(f->table, bb_results_scene(results, f->scenes[s]), f->scenes[s]);
     bb_each(build, bb_results_section(results, BB_BUILDS)) if (is_between(build, BB_F_BUILD_ID,

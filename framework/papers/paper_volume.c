@@ -7,31 +7,67 @@
  * volume turned about each axis; here fewer turns, smaller pictures, and sizes from 64 on.
  */
 #include "framework/dvr/dvr.h"
-#include "framework/papers/reproduce.h"
+#include "framework/papers/contests.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SIZES_MAX = 8, BRICK = 8 };
-
-/* Some sizes, and the largest of them with nothing to skip. */
-typedef struct measured {
-    uint32_t count; /* of sizes */
-    uint32_t sides[SIZES_MAX];
-    bb_dvr_result results[SIZES_MAX], full;
-} measured;
-
-static const bb_experiment experiments[] = {{.name = NULL}};
+enum { OF_SIZES, FULL }; /* some sizes; one of them with nothing to skip */
+#define VOLUME_BUILDER "vlbvh"
 
 /* ---- measuring ---- */
 
-static bb_status picture(const bb_reproduce_request *request, uint32_t side, const char *transfer,
-                         bb_dvr_result *result, bool *wrong)
+static const bb_column voxels = {.name = "voxels",
+                                 .heading = "voxels",
+                                 .unit = "",
+                                 .help = "Voxels."},
+                       seen = {.name = "seen",
+                               .heading = "seen",
+                               .unit = "%",
+                               .help = "Share of bricks that are seen."},
+                       share = {.name = "vote_share",
+                                .heading = "vote",
+                                .unit = "",
+                                .help = "Vote over all phases of the build."},
+                       frame = {.name = "frame_ms",
+                                .heading = "both",
+                                .unit = "ms",
+                                .help = "Build, layout and picture.",
+                                .kind = BB_COLUMN_ROUNDS,
+                                .sense = BB_SENSE_TIMED};
+
+/* Those of the whole frame, and of the vote. */
+static void add_sums(bb_table *table, const char *scene, const bb_contest_way *way)
 {
-    static const char *const builders[] = {"vlbvh"}, *const kernels[] = {"stack", "stack8"};
+    const bool tree = way->builder[0] != '\0';
+    double vote = NAN, sum = 0;
+    bb_samples all = way->answer;
+    const uint32_t row =
+        bb_table_row(table, (bb_cell){{[BB_SCENE] = scene,
+                                       [BB_QUESTION] = "picture",
+                                       [BB_BUILDER] = tree ? way->builder : BB_NO_TREE,
+                                       [BB_INTERSECTOR] = tree ? way->search : BB_NO_TREE}});
+    if (tree) {
+        bb_add_rounds(&all, &way->build);
+        bb_add_rounds(&all, &way->layout);
+    }
+    for (uint32_t p = 0; p < way->phase_count; p++) {
+        const double ms = bb_samples_median(&way->phases[p].ms);
+        vote = strcmp(way->phases[p].name, "vote") == 0 ? ms : vote;
+        sum += ms;
+    }
+    bb_table_set_rounds(table, row, &frame, &all);
+    bb_table_set_number(table, row, &share, vote / sum);
+}
+
+static bb_status picture(const bb_reproduce_request *request, uint32_t side, const char *transfer,
+                         bb_findings *f, bool *wrong)
+{
+    static const char *const builders[] = {VOLUME_BUILDER}, *const kernels[] = {"stack", "stack8"};
     char name[64];
     bb_scene *scene;
+    bb_dvr_result result = {.way_count = 0};
     const bb_dvr_request dvr = {
         .device = request->device,
         .builders = builders,
@@ -42,272 +78,180 @@ static bb_status picture(const bb_reproduce_request *request, uint32_t side, con
         .width = request->quick ? 16 : 192,
         .height = request->quick ? 16 : 192,
         .step = 0.5,
-        .repeats = request->quick         ? 2
-                   : request->repeats > 0 ? request->repeats
-                                          : 7,
+        .repeats = bb_paper_rounds(request, 7),
         .seed = request->seed,
         .quiet = request->quiet,
     };
-    snprintf(name, sizeof name, "nbody:n=%u%s%s", side, transfer[0] != '\0' ? ",transfer=" : "",
-             transfer);
+    snprintf(name, sizeof name, "nbody:n=%u%s", side, transfer);
+    BB_TRY(bb_paper_add_scene(f, name));
     BB_TRY(bb_scene_load_any(name, &scene));
     bb_status status = bb_scene_upload(scene, request->device);
     if (status == BB_OK)
-        status = bb_dvr_run(&dvr, scene, result);
-    for (uint32_t w = 0; w < result->way_count && status == BB_OK; w++)
-        *wrong = *wrong || result->ways[w].differ > 0;
+        status = bb_dvr_run(&dvr, scene, &result);
+    const uint32_t row = bb_table_row(f->table, (bb_cell){{[BB_SCENE] = name}});
+    bb_table_set_number(f->table, row, &voxels, pow(side, 3));
+    bb_table_set_number(f->table, row, &seen, 100.0 * result.seen / fmax(result.bricks, 1));
+    *wrong = bb_paper_add_ways(f->table, name, "picture", result.ways, result.way_count) || *wrong;
+    for (uint32_t w = 0; w < result.way_count; w++)
+        if (result.ways[w].refused[0] == '\0')
+            add_sums(f->table, name, &result.ways[w]);
     bb_tracers_clear(request->device);
     bb_scene_free(scene);
     return status;
 }
 
-static bb_status measure(const bb_reproduce_request *request, void **out, bool *wrong)
+static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bool *wrong)
 {
-    measured *m = calloc(1, sizeof *m);
-    *out = m;
-    if (m == NULL)
-        return bb_fail(BB_REFUSED, "reproduce: no memory");
-    const uint32_t first = request->quick ? 24 : 64;
-    for (uint64_t side = first; m->count < SIZES_MAX; side *= 2) {
+    uint64_t side = request->quick ? 24 : 64, full = side;
+    for (uint32_t count = 0; count < (request->quick ? 2 : SIZES_MAX); count++, side *= 2) {
         const uint64_t bricks = side / BRICK * (side / BRICK) * (side / BRICK);
-        if (bricks > request->max_prims || (request->quick && m->count == 2))
+        if (bricks > request->max_prims)
             break;
-        m->sides[m->count] = (uint32_t)side;
-        BB_TRY(picture(request, (uint32_t)side, "", &m->results[m->count], wrong));
-        m->count++;
+        BB_TRY(picture(request, (uint32_t)side, "", &f[OF_SIZES], wrong));
+        full = count < 3 ? side : full; /* a full volume takes long */
     }
-    const uint32_t last = m->count < 3 ? m->count - 1 : 2; /* a full volume takes long */
-    return picture(request, m->sides[last], "full", &m->full, wrong);
+    return picture(request, (uint32_t)full, ",transfer=full", &f[FULL], wrong);
 }
+
+/* ---- figures: by stack ---- */
+
+static bool is_first(const bb_findings *f, const char *scene)
+{
+    return strcmp(f->scenes[0], scene) == 0;
+}
+
+static bool is_later(const bb_findings *f, const char *scene)
+{
+    return !is_first(f, scene);
+}
+
+static bool is_largest(const bb_findings *f, const char *scene)
+{
+    return strcmp(f->scenes[f->scene_count - 1], scene) == 0;
+}
+
+#define BY_STACK .builder = VOLUME_BUILDER, .kernel = "stack"
+#define OVER_NO_TREE .base = BB_NO_TREE, .base_kernel = BB_NO_TREE
+#define VOTE .what = "phase_ms", .phase = "vote", .per = "build_ms", BY_STACK
+#define PICTURE .what = "answer_ms", BY_STACK, OVER_NO_TREE
+static const bb_figure vote = {VOTE},
+                       largest_vote = {VOTE, .mean = BB_MEAN_OF_ROUNDS, .only = is_largest},
+                       vote_growth = {VOTE, .previous = true, .only = is_later},
+                       picture_ratio = {PICTURE},
+                       picture_growth = {PICTURE, .previous = true, .only = is_later},
+                       full_picture = {PICTURE},
+                       voxel_growth = {.what = "build_ms",
+                                       BY_STACK,
+                                       .scale = 1.0 / 8,
+                                       .previous = true,
+                                       .only = is_largest},
+                       largest_frame = {.what = "frame_ms",
+                                        BY_STACK,
+                                        OVER_NO_TREE,
+                                        .only = is_largest},
+                       samples = {.what = "work", BY_STACK},
+                       all_samples = {.what = "work", .builder = BB_NO_TREE, .kernel = BB_NO_TREE},
+                       seen_bricks = {.what = "seen"};
 
 /* ---- tables ---- */
 
-/* By stack; the first way is without a tree. */
-static const bb_contest_way *way_of(const bb_dvr_result *r)
-{
-    return &r->ways[1];
-}
+#define OF(heading_, decimals_, ...)                                                               \
+    BB_COLUMN(heading_, (&(const bb_figure){__VA_ARGS__}), decimals_)
+#define PHASE(name) OF(name, 3, .what = "phase_ms", .phase = name, BY_STACK)
+static const bb_paper_column phases[] = {
+    BB_COLUMN_OF("volume", BB_SHOW_SCENE),
+    OF("build ms", 3, .what = "build_ms", BY_STACK),
+    PHASE("vote"),
+    PHASE("compact"),
+    PHASE("codes"),
+    PHASE("boxes"),
+    PHASE("sort"),
+    PHASE("link"),
+    OF("vote, share", 3, .what = "vote_share", BY_STACK),
+    OF("ns/voxel", 3, .what = "build_ms", .per = "voxels", .scale = 1e6, BY_STACK),
+    {.heading = NULL},
+};
 
-static double phase_ms(const bb_contest_way *way, const char *name)
-{
-    for (uint32_t p = 0; p < way->phase_count; p++)
-        if (strcmp(way->phases[p].name, name) == 0)
-            return bb_samples_median(&way->phases[p].ms);
-    return NAN;
-}
+static const bb_figure both = {.what = "frame_ms", OVER_NO_TREE};
+static const bb_paper_column frames[] = {
+    BB_COLUMN_OF("volume", BB_SHOW_SCENE),   BB_COLUMN_OF("kernel", BB_SHOW_ROW),
+    OF("build ms", 2, .what = "build_ms"),   OF("picture ms", 2, .what = "answer_ms"),
+    OF("both ms", 2, .what = "frame_ms"),    OF("picture", 3, .what = "answer_ms", OVER_NO_TREE),
+    BB_COLUMN_INTERVAL("both", &both),       OF("samples", 1, .what = "work"),
+    OF("wrong pixels", 0, .what = "differ"), {.heading = NULL},
+};
 
-static double vote_share(const bb_contest_way *way)
-{
-    double sum = 0;
-    for (uint32_t p = 0; p < way->phase_count; p++)
-        sum += bb_samples_median(&way->phases[p].ms);
-    return phase_ms(way, "vote") / sum;
-}
-
-static double frame_ms(const bb_contest_way *way)
-{
-    return bb_samples_median(&way->build) + bb_samples_median(&way->layout) +
-           bb_samples_median(&way->answer);
-}
-
-static void add_phases(const measured *m, bb_reproduction *r)
-{
-    static const char *const columns[] = {"volume",      "build ms", "vote", "compact",
-                                          "codes",       "boxes",    "sort", "link",
-                                          "vote, share", "ns/voxel", NULL};
-    static const char *const phases[] = {"vote", "compact", "codes", "boxes", "sort", "link"};
-    bb_paper_table_begin(r, "Phases of the build, ms (figure 3)", columns);
-    for (uint32_t i = 0; i < m->count; i++) {
-        const bb_contest_way *way = way_of(&m->results[i]);
-        const double voxels = pow(m->sides[i], 3), build = bb_samples_median(&way->build);
-        bb_paper_row(r);
-        bb_paper_text(r, m->results[i].scene);
-        bb_paper_number(r, build, 3);
-        for (size_t p = 0; p < sizeof phases / sizeof phases[0]; p++)
-            bb_paper_number(r, phase_ms(way, phases[p]), 3);
-        bb_paper_number(r, vote_share(way), 3);
-        bb_paper_number(r, 1e6 * build / voxels, 3);
+#define WAY(name_, builder_)                                                                       \
+    {                                                                                              \
+        .name = name_, .builder = builder_, .kernel = name_                                        \
     }
-}
+static const bb_entrant ways[] = {
+    WAY(BB_NO_TREE, BB_NO_TREE),
+    WAY("stack", VOLUME_BUILDER),
+    WAY("stack8", VOLUME_BUILDER),
+    {.name = NULL},
+};
 
-static void add_frame(const bb_dvr_result *result, bb_reproduction *r)
-{
-    for (uint32_t w = 0; w < result->way_count; w++) {
-        const bb_contest_way *way = &result->ways[w];
-        const bb_estimate all = bb_contest_ratio(&result->ways[0], way, true);
-        const bool tree = way->builder[0] != '\0';
-        bb_paper_row(r);
-        bb_paper_text(r, result->scene);
-        bb_paper_text(r, tree ? way->search : "no tree");
-        bb_paper_number(r, tree ? bb_samples_median(&way->build) : (double)NAN, 2);
-        bb_paper_number(r, bb_samples_median(&way->answer), 2);
-        bb_paper_number(r, tree ? frame_ms(way) : bb_samples_median(&way->answer), 2);
-        bb_paper_number(r, bb_contest_ratio(&result->ways[0], way, false).value, 3);
-        bb_paper_number(r, all.value, 3);
-        bb_paper_number(r, all.low, 3);
-        bb_paper_number(r, all.high, 3);
-        bb_paper_number(r, way->work, 1);
-        bb_paper_number(r, (double)way->differ, 0);
-    }
-}
-
-static void add_frames(const measured *m, bb_reproduction *r)
-{
-    static const char *const columns[] = {"volume",  "kernel",  "build ms",     "picture ms",
-                                          "both ms", "picture", "both",         "95 % from",
-                                          "to",      "samples", "wrong pixels", NULL};
-    bb_paper_table_begin(
-        r,
-        "Build and picture against a march without a tree, ratios (table 1, figure 4); the "
-        "last volume has nothing to skip",
-        columns);
-    for (uint32_t i = 0; i < m->count; i++)
-        add_frame(&m->results[i], r);
-    add_frame(&m->full, r);
-}
+static const bb_paper_table tables[] = {
+    {.title = "Phases of the build, ms (figure 3)", .columns = phases, .by_scene = true},
+    {.title = "Build and picture against a march without a tree, ratios (table 1, figure 4); the "
+              "last volume has nothing to skip",
+     .columns = frames,
+     .rows = ways,
+     .by_scene = true},
+    {.title = "", .columns = frames, .rows = ways, .by_scene = true, .of = FULL},
+    {.title = NULL},
+};
 
 /* ---- claims ---- */
 
-static const bb_dvr_result *largest(const measured *m)
-{
-    return &m->results[m->count - 1];
-}
-
-/* Round by round: of one phase over the whole build; of pictures over those without a tree. */
-static bb_samples vote_shares(const bb_contest_way *way)
-{
-    bb_samples shares = {.count = 0};
-    for (uint32_t p = 0; p < way->phase_count; p++)
-        if (strcmp(way->phases[p].name, "vote") == 0)
-            shares = bb_samples_ratio(&way->phases[p].ms, &way->build);
-    return shares;
-}
-
-static bb_samples picture_ratios(const bb_dvr_result *result)
-{
-    return bb_samples_ratio(&way_of(result)->answer, &result->ways[0].answer);
-}
-
-static bb_estimate estimate_of(const bb_samples *samples, const bb_samples *over, double divisor)
-{
-    const bb_samples ratio = bb_samples_ratio(samples, over);
-    bb_estimate e = bb_samples_estimate(&ratio);
-    double *const figures[] = {&e.value, &e.low, &e.high, &e.least, &e.most};
-    for (size_t i = 0; i < sizeof figures / sizeof figures[0]; i++)
-        *figures[i] /= divisor;
-    return e;
-}
-
-static void claim_voting(const measured *m, bb_reproduction *r)
-{
-    bb_words ours = {0}, why = {0};
-    bb_claim_verdict each[SIZES_MAX];
-    bb_samples before = {.count = 0};
-    for (uint32_t i = 0; i < m->count; i++) {
-        const bb_samples shares = vote_shares(way_of(&m->results[i]));
-        bb_say(&ours, "%s%u: ", i > 0 ? "; " : "share of the vote at ", m->sides[i]);
-        bb_say_estimate(&ours, bb_samples_estimate(&shares));
-        each[i] = i == 0 ? bb_above(bb_samples_estimate(&shares), 0)
-                         : bb_above(estimate_of(&shares, &before, 1), 1);
-        if (i + 1 == m->count)
-            each[0] = bb_above(bb_samples_estimate(&shares), 0.5);
-        before = shares;
-    }
-    bb_say(&why, "bricks that are seen become fewer, relative to voxels, the finer the grid");
-    bb_claim(
-        r, m->count < 3 ? BB_NOT_TESTED : bb_all(each, m->count),
-        "Voting dominates the build more and more, the larger the volume (here: its share grows "
-        "with each size, and is above a half at the largest)",
-        "section 4, figure 3", &ours, &why);
-}
-
-static void claim_linear(const measured *m, bb_reproduction *r)
-{
-    bb_words ours = {0}, why = {0};
-    bb_claim_verdict verdict = BB_NOT_TESTED;
-    if (m->count >= 3) {
-        const bb_estimate e =
-            estimate_of(&way_of(largest(m))->build, &way_of(&m->results[m->count - 2])->build, 8);
-        verdict = bb_below(e, 1.5);
-        bb_say(&ours, "a voxel at %u over one at %u: ", m->sides[m->count - 1],
-               m->sides[m->count - 2]);
-        bb_say_estimate(&ours, e);
-    }
-    bb_claim(r, verdict,
-             "The build takes linear time (here: per voxel at most 1.5 times as much at twice the "
+static const bb_paper_claim claims[] = {
+    {.text = "Voting dominates the build more and more, the larger the volume (here: its share "
+             "grows with each size, and is above a half at the largest)",
+     .paper = "section 4, figure 3",
+     .figures = {&vote, &largest_vote, &vote_growth},
+     .tests = {BB_TEST_EACH(2, BB_ABOVE, 1), BB_TEST(1, BB_ABOVE, 0.5)},
+     .test_count = 2,
+     .scenes = 3,
+     .ours = {{.each = true, .first = "share of the vote at ", .text = "{scene}: {0}"}}},
+    {.text = "The build takes linear time (here: per voxel at most 1.5 times as much at twice the "
              "side)",
-             "section 3", &ours, &why);
-}
-
-static void claim_frame(const measured *m, bb_reproduction *r)
-{
-    bb_words ours = {0}, why = {0};
-    const bb_dvr_result *result = largest(m);
-    const bb_estimate both = bb_contest_ratio(&result->ways[0], way_of(result), true);
-    bb_say(&ours, "at %u: ", m->sides[m->count - 1]);
-    bb_say_estimate(&ours, both);
-    bb_say(&why, "%.1f of %.1f samples are left, %.1f %% of the bricks are seen",
-           way_of(result)->work, result->ways[0].work,
-           100.0 * result->seen / fmax(result->bricks, 1));
-    bb_claim(r, bb_below(both, 0.5),
-             "Build and picture together are two to three times as fast as a march without a tree "
+     .paper = "section 3",
+     .figures = {&voxel_growth},
+     .tests = {BB_TEST_EACH(0, BB_BELOW, 1.5)},
+     .scenes = 3,
+     .ours = {{.each = true, .text = "a voxel at {scene} over one at half the side: {0}"}}},
+    {.text = "Build and picture together are two to three times as fast as a march without a tree "
              "(here: less than half of its time, at the largest volume)",
-             "2 to 3 times at 1024^3", &ours, &why);
-}
-
-static void claim_gain(const measured *m, bb_reproduction *r)
-{
-    bb_words ours = {0}, why = {0};
-    bb_claim_verdict each[SIZES_MAX];
-    bb_samples before = {.count = 0};
-    for (uint32_t i = 0; i < m->count; i++) {
-        const bb_samples ratios = picture_ratios(&m->results[i]);
-        bb_say(&ours, "%s%u: ", i > 0 ? "; " : "picture, ratio at ", m->sides[i]);
-        bb_say_estimate(&ours, bb_samples_estimate(&ratios));
-        if (i > 0)
-            each[i - 1] = bb_below(estimate_of(&ratios, &before, 1), 1);
-        before = ratios;
-    }
-    bb_claim(r, m->count < 3 ? BB_NOT_TESTED : bb_all(each, m->count - 1),
-             "Of the picture alone, the gain by the tree increases with the size of the volume",
-             "section 4", &ours, &why);
-}
-
-static void claim_full(const measured *m, bb_reproduction *r)
-{
-    bb_words ours = {0}, why = {0};
-    const bb_estimate picture = bb_contest_ratio(&m->full.ways[0], way_of(&m->full), false);
-    bb_say(&ours, "%s: ", m->full.scene);
-    bb_say_estimate(&ours, picture);
-    bb_say(&why, "all samples are left, and the tree's nodes come on top");
-    bb_claim(r, bb_above(picture, 1),
-             "With no empty space at all, the picture by the tree is slower than without one",
-             "section 4", &ours, &why);
-}
-
-static void evaluate(const bb_findings *findings, const void *opaque, bb_reproduction *r)
-{
-    const measured *m = opaque;
-    (void)findings;
-    if (m == NULL)
-        return;
-    add_phases(m, r);
-    add_frames(m, r);
-    claim_voting(m, r);
-    claim_linear(m, r);
-    claim_frame(m, r);
-    claim_gain(m, r);
-    claim_full(m, r);
-}
+     .paper = "2 to 3 times at 1024^3",
+     .figures = {&largest_frame, &samples, &all_samples, &seen_bricks},
+     .tests = {BB_TEST_EACH(0, BB_BELOW, 0.5)},
+     .ours = {{.each = true, .text = "at {scene}: {0}"}},
+     .why = {{.each = true,
+              .always = true,
+              .text = "{1.1} of {2.1} samples are left, {3.1} % of the bricks are seen"}}},
+    {.text = "Of the picture alone, the gain by the tree increases with the size of the volume",
+     .paper = "section 4",
+     .figures = {&picture_ratio, &picture_growth},
+     .tests = {BB_TEST_EACH(1, BB_BELOW, 1)},
+     .scenes = 3,
+     .ours = {{.each = true, .first = "picture, ratio at ", .text = "{scene}: {0}"}}},
+    {.text = "With no empty space at all, the picture by the tree is slower than without one",
+     .paper = "section 4",
+     .of = FULL,
+     .figures = {&full_picture},
+     .tests = {BB_TEST_EACH(0, BB_ABOVE, 1)},
+     .ours = {{.each = true, .text = "{scene}: {0}"}}},
+    {.text = NULL},
+};
 
 extern const bb_paper bb_paper_volume;
 const bb_paper bb_paper_volume = {
     .name = "volume",
     .title = "Zellmann, Hellmann, Lang 2019: A Linear Time BVH Construction Algorithm for Sparse "
              "Volumes",
-    .experiments = experiments,
-    .builders = "vlbvh",
+    .builders = VOLUME_BUILDER,
     .measure = measure,
-    .release = free,
-    .evaluate = evaluate,
+    .tables = tables,
+    .claims = {claims},
 };

@@ -205,7 +205,7 @@ bb_status bb_reproduce_check(const bb_reproduce_request *request)
     bb_status status = check_builders(request->paper);
     if (status != BB_OK)
         return status;
-    for (const bb_experiment *e = request->paper->experiments; e->name != NULL; e++) {
+    for (const bb_experiment *e = request->paper->experiments; e != NULL && e->name != NULL; e++) {
         plan p;
         status = make_plan(request, e, &p);
         if (status == BB_OK)
@@ -225,49 +225,67 @@ static bb_status run_experiment(plan *p, bb_results *results, bb_bench_outcome *
     return status;
 }
 
-/* What is measured otherwise, and all that follows. */
-static bb_status conclude(const bb_reproduce_request *request, const bb_findings *findings,
-                          bb_results *results, bb_bench_outcome *outcome)
+/* Runs the experiment into the document, and makes its table. */
+static bb_status run(const bb_reproduce_request *request, const bb_experiment *e, plan *p,
+                     bb_findings *f, bb_results *results, bb_bench_outcome *outcome)
 {
-    const bb_paper *paper = request->paper;
-    void *measured = NULL;
-    bool wrong = false;
-    bb_status status = paper->measure != NULL ? paper->measure(request, &measured, &wrong) : BB_OK;
-    if (status == BB_OK)
-        status = bb_reproduction_add(paper, findings, measured, results);
-    if (paper->release != NULL)
-        paper->release(measured);
-    outcome->wrong += wrong;
-    return status;
+    const uint32_t first = bb_results_next_build(results);
+    BB_TRY(make_plan(request, e, p));
+    BB_TRY(run_experiment(p, results, outcome));
+    for (size_t s = 0; s < p->scenes.count; s++)
+        BB_TRY(bb_paper_add_scene(f, p->scenes.items[s]));
+    return bb_paper_measured(results, first, bb_results_next_build(results), f);
+}
+
+uint32_t bb_paper_rounds(const bb_reproduce_request *request, uint32_t usual)
+{
+    return request->quick ? 2 : request->repeats > 0 ? request->repeats : usual;
+}
+
+bb_status bb_paper_add_scene(bb_findings *f, const char *name)
+{
+    char **scenes = realloc(f->scenes, (f->scene_count + 1) * sizeof *scenes);
+    if (scenes == NULL)
+        return bb_fail(BB_REFUSED, "reproduce: no memory");
+    f->scenes = scenes;
+    scenes[f->scene_count] = strdup(name);
+    return scenes[f->scene_count++] != NULL ? BB_OK : bb_fail(BB_REFUSED, "reproduce: no memory");
+}
+
+static void free_findings(bb_findings *findings)
+{
+    for (int i = 0; i < BB_EXPERIMENTS_MAX; i++) {
+        bb_table_free(findings[i].table);
+        for (size_t s = 0; s < findings[i].scene_count; s++)
+            free(findings[i].scenes[s]);
+        free(findings[i].scenes);
+    }
 }
 
 bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
                        bb_bench_outcome *outcome)
 {
-    plan *plans = calloc(BB_EXPERIMENTS_MAX, sizeof *plans);
+    const bb_paper *paper = request->paper;
     bb_findings findings[BB_EXPERIMENTS_MAX] = {0};
-    bb_status status = plans != NULL ? BB_OK : bb_fail(BB_FAILED, "out of memory");
-    uint32_t count = 0;
-    for (const bb_experiment *e = request->paper->experiments; e->name != NULL && status == BB_OK;
-         e++, count++) {
-        plan *p = &plans[count];
-        uint32_t first = bb_results_next_build(results);
-        status = make_plan(request, e, p);
-        if (status == BB_OK)
-            status = run_experiment(p, results, outcome);
-        findings[count] = (bb_findings){.scenes = p->scenes.items, .scene_count = p->scenes.count};
-        if (status == BB_OK)
-            status =
-                bb_paper_measured(results, first, bb_results_next_build(results), &findings[count]);
-        if (status != BB_OK)
-            status = blame(request->paper, e, status);
+    bb_status status = BB_OK;
+    bool wrong = false;
+    for (int i = 0; i < BB_EXPERIMENTS_MAX && status == BB_OK; i++)
+        status = bb_table_create("reproduce", &findings[i].table);
+    for (const bb_experiment *e = paper->experiments; e != NULL && e->name != NULL; e++) {
+        plan p = {.builders = {.count = 0}};
+        if (status == BB_OK) {
+            status = run(request, e, &p, &findings[e - paper->experiments], results, outcome);
+            status = status != BB_OK ? blame(paper, e, status) : BB_OK;
+        }
+        free_plan(&p);
     }
+    if (status == BB_OK && paper->measure != NULL)
+        status = paper->measure(request, findings, &wrong);
+    for (int i = 0; i < BB_EXPERIMENTS_MAX && status == BB_OK; i++)
+        status = bb_table_status(findings[i].table);
     if (status == BB_OK)
-        status = conclude(request, findings, results, outcome);
-    for (uint32_t i = 0; i < count; i++) {
-        bb_table_free(findings[i].table);
-        free_plan(&plans[i]);
-    }
-    free(plans);
+        status = bb_reproduction_add(paper, findings, results);
+    outcome->wrong += wrong;
+    free_findings(findings);
     return status;
 }

@@ -43,16 +43,13 @@ typedef struct bb_reproduce_request bb_reproduce_request;
 typedef struct bb_paper {
     const char *name;                 /* as the command takes it */
     const char *title;                /* authors, year, title */
-    const bb_experiment *experiments; /* ends with name NULL */
+    const bb_experiment *experiments; /* ends with name NULL; NULL: none */
     const bb_paper_table *tables;     /* ends with title NULL */
     const bb_paper_claim *claims[2];  /* each ends with text NULL */
-    /* Measures what is no comparison of builds and rays, such as pictures of volumes; *wrong:
-     * whether answers are. evaluate() gets it, then release(), also after a failure. Optional. */
-    bb_status (*measure)(const bb_reproduce_request *request, void **measured, bool *wrong);
-    const char *builders;            /* which that needs, by commas */
-    void (*release)(void *measured); /* NULL is allowed */
-    /* Adds the tables and the claims. `findings`: one per experiment, in order. */
-    void (*evaluate)(const bb_findings *findings, const void *measured, bb_reproduction *out);
+    /* Instead of experiments: measures what is no comparison of builds and rays, such as pictures
+     * of volumes, into tables that are there. *wrong: whether answers are. */
+    bb_status (*measure)(const bb_reproduce_request *request, bb_findings *findings, bool *wrong);
+    const char *builders; /* which that needs, by commas */
 } bb_paper;
 
 extern const bb_paper *const bb_papers[]; /* generated table; ends with NULL */
@@ -87,17 +84,25 @@ bool bb_missing_stage(const char *builder, char *name, size_t capacity);
 bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
                        bb_bench_outcome *outcome);
 
-/* Evaluates what was measured and adds the reproduction to the document. */
+/* Evaluates what was measured, one for each experiment, and adds the reproduction to the document.
+ */
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,
-                              const void *measured, bb_results *results);
+                              bb_results *results);
 
 /* Prints the reproductions of the document: tables, then claims. */
 bb_status bb_reproduction_print(const bb_results *results, FILE *out);
 
-/* The table of what a comparison measured: builds with ids in [first, end), and scenes that `f`
- * names. Owned by the caller. */
+/* Adds what a comparison measured to the table of `f`: builds with ids in [first, end), and the
+ * scenes that `f` names. */
 bb_status bb_paper_measured(const bb_results *results, uint32_t first, uint32_t end,
-                            bb_findings *f);
+                            const bb_findings *f);
+/* ---- for measure() ---- */
+
+/* Rounds that are asked for; `usual` if none are. */
+uint32_t bb_paper_rounds(const bb_reproduce_request *request, uint32_t usual);
+/* Adds a scene to what was measured. */
+bb_status bb_paper_add_scene(bb_findings *f, const char *name);
+
 /* Fills tables and judges claims. */
 void bb_paper_add_tables(const bb_paper_table *tables, const bb_findings *all, bb_reproduction *r);
 void bb_paper_add_claims(const bb_paper_claim *claims, const bb_findings *all, bb_reproduction *r);
@@ -114,12 +119,6 @@ void bb_paper_text(bb_reproduction *r, const char *text);
 /* Rounded to so many decimals; NAN becomes an empty cell. */
 void bb_paper_number(bb_reproduction *r, double value, int decimals);
 
-/* For figures without noise: costs, bytes, tests per ray. BB_NOT_TESTED where one is NAN. */
-bb_claim_verdict bb_verdict_of(bool holds, double figure, double other);
-/* For times: is the whole interval above, below, between? */
-bb_claim_verdict bb_above(bb_estimate e, double bound);
-bb_claim_verdict bb_below(bb_estimate e, double bound);
-bb_claim_verdict bb_within(bb_estimate e, double least, double most);
 /* Adds a claim: the paper's statement, shortened, with any threshold that `verdict` rests on; the
  * paper's figures ("" for none), ours, and figures of the same run that say why ("": none). The
  * record has the verdict as held, not held, or undecided with the reason. */

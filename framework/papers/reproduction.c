@@ -74,7 +74,7 @@ void bb_claim(bb_reproduction *r, bb_claim_verdict verdict, const char *claim, c
 }
 
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,
-                              const void *measured, bb_results *results)
+                              bb_results *results)
 {
     bb_reproduction r = {.root = cJSON_CreateObject()};
     append(&r, bb_results_reproductions(results), r.root);
@@ -83,12 +83,9 @@ bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings
                       cJSON_AddStringToObject(r.root, "title", paper->title) == NULL;
         r.tables = cJSON_AddArrayToObject(r.root, "tables");
         r.claims = cJSON_AddArrayToObject(r.root, "claims");
-        if (paper->tables != NULL)
-            bb_paper_add_tables(paper->tables, findings, &r);
+        bb_paper_add_tables(paper->tables, findings, &r);
         for (int i = 0; i < 2; i++)
             bb_paper_add_claims(paper->claims[i], findings, &r);
-        if (paper->evaluate != NULL)
-            paper->evaluate(findings, measured, &r);
     }
     return r.no_memory ? bb_fail(BB_FAILED, "reproduce %s: no memory", paper->name) : BB_OK;
 }

@@ -5,11 +5,6 @@
 
 #include <math.h>
 
-bb_claim_verdict bb_verdict_of(bool holds, double figure, double other)
-{
-    return isnan(figure) || isnan(other) ? BB_NOT_TESTED : holds ? BB_HELD : BB_NOT_HELD;
-}
-
 /* `held` and `failed`: what the ends of the interval say, if there is one. */
 static bb_claim_verdict by_interval(bb_estimate e, bool held, bool failed)
 {
@@ -18,21 +13,6 @@ static bb_claim_verdict by_interval(bb_estimate e, bool held, bool failed)
            : held                          ? BB_HELD
            : failed                        ? BB_NOT_HELD
                                            : BB_OPEN;
-}
-
-bb_claim_verdict bb_above(bb_estimate e, double bound)
-{
-    return by_interval(e, e.low > bound, e.high <= bound);
-}
-
-bb_claim_verdict bb_below(bb_estimate e, double bound)
-{
-    return by_interval(e, e.high < bound, e.low >= bound);
-}
-
-bb_claim_verdict bb_within(bb_estimate e, double least, double most)
-{
-    return by_interval(e, e.low > least && e.high < most, e.high <= least || e.low >= most);
 }
 
 bb_claim_verdict bb_verdict_at(bb_estimate e, bool timed, bb_test_side side, double bound,
